@@ -9,17 +9,17 @@
 namespace recurse {
 
 std::string SourceLocation::lineText() const {
-    if (!source || line < 1) return {};
-    const std::string& text = source->text;
-    size_t begin = 0;
-    for (int i = 1; i < line; ++i) {
-        begin = text.find('\n', begin);
-        if (begin == std::string::npos) return {};
-        ++begin;
-    }
-    size_t end = std::min(text.find('\n', begin), text.size());
-    if (end > begin && text[end - 1] == '\r') --end;
-    return text.substr(begin, end - begin);
+  if (!source || line < 1) return {};
+  const std::string& text = source->text;
+  size_t begin = 0;
+  for (int i = 1; i < line; ++i) {
+    begin = text.find('\n', begin);
+    if (begin == std::string::npos) return {};
+    ++begin;
+  }
+  size_t end = std::min(text.find('\n', begin), text.size());
+  if (end > begin && text[end - 1] == '\r') --end;
+  return text.substr(begin, end - begin);
 }
 
 namespace {
@@ -28,91 +28,94 @@ namespace {
 constexpr size_t SHOWN_COLUMNS = 100;
 
 std::string caretLines(const SourceLocation& where) {
-    std::string text = where.lineText();
-    size_t caret = where.column > 0 ? static_cast<size_t>(where.column - 1) : 0;
-    if (text.empty() || caret > text.size()) return {};
-    std::string lead;
-    if (text.size() > SHOWN_COLUMNS) {
-        const size_t begin = caret > SHOWN_COLUMNS / 2 ? caret - SHOWN_COLUMNS / 2 : 0;
-        if (begin > 0) lead = "...";
-        const bool cut = begin + SHOWN_COLUMNS < text.size();
-        text = text.substr(begin, SHOWN_COLUMNS) + (cut ? "..." : "");
-        caret -= begin;
-    }
-    // Control bytes would garble a terminal; tabs become one blank so that the caret stays in its column.
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-    return "    " + lead + text + "\n    " + std::string(lead.size() + caret, ' ') + "^\n";
+  std::string text = where.lineText();
+  size_t caret = where.column > 0 ? static_cast<size_t>(where.column - 1) : 0;
+  if (text.empty() || caret > text.size()) return {};
+  std::string lead;
+  if (text.size() > SHOWN_COLUMNS) {
+    const size_t begin = caret > SHOWN_COLUMNS / 2 ? caret - SHOWN_COLUMNS / 2 : 0;
+    if (begin > 0) lead = "...";
+    const bool cut = begin + SHOWN_COLUMNS < text.size();
+    text = text.substr(begin, SHOWN_COLUMNS) + (cut ? "..." : "");
+    caret -= begin;
+  }
+  // Control bytes would garble a terminal; tabs become one blank so that the caret stays in its column.
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  return "    " + lead + text + "\n    " + std::string(lead.size() + caret, ' ') + "^\n";
 }
 
 size_t editDistance(const std::string& a, const std::string& b) {
-    std::vector<size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), size_t{0});
-    for (size_t i = 1; i <= a.size(); ++i) {
-        size_t diagonal = row[0];
-        row[0] = i;
-        for (size_t j = 1; j <= b.size(); ++j) {
-            const size_t substitute = diagonal + (std::tolower(a[i - 1]) == std::tolower(b[j - 1]) ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({substitute, row[j] + 1, row[j - 1] + 1});
-        }
+  std::vector<size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t substitute = diagonal + (std::tolower(a[i - 1]) == std::tolower(b[j - 1]) ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({substitute, row[j] + 1, row[j - 1] + 1});
     }
-    return row.back();
+  }
+  return row.back();
 }
 
 } // namespace
 
 std::string Diagnostic::format() const {
-    std::string out;
-    if (location.source) {
-        out += location.source->name + ":";
-        if (location.line > 0)
-            out += std::to_string(location.line) + ":" + std::to_string(std::max(1, location.column)) + ":";
-        out += " ";
-    }
-    out += severity == Severity::ERROR ? "error: " : "warning: ";
-    out += message + "\n" + caretLines(location);
-    if (!accepted.empty()) out += "    accepted: " + accepted + "\n";
-    return out;
+  std::string out;
+  if (location.source) {
+    out += location.source->name + ":";
+    if (location.line > 0)
+      out += std::to_string(location.line) + ":" + std::to_string(std::max(1, location.column)) + ":";
+    out += " ";
+  }
+  out += severity == Severity::ERROR ? "error: " : "warning: ";
+  out += message + "\n" + caretLines(location);
+  if (!accepted.empty()) out += "    accepted: " + accepted + "\n";
+  return out;
 }
 
-void Diagnostics::error(const SourceLocation& where, const std::string& message, const std::string& accepted) {
-    list.push_back({Severity::ERROR, where, message, accepted});
-    ++errorCount;
+void Diagnostics::error(const SourceLocation& where, const std::string& message,
+                        const std::string& accepted) {
+  list.push_back({Severity::ERROR, where, message, accepted});
+  ++errorCount;
 }
 
-void Diagnostics::warning(const SourceLocation& where, const std::string& message, const std::string& accepted) {
-    list.push_back({Severity::WARNING, where, message, accepted});
+void Diagnostics::warning(const SourceLocation& where, const std::string& message,
+                          const std::string& accepted) {
+  list.push_back({Severity::WARNING, where, message, accepted});
 }
 
 std::string Diagnostics::format() const {
-    std::string out;
-    for (const Diagnostic& d : list) out += d.format();
-    return out;
+  std::string out;
+  for (const Diagnostic& d : list) out += d.format();
+  return out;
 }
 
 void Diagnostics::throwIfErrors() const {
-    if (!hasErrors()) return;
-    SceneError error(format());
-    error.list = list;
-    throw error;
+  if (!hasErrors()) return;
+  SceneError error(format());
+  error.list = list;
+  throw error;
 }
 
 SceneError::SceneError(const SourceLocation& where, const std::string& message, const std::string& accepted)
     : SceneError(Diagnostic{Severity::ERROR, where, message, accepted}.format()) {
-    list.push_back({Severity::ERROR, where, message, accepted});
+  list.push_back({Severity::ERROR, where, message, accepted});
 }
 
-std::vector<std::string> nearestNames(const std::string& wrong, const std::vector<std::string>& names, size_t most) {
-    std::vector<std::pair<size_t, std::string>> near;
-    for (const std::string& name : names) {
-        const size_t distance = editDistance(wrong, name);
-        if (distance <= std::max<size_t>(2, wrong.size() / 3)) near.emplace_back(distance, name);
-    }
-    std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<std::string> out;
-    for (size_t i = 0; i < near.size() && i < most; ++i) out.push_back(near[i].second);
-    return out;
+std::vector<std::string> nearestNames(const std::string& wrong, const std::vector<std::string>& names,
+                                      size_t most) {
+  std::vector<std::pair<size_t, std::string>> near;
+  for (const std::string& name : names) {
+    const size_t distance = editDistance(wrong, name);
+    if (distance <= std::max<size_t>(2, wrong.size() / 3)) near.emplace_back(distance, name);
+  }
+  std::stable_sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<std::string> out;
+  for (size_t i = 0; i < near.size() && i < most; ++i) out.push_back(near[i].second);
+  return out;
 }
 
 } // namespace recurse

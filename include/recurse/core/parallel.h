@@ -13,19 +13,19 @@ namespace recurse {
 void setThreadFloatMode();
 
 /**
- * The worker threads, for as long as it lives: at most `threads` of them (0: one for each core that this process
- * may use), each with the float mode above. One at a time.
+ * The worker threads, for as long as it lives: at most `threads` of them (0: one for each core that this
+ * process may use), each with the float mode above. One at a time.
  */
 class ThreadPool {
  public:
-    explicit ThreadPool(int threads = 0);
-    ~ThreadPool();
-    ThreadPool(const ThreadPool&) = delete;
-    ThreadPool& operator=(const ThreadPool&) = delete;
+  explicit ThreadPool(int threads = 0);
+  ~ThreadPool();
+  ThreadPool(const ThreadPool&) = delete;
+  ThreadPool& operator=(const ThreadPool&) = delete;
 
  private:
-    struct Parts;
-    std::unique_ptr<Parts> parts;
+  struct Parts;
+  std::unique_ptr<Parts> parts;
 };
 
 /** Cores that this process may run on. */
@@ -33,7 +33,8 @@ int availableCores();
 /** Threads that a parallel loop uses now. */
 int threadCount();
 
-/** Calls body(i) for 0 <= i < count, in any order, on the pool's threads. Each i may write to its own place only. */
+/** Calls body(i) for 0 <= i < count, in any order, on the pool's threads. Each i may write to its own place
+ * only. */
 void parallelFor(size_t count, const std::function<void(size_t)>& body);
 
 } // namespace recurse

@@ -8,17 +8,17 @@
 namespace recurse {
 
 struct Ray {
-    Vec3f origin;
-    Vec3f direction; ///< unit length
-    float tMax = INFINITE;
+  Vec3f origin;
+  Vec3f direction; ///< unit length
+  float tMax = INFINITE;
 
-    Vec3f at(float t) const { return origin + direction * t; }
+  Vec3f at(float t) const { return origin + direction * t; }
 };
 
 /** A ray from the eye with its footprint: at distance t the pixel is about width + spread·t across. */
 struct EyeRay : Ray {
-    float width = 0;
-    float spread = 0;
+  float width = 0;
+  float spread = 0;
 };
 
 } // namespace recurse

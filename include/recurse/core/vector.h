@@ -29,8 +29,8 @@ constexpr float ONE_MINUS_EPSILON = 0x1.fffffep-1f;
 
 /** Higham's bound on the relative error of n float operations: n·u / (1 − n·u), u = 2^-24. */
 constexpr float roundingBound(int n) {
-    constexpr float UNIT = std::numeric_limits<float>::epsilon() * 0.5f;
-    return static_cast<float>(n) * UNIT / (1 - static_cast<float>(n) * UNIT);
+  constexpr float UNIT = std::numeric_limits<float>::epsilon() * 0.5f;
+  return static_cast<float>(n) * UNIT / (1 - static_cast<float>(n) * UNIT);
 }
 
 template <class T> constexpr T square(T x) { return x * x; }
@@ -38,7 +38,7 @@ template <class T> constexpr T square(T x) { return x * x; }
 inline float lengthSquared(const Vec3f& v) { return glm::dot(v, v); }
 inline float absDot(const Vec3f& a, const Vec3f& b) { return std::abs(glm::dot(a, b)); }
 inline bool isFinite(const Vec3f& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 /** A point transformed by an affine matrix. */
@@ -50,51 +50,52 @@ inline bool swapsHandedness(const Mat4d& m) { return glm::determinant(Mat3d(m)) 
 
 /** An axis-aligned box; empty until something is added. */
 template <class V> struct Bounds {
-    using Scalar = typename V::value_type;
-    V lower = V(std::numeric_limits<Scalar>::infinity());
-    V upper = V(-std::numeric_limits<Scalar>::infinity());
+  using Scalar = typename V::value_type;
+  V lower = V(std::numeric_limits<Scalar>::infinity());
+  V upper = V(-std::numeric_limits<Scalar>::infinity());
 
-    bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
-    void add(const V& p) {
-        lower = glm::min(lower, p);
-        upper = glm::max(upper, p);
-    }
-    void add(const Bounds& b) {
-        lower = glm::min(lower, b.lower);
-        upper = glm::max(upper, b.upper);
-    }
-    V center() const { return lower + (upper - lower) * Scalar(0.5); }
-    V diagonal() const { return upper - lower; }
-    bool contains(const V& p) const {
-        return glm::all(glm::greaterThanEqual(p, lower)) && glm::all(glm::lessThanEqual(p, upper));
-    }
+  bool empty() const { return !(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z); }
+  void add(const V& p) {
+    lower = glm::min(lower, p);
+    upper = glm::max(upper, p);
+  }
+  void add(const Bounds& b) {
+    lower = glm::min(lower, b.lower);
+    upper = glm::max(upper, b.upper);
+  }
+  V center() const { return lower + (upper - lower) * Scalar(0.5); }
+  V diagonal() const { return upper - lower; }
+  bool contains(const V& p) const {
+    return glm::all(glm::greaterThanEqual(p, lower)) && glm::all(glm::lessThanEqual(p, upper));
+  }
 };
 using Bounds3f = Bounds<Vec3f>;
 using Bounds3d = Bounds<Vec3d>;
 
 /** A right-handed orthonormal frame; BSDFs work in one whose z axis is the shading normal. */
 struct Frame {
-    Vec3f x, y, z;
+  Vec3f x, y, z;
 
-    Frame() : x(1, 0, 0), y(0, 1, 0), z(0, 0, 1) {}
-    /** Any frame around a unit normal, without a branch on its direction (Duff et al. 2017, listing 3). */
-    explicit Frame(const Vec3f& n) : z(n) {
-        const float sign = std::copysign(1.0f, n.z);
-        const float a = -1 / (sign + n.z);
-        const float b = n.x * n.y * a;
-        x = Vec3f(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
-        y = Vec3f(b, sign + n.y * n.y * a, -n.y);
-    }
-    /** The frame around n whose x axis lies as near to `tangent` as can be; any frame where that is degenerate. */
-    Frame(const Vec3f& n, const Vec3f& tangent) : Frame(n) {
-        const Vec3f t = tangent - n * glm::dot(n, tangent);
-        const float length2 = lengthSquared(t);
-        if (!(length2 > 1e-12f * lengthSquared(tangent))) return;
-        x = t / std::sqrt(length2);
-        y = glm::cross(z, x);
-    }
-    Vec3f toLocal(const Vec3f& v) const { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
-    Vec3f toWorld(const Vec3f& v) const { return x * v.x + y * v.y + z * v.z; }
+  Frame() : x(1, 0, 0), y(0, 1, 0), z(0, 0, 1) {}
+  /** Any frame around a unit normal, without a branch on its direction (Duff et al. 2017, listing 3). */
+  explicit Frame(const Vec3f& n) : z(n) {
+    const float sign = std::copysign(1.0f, n.z);
+    const float a = -1 / (sign + n.z);
+    const float b = n.x * n.y * a;
+    x = Vec3f(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    y = Vec3f(b, sign + n.y * n.y * a, -n.y);
+  }
+  /** The frame around n whose x axis lies as near to `tangent` as can be; any frame where that is degenerate.
+   */
+  Frame(const Vec3f& n, const Vec3f& tangent) : Frame(n) {
+    const Vec3f t = tangent - n * glm::dot(n, tangent);
+    const float length2 = lengthSquared(t);
+    if (!(length2 > 1e-12f * lengthSquared(tangent))) return;
+    x = t / std::sqrt(length2);
+    y = glm::cross(z, x);
+  }
+  Vec3f toLocal(const Vec3f& v) const { return {glm::dot(v, x), glm::dot(v, y), glm::dot(v, z)}; }
+  Vec3f toWorld(const Vec3f& v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
 } // namespace recurse

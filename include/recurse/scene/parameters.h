@@ -17,85 +17,100 @@
 
 namespace recurse {
 
-enum class ParameterType { BOOLEAN, INTEGER, REAL, POINT2, VECTOR2, POINT3, VECTOR3, NORMAL, STRING, SPECTRUM };
+enum class ParameterType {
+  BOOLEAN,
+  INTEGER,
+  REAL,
+  POINT2,
+  VECTOR2,
+  POINT3,
+  VECTOR3,
+  NORMAL,
+  STRING,
+  SPECTRUM
+};
 
 /** One parameter as the file has it: `"rgb reflectance" [.2 .5 .8]`. */
 struct ParsedParameter {
-    std::string type; ///< the word before the name: float integer bool string point3 rgb blackbody texture ...
-    std::string name;
-    std::vector<double> numbers; ///< values of numeric types, flat
-    std::vector<std::string> strings; ///< values of string types (string, texture, spectrum name or file)
-    std::vector<bool> booleans;
-    SourceLocation location;      ///< of the quoted declaration
-    SourceLocation valueLocation; ///< of the first value
+  std::string type; ///< the word before the name: float integer bool string point3 rgb blackbody texture ...
+  std::string name;
+  std::vector<double> numbers;      ///< values of numeric types, flat
+  std::vector<std::string> strings; ///< values of string types (string, texture, spectrum name or file)
+  std::vector<bool> booleans;
+  SourceLocation location;      ///< of the quoted declaration
+  SourceLocation valueLocation; ///< of the first value
 };
 
 /** A use of a plug-in: `Shape "sphere" "float radius" 2`. */
 struct ParsedDirective {
-    std::string type; ///< the plug-in's name; empty where the file has no such directive
-    std::vector<ParsedParameter> parameters;
-    SourceLocation location; ///< of the plug-in's name
-    std::string directory;   ///< that file names inside it are relative to
-    std::string topDirectory; ///< of the top scene file, tried second
-    bool given() const { return !type.empty(); }
+  std::string type; ///< the plug-in's name; empty where the file has no such directive
+  std::vector<ParsedParameter> parameters;
+  SourceLocation location;  ///< of the plug-in's name
+  std::string directory;    ///< that file names inside it are relative to
+  std::string topDirectory; ///< of the top scene file, tried second
+  bool given() const { return !type.empty(); }
 };
 
 /** What a spectrum is used for; decides its scale when it is turned into RGB. */
 enum class SpectrumKind {
-    ALBEDO,     ///< reflectance, in [0, 1]
-    UNBOUNDED,  ///< eta, k, absorption: >= 0
-    ILLUMINANT, ///< emission: blackbody and sampled spectra are scaled to luminance 1, as pbrt does
+  ALBEDO,     ///< reflectance, in [0, 1]
+  UNBOUNDED,  ///< eta, k, absorption: >= 0
+  ILLUMINANT, ///< emission: blackbody and sampled spectra are scaled to luminance 1, as pbrt does
 };
 
 /** The declaration of one parameter. Make them with the functions below. */
 struct ParameterSpec {
-    ParameterType type = ParameterType::REAL;
-    std::string name;
-    std::string defaultText; ///< the values of the default as written in a scene file; empty: none
-    std::string description; ///< one line, with the unit
-    double minimum = -std::numeric_limits<double>::infinity(); ///< of every number
-    double maximum = std::numeric_limits<double>::infinity();
-    bool minimumExcluded = false;
-    int count = 1;         ///< values (points, colours) wanted; 0: any number
-    bool required = false; ///< an error when absent
-    bool textured = false; ///< a texture may stand for the value
-    bool ignored = false;  ///< taken and without effect; the description says why
-    SpectrumKind spectrumKind = SpectrumKind::ALBEDO;
-    std::vector<std::string> choices; ///< of a string; empty: any
+  ParameterType type = ParameterType::REAL;
+  std::string name;
+  std::string defaultText; ///< the values of the default as written in a scene file; empty: none
+  std::string description; ///< one line, with the unit
+  double minimum = -std::numeric_limits<double>::infinity(); ///< of every number
+  double maximum = std::numeric_limits<double>::infinity();
+  bool minimumExcluded = false;
+  int count = 1;         ///< values (points, colours) wanted; 0: any number
+  bool required = false; ///< an error when absent
+  bool textured = false; ///< a texture may stand for the value
+  bool ignored = false;  ///< taken and without effect; the description says why
+  SpectrumKind spectrumKind = SpectrumKind::ALBEDO;
+  std::vector<std::string> choices; ///< of a string; empty: any
 
-    ParameterSpec& range(double low, double high) {
-        minimum = low;
-        maximum = high;
-        return *this;
-    }
-    ParameterSpec& positive() {
-        minimum = 0;
-        minimumExcluded = true;
-        return *this;
-    }
-    ParameterSpec& require() {
-        required = true;
-        return *this;
-    }
-    ParameterSpec& withTexture() {
-        textured = true;
-        return *this;
-    }
-    ParameterSpec& oneOf(std::vector<std::string> names) {
-        choices = std::move(names);
-        return *this;
-    }
+  ParameterSpec& range(double low, double high) {
+    minimum = low;
+    maximum = high;
+    return *this;
+  }
+  ParameterSpec& positive() {
+    minimum = 0;
+    minimumExcluded = true;
+    return *this;
+  }
+  ParameterSpec& require() {
+    required = true;
+    return *this;
+  }
+  ParameterSpec& withTexture() {
+    textured = true;
+    return *this;
+  }
+  ParameterSpec& oneOf(std::vector<std::string> names) {
+    choices = std::move(names);
+    return *this;
+  }
 };
 
-ParameterSpec realParameter(const std::string& name, const std::string& defaultText, const std::string& description);
-ParameterSpec integerParameter(const std::string& name, const std::string& defaultText, const std::string& description);
-ParameterSpec booleanParameter(const std::string& name, const std::string& defaultText, const std::string& description);
-ParameterSpec stringParameter(const std::string& name, const std::string& defaultText, const std::string& description);
+ParameterSpec realParameter(const std::string& name, const std::string& defaultText,
+                            const std::string& description);
+ParameterSpec integerParameter(const std::string& name, const std::string& defaultText,
+                               const std::string& description);
+ParameterSpec booleanParameter(const std::string& name, const std::string& defaultText,
+                               const std::string& description);
+ParameterSpec stringParameter(const std::string& name, const std::string& defaultText,
+                              const std::string& description);
 ParameterSpec spectrumParameter(const std::string& name, const std::string& defaultText, SpectrumKind kind,
                                 const std::string& description);
 /** Any other type, and arrays (count 0: any number of values). */
-ParameterSpec arrayParameter(ParameterType type, const std::string& name, int count, const std::string& defaultText,
-                             const std::string& description);
+ParameterSpec arrayParameter(ParameterType type, const std::string& name, int count,
+                             const std::string& defaultText, const std::string& description);
 /** Accepted for compatibility, without effect on the picture. */
 ParameterSpec ignoredParameter(ParameterType type, const std::string& name, const std::string& why);
 
@@ -106,52 +121,55 @@ ParameterSpec ignoredParameter(ParameterType type, const std::string& name, cons
  */
 class Parameters {
  public:
-    Parameters() = default;
+  Parameters() = default;
 
-    /** True when the file gave the parameter (defaults do not count). */
-    bool has(const std::string& name) const;
-    /** True when the value is there: given, or with a default. */
-    bool hasValue(const std::string& name) const;
+  /** True when the file gave the parameter (defaults do not count). */
+  bool has(const std::string& name) const;
+  /** True when the value is there: given, or with a default. */
+  bool hasValue(const std::string& name) const;
 
-    bool boolean(const std::string& name) const;
-    int integer(const std::string& name) const;
-    double real(const std::string& name) const;
-    std::string string(const std::string& name) const;
-    /** A colour, converted by the declared kind: rgb, blackbody, named or sampled spectrum. */
-    Rgbd spectrum(const std::string& name) const;
-    Vec3d vector3(const std::string& name) const; ///< point3, vector3, normal
+  bool boolean(const std::string& name) const;
+  int integer(const std::string& name) const;
+  double real(const std::string& name) const;
+  std::string string(const std::string& name) const;
+  /** A colour, converted by the declared kind: rgb, blackbody, named or sampled spectrum. */
+  Rgbd spectrum(const std::string& name) const;
+  Vec3d vector3(const std::string& name) const; ///< point3, vector3, normal
 
-    std::vector<int> integers(const std::string& name) const;
-    std::vector<double> reals(const std::string& name) const;
-    std::vector<Vec2d> vector2s(const std::string& name) const;
-    std::vector<Vec3d> vector3s(const std::string& name) const;
-    std::vector<std::string> strings(const std::string& name) const;
+  std::vector<int> integers(const std::string& name) const;
+  std::vector<double> reals(const std::string& name) const;
+  std::vector<Vec2d> vector2s(const std::string& name) const;
+  std::vector<Vec3d> vector3s(const std::string& name) const;
+  std::vector<std::string> strings(const std::string& name) const;
 
-    /** The name of the texture that stands for the value; empty when there is none. */
-    std::string texture(const std::string& name) const;
-    /** The value as a path to an existing readable file: beside the file that names it, else beside the top file. */
-    std::string filePath(const std::string& name) const;
-    /** A path in the directory of the naming file, which need not exist. */
-    const std::string& directory() const { return baseDirectory; }
+  /** The name of the texture that stands for the value; empty when there is none. */
+  std::string texture(const std::string& name) const;
+  /** The value as a path to an existing readable file: beside the file that names it, else beside the top
+   * file. */
+  std::string filePath(const std::string& name) const;
+  /** A path in the directory of the naming file, which need not exist. */
+  const std::string& directory() const { return baseDirectory; }
 
-    const std::string& plugInName() const { return name; }
-    const SourceLocation& location() const { return place; }
-    SourceLocation location(const std::string& name) const;
-    [[noreturn]] void fail(const std::string& name, const std::string& message, const std::string& accepted = {}) const;
+  const std::string& plugInName() const { return name; }
+  const SourceLocation& location() const { return place; }
+  SourceLocation location(const std::string& name) const;
+  [[noreturn]] void fail(const std::string& name, const std::string& message,
+                         const std::string& accepted = {}) const;
 
  private:
-    friend Parameters bindParameters(const ParsedDirective&, const std::vector<ParameterSpec>&, Diagnostics&, bool);
-    struct Bound {
-        ParameterSpec spec;
-        ParsedParameter value;
-        bool given = false;
-        bool present = false;
-    };
-    const Bound& find(const std::string& name) const;
+  friend Parameters bindParameters(const ParsedDirective&, const std::vector<ParameterSpec>&, Diagnostics&,
+                                   bool);
+  struct Bound {
+    ParameterSpec spec;
+    ParsedParameter value;
+    bool given = false;
+    bool present = false;
+  };
+  const Bound& find(const std::string& name) const;
 
-    std::vector<Bound> bound;
-    std::string name, baseDirectory, topDirectory;
-    SourceLocation place;
+  std::vector<Bound> bound;
+  std::string name, baseDirectory, topDirectory;
+  SourceLocation place;
 };
 
 /**

@@ -13,67 +13,68 @@
 
 namespace recurse {
 
-/** What a shape is made of: an index into `materials`, a name into `namedMaterials`, or nothing (interface). */
+/** What a shape is made of: an index into `materials`, a name into `namedMaterials`, or nothing (interface).
+ */
 struct MaterialReference {
-    enum class Kind { INDEX, NAME, NONE } kind = Kind::INDEX;
-    int index = 0;
-    std::string name;
-    SourceLocation location;
+  enum class Kind { INDEX, NAME, NONE } kind = Kind::INDEX;
+  int index = 0;
+  std::string name;
+  SourceLocation location;
 };
 
 struct MediumReference {
-    std::string inside, outside; ///< names; empty: vacuum
+  std::string inside, outside; ///< names; empty: vacuum
 };
 
 struct ShapeDescription {
-    ParsedDirective shape;
-    Mat4d worldFromObject{1}; ///< inside an object definition: instance space from object
-    bool reverseOrientation = false;
-    MaterialReference material;
-    int areaLight = -1; ///< into areaLights; -1: does not emit
-    MediumReference medium;
+  ParsedDirective shape;
+  Mat4d worldFromObject{1}; ///< inside an object definition: instance space from object
+  bool reverseOrientation = false;
+  MaterialReference material;
+  int areaLight = -1; ///< into areaLights; -1: does not emit
+  MediumReference medium;
 };
 
 struct LightDescription {
-    ParsedDirective light;
-    Mat4d worldFromLight{1};
-    std::string medium; ///< that the light stands in
+  ParsedDirective light;
+  Mat4d worldFromLight{1};
+  std::string medium; ///< that the light stands in
 };
 
 struct ObjectDescription {
-    std::string name;
-    SourceLocation location;
-    std::vector<ShapeDescription> shapes;
+  std::string name;
+  SourceLocation location;
+  std::vector<ShapeDescription> shapes;
 };
 
 struct InstanceDescription {
-    std::string object;
-    Mat4d worldFromInstance{1};
-    SourceLocation location;
+  std::string object;
+  Mat4d worldFromInstance{1};
+  SourceLocation location;
 };
 
 struct TextureDescription {
-    std::string name;
-    bool spectrum = false; ///< else float
-    ParsedDirective texture;
-    Mat4d worldFromTexture{1};
+  std::string name;
+  bool spectrum = false; ///< else float
+  ParsedDirective texture;
+  Mat4d worldFromTexture{1};
 };
 
 struct SceneDescription {
-    std::string fileName;
-    ParsedDirective film, camera, filter, sampler, integrator, accelerator;
-    Mat4d worldFromCamera{1};
-    std::map<std::string, ParsedParameter> options;
-    std::vector<ParsedDirective> materials; ///< [0] is the default material, diffuse
-    std::map<std::string, ParsedDirective> namedMaterials;
-    std::vector<TextureDescription> textures; ///< in the order of the file
-    std::vector<ParsedDirective> areaLights;
-    std::map<std::string, ParsedDirective> media;
-    std::string cameraMedium;
-    std::vector<ShapeDescription> shapes;
-    std::map<std::string, ObjectDescription> objects;
-    std::vector<InstanceDescription> instances;
-    std::vector<LightDescription> lights;
+  std::string fileName;
+  ParsedDirective film, camera, filter, sampler, integrator, accelerator;
+  Mat4d worldFromCamera{1};
+  std::map<std::string, ParsedParameter> options;
+  std::vector<ParsedDirective> materials; ///< [0] is the default material, diffuse
+  std::map<std::string, ParsedDirective> namedMaterials;
+  std::vector<TextureDescription> textures; ///< in the order of the file
+  std::vector<ParsedDirective> areaLights;
+  std::map<std::string, ParsedDirective> media;
+  std::string cameraMedium;
+  std::vector<ShapeDescription> shapes;
+  std::map<std::string, ObjectDescription> objects;
+  std::vector<InstanceDescription> instances;
+  std::vector<LightDescription> lights;
 };
 
 } // namespace recurse

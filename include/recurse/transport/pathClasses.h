@@ -1,12 +1,13 @@
 /** @file
  * Path classes at run time: which film layers a full light path belongs to, found out piece by piece.
  *
- * A path is a word over L (light), S (specular scattering), D (any other scattering at a surface), V (scattering
- * in a medium) and E (eye): Heckbert 1990. Each class is a regular language of such words. The light side reads
- * a path from L onwards and carries one byte, the state of a DFA shared by all classes. The eye side reads it
- * from E backwards and carries the state of the determinised reverse automaton, which stands for the set of
- * light-side states from which what was read completes to an accepted word, one set for each class. Joining the two
- * is one look-up, which gives the set of classes (film layers) the path belongs to.
+ * A path is a word over L (light), S (specular scattering), D (any other scattering at a surface), V
+ * (scattering in a medium) and E (eye): Heckbert 1990. Each class is a regular language of such words. The
+ * light side reads a path from L onwards and carries one byte, the state of a DFA shared by all classes. The
+ * eye side reads it from E backwards and carries the state of the determinised reverse automaton, which
+ * stands for the set of light-side states from which what was read completes to an accepted word, one set for
+ * each class. Joining the two is one look-up, which gives the set of classes (film layers) the path belongs
+ * to.
  */
 #pragma once
 
@@ -25,21 +26,21 @@ using LayerMask = uint64_t;
 /** What a light-side walk has read: "L" and the events since. Made by PathClasses only. */
 class LightState {
  public:
-    explicit constexpr LightState(uint8_t byte = 0) : byte(byte) {} ///< as a photon stores it
-    uint8_t byte;
+  explicit constexpr LightState(uint8_t byte = 0) : byte(byte) {} ///< as a photon stores it
+  uint8_t byte;
 };
 
 /** What an eye-side walk has read, from E backwards. Made by PathClasses only. */
 class EyeState {
  public:
-    explicit constexpr EyeState(uint16_t index = 0) : index(index) {}
-    uint16_t index;
+  explicit constexpr EyeState(uint16_t index = 0) : index(index) {}
+  uint16_t index;
 };
 
 /** One class: a name for its film layer and its expression. */
 struct PathClass {
-    std::string name;
-    std::string expression;
+  std::string name;
+  std::string expression;
 };
 
 /**
@@ -48,42 +49,43 @@ struct PathClass {
  */
 class PathClasses {
  public:
-    /** One class, "all": every path. */
-    PathClasses();
-    /** Compiles the expressions; throws Error with the column for a bad one, or when there are too many states. */
-    explicit PathClasses(std::vector<PathClass> classes);
+  /** One class, "all": every path. */
+  PathClasses();
+  /** Compiles the expressions; throws Error with the column for a bad one, or when there are too many states.
+   */
+  explicit PathClasses(std::vector<PathClass> classes);
 
-    const std::vector<PathClass>& classes() const { return list; }
-    size_t layerCount() const { return list.size(); }
+  const std::vector<PathClass>& classes() const { return list; }
+  size_t layerCount() const { return list.size(); }
 
-    /** After reading L. */
-    LightState lightStart() const { return lightStartState; }
-    /** After reading E, from the other end. */
-    EyeState eyeStart() const { return eyeStartState; }
-    LightState step(LightState s, PathEvent e) const {
-        return LightState(lightNext[size_t(s.byte) * 3 + static_cast<size_t>(e)]);
-    }
-    EyeState step(EyeState s, PathEvent e) const {
-        return EyeState(eyeNext[size_t(s.index) * 3 + static_cast<size_t>(e)]);
-    }
-    /** True when no continuation of the light walk is ever accepted by any class: the photon may be dropped. */
-    bool dead(LightState s) const { return lightDead[s.byte] != 0; }
-    /** True when no light path completes what the eye walk has read: the eye path may end. */
-    bool dead(EyeState s) const { return eyeDead[s.index] != 0; }
-    /** The classes of the path made of the two halves. The event at the vertex where they meet has been read by
-     *  exactly one of them. */
-    LayerMask join(LightState light, EyeState eye) const {
-        return joined[size_t(eye.index) * lightStates + light.byte];
-    }
+  /** After reading L. */
+  LightState lightStart() const { return lightStartState; }
+  /** After reading E, from the other end. */
+  EyeState eyeStart() const { return eyeStartState; }
+  LightState step(LightState s, PathEvent e) const {
+    return LightState(lightNext[size_t(s.byte) * 3 + static_cast<size_t>(e)]);
+  }
+  EyeState step(EyeState s, PathEvent e) const {
+    return EyeState(eyeNext[size_t(s.index) * 3 + static_cast<size_t>(e)]);
+  }
+  /** True when no continuation of the light walk is ever accepted by any class: the photon may be dropped. */
+  bool dead(LightState s) const { return lightDead[s.byte] != 0; }
+  /** True when no light path completes what the eye walk has read: the eye path may end. */
+  bool dead(EyeState s) const { return eyeDead[s.index] != 0; }
+  /** The classes of the path made of the two halves. The event at the vertex where they meet has been read by
+   *  exactly one of them. */
+  LayerMask join(LightState light, EyeState eye) const {
+    return joined[size_t(eye.index) * lightStates + light.byte];
+  }
 
  private:
-    std::vector<PathClass> list;
-    size_t lightStates = 1;
-    LightState lightStartState;
-    EyeState eyeStartState;
-    std::vector<uint8_t> lightNext, lightDead, eyeDead;
-    std::vector<uint16_t> eyeNext;
-    std::vector<LayerMask> joined;
+  std::vector<PathClass> list;
+  size_t lightStates = 1;
+  LightState lightStartState;
+  EyeState eyeStartState;
+  std::vector<uint8_t> lightNext, lightDead, eyeDead;
+  std::vector<uint16_t> eyeNext;
+  std::vector<LayerMask> joined;
 };
 
 } // namespace recurse

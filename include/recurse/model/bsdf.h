@@ -1,0 +1,130 @@
+/** @file
+ * BSDFs and materials: the plug-in interface of scattering. Transport directions, shading normals and cosines
+ * are not a plug-in's business; ScatteringPoint (scatteringPoint.h) applies them in one place for both
+ * passes.
+ */
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <new>
+#include <optional>
+#include <type_traits>
+#include <vector>
+
+#include "recurse/core/rgb.h"
+#include "recurse/core/sampler.h"
+#include "recurse/model/texture.h"
+
+namespace recurse {
+
+/** Kinds of scattering, and sets of them. Delta lobes (MIRROR, REFRACTION) are S in path classes, the others
+ * D. */
+enum Lobe : uint8_t {
+  NO_LOBE = 0,
+  REFLECTION = 1,   ///< non-delta, to the side it came from
+  TRANSMISSION = 2, ///< non-delta, to the other side
+  MIRROR = 4,       ///< delta reflection
+  REFRACTION = 8,   ///< delta transmission, with or without bending
+  DIFFUSE_LOBES = REFLECTION | TRANSMISSION,
+  DELTA_LOBES = MIRROR | REFRACTION,
+  /** Besides REFLECTION: value() is one constant over the hemisphere, so that gathers may factor it out. */
+  LAMBERTIAN = 16,
+};
+using LobeSet = uint8_t;
+
+/** One delta lobe for a given wi. */
+struct DeltaScatter {
+  Vec3f wo{0, 0, 1}; ///< unit, local
+  Rgb weight{0};     ///< the part of the flux that goes there, in [0, 1]
+  float eta = 1;     ///< refractive index on the side of wo over that on the side of wi
+  Lobe lobe = MIRROR;
+};
+
+/** The delta lobes for a given wi: a mirror direction and one refracted direction for each interface. */
+struct DeltaScatters {
+  static constexpr int MOST = 4;
+  std::array<DeltaScatter, MOST> entries;
+  int count = 0;
+  void add(const DeltaScatter& d) {
+    if (count < MOST) entries[static_cast<size_t>(count++)] = d;
+  }
+  const DeltaScatter* begin() const { return entries.data(); }
+  const DeltaScatter* end() const { return entries.data() + count; }
+  DeltaScatter* begin() { return entries.data(); }
+  DeltaScatter* end() { return entries.data() + count; }
+};
+
+/**
+ * Scattering at one point, in the local frame: z is the shading normal, on the outer side of the surface.
+ * Both directions are unit and point away from the surface: wi where the walk came from, wo where it goes on.
+ * value must be reciprocal (delta refraction and rough transmission: up to eta², which the caller applies).
+ */
+class Bsdf {
+ public:
+  virtual LobeSet lobes() const = 0;
+  /** The non-delta part of the BSDF [1/sr]; zero where it does not scatter. */
+  virtual Rgb value(const Vec3f& /*wi*/, const Vec3f& /*wo*/) const { return BLACK; }
+  /** The density with which sample() chooses wo [1/sr]. */
+  virtual float pdf(const Vec3f& /*wi*/, const Vec3f& /*wo*/) const { return 0; }
+  /** Chooses wo for the non-delta part from u in [0,1)² and `pick` in [0,1). Empty: absorbed. */
+  virtual std::optional<Vec3f> sample(const Vec3f& /*wi*/, const Vec2f& /*u*/, float /*pick*/) const {
+    return {};
+  }
+  /** All delta lobes for wi. */
+  virtual void deltas(const Vec3f& /*wi*/, DeltaScatters& /*out*/) const {}
+  /** The flux that the non-delta part scatters, exactly or nearly: it steers the choice among lobes. */
+  virtual Rgb albedo(const Vec3f& /*wi*/) const { return BLACK; }
+
+ protected:
+  ~Bsdf() = default; // lives in an arena that never destroys
+};
+
+/** Memory for the BSDFs of one point. */
+class BsdfArena {
+ public:
+  template <class T, class... Arguments> const T* make(Arguments&&... arguments) {
+    static_assert(std::is_trivially_destructible_v<T>);
+    return new (allocate(sizeof(T), alignof(T))) T(std::forward<Arguments>(arguments)...);
+  }
+  void reset() { used = 0; }
+
+ private:
+  void* allocate(size_t size, size_t alignment) {
+    const size_t begin = (used + alignment - 1) / alignment * alignment;
+    if (begin + size > sizeof inlined) { // deep mixes only
+      spilled.push_back(std::make_unique<std::byte[]>(size + alignment));
+      void* p = spilled.back().get();
+      size_t space = size + alignment;
+      return std::align(alignment, size, p, space);
+    }
+    used = begin + size;
+    return inlined + begin;
+  }
+  alignas(std::max_align_t) std::byte inlined[512];
+  size_t used = 0;
+  std::vector<std::unique_ptr<std::byte[]>> spilled;
+};
+
+/** A material of the scene: gives the BSDF of each point. Immutable. */
+class Material {
+ public:
+  virtual ~Material() = default;
+  /** Null where the surface does not scatter at all and rays pass straight through. */
+  virtual const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const = 0;
+  /** All lobes that any point may have: what a scene needs is read off this. */
+  virtual LobeSet lobes() const = 0;
+};
+
+/** What makers of materials are given besides parameters. */
+struct MaterialContext {
+  const TextureLookup& textures;
+  /** A named material that was declared or will be; throws SceneError, with the place, for others and for
+   * cycles. */
+  std::function<const Material*(const Parameters&, const std::string& parameter, const std::string& name)>
+      material;
+};
+
+} // namespace recurse

@@ -1,0 +1,66 @@
+/** @file
+ * The film: for each pixel and layer the sum of its samples in double precision, and what the error estimate
+ * needs. Integrators do not see it; they fill a PathRadiance, which knows the layers.
+ */
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "recurse/core/rgb.h"
+#include "recurse/model/camera.h"
+
+namespace recurse {
+
+class Film {
+ public:
+  Film(const PixelBounds& bounds, size_t layers)
+      : pixelBounds(bounds), layers(layers), sums(bounds.area() * layers), pixels(bounds.area()) {}
+
+  const PixelBounds& bounds() const { return pixelBounds; }
+  size_t layerCount() const { return layers; }
+
+  /** Adds a sample to a pixel: `values` has one colour a layer, `total` their sum without double counting.
+   * Calls for different pixels may run at the same time. */
+  void add(size_t pixel, float weight, const Rgb* values, const Rgb& total) {
+    Rgbd* sum = &sums[pixel * layers];
+    for (size_t i = 0; i < layers; ++i) sum[i] += Rgbd(values[i]) * double(weight);
+    Pixel& p = pixels[pixel];
+    p.weight += weight;
+    const double y = double(luminance(total));
+    p.luminance += y;
+    p.luminanceSquared += y * y;
+    ++p.samples;
+  }
+
+  /** The pixel's value in a layer; black before the first sample. */
+  Rgb value(size_t pixel, size_t layer) const {
+    const double weight = pixels[pixel].weight;
+    return weight != 0 ? Rgb(sums[pixel * layers + layer] / weight) : BLACK;
+  }
+  uint64_t samples(size_t pixel) const { return pixels[pixel].samples; }
+  uint64_t totalSamples() const {
+    uint64_t n = 0;
+    for (const Pixel& p : pixels) n += p.samples;
+    return n;
+  }
+  /** Variance of the samples' luminance at a pixel; zero before the second sample. */
+  double variance(size_t pixel) const {
+    const Pixel& p = pixels[pixel];
+    if (p.samples < 2) return 0;
+    const double n = double(p.samples);
+    return std::max(0.0, (p.luminanceSquared - p.luminance * p.luminance / n) / (n - 1));
+  }
+
+ private:
+  struct Pixel {
+    double weight = 0, luminance = 0, luminanceSquared = 0;
+    uint64_t samples = 0;
+  };
+  PixelBounds pixelBounds;
+  size_t layers;
+  std::vector<Rgbd> sums;
+  std::vector<Pixel> pixels;
+};
+
+} // namespace recurse

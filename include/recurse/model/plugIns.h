@@ -1,0 +1,36 @@
+/** @file
+ * All registries together. src/plugins/list.h is the one list of plug-ins.
+ */
+#pragma once
+
+#include "recurse/model/bsdf.h"
+#include "recurse/model/camera.h"
+#include "recurse/model/light.h"
+#include "recurse/model/shape.h"
+#include "recurse/scene/registry.h"
+
+namespace recurse {
+
+class Integrator; // transport/integrator.h
+
+/** The Accelerator directive has no effect: Embree builds the tree. */
+struct AcceleratorSettings {};
+
+struct PlugIns {
+  Registry<Shape, ShapeContext> shapes{"Shape"};
+  Registry<Material, MaterialContext> materials{"Material"};
+  Registry<Texture, NoContext> textures{"Texture"};
+  Registry<Light, LightContext> lights{"LightSource"};
+  Registry<AreaLight, AreaLightContext> areaLights{"AreaLightSource"};
+  Registry<Camera, CameraContext> cameras{"Camera"};
+  Registry<Filter, NoContext> filters{"PixelFilter"};
+  Registry<FilmSettings, NoContext> films{"Film"};
+  Registry<SamplerSettings, NoContext> samplers{"Sampler"};
+  Registry<AcceleratorSettings, NoContext> accelerators{"Accelerator"};
+  Registry<Integrator, NoContext> integrators{"Integrator"};
+};
+
+/** Every plug-in of this build. */
+const PlugIns& plugIns();
+
+} // namespace recurse

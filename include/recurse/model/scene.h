@@ -1,0 +1,111 @@
+/** @file
+ * The scene: immutable, in float, shared by every thread. Built from a SceneDescription, with Embree as its
+ * tree.
+ */
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "recurse/core/ray.h"
+#include "recurse/model/bsdf.h"
+#include "recurse/model/camera.h"
+#include "recurse/model/light.h"
+#include "recurse/model/plugIns.h"
+#include "recurse/model/shape.h"
+#include "recurse/scene/sceneDescription.h"
+
+namespace recurse {
+
+/** Where a ray met the scene. */
+struct Hit {
+  SurfacePoint point;
+  float t = 0;
+  uint32_t primitive = 0;
+  const Material* material = nullptr;   ///< null: the surface does not scatter
+  const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
+  uint32_t lightIndex = 0;              ///< of areaLight in the light table
+};
+
+/** A light chosen from the table. */
+struct ChosenLight {
+  const Light* light = nullptr;
+  float probability = 0;
+};
+
+/** The lights with probabilities in proportion to their power. */
+class LightTable {
+ public:
+  void build(const std::vector<const Light*>& lights);
+  size_t size() const { return lights.size(); }
+  const Light& operator[](size_t i) const { return *lights[i]; }
+  float probability(size_t i) const { return probabilities[i]; }
+  /** u in [0,1) is used up and replaced by a fresh number in [0,1). Not to be called on an empty table. */
+  ChosenLight choose(float& u) const;
+
+ private:
+  std::vector<const Light*> lights;
+  std::vector<float> probabilities, cumulative;
+};
+
+/** What a scene contains; decides what the integrators need to do, and is told by `--check`. */
+struct SceneContents {
+  size_t shapes = 0, triangles = 0, otherPrimitives = 0, instances = 0, materials = 0;
+  size_t areaLights = 0, deltaLights = 0, environmentLights = 0;
+  LobeSet lobes = NO_LOBE;
+};
+
+class Scene {
+ public:
+  virtual ~Scene() = default;
+
+  /** The nearest surface along the ray. */
+  virtual bool intersect(const Ray& ray, Hit& hit) const = 0;
+  /** True when something scattering lies between the points' ends of the ray (t < ray.tMax). */
+  virtual bool occluded(const Ray& ray) const = 0;
+
+  const LightTable& lights() const { return lightTable; }
+  const std::vector<const EnvironmentLight*>& environment() const { return environmentLights; }
+  /** Index in lights() of environment()[i]. */
+  const std::vector<uint32_t>& environmentIndices() const { return environmentLightIndices; }
+  const SceneBounds& bounds() const { return sceneBounds; }
+  /** World coordinates of the scene's origin: what was taken off every position. */
+  const Vec3d& origin() const { return sceneOrigin; }
+  const SceneContents& contents() const { return sceneContents; }
+  const Camera& camera() const { return *sceneCamera; }
+  const Filter& filter() const { return *pixelFilter; }
+  const FilmSettings& film() const { return filmSettings; }
+  const SamplerSettings& sampler() const { return samplerSettings; }
+  /** Bytes that the geometry and its tree take. */
+  virtual size_t memoryBytes() const = 0;
+
+ protected:
+  LightTable lightTable;
+  std::vector<const EnvironmentLight*> environmentLights;
+  std::vector<uint32_t> environmentLightIndices;
+  SceneBounds sceneBounds;
+  Vec3d sceneOrigin{0};
+  SceneContents sceneContents;
+  std::unique_ptr<Camera> sceneCamera;
+  std::unique_ptr<Filter> pixelFilter;
+  FilmSettings filmSettings;
+  SamplerSettings samplerSettings;
+};
+
+/** What the command line may put in the place of the scene file's settings. */
+struct SceneOverrides {
+  int width = 0, height = 0;                   ///< 0: as in the file
+  std::array<float, 4> cropWindow{0, 0, 0, 0}; ///< x0 x1 y0 y1 in [0,1]; x0 == x1: as in the file
+  bool lenient = false;                        ///< unknown parameters are warnings
+};
+
+/**
+ * Makes every plug-in of the description. Everything wrong goes to `diagnostics`; the result is null when
+ * there was an error.
+ */
+std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
+                                  Diagnostics& diagnostics);
+
+} // namespace recurse

@@ -1,0 +1,96 @@
+/** @file
+ * Surfaces: shapes are made of primitives (a sphere is one, a mesh has many) that rays meet and lights
+ * sample.
+ */
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "recurse/core/ray.h"
+#include "recurse/core/vector.h"
+#include "recurse/scene/parameters.h"
+
+namespace recurse {
+
+class TriangleMesh;
+
+/** A point of a surface and what shading needs to know of it. */
+struct SurfacePoint {
+  Vec3f position;
+  Vec3f error;           ///< bound on the absolute error of the position, an axis at a time
+  Vec3f geometricNormal; ///< unit; the side that counts as outside, and that area lights emit from
+  Vec3f shadingNormal;   ///< unit, in the hemisphere of the geometric normal
+  Vec3f dpdu;            ///< direction of growing u, not normalised; zero where there is none
+  Vec2f uv;
+
+  /**
+   * Where a ray that leaves in `direction` starts: beyond the error of the position along the geometric
+   * normal, on the side of the direction, so that it does not meet its own surface (after Pharr, Jakob,
+   * Humphreys, "Physically Based Rendering", section on robust spawned ray origins).
+   */
+  Vec3f rayOrigin(const Vec3f& direction) const {
+    const float distance = glm::dot(glm::abs(geometricNormal), error);
+    const float side = glm::dot(direction, geometricNormal) < 0 ? -1.0f : 1.0f;
+    Vec3f p = position + geometricNormal * (side * distance);
+    for (int i = 0; i < 3; ++i) { // the sum is rounded: make sure that it is rounded away from the surface
+      const float away = side * geometricNormal[i];
+      if (away > 0)
+        p[i] = std::nextafter(p[i], INFINITE);
+      else if (away < 0)
+        p[i] = std::nextafter(p[i], -INFINITE);
+    }
+    return p;
+  }
+};
+
+/** Where a ray meets a primitive. `parameters` name the point on the primitive for Shape::surfaceAt. */
+struct PrimitiveHit {
+  float t = 0;
+  Vec2f parameters{0};
+};
+
+/** A point chosen on a surface. */
+struct ShapeSample {
+  SurfacePoint point;
+  float pdf = 0; ///< density, a unit of area [1/length²] or of solid angle [1/sr]; says the function
+};
+
+/** Made with the transforms baked in: everything is in the space of the scene (or of its instance). */
+class Shape {
+ public:
+  virtual ~Shape() = default;
+
+  virtual uint32_t primitiveCount() const = 0;
+  /** A box that contains the primitive, rounding included. */
+  virtual Bounds3f bounds(uint32_t primitive) const = 0;
+  /** The nearest meeting with tMin < t < tMax. Not called for triangle meshes, which Embree intersects. */
+  virtual std::optional<PrimitiveHit> intersect(uint32_t primitive, const Vec3f& origin,
+                                                const Vec3f& direction, float tMin, float tMax) const = 0;
+  /** The surface at a hit; for triangles the parameters are the barycentric weights of the second and third
+   * vertex. */
+  virtual SurfacePoint surfaceAt(uint32_t primitive, const Vec2f& parameters) const = 0;
+
+  virtual float area() const = 0;
+  /** A point of the whole shape; pdf per unit of area. `pick` chooses the primitive. */
+  virtual ShapeSample sampleArea(float pick, const Vec2f& u) const = 0;
+  /** The density of sampleArea at a point of a primitive; constant 1/area() unless overridden. */
+  virtual float pdfArea(uint32_t, const SurfacePoint&) const { return 1 / area(); }
+  /** A point as seen from `from`; pdf per unit of solid angle. Empty when none can be seen. */
+  virtual std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const;
+  /** The density of sampleDirection for a point of a primitive that is seen from `from`. */
+  virtual float pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const;
+
+  /** The mesh itself when the shape is one, so that Embree can have its triangles. */
+  virtual const TriangleMesh* triangleMesh() const { return nullptr; }
+  Bounds3f bounds() const;
+};
+
+/** What makers of shapes are given besides parameters. */
+struct ShapeContext {
+  Mat4d sceneFromObject{1}; ///< the file's transform, then the scene's recentring
+  bool reverseOrientation = false;
+};
+
+} // namespace recurse

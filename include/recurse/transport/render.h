@@ -1,0 +1,56 @@
+/** @file
+ * The render loop: passes of the forward and backward parts of an integrator into a film, until the samples,
+ * the time or the person's patience are used up.
+ */
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "recurse/model/film.h"
+#include "recurse/transport/integrator.h"
+
+namespace recurse {
+
+struct RenderSettings {
+  int samplesPerPixel = 16; ///< 0: until the time limit
+  double timeLimit = 0;     ///< seconds for the whole render; 0: none
+  uint64_t seed = 0;
+};
+
+/** Told to the progress display about ten times a second, from one thread at a time. */
+struct RenderProgress {
+  std::string phase;       ///< "photons", "picture"
+  double fraction = 0;     ///< of the phase, in [0, 1]
+  double elapsed = 0;      ///< seconds since the start of the render
+  double secondsLeft = -1; ///< negative: not known yet
+  double samplesPerPixel = 0;
+  double raysPerSecond = 0;
+};
+
+enum class StopReason { SAMPLES, TIME, INTERRUPTED };
+
+struct RenderStatistics {
+  double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
+         gatherSeconds = 0; ///< gather: the backward part
+  uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
+  size_t mapBytes = 0;
+  TransportCounts counts;
+  uint64_t samples = 0; ///< eye paths
+  int passes = 0;       ///< over the whole picture, forward and backward
+  int threads = 0;
+  StopReason stopReason = StopReason::SAMPLES;
+  std::vector<std::string> notes, warnings;
+};
+
+/**
+ * Renders into the film. Returns early when `stop` becomes true; the film then holds what there is. Bit for
+ * bit the same for any number of threads unless it ends early.
+ */
+RenderStatistics render(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                        const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                        const std::function<void(const RenderProgress&)>& progress,
+                        const std::function<void(const std::string&)>& log);
+
+} // namespace recurse

@@ -1,0 +1,36 @@
+/** @file
+ * The one list of plug-ins. A new plug-in is one .cpp file that defines its register function, and one line here:
+ * RECURSE_PLUG_IN(Name) stands for `void registerName(PlugIns&)`.
+ */
+
+// Shapes
+RECURSE_PLUG_IN(Sphere)
+RECURSE_PLUG_IN(Disk)
+RECURSE_PLUG_IN(TriangleMesh)
+RECURSE_PLUG_IN(PlyMesh)
+RECURSE_PLUG_IN(BilinearMesh)
+// Materials
+RECURSE_PLUG_IN(Diffuse)
+RECURSE_PLUG_IN(Conductor)
+RECURSE_PLUG_IN(Dielectric)
+RECURSE_PLUG_IN(ThinDielectric)
+RECURSE_PLUG_IN(Mix)
+RECURSE_PLUG_IN(Interface)
+// Textures
+RECURSE_PLUG_IN(Constant)
+// Lights
+RECURSE_PLUG_IN(Point)
+RECURSE_PLUG_IN(Spot)
+RECURSE_PLUG_IN(Distant)
+RECURSE_PLUG_IN(Infinite)
+RECURSE_PLUG_IN(DiffuseArea)
+// Cameras, filters and the settings of film and sampler
+RECURSE_PLUG_IN(Perspective)
+RECURSE_PLUG_IN(Orthographic)
+RECURSE_PLUG_IN(Filters)
+RECURSE_PLUG_IN(RgbFilm)
+RECURSE_PLUG_IN(Samplers)
+RECURSE_PLUG_IN(Accelerators)
+// Integrators
+RECURSE_PLUG_IN(Path)
+RECURSE_PLUG_IN(PhotonMapping)
