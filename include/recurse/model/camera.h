@@ -49,6 +49,13 @@ struct FilmSettings {
   float imagingRatio = 1; ///< pbrt's exposuretime · iso / 100
 };
 
+/** The pixels of a film whose centres' cells lie in a window given as parts of the whole, as pbrt rounds
+ * them. */
+inline PixelBounds cropOf(const FilmSettings& film, double x0, double x1, double y0, double y1) {
+  const auto pixel = [](double part, int size) { return static_cast<int>(std::ceil(part * size)); };
+  return {pixel(x0, film.width), pixel(y0, film.height), pixel(x1, film.width), pixel(y1, film.height)};
+}
+
 /** The Sampler directive: Recurse draws with its own sampler whatever the name, and takes the numbers. */
 struct SamplerSettings {
   int pixelSamples = 16;

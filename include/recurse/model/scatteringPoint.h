@@ -1,0 +1,203 @@
+/** @file
+ * Scattering at a surface point: the one place that turns a BSDF plug-in's local functions into what the
+ * forward and the backward pass need. Here, and nowhere else, stand the 1/η² scaling of radiance at
+ * refraction, the factor for shading normals in the forward pass (Veach 1997, equation 5.19), and the refusal
+ * of light that would leak through the geometric surface.
+ */
+#pragma once
+
+#include "recurse/core/sampler.h"
+#include "recurse/model/bsdf.h"
+
+namespace recurse {
+
+/** What is carried along the walk. */
+enum class Transport {
+  RADIANCE, ///< backward, from the eye
+  FLUX,     ///< forward, from the lights
+};
+
+/** A step of a walk. */
+struct Scatter {
+  Vec3f direction; ///< unit, world
+  Rgb weight{
+      0}; ///< BSDF · cosine / density, with the factors of the transport: multiply the throughput by it
+  float pdf = 0; ///< per solid angle [1/sr], the choice of the lobe included; for a delta lobe, the chance of
+                 ///< the choice
+  Lobe lobe = NO_LOBE;
+  float eta = 1; ///< refractive index on the new side over that on the old one
+
+  bool specular() const { return (lobe & DELTA_LOBES) != 0; }
+};
+
+class ScatteringPoint {
+ public:
+  ScatteringPoint(const Bsdf& bsdf, const SurfacePoint& point)
+      : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal),
+        lobeSet(bsdf.lobes()) {}
+
+  LobeSet lobes() const { return lobeSet; }
+  bool hasDiffuse() const { return (lobeSet & DIFFUSE_LOBES) != 0; }
+  bool hasDelta() const { return (lobeSet & DELTA_LOBES) != 0; }
+
+  /** The non-delta BSDF alone [1/sr], what a photon's power is multiplied by. */
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const {
+    return leaks(wi, wo) ? BLACK : bsdf.value(frame.toLocal(wi), frame.toLocal(wo));
+  }
+
+  /** Recurse's `evaluate`: the non-delta BSDF times the cosine of `light`, for radiance that arrives from
+   *  `light` and leaves towards `eye`. */
+  Rgb evaluate(const Vec3f& eye, const Vec3f& light) const {
+    return value(eye, light) * absDot(light, frame.z);
+  }
+
+  /** Density with which scatter chooses wo by a non-delta lobe [1/sr]. */
+  float pdf(const Vec3f& wi, const Vec3f& wo) const {
+    const Vec3f local = frame.toLocal(wi);
+    const float p = bsdf.pdf(local, frame.toLocal(wo));
+    return hasDelta() ? p * diffuseChance(local) : p;
+  }
+  /** The same when only the non-delta lobes are sampled (scatterDiffuse). */
+  float pdfDiffuse(const Vec3f& wi, const Vec3f& wo) const {
+    return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
+  }
+
+  /** One step by any lobe, chosen in proportion to what it scatters. Empty: absorbed. */
+  std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler) const {
+    if (!hasDelta()) return scatterDiffuse(wi, transport, sampler);
+    const Vec3f local = frame.toLocal(wi);
+    DeltaScatters found;
+    bsdf.deltas(local, found);
+    const float diffuse = hasDiffuse() ? maxComponent(bsdf.albedo(local)) : 0;
+    float total = diffuse;
+    for (const DeltaScatter& d : found) total += maxComponent(d.weight);
+    if (!(total > 0)) return {};
+    float u = sampler.next1D() * total;
+    if (u < diffuse) {
+      std::optional<Scatter> s = scatterDiffuse(wi, transport, sampler);
+      if (s) {
+        s->weight *= total / diffuse;
+        s->pdf *= diffuse / total;
+      }
+      return s;
+    }
+    u -= diffuse;
+    const DeltaScatter* chosen = nullptr;
+    for (const DeltaScatter& d : found) {
+      const float share = maxComponent(d.weight);
+      if (share <= 0) continue;
+      chosen = &d;
+      if (u < share) break;
+      u -= share;
+    }
+    std::optional<Scatter> s = toWorld(wi, local, *chosen, transport);
+    if (s) {
+      s->pdf = maxComponent(chosen->weight) / total;
+      s->weight /= s->pdf;
+    }
+    return s;
+  }
+
+  /** One step by the non-delta lobes only. */
+  std::optional<Scatter> scatterDiffuse(const Vec3f& wi, Transport transport, Sampler& sampler) const {
+    const Vec3f local = frame.toLocal(wi);
+    const Vec2f u = sampler.next2D();
+    // Most BSDFs have one non-delta lobe and need no third number.
+    const float pick = (lobeSet & LAMBERTIAN) ? 0 : sampler.next1D();
+    const std::optional<Vec3f> wo = bsdf.sample(local, u, pick);
+    if (!wo) return {};
+    Scatter s;
+    s.direction = frame.toWorld(*wo);
+    s.pdf = bsdf.pdf(local, *wo);
+    if (!(s.pdf > 0) || leaks(wi, s.direction)) return {};
+    s.weight = bsdf.value(local, *wo) * (std::abs(wo->z) / s.pdf);
+    s.lobe = local.z * wo->z > 0 ? REFLECTION : TRANSMISSION;
+    if (transport == Transport::FLUX) s.weight *= shadingNormalFactor(wi, local, s.direction, *wo);
+    return s;
+  }
+
+  /** Every delta step, to follow all of them; the weights are those of the steps, not divided by a chance. */
+  int deltaScatters(const Vec3f& wi, Transport transport,
+                    std::array<Scatter, DeltaScatters::MOST>& out) const {
+    const Vec3f local = frame.toLocal(wi);
+    DeltaScatters found;
+    bsdf.deltas(local, found);
+    int n = 0;
+    for (const DeltaScatter& d : found)
+      if (const std::optional<Scatter> s = toWorld(wi, local, d, transport))
+        out[static_cast<size_t>(n++)] = *s;
+    return n;
+  }
+
+  // Recurse's operations by their names.
+
+  /** A photon's next step by the diffuse lobes: flux towards a random direction. */
+  std::optional<Scatter> diffuseForwardScatter(const Vec3f& wi, Sampler& sampler) const {
+    return scatterDiffuse(wi, Transport::FLUX, sampler);
+  }
+  /** The mirror direction of an eye ray, with all mirror lobes' weights together. */
+  std::optional<Scatter> specularReflectionBackwardScatter(const Vec3f& wi) const {
+    return firstDelta(wi, MIRROR);
+  }
+  /** The refracted direction of an eye ray, radiance scaling included; the first where there are several. */
+  std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi) const {
+    return firstDelta(wi, REFRACTION);
+  }
+
+  const Vec3f& normal() const { return frame.z; }
+
+ private:
+  /** True when the directions' sides by the geometric normal are not those by the shading normal. */
+  bool leaks(const Vec3f& wi, const Vec3f& wo) const {
+    const bool sameGeometric = glm::dot(wi, geometricNormal) * glm::dot(wo, geometricNormal) > 0;
+    const bool sameShading = glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0;
+    return sameGeometric != sameShading;
+  }
+
+  float diffuseChance(const Vec3f& local) const {
+    DeltaScatters found;
+    bsdf.deltas(local, found);
+    const float diffuse = maxComponent(bsdf.albedo(local));
+    float total = diffuse;
+    for (const DeltaScatter& d : found) total += maxComponent(d.weight);
+    return total > 0 ? diffuse / total : 0;
+  }
+
+  float shadingNormalFactor(const Vec3f& wi, const Vec3f& wiLocal, const Vec3f& wo,
+                            const Vec3f& woLocal) const {
+    const float denominator = absDot(wi, geometricNormal) * std::abs(woLocal.z);
+    if (denominator == 0) return 0; // a photon that arrives in the plane of the surface brings no flux
+    return std::abs(wiLocal.z) * absDot(wo, geometricNormal) / denominator;
+  }
+
+  std::optional<Scatter> toWorld(const Vec3f& wi, const Vec3f& local, const DeltaScatter& d,
+                                 Transport transport) const {
+    Scatter s;
+    s.direction = glm::normalize(frame.toWorld(d.wo));
+    if (leaks(wi, s.direction)) return {};
+    s.weight = d.weight;
+    s.pdf = 1;
+    s.lobe = d.lobe;
+    s.eta = d.eta;
+    if (transport == Transport::RADIANCE)
+      s.weight /= square(d.eta);
+    else
+      s.weight *= shadingNormalFactor(wi, local, s.direction, d.wo);
+    return s;
+  }
+
+  std::optional<Scatter> firstDelta(const Vec3f& wi, Lobe lobe) const {
+    std::array<Scatter, DeltaScatters::MOST> all;
+    const int n = deltaScatters(wi, Transport::RADIANCE, all);
+    for (int i = 0; i < n; ++i)
+      if (all[static_cast<size_t>(i)].lobe == lobe) return all[static_cast<size_t>(i)];
+    return {};
+  }
+
+  const Bsdf& bsdf;
+  Frame frame;
+  Vec3f geometricNormal;
+  LobeSet lobeSet;
+};
+
+} // namespace recurse

@@ -1,0 +1,137 @@
+/** @file
+ * Pixel filters. All of them are separable, so that each axis is sampled by itself.
+ */
+#include <cmath>
+
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+/** One axis of a filter, tabulated: sampled in proportion to |value|, piecewise constant. */
+class TabulatedAxis {
+ public:
+  template <class F> TabulatedAxis(float radius, const F& value) : radius(radius) {
+    double sum = 0, absolute = 0;
+    for (int i = 0; i < CELLS; ++i) {
+      const double v = value((2 * (i + 0.5) / CELLS - 1) * double(radius));
+      negative[size_t(i)] = v < 0;
+      sum += v;
+      absolute += std::abs(v);
+      cumulative[size_t(i)] = absolute;
+    }
+    for (double& c : cumulative) c /= absolute;
+    magnitude = static_cast<float>(absolute / sum);
+  }
+  Filter::Sample sample(float u) const {
+    const auto cell = static_cast<size_t>(
+        std::upper_bound(cumulative.begin(), cumulative.end() - 1, double(u)) - cumulative.begin());
+    const double below = cell > 0 ? cumulative[cell - 1] : 0;
+    const double within = (double(u) - below) / (cumulative[cell] - below);
+    const double x = (2 * (double(cell) + std::clamp(within, 0.0, 1.0)) / CELLS - 1) * double(radius);
+    return {Vec2f(static_cast<float>(x), 0), negative[cell] ? -magnitude : magnitude};
+  }
+
+ private:
+  static constexpr int CELLS = 512;
+  float radius, magnitude = 1;
+  std::array<double, CELLS> cumulative{};
+  std::array<bool, CELLS> negative{};
+};
+
+class TabulatedFilter final : public Filter {
+ public:
+  TabulatedFilter(const TabulatedAxis& x, const TabulatedAxis& y) : x(x), y(y) {}
+  Sample sample(const Vec2f& u) const override {
+    const Sample a = x.sample(u.x), b = y.sample(u.y);
+    return {{a.offset.x, b.offset.x}, a.weight * b.weight};
+  }
+
+ private:
+  TabulatedAxis x, y;
+};
+
+class Box final : public Filter {
+ public:
+  explicit Box(const Vec2f& radius) : radius(radius) {}
+  Sample sample(const Vec2f& u) const override { return {(u * 2.0f - 1.0f) * radius, 1}; }
+
+ private:
+  Vec2f radius;
+};
+
+class Triangle final : public Filter {
+ public:
+  explicit Triangle(const Vec2f& radius) : radius(radius) {}
+  Sample sample(const Vec2f& u) const override { return {Vec2f(tent(u.x), tent(u.y)) * radius, 1}; }
+
+ private:
+  static float tent(float u) { return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u)); }
+  Vec2f radius;
+};
+
+std::vector<ParameterSpec> radiusParameters(const std::string& radius, std::vector<ParameterSpec> more = {}) {
+  more.insert(more.begin(), {realParameter("xradius", radius, "half width [pixels]").positive(),
+                             realParameter("yradius", radius, "half height [pixels]").positive()});
+  return more;
+}
+
+Vec2f radiusOf(const Parameters& p) { return {p.real("xradius"), p.real("yradius")}; }
+
+/** D. P. Mitchell and A. N. Netravali, "Reconstruction Filters in Computer Graphics", 1988, equation 8. */
+double mitchell(double x, double b, double c) {
+  x = std::abs(2 * x);
+  if (x > 2) return 0;
+  if (x > 1)
+    return ((-b - 6 * c) * x * x * x + (6 * b + 30 * c) * x * x + (-12 * b - 48 * c) * x + (8 * b + 24 * c)) /
+           6;
+  return ((12 - 9 * b - 6 * c) * x * x * x + (-18 + 12 * b + 6 * c) * x * x + (6 - 2 * b)) / 6;
+}
+
+} // namespace
+
+void registerFilters(PlugIns& plugIns) {
+  auto& filters = plugIns.filters;
+  filters.add({{.name = "box",
+                .summary = "Every place of the pixel counts the same.",
+                .parameters = radiusParameters("0.5"),
+                .examples = {""}},
+               [](const Parameters& p, const NoContext&) { return std::make_unique<Box>(radiusOf(p)); }});
+  filters.add(
+      {{.name = "triangle",
+        .summary = "Falls off linearly along each axis.",
+        .parameters = radiusParameters("2"),
+        .examples = {""}},
+       [](const Parameters& p, const NoContext&) { return std::make_unique<Triangle>(radiusOf(p)); }});
+  filters.add({{.name = "gaussian",
+                .summary = "A Gaussian, lowered so that it ends at zero.",
+                .parameters = radiusParameters(
+                    "1.5", {realParameter("sigma", "0.5", "standard deviation [pixels]").positive()}),
+                .examples = {""}},
+               [](const Parameters& p, const NoContext&) {
+                 const double sigma = p.real("sigma");
+                 const auto axis = [&](float radius) {
+                   const auto g = [&](double x) { return std::exp(-x * x / (2 * sigma * sigma)); };
+                   return TabulatedAxis(radius, [&](double x) { return g(x) - g(double(radius)); });
+                 };
+                 const Vec2f r = radiusOf(p);
+                 return std::make_unique<TabulatedFilter>(axis(r.x), axis(r.y));
+               }});
+  filters.add(
+      {{.name = "mitchell",
+        .summary = "Mitchell and Netravali's cubic with negative lobes: sharp, little ringing.",
+        .parameters = radiusParameters("2", {realParameter("B", "0.333333333333", "blur").range(0, 1),
+                                             realParameter("C", "0.333333333333", "ringing").range(0, 1)}),
+        .examples = {""}},
+       [](const Parameters& p, const NoContext&) {
+         const auto axis = [&](float radius) {
+           return TabulatedAxis(
+               radius, [&](double x) { return mitchell(x / double(radius), p.real("B"), p.real("C")); });
+         };
+         const Vec2f r = radiusOf(p);
+         return std::make_unique<TabulatedFilter>(axis(r.x), axis(r.y));
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,72 @@
+/** @file
+ * A surface that emits the same radiance in all directions, from one side or both.
+ */
+#include "recurse/core/sampling.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class DiffuseArea final : public AreaLight {
+ public:
+  DiffuseArea(const Shape& shape, const Rgb& radiance, bool twoSided)
+      : AreaLight(shape), constant(radiance), twoSided(twoSided) {}
+
+  Rgb power() const override { return constant * (PI * shape().area() * (twoSided ? 2.0f : 1.0f)); }
+  Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const override {
+    return twoSided || glm::dot(point.geometricNormal, direction) > 0 ? constant : BLACK;
+  }
+  std::optional<Emission> emit(Sampler& sampler) const override {
+    float pick = sampler.next1D();
+    const ShapeSample s = shape().sampleArea(pick, sampler.next2D());
+    if (!(s.pdf > 0)) return {};
+    Vec3f normal = s.point.geometricNormal;
+    float sides = 1;
+    if (twoSided) {
+      if (sampler.next1D() < 0.5f) normal = -normal;
+      sides = 2;
+    }
+    const Vec3f direction = Frame(normal).toWorld(cosineHemisphere(sampler.next2D()));
+    return Emission{s.point.rayOrigin(direction), direction, constant * (PI * sides / s.pdf)};
+  }
+  std::optional<Illumination> illuminate(const Vec3f& point, float pick, const Vec2f& u) const override {
+    const std::optional<ShapeSample> s = shape().sampleDirection(point, pick, u);
+    if (!s) return {};
+    const Vec3f towards = s->point.position - point;
+    const float distance = glm::length(towards);
+    if (!(distance > 0)) return {};
+    const Vec3f direction = towards / distance;
+    if (isBlack(radiance(s->point, -direction))) return {};
+    return Illumination{direction, s->point.rayOrigin(-direction), distance, constant, s->pdf, false};
+  }
+
+ private:
+  Rgb constant;
+  bool twoSided;
+};
+
+} // namespace
+
+void registerDiffuseArea(PlugIns& plugIns) {
+  plugIns.areaLights.add(
+      {{.name = "diffuse",
+        .summary =
+            "A surface that emits the same radiance in all directions; it also reflects with its material.",
+        .parameters = {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "emitted radiance [W/(m² sr)]"),
+                       realParameter("scale", "1", "factor on L").range(0, 1e30),
+                       realParameter("power", "", "total power [W] that L is scaled to").positive(),
+                       booleanParameter("twosided", "false", "emits from the back as well"),
+                       stringParameter("filename", "", "a picture that the surface shows; not rendered yet")},
+        .examples = {"\"rgb L\" [4 3 2]", "\"float power\" 10 \"bool twosided\" true"}},
+       [](const Parameters& p, const AreaLightContext& c) {
+         if (p.has("filename"))
+           p.fail("filename", "emitting pictures are not rendered yet", "a constant \"L\"");
+         double scale = p.real("scale");
+         if (p.hasValue("power"))
+           scale *= p.real("power") / (double(PI) * double(c.shape.area()) * (p.boolean("twosided") ? 2 : 1));
+         return std::make_unique<DiffuseArea>(c.shape, Rgb(p.spectrum("L") * scale), p.boolean("twosided"));
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,55 @@
+/** @file
+ * Parallel light from infinitely far.
+ */
+#include "recurse/core/sampling.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class Distant final : public Light {
+ public:
+  Distant(const Vec3f& towardsLight, const Rgb& irradiance) : frame(towardsLight), irradiance(irradiance) {}
+  void prepare(const SceneBounds& b) override { bounds = b; }
+  Rgb power() const override { return irradiance * (PI * square(bounds.radius)); }
+  std::optional<Emission> emit(Sampler& sampler) const override {
+    const Vec2f d = uniformDisk(sampler.next2D()) * bounds.radius;
+    return Emission{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z,
+                    power()};
+  }
+  std::optional<Illumination> illuminate(const Vec3f&, float, const Vec2f&) const override {
+    return Illumination{frame.z, Vec3f(0), INFINITE, irradiance, 1, true};
+  }
+  bool isDelta() const override { return true; }
+
+ private:
+  Frame frame;
+  Rgb irradiance;
+  SceneBounds bounds;
+};
+
+} // namespace
+
+void registerDistant(PlugIns& plugIns) {
+  plugIns.lights.add(
+      {{.name = "distant",
+        .summary = "Parallel light from infinitely far, such as the sun's.",
+        .parameters = {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT,
+                                         "irradiance of a surface that faces the light [W/m²]"),
+                       realParameter("scale", "1", "factor on L").range(0, 1e30),
+                       realParameter("illuminance", "", "irradiance that L is scaled to").positive(),
+                       arrayParameter(ParameterType::POINT3, "from", 1, "0 0 0", "light comes from here ..."),
+                       arrayParameter(ParameterType::POINT3, "to", 1, "0 0 1",
+                                      "... and goes there; only the direction counts")},
+        .examples = {"\"point3 from\" [1 2 3] \"point3 to\" [0 0 0] \"rgb L\" [2 2 1]"}},
+       [](const Parameters& p, const LightContext& c) {
+         const Vec3d towards = transformVector(c.sceneFromLight, p.vector3("from") - p.vector3("to"));
+         if (!(glm::length(towards) > 0)) p.fail("to", "\"from\" and \"to\" are the same point");
+         double scale = p.real("scale");
+         if (p.hasValue("illuminance")) scale *= p.real("illuminance");
+         return std::make_unique<Distant>(Vec3f(glm::normalize(towards)), Rgb(p.spectrum("L") * scale));
+       }});
+}
+
+} // namespace recurse

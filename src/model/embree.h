@@ -1,0 +1,34 @@
+/** @file
+ * Embree 3 or 4, and the few calls that differ between them.
+ */
+#pragma once
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+namespace recurse::embree {
+
+inline void intersect(RTCScene scene, RTCRayHit& rayHit) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect1(scene, &rayHit);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcIntersect1(scene, &context, &rayHit);
+#endif
+}
+
+inline void occluded(RTCScene scene, RTCRay& ray) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcOccluded1(scene, &ray);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(scene, &context, &ray);
+#endif
+}
+
+} // namespace recurse::embree

@@ -1,0 +1,72 @@
+/** @file
+ * The scene on top of Embree: triangles are Embree's own, every other shape is user geometry, object
+ * instances are Embree instances.
+ */
+#pragma once
+
+#include <atomic>
+
+#include "model/embree.h"
+#include "recurse/model/scene.h"
+
+namespace recurse {
+
+/** One shape in a tree, with what hits on it mean. */
+struct SceneGeometry {
+  const Shape* shape = nullptr;
+  const Material* material = nullptr;
+  const AreaLight* light = nullptr;
+  uint32_t lightIndex = 0;
+};
+
+/** Shapes with a tree of their own: the top level, or one object definition. */
+class GeometryGroup {
+ public:
+  explicit GeometryGroup(RTCDevice device);
+  ~GeometryGroup();
+  GeometryGroup(const GeometryGroup&) = delete;
+  GeometryGroup& operator=(const GeometryGroup&) = delete;
+
+  /** Reserves the places of `count` geometries; they must not move once they are attached. */
+  void reserve(size_t count) { geometries.reserve(count); }
+  void add(const SceneGeometry& geometry);
+  void addInstance(const GeometryGroup& group, const Mat4d& sceneFromGroup);
+  void commit() { rtcCommitScene(tree); }
+
+  struct Instance {
+    const GeometryGroup* group;
+    Mat4d sceneFromGroup;
+    glm::dmat3 normalFromGroup; ///< inverse transpose
+  };
+  const SceneGeometry& geometry(uint32_t id) const { return geometries[id]; }
+  const Instance& instance(uint32_t id) const { return instances[id - geometries.size()]; }
+  RTCScene scene() const { return tree; }
+
+ private:
+  RTCDevice device;
+  RTCScene tree;
+  std::vector<SceneGeometry> geometries; ///< by Embree's geometry id
+  std::vector<Instance> instances;       ///< by id, after the geometries
+};
+
+class EmbreeScene final : public Scene {
+ public:
+  EmbreeScene();
+  ~EmbreeScene() override;
+
+  bool intersect(const Ray& ray, Hit& hit) const override;
+  bool occluded(const Ray& ray) const override;
+  size_t memoryBytes() const override { return static_cast<size_t>(bytes.load()); }
+
+ private:
+  friend class SceneBuilder;
+  RTCDevice device;
+  std::atomic<int64_t> bytes{0};
+  std::vector<std::unique_ptr<Texture>> textures;
+  std::vector<std::unique_ptr<Material>> materials;
+  std::vector<std::unique_ptr<Shape>> shapes;
+  std::vector<std::unique_ptr<Light>> ownLights;
+  std::vector<std::unique_ptr<GeometryGroup>> groups; ///< [0] is the top level
+};
+
+} // namespace recurse

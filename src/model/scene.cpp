@@ -1,0 +1,459 @@
+/** @file
+ * From the description to the scene: every plug-in made, transforms baked, lights tabulated, trees built.
+ */
+#include "recurse/model/scene.h"
+
+#include <algorithm>
+#include <deque>
+#include <map>
+
+#include "model/embreeScene.h"
+#include "recurse/model/triangleMesh.h"
+
+namespace recurse {
+
+void LightTable::build(const std::vector<const Light*>& all) {
+  lights = all;
+  probabilities.assign(all.size(), 0);
+  cumulative.assign(all.size(), 0);
+  std::vector<double> powers;
+  double total = 0;
+  for (const Light* light : all) {
+    powers.push_back(double(maxComponent(light->power())));
+    total += powers.back();
+  }
+  double sum = 0;
+  for (size_t i = 0; i < all.size(); ++i) {
+    sum += powers[i];
+    probabilities[i] = total > 0 ? static_cast<float>(powers[i] / total) : 0;
+    cumulative[i] = total > 0 ? static_cast<float>(sum / total) : 0;
+  }
+}
+
+ChosenLight LightTable::choose(float& u) const {
+  if (lights.size() == 1) return {lights[0], probabilities[0]};
+  const auto found = std::upper_bound(cumulative.begin(), cumulative.end() - 1, u);
+  const auto i = static_cast<size_t>(found - cumulative.begin());
+  const float below = i > 0 ? cumulative[i - 1] : 0;
+  if (probabilities[i] > 0) u = std::clamp((u - below) / (cumulative[i] - below), 0.0f, ONE_MINUS_EPSILON);
+  return {lights[i], probabilities[i]};
+}
+
+/** The work of buildScene, with what it has to remember meanwhile. */
+class SceneBuilder final : public TextureLookup {
+ public:
+  SceneBuilder(const SceneDescription& description, const SceneOverrides& overrides, Diagnostics& diagnostics)
+      : description(description), overrides(overrides), diagnostics(diagnostics),
+        scene(std::make_unique<EmbreeScene>()) {}
+
+  std::unique_ptr<Scene> build() {
+    scene->sceneOrigin = guessOrigin();
+    buildFilm();
+    if (!buildShapes()) return nullptr;
+    buildCamera();
+    buildLights();
+    buildTrees();
+    if (diagnostics.hasErrors()) return nullptr;
+    return std::move(scene);
+  }
+
+  TexturedRgb rgb(const Parameters& p, const std::string& name) const override {
+    return lookUp(p, name, true);
+  }
+  TexturedRgb real(const Parameters& p, const std::string& name) const override {
+    return lookUp(p, name, false);
+  }
+
+ private:
+  /** A shape with its place in a group, before the lights are known. */
+  struct Placed {
+    const Shape* shape;
+    const Material* material;
+    const ShapeDescription* from;
+  };
+  struct Group {
+    Vec3d origin{0}; ///< taken off the object's positions
+    std::vector<Placed> placed;
+  };
+
+  static constexpr const char* LATER_MEDIA = "participating media are not rendered yet";
+
+  Mat4d recentred(const Mat4d& worldFromObject, const Vec3d& origin) const {
+    Mat4d m = worldFromObject;
+    m[3] -= Vec4d(origin, 0);
+    return m;
+  }
+
+  static Mat4d translation(const Vec3d& by) {
+    Mat4d m(1);
+    m[3] = Vec4d(by, 1);
+    return m;
+  }
+
+  // ---- where the scene is
+
+  /** Adds what the description alone tells about a shape's place. */
+  static void addPlace(const ShapeDescription& s, const Mat4d& parent, Bounds3d& bounds) {
+    const Mat4d m = parent * s.worldFromObject;
+    for (const ParsedParameter& p : s.shape.parameters)
+      if (p.name == "P" && p.numbers.size() >= 3) {
+        for (size_t i = 0; i + 2 < p.numbers.size(); i += 3)
+          bounds.add(transformPoint(m, {p.numbers[i], p.numbers[i + 1], p.numbers[i + 2]}));
+        return;
+      }
+    bounds.add(Vec3d(m[3]));
+  }
+
+  /** Positions near the origin keep their digits; a scene that surrounds the origin stays as it is. */
+  static Vec3d originOf(const Bounds3d& b) {
+    if (b.empty()) return Vec3d(0);
+    const Vec3d c = b.center();
+    const double size = glm::length(b.diagonal());
+    const bool usable = std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z);
+    return usable && glm::length(c) > 0.5 * size ? c : Vec3d(0);
+  }
+
+  Vec3d guessOrigin() const {
+    Bounds3d b;
+    for (const ShapeDescription& s : description.shapes) addPlace(s, Mat4d(1), b);
+    for (const InstanceDescription& i : description.instances) b.add(Vec3d(i.worldFromInstance[3]));
+    return originOf(b);
+  }
+
+  // ---- film, filter, sampler, camera
+
+  static ParsedDirective orDefault(const ParsedDirective& given, const char* type) {
+    ParsedDirective d = given;
+    if (!d.given()) d.type = type;
+    return d;
+  }
+
+  void buildFilm() {
+    const PlugIns& all = plugIns();
+    if (auto film = all.films.make(orDefault(description.film, "rgb"), {}, diagnostics, overrides.lenient)) {
+      scene->filmSettings = *film;
+      FilmSettings& f = scene->filmSettings;
+      if (overrides.width > 0) {
+        f.width = overrides.width;
+        f.height = overrides.height;
+        f.crop = {0, 0, f.width, f.height};
+      }
+      const auto& w = overrides.cropWindow;
+      if (w[1] > w[0]) f.crop = cropOf(f, double(w[0]), double(w[1]), double(w[2]), double(w[3]));
+      if (f.crop.x0 >= f.crop.x1 || f.crop.y0 >= f.crop.y1)
+        throw Error("no pixel lies in the crop window", ExitStatus::BAD_USAGE);
+    }
+    scene->pixelFilter =
+        all.filters.make(orDefault(description.filter, "gaussian"), {}, diagnostics, overrides.lenient);
+    if (auto s =
+            all.samplers.make(orDefault(description.sampler, "zsobol"), {}, diagnostics, overrides.lenient))
+      scene->samplerSettings = *s;
+    if (description.accelerator.given())
+      all.accelerators.make(description.accelerator, {}, diagnostics, overrides.lenient);
+    if (!description.cameraMedium.empty()) diagnostics.error(description.camera.location, LATER_MEDIA);
+  }
+
+  void buildCamera() {
+    CameraContext context;
+    context.sceneFromCamera = recentred(description.worldFromCamera, scene->sceneOrigin);
+    context.width = scene->filmSettings.width;
+    context.height = scene->filmSettings.height;
+    scene->sceneCamera = plugIns().cameras.make(orDefault(description.camera, "perspective"), context,
+                                                diagnostics, overrides.lenient);
+  }
+
+  // ---- textures and materials, made when they are first used
+
+  TexturedRgb lookUp(const Parameters& p, const std::string& name, bool spectrum) const {
+    const std::string texture = p.texture(name);
+    if (texture.empty())
+      return {spectrum ? Rgb(p.spectrum(name)) : Rgb(static_cast<float>(p.real(name))), nullptr};
+    const auto key = std::make_pair(texture, spectrum);
+    const auto found = texturesByName.find(key);
+    if (found != texturesByName.end()) return {BLACK, found->second};
+    std::vector<std::string> names;
+    for (auto t = description.textures.rbegin(); t != description.textures.rend(); ++t) {
+      if (t->spectrum != spectrum) continue;
+      if (t->name != texture) {
+        names.push_back(t->name);
+        continue;
+      }
+      std::unique_ptr<Texture> made = plugIns().textures.make(t->texture, {}, diagnostics, overrides.lenient);
+      const Texture* pointer = made.get();
+      if (made) scene->textures.push_back(std::move(made));
+      texturesByName[key] = pointer;
+      return {BLACK, pointer};
+    }
+    std::string list;
+    for (const std::string& n : nearestNames(texture, names))
+      list += (list.empty() ? "\"" : ", \"") + n + "\"";
+    p.fail(name,
+           "there is no " + std::string(spectrum ? "spectrum" : "float") + " texture \"" + texture + "\"",
+           list);
+  }
+
+  const Material* makeMaterial(const ParsedDirective& d) {
+    const MaterialContext context{
+        *this, [this](const Parameters& p, const std::string& parameter, const std::string& name) {
+          SourceLocation where = p.location(parameter);
+          const Material* m = namedMaterial(name, where);
+          if (!m) p.fail(parameter, "material \"" + name + "\" cannot be used here");
+          return m;
+        }};
+    std::unique_ptr<Material> m = plugIns().materials.make(d, context, diagnostics, overrides.lenient);
+    if (!m) return nullptr;
+    scene->materials.push_back(std::move(m));
+    return scene->materials.back().get();
+  }
+
+  const Material* namedMaterial(const std::string& name, const SourceLocation& where) {
+    const auto known = materialsByName.find(name);
+    if (known != materialsByName.end()) {
+      if (known->second.underWay) diagnostics.error(where, "material \"" + name + "\" is made of itself");
+      return known->second.material;
+    }
+    const auto found = description.namedMaterials.find(name);
+    if (found == description.namedMaterials.end()) {
+      std::vector<std::string> names;
+      for (const auto& entry : description.namedMaterials) names.push_back(entry.first);
+      std::string list;
+      for (const std::string& n : nearestNames(name, names))
+        list += (list.empty() ? "\"" : ", \"") + n + "\"";
+      diagnostics.error(where, "there is no material named \"" + name + "\"", list);
+      materialsByName[name] = {};
+      return nullptr;
+    }
+    materialsByName[name] = {nullptr, true};
+    const Material* m = makeMaterial(found->second);
+    materialsByName[name] = {m, false};
+    return m;
+  }
+
+  const Material* material(const MaterialReference& r) {
+    switch (r.kind) {
+    case MaterialReference::Kind::NONE:
+      return nullptr;
+    case MaterialReference::Kind::NAME:
+      return namedMaterial(r.name, r.location);
+    case MaterialReference::Kind::INDEX:
+      break;
+    }
+    const auto i = static_cast<size_t>(r.index);
+    if (materialsByIndex.size() <= i) materialsByIndex.resize(description.materials.size());
+    if (!materialsByIndex[i].first) materialsByIndex[i] = {true, makeMaterial(description.materials[i])};
+    return materialsByIndex[i].second;
+  }
+
+  // ---- shapes
+
+  /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
+  void addShape(const ShapeDescription& s, const Mat4d& parent, Group& group) {
+    if (!s.medium.inside.empty() || !s.medium.outside.empty()) {
+      diagnostics.error(s.shape.location, LATER_MEDIA);
+      return;
+    }
+    const Material* m = material(s.material);
+    if (s.areaLight < 0 && (!m || m->lobes() == NO_LOBE)) return;
+    const Mat4d sceneFromObject = recentred(parent * s.worldFromObject, group.origin);
+    const double determinant = glm::determinant(Mat3d(sceneFromObject));
+    if (!std::isfinite(determinant) || determinant == 0) {
+      diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+      return;
+    }
+    const ShapeContext context{sceneFromObject, s.reverseOrientation};
+    std::unique_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, diagnostics, overrides.lenient);
+    if (!shape) return;
+    if (shape->primitiveCount() == 0) return;
+    group.placed.push_back({shape.get(), m, &s});
+    scene->shapes.push_back(std::move(shape));
+  }
+
+  static Bounds3d boundsOf(const Group& g) {
+    Bounds3d b;
+    for (const Placed& p : g.placed) {
+      const Bounds3f s = p.shape->bounds();
+      if (s.empty()) continue;
+      b.add(Vec3d(s.lower) + g.origin);
+      b.add(Vec3d(s.upper) + g.origin);
+    }
+    return b;
+  }
+
+  /** Fills a group; a second time, better centred, when the first guess of its place was bad. */
+  template <class Fill> void fillGroup(Group& group, const Fill& fill) {
+    const size_t shapesBefore = scene->shapes.size();
+    fill();
+    const Bounds3d b = boundsOf(group);
+    if (b.empty() || diagnostics.hasErrors()) return;
+    if (glm::length(b.center() - group.origin) <= 2 * glm::length(b.diagonal())) return;
+    group.origin = originOf(b);
+    group.placed.clear();
+    scene->shapes.resize(shapesBefore);
+    fill();
+  }
+
+  bool buildShapes() {
+    Group& top = groups.emplace_back();
+    top.origin = scene->sceneOrigin;
+    std::map<std::string, size_t> groupOf;
+    fillGroup(top, [&] {
+      for (const ShapeDescription& s : description.shapes) addShape(s, Mat4d(1), top);
+      // Emitting shapes of an object are baked, one for each instance: a light has one place.
+      for (const InstanceDescription& i : description.instances) {
+        const auto object = description.objects.find(i.object);
+        if (object == description.objects.end()) continue;
+        for (const ShapeDescription& s : object->second.shapes)
+          if (s.areaLight >= 0) addShape(s, i.worldFromInstance, top);
+      }
+    });
+    scene->sceneOrigin = groups.front().origin;
+    for (const InstanceDescription& i : description.instances) {
+      const auto object = description.objects.find(i.object);
+      if (object == description.objects.end()) {
+        std::vector<std::string> names;
+        for (const auto& o : description.objects) names.push_back(o.first);
+        std::string list;
+        for (const std::string& n : names) list += (list.empty() ? "\"" : ", \"") + n + "\"";
+        diagnostics.error(i.location, "there is no object named \"" + i.object + "\"", list);
+        continue;
+      }
+      const double determinant = glm::determinant(Mat3d(i.worldFromInstance));
+      if (!std::isfinite(determinant) || determinant == 0) {
+        diagnostics.error(i.location, "the instance's transform flattens it: it cannot be inverted");
+        continue;
+      }
+      if (!groupOf.count(i.object)) {
+        groupOf[i.object] = groups.size();
+        Group& g = groups.emplace_back();
+        Bounds3d place;
+        for (const ShapeDescription& s : object->second.shapes) addPlace(s, Mat4d(1), place);
+        g.origin = originOf(place);
+        fillGroup(g, [&] {
+          for (const ShapeDescription& s : object->second.shapes)
+            if (s.areaLight < 0) addShape(s, Mat4d(1), g);
+        });
+      }
+      if (!groups[groupOf[i.object]].placed.empty()) instances.push_back({groupOf[i.object], &i});
+    }
+    if (diagnostics.hasErrors()) return false;
+    measure();
+    return true;
+  }
+
+  Mat4d sceneFromGroup(const Group& g, const InstanceDescription& i) const {
+    return recentred(i.worldFromInstance, scene->sceneOrigin) * translation(g.origin);
+  }
+
+  /** The scene's bounds, and what it contains. */
+  void measure() {
+    Bounds3d b;
+    for (const Placed& p : groups.front().placed) {
+      const Bounds3f s = p.shape->bounds();
+      b.add(Vec3d(s.lower));
+      b.add(Vec3d(s.upper));
+    }
+    for (const auto& [index, instance] : instances) {
+      const Group& g = groups[index];
+      const Mat4d m = recentred(instance->worldFromInstance, scene->sceneOrigin);
+      const Bounds3d local = boundsOf(g);
+      for (int corner = 0; corner < 8; ++corner)
+        b.add(transformPoint(m, {corner & 1 ? local.upper.x : local.lower.x,
+                                 corner & 2 ? local.upper.y : local.lower.y,
+                                 corner & 4 ? local.upper.z : local.lower.z}));
+    }
+    if (!b.empty()) {
+      scene->sceneBounds.center = Vec3f(b.center());
+      scene->sceneBounds.radius = static_cast<float>(glm::length(b.diagonal()) / 2 * (1 + 1e-6));
+    }
+    SceneContents& c = scene->sceneContents;
+    for (const Group& g : groups)
+      for (const Placed& p : g.placed) {
+        ++c.shapes;
+        (p.shape->triangleMesh() ? c.triangles : c.otherPrimitives) += p.shape->primitiveCount();
+        if (p.material) c.lobes |= p.material->lobes();
+      }
+    c.instances = instances.size();
+    c.materials = scene->materials.size();
+  }
+
+  // ---- lights
+
+  void buildLights() {
+    std::vector<const Light*> table;
+    const auto keep = [&](std::unique_ptr<Light> light) {
+      light->prepare(scene->sceneBounds);
+      table.push_back(light.get());
+      scene->ownLights.push_back(std::move(light));
+    };
+    for (const Placed& p : groups.front().placed) {
+      if (p.from->areaLight < 0) continue;
+      const ParsedDirective& d = description.areaLights[static_cast<size_t>(p.from->areaLight)];
+      std::unique_ptr<AreaLight> light =
+          plugIns().areaLights.make(d, {*p.shape}, diagnostics, overrides.lenient);
+      if (!light) continue;
+      lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
+      ++scene->sceneContents.areaLights;
+      keep(std::move(light));
+    }
+    for (const LightDescription& l : description.lights) {
+      if (!l.medium.empty()) {
+        diagnostics.error(l.light.location, LATER_MEDIA);
+        continue;
+      }
+      std::unique_ptr<Light> light = plugIns().lights.make(
+          l.light, {recentred(l.worldFromLight, scene->sceneOrigin)}, diagnostics, overrides.lenient);
+      if (!light) continue;
+      if (const auto* e = dynamic_cast<const EnvironmentLight*>(light.get())) {
+        scene->environmentLights.push_back(e);
+        scene->environmentLightIndices.push_back(static_cast<uint32_t>(table.size()));
+        ++scene->sceneContents.environmentLights;
+      } else if (light->isDelta()) {
+        ++scene->sceneContents.deltaLights;
+      }
+      keep(std::move(light));
+    }
+    scene->lightTable.build(table);
+  }
+
+  // ---- trees
+
+  void buildTrees() {
+    for (size_t i = 0; i < groups.size(); ++i) {
+      auto& made = scene->groups.emplace_back(std::make_unique<GeometryGroup>(scene->device));
+      made->reserve(groups[i].placed.size());
+      for (const Placed& p : groups[i].placed) {
+        const auto light = lightOf.find(p.shape);
+        SceneGeometry g{p.shape, p.material, nullptr, 0};
+        if (light != lightOf.end()) std::tie(g.light, g.lightIndex) = light->second;
+        made->add(g);
+      }
+      if (i > 0) made->commit();
+    }
+    for (const auto& [index, instance] : instances)
+      scene->groups.front()->addInstance(*scene->groups[index], sceneFromGroup(groups[index], *instance));
+    scene->groups.front()->commit();
+  }
+
+  struct Named {
+    const Material* material = nullptr;
+    bool underWay = false;
+  };
+
+  const SceneDescription& description;
+  const SceneOverrides& overrides;
+  Diagnostics& diagnostics;
+  std::unique_ptr<EmbreeScene> scene;
+  mutable std::map<std::pair<std::string, bool>, const Texture*> texturesByName;
+  std::map<std::string, Named> materialsByName;
+  std::vector<std::pair<bool, const Material*>> materialsByIndex;
+  std::deque<Group> groups; ///< [0] is the top level; addresses stay
+  std::vector<std::pair<size_t, const InstanceDescription*>> instances;
+  std::map<const Shape*, std::pair<const AreaLight*, uint32_t>> lightOf;
+};
+
+std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
+                                  Diagnostics& diagnostics) {
+  return SceneBuilder(description, overrides, diagnostics).build();
+}
+
+} // namespace recurse
