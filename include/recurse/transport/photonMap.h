@@ -1,0 +1,466 @@
+/** @file
+ * The photon map: every photon of a pass in an index that answers fixed-radius and k-nearest queries, eight
+ * photons at a time.
+ *
+ * It knows neither surfaces nor scenes. Lengths are in scene units; a slot is a photon's place in the map.
+ *
+ * The index is a balanced kd-tree whose nodes have eight children. Every split takes the median on the widest
+ * axis of the tight bounds, and hands a multiple of the largest power of eight below the number of leaves to
+ * the left. So all leaves but the last are full, the children of node i of a level are nodes 8i…8i+7 of the
+ * next, and there are no pointers. A query tests eight boxes or eight photons with a few AVX2 instructions.
+ *
+ * Complexities, for n photons of which a query finds m: build O(n log n), query O(log n + m).
+ */
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <immintrin.h>
+
+#include "recurse/core/vector.h"
+#include "recurse/transport/photon.h"
+
+#ifndef __AVX2__
+#error "Recurse needs AVX2: build for x86-64-v3 or later"
+#endif
+
+namespace recurse {
+
+/** Eight floats in a register. Comparisons give a bit mask, bit i for lane i. */
+struct Float8 {
+  __m256 v;
+
+  Float8() = default;
+  Float8(__m256 v) : v(v) {}
+  Float8(float x) : v(_mm256_set1_ps(x)) {}
+  /** From 8 floats on a 32-byte boundary. */
+  static Float8 load(const float* p) { return _mm256_load_ps(p); }
+  void store(float* p) const { _mm256_store_ps(p, v); }
+  /** All bits set in the lanes of the mask. */
+  static Float8 lanes(uint32_t mask) {
+    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    const __m256i on = _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(mask)), bit);
+    return _mm256_castsi256_ps(_mm256_cmpeq_epi32(on, bit));
+  }
+  float operator[](int lane) const {
+    alignas(32) float x[8];
+    store(x);
+    return x[lane];
+  }
+
+  friend Float8 operator+(Float8 a, Float8 b) { return _mm256_add_ps(a.v, b.v); }
+  friend Float8 operator-(Float8 a, Float8 b) { return _mm256_sub_ps(a.v, b.v); }
+  friend Float8 operator*(Float8 a, Float8 b) { return _mm256_mul_ps(a.v, b.v); }
+  friend Float8 operator/(Float8 a, Float8 b) { return _mm256_div_ps(a.v, b.v); }
+  friend Float8 operator&(Float8 a, Float8 b) { return _mm256_and_ps(a.v, b.v); }
+  Float8& operator+=(Float8 b) { return *this = *this + b; }
+  friend Float8 min(Float8 a, Float8 b) { return _mm256_min_ps(a.v, b.v); }
+  friend Float8 max(Float8 a, Float8 b) { return _mm256_max_ps(a.v, b.v); }
+  friend Float8 sqrt(Float8 a) { return _mm256_sqrt_ps(a.v); }
+  friend Float8 abs(Float8 a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v); }
+  friend Float8 copysign(Float8 a, Float8 b) {
+    const __m256 sign = _mm256_set1_ps(-0.0f);
+    return _mm256_or_ps(_mm256_andnot_ps(sign, a.v), _mm256_and_ps(sign, b.v));
+  }
+  /** a where the bits of `lanes` are set, otherwise b. */
+  friend Float8 select(Float8 lanes, Float8 a, Float8 b) { return _mm256_blendv_ps(b.v, a.v, lanes.v); }
+  friend Float8 less(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ); }
+  friend Float8 lessEqual(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ); }
+  friend Float8 equal(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ); }
+  /** The sign bits as a mask. */
+  friend uint32_t bits(Float8 a) { return static_cast<uint32_t>(_mm256_movemask_ps(a.v)); }
+  /** The sum of the lanes, in a fixed order. */
+  friend float sum(Float8 a) {
+    const __m128 four = _mm_add_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
+    const __m128 two = _mm_add_ps(four, _mm_movehl_ps(four, four));
+    return _mm_cvtss_f32(_mm_add_ss(two, _mm_movehdup_ps(two)));
+  }
+};
+
+/** Eight vectors. */
+struct Vec3f8 {
+  Float8 x, y, z;
+};
+
+/** Eight directions, not normalised: points of the octahedron. The arithmetic is that of unpackDirection. */
+inline Vec3f8 unpackOctahedron(const uint32_t* packed) {
+  const __m256i p = _mm256_load_si256(reinterpret_cast<const __m256i*>(packed));
+  const __m256i low = _mm256_and_si256(p, _mm256_set1_epi32(0xffff));
+  const Float8 u = Float8(_mm256_cvtepi32_ps(low)) * Float8(1 / 32767.0f) - Float8(1);
+  const Float8 v = Float8(_mm256_cvtepi32_ps(_mm256_srli_epi32(p, 16))) * Float8(1 / 32767.0f) - Float8(1);
+  const Float8 z = Float8(1) - abs(u) - abs(v);
+  const Float8 fold = max(Float8(0) - z, Float8(0));
+  return {u - copysign(fold, u), v - copysign(fold, v), z};
+}
+
+/** Eight unit directions from eight packed ones on a 32-byte boundary; the same floats as unpackDirection. */
+inline Vec3f8 unpackDirections(const uint32_t* packed) {
+  const Vec3f8 d = unpackOctahedron(packed);
+  const Float8 scale = Float8(1) / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
+  return {d.x * scale, d.y * scale, d.z * scale};
+}
+
+enum class PhotonIndexKind {
+  KDTREE, ///< the eight-wide tree described above
+  FLANN   ///< FLANN's KDTreeSingleIndex: slow, and there to compare with
+};
+constexpr const char* photonIndexName(PhotonIndexKind kind) {
+  return kind == PhotonIndexKind::KDTREE ? "kdtree" : "flann";
+}
+/** The index of that name; nothing for an unknown one. */
+constexpr std::optional<PhotonIndexKind> parsePhotonIndex(std::string_view name) {
+  if (name == "kdtree") return PhotonIndexKind::KDTREE;
+  if (name == "flann") return PhotonIndexKind::FLANN;
+  return std::nullopt;
+}
+
+/**
+ * Where photons are searched: a spheroid around a surface point, flattened along the normal.
+ *
+ * With v = photon − center, h = v·normal and w = max(0, 1/flatness² − 1), the distance of a photon is
+ * D² = |v|² + w h², and a photon lies in the region where D² < radius². On the tangent plane D is the plain
+ * distance; along the normal the region ends at flatness · radius. The flattening is part of the metric,
+ * rather than a slab beside it, so that the k nearest photons are exactly those that a fixed-radius query
+ * finds at the distance of the k-th: both kinds of query mean the same set, whatever the upper bound.
+ *
+ * Where !bothSides, a photon counts only if it arrived from the side that the normal points to:
+ * direction·normal > 0. Photons that do not count are left out before anything is counted.
+ */
+struct GatherRegion {
+  Vec3f center{0};
+  Vec3f normal{0, 0, 1};   ///< unit, geometric, on the side that photons must arrive from
+  float radius = INFINITE; ///< on the tangent plane [scene units]; may be infinite for k-nearest
+  float flatness = 1;      ///< half axis along the normal ÷ radius, at least 1e-6; from 1 on: a sphere
+  bool bothSides = false;  ///< photons may arrive from either side (transmitting surfaces)
+};
+
+/** The payload of eight slots: what an estimate needs of a photon beyond its place. */
+struct PhotonPayload {
+  alignas(32) float red[8];
+  alignas(32) float green[8];
+  alignas(32) float blue[8];
+  alignas(32) uint32_t direction[8]; ///< packed; towards where the photon came from
+};
+
+/** Eight neighbouring slots, some of which a query found. */
+struct PhotonBlock {
+  uint32_t first;               ///< slot of lane 0; a multiple of 8
+  uint32_t mask;                ///< bit i: lane i was found; not 0
+  Float8 distance2;             ///< D² of GatherRegion; only lanes in the mask have a meaning
+  const PhotonPayload* payload; ///< all eight lanes may be read
+  const uint8_t* pathStates;    ///< eight of them
+
+  Float8 red() const { return Float8::load(payload->red); }
+  Float8 green() const { return Float8::load(payload->green); }
+  Float8 blue() const { return Float8::load(payload->blue); }
+  Rgb power(int lane) const { return {payload->red[lane], payload->green[lane], payload->blue[lane]}; }
+  /** Unit directions towards where the photons came from. */
+  Vec3f8 directions() const { return unpackDirections(payload->direction); }
+  Vec3f direction(int lane) const { return unpackDirection({payload->direction[lane]}); }
+  /** x in the lanes that were found, 0 elsewhere. */
+  Float8 found(Float8 x) const { return x & Float8::lanes(mask); }
+};
+
+/** Room for n objects that are not constructed, kept for reuse; large ones lie on huge pages. */
+template <class T> class PhotonArray {
+ public:
+  PhotonArray() = default;
+  PhotonArray(PhotonArray&& o) noexcept : room(std::move(o.room)), capacity(std::exchange(o.capacity, 0)) {}
+  PhotonArray& operator=(PhotonArray&& o) noexcept {
+    room = std::move(o.room);
+    capacity = std::exchange(o.capacity, 0);
+    return *this;
+  }
+  T* data() const { return room.get(); }
+  T& operator[](size_t i) const { return room.get()[i]; }
+  size_t bytes() const { return capacity * sizeof(T); }
+  size_t size() const { return capacity; }
+  /** Makes room for n objects. What was there is kept only if `keep`. */
+  void reserve(size_t n, bool keep = false);
+
+ private:
+  struct Release {
+    void operator()(void* p) const { std::free(p); }
+  };
+  std::unique_ptr<T, Release> room;
+  size_t capacity = 0;
+};
+/** Memory on a 64-byte boundary, on huge pages where it is large. Rounds `bytes` up. */
+void* allocatePhotonMemory(size_t& bytes);
+
+template <class T> void PhotonArray<T>::reserve(size_t n, bool keep) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  if (n <= capacity) return;
+  // The second request is likely to be followed by a third, a little larger.
+  size_t bytes = (capacity == 0 ? n : n + n / 16) * sizeof(T);
+  std::unique_ptr<T, Release> old = std::move(room);
+  if (!keep) old.reset();
+  room.reset(static_cast<T*>(allocatePhotonMemory(bytes)));
+  if (keep) std::copy_n(old.get(), capacity, room.get());
+  capacity = bytes / sizeof(T);
+}
+
+/** What a query found: blocks in increasing order of slots. */
+struct FoundPhotons {
+  PhotonArray<Float8> distance2; ///< infinite in lanes that were not found
+  PhotonArray<uint32_t> block;   ///< first slot / 8
+  size_t blocks = 0;             ///< how many of the two
+  size_t count = 0;              ///< photons
+  void clear() { blocks = count = 0; }
+  void add(uint32_t blockIndex, Float8 d2, uint32_t mask) {
+    if (blocks == distance2.size()) grow();
+    block[blocks] = blockIndex;
+    distance2[blocks++] = d2;
+    count += static_cast<size_t>(std::popcount(mask));
+  }
+  void grow();
+};
+
+/**
+ * Working memory for queries and what the last one found; one for each thread. Where the next query begins
+ * is guessed from the last one: a coherent order makes queries faster, and never changes what they find.
+ */
+class PhotonScratch {
+ public:
+  PhotonScratch() = default;
+
+ private:
+  friend class PhotonMap;
+  FoundPhotons found;
+  std::vector<uint64_t> ties;
+  Vec3f lastCenter{0};
+  float lastRadius = -1; ///< negative: nothing to go by
+  int lastCount = 0;
+};
+
+/** The outcome of a k-nearest query. */
+struct NearestPhotons {
+  int count = 0;     ///< found: k, or fewer if the region has fewer
+  float radius2 = 0; ///< D² of the farthest one found; 0 if none was
+};
+
+class PhotonMap {
+ public:
+  PhotonMap();
+  ~PhotonMap();
+  PhotonMap(PhotonMap&&) noexcept;
+  PhotonMap& operator=(PhotonMap&&) noexcept;
+
+  /**
+   * Replaces the contents by these photons, in the order of emission. Photons whose position or power is not
+   * finite are refused and counted. The result depends on the photons only, not on the number of threads.
+   * Buffers are reused. Throws Error for 2^32 - 64 photons or more.
+   */
+  void build(std::span<const Photon> photons, PhotonIndexKind kind = PhotonIndexKind::KDTREE);
+
+  PhotonIndexKind kind() const { return indexKind; }
+  /** Photons in the map; their slots are 0 … size() − 1. */
+  size_t size() const { return photonCount; }
+  bool empty() const { return photonCount == 0; }
+  /** Photons that were given to build() but are not in the map. */
+  size_t refused() const { return refusedCount; }
+  /** All memory that the map holds on to, buffers for the next build included. */
+  size_t memoryBytes() const;
+  /** Tight. */
+  const Bounds3f& bounds() const { return box; }
+
+  /**
+   * Calls visitor(const PhotonBlock&) for all photons in the region, in increasing order of slots. May be
+   * called from any thread. A query without flattening and with bothSides pays for neither.
+   */
+  template <class Visitor> void visitWithin(const GatherRegion& region, Visitor&& visitor) const;
+
+  /**
+   * Finds the k photons of the region that are nearest to its centre; of equally distant ones, those emitted
+   * first. They stay in the scratch for visitNearest().
+   */
+  NearestPhotons nearest(const GatherRegion& region, int k, PhotonScratch& scratch) const;
+  /** Calls visitor(const PhotonBlock&) for what the last nearest() found, in increasing order of slots. */
+  template <class Visitor> void visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const;
+
+  Vec3f position(size_t slot) const {
+    const Leaf& leaf = leaves[slot / LEAF_SIZE];
+    const size_t i = slot % LEAF_SIZE;
+    return {leaf.x[i], leaf.y[i], leaf.z[i]};
+  }
+  Rgb power(size_t slot) const {
+    const PhotonPayload& p = payload[slot / 8];
+    return {p.red[slot % 8], p.green[slot % 8], p.blue[slot % 8]};
+  }
+  PackedDirection packedDirection(size_t slot) const { return {payload[slot / 8].direction[slot % 8]}; }
+  Vec3f direction(size_t slot) const { return unpackDirection(packedDirection(slot)); }
+  uint8_t pathState(size_t slot) const { return pathStates[slot]; }
+  /** Where the photon stood in what was given to build(). */
+  uint32_t emissionIndex(size_t slot) const { return emission[slot]; }
+
+ private:
+  static constexpr size_t LEAF_SIZE = 32;
+  static constexpr int LEAF_BLOCKS = LEAF_SIZE / 8;
+  static constexpr int MAX_LEVELS = 10;
+
+  struct Node {
+    alignas(32) float lower[3][8];
+    alignas(32) float upper[3][8];
+  };
+  struct Leaf {
+    alignas(32) float x[LEAF_SIZE], y[LEAF_SIZE], z[LEAF_SIZE];
+  };
+  struct Builder;
+  struct Flann;
+
+  /** The region, as the tests of eight photons at a time want it. */
+  template <bool FLAT, bool SIDED> struct Query;
+  template <class F> decltype(auto) withQuery(const GatherRegion& region, F&& f) const;
+  template <class Q, class Visitor> void walk(const Q& query, Visitor&& visitor) const;
+  template <class Visitor> void visit(const FoundPhotons& found, Visitor&& visitor) const;
+  PhotonBlock makeBlock(uint32_t block, uint32_t mask, Float8 d2) const {
+    return {block * 8, mask, d2, payload.data() + block, pathStates.data() + size_t(block) * 8};
+  }
+
+  float densityBound(const Vec3f& center, int k) const;
+  void keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const;
+  void buildFlann();
+  void dropFlann();
+  size_t flannBytes() const;
+  void findWithinFlann(const GatherRegion& region, FoundPhotons& found) const;
+  void findNearestFlann(const GatherRegion& region, int k, FoundPhotons& found) const;
+
+  PhotonIndexKind indexKind = PhotonIndexKind::KDTREE;
+  size_t photonCount = 0, refusedCount = 0;
+  size_t leafCount = 0;
+  int levelCount = 0; ///< levels of nodes; the children of the last are leaves
+  size_t levelBegin[MAX_LEVELS] = {};
+  Bounds3f box;
+  PhotonArray<Node> nodes;
+  PhotonArray<Leaf> leaves;
+  PhotonArray<PhotonPayload> payload;
+  PhotonArray<uint8_t> pathStates;
+  PhotonArray<uint32_t> emission;
+  std::unique_ptr<Flann> flann;
+};
+
+/**
+ * Rounding is monotonic, and boxes and photons are compared by the same operations in the same order: a box
+ * is never left out that has a photon in the region. So nothing here has a tolerance.
+ */
+template <bool FLAT, bool SIDED> struct PhotonMap::Query {
+  Float8 cx, cy, cz;
+  float nx, ny, nz;
+  float flattening; ///< w of GatherRegion
+  float radius2;    ///< may shrink during a walk
+
+  explicit Query(const GatherRegion& r)
+      : cx(r.center.x), cy(r.center.y), cz(r.center.z), nx(r.normal.x), ny(r.normal.y), nz(r.normal.z),
+        flattening(FLAT ? 1 / (r.flatness * r.flatness) - 1 : 0), radius2(r.radius * r.radius) {}
+
+  /** D² of single precision, operation by operation as for eight. */
+  float distance2(const Vec3f& p) const {
+    const float x = p.x - _mm256_cvtss_f32(cx.v), y = p.y - _mm256_cvtss_f32(cy.v),
+                z = p.z - _mm256_cvtss_f32(cz.v);
+    const float d2 = x * x + y * y + z * z;
+    if constexpr (!FLAT) return d2;
+    const float h = x * nx + y * ny + z * nz;
+    return d2 + flattening * (h * h);
+  }
+  Float8 distance2(const float* px, const float* py, const float* pz) const {
+    const Float8 x = Float8::load(px) - cx, y = Float8::load(py) - cy, z = Float8::load(pz) - cz;
+    const Float8 d2 = x * x + y * y + z * z;
+    if constexpr (!FLAT) return d2;
+    const Float8 h = x * Float8(nx) + y * Float8(ny) + z * Float8(nz);
+    return d2 + Float8(flattening) * (h * h);
+  }
+  /** Lanes whose photons arrived from the right side. The octahedron's points need no unit length for that.
+   */
+  uint32_t facing(const uint32_t* packed) const {
+    if constexpr (!SIDED) return 0xff;
+    const Vec3f8 d = unpackOctahedron(packed);
+    return bits(less(Float8(0), d.x * Float8(nx) + d.y * Float8(ny) + d.z * Float8(nz)));
+  }
+  bool facing(PackedDirection direction) const {
+    alignas(32) const uint32_t packed[8] = {direction.bits};
+    return (facing(packed) & 1) != 0;
+  }
+  Float8 boxDistance2(const Node& node) const {
+    const auto axis = [&](int i, Float8 c) {
+      return max(max(Float8::load(node.lower[i]) - c, c - Float8::load(node.upper[i])), Float8(0));
+    };
+    const Float8 x = axis(0, cx), y = axis(1, cy), z = axis(2, cz);
+    return x * x + y * y + z * z;
+  }
+  uint32_t reached(const Node& node) const { return bits(less(boxDistance2(node), Float8(radius2))); }
+};
+
+template <class F> decltype(auto) PhotonMap::withQuery(const GatherRegion& region, F&& f) const {
+  const bool flat = region.flatness < 1;
+  if (region.bothSides) return flat ? f(Query<true, false>(region)) : f(Query<false, false>(region));
+  return flat ? f(Query<true, true>(region)) : f(Query<false, true>(region));
+}
+
+/** Calls visitor(block, mask, D²) depth first, nearest slots first; the visitor may shrink query.radius2. */
+template <class Q, class Visitor> void PhotonMap::walk(const Q& query, Visitor&& visitor) const {
+  if (photonCount == 0) return;
+  uint32_t left[MAX_LEVELS]; // children still to be seen, of the nodes on the way down
+  int level = 0;
+  const int last = levelCount - 1;
+  size_t node = 0;
+  uint32_t mask = query.reached(nodes[0]);
+  for (;;) {
+    if (level == last) {
+      for (; mask != 0; mask &= mask - 1) {
+        const size_t leafIndex = node * 8 + static_cast<size_t>(std::countr_zero(mask));
+        const Leaf& leaf = leaves[leafIndex];
+        for (int i = 0; i < LEAF_BLOCKS; ++i) {
+          const Float8 d2 = query.distance2(leaf.x + 8 * i, leaf.y + 8 * i, leaf.z + 8 * i);
+          uint32_t lanes = bits(less(d2, Float8(query.radius2)));
+          if (lanes == 0) continue;
+          const auto block = static_cast<uint32_t>(leafIndex * LEAF_BLOCKS + static_cast<size_t>(i));
+          lanes &= query.facing(payload[block].direction);
+          if (lanes != 0) visitor(block, lanes, d2);
+        }
+      }
+    }
+    while (mask == 0) {
+      if (level == 0) return;
+      mask = left[--level];
+      node /= 8;
+    }
+    left[level] = mask & (mask - 1);
+    node = node * 8 + static_cast<size_t>(std::countr_zero(mask));
+    ++level;
+    mask = query.reached(nodes[levelBegin[level] + node]);
+  }
+}
+
+template <class Visitor> void PhotonMap::visit(const FoundPhotons& found, Visitor&& visitor) const {
+  for (size_t i = 0; i < found.blocks; ++i) {
+    const Float8 d2 = found.distance2[i];
+    visitor(makeBlock(found.block[i], bits(less(d2, Float8(INFINITE))), d2));
+  }
+}
+
+template <class Visitor> void PhotonMap::visitWithin(const GatherRegion& region, Visitor&& visitor) const {
+  if (indexKind == PhotonIndexKind::FLANN) {
+    FoundPhotons found;
+    findWithinFlann(region, found);
+    visit(found, visitor);
+    return;
+  }
+  withQuery(region, [&](const auto& query) {
+    walk(query, [&](uint32_t block, uint32_t mask, Float8 d2) { visitor(makeBlock(block, mask, d2)); });
+  });
+}
+
+template <class Visitor> void PhotonMap::visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const {
+  visit(scratch.found, visitor);
+}
+
+} // namespace recurse
