@@ -1,0 +1,94 @@
+/** @file
+ * Path expressions: which light paths a person means, as a minimised automaton.
+ *
+ * A path is a word: L, then its scattering events in the order the light meets them (S specular, D any other
+ * at a surface, V in a medium), then E. An expression is a regular expression over these letters:
+ *
+ *     L S D V E      the letters themselves; spaces mean nothing
+ *     .              S, D or V
+ *     [SD]  [^S]     one of these letters; one of S, D, V but not these
+ *     (A|B)  [A|B]   alternatives, each a whole expression: brackets with a bar group, as in Heckbert's
+ * notation A? A* A+       A optional; any number of A; at least one A{2} A{2,} A{2,3} direct         a named
+ * class, see namedPathClasses() !A             every path that is not in A A & B   A - B  paths in both;
+ * paths in A but not in B
+ *
+ * What binds tightest comes first: repetition, sequence, `!`, `&` and `-` (from left to right), `|`. As
+ * `A - B | C` can be misread, `-` and `|` side by side need parentheses. Whatever an expression says, only
+ * paths L(S|D|V)*E are in its class.
+ */
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recurse/transport/pathClasses.h"
+
+namespace recurse {
+
+/** The letters of a path word; the first three are the PathEvents. */
+enum class PathLetter : uint8_t { S, D, V, L, E };
+
+struct Dfa;
+
+/** A set of paths, as the one smallest deterministic automaton that accepts it. Cheap to copy. */
+class PathAutomaton {
+ public:
+  enum class Empty { REFUSED, ALLOWED };
+
+  /** Throws Error (BAD_USAGE) which points at the column. A class that no path can be in is refused unless
+   * `empty` says otherwise. */
+  static PathAutomaton compile(const std::string& expression, Empty empty = Empty::REFUSED);
+
+  /** Whether the word, such as "LSDE", is in the set; false for what is no word at all. */
+  bool accepts(std::string_view word) const;
+
+  PathAutomaton unite(const PathAutomaton& other) const;
+  PathAutomaton intersect(const PathAutomaton& other) const;
+  PathAutomaton difference(const PathAutomaton& other) const;
+  /** All other paths L(S|D|V)*E. */
+  PathAutomaton complement() const;
+
+  bool isEmpty() const;
+  bool equivalent(const PathAutomaton& other) const;
+  bool subsetOf(const PathAutomaton& other) const;
+
+  /** Words of the set with up to `maxEvents` events between L and E, the shorter first, at most
+   * `mostPerLength` of each length, those without V first. */
+  std::vector<std::string> exampleWords(size_t maxEvents, size_t mostPerLength) const;
+  /** One of the shortest words; empty when the set is. */
+  std::string shortestWord() const;
+  /** The automaton in words, a line for each state from which a path can still be completed. */
+  std::string describe() const;
+  /** An expression of the set, free of set operations; empty when none of up to `longest` characters was
+   * found. */
+  std::string toExpression(size_t longest = 100) const;
+
+  // The automaton itself. States are numbered in the order of first visit from `start()`, which is 0.
+  size_t stateCount() const;
+  uint32_t start() const { return 0; }
+  uint32_t next(uint32_t state, PathLetter letter) const;
+  bool accepting(uint32_t state) const;
+
+ private:
+  explicit PathAutomaton(Dfa dfa);
+  std::shared_ptr<const Dfa> dfa;
+};
+
+/** A class that expressions can refer to by its name. */
+struct NamedPathClass {
+  std::string name; ///< lower-case letters only, so that it is never taken for path letters
+  std::string expression;
+  std::string meaning; ///< in one line
+};
+
+/** All named classes, the simple ones first. */
+const std::vector<NamedPathClass>& namedPathClasses();
+
+/** The classes of `recurse stills` unless others are asked for: disjoint, and together every path. */
+std::vector<PathClass> defaultStillClasses();
+
+} // namespace recurse
