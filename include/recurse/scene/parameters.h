@@ -8,6 +8,7 @@
  */
 #pragma once
 
+#include <initializer_list>
 #include <limits>
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ struct ParsedParameter {
   std::vector<bool> booleans;
   SourceLocation location;      ///< of the quoted declaration
   SourceLocation valueLocation; ///< of the first value
+  bool byAttribute = false;     ///< a default from an Attribute directive: unused, it is no error
+  /** That file names in it are relative to, where an Include makes that another one than the directive's. */
+  std::string directory;
 };
 
 /** A use of a plug-in: `Shape "sphere" "float radius" 2`. */
@@ -141,6 +145,7 @@ class Parameters {
   std::vector<Vec2d> vector2s(const std::string& name) const;
   std::vector<Vec3d> vector3s(const std::string& name) const;
   std::vector<std::string> strings(const std::string& name) const;
+  std::vector<Rgbd> spectra(const std::string& name) const; ///< of an array of colours
 
   /** The name of the texture that stands for the value; empty when there is none. */
   std::string texture(const std::string& name) const;
@@ -160,12 +165,17 @@ class Parameters {
   friend Parameters bindParameters(const ParsedDirective&, const std::vector<ParameterSpec>&, Diagnostics&,
                                    bool);
   struct Bound {
-    ParameterSpec spec;
+    std::string name;
+    ParameterType type = ParameterType::REAL;
+    SpectrumKind kind = SpectrumKind::ALBEDO;
+    double minimum = 0, maximum = 0; ///< of a colour
     ParsedParameter value;
-    bool given = false;
-    bool present = false;
+    bool given = false, present = false;
   };
   const Bound& find(const std::string& name) const;
+  const Bound& valueOf(const std::string& name, std::initializer_list<ParameterType> types) const;
+  const Bound& oneValueOf(const std::string& name, std::initializer_list<ParameterType> types) const;
+  Rgbd spectrumOf(const Bound& b, const ParsedParameter& value) const;
 
   std::vector<Bound> bound;
   std::string name, baseDirectory, topDirectory;
@@ -175,7 +185,8 @@ class Parameters {
 /**
  * Meets what a file wrote with what a plug-in declares. Reports unknown names (with the nearest declared
  * ones), wrong types, counts, ranges and non-finite numbers; unknown names are warnings when `lenient`.
- * A parameter given twice counts once, the first time, as in pbrt.
+ * Of a parameter given twice the last counts, as in pbrt-v4, with a warning; what the directive itself gives
+ * goes before what an Attribute directive gave.
  */
 Parameters bindParameters(const ParsedDirective& directive, const std::vector<ParameterSpec>& specs,
                           Diagnostics& diagnostics, bool lenient);

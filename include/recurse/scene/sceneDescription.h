@@ -70,6 +70,7 @@ struct SceneDescription {
   std::vector<TextureDescription> textures; ///< in the order of the file
   std::vector<ParsedDirective> areaLights;
   std::map<std::string, ParsedDirective> media;
+  std::map<std::string, Mat4d> worldFromMedium; ///< for every medium
   std::string cameraMedium;
   std::vector<ShapeDescription> shapes;
   std::map<std::string, ObjectDescription> objects;

@@ -1,0 +1,35 @@
+/** @file
+ * Entry points of the reader of scene files.
+ */
+#include "recurse/scene/loader.h"
+
+#include "scene/sceneParser.h"
+
+namespace recurse {
+
+using namespace sceneFile;
+
+namespace {
+
+SceneDescription readScene(SourceFiles& files, const Source& top, Diagnostics& diagnostics) {
+  SceneDescription scene;
+  scene.fileName = top.text->name;
+  files.topDirectory = top.directory;
+  SceneParser(scene, files, diagnostics).parse(top);
+  return scene;
+}
+
+} // namespace
+
+SceneDescription loadScene(const std::string& fileName, Diagnostics& diagnostics) {
+  SourceFiles files;
+  return readScene(files, files.open(fileName), diagnostics);
+}
+
+SceneDescription parseScene(const std::string& text, const std::string& name, const std::string& directory,
+                            Diagnostics& diagnostics) {
+  SourceFiles files;
+  return readScene(files, files.addText(text, name, directory), diagnostics);
+}
+
+} // namespace recurse

@@ -1,0 +1,242 @@
+/** @file
+ * Declarations of parameters, and reading their checked values.
+ */
+#include "recurse/scene/parameters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "recurse/scene/spectrum.h"
+#include "scene/parameterTypes.h"
+#include "scene/sourceFiles.h"
+
+namespace recurse {
+
+using sceneFile::traitsOf;
+
+namespace {
+
+ParameterSpec makeSpec(ParameterType type, const std::string& name, const std::string& defaultText,
+                       const std::string& description) {
+  ParameterSpec spec;
+  spec.type = type;
+  spec.name = name;
+  spec.defaultText = defaultText;
+  spec.description = description;
+  return spec;
+}
+
+} // namespace
+
+ParameterSpec realParameter(const std::string& name, const std::string& defaultText,
+                            const std::string& description) {
+  return makeSpec(ParameterType::REAL, name, defaultText, description);
+}
+ParameterSpec integerParameter(const std::string& name, const std::string& defaultText,
+                               const std::string& description) {
+  return makeSpec(ParameterType::INTEGER, name, defaultText, description);
+}
+ParameterSpec booleanParameter(const std::string& name, const std::string& defaultText,
+                               const std::string& description) {
+  return makeSpec(ParameterType::BOOLEAN, name, defaultText, description);
+}
+ParameterSpec stringParameter(const std::string& name, const std::string& defaultText,
+                              const std::string& description) {
+  return makeSpec(ParameterType::STRING, name, defaultText, description);
+}
+ParameterSpec spectrumParameter(const std::string& name, const std::string& defaultText, SpectrumKind kind,
+                                const std::string& description) {
+  ParameterSpec spec = makeSpec(ParameterType::SPECTRUM, name, defaultText, description);
+  spec.spectrumKind = kind;
+  return spec;
+}
+ParameterSpec arrayParameter(ParameterType type, const std::string& name, int count,
+                             const std::string& defaultText, const std::string& description) {
+  ParameterSpec spec = makeSpec(type, name, defaultText, description);
+  spec.count = count;
+  return spec;
+}
+ParameterSpec ignoredParameter(ParameterType type, const std::string& name, const std::string& why) {
+  ParameterSpec spec = makeSpec(type, name, "", why);
+  spec.ignored = true;
+  spec.count = 0;
+  return spec;
+}
+
+const Parameters::Bound& Parameters::find(const std::string& wanted) const {
+  for (const Bound& b : bound)
+    if (b.name == wanted) return b;
+  throw std::logic_error("plug-in \"" + name + "\" reads the parameter \"" + wanted +
+                         "\" without declaring it");
+}
+
+const Parameters::Bound& Parameters::valueOf(const std::string& wanted,
+                                             std::initializer_list<ParameterType> types) const {
+  const Bound& b = find(wanted);
+  if (std::find(types.begin(), types.end(), b.type) == types.end())
+    throw std::logic_error("plug-in \"" + name + "\" reads the parameter \"" + wanted +
+                           "\" as another type than it declares");
+  if (!b.present)
+    fail(wanted, "parameter \"" + wanted + "\" is missing",
+         std::string("\"") + traitsOf(b.type).word + " " + wanted + "\"");
+  if (b.value.type == "texture") fail(wanted, "parameter \"" + wanted + "\" cannot be a texture here");
+  return b;
+}
+
+const Parameters::Bound& Parameters::oneValueOf(const std::string& wanted,
+                                                std::initializer_list<ParameterType> types) const {
+  const Bound& b = valueOf(wanted, types);
+  const size_t each = traitsOf(b.type).numbersEach;
+  const size_t have =
+      each ? b.value.numbers.size() / each : std::max(b.value.strings.size(), b.value.booleans.size());
+  if (have == 0) fail(wanted, "parameter \"" + wanted + "\" has no value");
+  return b;
+}
+
+bool Parameters::has(const std::string& wanted) const { return find(wanted).given; }
+bool Parameters::hasValue(const std::string& wanted) const { return find(wanted).present; }
+
+bool Parameters::boolean(const std::string& wanted) const {
+  return oneValueOf(wanted, {ParameterType::BOOLEAN}).value.booleans[0];
+}
+
+int Parameters::integer(const std::string& wanted) const {
+  return static_cast<int>(oneValueOf(wanted, {ParameterType::INTEGER}).value.numbers[0]);
+}
+
+double Parameters::real(const std::string& wanted) const {
+  return oneValueOf(wanted, {ParameterType::REAL, ParameterType::INTEGER}).value.numbers[0];
+}
+
+std::string Parameters::string(const std::string& wanted) const {
+  return oneValueOf(wanted, {ParameterType::STRING}).value.strings[0];
+}
+
+Vec3d Parameters::vector3(const std::string& wanted) const {
+  const auto& v = oneValueOf(wanted, {ParameterType::POINT3, ParameterType::VECTOR3, ParameterType::NORMAL})
+                      .value.numbers;
+  return {v[0], v[1], v[2]};
+}
+
+std::vector<int> Parameters::integers(const std::string& wanted) const {
+  const auto& v = valueOf(wanted, {ParameterType::INTEGER}).value.numbers;
+  std::vector<int> out(v.size());
+  std::transform(v.begin(), v.end(), out.begin(), [](double x) { return static_cast<int>(x); });
+  return out;
+}
+
+std::vector<double> Parameters::reals(const std::string& wanted) const {
+  return valueOf(wanted, {ParameterType::REAL, ParameterType::INTEGER}).value.numbers;
+}
+
+std::vector<Vec2d> Parameters::vector2s(const std::string& wanted) const {
+  const auto& v = valueOf(wanted, {ParameterType::POINT2, ParameterType::VECTOR2}).value.numbers;
+  std::vector<Vec2d> out(v.size() / 2);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = {v[2 * i], v[2 * i + 1]};
+  return out;
+}
+
+std::vector<Vec3d> Parameters::vector3s(const std::string& wanted) const {
+  const auto& v =
+      valueOf(wanted, {ParameterType::POINT3, ParameterType::VECTOR3, ParameterType::NORMAL}).value.numbers;
+  std::vector<Vec3d> out(v.size() / 3);
+  for (size_t i = 0; i < out.size(); ++i) out[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+  return out;
+}
+
+std::vector<std::string> Parameters::strings(const std::string& wanted) const {
+  return valueOf(wanted, {ParameterType::STRING}).value.strings;
+}
+
+Rgbd Parameters::spectrumOf(const Bound& b, const ParsedParameter& v) const {
+  const auto checked = [&](const std::vector<double>& values) {
+    for (double x : values)
+      if (x < b.minimum || x > b.maximum)
+        fail(b.name, "the spectrum of parameter \"" + b.name + "\" leaves its range");
+  };
+  if (v.type == "float") return Rgbd(v.numbers[0]);
+  if (v.type == "rgb") return {v.numbers[0], v.numbers[1], v.numbers[2]};
+  if (v.type == "blackbody") return rgbOfBlackbody(v.numbers[0], b.kind);
+  if (v.strings.empty()) {
+    const SampledSpectrum spectrum = spectrumFromPairs(v.numbers); // checked when it was bound
+    checked(spectrum.values);
+    return rgbOfSpectrum(spectrum, b.kind);
+  }
+  const std::string& spectrumName = v.strings[0];
+  if (const auto rgb = rgbOfNamedSpectrum(spectrumName)) return *rgb;
+  std::string tried;
+  const std::string path = sceneFile::findFile(
+      spectrumName, v.directory.empty() ? baseDirectory : v.directory, topDirectory, tried);
+  if (path.empty()) {
+    std::string message = "\"" + spectrumName + "\" is neither a known spectrum nor a file";
+    const auto near = nearestNames(spectrumName, namedSpectra(), 1);
+    if (!near.empty()) message += "; did you mean \"" + near[0] + "\"?";
+    std::string accepted = "a file (tried " + tried + ") or one of";
+    for (const std::string& known : namedSpectra()) accepted += " " + known;
+    fail(b.name, message, accepted);
+  }
+  try {
+    const SampledSpectrum spectrum = readSpectrumFile(path);
+    checked(spectrum.values);
+    return rgbOfSpectrum(spectrum, b.kind);
+  } catch (const SceneError&) {
+    throw;
+  } catch (const Error& e) {
+    fail(b.name, e.what());
+  }
+}
+
+Rgbd Parameters::spectrum(const std::string& wanted) const {
+  const Bound& b = valueOf(wanted, {ParameterType::SPECTRUM});
+  return spectrumOf(b, b.value);
+}
+
+std::vector<Rgbd> Parameters::spectra(const std::string& wanted) const {
+  const Bound& b = valueOf(wanted, {ParameterType::SPECTRUM});
+  const auto& v = b.value.numbers;
+  std::vector<Rgbd> out;
+  if (b.value.type == "rgb") {
+    for (size_t i = 0; i + 2 < v.size(); i += 3) out.emplace_back(v[i], v[i + 1], v[i + 2]);
+  } else if (b.value.type == "float") {
+    for (double x : v) out.emplace_back(x);
+  } else if (b.value.type == "blackbody") {
+    for (double x : v) out.push_back(rgbOfBlackbody(x, b.kind));
+  } else if (b.value.strings.empty()) {
+    out.push_back(spectrumOf(b, b.value));
+  } else {
+    ParsedParameter one = b.value;
+    for (const std::string& s : b.value.strings) {
+      one.strings = {s};
+      out.push_back(spectrumOf(b, one));
+    }
+  }
+  return out;
+}
+
+std::string Parameters::texture(const std::string& wanted) const {
+  const Bound& b = find(wanted);
+  return b.present && b.value.type == "texture" ? b.value.strings[0] : std::string();
+}
+
+std::string Parameters::filePath(const std::string& wanted) const {
+  const Bound& b = oneValueOf(wanted, {ParameterType::STRING});
+  std::string tried;
+  const std::string path = sceneFile::findFile(
+      b.value.strings[0], b.value.directory.empty() ? baseDirectory : b.value.directory, topDirectory, tried);
+  if (path.empty())
+    fail(wanted, "there is no file \"" + b.value.strings[0] + "\"", "an existing file; tried " + tried);
+  return path;
+}
+
+SourceLocation Parameters::location(const std::string& wanted) const {
+  const Bound& b = find(wanted);
+  return b.given ? b.value.valueLocation : place;
+}
+
+void Parameters::fail(const std::string& wanted, const std::string& message,
+                      const std::string& accepted) const {
+  throw SceneError(wanted.empty() ? place : location(wanted), message, accepted);
+}
+
+} // namespace recurse

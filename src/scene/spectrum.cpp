@@ -1,0 +1,172 @@
+/** @file
+ * Integration of spectra.
+ */
+#include "recurse/scene/spectrum.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "scene/lexer.h"
+#include "scene/sourceFiles.h"
+
+namespace recurse {
+
+namespace {
+
+/** Range of the integrals [nm], in steps of 1 nm; beyond it the eye sees next to nothing. */
+constexpr int FIRST_WAVELENGTH = 360, LAST_WAVELENGTH = 780;
+
+/** A Gaussian lobe with a width of its own on each side, given as inverse widths. */
+double lobe(double wavelength, double centre, double below, double above) {
+  const double t = (wavelength - centre) * (wavelength < centre ? below : above);
+  return std::exp(-0.5 * t * t);
+}
+
+/**
+ * The CIE 1931 matching functions, in the multi-lobe fit of C. Wyman, P.-P. Sloan and P. Shirley, "Simple
+ * Analytic Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2), 2013.
+ */
+Vec3d matchingFunctions(double w) {
+  return {0.362 * lobe(w, 442.0, 0.0624, 0.0374) + 1.056 * lobe(w, 599.8, 0.0264, 0.0323) -
+              0.065 * lobe(w, 501.1, 0.0490, 0.0382),
+          0.821 * lobe(w, 568.8, 0.0213, 0.0247) + 0.286 * lobe(w, 530.9, 0.0613, 0.0322),
+          1.217 * lobe(w, 437.0, 0.0845, 0.0278) + 0.681 * lobe(w, 459.0, 0.0385, 0.0725)};
+}
+
+/** CIE standard illuminant D65 (ISO 11664-2), every 10 nm from 360 nm. */
+constexpr double D65[] = {46.6383, 52.0891, 49.9755, 54.6482, 82.7549, 91.4860, 93.4318, 86.6823, 104.865,
+                          117.008, 117.812, 114.861, 115.923, 108.811, 109.354, 107.802, 104.790, 107.689,
+                          104.405, 104.046, 100.000, 96.3342, 95.7880, 88.6856, 90.0062, 89.5991, 87.6987,
+                          83.2886, 83.6992, 80.0268, 80.2146, 82.2778, 78.2842, 69.7213, 71.6091, 74.3490,
+                          61.6040, 69.8856, 75.0870, 63.5927, 46.4182, 66.8054, 63.3828};
+
+double daylight(int wavelength) {
+  const int i = (wavelength - FIRST_WAVELENGTH) / 10;
+  const double t = (wavelength - FIRST_WAVELENGTH - 10 * i) / 10.0;
+  return t == 0 ? D65[i] : D65[i] * (1 - t) + D65[i + 1] * t;
+}
+
+/** Planck's law up to a constant factor. */
+double planck(double nanometres, double kelvin) {
+  constexpr double SECOND_RADIATION_CONSTANT = 1.438776877e7; // nm K, CODATA 2018
+  const double exponent = SECOND_RADIATION_CONSTANT / (nanometres * kelvin);
+  return 1 / (std::pow(nanometres / 560, 5) * std::expm1(exponent));
+}
+
+template <class F> Vec3d integrate(F&& spectrum) {
+  static const std::vector<Vec3d> MATCHING = [] {
+    std::vector<Vec3d> table;
+    for (int w = FIRST_WAVELENGTH; w <= LAST_WAVELENGTH; ++w) table.push_back(matchingFunctions(w));
+    return table;
+  }();
+  Vec3d xyz(0);
+  for (int w = FIRST_WAVELENGTH; w <= LAST_WAVELENGTH; ++w)
+    xyz += MATCHING[static_cast<size_t>(w - FIRST_WAVELENGTH)] * spectrum(w);
+  return xyz;
+}
+
+/** What daylight comes to in these integrals; results are relative to it, so that the fit's errors cancel in
+ * white. */
+const Rgbd& white() {
+  static const Rgbd WHITE = rgbOfXyz(integrate(daylight));
+  return WHITE;
+}
+
+double luminanceOf(const Rgbd& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
+
+Rgbd intoGamut(const Rgbd& c) {
+  const double lowest = std::min({c.r, c.g, c.b});
+  if (lowest >= 0) return c;
+  const double grey = luminanceOf(c);
+  if (!(grey > 0)) return Rgbd(0);
+  const double keep = grey / (grey - lowest);
+  return glm::max(Rgbd(grey) + (c - Rgbd(grey)) * keep, Rgbd(0));
+}
+
+template <class F> Rgbd convert(F&& spectrum, SpectrumKind kind) {
+  if (kind != SpectrumKind::ILLUMINANT)
+    return intoGamut(rgbOfXyz(integrate([&](int w) { return spectrum(w) * daylight(w); })) / white());
+  const Rgbd c = intoGamut(rgbOfXyz(integrate(spectrum)) / white());
+  const double y = luminanceOf(c);
+  return y > 0 ? c / y : Rgbd(0);
+}
+
+} // namespace
+
+Rgbd rgbOfXyz(const Vec3d& xyz) {
+  static const Mat3d FROM_XYZ = [] {
+    // Primaries and white of ITU-R BT.709-6, item 1.3 and 1.4.
+    const auto column = [](double x, double y) { return Vec3d(x / y, 1, (1 - x - y) / y); };
+    const Mat3d primaries(column(0.64, 0.33), column(0.30, 0.60), column(0.15, 0.06));
+    const Vec3d amounts = glm::inverse(primaries) * column(0.3127, 0.3290);
+    return glm::inverse(Mat3d(primaries[0] * amounts.x, primaries[1] * amounts.y, primaries[2] * amounts.z));
+  }();
+  return FROM_XYZ * xyz;
+}
+
+double SampledSpectrum::at(double wavelength) const {
+  if (wavelengths.empty()) return 0;
+  const auto above = std::upper_bound(wavelengths.begin(), wavelengths.end(), wavelength);
+  if (above == wavelengths.begin()) return values.front();
+  if (above == wavelengths.end()) return values.back();
+  const auto i = static_cast<size_t>(above - wavelengths.begin());
+  const double t = (wavelength - wavelengths[i - 1]) / (wavelengths[i] - wavelengths[i - 1]);
+  return values[i - 1] * (1 - t) + values[i] * t;
+}
+
+Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind) {
+  const auto& v = spectrum.values;
+  // A constant is exact, not only up to rounding.
+  if (kind != SpectrumKind::ILLUMINANT && !v.empty() &&
+      std::all_of(v.begin(), v.end(), [&](double x) { return x == v[0]; }))
+    return Rgbd(v[0]);
+  return convert([&](int w) { return spectrum.at(w); }, kind);
+}
+
+Rgbd rgbOfBlackbody(double kelvin, SpectrumKind kind) {
+  if (!(kelvin > 0)) return Rgbd(0);
+  // Relative to the peak, which Wien's law gives: neither end of the temperature scale then over- or
+  // underflows.
+  const double peak = 2.897771955e6 / kelvin; // nm
+  double largest = planck(peak, kelvin);
+  if (kind == SpectrumKind::ILLUMINANT)
+    largest = std::max(planck(FIRST_WAVELENGTH, kelvin), planck(LAST_WAVELENGTH, kelvin));
+  if (!(largest > 0) || !std::isfinite(largest)) return Rgbd(0);
+  return convert([&](int w) { return planck(w, kelvin) / largest; }, kind);
+}
+
+SampledSpectrum spectrumFromPairs(const std::vector<double>& pairs) {
+  if (pairs.empty()) throw Error("a spectrum needs at least one pair of wavelength and value");
+  if (pairs.size() % 2) throw Error("a spectrum needs pairs of wavelength and value; a value is missing");
+  SampledSpectrum spectrum;
+  for (size_t i = 0; i < pairs.size(); i += 2) {
+    if (i > 0 && pairs[i] <= pairs[i - 2]) throw Error("the wavelengths of a spectrum must increase");
+    if (!(pairs[i] > 0)) throw Error("the wavelengths of a spectrum must be positive");
+    spectrum.wavelengths.push_back(pairs[i]);
+    spectrum.values.push_back(pairs[i + 1]);
+  }
+  return spectrum;
+}
+
+SampledSpectrum readSpectrumFile(const std::string& path) {
+  using namespace sceneFile;
+  SourceFiles files;
+  std::vector<double> numbers;
+  try {
+    Lexer lexer(files.open(path));
+    lexer.appendNumbers(numbers);
+    const Token rest = lexer.next();
+    if (rest.kind != TokenKind::END) numberValue(rest);
+  } catch (const SceneError& e) {
+    if (e.diagnostics().empty()) throw;
+    const Diagnostic& d = e.diagnostics()[0];
+    throw Error("spectrum file " + path + ", line " + std::to_string(d.location.line) + ": " + d.message);
+  }
+  try {
+    return spectrumFromPairs(numbers);
+  } catch (const Error& e) {
+    throw Error("spectrum file " + path + ": " + e.what());
+  }
+}
+
+} // namespace recurse

@@ -1,0 +1,203 @@
+/** @file
+ * Directives that change the current transform. They are composed in double, each from the right.
+ */
+#include <cmath>
+
+#include "scene/sceneParser.h"
+
+namespace recurse::sceneFile {
+
+namespace {
+
+bool isFiniteMatrix(const Mat4d& m) {
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 4; ++r)
+      if (!std::isfinite(m[c][r])) return false;
+  return true;
+}
+
+/** Exact in its columns even for matrices whose determinant would underflow. */
+bool isInvertible(const Mat4d& m) {
+  Mat3d linear(m);
+  for (int c = 0; c < 3; ++c) {
+    const double size = std::max({std::abs(linear[c].x), std::abs(linear[c].y), std::abs(linear[c].z)});
+    if (!(size > 0)) return false;
+    linear[c] /= size;
+  }
+  // Below this the columns agree in all digits that a file could have.
+  return std::abs(glm::determinant(linear)) > 1e-14;
+}
+
+Mat4d translation(const Vec3d& by) {
+  Mat4d m(1);
+  m[3] = Vec4d(by, 1);
+  return m;
+}
+
+/** Rodrigues' rotation by an angle in degrees. */
+Mat4d rotation(double degrees, const Vec3d& axis) {
+  // Quarter turns are exact, so that what is axis-aligned stays so.
+  const double turn = std::remainder(degrees, 360);
+  double s = std::sin(turn * (M_PI / 180)), c = std::cos(turn * (M_PI / 180));
+  if (std::abs(turn) == 90) c = 0;
+  if (std::abs(turn) == 180) s = 0;
+  const Vec3d a = axis / glm::length(axis);
+  Mat4d m(1);
+  for (int i = 0; i < 3; ++i) {
+    Vec3d e(0);
+    e[i] = 1;
+    m[i] = Vec4d(a * (a[i] * (1 - c)) + e * c + glm::cross(a, e) * s, 0);
+  }
+  return m;
+}
+
+} // namespace
+
+std::vector<double> SceneParser::takeNumbers(const Token& directive, size_t count, const char* what) {
+  std::vector<double> values;
+  const bool bracket = tokens->peek().kind == TokenKind::OPEN;
+  if (bracket) tokens->take();
+  while (values.size() < count) {
+    const Token token = tokens->peek();
+    if (!looksLikeNumber(token))
+      throw SceneError(token.kind == TokenKind::END ? directive.location() : token.location(),
+                       std::string(directive.text) + " needs " + what + ": " + std::to_string(count) +
+                           " numbers, found " + token.shown() + " after " + std::to_string(values.size()));
+    values.push_back(numberValue(tokens->take()));
+  }
+  const Token token = tokens->peek();
+  if (looksLikeNumber(token) || (bracket && token.kind != TokenKind::CLOSE))
+    throw SceneError(token.location(), std::string(directive.text) + " takes " + std::to_string(count) +
+                                           " numbers, found " + token.shown() + " after them");
+  if (bracket) tokens->take();
+  return values;
+}
+
+Mat4d SceneParser::takeMatrix(const Token& directive) {
+  const std::vector<double> v = takeNumbers(directive, 16, "a matrix column by column");
+  Mat4d m;
+  double largest = 0;
+  for (int i = 0; i < 16; ++i) {
+    m[i / 4][i % 4] = v[static_cast<size_t>(i)];
+    largest = std::max(largest, std::abs(v[static_cast<size_t>(i)]));
+  }
+  // Exporters write the last row with rounding errors of the other numbers; more than that is a projection.
+  const double rounding = 1e-6 * largest;
+  if (std::abs(m[0][3]) > rounding || std::abs(m[1][3]) > rounding || std::abs(m[2][3]) > rounding ||
+      !(std::abs(m[3][3]) > rounding))
+    throw SceneError(directive.location(), "this matrix is a projection, which cannot place anything",
+                     "numbers 4, 8 and 12 zero, and number 16 not: it is written column by column");
+  m /= m[3][3];
+  m[0][3] = m[1][3] = m[2][3] = 0;
+  m[3][3] = 1;
+  return m;
+}
+
+void SceneParser::setTransform(size_t i, const Mat4d& m, const SourceLocation& where) {
+  if (!isFiniteMatrix(m)) throw SceneError(where, "the current transform overflows");
+  if (!isInvertible(m))
+    throw SceneError(where, "the current transform becomes flat: it cannot be inverted any more");
+  state.transforms.at[i] = m;
+}
+
+void SceneParser::concatenate(const Mat4d& m, const SourceLocation& where) {
+  for (size_t i = 0; i < 2; ++i)
+    if (state.active[i]) setTransform(i, state.transforms.at[i] * m, where);
+}
+
+Mat4d SceneParser::currentTransform(const SourceLocation& where) {
+  if (state.transforms.moving())
+    log.error(where, "motion blur is not supported: the transforms of StartTime and EndTime differ here");
+  return state.transforms.at[0];
+}
+
+void SceneParser::identity(const Token&) {
+  for (size_t i = 0; i < 2; ++i)
+    if (state.active[i]) state.transforms.at[i] = Mat4d(1);
+}
+
+void SceneParser::translate(const Token& t) {
+  const auto v = takeNumbers(t, 3, "a vector");
+  concatenate(translation({v[0], v[1], v[2]}), t.location());
+}
+
+void SceneParser::scale(const Token& t) {
+  const auto v = takeNumbers(t, 3, "three factors");
+  if (v[0] == 0 || v[1] == 0 || v[2] == 0)
+    throw SceneError(t.location(), "Scale by zero cannot be inverted", "factors that are not zero");
+  Mat4d m(1);
+  for (int i = 0; i < 3; ++i) m[i][i] = v[static_cast<size_t>(i)];
+  concatenate(m, t.location());
+}
+
+void SceneParser::rotate(const Token& t) {
+  const auto v = takeNumbers(t, 4, "an angle and an axis");
+  const Vec3d axis(v[1], v[2], v[3]);
+  const double size = std::max({std::abs(v[1]), std::abs(v[2]), std::abs(v[3])});
+  if (size == 0) throw SceneError(t.location(), "Rotate needs an axis that is not zero");
+  concatenate(rotation(v[0], axis / size), t.location());
+}
+
+void SceneParser::lookAt(const Token& t) {
+  const auto v = takeNumbers(t, 9, "eye, target and up");
+  const Vec3d eye(v[0], v[1], v[2]), target(v[3], v[4], v[5]), up(v[6], v[7], v[8]);
+  const double distance = glm::length(target - eye), upLength = glm::length(up);
+  if (!(distance > 0) || !(upLength > 0) || !std::isfinite(distance) || !std::isfinite(upLength))
+    throw SceneError(t.location(),
+                     "LookAt needs a target other than the eye, and an up vector that is not zero");
+  const Vec3d forward = (target - eye) / distance;
+  const Vec3d side = glm::cross(up / upLength, forward);
+  if (!(glm::length(side) > 1e-12))
+    throw SceneError(t.location(), "LookAt needs an up vector that is not along the viewing direction");
+  // The eye looks along +z with +y up and +x right in a left-handed frame; this is its inverse.
+  const Vec3d right = glm::normalize(side), top = glm::cross(forward, right);
+  const Mat4d turn =
+      glm::transpose(Mat4d(Vec4d(right, 0), Vec4d(top, 0), Vec4d(forward, 0), Vec4d(0, 0, 0, 1)));
+  concatenate(turn * translation(-eye), t.location());
+}
+
+void SceneParser::transform(const Token& t) {
+  const Mat4d m = takeMatrix(t);
+  for (size_t i = 0; i < 2; ++i)
+    if (state.active[i]) setTransform(i, m, t.location());
+}
+
+void SceneParser::concatTransform(const Token& t) { concatenate(takeMatrix(t), t.location()); }
+
+void SceneParser::coordinateSystem(const Token& t) {
+  coordinateSystems[takeString(t, "a name").value()] = state.transforms;
+}
+
+void SceneParser::coordSysTransform(const Token& t) {
+  const Token name = takeString(t, "the name of a coordinate system");
+  const auto found = coordinateSystems.find(name.value());
+  if (found != coordinateSystems.end()) {
+    state.transforms = found->second;
+    return;
+  }
+  std::string known;
+  for (const auto& [other, unused] : coordinateSystems)
+    known += (known.empty() ? "\"" : " \"") + other + "\"";
+  log.error(name.location(), "there is no coordinate system " + name.shown() + " yet", known);
+}
+
+void SceneParser::activeTransform(const Token& t) {
+  const Token which = tokens->peek();
+  if (which.isWord("All"))
+    state.active = {true, true};
+  else if (which.isWord("StartTime"))
+    state.active = {true, false};
+  else if (which.isWord("EndTime"))
+    state.active = {false, true};
+  else
+    throw SceneError(which.kind == TokenKind::END ? t.location() : which.location(),
+                     "ActiveTransform needs to know which, found " + which.shown(), "All StartTime EndTime");
+  tokens->take();
+}
+
+void SceneParser::transformTimes(const Token& t) {
+  // Without motion blur the times say nothing; what moves is reported where it is used.
+  takeNumbers(t, 2, "start and end");
+}
+
+} // namespace recurse::sceneFile

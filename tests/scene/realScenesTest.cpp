@@ -1,0 +1,50 @@
+/** @file
+ * Scenes written for other renderers load without an error. They lie beside the checkout, or where the environment
+ * variable RECURSE_SHARED says; without them there is nothing to test.
+ */
+#include <cstdlib>
+#include <filesystem>
+#include <gtest/gtest.h>
+
+#include "recurse/scene/loader.h"
+
+using namespace recurse;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<fs::path> sceneFiles() {
+  const char* place = std::getenv("RECURSE_SHARED");
+  const fs::path root = place ? fs::path(place) : fs::path(RECURSE_SOURCE_DIR) / ".." / "shared";
+  std::vector<fs::path> files;
+  for (const char* folder : {"reference", "real"}) {
+    std::error_code error;
+    if (!fs::is_directory(root / folder, error)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+      if (entry.path().extension() == ".pbrt") files.push_back(entry.path());
+  }
+  return files;
+}
+
+} // namespace
+
+TEST(RealScenes, LoadWithoutErrors) {
+  for (const fs::path& file : sceneFiles()) {
+    Diagnostics diagnostics;
+    const SceneDescription scene = loadScene(file.string(), diagnostics);
+    EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
+    EXPECT_TRUE(scene.camera.given()) << file;
+    EXPECT_TRUE(scene.film.given()) << file;
+    EXPECT_FALSE(scene.shapes.empty()) << file;
+    EXPECT_FALSE(scene.areaLights.empty() && scene.lights.empty()) << file;
+    for (const ShapeDescription& s : scene.shapes)
+      for (const ParsedParameter& p : s.shape.parameters) {
+        if (p.name == "P") {
+          EXPECT_EQ(p.numbers.size() % 3, 0u) << file;
+        }
+        if (p.name == "filename") {
+          EXPECT_TRUE(fs::exists(fs::path(s.shape.directory) / p.strings.at(0))) << file;
+        }
+      }
+  }
+}
