@@ -1,0 +1,54 @@
+# Finds the libraries that Recurse stands on. Read by the build and by the installed CMake package alike.
+# Sets RECURSE_MISSING: one line for each library that is not there, with the Debian package that has it.
+
+set(RECURSE_MISSING)
+macro(recurse_need FOUND WHAT PACKAGE)
+    if(NOT ${FOUND})
+        list(APPEND RECURSE_MISSING "${WHAT} (Debian package ${PACKAGE})")
+    endif()
+endmacro()
+
+find_package(glm CONFIG QUIET)
+recurse_need(glm_FOUND GLM libglm-dev)
+
+find_package(TBB CONFIG QUIET)
+recurse_need(TBB_FOUND TBB libtbb-dev)
+
+find_package(ZLIB QUIET)
+recurse_need(ZLIB_FOUND zlib zlib1g-dev)
+
+find_package(embree 4 CONFIG QUIET)
+if(NOT embree_FOUND)
+    find_package(embree 3 CONFIG QUIET)
+endif()
+recurse_need(embree_FOUND Embree libembree-dev)
+
+# The CMake package and the pkg-config file of OpenImageIO, and those of FLANN, ask for packages that a program
+# which links the two has no use for; headers and libraries are found directly.
+find_path(RECURSE_OPENIMAGEIO_INCLUDE OpenImageIO/imageio.h)
+find_library(RECURSE_OPENIMAGEIO_LIBRARY OpenImageIO)
+find_library(RECURSE_OPENIMAGEIO_UTIL_LIBRARY OpenImageIO_Util)
+if(RECURSE_OPENIMAGEIO_INCLUDE AND RECURSE_OPENIMAGEIO_LIBRARY AND RECURSE_OPENIMAGEIO_UTIL_LIBRARY)
+    set(RECURSE_OPENIMAGEIO_FOUND TRUE)
+    if(NOT TARGET OpenImageIO::OpenImageIO)
+        add_library(OpenImageIO::OpenImageIO INTERFACE IMPORTED)
+        set_target_properties(OpenImageIO::OpenImageIO PROPERTIES
+            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_OPENIMAGEIO_INCLUDE}"
+            INTERFACE_LINK_LIBRARIES "${RECURSE_OPENIMAGEIO_LIBRARY};${RECURSE_OPENIMAGEIO_UTIL_LIBRARY}")
+    endif()
+endif()
+recurse_need(RECURSE_OPENIMAGEIO_FOUND OpenImageIO libopenimageio-dev)
+
+# FLANN's templates are all in headers; saving an index, which they also can, wants lz4.
+find_path(RECURSE_FLANN_INCLUDE flann/algorithms/kdtree_single_index.h)
+find_library(RECURSE_LZ4_LIBRARY lz4)
+if(RECURSE_FLANN_INCLUDE AND RECURSE_LZ4_LIBRARY)
+    set(RECURSE_FLANN_FOUND TRUE)
+    if(NOT TARGET RecurseFlann::headers)
+        add_library(RecurseFlann::headers INTERFACE IMPORTED)
+        set_target_properties(RecurseFlann::headers PROPERTIES
+            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_FLANN_INCLUDE}"
+            INTERFACE_LINK_LIBRARIES "${RECURSE_LZ4_LIBRARY}")
+    endif()
+endif()
+recurse_need(RECURSE_FLANN_FOUND FLANN libflann-dev)

@@ -1,0 +1,88 @@
+# shellcheck shell=bash disable=SC2034
+# Shared by the scripts beside it: packages, configuring, building. Messages go to standard error.
+
+ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+JOBS=${RECURSE_JOBS:-$(nproc)}
+BUILD_PACKAGES=(g++ cmake ninja-build ccache libglm-dev libopenimageio-dev libtbb-dev libflann-dev
+    libembree-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev zlib1g-dev)
+
+say() { printf '%s\n' "$*" >&2; }
+
+# requirePackages NAME...: installs the Debian packages that are missing.
+requirePackages() {
+    if ! command -v dpkg-query apt-get >/dev/null; then
+        say "Not a Debian system: if the build stops, install what corresponds to: $*"
+        return 0
+    fi
+    local installed missing=() name
+    installed=$'\n'$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' "$@" 2>/dev/null || true)$'\n'
+    for name in "$@"; do
+        [[ $installed == *$'\n'"$name installed"$'\n'* ]] || missing+=("$name")
+    done
+    [[ ${#missing[@]} -gt 0 ]] || return 0
+
+    say "Installing Debian packages: ${missing[*]}"
+    local asRoot=()
+    if [[ $(id -u) != 0 ]]; then
+        if ! command -v sudo >/dev/null; then
+            say "This needs root, and there is no sudo. As root, run: apt-get install ${missing[*]}"
+            return 1
+        fi
+        asRoot=(sudo)
+    fi
+    local apt=("${asRoot[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
+    "${apt[@]}" update >&2 </dev/null || say "The package lists could not be updated; trying with those at hand."
+    if ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >&2 </dev/null; then
+        say "Installing failed. Needed are: ${missing[*]}"
+        return 1
+    fi
+}
+
+# configure PRESET [CMAKE-OPTION...]: only when it has not been done here, or when there are options.
+configure() {
+    local preset=$1 directory=$ROOT/build/$1 home=
+    shift
+    if [[ -f $directory/CMakeCache.txt ]]; then
+        home=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$directory/CMakeCache.txt")
+        if [[ $home != "$ROOT" ]]; then # the checkout was moved
+            rm -rf "$directory/CMakeCache.txt" "$directory/CMakeFiles"
+        fi
+    fi
+    if [[ ! -f $directory/build.ninja || $home != "$ROOT" || $# -gt 0 ]]; then
+        (cd "$ROOT" && cmake --preset "$preset" "$@") >&2 </dev/null
+    fi
+}
+
+# build PRESET [TARGET...]: with progress; silent when there is nothing to do.
+build() {
+    local directory=$ROOT/build/$1
+    shift
+    local status=0
+    ninja -C "$directory" -j "$JOBS" "$@" </dev/null 2>&1 |
+        sed -u -e '/^ninja: Entering directory/d' -e '/^ninja: no work to do/d' -e '/Re-checking globbed/d' >&2 || status=$?
+    return "$status"
+}
+
+# runTests PRESET [CTEST-OPTION...]: closes with the line 'N passed, N failed' and leaves the two numbers in
+# PASSED and FAILED.
+runTests() {
+    local preset=$1 log status=0 failed total skipped
+    shift
+    log=$(mktemp)
+    (cd "$ROOT" && ctest --preset "$preset" -j "$JOBS" "$@" </dev/null) 2>&1 | tee "$log" || status=$?
+    failed=$(sed -n 's/.*tests passed, \([0-9]*\) tests failed out of [0-9]*$/\1/p' "$log")
+    total=$(sed -n 's/.*tests passed, [0-9]* tests failed out of \([0-9]*\)$/\1/p' "$log")
+    skipped=$(grep -c '\*\*\*Skipped' "$log" || true)
+    rm -f "$log"
+    FAILED=${failed:-0}
+    PASSED=$((${total:-0} - FAILED - skipped))
+    if [[ $status != 0 && $FAILED == 0 ]]; then # ctest itself failed, or found no test
+        FAILED=1
+    fi
+    if [[ $skipped -gt 0 ]]; then
+        echo "$PASSED passed, $FAILED failed, $skipped skipped"
+    else
+        echo "$PASSED passed, $FAILED failed"
+    fi
+    [[ $status == 0 && $FAILED == 0 ]]
+}
