@@ -4,6 +4,7 @@
 #include "recurse/transport/pathExpression.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "transport/pathExpressionDfa.h"
 
@@ -164,17 +165,26 @@ std::vector<std::string> PathAutomaton::exampleWords(size_t maxEvents, size_t mo
 }
 
 std::string PathAutomaton::shortestWord() const {
-  if (isEmpty()) return {};
-  // Each automaton has a word shorter than its number of states.
-  for (size_t events = 1;; events *= 2)
-    if (const auto words = exampleWords(events, 1); !words.empty()) return words.front();
+  // Breadth first; `words` grows while it is read.
+  std::vector<std::pair<uint32_t, std::string>> words = {{start(), ""}};
+  std::vector<uint8_t> seen(dfa->size());
+  for (size_t i = 0; i < words.size(); ++i) {
+    const auto [state, word] = words[i];
+    if (dfa->accepting[state]) return word;
+    for (size_t a = 0; a < PATH_LETTERS; ++a)
+      if (const uint32_t target = dfa->next[state][a];
+          !dfa->dead(target) && !std::exchange(seen[target], uint8_t(1)))
+        words.emplace_back(target, word + LETTERS[a]);
+  }
+  return {};
 }
 
 std::string PathAutomaton::describe() const {
   if (isEmpty()) return "  no path\n";
+  constexpr uint32_t MOST = 40;
   std::string out;
-  const auto name = [&](uint32_t state) { return std::to_string(state); };
   for (uint32_t s = 0; s < dfa->size(); ++s) {
+    if (s >= MOST) return out + "  ... (" + std::to_string(dfa->size()) + " states)\n";
     if (dfa->dead(s) || dfa->accepting[s]) continue; // acceptance has no way on: E ends a path
     // Letters with the same target are told together, in the order of the letters.
     std::string line;
@@ -187,9 +197,11 @@ std::string PathAutomaton::describe() const {
       for (const PathLetter m : {PathLetter::L, PathLetter::S, PathLetter::D, PathLetter::V, PathLetter::E})
         if (next(s, m) == target) letters += std::string(letters.empty() ? "" : " or ") + LETTERS[size_t(m)];
       line += (line.empty() ? "" : "; ") + letters;
-      line += dfa->accepting[target] ? " ends the path" : target == s ? " stays" : " to " + name(target);
+      line += dfa->accepting[target] ? " ends the path"
+              : target == s          ? " stays"
+                                     : " to " + std::to_string(target);
     }
-    out += "  " + std::string(s == start() ? "start" : "state " + name(s)) + ": " + line + "\n";
+    out += "  " + std::string(s == start() ? "start" : "state " + std::to_string(s)) + ": " + line + "\n";
   }
   return out;
 }
@@ -246,6 +258,21 @@ std::string PathAutomaton::toExpression(size_t longest) const {
   const Text& inner = edge[first][last];
   const std::string out = "L" + grouped(inner, inner.text.empty() ? Text::EMPTY_WORD : Text::SEQUENCE) + "E";
   return out.size() <= longest ? out : std::string();
+}
+
+std::vector<PathOverlap> findOverlaps(const std::vector<PathAutomaton>& sets) {
+  std::vector<PathOverlap> overlaps;
+  for (size_t i = 0; i < sets.size(); ++i)
+    for (size_t j = i + 1; j < sets.size(); ++j)
+      if (const PathAutomaton both = sets[i].intersect(sets[j]); !both.isEmpty())
+        overlaps.push_back({i, j, both.shortestWord()});
+  return overlaps;
+}
+
+PathAutomaton leftOver(const PathAutomaton& whole, const std::vector<PathAutomaton>& sets) {
+  PathAutomaton rest = whole;
+  for (const PathAutomaton& set : sets) rest = rest.difference(set);
+  return rest;
 }
 
 } // namespace recurse

@@ -57,6 +57,9 @@ class PathClasses {
 
   const std::vector<PathClass>& classes() const { return list; }
   size_t layerCount() const { return list.size(); }
+  /** How many states each side has; for reports. */
+  size_t lightStateCount() const { return lightStates; }
+  size_t eyeStateCount() const { return eyeDead.size(); }
 
   /** After reading L. */
   LightState lightStart() const { return lightStartState; }

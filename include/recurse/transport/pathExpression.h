@@ -61,7 +61,8 @@ class PathAutomaton {
   std::vector<std::string> exampleWords(size_t maxEvents, size_t mostPerLength) const;
   /** One of the shortest words; empty when the set is. */
   std::string shortestWord() const;
-  /** The automaton in words, a line for each state from which a path can still be completed. */
+  /** The automaton in words, a line for each state from which a path can still be completed, cut off
+   *  when there are very many. */
   std::string describe() const;
   /** An expression of the set, free of set operations; empty when none of up to `longest` characters was
    * found. */
@@ -77,6 +78,16 @@ class PathAutomaton {
   explicit PathAutomaton(Dfa dfa);
   std::shared_ptr<const Dfa> dfa;
 };
+
+/** Two sets that share paths: their places in the list, and the shortest path of both. */
+struct PathOverlap {
+  size_t first, second;
+  std::string example;
+};
+std::vector<PathOverlap> findOverlaps(const std::vector<PathAutomaton>& sets);
+
+/** What of `whole` none of the sets has. */
+PathAutomaton leftOver(const PathAutomaton& whole, const std::vector<PathAutomaton>& sets);
 
 /** A class that expressions can refer to by its name. */
 struct NamedPathClass {
