@@ -1,0 +1,326 @@
+/** @file
+ * The layout of the repository, read off its files: includes point downwards and in no circles, every file
+ * says what it is, plug-ins are leaves, and the list of plug-ins is complete. The checker is itself tested on
+ * small made-up trees.
+ */
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <set>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::set<std::string> INTERFACE_MODULES = {"core", "scene", "model", "transport", "report"};
+const std::set<std::string> PLUG_IN_FOLDERS = {"bsdfs",    "shapes",  "lights",      "media",   "cameras",
+                                               "textures", "filters", "integrators", "tonemaps"};
+
+/** What each module may include besides itself. */
+const std::map<std::string, std::set<std::string>> MAY_INCLUDE = [] {
+  std::map<std::string, std::set<std::string>> m;
+  m["core"] = {};
+  m["scene"] = {"core"};
+  m["model"] = {"core", "scene"};
+  m["transport"] = {"core", "scene", "model"};
+  m["plugins"] = {"core", "scene", "model", "transport"};
+  m["report"] = {"core", "scene", "model", "transport"};
+  m["apps"] = {"core", "scene", "model", "transport", "report"};
+  for (const std::string& folder : PLUG_IN_FOLDERS) m[folder] = m["transport"];
+  m["integrators"].insert("transport");
+  return m;
+}();
+
+/** A source file: where it is, and what it includes of the project. */
+struct SourceFile {
+  std::string module;
+  bool isInterface = false; ///< in include/recurse
+  std::string text;
+  std::vector<std::string> includes; ///< as paths from the root
+};
+
+/** Keeps the lines, blanks comments. */
+std::string withoutComments(const std::string& text) {
+  std::string out;
+  for (size_t i = 0; i < text.size();) {
+    size_t end = i;
+    if (text.compare(i, 2, "/*") == 0)
+      end = std::min(text.find("*/", i + 2), text.size() - 2) + 2;
+    else if (text.compare(i, 2, "//") == 0)
+      end = std::min(text.find('\n', i), text.size());
+    if (end == i) {
+      out += text[i++];
+      continue;
+    }
+    for (; i < end; ++i)
+      if (text[i] == '\n') out += '\n';
+  }
+  return out;
+}
+
+/** Finds everything wrong with the tree at `root`; one sentence each. */
+class LayeringChecker {
+ public:
+  explicit LayeringChecker(const fs::path& root) : root(root) {}
+
+  std::vector<std::string> check() {
+    readFolder("include/recurse");
+    readFolder("src");
+    for (const auto& [path, file] : files) {
+      checkFile(path, file);
+      checkIncludes(path, file);
+    }
+    findCycles();
+    checkPlugInList();
+    return complaints;
+  }
+
+  size_t fileCount() const { return files.size(); }
+
+ private:
+  void complain(const std::string& what) { complaints.push_back(what); }
+
+  void readFolder(const std::string& folder) {
+    if (!fs::is_directory(root / folder)) return complain("there is no folder " + folder);
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+      const std::string extension = entry.path().extension();
+      if (!entry.is_regular_file() || (extension != ".h" && extension != ".cpp")) continue;
+      const fs::path below = entry.path().lexically_relative(root / folder);
+      std::ifstream stream(entry.path());
+      SourceFile file;
+      file.module = std::distance(below.begin(), below.end()) > 1 ? below.begin()->string() : "";
+      file.isInterface = folder != "src";
+      file.text.assign(std::istreambuf_iterator<char>(stream), {});
+      readIncludes(file);
+      files[entry.path().lexically_relative(root).generic_string()] = file;
+    }
+  }
+
+  static void readIncludes(SourceFile& file) {
+    static const std::regex INCLUDE(R"((?:^|\n)[ \t]*#[ \t]*include[ \t]*(["<])([^">\n]+)[">])");
+    const std::string code = withoutComments(file.text);
+    for (std::sregex_iterator i(code.begin(), code.end(), INCLUDE), end; i != end; ++i) {
+      const std::string name = (*i)[2];
+      if (name.starts_with("recurse/"))
+        file.includes.push_back("include/" + name);
+      else if ((*i)[1] == "\"")
+        file.includes.push_back("src/" + name);
+    }
+  }
+
+  void checkFile(const std::string& path, const SourceFile& file) {
+    if (file.isInterface ? !INTERFACE_MODULES.contains(file.module) : !MAY_INCLUDE.contains(file.module))
+      complain(path + " is in no module");
+    const size_t said = file.text.find("@file");
+    if (!file.text.starts_with("/**") || said == std::string::npos || said > file.text.find("*/"))
+      complain(path + " does not open with a comment /** @file ... */");
+    if (PLUG_IN_FOLDERS.contains(file.module) && path.ends_with(".h"))
+      complain(path + " is a header in a folder of plug-ins");
+    if (file.isInterface && path.ends_with(".cpp")) complain(path + " belongs into src");
+  }
+
+  void checkIncludes(const std::string& path, const SourceFile& file) {
+    const auto allowed = MAY_INCLUDE.find(file.module);
+    for (const std::string& name : file.includes) {
+      const auto included = files.find(name);
+      if (included == files.end()) {
+        complain(path + " includes " + name + ", which does not exist");
+        continue;
+      }
+      const SourceFile& other = included->second;
+      if (file.isInterface && !other.isInterface)
+        complain(path + " is an interface and includes " + name + ", which is not installed");
+      if (other.module != file.module && allowed != MAY_INCLUDE.end() &&
+          !allowed->second.contains(other.module))
+        complain(path + " includes " + name + ": " + file.module + " must not see " + other.module);
+    }
+  }
+
+  void findCycles() {
+    std::map<std::string, int> state; // 1: on the way, 2: done
+    std::vector<std::string> way;
+    for (const auto& [path, file] : files) visit(path, state, way);
+  }
+
+  void visit(const std::string& path, std::map<std::string, int>& state, std::vector<std::string>& way) {
+    if (state[path] == 2) return;
+    if (state[path] == 1) {
+      std::string circle;
+      for (auto i = std::find(way.begin(), way.end(), path); i != way.end(); ++i) circle += *i + " -> ";
+      return complain("includes go in a circle: " + circle + path);
+    }
+    state[path] = 1;
+    way.push_back(path);
+    for (const std::string& name : files[path].includes)
+      if (files.contains(name)) visit(name, state, way);
+    way.pop_back();
+    state[path] = 2;
+  }
+
+  /** All matches of the pattern's first group in the files that `wanted` accepts: what, and how often. */
+  template <class Wanted>
+  std::map<std::string, int> countNames(const std::string& pattern, const Wanted& wanted) const {
+    const std::regex expression(pattern);
+    std::map<std::string, int> counts;
+    for (const auto& [path, file] : files) {
+      if (!wanted(path, file)) continue;
+      const std::string code = withoutComments(file.text);
+      for (std::sregex_iterator i(code.begin(), code.end(), expression), end; i != end; ++i)
+        ++counts[(*i)[1]];
+    }
+    return counts;
+  }
+
+  void checkPlugInList() {
+    const std::string list = "src/plugins/list.h";
+    const auto listed = countNames(R"(RECURSE_PLUG_IN\s*\(\s*(\w+)\s*\))",
+                                   [&](const std::string& path, const SourceFile&) { return path == list; });
+    auto defined = countNames(R"(\bvoid\s+register(\w+)\s*\(\s*PlugIns\s*&\s*\w*\s*\)\s*\{)",
+                              [](const std::string&, const SourceFile& file) { return !file.isInterface; });
+    if (listed.empty()) complain(list + " lists no plug-in");
+    for (const auto& [name, times] : listed) {
+      if (times > 1) complain(list + " lists " + name + " more than once");
+      if (defined[name] != 1)
+        complain("register" + name + " of " + list + " is defined " + std::to_string(defined[name]) +
+                 " times");
+    }
+    for (const auto& [name, times] : defined)
+      if (!listed.contains(name)) complain("register" + name + " is missing in " + list);
+  }
+
+  fs::path root;
+  std::map<std::string, SourceFile> files;
+  std::vector<std::string> complaints;
+};
+
+/** A tree of its own in a temporary folder; starts out sound. */
+class LayeringCheck : public testing::Test {
+ protected:
+  LayeringCheck() : root(fs::temp_directory_path() / ("recurse-layering-" + std::to_string(getpid()))) {
+    fs::remove_all(root);
+    write("include/recurse/core/a.h", "#include <vector>\n");
+    write("include/recurse/model/m.h", "#include \"recurse/core/a.h\"\n");
+    write("include/recurse/transport/t.h", "#include \"recurse/model/m.h\"\n");
+    write("src/model/own.h", "#include \"recurse/model/m.h\"\n// #include \"recurse/report/r.h\"\n");
+    write("src/model/m.cpp", "#include \"model/own.h\"\n");
+    write("src/bsdfs/b.cpp", "#include \"recurse/model/m.h\"\nvoid registerB(PlugIns& plugIns) {}\n");
+    write("src/integrators/i.cpp", "#include \"recurse/transport/t.h\"\nvoid registerI(PlugIns& p) {}\n");
+    write("src/plugins/list.h", "RECURSE_PLUG_IN(B)\nRECURSE_PLUG_IN(I)\n");
+    write("src/plugins/plugIns.cpp", "#include \"plugins/list.h\"\n#include \"recurse/model/m.h\"\n");
+    write("src/apps/main.cpp", "#include <recurse/transport/t.h>\n");
+  }
+  ~LayeringCheck() override { fs::remove_all(root); }
+
+  void write(const std::string& path, const std::string& code) {
+    writeBare(path, "/** @file\n * A file.\n */\n" + code);
+  }
+  void writeBare(const std::string& path, const std::string& text) {
+    fs::create_directories((root / path).parent_path());
+    std::ofstream(root / path) << text;
+  }
+  /** The one complaint; all of them in a line when there are more. */
+  std::string complaint() const {
+    std::string all;
+    for (const std::string& c : LayeringChecker(root).check()) all += (all.empty() ? "" : " | ") + c;
+    return all;
+  }
+
+  fs::path root;
+};
+
+} // namespace
+
+TEST(Layering, OfThisRepository) {
+  LayeringChecker checker(RECURSE_SOURCE_DIR);
+  for (const std::string& complaint : checker.check()) ADD_FAILURE() << complaint;
+  EXPECT_GT(checker.fileCount(), 40u);
+}
+
+TEST_F(LayeringCheck, AcceptsASoundTree) { EXPECT_EQ(complaint(), ""); }
+
+TEST_F(LayeringCheck, FindsAnUpwardInclude) {
+  write("src/core/a.cpp", "#include \"recurse/model/m.h\"\n");
+  EXPECT_EQ(complaint(), "src/core/a.cpp includes include/recurse/model/m.h: core must not see model");
+}
+
+TEST_F(LayeringCheck, FindsAnUpwardIncludeInAngleBracketsAndOddSpacing) {
+  write("src/scene/a.cpp", "  #  include   <recurse/transport/t.h>\n");
+  EXPECT_EQ(complaint(),
+            "src/scene/a.cpp includes include/recurse/transport/t.h: scene must not see transport");
+}
+
+TEST_F(LayeringCheck, OnlyIntegratorsAmongThePlugInsSeeTransport) {
+  write("src/lights/l.cpp", "#include \"recurse/transport/t.h\"\n");
+  EXPECT_EQ(complaint(),
+            "src/lights/l.cpp includes include/recurse/transport/t.h: lights must not see transport");
+}
+
+TEST_F(LayeringCheck, NobodySeesTheApps) {
+  write("src/apps/options.h", "");
+  write("src/report/r.cpp", "#include \"apps/options.h\"\n");
+  EXPECT_EQ(complaint(), "src/report/r.cpp includes src/apps/options.h: report must not see apps");
+}
+
+TEST_F(LayeringCheck, FindsAnInterfaceThatIncludesAPrivateHeader) {
+  write("include/recurse/model/n.h", "#include \"model/own.h\"\n");
+  EXPECT_EQ(complaint(),
+            "include/recurse/model/n.h is an interface and includes src/model/own.h, which is not installed");
+}
+
+TEST_F(LayeringCheck, FindsCircles) {
+  write("include/recurse/core/a.h", "#include \"recurse/core/b.h\"\n");
+  write("include/recurse/core/b.h", "#include \"recurse/core/c.h\"\n");
+  write("include/recurse/core/c.h", "#include \"recurse/core/b.h\"\n");
+  EXPECT_EQ(complaint(), "includes go in a circle: include/recurse/core/b.h -> include/recurse/core/c.h -> "
+                         "include/recurse/core/b.h");
+}
+
+TEST_F(LayeringCheck, FindsAMissingHeader) {
+  write("src/core/a.cpp", "#include \"recurse/core/gone.h\"\n");
+  EXPECT_EQ(complaint(), "src/core/a.cpp includes include/recurse/core/gone.h, which does not exist");
+}
+
+TEST_F(LayeringCheck, FindsAFileThatDoesNotSayWhatItIs) {
+  writeBare("src/core/a.cpp", "#include <vector>\n/** @file\n * Too late.\n */\n");
+  writeBare("src/core/b.cpp", "/** No such word. */\nint x; // @file\n");
+  EXPECT_EQ(complaint(), "src/core/a.cpp does not open with a comment /** @file ... */ | "
+                         "src/core/b.cpp does not open with a comment /** @file ... */");
+}
+
+TEST_F(LayeringCheck, FindsAHeaderAmongPlugIns) {
+  write("src/shapes/quadric.h", "");
+  EXPECT_EQ(complaint(), "src/shapes/quadric.h is a header in a folder of plug-ins");
+}
+
+TEST_F(LayeringCheck, FindsAFileInNoModule) {
+  write("src/misc/x.cpp", "");
+  write("src/x.cpp", "");
+  write("include/recurse/apps/x.h", "");
+  EXPECT_EQ(complaint(), "include/recurse/apps/x.h is in no module | src/misc/x.cpp is in no module | "
+                         "src/x.cpp is in no module");
+}
+
+TEST_F(LayeringCheck, FindsAListThatIsIncomplete) {
+  write("src/shapes/s.cpp", "void registerS(PlugIns&) {}\n");
+  EXPECT_EQ(complaint(), "registerS is missing in src/plugins/list.h");
+}
+
+TEST_F(LayeringCheck, FindsPlugInsWithoutADefinitionAndWithTwo) {
+  write("src/plugins/list.h",
+        "RECURSE_PLUG_IN(B)\nRECURSE_PLUG_IN(I)\nRECURSE_PLUG_IN(Gone)\n// RECURSE_PLUG_IN(Comment)\n");
+  write("src/bsdfs/c.cpp", "void registerB(PlugIns& other) {}\nvoid registerGone(PlugIns&);\n");
+  EXPECT_EQ(complaint(), "registerB of src/plugins/list.h is defined 2 times | "
+                         "registerGone of src/plugins/list.h is defined 0 times");
+}
+
+TEST_F(LayeringCheck, FindsAPlugInListedTwice) {
+  write("src/plugins/list.h", "RECURSE_PLUG_IN(B)\nRECURSE_PLUG_IN(I)\nRECURSE_PLUG_IN(B)\n");
+  EXPECT_EQ(complaint(), "src/plugins/list.h lists B more than once");
+}
