@@ -1,0 +1,168 @@
+/** @file
+ * The error measures: sums in double precision over the pixels in their order.
+ */
+#include "recurse/report/compare.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "recurse/core/error.h"
+
+namespace recurse {
+
+namespace {
+
+std::string sizeText(const Image& image) {
+  return std::to_string(image.width) + "x" + std::to_string(image.height);
+}
+
+void requireSameSize(const Image& a, const Image& b, const char* what) {
+  if (a.width != b.width || a.height != b.height)
+    throw Error(std::string("the pictures differ in size: ") + sizeText(a) + ", and the " + what + " " +
+                sizeText(b));
+  if (a.channels.size() < 3 || b.channels.size() < 3)
+    throw Error(std::string("the pictures differ in channels: R, G and B are needed in both"));
+}
+
+/** Sums over pixels a channel at a time, then all channels from the three. */
+struct ChannelSum {
+  PerChannel sum{};
+  void add(size_t channel, double value) { sum[channel] += value; }
+  PerChannel mean(size_t count) const {
+    PerChannel out{};
+    for (size_t c = 0; c < 3; ++c) {
+      out[c] = count > 0 ? sum[c] / double(count) : std::numeric_limits<double>::quiet_NaN();
+      out[ALL_CHANNELS] += out[c] / 3;
+    }
+    return out;
+  }
+};
+
+struct PixelError {
+  size_t pixel = 0;
+  std::array<double, 3> relative{};
+  double mean() const { return (relative[0] + relative[1] + relative[2]) / 3; }
+};
+
+/** Larger first; among equals the order of the picture, so that the choice is always the same. */
+bool worse(const PixelError& a, const PixelError& b) {
+  return a.mean() != b.mean() ? a.mean() > b.mean() : a.pixel < b.pixel;
+}
+
+Rgb pixelOf(const Image& image, size_t pixel) {
+  return image.rgb(static_cast<int>(pixel % size_t(image.width)),
+                   static_cast<int>(pixel / size_t(image.width)));
+}
+
+struct References {
+  const Image& r;
+  const Image* a = nullptr; ///< both or none
+  const Image* b = nullptr;
+};
+
+constexpr size_t SHOWN_WORST = 5;
+
+Comparison compare(const Image& image, const References& references) {
+  const Image& reference = references.r;
+  Comparison out;
+  out.noiseFree = references.a != nullptr;
+  ChannelSum x, r, squared, relative, mape, smape, squaredFree, relativeFree;
+  PerChannel peak{};
+  std::vector<PixelError> errors;
+  const size_t count = size_t(image.width) * size_t(image.height);
+  errors.reserve(count);
+  for (size_t pixel = 0; pixel < count; ++pixel) {
+    const Rgb vx = pixelOf(image, pixel), vr = pixelOf(reference, pixel);
+    const Rgb va = out.noiseFree ? pixelOf(*references.a, pixel) : vr;
+    const Rgb vb = out.noiseFree ? pixelOf(*references.b, pixel) : vr;
+    if (!isFinite(vr) || !isFinite(va) || !isFinite(vb)) {
+      ++out.nonFiniteReference;
+      continue;
+    }
+    if (!isFinite(vx)) {
+      ++out.nonFinite;
+      continue;
+    }
+    PixelError error{pixel, {}};
+    for (int i = 0; i < 3; ++i) {
+      const size_t c = size_t(i);
+      const double px = vx[i], pr = vr[i], difference = px - pr, denominator = pr * pr + REL_MSE_EPSILON;
+      x.add(c, px);
+      r.add(c, pr);
+      squared.add(c, difference * difference);
+      error.relative[c] = difference * difference / denominator;
+      relative.add(c, error.relative[c]);
+      mape.add(c, std::abs(difference) / (std::abs(pr) + MAPE_EPSILON));
+      smape.add(c, std::abs(difference) / ((std::abs(px) + std::abs(pr)) / 2 + MAPE_EPSILON));
+      out.maximum[c] = std::max(out.maximum[c], std::abs(difference));
+      peak[c] = std::max(peak[c], pr);
+      const double product = (px - double(va[i])) * (px - double(vb[i]));
+      squaredFree.add(c, product);
+      relativeFree.add(c, product / denominator);
+    }
+    errors.push_back(error);
+  }
+  out.pixels = errors.size();
+  out.mean = x.mean(out.pixels);
+  out.meanReference = r.mean(out.pixels);
+  out.mse = squared.mean(out.pixels);
+  out.relMse = relative.mean(out.pixels);
+  out.mape = mape.mean(out.pixels);
+  out.smape = smape.mean(out.pixels);
+  if (out.noiseFree) {
+    out.mseNoiseFree = squaredFree.mean(out.pixels);
+    out.relMseNoiseFree = relativeFree.mean(out.pixels);
+  }
+  out.maximum[ALL_CHANNELS] = std::max({out.maximum[0], out.maximum[1], out.maximum[2]});
+  peak[ALL_CHANNELS] = std::max({peak[0], peak[1], peak[2]});
+  for (size_t c = 0; c < 4; ++c) {
+    out.meanRatio[c] = out.meanReference[c] != 0 ? out.mean[c] / out.meanReference[c]
+                                                 : std::numeric_limits<double>::quiet_NaN();
+    // log10(0) = −∞: equal pictures have an infinite ratio, a black reference none at all.
+    out.psnr[c] = out.mse[c] > 0 || out.pixels == 0 ? 10 * std::log10(peak[c] * peak[c] / out.mse[c])
+                                                    : std::numeric_limits<double>::infinity();
+  }
+
+  out.trimmedPixels = static_cast<size_t>(double(out.pixels) * TRIMMED_FRACTION);
+  const size_t front = std::min(out.pixels, std::max(out.trimmedPixels, SHOWN_WORST));
+  std::partial_sort(errors.begin(), errors.begin() + static_cast<ptrdiff_t>(front), errors.end(), worse);
+  for (size_t i = 0; i < std::min(front, SHOWN_WORST); ++i) {
+    const size_t pixel = errors[i].pixel;
+    out.worst.push_back({static_cast<int>(pixel % size_t(image.width)),
+                         static_cast<int>(pixel / size_t(image.width)), errors[i].mean(),
+                         pixelOf(image, pixel), pixelOf(reference, pixel)});
+  }
+  // Added up anew rather than by taking away from the full sum, where the largest errors would cancel.
+  ChannelSum trimmed;
+  for (size_t i = out.trimmedPixels; i < errors.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) trimmed.add(c, errors[i].relative[c]);
+  out.relMseTrimmed = trimmed.mean(out.pixels - out.trimmedPixels);
+  return out;
+}
+
+} // namespace
+
+Image meanImage(const Image& a, const Image& b) {
+  requireSameSize(a, b, "second reference has");
+  Image mean(a.width, a.height, {"R", "G", "B"});
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      for (int c = 0; c < 3; ++c) mean.at(x, y)[c] = a.at(x, y)[c] + (b.at(x, y)[c] - a.at(x, y)[c]) * 0.5f;
+  return mean;
+}
+
+Comparison compareImages(const Image& image, const Image& reference) {
+  requireSameSize(image, reference, "reference has");
+  return compare(image, {reference});
+}
+
+Comparison compareImages(const Image& image, const Image& a, const Image& b, const Image* reference) {
+  requireSameSize(image, a, "first reference has");
+  requireSameSize(image, b, "second reference has");
+  if (!reference) return compare(image, {meanImage(a, b), &a, &b});
+  requireSameSize(image, *reference, "reference has");
+  return compare(image, {*reference, &a, &b});
+}
+
+} // namespace recurse

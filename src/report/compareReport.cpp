@@ -1,0 +1,148 @@
+/** @file
+ * Error measures in words, as JSON and by name.
+ */
+#include <cstdio>
+#include <functional>
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/error.h"
+#include "recurse/report/compare.h"
+
+namespace recurse {
+
+namespace {
+
+std::string number(double value, int digits = 6) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+struct Metric {
+  const char* name;  ///< JSON key; with _rgb for the three channels
+  const char* title; ///< row of the table
+  std::string definition;
+  const PerChannel Comparison::*values;
+  bool noiseFree = false;
+};
+
+const std::vector<Metric>& metrics() {
+  const std::string epsilon = "ε " + number(REL_MSE_EPSILON);
+  const std::string mapeEpsilon = "ε " + number(MAPE_EPSILON);
+  const std::string relMse = epsilon + ", denominator reference²+ε";
+  static const std::vector<Metric> ALL = {
+      {"mean", "mean", "", &Comparison::mean},
+      {"mean_reference", "mean of reference", "", &Comparison::meanReference},
+      {"mean_ratio", "ratio of means", "", &Comparison::meanRatio},
+      {"mse", "MSE", "", &Comparison::mse},
+      {"relmse", "relMSE", relMse + ", no trim", &Comparison::relMse},
+      {"relmse_trimmed", "relMSE, trimmed",
+       relMse + ", worst " + number(TRIMMED_FRACTION * 100) + "% of pixels out", &Comparison::relMseTrimmed},
+      {"mse_noise_free", "MSE, noise-free", "mean of (x−a)(x−b)", &Comparison::mseNoiseFree, true},
+      {"relmse_noise_free", "relMSE, noise-free", "mean of (x−a)(x−b)/(r²+ε), " + epsilon + ", no trim",
+       &Comparison::relMseNoiseFree, true},
+      {"mape", "MAPE", "mean of |x−r|/(|r|+ε), " + mapeEpsilon, &Comparison::mape},
+      {"smape", "SMAPE", "mean of |x−r|/((|x|+|r|)/2+ε), " + mapeEpsilon, &Comparison::smape},
+      {"max", "maximum", "largest |x−r|", &Comparison::maximum},
+      {"psnr", "PSNR [dB]", "peak: largest value of the reference", &Comparison::psnr},
+  };
+  return ALL;
+}
+
+/** Pads to a width counted in characters; titles and definitions may hold bytes of UTF-8. */
+std::string padded(const std::string& text, size_t width) {
+  size_t shown = 0;
+  for (char c : text) shown += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  return shown < width ? text + std::string(width - shown, ' ') : text;
+}
+
+std::string rightAligned(const std::string& text, size_t width) {
+  return text.size() < width ? std::string(width - text.size(), ' ') + text : text;
+}
+
+std::string colourText(const Rgb& c) { return number(c.r, 4) + " " + number(c.g, 4) + " " + number(c.b, 4); }
+
+} // namespace
+
+std::vector<std::string> metricNames() {
+  std::vector<std::string> names;
+  for (const Metric& metric : metrics()) names.emplace_back(metric.name);
+  names.insert(names.end(), {"non_finite", "non_finite_reference"});
+  return names;
+}
+
+double metricByName(const Comparison& comparison, const std::string& name) {
+  for (const Metric& metric : metrics()) {
+    if (name != metric.name) continue;
+    if (metric.noiseFree && !comparison.noiseFree)
+      throw Error(name + " needs two independent references", ExitStatus::BAD_USAGE);
+    return (comparison.*metric.values)[ALL_CHANNELS];
+  }
+  if (name == "non_finite") return double(comparison.nonFinite);
+  if (name == "non_finite_reference") return double(comparison.nonFiniteReference);
+  std::string message = "no error measure '" + name + "'; there are:";
+  for (const std::string& known : metricNames()) message += " " + known;
+  throw Error(message, ExitStatus::BAD_USAGE);
+}
+
+std::string comparisonTable(const Comparison& c) {
+  constexpr size_t TITLE = 20, COLUMN = 13;
+  std::string out = padded("", TITLE);
+  for (const char* name : {"all", "R", "G", "B"}) out += rightAligned(name, COLUMN);
+  out += "\n";
+  for (const Metric& metric : metrics()) {
+    if (metric.noiseFree && !c.noiseFree) continue;
+    const PerChannel& values = c.*metric.values;
+    out += padded(metric.title, TITLE);
+    for (size_t channel : {ALL_CHANNELS, size_t{0}, size_t{1}, size_t{2}})
+      out += rightAligned(number(values[channel]), COLUMN);
+    if (!metric.definition.empty()) out.append("  ").append(metric.definition);
+    out += "\n";
+  }
+  out.append("\n").append(std::to_string(c.pixels));
+  out += std::string(" pixels compared, ") + std::to_string(c.trimmedPixels) + " trimmed\n";
+  if (c.nonFiniteReference > 0)
+    out += std::to_string(c.nonFiniteReference) + " pixels left out: the reference is not finite there\n";
+  if (c.nonFinite > 0)
+    out +=
+        std::to_string(c.nonFinite) + " pixels of the picture are NOT FINITE; they are in none of the sums\n";
+  if (!c.worst.empty() && c.worst.front().error > 0) {
+    out += "worst pixels (x, y from the upper left; squared error over reference²+ε, mean of channels):\n";
+    for (const Comparison::WorstPixel& w : c.worst) {
+      out += "  ";
+      out += padded(std::to_string(w.x) + ", " + std::to_string(w.y), 12) + padded(number(w.error, 4), 12);
+      out.append("value ").append(padded(colourText(w.value), 30));
+      out.append(" reference ").append(colourText(w.reference)).append("\n");
+    }
+  }
+  return out;
+}
+
+std::string comparisonJson(const Comparison& c) {
+  nlohmann::ordered_json json;
+  for (const Metric& metric : metrics()) {
+    if (metric.noiseFree && !c.noiseFree) continue;
+    const PerChannel& values = c.*metric.values;
+    json[metric.name] = values[ALL_CHANNELS];
+    json[std::string(metric.name) + "_rgb"] = {values[0], values[1], values[2]};
+  }
+  json["non_finite"] = c.nonFinite;
+  json["non_finite_reference"] = c.nonFiniteReference;
+  json["pixels"] = c.pixels;
+  json["trimmed_pixels"] = c.trimmedPixels;
+  json["relmse_epsilon"] = REL_MSE_EPSILON;
+  json["relmse_denominator"] = "reference^2 + epsilon";
+  json["trimmed_fraction"] = TRIMMED_FRACTION;
+  json["mape_epsilon"] = MAPE_EPSILON;
+  json["worst"] = nlohmann::ordered_json::array();
+  for (const Comparison::WorstPixel& w : c.worst)
+    json["worst"].push_back({{"x", w.x},
+                             {"y", w.y},
+                             {"error", w.error},
+                             {"value", {w.value.r, w.value.g, w.value.b}},
+                             {"reference", {w.reference.r, w.reference.g, w.reference.b}}});
+  return json.dump(2) + "\n";
+}
+
+} // namespace recurse

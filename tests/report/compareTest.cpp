@@ -1,0 +1,213 @@
+/** @file
+ * Error measures against values worked out by hand, and the noise-free ones against known noise.
+ */
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/error.h"
+#include "recurse/report/compare.h"
+
+using namespace recurse;
+
+namespace {
+
+Image constant(int width, int height, const Rgb& colour) {
+  Image image(width, height, {"R", "G", "B"});
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) image.at(x, y)[c] = colour[c];
+  return image;
+}
+
+Image noisy(const Image& truth, double deviation, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0, deviation);
+  Image out = truth;
+  for (float& value : out.pixels) value += static_cast<float>(normal(generator));
+  return out;
+}
+
+} // namespace
+
+TEST(Compare, ClosedForm) {
+  // Two pixels: x = (1, 2, 4), (3, 2, 1); r = (2, 2, 2), (1, 2, 4).
+  Image x = constant(2, 1, {1, 2, 4}), r = constant(2, 1, {2, 2, 2});
+  x.pixels = {1, 2, 4, 3, 2, 1};
+  r.pixels = {2, 2, 2, 1, 2, 4};
+  const Comparison c = compareImages(x, r);
+  EXPECT_EQ(c.pixels, 2u);
+  EXPECT_DOUBLE_EQ(c.mean[0], 2);
+  EXPECT_DOUBLE_EQ(c.meanReference[2], 3);
+  EXPECT_DOUBLE_EQ(c.mean[ALL_CHANNELS], 13 / 6.0);
+  EXPECT_DOUBLE_EQ(c.meanRatio[0], 2 / 1.5);
+  EXPECT_DOUBLE_EQ(c.meanRatio[ALL_CHANNELS], 1);
+  EXPECT_DOUBLE_EQ(c.mse[0], 2.5);
+  EXPECT_DOUBLE_EQ(c.mse[1], 0);
+  EXPECT_DOUBLE_EQ(c.mse[ALL_CHANNELS], (1 + 0 + 4 + 4 + 0 + 9) / 6.0);
+  EXPECT_DOUBLE_EQ(c.relMse[0], (1 / 4.01 + 4 / 1.01) / 2);
+  EXPECT_DOUBLE_EQ(c.relMse[2], (4 / 4.01 + 9 / 16.01) / 2);
+  EXPECT_DOUBLE_EQ(c.relMse[ALL_CHANNELS], (1 / 4.01 + 4 / 4.01 + 4 / 1.01 + 9 / 16.01) / 6);
+  EXPECT_DOUBLE_EQ(c.mape[0], (1 / 2.01 + 2 / 1.01) / 2);
+  EXPECT_DOUBLE_EQ(c.smape[0], (1 / 1.51 + 2 / 2.01) / 2);
+  EXPECT_DOUBLE_EQ(c.maximum[0], 2);
+  EXPECT_DOUBLE_EQ(c.maximum[ALL_CHANNELS], 3);
+  EXPECT_DOUBLE_EQ(c.psnr[0], 10 * std::log10(4 / 2.5));
+  EXPECT_DOUBLE_EQ(c.psnr[ALL_CHANNELS], 10 * std::log10(16 / 3.0));
+  EXPECT_TRUE(std::isinf(c.psnr[1]));
+  ASSERT_EQ(c.worst.size(), 2u);
+  EXPECT_EQ(c.worst[0].x, 1);
+  EXPECT_DOUBLE_EQ(c.worst[0].error, (4 / 1.01 + 9 / 16.01) / 3);
+  EXPECT_FALSE(c.noiseFree);
+}
+
+TEST(Compare, TrimmingTakesTheWorstThousandth) {
+  const Image r = constant(100, 50, Rgb(1));
+  Image x = constant(100, 50, Rgb(1.1f));
+  for (int i = 0; i < 5; ++i) x.at(7 * i, 3 + i)[1] = 1000.0f * float(i + 1);
+  const Comparison c = compareImages(x, r);
+  EXPECT_EQ(c.trimmedPixels, 5u);
+  EXPECT_GT(c.relMse[ALL_CHANNELS], 1000);
+  EXPECT_NEAR(c.relMseTrimmed[ALL_CHANNELS], 0.01 / 1.01, 1e-8);
+  ASSERT_EQ(c.worst.size(), 5u);
+  EXPECT_EQ(c.worst[0].x, 28);
+  EXPECT_EQ(c.worst[0].y, 7);
+}
+
+TEST(Compare, NoiseFreeErrorForgetsTheReferencesNoise) {
+  // The picture is off by 0.05 and has noise of 0.1: its squared error is 0.0125. The references' noise is
+  // larger than that, and counts fully in the plain error.
+  const Image truth = constant(300, 300, Rgb(0.5f, 1, 2));
+  const Image x = noisy(constant(300, 300, Rgb(0.55f, 1.05f, 2.05f)), 0.1, 1);
+  const Image a = noisy(truth, 0.2, 2), b = noisy(truth, 0.2, 3);
+  const Comparison c = compareImages(x, a, b, &truth);
+  ASSERT_TRUE(c.noiseFree);
+  EXPECT_NEAR(c.mseNoiseFree[ALL_CHANNELS], 0.0125, 0.0005);
+  for (size_t i = 0; i < 3; ++i) {
+    const double r = 0.5 * double(1 << i);
+    EXPECT_NEAR(c.relMseNoiseFree[i], 0.0125 / (r * r + 0.01), 0.001 / (r * r));
+  }
+  const Comparison plain = compareImages(x, a);
+  EXPECT_NEAR(plain.mse[ALL_CHANNELS], 0.0125 + 0.04, 0.001);
+  // Without a third picture r is the mean of the two, whose noise stays in the denominator; the products do
+  // not depend on it.
+  const Comparison mean = compareImages(x, a, b);
+  EXPECT_DOUBLE_EQ(mean.mseNoiseFree[0], c.mseNoiseFree[0]);
+  EXPECT_NEAR(mean.relMseNoiseFree[2], c.relMseNoiseFree[2], 1e-3);
+  EXPECT_NEAR(mean.mse[ALL_CHANNELS], 0.0125 + 0.02, 0.001);
+}
+
+TEST(Compare, NoiseFreeErrorOfThePerfectPictureIsZeroInTheMean) {
+  const Image truth = constant(400, 400, Rgb(1));
+  const Comparison c = compareImages(truth, noisy(truth, 0.3, 4), noisy(truth, 0.3, 5), &truth);
+  // The standard error of a mean of 480000 products of deviation 0.09.
+  EXPECT_LT(std::abs(c.mseNoiseFree[ALL_CHANNELS]), 5 * 0.09 / std::sqrt(480000.0));
+}
+
+TEST(Compare, NonFinitePixelsAreCountedAndLeftOut) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinite = std::numeric_limits<float>::infinity();
+  Image x = constant(4, 1, Rgb(2)), r = constant(4, 1, Rgb(1));
+  r.at(0, 0)[1] = infinite;
+  x.at(1, 0)[2] = nan;
+  Comparison c = compareImages(x, r);
+  EXPECT_EQ(c.nonFiniteReference, 1u);
+  EXPECT_EQ(c.nonFinite, 1u);
+  EXPECT_EQ(c.pixels, 2u);
+  EXPECT_DOUBLE_EQ(c.mse[ALL_CHANNELS], 1);
+  EXPECT_NE(comparisonTable(c).find("1 pixels left out"), std::string::npos);
+  EXPECT_NE(comparisonTable(c).find("1 pixels of the picture are NOT FINITE"), std::string::npos);
+  Image b = constant(4, 1, Rgb(1));
+  b.at(3, 0)[0] = -infinite;
+  c = compareImages(x, r, b);
+  EXPECT_EQ(c.nonFiniteReference, 2u);
+  EXPECT_EQ(c.pixels, 1u);
+}
+
+TEST(Compare, NothingToCompareIsNotZeroError) {
+  const Image r = constant(2, 2, Rgb(std::numeric_limits<float>::quiet_NaN()));
+  const Comparison c = compareImages(constant(2, 2, Rgb(1)), r);
+  EXPECT_EQ(c.pixels, 0u);
+  EXPECT_TRUE(std::isnan(c.mse[ALL_CHANNELS]));
+  EXPECT_TRUE(nlohmann::json::parse(comparisonJson(c))["mse"].is_null());
+}
+
+TEST(Compare, SizesMustAgree) {
+  try {
+    compareImages(constant(2, 3, Rgb(1)), constant(3, 2, Rgb(1)));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "the pictures differ in size: 2x3, and the reference has 3x2");
+  }
+  const Image a = constant(2, 2, Rgb(1));
+  EXPECT_THROW(compareImages(a, a, constant(2, 1, Rgb(1))), Error);
+  Image grey(2, 2, {"Y"});
+  EXPECT_THROW(compareImages(grey, a), Error);
+}
+
+TEST(Compare, JsonHasEveryKey) {
+  const Image a = constant(2, 2, Rgb(1)), b = constant(2, 2, Rgb(2));
+  const nlohmann::json json = nlohmann::json::parse(comparisonJson(compareImages(a, b, b)));
+  for (const char* key : {"mse", "relmse", "relmse_trimmed", "mape", "smape", "max", "psnr", "mean_ratio",
+                          "mean_ratio_rgb", "non_finite", "mse_noise_free", "relmse_noise_free"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_DOUBLE_EQ(json["mean_ratio"], 0.5);
+  EXPECT_EQ(json["mean_ratio_rgb"].size(), 3u);
+  EXPECT_FALSE(nlohmann::json::parse(comparisonJson(compareImages(a, b))).contains("mse_noise_free"));
+}
+
+TEST(Compare, MetricsByName) {
+  const Image a = constant(2, 2, Rgb(1)), b = constant(2, 2, Rgb(2));
+  const Comparison c = compareImages(a, b);
+  EXPECT_DOUBLE_EQ(metricByName(c, "mse"), 1);
+  EXPECT_DOUBLE_EQ(metricByName(c, "non_finite"), 0);
+  EXPECT_THROW(metricByName(c, "relmse_noise_free"), Error);
+  EXPECT_THROW(metricByName(c, "mean_squared"), Error);
+  for (const std::string& name : metricNames())
+    if (name.find("noise_free") == std::string::npos) {
+      EXPECT_NO_THROW(metricByName(c, name)) << name;
+    }
+}
+
+TEST(Compare, EveryRelativeErrorSaysHowItIsMade) {
+  const Image a = constant(2, 2, Rgb(1)), b = constant(2, 2, Rgb(2));
+  std::istringstream table(comparisonTable(compareImages(a, b, b)));
+  int lines = 0;
+  for (std::string line; std::getline(table, line);) {
+    if (line.find("relMSE") != 0) continue;
+    ++lines;
+    EXPECT_NE(line.find("ε 0.01"), std::string::npos) << line;
+    EXPECT_NE(line.find("²+ε"), std::string::npos) << line;
+    EXPECT_TRUE(line.find("trim") != std::string::npos) << line;
+  }
+  EXPECT_EQ(lines, 3);
+}
+
+TEST(Compare, ErrorMaps) {
+  float last = -1;
+  for (int i = 0; i <= 100; ++i) { // brighter from step to step, inside the gamut
+    const Rgb c = falseColour(float(i) / 100);
+    EXPECT_GT(luminance(c), last) << i;
+    last = luminance(c);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_GE(c[k], 0);
+      EXPECT_LE(c[k], 1);
+    }
+  }
+  const Image r = constant(3, 1, Rgb(1));
+  Image x = r;
+  for (int c = 0; c < 3; ++c) x.at(1, 0)[c] = 2.5f, x.at(2, 0)[c] = 0.25f;
+  const Image relative = errorMap(x, r, ErrorMap::RELATIVE);
+  EXPECT_EQ(relative.rgb(0, 0), falseColour(0));
+  EXPECT_EQ(relative.rgb(1, 0), falseColour(1));
+  const Image sign = errorMap(x, r, ErrorMap::SIGNED);
+  EXPECT_GT(sign.rgb(1, 0).r, sign.rgb(1, 0).b); // too bright: red
+  EXPECT_LT(sign.rgb(2, 0).r, sign.rgb(2, 0).b); // too dark: blue
+  x.at(0, 0)[0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(errorMap(x, r, ErrorMap::RELATIVE).rgb(0, 0), Rgb(1, 0, 1));
+}
