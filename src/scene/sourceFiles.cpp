@@ -63,14 +63,18 @@ std::string readTextFile(const std::string& path) {
   if (error || !fs::exists(status))
     throw Error("cannot read " + path + ": " + (error ? error.message() : "no such file"));
   if (!fs::is_regular_file(status)) throw Error("cannot read " + path + ": it is not a regular file");
+  const auto fileBytes = fs::file_size(path, error);
+  if (error) throw Error("cannot read " + path + ": " + error.message());
+  // Files of the kernel say that they are empty, and some never end.
+  if (fileBytes == 0) return {};
+  if (fileBytes > MAX_TEXT_BYTES) throw Error("cannot read " + path + ": it is larger than 4 GiB");
   errno = 0;
   gzFile file = gzopen(path.c_str(), "rb");
   if (!file) throw Error("cannot read " + path + ": " + systemReason(errno));
   const std::unique_ptr<gzFile_s, int (*)(gzFile)> closer(file, gzclose);
   gzbuffer(file, 1 << 18);
-  const auto fileBytes = fs::file_size(path, error);
   std::string text;
-  if (!error) text.reserve(std::min<size_t>(fileBytes, MAX_TEXT_BYTES) + 1);
+  text.reserve(fileBytes + 1);
   constexpr unsigned CHUNK = 1 << 20;
   std::vector<char> chunk(CHUNK);
   for (;;) {

@@ -1,6 +1,6 @@
 /** @file
- * Scenes written for other renderers load without an error. They lie beside the checkout, or where the environment
- * variable RECURSE_SHARED says; without them there is nothing to test.
+ * Scenes written for other renderers load without an error. They lie beside the checkout, or where the
+ * environment variable RECURSE_SHARED says; without them there is nothing to test.
  */
 #include <cstdlib>
 #include <filesystem>
