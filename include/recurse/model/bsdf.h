@@ -30,6 +30,7 @@ enum Lobe : uint8_t {
   REFRACTION = 8,   ///< delta transmission, with or without bending
   DIFFUSE_LOBES = REFLECTION | TRANSMISSION,
   DELTA_LOBES = MIRROR | REFRACTION,
+  ALL_LOBES = DIFFUSE_LOBES | DELTA_LOBES,
   /** Besides REFLECTION: value() is one constant over the hemisphere, so that gathers may factor it out. */
   LAMBERTIAN = 16,
 };

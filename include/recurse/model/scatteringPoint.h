@@ -51,24 +51,29 @@ class ScatteringPoint {
     return value(eye, light) * absDot(light, frame.z);
   }
 
-  /** Density with which scatter chooses wo by a non-delta lobe [1/sr]. */
-  float pdf(const Vec3f& wi, const Vec3f& wo) const {
+  /** Density with which scatter chooses wo by a non-delta lobe [1/sr], for the same allowed lobes. */
+  float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
     const Vec3f local = frame.toLocal(wi);
     const float p = bsdf.pdf(local, frame.toLocal(wo));
-    return hasDelta() ? p * diffuseChance(local) : p;
+    return (lobeSet & allowed & DELTA_LOBES) ? p * diffuseChance(local) : p;
   }
   /** The same when only the non-delta lobes are sampled (scatterDiffuse). */
   float pdfDiffuse(const Vec3f& wi, const Vec3f& wo) const {
     return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
   }
 
-  /** One step by any lobe, chosen in proportion to what it scatters. Empty: absorbed. */
-  std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler) const {
-    if (!hasDelta()) return scatterDiffuse(wi, transport, sampler);
+  /** One step by any of the allowed lobes, chosen in proportion to what they scatter. Empty: absorbed. */
+  std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler,
+                                 LobeSet allowed = ALL_LOBES) const {
+    allowed &= lobeSet;
+    if (!(allowed & DELTA_LOBES)) {
+      if (!(allowed & DIFFUSE_LOBES)) return {};
+      return scatterDiffuse(wi, transport, sampler);
+    }
     const Vec3f local = frame.toLocal(wi);
     DeltaScatters found;
     bsdf.deltas(local, found);
-    const float diffuse = hasDiffuse() ? maxComponent(bsdf.albedo(local)) : 0;
+    const float diffuse = (allowed & DIFFUSE_LOBES) ? maxComponent(bsdf.albedo(local)) : 0;
     float total = diffuse;
     for (const DeltaScatter& d : found) total += maxComponent(d.weight);
     if (!(total > 0)) return {};

@@ -81,6 +81,7 @@ struct ForwardStatistics {
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
   double shootSeconds = 0, balanceSeconds = 0;
   size_t mapBytes = 0;
+  TransportCounts counts;
   std::vector<std::string> notes;    ///< what was chosen by itself, in words
   std::vector<std::string> warnings; ///< what will be seen in the picture, in words
 };

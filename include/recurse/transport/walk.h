@@ -1,0 +1,52 @@
+/** @file
+ * What eye walks and photon walks share: queries that are counted, and roulette.
+ */
+#pragma once
+
+#include "recurse/core/sampler.h"
+#include "recurse/transport/integrator.h"
+
+namespace recurse {
+
+/** No walk is longer than this without a chance to end, so that light caught between perfect mirrors stops.
+ */
+constexpr int LONG_WALK = 64;
+constexpr float LONG_WALK_SURVIVAL = 0.95f;
+
+/** Russian roulette: true to go on, and then the weight is divided by the chance. */
+inline bool survives(float chance, int length, Sampler& sampler, Rgb& weight) {
+  if (length > LONG_WALK) chance = std::min(chance, LONG_WALK_SURVIVAL);
+  if (chance >= 1) return true;
+  if (!(chance > 0) || sampler.next1D() >= chance) return false;
+  weight /= chance;
+  return true;
+}
+
+/** A ray from a surface point. */
+inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
+  return {from.rayOrigin(direction), direction, INFINITE};
+}
+
+/**
+ * The nearest surface that scatters or emits. Surfaces that do neither are not in the scene; one that emits
+ * and does not scatter is returned, and the caller goes on behind it with passThrough.
+ */
+inline bool intersect(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
+  ++counts.rays;
+  return scene.intersect(ray, hit);
+}
+
+/** True when light from `target`, or from infinitely far in that direction, reaches the point. */
+inline bool visible(const Scene& scene, const SurfacePoint& from, const Illumination& light,
+                    TransportCounts& counts) {
+  ++counts.rays;
+  const Vec3f origin = from.rayOrigin(light.direction);
+  if (light.distance == INFINITE) return !scene.occluded({origin, light.direction, INFINITE});
+  const Vec3f way = light.target - origin;
+  const float length = glm::length(way);
+  if (!(length > 0)) return true;
+  // The target is displaced from its own surface; the factor covers the rounding of direction and distance.
+  return !scene.occluded({origin, way / length, length * (1 - 16 * std::numeric_limits<float>::epsilon())});
+}
+
+} // namespace recurse

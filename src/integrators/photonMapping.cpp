@@ -1,0 +1,388 @@
+/** @file
+ * Recurse's estimate of radiance: emitted light, plus the photon map's estimate at diffuse surfaces, plus
+ * mirror and refracted light, recursively. Direct light comes from shadow rays, or from the map like
+ * everything else.
+ */
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include "recurse/model/plugIns.h"
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/gather.h"
+#include "recurse/transport/shoot.h"
+
+namespace recurse {
+
+namespace {
+
+struct PhotonMappingSettings {
+  uint64_t photons = 0; ///< 0: one for each pixel of the film
+  int nearest = 0;      ///< 0: all photons within the radius
+  double radius = 0;    ///< 0: found out from the photons' density
+  int maxDepth = -1;
+  bool shadowRays = true;
+  int lightSamples = 1;
+  float weightLimit = 0.03f;
+  Kernel kernel = Kernel::EPANECHNIKOV;
+  PhotonIndexKind index = PhotonIndexKind::KDTREE;
+};
+
+std::string text(const char* format, auto... values) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, format, values...);
+  return buffer;
+}
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+class PhotonMapping final : public Integrator {
+ public:
+  explicit PhotonMapping(const PhotonMappingSettings& settings) : settings(settings) {}
+
+  ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            const ForwardControl& control) override {
+    ForwardStatistics statistics;
+    auto start = std::chrono::steady_clock::now();
+    ShootSettings shoot;
+    shoot.photons = settings.photons > 0 ? settings.photons
+                                         : uint64_t(scene.film().width) * uint64_t(scene.film().height);
+    shoot.maxDepth = settings.maxDepth;
+    shoot.direct = !settings.shadowRays;
+    ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
+    statistics.counts = shot.counts;
+    statistics.photonsEmitted = shot.emitted;
+    statistics.photonsStored = shot.stored.size();
+    statistics.shootSeconds = secondsSince(start);
+    start = std::chrono::steady_clock::now();
+    map.build(shot.stored, settings.index);
+    statistics.photonsRefused = map.refused();
+    statistics.balanceSeconds = secondsSince(start);
+    statistics.mapBytes = map.memoryBytes();
+    chooseRadius(scene, classes, statistics);
+    return statistics;
+  }
+
+  void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
+    trace(scene, ray, Rgb(1), 1, out.pathClasses().eyeStart(), 0, sampler, out);
+  }
+
+  std::vector<EstimatorDomain> domains() const override {
+    std::vector<EstimatorDomain> all = {
+        {"emission", "LS*E", "none: met by eye rays through mirrors and glass", ""}};
+    if (settings.shadowRays) {
+      const std::string rays = std::to_string(settings.lightSamples);
+      all.push_back(
+          {"shadow rays", "LDS*E", rays + " for each diffuse surface an eye ray meets", "direct light"});
+      all.push_back({"BSDF rays", "LDS*E", "one for each diffuse surface an eye ray meets", "direct light"});
+      all.push_back(
+          {"photon map", "L(S|D)+DS*E", "one estimate for each diffuse surface an eye ray meets", ""});
+    } else {
+      all.push_back(
+          {"photon map", "L(S|D)*DS*E", "one estimate for each diffuse surface an eye ray meets", ""});
+    }
+    return all;
+  }
+
+ private:
+  /** Follows an eye ray through mirrors and glass: every branch while it is worth it, one by roulette after.
+   */
+  void trace(const Scene& scene, EyeRay ray, Rgb throughput, float etaScale, EyeState eye, int depth,
+             Sampler& sampler, PathRadiance& out) const {
+    const PathClasses& classes = out.pathClasses();
+    Hit hit;
+    BsdfArena arena;
+    for (;;) {
+      if (!intersect(scene, ray, hit, out.counts)) {
+        if (!scene.environment().empty())
+          out.add(classes.lightStart(), eye,
+                  throughput * environmentRadiance(scene, ray.direction, {}, settings.lightSamples));
+        return;
+      }
+      if (hit.areaLight)
+        out.add(classes.lightStart(), eye,
+                throughput * emittedRadiance(scene, hit, ray.direction, {}, settings.lightSamples));
+      ray.width += ray.spread * hit.t;
+      arena.reset();
+      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      if (!bsdf) {
+        static_cast<Ray&>(ray) = spawn(hit.point, ray.direction);
+        continue;
+      }
+      if (depth == settings.maxDepth) {
+        out.counts.weightCut += double(maxComponent(throughput));
+        return;
+      }
+      ++depth;
+      const ScatteringPoint scattering(*bsdf, hit.point);
+      const Vec3f wi = -ray.direction;
+      const EyeState eyeD = classes.step(eye, PathEvent::D);
+      if (scattering.hasDiffuse() && !classes.dead(eyeD)) {
+        if (settings.shadowRays) addDirect(scene, scattering, hit.point, wi, throughput, eyeD, sampler, out);
+        gather(map, search, scattering, hit.point, wi, ray.width, throughput, eyeD, out);
+      }
+      eye = classes.step(eye, PathEvent::S);
+      if (!scattering.hasDelta() || classes.dead(eye)) return;
+
+      std::array<Scatter, DeltaScatters::MOST> all;
+      const int count = scattering.deltaScatters(wi, Transport::RADIANCE, all);
+      float worth[DeltaScatters::MOST], total = 0, least = INFINITE;
+      for (int i = 0; i < count; ++i) {
+        const Scatter& s = all[size_t(i)];
+        worth[i] = maxComponent(throughput * s.weight) * square(s.eta) * etaScale;
+        total += worth[i];
+        if (worth[i] > 0) least = std::min(least, worth[i]);
+      }
+      if (!(total > 0)) return;
+      int next = 0;
+      if (least >= settings.weightLimit && depth <= LONG_WALK) {
+        for (int i = 1; i < count; ++i) {
+          Sampler branch = sampler.fork(static_cast<uint32_t>(i));
+          follow(scene, ray, hit.point, all[size_t(i)], throughput, etaScale, eye, depth, branch, out);
+        }
+      } else {
+        float u = count > 1 ? sampler.next1D() * total : 0;
+        while (next + 1 < count && u >= worth[next]) u -= worth[next++];
+        if (!(worth[next] > 0)) return;
+        throughput *= total / worth[next];
+        if (!survives(std::min(1.0f, total / settings.weightLimit), depth, sampler, throughput)) return;
+      }
+      const Scatter& s = all[size_t(next)];
+      throughput *= s.weight;
+      etaScale *= square(s.eta);
+      static_cast<Ray&>(ray) = spawn(hit.point, s.direction);
+    }
+  }
+
+  void follow(const Scene& scene, EyeRay ray, const SurfacePoint& from, const Scatter& s,
+              const Rgb& throughput, float etaScale, EyeState eye, int depth, Sampler& sampler,
+              PathRadiance& out) const {
+    static_cast<Ray&>(ray) = spawn(from, s.direction);
+    trace(scene, ray, throughput * s.weight, etaScale * square(s.eta), eye, depth, sampler, out);
+  }
+
+  /** LDS*E: lights sampled, and one ray by the BSDF that may meet one. */
+  void addDirect(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
+                 const Vec3f& wi, const Rgb& throughput, EyeState eyeD, Sampler& sampler,
+                 PathRadiance& out) const {
+    const PathClasses& classes = out.pathClasses();
+    if (classes.join(classes.lightStart(), eyeD) == 0) return;
+    addSampledLight(scene, scattering, point, wi, throughput, eyeD, settings.lightSamples, DIFFUSE_LOBES,
+                    sampler, out);
+    if (scene.contents().areaLights + scene.contents().environmentLights == 0) return;
+    const std::optional<Scatter> s = scattering.scatterDiffuse(wi, Transport::RADIANCE, sampler);
+    if (!s) return;
+    BsdfRay own{point, s->pdf, true};
+    Ray ray = spawn(point, s->direction);
+    Hit hit;
+    for (;;) {
+      if (!intersect(scene, ray, hit, out.counts)) {
+        if (!scene.environment().empty())
+          out.add(classes.lightStart(), eyeD,
+                  throughput * s->weight *
+                      environmentRadiance(scene, ray.direction, own, settings.lightSamples));
+        return;
+      }
+      if (hit.areaLight)
+        out.add(classes.lightStart(), eyeD,
+                throughput * s->weight *
+                    emittedRadiance(scene, hit, ray.direction, own, settings.lightSamples));
+      if (hit.material && hit.material->lobes() != NO_LOBE) return;
+      ray = spawn(hit.point, ray.direction); // a lamp without a body
+    }
+  }
+
+  /** The first diffuse surface along an eye ray, by the strongest delta lobe; false when there is none. */
+  bool firstDiffuse(const Scene& scene, EyeRay ray, Hit& hit, TransportCounts& counts,
+                    float& footprint) const {
+    BsdfArena arena;
+    for (int depth = 0; depth < LONG_WALK; ++depth) {
+      if (!intersect(scene, ray, hit, counts)) return false;
+      ray.width += ray.spread * hit.t;
+      arena.reset();
+      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      Vec3f direction = ray.direction;
+      if (bsdf) {
+        const ScatteringPoint scattering(*bsdf, hit.point);
+        footprint = ray.width;
+        if (scattering.hasDiffuse()) return true;
+        std::array<Scatter, DeltaScatters::MOST> all;
+        const int count = scattering.deltaScatters(-ray.direction, Transport::FLUX, all);
+        if (count == 0) return false;
+        direction =
+            std::max_element(all.begin(), all.begin() + count, [](const Scatter& a, const Scatter& b) {
+              return maxComponent(a.weight) < maxComponent(b.weight);
+            })->direction;
+      }
+      static_cast<Ray&>(ray) = spawn(hit.point, direction);
+    }
+    return false;
+  }
+
+  /**
+   * Looks at the photons where the eye does, and settles the search: the k nearest photons, within a limit
+   * that keeps dark corners from smearing over the whole scene; or all within the radius that was asked for.
+   */
+  void chooseRadius(const Scene& scene, const PathClasses&, ForwardStatistics& statistics) {
+    search.kernel = settings.kernel;
+    search.nearest = settings.nearest;
+    search.radius = static_cast<float>(settings.radius);
+    const PixelBounds& crop = scene.film().crop;
+    constexpr int PROBES = 24;
+    std::vector<double> radii, found;
+    GatherSettings probe = search;
+    if (settings.radius == 0) probe.radius = 2 * scene.bounds().radius;
+    PhotonScratch scratch;
+    for (int y = 0; y < PROBES; ++y)
+      for (int x = 0; x < PROBES; ++x) {
+        const Vec2f film(float(crop.x0) + (float(x) + 0.5f) / PROBES * float(crop.width()),
+                         float(crop.y0) + (float(y) + 0.5f) / PROBES * float(crop.height()));
+        Hit hit;
+        float footprint = 0;
+        const EyeRay ray = scene.camera().ray(film);
+        if (!firstDiffuse(scene, ray, hit, statistics.counts, footprint)) continue;
+        GatherRegion region;
+        region.center = hit.point.position;
+        region.normal = hit.point.geometricNormal;
+        region.bothSides = true;
+        region.flatness = probe.flatness;
+        region.radius = probe.radius;
+        if (search.nearest > 0) {
+          const NearestPhotons n = map.nearest(region, search.nearest, scratch);
+          found.push_back(n.count);
+          if (n.count == search.nearest) radii.push_back(double(std::sqrt(n.radius2)));
+        } else {
+          int n = 0;
+          map.visitWithin(region, [&](const PhotonBlock& b) { n += std::popcount(b.mask); });
+          found.push_back(n);
+        }
+      }
+    if (found.empty()) {
+      statistics.notes.push_back("the eye sees no diffuse surface: no photons are gathered");
+      if (search.radius == 0) search.radius = 2 * scene.bounds().radius;
+      return;
+    }
+    const auto part = [](std::vector<double>& v, double p) {
+      const auto i = static_cast<std::ptrdiff_t>(p * double(v.size() - 1));
+      std::nth_element(v.begin(), v.begin() + i, v.end());
+      return v[size_t(i)];
+    };
+    const double scale = double(scene.bounds().radius);
+    double typical = settings.radius;
+    if (search.nearest > 0) {
+      if (!radii.empty()) {
+        typical = part(radii, 0.5);
+        if (settings.radius == 0) search.radius = static_cast<float>(2 * part(radii, 0.95));
+      } else if (settings.radius == 0) {
+        search.radius = static_cast<float>(0.1 * scale);
+      }
+      if (!radii.empty())
+        statistics.notes.push_back(text(
+            "search: the %d nearest photons, typically within %.3g, at most %.3g; the scene is %.3g across",
+            search.nearest, typical, double(search.radius), 2 * scale));
+    } else {
+      statistics.notes.push_back(
+          text("search: all photons within %.3g, typically %.0f; the scene is %.3g across", typical,
+               part(found, 0.5), 2 * scale));
+    }
+    if (map.empty()) {
+      if (settings.shadowRays)
+        statistics.notes.push_back("no photon was stored: all light is direct, or there is none");
+      else
+        statistics.warnings.push_back(
+            "no photon was stored: the picture will show nothing but emitted light");
+    } else if (const double typicalFound = part(found, 0.5); typicalFound < 25) {
+      statistics.warnings.push_back(
+          text("the picture will be blotchy: an estimate typically finds %.0f photons; shoot more "
+               "(--photons) or widen the search (--radius)",
+               typicalFound));
+    }
+    if (!map.empty() && typical > 0.05 * scale)
+      statistics.warnings.push_back(
+          text("the picture will be smeared: light is averaged over discs of radius %.3g in a scene %.3g "
+               "across; shoot more photons (--photons) or narrow the search (--radius, --gather-photons)",
+               typical, 2 * scale));
+  }
+
+  PhotonMappingSettings settings;
+  PhotonMap map;
+  GatherSettings search;
+};
+
+PhotonMappingSettings common(const Parameters& p) {
+  PhotonMappingSettings s;
+  s.radius = p.hasValue("radius") ? p.real("radius") : 0;
+  s.maxDepth = p.integer("maxdepth");
+  s.shadowRays = p.string("direct") == "shadowrays";
+  s.lightSamples = p.integer("lightsamples");
+  s.weightLimit = static_cast<float>(p.real("weightlimit"));
+  s.kernel = *parseKernel(p.string("kernel"));
+  s.index = *parsePhotonIndex(p.string("photonindex"));
+  s.nearest = p.has("gatherphotons") || s.radius == 0 ? p.integer("gatherphotons") : 0;
+  return s;
+}
+
+std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
+  more.insert(
+      more.end(),
+      {integerParameter("gatherphotons", "100",
+                        "photons nearest to a point that an estimate uses; without it, a radius means all "
+                        "photons within it")
+           .range(1, 1e6),
+       realParameter("radius", "",
+                     "radius of the search [scene units]; by default found out from the photons")
+           .positive(),
+       integerParameter("maxdepth", "-1",
+                        "most scattering events of an eye path, and of a photon; -1: no limit")
+           .range(-1, 1e9),
+       stringParameter("direct", "shadowrays",
+                       "where direct light comes from: shadow rays, or photons like all other light")
+           .oneOf({"shadowrays", "photons"}),
+       integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
+       realParameter(
+           "weightlimit", "0.03",
+           "both branches at glass are followed while their weights are above this; below, one by roulette")
+           .range(1e-6, 1),
+       stringParameter("kernel", "epanechnikov", "how photons count by distance")
+           .oneOf({"constant", "cone", "epanechnikov"}),
+       stringParameter("photonindex", "kdtree",
+                       "index of the photons; flann is slower and there to compare with")
+           .oneOf({"kdtree", "flann"})});
+  return more;
+}
+
+} // namespace
+
+void registerPhotonMapping(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "photonmap",
+        .summary = "Recurse's estimate: emitted light, the photon map at diffuse surfaces, mirror and "
+                   "refracted light recursively.",
+        .parameters = parameters({integerParameter("photons", "1000000", "photons emitted").range(1, 2e9)}),
+        .examples = {"", "\"integer photons\" 20000 \"string direct\" \"photons\" \"float radius\" .1"}},
+       [](const Parameters& p, const NoContext&) {
+         PhotonMappingSettings s = common(p);
+         s.photons = static_cast<uint64_t>(p.integer("photons"));
+         return std::make_unique<PhotonMapping>(s);
+       }});
+  plugIns.integrators.add(
+      {{.name = "sppm",
+        .summary = "photonmap by the parameters that pbrt files give to sppm; one pass.",
+        .parameters = parameters(
+            {integerParameter("photonsperiteration", "-1", "photons emitted; -1: one for each pixel")
+                 .range(-1, 2e9),
+             integerParameter("photons", "", "photons emitted, instead").range(1, 2e9),
+             ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed counts"),
+             ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed")}),
+        .examples = {""}},
+       [](const Parameters& p, const NoContext&) {
+         PhotonMappingSettings s = common(p);
+         const int n = p.hasValue("photons") ? p.integer("photons") : p.integer("photonsperiteration");
+         s.photons = n > 0 ? static_cast<uint64_t>(n) : 0;
+         return std::make_unique<PhotonMapping>(s);
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,149 @@
+/** @file
+ * The render loop.
+ */
+#include "recurse/transport/render.h"
+
+#include <chrono>
+#include <mutex>
+
+#include "recurse/core/parallel.h"
+
+namespace recurse {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int TILE = 16;
+/** Samples of one round at the most: a round is the unit in which all pixels are equal. */
+constexpr int LARGEST_ROUND = 64;
+
+double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
+
+/** Tells the progress display at most ten times a second, from one thread at a time. */
+class Teller {
+ public:
+  Teller(const std::function<void(const RenderProgress&)>& tell, Clock::time_point start)
+      : tell(tell), start(start) {}
+  void say(const char* phase, double fraction, double secondsLeft, double samples, double rays,
+           bool always = false) {
+    if (!tell || !one.try_lock()) return;
+    const std::lock_guard<std::mutex> guard(one, std::adopt_lock);
+    const Clock::time_point now = Clock::now();
+    if (!always && seconds(now - last) < 0.1) return;
+    last = now;
+    RenderProgress p;
+    p.phase = phase;
+    p.fraction = fraction;
+    p.elapsed = seconds(now - start);
+    p.secondsLeft = secondsLeft;
+    p.samplesPerPixel = samples;
+    p.raysPerSecond = rays;
+    tell(p);
+  }
+
+ private:
+  const std::function<void(const RenderProgress&)>& tell;
+  Clock::time_point start, last{};
+  std::mutex one;
+};
+
+} // namespace
+
+RenderStatistics render(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                        const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                        const std::function<void(const RenderProgress&)>& progress,
+                        const std::function<void(const std::string&)>& log) {
+  const Clock::time_point start = Clock::now();
+  Teller teller(progress, start);
+  RenderStatistics statistics;
+  statistics.threads = threadCount();
+  integrator.prepare(scene, classes);
+
+  ForwardControl control;
+  control.stop = &stop;
+  control.progress = [&](double fraction) {
+    const double elapsed = seconds(Clock::now() - start);
+    teller.say("photons", fraction, fraction > 0.02 ? elapsed / fraction - elapsed : -1, 0, 0);
+  };
+  const ForwardStatistics forward = integrator.forward(scene, classes, {settings.seed, 0}, control);
+  statistics.photonSeconds = forward.shootSeconds;
+  statistics.balanceSeconds = forward.balanceSeconds;
+  statistics.photonsEmitted = forward.photonsEmitted;
+  statistics.photonsStored = forward.photonsStored;
+  statistics.photonsRefused = forward.photonsRefused;
+  statistics.mapBytes = forward.mapBytes;
+  statistics.counts = forward.counts;
+  statistics.notes = forward.notes;
+  statistics.warnings = forward.warnings;
+  if (log) {
+    for (const std::string& note : forward.notes) log(note);
+    for (const std::string& warning : forward.warnings) log("warning: " + warning);
+  }
+
+  const PixelBounds& bounds = film.bounds();
+  const int tilesX = (bounds.width() + TILE - 1) / TILE, tilesY = (bounds.height() + TILE - 1) / TILE;
+  const size_t tiles = size_t(tilesX) * size_t(tilesY);
+  const int64_t wanted = settings.samplesPerPixel > 0 ? settings.samplesPerPixel : int64_t(1) << 31;
+  const Clock::time_point pictureStart = Clock::now();
+  std::vector<TransportCounts> tileCounts(tiles);
+  std::atomic<uint64_t> samplesDone{0}, raysDone{0};
+  std::atomic<bool> timeUp{false};
+
+  int64_t sample = 0;
+  int round = 1;
+  while (sample < wanted && !stop && !timeUp) {
+    const int64_t end = std::min(wanted, sample + round);
+    parallelFor(tiles, [&](size_t tile) {
+      if (stop || timeUp) return;
+      const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
+      const int x1 = std::min(x0 + TILE, bounds.width()), y1 = std::min(y0 + TILE, bounds.height());
+      TransportCounts counts;
+      PathRadiance radiance(classes, counts);
+      for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x) {
+          const size_t pixel = size_t(y) * size_t(bounds.width()) + size_t(x);
+          // Keyed by the place on the whole film, so that a crop is a part of the same picture.
+          const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
+          for (int64_t s = sample; s < end; ++s) {
+            Sampler sampler(settings.seed, stream, static_cast<uint32_t>(s));
+            const Filter::Sample f = scene.filter().sample(sampler.next2D());
+            const Vec2f place(float(x + bounds.x0) + 0.5f + f.offset.x,
+                              float(y + bounds.y0) + 0.5f + f.offset.y);
+            radiance.reset();
+            integrator.backward(scene, scene.camera().ray(place), sampler, radiance);
+            film.add(pixel, f.weight, radiance.values(), radiance.total());
+          }
+        }
+      tileCounts[tile].add(counts);
+      const uint64_t samples = samplesDone += uint64_t(x1 - x0) * uint64_t(y1 - y0) * uint64_t(end - sample);
+      const uint64_t rays = raysDone += counts.rays;
+      const double elapsed = seconds(Clock::now() - start), inPicture = seconds(Clock::now() - pictureStart);
+      // The first round is always finished: every pixel gets a sample.
+      if (settings.timeLimit > 0 && sample > 0 && elapsed > settings.timeLimit) timeUp = true;
+      const double perPixel = double(samples) / double(bounds.area());
+      double left = settings.samplesPerPixel > 0 ? inPicture * (double(wanted) / perPixel - 1) : INFINITY;
+      if (settings.timeLimit > 0) left = std::min(left, settings.timeLimit - elapsed);
+      left = std::max(left, 0.0);
+      teller.say("picture", inPicture / (inPicture + left), left, perPixel, double(rays) / inPicture);
+    });
+    if (settings.timeLimit > 0 && seconds(Clock::now() - start) > settings.timeLimit) timeUp = true;
+    sample = end;
+    ++statistics.passes;
+    round = std::min(LARGEST_ROUND, std::max(1, int(sample)));
+  }
+
+  for (const TransportCounts& c : tileCounts) statistics.counts.add(c);
+  statistics.samples = film.totalSamples();
+  statistics.gatherSeconds = seconds(Clock::now() - pictureStart);
+  statistics.renderSeconds = seconds(Clock::now() - start);
+  if (stop)
+    statistics.stopReason = StopReason::INTERRUPTED;
+  else if (statistics.samples < uint64_t(wanted) * bounds.area())
+    statistics.stopReason = StopReason::TIME;
+  teller.say("picture", 1, 0, double(statistics.samples) / double(bounds.area()),
+             double(raysDone) / std::max(statistics.gatherSeconds, 1e-9), true);
+  return statistics;
+}
+
+} // namespace recurse

@@ -1,0 +1,129 @@
+/** @file
+ * Photon walks.
+ */
+#include "recurse/transport/shoot.h"
+
+#include <mutex>
+
+#include "recurse/core/parallel.h"
+#include "recurse/model/scatteringPoint.h"
+#include "recurse/transport/walk.h"
+
+namespace recurse {
+
+namespace {
+
+/** Tells photon samples from those of pixels. */
+constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
+constexpr uint64_t BATCH = 4096;
+
+class PhotonWalk {
+ public:
+  PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
+             TransportCounts& counts, std::vector<Photon>& out)
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
+
+  void shoot(Sampler sampler) {
+    float pick = sampler.next1D();
+    const ChosenLight chosen = scene.lights().choose(pick);
+    if (!(chosen.probability > 0)) return;
+    const std::optional<Emission> emission = chosen.light->emit(sampler);
+    if (!emission || isBlack(emission->flux)) return;
+    Rgb flux = emission->flux / (chosen.probability * static_cast<float>(settings.photons));
+    if (!isFinite(flux)) {
+      ++counts.nonFinite;
+      return;
+    }
+    LightState state = classes.lightStart();
+    if (classes.dead(state)) return;
+    Ray ray{emission->origin, emission->direction, INFINITE};
+    Hit hit;
+    for (int depth = 0;;) {
+      if (!intersect(scene, ray, hit, counts)) return;
+      arena.reset();
+      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      if (!bsdf) {
+        ray = spawn(hit.point, ray.direction);
+        continue;
+      }
+      if (depth == settings.maxDepth) {
+        counts.weightCut += double(maxComponent(flux));
+        return;
+      }
+      const ScatteringPoint scattering(*bsdf, hit.point);
+      const Vec3f wi = -ray.direction;
+      const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
+      if (scattering.hasDiffuse() && !classes.dead(stateD) && (depth > 0 || settings.direct))
+        store(hit.point, scattering, wi, flux, state);
+      ++depth;
+      const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : DIFFUSE_LOBES) |
+                                      (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
+      const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, sampler, allowed);
+      if (!s) return;
+      const Rgb scattered = flux * s->weight;
+      const float before = maxComponent(flux), after = maxComponent(scattered);
+      flux = scattered;
+      if (!survives(std::min(1.0f, after / before), depth, sampler, flux)) return;
+      state = s->specular() ? stateS : stateD;
+      ray = spawn(hit.point, s->direction);
+    }
+  }
+
+ private:
+  void store(const SurfacePoint& point, const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& flux,
+             LightState state) {
+    const float geometric = absDot(wi, point.geometricNormal);
+    if (geometric == 0) return; // in the plane of the surface: brings no flux
+    Photon p;
+    p.position = point.position;
+    p.direction = packDirection(wi);
+    p.power = flux * (absDot(wi, scattering.normal()) / geometric);
+    p.pathState = state.byte;
+    out.push_back(p);
+  }
+
+  const Scene& scene;
+  const PathClasses& classes;
+  const ShootSettings& settings;
+  TransportCounts& counts;
+  std::vector<Photon>& out;
+  BsdfArena arena;
+};
+
+} // namespace
+
+ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                         const ShootSettings& settings, const ForwardControl& control) {
+  ShotPhotons shot;
+  if (scene.lights().size() == 0 || settings.photons == 0) return shot;
+  const size_t batches = (settings.photons + BATCH - 1) / BATCH;
+  std::vector<std::vector<Photon>> stored(batches);
+  std::vector<TransportCounts> counts(batches);
+  std::atomic<size_t> done{0};
+  std::mutex telling;
+  parallelFor(batches, [&](size_t b) {
+    if (control.stopped()) return;
+    PhotonWalk walk(scene, classes, settings, counts[b], stored[b]);
+    const uint64_t end = std::min(settings.photons, (b + 1) * BATCH);
+    for (uint64_t i = b * BATCH; i < end; ++i)
+      walk.shoot(
+          Sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM + (i >> 32), static_cast<uint32_t>(i)));
+    const size_t n = ++done;
+    if (telling.try_lock()) {
+      control.progress(static_cast<double>(n) / static_cast<double>(batches));
+      telling.unlock();
+    }
+  });
+  size_t total = 0;
+  for (const auto& s : stored) total += s.size();
+  shot.stored.reserve(total);
+  for (auto& s : stored) {
+    shot.stored.insert(shot.stored.end(), s.begin(), s.end());
+    std::vector<Photon>().swap(s);
+  }
+  for (const TransportCounts& c : counts) shot.counts.add(c);
+  shot.emitted = settings.photons;
+  return shot;
+}
+
+} // namespace recurse
