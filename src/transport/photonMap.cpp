@@ -192,7 +192,7 @@ struct PhotonMap::Builder {
     const size_t leavesPerChild = size_t(1) << 3 * (map.levelCount - 1 - level);
     const size_t begin = node * 8 * leavesPerChild;
     if (last - first == 1) {
-      Node& n = map.nodes[map.levelBegin[level] + node];
+      Node& n = map.nodes[levelBegin(level) + node];
       for (int axis = 0; axis < 3; ++axis) {
         n.lower[axis][first] = box.lower[axis];
         n.upper[axis][first] = box.upper[axis];
@@ -220,7 +220,7 @@ struct PhotonMap::Builder {
     const size_t begin = node * 8 * leavesPerChild;
     const size_t children =
         std::min<size_t>(8, (map.leafCount - begin + leavesPerChild - 1) / leavesPerChild);
-    Node& n = map.nodes[map.levelBegin[level] + node];
+    Node& n = map.nodes[levelBegin(level) + node];
     for (size_t i = children; i < 8; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
         n.lower[axis][i] = INFINITE;
@@ -294,13 +294,7 @@ void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
   if (photonCount == 0) return;
   levelCount = 1;
   while (size_t(1) << 3 * levelCount < leafCount) ++levelCount;
-  size_t nodeCount = 0;
-  for (int level = 0; level < levelCount; ++level) {
-    levelBegin[level] = nodeCount;
-    const int shift = 3 * (levelCount - level);
-    nodeCount += (leafCount + (size_t(1) << shift) - 1) >> shift;
-  }
-  nodes.reserve(nodeCount);
+  nodes.reserve(lastLevelBegin() + (leafCount + 7) / 8);
   builder.descend(0, 0, box);
 }
 
@@ -321,7 +315,7 @@ float PhotonMap::densityBound(const Vec3f& center, int k) const {
   size_t node = 0;
   float bound = INFINITE;
   for (int level = 0; level < levelCount; ++level) {
-    const Node& n = nodes[levelBegin[level] + node];
+    const Node& n = nodes[levelBegin(level) + node];
     alignas(32) float d2[8];
     query.boxDistance2(n).store(d2);
     const size_t child = static_cast<size_t>(std::min_element(d2, d2 + 8) - d2);
@@ -458,15 +452,19 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
     if (!(step < 0.25f * scratch.lastRadius)) start = std::min(start, densityBound(region.center, k));
     for (;;) {
       if (!(start > 0 && start < limit)) start = limit;
-      query.radius2 = start;
+      query.setRadius2(start);
       found.clear();
-      walk(query, [&](uint32_t block, uint32_t mask, Float8 d2) {
-        found.add(block, select(Float8::lanes(mask), d2, Float8(INFINITE)), mask);
+      walk(query, [&](const Hits& hits) {
+        for (size_t i = 0; i < hits.count; ++i) {
+          const Float8 d2 = hits.distance2[i];
+          const uint32_t mask = hits.mask[i] & bits(less(d2, Float8(query.radius2)));
+          if (mask != 0) found.add(hits.block[i], select(Float8::lanes(mask), d2, Float8(INFINITE)), mask);
+        }
         if (found.count < most) return;
         keepNearest(k, scratch, query.radius2, result);
         // Equally distant ones may still come first. Denormals would count as zero.
         const float next = std::nextafter(result.radius2, INFINITE);
-        query.radius2 = std::min(query.radius2, std::max(next, std::numeric_limits<float>::min()));
+        query.setRadius2(std::min(query.radius2, std::max(next, std::numeric_limits<float>::min())));
       });
       if (found.count >= wanted || start == limit) break;
       const float share = static_cast<float>(wanted) / static_cast<float>(std::max<size_t>(1, found.count));

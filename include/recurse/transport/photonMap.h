@@ -6,8 +6,8 @@
  *
  * The index is a balanced kd-tree whose nodes have eight children. Every split takes the median on the widest
  * axis of the tight bounds, and hands a multiple of the largest power of eight below the number of leaves to
- * the left. So all leaves but the last are full, the children of node i of a level are nodes 8i…8i+7 of the
- * next, and there are no pointers. A query tests eight boxes or eight photons with a few AVX2 instructions.
+ * the left. So all leaves but the last are full, the children of node i are nodes 8i+1…8i+8, and there are no
+ * pointers. A query tests eight boxes or eight photons with a few AVX2 instructions.
  *
  * Complexities, for n photons of which a query finds m: build O(n log n), query O(log n + m).
  */
@@ -108,6 +108,34 @@ inline Vec3f8 unpackDirections(const uint32_t* packed) {
   const Float8 scale = Float8(1) / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
   return {d.x * scale, d.y * scale, d.z * scale};
 }
+
+/** For each mask of eight lanes the lanes in it, packed; what comes after them is of no account. */
+struct PhotonLaneLists {
+  alignas(64) uint8_t lanes[256][8] = {};
+  alignas(64) uint8_t lanesDown[256][8] = {};
+
+  constexpr PhotonLaneLists() {
+    for (int mask = 0; mask < 256; ++mask) {
+      int up = 0, down = 0;
+      for (int i = 0; i < 8; ++i) {
+        if (mask >> i & 1) lanes[mask][up++] = static_cast<uint8_t>(i);
+        if (mask >> (7 - i) & 1) lanesDown[mask][down++] = static_cast<uint8_t>(7 - i);
+      }
+    }
+  }
+  /** Writes base + lane for every lane in the mask, and something up to the eighth place. */
+  void ascending(uint32_t mask, uint32_t base, uint32_t* out) const { write(lanes[mask], base, out); }
+  void descending(uint32_t mask, uint32_t base, uint32_t* out) const { write(lanesDown[mask], base, out); }
+
+ private:
+  static void write(const uint8_t* list, uint32_t base, uint32_t* out) {
+    const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(list));
+    const __m256i sum =
+        _mm256_add_epi32(_mm256_cvtepu8_epi32(bytes), _mm256_set1_epi32(static_cast<int>(base)));
+    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), sum);
+  }
+};
+inline constexpr PhotonLaneLists PHOTON_LANE_LISTS;
 
 enum class PhotonIndexKind {
   KDTREE, ///< the eight-wide tree described above
@@ -278,6 +306,13 @@ class PhotonMap {
    * called from any thread. A query without flattening and with bothSides pays for neither.
    */
   template <class Visitor> void visitWithin(const GatherRegion& region, Visitor&& visitor) const;
+  /**
+   * The same for sums: calls add(state, const PhotonBlock&), which changes the state, and returns the last
+   * state. Faster than a visitor with sums outside, which the compiler must keep in memory: the state is a
+   * copy that nobody else knows, so it lives in registers.
+   */
+  template <class State, class Add>
+  State accumulateWithin(const GatherRegion& region, State state, Add&& add) const;
 
   /**
    * Finds the k photons of the region that are nearest to its centre; of equally distant ones, those emitted
@@ -286,6 +321,9 @@ class PhotonMap {
   NearestPhotons nearest(const GatherRegion& region, int k, PhotonScratch& scratch) const;
   /** Calls visitor(const PhotonBlock&) for what the last nearest() found, in increasing order of slots. */
   template <class Visitor> void visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const;
+  /** Its counterpart for sums; see accumulateWithin(). */
+  template <class State, class Add>
+  State accumulateNearest(const PhotonScratch& scratch, State state, Add&& add) const;
 
   Vec3f position(size_t slot) const {
     const Leaf& leaf = leaves[slot / LEAF_SIZE];
@@ -320,8 +358,12 @@ class PhotonMap {
   /** The region, as the tests of eight photons at a time want it. */
   template <bool FLAT, bool SIDED> struct Query;
   template <class F> decltype(auto) withQuery(const GatherRegion& region, F&& f) const;
-  template <class Q, class Visitor> void walk(const Q& query, Visitor&& visitor) const;
+  struct Hits;
+  template <class Q, class Flush> void walk(const Q& query, Flush&& flush) const;
   template <class Visitor> void visit(const FoundPhotons& found, Visitor&& visitor) const;
+  /** The first node of a level, as if all levels above were full: 1 + 8 + 64 + …. */
+  static constexpr size_t levelBegin(int level) { return ((size_t(1) << 3 * level) - 1) / 7; }
+  size_t lastLevelBegin() const { return levelBegin(levelCount - 1); }
   PhotonBlock makeBlock(uint32_t block, uint32_t mask, Float8 d2) const {
     return {block * 8, mask, d2, payload.data() + block, pathStates.data() + size_t(block) * 8};
   }
@@ -338,7 +380,6 @@ class PhotonMap {
   size_t photonCount = 0, refusedCount = 0;
   size_t leafCount = 0;
   int levelCount = 0; ///< levels of nodes; the children of the last are leaves
-  size_t levelBegin[MAX_LEVELS] = {};
   Bounds3f box;
   PhotonArray<Node> nodes;
   PhotonArray<Leaf> leaves;
@@ -353,14 +394,22 @@ class PhotonMap {
  * is never left out that has a photon in the region. So nothing here has a tolerance.
  */
 template <bool FLAT, bool SIDED> struct PhotonMap::Query {
+  static constexpr bool ONE_SIDED = SIDED;
   Float8 cx, cy, cz;
   float nx, ny, nz;
   float flattening; ///< w of GatherRegion
   float radius2;    ///< may shrink during a walk
+  float reach;      ///< at least the radius: whatever is not less has a square that is not less than radius2
 
   explicit Query(const GatherRegion& r)
       : cx(r.center.x), cy(r.center.y), cz(r.center.z), nx(r.normal.x), ny(r.normal.y), nz(r.normal.z),
-        flattening(FLAT ? 1 / (r.flatness * r.flatness) - 1 : 0), radius2(r.radius * r.radius) {}
+        flattening(FLAT ? 1 / (r.flatness * r.flatness) - 1 : 0) {
+    setRadius2(r.radius * r.radius);
+  }
+  void setRadius2(float r2) {
+    radius2 = r2;
+    reach = std::sqrt(r2) * (1 + roundingBound(8));
+  }
 
   /** D² of single precision, operation by operation as for eight. */
   float distance2(const Vec3f& p) const {
@@ -396,7 +445,14 @@ template <bool FLAT, bool SIDED> struct PhotonMap::Query {
     const Float8 x = axis(0, cx), y = axis(1, cy), z = axis(2, cz);
     return x * x + y * y + z * z;
   }
-  uint32_t reached(const Node& node) const { return bits(less(boxDistance2(node), Float8(radius2))); }
+  uint32_t reaches(const Node& node) const { return bits(less(boxDistance2(node), Float8(radius2))); }
+  /** The same for the cube around the region: sooner known, though not as sharp. */
+  uint32_t mayReach(const Node& node) const {
+    const auto axis = [&](int i, Float8 c) {
+      return max(Float8::load(node.lower[i]) - c, c - Float8::load(node.upper[i]));
+    };
+    return bits(less(max(max(axis(0, cx), axis(1, cy)), axis(2, cz)), Float8(reach)));
+  }
 };
 
 template <class F> decltype(auto) PhotonMap::withQuery(const GatherRegion& region, F&& f) const {
@@ -405,39 +461,84 @@ template <class F> decltype(auto) PhotonMap::withQuery(const GatherRegion& regio
   return flat ? f(Query<true, true>(region)) : f(Query<false, true>(region));
 }
 
-/** Calls visitor(block, mask, D²) depth first, nearest slots first; the visitor may shrink query.radius2. */
-template <class Q, class Visitor> void PhotonMap::walk(const Q& query, Visitor&& visitor) const {
+/** Blocks that a walk has found and not yet handed on. Their number is bounded, so they lie on the stack. */
+struct PhotonMap::Hits {
+  static constexpr size_t MOST = 128;
+  Float8 distance2[MOST];
+  uint32_t block[MOST], mask[MOST];
+  size_t count = 0;
+};
+
+/**
+ * Calls flush(hits) with blocks in increasing order of slots, as often as needed. The flush may shrink
+ * query.radius2; hits that were found before then lie within the old one.
+ *
+ * Nodes, leaves and blocks are each put on a list for the next step, by code that always writes and then
+ * advances by what counts: a mispredicted branch costs as much as the tests of two leaves.
+ */
+template <class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
   if (photonCount == 0) return;
-  uint32_t left[MAX_LEVELS]; // children still to be seen, of the nodes on the way down
-  int level = 0;
-  const int last = levelCount - 1;
-  size_t node = 0;
-  uint32_t mask = query.reached(nodes[0]);
-  for (;;) {
-    if (level == last) {
-      for (; mask != 0; mask &= mask - 1) {
-        const size_t leafIndex = node * 8 + static_cast<size_t>(std::countr_zero(mask));
-        const Leaf& leaf = leaves[leafIndex];
-        for (int i = 0; i < LEAF_BLOCKS; ++i) {
-          const Float8 d2 = query.distance2(leaf.x + 8 * i, leaf.y + 8 * i, leaf.z + 8 * i);
-          uint32_t lanes = bits(less(d2, Float8(query.radius2)));
-          if (lanes == 0) continue;
-          const auto block = static_cast<uint32_t>(leafIndex * LEAF_BLOCKS + static_cast<size_t>(i));
-          lanes &= query.facing(payload[block].direction);
-          if (lanes != 0) visitor(block, lanes, d2);
-        }
+  constexpr size_t MOST_LEAVES = 32;
+  uint32_t nodeStack[7 * MAX_LEVELS + 2 * 8]; // eight may be written beyond the last
+  uint32_t leafList[MOST_LEAVES + 2 * 8];
+  size_t nodesLeft = 0, leavesFound = 0;
+  Hits hits;
+  const auto finish = [&] {
+    if constexpr (Q::ONE_SIDED) {
+      size_t kept = 0;
+      for (size_t i = 0; i < hits.count; ++i) {
+        const uint32_t mask = hits.mask[i] & query.facing(payload[hits.block[i]].direction);
+        hits.block[kept] = hits.block[i];
+        hits.distance2[kept] = hits.distance2[i];
+        hits.mask[kept] = mask;
+        kept += mask != 0;
+      }
+      hits.count = kept;
+    }
+    flush(hits);
+    hits.count = 0;
+  };
+  const auto testLeaves = [&] {
+    for (size_t l = 0; l < leavesFound; ++l) {
+      if (hits.count > Hits::MOST - LEAF_BLOCKS) finish();
+      const Leaf& leaf = leaves[leafList[l]];
+      const Float8 radius2(query.radius2);
+      for (uint32_t i = 0; i < LEAF_BLOCKS; ++i) {
+        const Float8 d2 = query.distance2(leaf.x + 8 * i, leaf.y + 8 * i, leaf.z + 8 * i);
+        const uint32_t mask = bits(less(d2, radius2));
+        hits.block[hits.count] = leafList[l] * LEAF_BLOCKS + i;
+        hits.distance2[hits.count] = d2;
+        hits.mask[hits.count] = mask;
+        hits.count += mask != 0;
       }
     }
-    while (mask == 0) {
-      if (level == 0) return;
-      mask = left[--level];
-      node /= 8;
+    leavesFound = 0;
+  };
+
+  const auto lastLevel = static_cast<uint32_t>(lastLevelBegin());
+  uint32_t node = 0;
+  for (;;) {
+    if (node < lastLevel) {
+      const uint32_t mask = query.mayReach(nodes[node]);
+      if (mask != 0) {
+        // The first child comes last on the stack, and is not put there: the chain of nodes on the way down
+        // is what a query waits for.
+        PHOTON_LANE_LISTS.descending(mask, 8 * node + 1, nodeStack + nodesLeft);
+        nodesLeft += static_cast<size_t>(std::popcount(mask)) - 1;
+        node = 8 * node + 1 + static_cast<uint32_t>(std::countr_zero(mask));
+        continue;
+      }
+    } else {
+      const uint32_t mask = query.reaches(nodes[node]);
+      PHOTON_LANE_LISTS.ascending(mask, 8 * (node - lastLevel), leafList + leavesFound);
+      leavesFound += static_cast<size_t>(std::popcount(mask));
+      if (leavesFound > MOST_LEAVES) testLeaves();
     }
-    left[level] = mask & (mask - 1);
-    node = node * 8 + static_cast<size_t>(std::countr_zero(mask));
-    ++level;
-    mask = query.reached(nodes[levelBegin[level] + node]);
+    if (nodesLeft == 0) break;
+    node = nodeStack[--nodesLeft];
   }
+  testLeaves();
+  finish();
 }
 
 template <class Visitor> void PhotonMap::visit(const FoundPhotons& found, Visitor&& visitor) const {
@@ -447,20 +548,38 @@ template <class Visitor> void PhotonMap::visit(const FoundPhotons& found, Visito
   }
 }
 
-template <class Visitor> void PhotonMap::visitWithin(const GatherRegion& region, Visitor&& visitor) const {
+template <class State, class Add>
+State PhotonMap::accumulateWithin(const GatherRegion& region, State state, Add&& add) const {
   if (indexKind == PhotonIndexKind::FLANN) {
     FoundPhotons found;
     findWithinFlann(region, found);
-    visit(found, visitor);
-    return;
+    visit(found, [&](const PhotonBlock& block) { add(state, block); });
+    return state;
   }
-  withQuery(region, [&](const auto& query) {
-    walk(query, [&](uint32_t block, uint32_t mask, Float8 d2) { visitor(makeBlock(block, mask, d2)); });
-  });
+  // One place that calls `add`, whatever the kind of query: so it is worth inlining.
+  const auto flush = [&](const Hits& hits) {
+    State local = state;
+    for (size_t i = 0; i < hits.count; ++i)
+      add(local, makeBlock(hits.block[i], hits.mask[i], hits.distance2[i]));
+    state = local;
+  };
+  withQuery(region, [&](const auto& query) { walk(query, flush); });
+  return state;
+}
+
+template <class Visitor> void PhotonMap::visitWithin(const GatherRegion& region, Visitor&& visitor) const {
+  struct Nothing {};
+  accumulateWithin(region, Nothing(), [&](Nothing&, const PhotonBlock& block) { visitor(block); });
 }
 
 template <class Visitor> void PhotonMap::visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const {
   visit(scratch.found, visitor);
+}
+
+template <class State, class Add>
+State PhotonMap::accumulateNearest(const PhotonScratch& scratch, State state, Add&& add) const {
+  visit(scratch.found, [&](const PhotonBlock& block) { add(state, block); });
+  return state;
 }
 
 } // namespace recurse
