@@ -65,8 +65,8 @@ std::string ClassesReport::text() const {
         out += named.name == expression ? ": " + named.expression + ", " : ": " + named.name + ", ";
         out += named.meaning;
       }
-    out += "\n" + (e.automaton.isEmpty() ? "  no path matches this\n"
-                                         : e.automaton.describe() + byLength(e.examples));
+    out += "\n";
+    out += e.automaton.isEmpty() ? "  no path matches this\n" : e.automaton.describe() + byLength(e.examples);
   }
   out += "\n";
   if (entries.size() > 1 && overlaps.empty()) out += "disjoint: no path is in two of these\n";
@@ -80,7 +80,8 @@ std::string ClassesReport::text() const {
     if (const std::string expression = leftOver.toExpression(); !expression.empty()) out += " " + expression;
     std::vector<std::string> words = leftOver.exampleWords(4, 4);
     if (words.empty()) words = {leftOver.shortestWord()};
-    out += "\n" + byLength(words);
+    out += "\n";
+    out += byLength(words);
   }
   return out + renderable + "\n";
 }

@@ -40,7 +40,7 @@ class WordLister {
 
   void list(size_t events, size_t most, std::vector<std::string>& out) {
     wanted = out.size() + most;
-    word = "L";
+    word.assign(1, 'L');
     extend(after(dfa, 0, PathLetter::L), events, out);
   }
 
@@ -256,7 +256,8 @@ std::string PathAutomaton::toExpression(size_t longest) const {
     for (size_t i = 0; i <= last; ++i) edge[i][k] = edge[k][i] = {};
   }
   const Text& inner = edge[first][last];
-  const std::string out = "L" + grouped(inner, inner.text.empty() ? Text::EMPTY_WORD : Text::SEQUENCE) + "E";
+  std::string out(1, 'L');
+  out += grouped(inner, inner.text.empty() ? Text::EMPTY_WORD : Text::SEQUENCE) + "E";
   return out.size() <= longest ? out : std::string();
 }
 

@@ -476,7 +476,10 @@ TEST(PathClasses, ManyAtOnce) {
   for (const NamedPathClass& c : namedPathClasses()) named.push_back({c.name, c.name});
   expectJoins(named);
   std::vector<PathClass> lengths;
-  for (int n = 0; n < 64; ++n) lengths.push_back({"n" + std::to_string(n), "L.{" + std::to_string(n) + "}E"});
+  for (int n = 0; n < 64; ++n) {
+    const std::string count = std::to_string(n);
+    lengths.push_back({count, std::string("L.{") + count + "}E"});
+  }
   expectJoins(lengths);
   expectJoins({{"a", "L.*S.{3}E"}, {"b", "L.{3}S.*E"}, {"c", "L.*VD+E"}});
 }
