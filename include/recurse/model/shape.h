@@ -93,4 +93,19 @@ struct ShapeContext {
   bool reverseOrientation = false;
 };
 
+// Tools for shapes that compute in double precision.
+
+/** A box of floats around a box of doubles and around every point of it that is rounded to float. */
+Bounds3f roundedOut(const Bounds3d& box);
+/**
+ * SurfacePoint::error of a position that is rounded to float from a point known to `exactError`, an axis at a
+ * time, on a surface known to `offset` along its normal.
+ */
+Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const Vec3d& normal, double offset);
+
+/** The parameter `alpha`, which pbrt takes for every shape: only opaque surfaces are rendered so far. */
+ParameterSpec alphaParameter();
+/** Throws SceneError where `alpha` is anything but 1. */
+void requireOpaque(const Parameters& parameters);
+
 } // namespace recurse

@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include <mutex>
 #include <vector>
 
 #include "recurse/model/shape.h"
@@ -13,6 +14,7 @@ namespace recurse {
 struct MeshData {
   std::vector<Vec3d> positions;
   std::vector<Vec3d> normals;        ///< one for each position, or none; need not be unit
+  std::vector<Vec3d> tangents;       ///< pbrt's S: one for each position, or none
   std::vector<Vec2d> uvs;            ///< one for each position, or none
   std::vector<glm::uvec3> triangles; ///< indices of positions
 };
@@ -22,6 +24,8 @@ class TriangleMesh final : public Shape {
   /** Bakes the transform. Throws Error for indices out of range, non-finite numbers or arrays of wrong
    * length. */
   TriangleMesh(const MeshData& data, const ShapeContext& context);
+  /** The same, and takes the data apart on the way, so that a large mesh is in memory once. */
+  TriangleMesh(MeshData&& data, const ShapeContext& context);
 
   const std::vector<Vec3f>& positions() const { return vertices; }
   const std::vector<glm::uvec3>& indices() const { return triangles; }
@@ -35,12 +39,19 @@ class TriangleMesh final : public Shape {
   const TriangleMesh* triangleMesh() const override { return this; }
 
  private:
-  std::vector<Vec3f> vertices, normals;
+  /** The winding rule's normal in double precision, not normalised; zero for a triangle without area. */
+  Vec3d windingNormal(const glm::uvec3& triangle) const;
+  void tabulateAreas() const;
+
+  std::vector<Vec3f> vertices, normals, tangents;
   std::vector<Vec2f> uvs;
   std::vector<glm::uvec3> triangles;
-  std::vector<float> cumulativeArea; ///< of triangles [0, i], over the total; filled for sampling
   float totalArea = 0;
   bool flipped = false; ///< the winding rule's normal points inside
+
+  // Only emitting meshes are sampled, so the table is made when it is first wanted.
+  mutable std::once_flag tabulated;
+  mutable std::vector<double> cumulativeArea; ///< of triangles [0, i]
 };
 
 } // namespace recurse

@@ -1,0 +1,69 @@
+/** @file
+ * What shapes share: sampling by solid angle by way of area, boxes and error bounds.
+ */
+#include "recurse/model/shape.h"
+
+namespace recurse {
+
+namespace {
+
+/** From density per area to density per solid angle as seen from `from`; 0 where the surface is seen edge-on.
+ */
+float solidAngleDensity(float areaDensity, const Vec3f& from, const SurfacePoint& point) {
+  const Vec3d way = Vec3d(point.position) - Vec3d(from);
+  const double distance2 = glm::dot(way, way);
+  const double across = std::abs(glm::dot(Vec3d(point.geometricNormal), way)); // distance times cosine
+  if (!(across > 0)) return 0;
+  const auto density = static_cast<float>(double(areaDensity) * distance2 * std::sqrt(distance2) / across);
+  return std::isfinite(density) ? density : 0;
+}
+
+} // namespace
+
+std::optional<ShapeSample> Shape::sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const {
+  ShapeSample s = sampleArea(pick, u);
+  if (!(s.pdf > 0)) return {};
+  s.pdf = solidAngleDensity(s.pdf, from, s.point);
+  if (!(s.pdf > 0)) return {};
+  return s;
+}
+
+float Shape::pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const {
+  return solidAngleDensity(pdfArea(primitive, point), from, point);
+}
+
+Bounds3f Shape::bounds() const {
+  Bounds3f all;
+  for (uint32_t i = 0; i < primitiveCount(); ++i) all.add(bounds(i));
+  return all;
+}
+
+Bounds3f roundedOut(const Bounds3d& box) {
+  // The corners themselves carry the rounding of a few double operations.
+  const double slack = 0x1p-48 * glm::length(glm::max(glm::abs(box.lower), glm::abs(box.upper)));
+  Bounds3f out;
+  for (int i = 0; i < 3; ++i) {
+    out.lower[i] = std::nextafter(static_cast<float>(box.lower[i] - slack), -INFINITE);
+    out.upper[i] = std::nextafter(static_cast<float>(box.upper[i] + slack), INFINITE);
+  }
+  return out;
+}
+
+Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const Vec3d& normal, double offset) {
+  // The slack covers the float operations of SurfacePoint::rayOrigin.
+  constexpr double UNIT = 0x1p-24, SLACK = 1 + 0x1p-20;
+  return Vec3f((UNIT * glm::abs(position) + exactError + offset * glm::abs(normal)) * SLACK);
+}
+
+ParameterSpec alphaParameter() {
+  return realParameter("alpha", "1", "opacity; only 1, an opaque surface, is rendered so far").withTexture();
+}
+
+void requireOpaque(const Parameters& parameters) {
+  if (!parameters.texture("alpha").empty())
+    parameters.fail("alpha", "surfaces cut out by a texture are not rendered yet", "1");
+  if (parameters.real("alpha") < 1)
+    parameters.fail("alpha", "surfaces that are partly transparent by alpha are not rendered yet", "1");
+}
+
+} // namespace recurse

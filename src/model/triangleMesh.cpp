@@ -1,0 +1,230 @@
+/** @file
+ * Triangle meshes: baking, shading data, error bounds that fit Embree's arithmetic, sampling by area.
+ */
+#include "recurse/model/triangleMesh.h"
+
+#include <string>
+
+namespace recurse {
+
+namespace {
+
+template <class From> bool finite(const From& v) {
+  for (int i = 0; i < From::length(); ++i)
+    if (!std::isfinite(v[i])) return false;
+  return true;
+}
+
+std::string numbered(const char* what, size_t i) { return std::string(what) + " " + std::to_string(i); }
+
+/** Checks a per-vertex array, and converts each element. */
+template <class To, class From, class Convert>
+std::vector<To> perVertex(const std::vector<From>& from, size_t vertexCount, const char* what,
+                          const Convert& convert) {
+  if (!from.empty() && from.size() != vertexCount)
+    throw Error("there are " + std::to_string(from.size()) + " " + what + "s for " +
+                std::to_string(vertexCount) + " positions");
+  std::vector<To> to;
+  to.reserve(from.size());
+  for (size_t i = 0; i < from.size(); ++i) {
+    if (!finite(from[i])) throw Error(numbered(what, i) + " is not finite");
+    to.push_back(convert(from[i]));
+    if (!finite(to.back())) throw Error(numbered(what, i) + " is too large for single precision");
+  }
+  return to;
+}
+
+template <class T> void discard(std::vector<T>& v) { std::vector<T>().swap(v); }
+
+/** A unit vector; zero stays zero, and means that there is none. */
+Vec3f unitOrZero(const Vec3d& v) {
+  const double largest = std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
+  if (!(largest > 0)) return Vec3f(0);
+  return Vec3f(glm::normalize(v / largest));
+}
+
+/** Some unit vector perpendicular to v, for triangles that have no area; v may be zero. */
+Vec3d anyPerpendicular(const Vec3d& v) {
+  if (glm::dot(v, v) == 0) return {0, 0, 1};
+  const Vec3d a = glm::abs(v);
+  const Vec3d axis = a.x <= a.y && a.x <= a.z ? Vec3d(1, 0, 0) : a.y <= a.z ? Vec3d(0, 1, 0) : Vec3d(0, 0, 1);
+  return glm::normalize(glm::cross(v, axis));
+}
+
+/**
+ * Bound on the distance from a triangle's plane, in exact arithmetic, at which Embree's robust intersector
+ * may still find a point on the wrong side. It translates the vertices to the ray's origin, and computes T =
+ * v0 . N with N a cross product of two edges, all in floats. With u the unit roundoff and E the extent of the
+ * triangle an axis at a time (which bounds each translated vertex while the origin is near): translated
+ * vertices err by u E, edges by 3 u E, the products of N's components by 7 u Ej Ek each and their difference
+ * by 16 u Ej Ek; so T errs by 48 u Ex Ey Ez, and by 4 u (|Nx| Ex + |Ny| Ey + |Nz| Ez) from v0 and the sum.
+ * Dividing by |N| gives a distance. Where the triangle lies in an axis plane, E is zero along the normal, and
+ * so is the bound: there Embree is exact.
+ */
+double embreePlaneError(const Vec3d& extent, const Vec3d& unitNormal, double normalLength) {
+  constexpr double UNIT = 0x1p-24;
+  const double largest = std::max(extent.x, std::max(extent.y, extent.z));
+  const double dotError = 4 * glm::dot(extent, glm::abs(unitNormal));
+  const double normalError = 48 * extent.x * extent.y * extent.z / normalLength;
+  // A sliver's plane may be lost altogether: it is not moved by more than its size. In the other direction,
+  // the ray has to start off the plane even where the bound is zero, and by more than a denormal number.
+  return std::clamp(UNIT * (dotError + normalError), UNIT / 16 * largest, largest);
+}
+
+} // namespace
+
+TriangleMesh::TriangleMesh(const MeshData& data, const ShapeContext& context)
+    : TriangleMesh(MeshData(data), context) {}
+
+TriangleMesh::TriangleMesh(MeshData&& data, const ShapeContext& context)
+    : triangles(std::move(data.triangles)) {
+  const Mat4d& m = context.sceneFromObject;
+  const Mat3d normalFromObject = glm::transpose(glm::inverse(Mat3d(m)));
+  const double side = context.reverseOrientation ? -1 : 1;
+  flipped = context.reverseOrientation != swapsHandedness(m);
+
+  const size_t count = data.positions.size();
+  vertices = perVertex<Vec3f>(data.positions, count, "position",
+                              [&](const Vec3d& p) { return Vec3f(transformPoint(m, p)); });
+  discard(data.positions);
+  normals = perVertex<Vec3f>(data.normals, count, "normal",
+                             [&](const Vec3d& n) { return unitOrZero(normalFromObject * n * side); });
+  discard(data.normals);
+  tangents = perVertex<Vec3f>(data.tangents, count, "tangent",
+                              [&](const Vec3d& t) { return Vec3f(transformVector(m, t)); });
+  discard(data.tangents);
+  uvs = perVertex<Vec2f>(data.uvs, count, "texture coordinate", [](const Vec2d& t) { return Vec2f(t); });
+  discard(data.uvs);
+
+  double sum = 0;
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    for (int k = 0; k < 3; ++k)
+      if (triangles[i][k] >= count)
+        throw Error(numbered("triangle", i) + " names vertex " + std::to_string(triangles[i][k]) +
+                    ", but there are " + std::to_string(count));
+    sum += 0.5 * glm::length(windingNormal(triangles[i]));
+  }
+  totalArea = static_cast<float>(sum);
+}
+
+Vec3d TriangleMesh::windingNormal(const glm::uvec3& t) const {
+  const Vec3d a = vertices[t.x];
+  return glm::cross(Vec3d(vertices[t.y]) - a, Vec3d(vertices[t.z]) - a);
+}
+
+Bounds3f TriangleMesh::bounds(uint32_t primitive) const {
+  Bounds3f b;
+  for (int k = 0; k < 3; ++k) b.add(vertices[triangles[primitive][k]]);
+  return b;
+}
+
+std::optional<PrimitiveHit> TriangleMesh::intersect(uint32_t, const Vec3f&, const Vec3f&, float,
+                                                    float) const {
+  throw std::logic_error("triangles are intersected by Embree");
+}
+
+SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters) const {
+  const glm::uvec3& triangle = triangles[primitive];
+  // Rounding may put Embree's weights just outside.
+  double b1 = std::clamp(double(parameters.x), 0.0, 1.0), b2 = std::clamp(double(parameters.y), 0.0, 1.0);
+  if (b1 + b2 > 1) {
+    const double sum = b1 + b2;
+    b1 /= sum;
+    b2 /= sum;
+  }
+  const double b0 = 1 - b1 - b2;
+  const auto interpolated = [&](const auto& values) {
+    using V = glm::vec<std::decay_t<decltype(values[0])>::length(), double>;
+    return V(values[triangle.x]) * b0 + V(values[triangle.y]) * b1 + V(values[triangle.z]) * b2;
+  };
+  const Vec3d p0 = vertices[triangle.x], e1 = Vec3d(vertices[triangle.y]) - p0,
+              e2 = Vec3d(vertices[triangle.z]) - p0;
+
+  SurfacePoint s;
+  // From edges, so that a coordinate shared by the vertices comes out exactly.
+  const Vec3d position = p0 + e1 * b1 + e2 * b2;
+  s.position = Vec3f(position);
+
+  Vec3d normal = glm::cross(e1, e2);
+  const double normalLength = glm::length(normal);
+  if (normalLength > 0)
+    normal /= normalLength;
+  else
+    normal = anyPerpendicular(glm::dot(e1, e1) > glm::dot(e2, e2) ? e1 : e2);
+  Vec3d shading{0};
+  if (!normals.empty()) shading = interpolated(normals);
+  // Unit normals that nearly cancel leave only rounding behind.
+  const double shadingLength = glm::length(shading);
+  const bool smooth = shadingLength > 1e-6;
+  if (smooth ? glm::dot(normal, shading) < 0 : flipped) normal = -normal;
+  s.geometricNormal = Vec3f(normal);
+  s.shadingNormal = smooth ? Vec3f(shading / shadingLength) : s.geometricNormal;
+  // In floats as well: the caller relies on it.
+  if (glm::dot(s.shadingNormal, s.geometricNormal) < 0) s.shadingNormal = s.geometricNormal;
+
+  const Vec3d lower = glm::min(Vec3d(0), glm::min(e1, e2)),
+              extent = glm::max(Vec3d(0), glm::max(e1, e2)) - lower;
+  Vec3d rounding = position;
+  for (int i = 0; i < 3; ++i)
+    if (extent[i] == 0) rounding[i] = 0; // the vertices' own coordinate, exactly
+  s.error = positionError(rounding, 0x1p-50 * extent, normal, embreePlaneError(extent, normal, normalLength));
+
+  // pbrt's defaults where there are no coordinates.
+  Vec2d t0{0, 0}, t1{1, 0}, t2{1, 1};
+  if (!uvs.empty()) {
+    t0 = uvs[triangle.x];
+    t1 = uvs[triangle.y];
+    t2 = uvs[triangle.z];
+  }
+  s.uv = Vec2f(t0 * b0 + t1 * b1 + t2 * b2);
+  const Vec2d d1 = t1 - t0, d2 = t2 - t0;
+  const double determinant = d1.x * d2.y - d1.y * d2.x;
+  Vec3d dpdu{0};
+  if (!tangents.empty()) dpdu = interpolated(tangents);
+  // A determinant that is all rounding has no direction to offer.
+  if (dpdu == Vec3d(0) && std::abs(determinant) > 1e-9 * (std::abs(d1.x * d2.y) + std::abs(d1.y * d2.x)))
+    dpdu = (e1 * d2.y - e2 * d1.y) / determinant;
+  s.dpdu = Vec3f(dpdu);
+  return s;
+}
+
+void TriangleMesh::tabulateAreas() const {
+  cumulativeArea.reserve(triangles.size());
+  double sum = 0;
+  for (const glm::uvec3& t : triangles) cumulativeArea.push_back(sum += 0.5 * glm::length(windingNormal(t)));
+}
+
+ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
+  std::call_once(tabulated, [this] { tabulateAreas(); });
+  ShapeSample s;
+  if (!(totalArea > 0)) return s;
+  // A float has too few digits to choose among millions of triangles: u.x adds the lower ones. Where that
+  // matters, the digits are then used up, and the place within the triangle takes what the choice left over.
+  const double chosen = double(pick) + double(u.x) * 0x1p-24;
+  const double wanted = chosen * cumulativeArea.back();
+  // The first sum beyond `wanted`: a triangle without area adds nothing and is never the first.
+  auto found = std::upper_bound(cumulativeArea.begin(), cumulativeArea.end(), wanted);
+  if (found == cumulativeArea.end())
+    found = std::lower_bound(cumulativeArea.begin(), cumulativeArea.end(), cumulativeArea.back());
+  const auto i = static_cast<size_t>(found - cumulativeArea.begin());
+  Vec2f within = u;
+  constexpr size_t MANY = 4096;
+  if (triangles.size() > MANY) {
+    const double below = i > 0 ? cumulativeArea[i - 1] : 0;
+    within.x = std::clamp(static_cast<float>((wanted - below) / (*found - below)), 0.0f, ONE_MINUS_EPSILON);
+  }
+  // Heitz, "A Low-Distortion Map Between Triangle and Square" (2019).
+  Vec2f b = within;
+  if (b.y > b.x) {
+    b.x *= 0.5f;
+    b.y -= b.x;
+  } else {
+    b.y *= 0.5f;
+    b.x -= b.y;
+  }
+  s.point = surfaceAt(static_cast<uint32_t>(i), b);
+  s.pdf = 1 / totalArea;
+  return s;
+}
+
+} // namespace recurse

@@ -1,0 +1,320 @@
+/** @file
+ * Spheres, and by their transforms ellipsoids, whole or swept in part. All is computed in double precision on
+ * the unit sphere, which an affine map takes to the scene.
+ */
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr double PI_D = 3.14159265358979323846;
+
+/**
+ * A direction in two floats: the face of the cube that it meets, and the two coordinates there. The face
+ * hides in the exponents, so that the coordinates keep all their digits: near the six axes a point is known
+ * as well as float positions are, even on a sphere as large as a planet.
+ */
+constexpr int CODE_SHIFT = 41;
+constexpr double SMALLEST_COORDINATE = 0x1p-40; ///< anything less stands for 0
+
+float encodeCoordinate(double c, int code) {
+  if (std::abs(c) < SMALLEST_COORDINATE) c = SMALLEST_COORDINATE;
+  return static_cast<float>(std::ldexp(c, code * CODE_SHIFT));
+}
+
+double decodeCoordinate(float stored, int& code) {
+  code = 0;
+  double c = double(stored);
+  while (std::abs(c) > 1 && code < 2) {
+    c = std::ldexp(c, -CODE_SHIFT);
+    ++code;
+  }
+  return std::abs(c) <= SMALLEST_COORDINATE ? 0 : c;
+}
+
+Vec2f encodeDirection(const Vec3d& d) {
+  const Vec3d a = glm::abs(d);
+  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  return {encodeCoordinate(d[(axis + 1) % 3] / a[axis], axis),
+          encodeCoordinate(d[(axis + 2) % 3] / a[axis], d[axis] < 0 ? 1 : 0)};
+}
+
+Vec3d decodeDirection(const Vec2f& stored) {
+  int axis, negative;
+  const double b = decodeCoordinate(stored.x, axis), c = decodeCoordinate(stored.y, negative);
+  Vec3d d;
+  d[axis] = negative ? -1 : 1;
+  d[(axis + 1) % 3] = b;
+  d[(axis + 2) % 3] = c;
+  return glm::normalize(d);
+}
+
+/** Gauss' rule of seven points on [a, b]. */
+template <class F> double gauss7(const F& f, double a, double b) {
+  constexpr double NODE[] = {0, 0.4058451513773972, 0.7415311855993945, 0.9491079123427585},
+                   WEIGHT[] = {0.4179591836734694, 0.3818300505051189, 0.2797053914892766,
+                               0.1294849661688697};
+  const double centre = 0.5 * (a + b), half = 0.5 * (b - a);
+  double sum = WEIGHT[0] * f(centre);
+  for (int i = 1; i < 4; ++i) sum += WEIGHT[i] * (f(centre - half * NODE[i]) + f(centre + half * NODE[i]));
+  return sum * half;
+}
+
+/** Halves the interval until both halves agree with the whole to `tolerance`. */
+template <class F>
+double integrate(const F& f, double a, double b, double tolerance, double whole, int depth) {
+  const double middle = 0.5 * (a + b);
+  const double left = gauss7(f, a, middle), right = gauss7(f, middle, b);
+  if (depth == 0 || std::abs(left + right - whole) <= tolerance) return left + right;
+  return integrate(f, a, middle, 0.5 * tolerance, left, depth - 1) +
+         integrate(f, middle, b, 0.5 * tolerance, right, depth - 1);
+}
+template <class F> double integrate(const F& f, double a, double b, double relativeTolerance) {
+  const double whole = gauss7(f, a, b);
+  return integrate(f, a, b, relativeTolerance * std::abs(whole), whole, 30);
+}
+
+/** The part of the unit sphere that is there. */
+struct Sweep {
+  double zLow = -1, zHigh = 1, phiMax = 2 * PI_D;
+  bool whole() const { return zLow <= -1 && zHigh >= 1 && phiMax >= 2 * PI_D; }
+  double solidAngle() const { return phiMax * (zHigh - zLow); }
+};
+
+double azimuth(const Vec3d& d) {
+  const double phi = std::atan2(d.y, d.x);
+  return phi < 0 ? phi + 2 * PI_D : phi;
+}
+
+class Sphere final : public Shape {
+ public:
+  Sphere(double radius, const Sweep& sweep, const ShapeContext& context)
+      : linear(Mat3d(context.sceneFromObject) * radius), inverse(glm::inverse(linear)),
+        center(context.sceneFromObject[3]), sweep(sweep), determinant(std::abs(glm::determinant(linear))),
+        side(context.reverseOrientation ? -1 : 1) {
+    for (int i = 0; i < 3; ++i) {
+      magnitude[i] = glm::abs(linear[i]);
+      inverseMagnitude[i] = glm::abs(inverse[i]);
+    }
+    // What is lost by going to the unit sphere and back, as far as rounding to double is to blame.
+    const Vec3d there = inverseMagnitude * (magnitude * Vec3d(1));
+    unitError = 0x1p-50 * std::max(there.x, std::max(there.y, there.z));
+    // A rotation and one scale, but for the rounding of the file's numbers?
+    const Mat3d gram = glm::transpose(linear) * linear;
+    uniformRadius = std::cbrt(determinant);
+    const double r2 = square(uniformRadius);
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k)
+        if (!(std::abs(gram[i][k] - (i == k ? r2 : 0)) <= 1e-9 * r2)) uniformRadius = 0;
+    totalArea = uniformRadius > 0 ? sweep.solidAngle() * r2 : stretchedArea();
+  }
+
+  uint32_t primitiveCount() const override { return 1; }
+
+  Bounds3f bounds(uint32_t) const override {
+    Bounds3d box;
+    Vec3d extent;
+    for (int i = 0; i < 3; ++i)
+      extent[i] = std::sqrt(square(linear[0][i]) + square(linear[1][i]) + square(linear[2][i]));
+    box.lower = center - extent;
+    box.upper = center + extent;
+    if (!sweep.whole()) {
+      // The box of the part on the unit sphere; a little more, because points come from rounded parameters.
+      const double lowest = std::min(std::abs(sweep.zLow), std::abs(sweep.zHigh));
+      const double r = sweep.zLow <= 0 && sweep.zHigh >= 0 ? 1 : std::sqrt(1 - square(lowest));
+      const double c = std::cos(sweep.phiMax), s = std::sin(sweep.phiMax), phi = sweep.phiMax;
+      const Vec3d slack(0x1p-20);
+      const Vec3d low = Vec3d(phi >= PI_D ? -r : std::min(0.0, r * c),
+                              phi >= 1.5 * PI_D ? -r : std::min(0.0, r * s), sweep.zLow) -
+                        slack;
+      const Vec3d high = Vec3d(r, phi >= 0.5 * PI_D ? r : r * s, sweep.zHigh) + slack;
+      Bounds3d part;
+      for (int i = 0; i < 8; ++i)
+        part.add(center +
+                 linear * Vec3d(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z));
+      box.lower = glm::max(box.lower, part.lower);
+      box.upper = glm::min(box.upper, part.upper);
+    }
+    return roundedOut(box);
+  }
+
+  std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f& origin, const Vec3f& direction, float tMin,
+                                        float tMax) const override {
+    const Vec3d o = inverse * (Vec3d(origin) - center), d = inverse * Vec3d(direction);
+    const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
+    if (!(a > 0)) return {};
+    // The discriminant from the point of the ray that is nearest to the centre, which keeps its digits when
+    // the sphere is small and far (Haines et al., "Precision Improvements for Ray/Sphere Intersection",
+    // 2019).
+    const Vec3d nearest = o - d * (b / a);
+    double discriminant = 1 - glm::dot(nearest, nearest);
+    if (c < 0) discriminant = std::max(discriminant, 0.0);
+    if (!(discriminant >= 0)) return {};
+    const double root = std::sqrt(discriminant * a);
+    const double q = b < 0 ? root - b : -b - root;
+    double t0 = q / a, t1 = q != 0 ? c / q : 0;
+    if (t0 > t1) std::swap(t0, t1);
+    for (const double t : {t0, t1}) {
+      const auto rounded = static_cast<float>(t);
+      if (!(rounded > tMin && rounded < tMax)) continue;
+      const Vec3d p = glm::normalize(o + d * t);
+      if (!sweep.whole() && (p.z < sweep.zLow || p.z > sweep.zHigh || azimuth(p) > sweep.phiMax)) continue;
+      return PrimitiveHit{rounded, encodeDirection(p)};
+    }
+    return {};
+  }
+
+  SurfacePoint surfaceAt(uint32_t, const Vec2f& parameters) const override {
+    return pointAt(decodeDirection(parameters));
+  }
+
+  float area() const override { return static_cast<float>(totalArea); }
+
+  ShapeSample sampleArea(float, const Vec2f& u) const override {
+    const double z = sweep.zLow + (sweep.zHigh - sweep.zLow) * double(u.x), phi = sweep.phiMax * double(u.y);
+    const double r = std::sqrt(std::max(0.0, 1 - z * z));
+    ShapeSample s;
+    s.point = pointAt({r * std::cos(phi), r * std::sin(phi), z});
+    s.pdf = pdfArea(0, s.point);
+    return s;
+  }
+
+  /** Points are uniform on the unit sphere, so that the map's stretch thins them out. */
+  float pdfArea(uint32_t, const SurfacePoint& point) const override {
+    if (uniformRadius > 0) return 1 / area();
+    const Vec3d normal = point.geometricNormal;
+    return static_cast<float>(glm::length(glm::transpose(linear) * normal) /
+                              (sweep.solidAngle() * determinant));
+  }
+
+  std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const override {
+    const Vec3d away = Vec3d(from) - center;
+    const double distance2 = glm::dot(away, away);
+    if (!coneIsSeen(distance2)) return Shape::sampleDirection(from, pick, u);
+    // Uniform in the cone around the sphere, in terms of 1 - cosine, which has digits however far the sphere.
+    const double sin2Max = square(uniformRadius) / distance2;
+    const double x = double(u.x) * oneMinusCosine(sin2Max);
+    const double sin2 = x * (2 - x), cosine = 1 - x;
+    // At the sphere's centre, the angle between the ways to `from` and to the point where that ray arrives.
+    const double cosAlpha = sin2 / std::sqrt(sin2Max) + cosine * std::sqrt(std::max(0.0, 1 - sin2 / sin2Max));
+    const double sinAlpha = std::sqrt(std::max(0.0, 1 - square(cosAlpha)));
+    const double phi = 2 * PI_D * double(u.y);
+    const Vec3d z = away / std::sqrt(distance2);
+    const Vec3d unlike = std::abs(z.x) < 0.6 ? Vec3d(1, 0, 0) : Vec3d(0, 1, 0);
+    const Vec3d tangent = glm::normalize(glm::cross(z, unlike)), bitangent = glm::cross(z, tangent);
+    const Vec3d normal =
+        z * std::min(cosAlpha, 1.0) + (tangent * std::cos(phi) + bitangent * std::sin(phi)) * sinAlpha;
+    ShapeSample s;
+    s.point = pointAt(glm::normalize(inverse * (normal * uniformRadius)));
+    s.pdf = conePdf(sin2Max);
+    return s;
+  }
+
+  float pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const override {
+    const Vec3d away = Vec3d(from) - center;
+    const double distance2 = glm::dot(away, away);
+    return coneIsSeen(distance2) ? conePdf(square(uniformRadius) / distance2)
+                                 : Shape::pdfDirection(from, primitive, point);
+  }
+
+ private:
+  bool coneIsSeen(double distance2) const {
+    return uniformRadius > 0 && sweep.whole() && distance2 > square(uniformRadius);
+  }
+  static double oneMinusCosine(double sin2) { return sin2 / (1 + std::sqrt(1 - sin2)); }
+  static float conePdf(double sin2Max) {
+    return static_cast<float>(1 / (2 * PI_D * oneMinusCosine(sin2Max)));
+  }
+
+  SurfacePoint pointAt(const Vec3d& unit) const {
+    SurfacePoint s;
+    const Vec3d position = center + linear * unit;
+    const Vec3d gradient = glm::transpose(inverse) * unit;
+    const double steepness = glm::length(gradient);
+    const Vec3d normal = gradient * (side / steepness);
+    s.position = Vec3f(position);
+    s.geometricNormal = s.shadingNormal = Vec3f(normal);
+
+    const Vec3d exactError = 0x1p-50 * (magnitude * glm::abs(unit) + glm::abs(center));
+    const double offset = unitError / steepness;
+    s.error = positionError(position, exactError, normal, offset);
+    // rayOrigin leaves the tangent plane behind. A surface curved as sharply as floats are coarse may still
+    // be in the way of a ray that goes inside: go as far as it bends within the error, for as long as there
+    // is an inside to speak of.
+    const Vec3d around = inverseMagnitude * (3.0 * Vec3d(s.error));
+    const double bend = glm::dot(around, around) / (2 * steepness);
+    const double mostBend = 4 * glm::dot(Vec3d(s.error), glm::abs(normal));
+    s.error = positionError(position, exactError, normal, offset + std::min(bend, mostBend));
+
+    s.dpdu = Vec3f(linear * (Vec3d(-unit.y, unit.x, 0) * sweep.phiMax));
+    // pbrt's coordinates: around in u, from zmin up to zmax in v.
+    const double theta = std::atan2(std::hypot(unit.x, unit.y), unit.z);
+    const double thetaLow = std::acos(sweep.zLow), thetaHigh = std::acos(sweep.zHigh);
+    s.uv = {static_cast<float>(std::min(azimuth(unit) / sweep.phiMax, 1.0)),
+            static_cast<float>(std::clamp((theta - thetaLow) / (thetaHigh - thetaLow), 0.0, 1.0))};
+    return s;
+  }
+
+  /** The integral of the map's stretch of areas over the part of the unit sphere. */
+  double stretchedArea() const {
+    const Mat3d cofactor = glm::transpose(inverse) * determinant;
+    return integrate(
+        [&](double z) {
+          const double r = std::sqrt(std::max(0.0, 1 - z * z));
+          return integrate(
+              [&](double phi) {
+                return glm::length(cofactor * Vec3d(r * std::cos(phi), r * std::sin(phi), z));
+              },
+              0, sweep.phiMax, 1e-8);
+        },
+        sweep.zLow, sweep.zHigh, 1e-7);
+  }
+
+  Mat3d linear, inverse; ///< between the unit sphere and the scene
+  Vec3d center;
+  Sweep sweep;
+  Mat3d magnitude, inverseMagnitude; ///< absolute values of the matrices
+  double determinant;
+  double side;              ///< -1 where the inside counts as outside
+  double unitError;         ///< bound on the rounding error of a point taken to the unit sphere
+  double uniformRadius = 0; ///< 0 for ellipsoids
+  double totalArea = 0;
+};
+
+std::unique_ptr<Shape> makeSphere(const Parameters& p, const ShapeContext& context) {
+  requireOpaque(p);
+  const double radius = p.real("radius");
+  double zMin = p.hasValue("zmin") ? p.real("zmin") : -radius;
+  double zMax = p.hasValue("zmax") ? p.real("zmax") : radius;
+  if (zMin > zMax) std::swap(zMin, zMax); // as in pbrt
+  Sweep sweep;
+  // Beyond the poles there is nothing to cut off.
+  sweep.zLow = std::clamp(zMin / radius, -1.0, 1.0);
+  sweep.zHigh = std::clamp(zMax / radius, -1.0, 1.0);
+  sweep.phiMax = p.real("phimax") / 360 * (2 * PI_D);
+  if (!(sweep.zLow < sweep.zHigh))
+    p.fail(p.has("zmin") ? "zmin" : "zmax", "nothing of the sphere lies between zmin and zmax",
+           "zmin < zmax, both between -radius and radius");
+  return std::make_unique<Sphere>(radius, sweep, context);
+}
+
+} // namespace
+
+void registerSphere(PlugIns& plugIns) {
+  ParameterSpec sweep =
+      realParameter("phimax", "360", "how far the surface goes around the z axis [degrees]");
+  sweep.positive().maximum = 360;
+  plugIns.shapes.add(
+      {{.name = "sphere",
+        .summary = "A sphere around the origin, or a part of one; transforms make ellipsoids of it.",
+        .parameters = {realParameter("radius", "1", "radius").positive(),
+                       realParameter("zmin", "", "the surface below is cut off; -radius when absent"),
+                       realParameter("zmax", "", "the surface above is cut off; radius when absent"), sweep,
+                       alphaParameter()},
+        .examples = {"", "\"float radius\" 0.5",
+                     "\"float radius\" 2 \"float zmin\" -1.5 \"float zmax\" 1 \"float phimax\" 200"}},
+       makeSphere});
+}
+
+} // namespace recurse
