@@ -80,7 +80,7 @@ class Checker {
   /** The place of the i-th number, found by reading the list once more. */
   SourceLocation placeOf(size_t i) const {
     const SourceLocation& start = value.valueLocation;
-    if (!start.source || start.line < 1) return start;
+    if (i == 0 || !start.source || start.line < 1) return start;
     const std::string& text = start.source->text;
     size_t offset = 0;
     for (int line = 1; line < start.line && offset != std::string::npos; ++line) {
@@ -261,19 +261,24 @@ Parameters bindParameters(const ParsedDirective& directive, const std::vector<Pa
 
   // The last of each name counts; an attribute only where the directive itself gives nothing.
   std::vector<const ParsedParameter*> given(specs.size(), nullptr);
+  const auto slotOf = [&](const std::string& name) -> const ParsedParameter** {
+    for (size_t i = 0; i < specs.size(); ++i)
+      if (specs[i].name == name) return &given[i];
+    return nullptr;
+  };
   for (const ParsedParameter& p : directive.parameters) {
-    const auto spec =
-        std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == p.name; });
-    if (spec == specs.end()) {
-      if (!p.byAttribute) reportUnknown(p, directive.type, specs, diagnostics, lenient);
+    const ParsedParameter** slot = slotOf(p.name);
+    if (!slot) {
+      reportUnknown(p, directive.type, specs, diagnostics, lenient);
       continue;
     }
-    const ParsedParameter*& slot = given[static_cast<size_t>(spec - specs.begin())];
-    if (slot && !slot->byAttribute && p.byAttribute) continue;
-    if (slot && !slot->byAttribute)
+    if (*slot)
       diagnostics.warning(p.location, "parameter " + quoted(p.name) + " is given twice; this one counts");
-    slot = &p;
+    *slot = &p;
   }
+  if (directive.attributes)
+    for (const ParsedParameter& p : *directive.attributes)
+      if (const ParsedParameter** slot = slotOf(p.name); slot && !*slot) *slot = &p;
 
   result.bound.reserve(specs.size());
   for (size_t i = 0; i < specs.size(); ++i) {

@@ -233,28 +233,22 @@ ParsedDirective SceneParser::takePlugIn(const Token& directive) {
   d.parameters = parseParameters(*tokens, log, d.directory);
   for (const ParsedParameter& p : d.parameters)
     if (p.type == "blackbody" && p.numbers.size() == 2) looksOld(p.location);
+  if (log.sawOldType) looksOld(d.location);
   checkPlugInAge(std::string(directive.text).c_str(), d);
   return d;
 }
 
 ParsedDirective SceneParser::takePlugIn(const Token& directive, AttributeTarget target) {
   ParsedDirective d = takePlugIn(directive);
-  addAttributes(d, target);
+  d.attributes = state.attributes[static_cast<size_t>(target)];
   return d;
 }
 
-void SceneParser::addAttributes(ParsedDirective& d, AttributeTarget target) const {
-  const auto& attributes = state.attributes[static_cast<size_t>(target)];
-  if (attributes) d.parameters.insert(d.parameters.end(), attributes->begin(), attributes->end());
-}
-
 void SceneParser::moveTypeOut(ParsedDirective& d, const std::string& what) {
-  // As everywhere the last one counts, and the directive's own goes before an attribute's.
+  // As everywhere the last one counts.
   const ParsedParameter* type = nullptr;
   for (const ParsedParameter& p : d.parameters)
-    if (p.name == "type" && p.type == "string" && p.strings.size() == 1 &&
-        (!p.byAttribute || !type || type->byAttribute))
-      type = &p;
+    if (p.name == "type" && p.type == "string" && p.strings.size() == 1) type = &p;
   if (!type)
     throw SceneError(d.location,
                      what + " \"" + d.type + "\" needs a parameter \"string type\" with its kind");

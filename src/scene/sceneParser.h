@@ -68,7 +68,6 @@ class SceneParser {
   Token takeString(const Token& directive, const char* what);
   ParsedDirective takePlugIn(const Token& directive);
   ParsedDirective takePlugIn(const Token& directive, AttributeTarget target);
-  void addAttributes(ParsedDirective& d, AttributeTarget target) const;
   void moveTypeOut(ParsedDirective& d, const std::string& what);
   void doNothing(const Token&) {}
 

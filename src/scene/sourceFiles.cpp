@@ -16,6 +16,8 @@ namespace {
 
 /** A text longer than this after decompression is taken for an accident or an attack. */
 constexpr size_t MAX_TEXT_BYTES = size_t(4) << 30;
+/** Text shrinks to a tenth or so; a thousandth is the most that deflate can do, and an attack. */
+constexpr size_t LARGE_TEXT_BYTES = size_t(256) << 20, MAX_COMPRESSION = 200;
 
 std::string systemReason(int error) { return error ? std::strerror(error) : "it cannot be read"; }
 
@@ -87,6 +89,8 @@ std::string readTextFile(const std::string& path) {
     if (got == 0) break;
     if (text.size() + static_cast<size_t>(got) > MAX_TEXT_BYTES)
       throw Error("cannot read " + path + ": it is larger than 4 GiB after decompression");
+    if (text.size() > LARGE_TEXT_BYTES && text.size() / fileBytes > MAX_COMPRESSION)
+      throw Error("cannot read " + path + ": it is compressed more than any scene can be");
     text.append(chunk.data(), static_cast<size_t>(got));
   }
   // A compressed file that is cut off ends quietly for gzread; gzerror knows.

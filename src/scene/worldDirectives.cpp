@@ -10,7 +10,7 @@ namespace {
 
 /** Blocks inside one another; each keeps a copy of the graphics state. */
 constexpr size_t MAX_OPEN_BLOCKS = 4096;
-/** Defaults by Attribute are copied into every directive that they are for. */
+/** Defaults are copied when an Attribute directive changes them. */
 constexpr size_t MAX_ATTRIBUTES = 256, MAX_ATTRIBUTE_VALUES = 4096;
 
 constexpr const char* ATTRIBUTE_TARGET_NAMES[ATTRIBUTE_TARGETS] = {"shape", "light", "material", "medium",
@@ -74,7 +74,6 @@ void SceneParser::attribute(const Token& t) {
     if (p.numbers.size() + p.strings.size() + p.booleans.size() > MAX_ATTRIBUTE_VALUES)
       throw SceneError(p.location,
                        "an attribute takes at most " + std::to_string(MAX_ATTRIBUTE_VALUES) + " values");
-    p.byAttribute = true;
     std::erase_if(*changed, [&](const ParsedParameter& old) { return old.name == p.name; });
     changed->push_back(std::move(p));
   }
@@ -92,7 +91,7 @@ void SceneParser::material(const Token& t) {
   state.material.location = name.location();
   if (isInterface(d.type)) {
     for (const ParsedParameter& p : d.parameters)
-      if (!p.byAttribute) log.error(p.location, "Material " + name.shown() + " takes no parameters");
+      log.error(p.location, "Material " + name.shown() + " takes no parameters");
     state.material.kind = MaterialReference::Kind::NONE;
     return;
   }

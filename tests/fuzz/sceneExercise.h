@@ -4,6 +4,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "recurse/scene/loader.h"
@@ -62,11 +63,14 @@ inline void exerciseScene(const std::string& text, const std::string& directory)
   Diagnostics diagnostics;
   const SceneDescription scene = parseScene(text, "input", directory, diagnostics);
   diagnostics.format();
-  for (const ParsedDirective* d : {&scene.film, &scene.camera, &scene.integrator}) exerciseDirective(*d);
-  for (const ShapeDescription& s : scene.shapes) exerciseDirective(s.shape);
-  for (const LightDescription& l : scene.lights) exerciseDirective(l.light);
-  for (const ParsedDirective& m : scene.materials) exerciseDirective(m);
-  for (const ParsedDirective& a : scene.areaLights) exerciseDirective(a);
+  for (const ParsedDirective* d : {&scene.film, &scene.camera, &scene.integrator})
+    if (d->given()) exerciseDirective(*d);
+  // A few of each kind: more would only make the fuzzer slow.
+  constexpr size_t MOST = 4;
+  for (size_t i = 0; i < std::min(MOST, scene.shapes.size()); ++i) exerciseDirective(scene.shapes[i].shape);
+  for (size_t i = 0; i < std::min(MOST, scene.lights.size()); ++i) exerciseDirective(scene.lights[i].light);
+  for (size_t i = 1; i < std::min(MOST, scene.materials.size()); ++i) exerciseDirective(scene.materials[i]);
+  for (size_t i = 0; i < std::min(MOST, scene.areaLights.size()); ++i) exerciseDirective(scene.areaLights[i]);
 }
 
 } // namespace recurse

@@ -216,6 +216,7 @@ TEST(Directives, OldFormatIsRecognised) {
         "WorldBegin MakeNamedMaterial \"a\" \"string type\" \"uber\"",
         "WorldBegin LightSource \"point\" \"blackbody I\" [5500 2]"})
     EXPECT_CONTAINS(messages(text), "looks like a pbrt-v3 file") << text;
+  EXPECT_CONTAINS(messages("WorldBegin LightSource \"point\" \"color I\" [1 1 1]"), "pbrt-v3 file");
   EXPECT_CONTAINS(messages("WorldBegin LightSource \"point\" \"color I\" [1 1 1]"), "pbrt-v4 calls it 'rgb'");
   EXPECT_EQ(messages("Film \"rgb\" Integrator \"path\" WorldBegin Material \"diffuse\""), "");
   const std::string twice = messages("WorldBegin Material \"matte\" Material \"glass\"");

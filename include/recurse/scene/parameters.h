@@ -10,6 +10,7 @@
 
 #include <initializer_list>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,6 @@ struct ParsedParameter {
   std::vector<bool> booleans;
   SourceLocation location;      ///< of the quoted declaration
   SourceLocation valueLocation; ///< of the first value
-  bool byAttribute = false;     ///< a default from an Attribute directive: unused, it is no error
   /** That file names in it are relative to, where an Include makes that another one than the directive's. */
   std::string directory;
 };
@@ -49,6 +49,8 @@ struct ParsedParameter {
 struct ParsedDirective {
   std::string type; ///< the plug-in's name; empty where the file has no such directive
   std::vector<ParsedParameter> parameters;
+  /** What Attribute directives set for this kind: counts where `parameters` has no such name. May be null. */
+  std::shared_ptr<const std::vector<ParsedParameter>> attributes;
   SourceLocation location;  ///< of the plug-in's name
   std::string directory;    ///< that file names inside it are relative to
   std::string topDirectory; ///< of the top scene file, tried second
@@ -186,7 +188,7 @@ class Parameters {
  * Meets what a file wrote with what a plug-in declares. Reports unknown names (with the nearest declared
  * ones), wrong types, counts, ranges and non-finite numbers; unknown names are warnings when `lenient`.
  * Of a parameter given twice the last counts, as in pbrt-v4, with a warning; what the directive itself gives
- * goes before what an Attribute directive gave.
+ * goes before what an Attribute directive gave, which may also go unused.
  */
 Parameters bindParameters(const ParsedDirective& directive, const std::vector<ParameterSpec>& specs,
                           Diagnostics& diagnostics, bool lenient);
