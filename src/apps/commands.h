@@ -1,0 +1,27 @@
+/** @file
+ * The subcommands of the program. Each adds itself to the command line, and what it will do to `chosen`.
+ */
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "recurse/core/error.h"
+
+namespace recurse::apps {
+
+using Command = std::function<ExitStatus()>;
+
+void addRenderCommand(CLI::App& app, Command& chosen);
+void addCompareCommand(CLI::App& app, Command& chosen);
+void addInfoCommand(CLI::App& app, Command& chosen);
+void addClassesCommand(CLI::App& app, Command& chosen);
+void addExplainCommand(CLI::App& app, Command& chosen);
+void addReferenceCommand(CLI::App& app, Command& chosen);
+
+/** Writes to standard output; Error when that fails, as on a full disk. */
+void print(const std::string& text);
+
+} // namespace recurse::apps

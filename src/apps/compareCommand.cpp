@@ -1,0 +1,143 @@
+/** @file
+ * `recurse compare`: how far a picture is from a reference.
+ */
+#include <cstdio>
+
+#include "apps/commands.h"
+#include "apps/optionText.h"
+#include "recurse/report/compare.h"
+
+namespace recurse::apps {
+
+namespace {
+
+struct CompareOptions {
+  std::vector<std::string> files, noiseFree, failAbove, failBelow;
+  std::string output, map = "relative";
+  bool json = false;
+};
+
+struct Limit {
+  std::string metric;
+  double value = 0;
+  bool above = true;
+};
+
+Limit parseLimit(const std::string& option, const std::string& text, bool above) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error(option + ": '" + text + "' is not METRIC=NUMBER, such as relmse=0.01", ExitStatus::BAD_USAGE);
+  Limit limit{text.substr(0, equals), parseReal(option, text.substr(equals + 1)), above};
+  const std::vector<std::string> names = metricNames();
+  if (std::find(names.begin(), names.end(), limit.metric) == names.end()) {
+    std::string message = option + ": no error measure '" + limit.metric + "'; there are:";
+    for (const std::string& name : names) message += " " + name;
+    throw Error(message, ExitStatus::BAD_USAGE);
+  }
+  return limit;
+}
+
+ExitStatus compareFiles(const CompareOptions& o) {
+  std::vector<Limit> limits;
+  for (const std::string& text : o.failAbove) limits.push_back(parseLimit("--fail-above", text, true));
+  for (const std::string& text : o.failBelow) limits.push_back(parseLimit("--fail-below", text, false));
+  if (!o.noiseFree.empty() && o.files.size() != 2)
+    throw Error("--noise-free A B goes with one picture and one reference", ExitStatus::BAD_USAGE);
+  const bool noiseFree = o.files.size() == 3 || !o.noiseFree.empty();
+  for (const Limit& limit : limits)
+    if (limit.metric.ends_with("_noise_free") && !noiseFree)
+      throw Error(limit.metric + " needs two independent references", ExitStatus::BAD_USAGE);
+  if (!o.output.empty()) checkImageWritable(o.output);
+
+  const Image image = readImage(o.files[0]);
+  Image reference = readImage(o.files[1]);
+  Comparison comparison;
+  std::string against = o.files[1];
+  if (o.files.size() == 3) {
+    const Image second = readImage(o.files[2]);
+    comparison = compareImages(image, reference, second);
+    reference = meanImage(reference, second);
+    against = "the mean of " + o.files[1] + " and " + o.files[2];
+  } else if (!o.noiseFree.empty()) {
+    comparison = compareImages(image, readImage(o.noiseFree[0]), readImage(o.noiseFree[1]), &reference);
+  } else {
+    comparison = compareImages(image, reference);
+  }
+
+  print(o.json ? comparisonJson(comparison)
+               : "x = " + o.files[0] + "\nr = " + against + "\n\n" + comparisonTable(comparison));
+  if (!o.output.empty())
+    writeImage(o.output,
+               errorMap(image, reference, o.map == "signed" ? ErrorMap::SIGNED : ErrorMap::RELATIVE));
+
+  std::string failures;
+  const auto fail = [&failures](const std::string& why) {
+    failures += (failures.empty() ? "" : "\nrecurse: ") + why;
+  };
+  if (comparison.pixels == 0) fail("no pixel could be compared");
+  if (comparison.nonFinite > 0)
+    fail(o.files[0] + ": " + std::to_string(comparison.nonFinite) + " pixels are not finite");
+  for (const Limit& limit : limits) {
+    const double value = metricByName(comparison, limit.metric);
+    // Written so that NaN fails.
+    const bool good = limit.above ? value <= limit.value : value >= limit.value;
+    if (!good)
+      fail(limit.metric + " is " + format("%.6g", value) + ", " + (limit.above ? "above " : "below ") +
+           format("%.6g", limit.value));
+  }
+  if (!failures.empty()) throw Error(failures);
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addCompareCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<CompareOptions>();
+  CompareOptions& o = *options;
+  CLI::App* command = app.add_subcommand("compare", "Measure the error of a picture against a reference");
+  command
+      ->add_option("files", o.files, "The picture, the reference, and perhaps a second independent reference")
+      ->required()
+      ->expected(2, 3)
+      ->type_name("X REFERENCE [B]");
+  command
+      ->add_option(
+          "--noise-free", o.noiseFree,
+          "Two independent references for the errors free of the references' noise; REFERENCE is the r "
+          "of the denominators then")
+      ->expected(2)
+      ->type_name("A B");
+  command->add_flag("--json", o.json,
+                    "Print JSON: mse relmse relmse_trimmed mape max mean_ratio ..., each over "
+                    "all channels and as NAME_rgb");
+  command->add_option("-o,--output", o.output, "Write a false-colour picture of the error")
+      ->type_name("FILE");
+  command
+      ->add_option("--map", o.map,
+                   "Its scale (default: relative). relative: |x-r|/(|r|+0.01) from 0.001, dark violet, to 1, "
+                   "yellow, logarithmic; signed: (x-r)/(|r|+0.01) from -0.5, blue, to 0.5, red")
+      ->check(CLI::IsMember({"relative", "signed"}))
+      ->type_name("SCALE");
+  command->add_option("--fail-above", o.failAbove, "Exit status 1 when a measure is larger; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name("METRIC=NUMBER");
+  command->add_option("--fail-below", o.failBelow, "The same when it is smaller: for psnr and mean_ratio")
+      ->expected(1)
+      ->take_all()
+      ->type_name("METRIC=NUMBER");
+  command->footer(
+      "Examples:\n"
+      "  recurse compare picture.exr reference.exr\n"
+      "  recurse compare picture.exr reference.exr --json -o error.png\n"
+      "  recurse compare picture.exr a.exr b.exr\n"
+      "  recurse compare picture.exr best.exr --noise-free a.exr b.exr\n"
+      "  recurse compare picture.exr reference.exr --fail-above relmse=0.01 --fail-below "
+      "mean_ratio=0.99\n\n"
+      "With two references whose noise is independent, the error mean((x-a)(x-b)/(r^2+0.01)) is free of\n"
+      "that noise; r is their mean, or REFERENCE with --noise-free. Pixels where a reference is not\n"
+      "finite are left out and counted; pixels of X that are not finite give exit status 1.");
+  command->callback([options, &chosen] { chosen = [options] { return compareFiles(*options); }; });
+}
+
+} // namespace recurse::apps

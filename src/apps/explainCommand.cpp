@@ -1,0 +1,71 @@
+/** @file
+ * `recurse explain`: which estimator of an integrator takes which light paths into account.
+ */
+#include "apps/commands.h"
+#include "apps/integratorOptions.h"
+#include "recurse/scene/loader.h"
+#include "recurse/transport/estimatorDomains.h"
+
+namespace recurse::apps {
+
+namespace {
+
+struct ExplainOptions {
+  std::string scene;
+  IntegratorOptions integrator;
+};
+
+ExitStatus explain(const ExplainOptions& o) {
+  Diagnostics diagnostics;
+  ParsedDirective fromFile;
+  if (!o.scene.empty()) {
+    try {
+      fromFile = loadScene(o.scene, diagnostics).integrator;
+    } catch (const SceneError&) {
+      throw;
+    } catch (const Error& error) {
+      throw Error(error.what(), ExitStatus::BAD_SCENE);
+    }
+  }
+  const ParsedDirective directive = o.integrator.directive(fromFile);
+  const std::unique_ptr<Integrator> integrator = makeIntegrator(directive, false, diagnostics);
+  diagnostics.throwIfErrors();
+  std::string text = directive.type;
+  for (const std::string& setting : settingsOf(directive)) text += "\n  " + setting;
+  const std::vector<EstimatorDomain> domains = integrator->domains();
+  text += "\n\n" + formatDomains(domains);
+  const DomainReport atSurfaces = checkDomains(domains, "surface"), everywhere = checkDomains(domains);
+  text += "\n";
+  if (everywhere.sound())
+    text += "Every path is estimated once.\n";
+  else if (atSurfaces.sound() && everywhere.overlaps.empty())
+    text += "Every path is estimated once, except those that a medium scatters: they are not estimated.\n";
+  else
+    text += atSurfaces.text();
+  if (!text.ends_with('\n')) text += "\n";
+  print(text);
+  return atSurfaces.sound() ? ExitStatus::DONE : ExitStatus::FAILED;
+}
+
+} // namespace
+
+void addExplainCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<ExplainOptions>();
+  CLI::App* command =
+      app.add_subcommand("explain", "Tell which estimator takes which light paths into account");
+  command
+      ->add_option("scene", options->scene,
+                   "Scene file whose integrator is meant (default: the one by option)")
+      ->type_name("SCENE");
+  options->integrator.addTo(*command);
+  command->footer(
+      "Prints each estimator of the integrator with its path expression, and whether together they take\n"
+      "every path into account exactly once.\n\n"
+      "Examples:\n"
+      "  recurse explain scene.pbrt\n"
+      "  recurse explain --integrator photonmap\n"
+      "  recurse explain --integrator photonmap --direct photons");
+  command->callback([options, &chosen] { chosen = [options] { return explain(*options); }; });
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,84 @@
+/** @file
+ * `recurse info`: what is in a picture or a scene file.
+ */
+#include <cmath>
+#include <filesystem>
+
+#include "apps/commands.h"
+#include "apps/loadedScene.h"
+#include "apps/optionText.h"
+#include "recurse/core/image.h"
+
+namespace recurse::apps {
+
+namespace {
+
+bool isSceneFile(const std::string& name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
+
+std::string padded(const std::string& text, size_t width) {
+  return text.size() < width ? text + std::string(width - text.size(), ' ') : text + " ";
+}
+
+std::string channelLine(const Image& image, size_t channel) {
+  const size_t stride = image.channels.size();
+  double sum = 0, low = INFINITY, high = -INFINITY;
+  size_t finite = 0, bad = 0;
+  for (size_t i = channel; i < image.pixels.size(); i += stride) {
+    const double value = double(image.pixels[i]);
+    if (!std::isfinite(value)) {
+      ++bad;
+      continue;
+    }
+    ++finite;
+    sum += value;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  std::string out = "  " + padded(image.channels[channel], 12);
+  if (finite > 0)
+    out += "min " + padded(format("%.6g", low), 14) + "mean " +
+           padded(format("%.6g", sum / double(finite)), 14) + "max " + padded(format("%.6g", high), 14);
+  out += std::to_string(bad) + " not finite\n";
+  return out;
+}
+
+std::string imageReport(const std::string& fileName) {
+  const Image image = readImage(fileName);
+  std::string out = fileName + "\n  " + padded("size", 12) + std::to_string(image.width) + "x" +
+                    std::to_string(image.height) + " pixels, " + std::to_string(image.channels.size()) +
+                    (image.channels.size() == 1 ? " channel\n" : " channels\n");
+  for (size_t channel = 0; channel < image.channels.size(); ++channel) out += channelLine(image, channel);
+  for (const auto& [name, value] : image.metadata) out += "  " + padded(name, 22) + value + "\n";
+  return out;
+}
+
+} // namespace
+
+void addInfoCommand(CLI::App& app, Command& chosen) {
+  auto fileName = std::make_shared<std::string>();
+  auto lenient = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("info", "Tell what is in a picture or a scene file");
+  command->add_option("file", *fileName, "A picture, or a scene file (.pbrt, .pbrt.gz)")
+      ->required()
+      ->type_name("FILE");
+  command->add_flag("--lenient", *lenient, "Unknown parameters in the scene are warnings instead of errors");
+  command->footer("Of a picture: size, channels (linear values; not-finite ones are counted), metadata.\n"
+                  "Of a scene: what 'recurse render --check' reports.\n\n"
+                  "Examples:\n"
+                  "  recurse info picture.exr\n"
+                  "  recurse info scene.pbrt");
+  command->callback([fileName, lenient, &chosen] {
+    chosen = [fileName, lenient] {
+      if (isSceneFile(*fileName)) {
+        SceneOverrides overrides;
+        overrides.lenient = *lenient;
+        print(sceneReport(loadAndBuild(*fileName, overrides, {})));
+      } else {
+        print(imageReport(*fileName));
+      }
+      return ExitStatus::DONE;
+    };
+  });
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,172 @@
+/** @file
+ * Options become parameters by the integrator's own declaration of them, so that a new integrator needs
+ * nothing here.
+ */
+#include "apps/integratorOptions.h"
+
+#include <algorithm>
+
+#include "apps/optionText.h"
+#include "recurse/core/error.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse::apps {
+
+namespace {
+
+[[noreturn]] void badUsage(const std::string& message) { throw Error(message, ExitStatus::BAD_USAGE); }
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
+  return out;
+}
+
+const ParameterSpec* findSpec(const std::vector<ParameterSpec>& specs, const std::string& name) {
+  for (const ParameterSpec& spec : specs)
+    if (spec.name == name) return &spec;
+  return nullptr;
+}
+
+ParsedParameter valueOf(const ParameterSpec& spec, const std::string& option, const std::string& text) {
+  ParsedParameter p;
+  p.name = spec.name;
+  switch (spec.type) {
+  case ParameterType::INTEGER:
+    p.type = "integer";
+    p.numbers = {double(parseCount(option, text, -2147483648ll, 2147483647))};
+    break;
+  case ParameterType::REAL:
+    p.type = "float";
+    p.numbers = {parseReal(option, text)};
+    break;
+  case ParameterType::BOOLEAN:
+    p.type = "bool";
+    if (text != "true" && text != "false") badUsage(option + ": '" + text + "' is not true or false");
+    p.booleans = {text == "true"};
+    break;
+  case ParameterType::STRING:
+    p.type = "string";
+    p.strings = {text};
+    break;
+  default:
+    badUsage(option + ": " + spec.name + " can only be set in the scene file");
+  }
+  return p;
+}
+
+std::string valueText(const ParsedParameter& p) {
+  std::vector<std::string> words = p.strings;
+  for (double number : p.numbers) words.push_back(format("%.9g", number));
+  for (bool b : p.booleans) words.emplace_back(b ? "true" : "false");
+  return joined(words);
+}
+
+} // namespace
+
+void IntegratorOptions::addTo(CLI::App& command) {
+  command
+      .add_option("--integrator", name,
+                  std::string("Integrator, in the place of the scene's (default without either: ") +
+                      DEFAULT_INTEGRATOR + ")")
+      ->type_name("NAME");
+  values = {{"--photons", "photons", {}},         {"--gather-photons", "gatherphotons", {}},
+            {"--radius", "radius", {}},           {"--maxdepth", "maxdepth", {}},
+            {"--direct", "direct", {}},           {"--light-samples", "lightsamples", {}},
+            {"--photon-index", "photonindex", {}}};
+  const std::vector<std::pair<const char*, const char*>> descriptions = {
+      {"N", "Photons emitted; 1M and 1e6 are taken too"},
+      {"K", "Photons of a density estimate, where the radius is chosen by itself"},
+      {"R", "Radius of the density estimates [scene units]; default: chosen from the photons' density"},
+      {"N", "Most scattering events of a path; -1: no limit"},
+      {"WAY", "Direct light by shadowrays, or by photons like the rest"},
+      {"N", "Shadow rays at each diffuse surface"},
+      {"INDEX", "Search structure for photons: kdtree or flann"}};
+  for (size_t i = 0; i < values.size(); ++i)
+    command.add_option(values[i].option, values[i].text, descriptions[i].second)
+        ->type_name(descriptions[i].first);
+  command
+      .add_option("--set", settings,
+                  "Any other parameter of the integrator, see 'recurse reference'; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->take_all();
+}
+
+void IntegratorOptions::replace(ParsedDirective& directive, const std::vector<ParameterSpec>& specs,
+                                const std::string& option, const std::string& parameter,
+                                const std::string& text) const {
+  const ParameterSpec* spec = findSpec(specs, parameter);
+  if (!spec || spec->ignored) {
+    std::vector<std::string> taken;
+    for (const ParameterSpec& s : specs)
+      if (!s.ignored) taken.push_back(s.name);
+    badUsage(option + ": the integrator '" + directive.type + "' has no parameter '" + parameter +
+             "'; it takes: " + (taken.empty() ? "none" : joined(taken)));
+  }
+  ParsedDirective alone = directive;
+  alone.parameters = {valueOf(*spec, option, text)};
+  Diagnostics diagnostics;
+  bindParameters(alone, {*spec}, diagnostics, false);
+  for (const Diagnostic& d : diagnostics.all())
+    badUsage(option + ": " + d.message + (d.accepted.empty() ? "" : "; accepted: " + d.accepted));
+  std::erase_if(directive.parameters, [&](const ParsedParameter& p) { return p.name == parameter; });
+  directive.parameters.push_back(alone.parameters.front());
+}
+
+ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) const {
+  const auto& registry = plugIns().integrators;
+  ParsedDirective out = fromFile;
+  if (named() || !fromFile.given()) out.type = named() ? name : DEFAULT_INTEGRATOR;
+  const auto* entry = registry.find(out.type);
+  if (!entry) {
+    // What the file names is an error in the file, reported with its place when the integrator is made.
+    if (!named()) return out;
+    const std::vector<std::string> nearest = nearestNames(name, registry.names());
+    badUsage("--integrator: there is no integrator '" + name + "'" +
+             (nearest.empty() ? "" : "; did you mean " + joined(nearest) + "?") +
+             "; there are: " + joined(registry.names()));
+  }
+  if (named() && name != fromFile.type)
+    std::erase_if(out.parameters,
+                  [&](const ParsedParameter& p) { return !findSpec(entry->parameters, p.name); });
+  for (const Value& value : values)
+    if (value.text) replace(out, entry->parameters, value.option, value.parameter, *value.text);
+  for (const std::string& setting : settings) {
+    const size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0) badUsage("--set: '" + setting + "' is not NAME=VALUE");
+    replace(out, entry->parameters, "--set", setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  return out;
+}
+
+std::string IntegratorOptions::text() const {
+  std::string out;
+  for (const Value& value : values)
+    if (value.text) out += std::string(" ") + value.option + " " + shellQuoted(*value.text);
+  for (const std::string& setting : settings) out += " --set " + shellQuoted(setting);
+  return out;
+}
+
+std::unique_ptr<Integrator> makeIntegrator(const ParsedDirective& directive, bool lenient,
+                                           Diagnostics& diagnostics) {
+  return plugIns().integrators.make(directive, NoContext{}, diagnostics, lenient);
+}
+
+std::vector<std::string> settingsOf(const ParsedDirective& directive) {
+  std::vector<std::string> out;
+  const auto* entry = plugIns().integrators.find(directive.type);
+  if (!entry) return out;
+  for (const ParameterSpec& spec : entry->parameters) {
+    if (spec.ignored) continue;
+    std::string text = spec.defaultText.empty() ? "chosen by itself" : spec.defaultText;
+    for (const ParsedParameter& p : directive.parameters)
+      if (p.name == spec.name) {
+        text = valueText(p);
+        break;
+      }
+    out.push_back(spec.name + " " + text);
+  }
+  return out;
+}
+
+} // namespace recurse::apps

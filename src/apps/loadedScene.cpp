@@ -1,0 +1,112 @@
+/** @file
+ * Loading with diagnostics, and the report of --check.
+ */
+#include "apps/loadedScene.h"
+
+#include <chrono>
+#include <cstdio>
+
+#include "apps/optionText.h"
+#include "recurse/scene/loader.h"
+
+namespace recurse::apps {
+
+namespace {
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::string counted(size_t count, const std::string& one, const std::string& many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string lobeNames(LobeSet lobes) {
+  std::string out;
+  const auto add = [&out](const char* name) { out += (out.empty() ? "" : ", ") + std::string(name); };
+  if (lobes & REFLECTION) add("diffuse or glossy reflection");
+  if (lobes & TRANSMISSION) add("diffuse or glossy transmission");
+  if (lobes & MIRROR) add("mirror");
+  if (lobes & REFRACTION) add("refraction");
+  return out.empty() ? "none" : out;
+}
+
+std::string typeOf(const ParsedDirective& directive, const char* otherwise) {
+  return directive.given() ? directive.type : otherwise;
+}
+
+} // namespace
+
+LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
+                         const IntegratorOptions& options) {
+  LoadedScene out;
+  out.fileName = fileName;
+  Diagnostics diagnostics;
+  const auto loadStart = std::chrono::steady_clock::now();
+  try {
+    out.description = loadScene(fileName, diagnostics);
+  } catch (const SceneError&) {
+    throw;
+  } catch (const Error& error) {
+    throw Error(error.what(), ExitStatus::BAD_SCENE);
+  }
+  out.loadSeconds = secondsSince(loadStart);
+  const auto buildStart = std::chrono::steady_clock::now();
+  out.integratorDirective = options.directive(out.description.integrator);
+  out.integrator = makeIntegrator(out.integratorDirective, overrides.lenient, diagnostics);
+  // A description with errors is built as well, as far as that goes: one run tells all that is wrong.
+  out.scene = buildScene(out.description, overrides, diagnostics);
+  out.buildSeconds = secondsSince(buildStart);
+  diagnostics.throwIfErrors();
+  out.warnings = diagnostics.all().size();
+  std::fputs(diagnostics.format().c_str(), stderr);
+  return out;
+}
+
+std::string sceneReport(const LoadedScene& loaded, size_t layers) {
+  const Scene& scene = *loaded.scene;
+  const SceneContents& c = scene.contents();
+  const FilmSettings& film = scene.film();
+  std::string out = loaded.fileName + "\n";
+  const auto line = [&out](const std::string& title, const std::string& text) {
+    out += "  " + title + std::string(title.size() < 12 ? 12 - title.size() : 1, ' ') + text + "\n";
+  };
+  std::string size = std::to_string(film.width) + "x" + std::to_string(film.height) + " pixels";
+  if (film.crop.width() != film.width || film.crop.height() != film.height)
+    size += ", of them " + std::to_string(film.crop.width()) + "x" + std::to_string(film.crop.height()) +
+            " from column " + std::to_string(film.crop.x0) + ", row " + std::to_string(film.crop.y0);
+  if (film.imagingRatio != 1) size += ", scaled by " + format("%.6g", double(film.imagingRatio));
+  line("film", size + ", file " + film.fileName);
+  line("camera", typeOf(loaded.description.camera, "perspective") + ", filter " +
+                     typeOf(loaded.description.filter, "as default"));
+  line("samples", std::to_string(scene.sampler().pixelSamples) + " per pixel, seed " +
+                      std::to_string(scene.sampler().seed));
+  std::string shapes = counted(c.shapes, "shape", "shapes");
+  if (c.triangles > 0) shapes += ", " + counted(c.triangles, "triangle", "triangles");
+  if (c.otherPrimitives > 0)
+    shapes += ", " + counted(c.otherPrimitives, "other primitive", "other primitives");
+  if (c.instances > 0) shapes += ", " + counted(c.instances, "instance", "instances");
+  line("shapes", shapes);
+  line("materials", std::to_string(c.materials));
+  std::string lights;
+  const auto addLights = [&lights](size_t count, const char* where) {
+    if (count > 0) lights += (lights.empty() ? "" : ", ") + std::to_string(count) + where;
+  };
+  addLights(c.areaLights, " on surfaces");
+  addLights(c.deltaLights, " at a point or in one direction");
+  addLights(c.environmentLights, " all around");
+  line("lights", lights.empty() ? "none: the picture will be black" : lights);
+  line("scattering", lobeNames(c.lobes));
+  std::string settings;
+  for (const std::string& setting : settingsOf(loaded.integratorDirective))
+    settings += (settings.empty() ? ": " : ", ") + setting;
+  line("integrator", loaded.integratorDirective.type + settings);
+  // A film pixel: a sum of three doubles for each layer, and four numbers more.
+  const double filmBytes = double(film.crop.area()) * (double(layers) * 24 + 32);
+  line("memory", "geometry " + bytesText(double(scene.memoryBytes())) + ", film " + bytesText(filmBytes));
+  line("time",
+       "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));
+  return out;
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,33 @@
+/** @file
+ * A scene file taken all the way to a scene and its integrator, and what a person wants to know of them.
+ */
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "apps/integratorOptions.h"
+#include "recurse/model/scene.h"
+#include "recurse/scene/sceneDescription.h"
+
+namespace recurse::apps {
+
+struct LoadedScene {
+  std::string fileName;
+  SceneDescription description;
+  std::unique_ptr<Scene> scene;
+  ParsedDirective integratorDirective;
+  std::unique_ptr<Integrator> integrator;
+  double loadSeconds = 0, buildSeconds = 0;
+  size_t warnings = 0; ///< already printed
+};
+
+/** Throws Error (BAD_SCENE) when the file cannot be read, SceneError with everything that is wrong with it,
+ * and Error (BAD_USAGE) for options that do not fit. Prints warnings on standard error. */
+LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
+                         const IntegratorOptions& options);
+
+/** What the scene contains and needs, and the settings that it would be rendered with. */
+std::string sceneReport(const LoadedScene& loaded, size_t layers = 1);
+
+} // namespace recurse::apps

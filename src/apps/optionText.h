@@ -1,0 +1,37 @@
+/** @file
+ * Values of options as text: parsed strictly, with errors that say what would be accepted.
+ */
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace recurse::apps {
+
+/** Every function throws Error (BAD_USAGE) that names the option. */
+
+/** "30s", "2m", "1h30m", "90" (seconds): seconds, above zero. */
+double parseDuration(const std::string& option, const std::string& text);
+/** "640x480". */
+std::array<int, 2> parseResolution(const std::string& option, const std::string& text);
+/** "x0,x1,y0,y1", each in [0, 1]. */
+std::array<float, 4> parseCropWindow(const std::string& option, const std::string& text);
+/** A whole number in [minimum, maximum]; "1000000", "1e6", "1M" and "1000k" are the same. */
+int64_t parseCount(const std::string& option, const std::string& text, int64_t minimum, int64_t maximum);
+uint64_t parseSeed(const std::string& option, const std::string& text);
+/** A finite number. */
+double parseReal(const std::string& option, const std::string& text);
+
+/** "2h05m", "3m07s", "12.3s". */
+std::string durationText(double seconds);
+/** "12.3M" with at most three digits before the letter. */
+std::string countText(double count);
+std::string bytesText(double bytes);
+/** printf of one number. */
+std::string format(const char* pattern, double value);
+/** As a shell would need it. */
+std::string shellQuoted(const std::string& text);
+
+} // namespace recurse::apps

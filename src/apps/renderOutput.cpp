@@ -1,0 +1,141 @@
+/** @file
+ * Pictures with metadata, statistics as JSON and in words.
+ */
+#include "apps/renderOutput.h"
+
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+#include "apps/optionText.h"
+
+namespace recurse::apps {
+
+namespace {
+
+double perSecond(double count, double seconds) { return seconds > 0 ? count / seconds : 0; }
+
+uint64_t peakMemoryBytes() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024; // Linux counts in kilobytes
+}
+
+std::string classesText(const std::vector<PathClass>& classes) {
+  std::string out;
+  for (const PathClass& c : classes)
+    out += (out.empty() ? "" : "; ") + (c.name == c.expression ? c.name : c.name + " = " + c.expression);
+  return out;
+}
+
+} // namespace
+
+double RenderReport::samplesPerPixel() const {
+  return double(statistics.samples) / (double(width) * double(height));
+}
+
+const char* RenderReport::stopReason() const {
+  switch (statistics.stopReason) {
+  case StopReason::TIME:
+    return "time";
+  case StopReason::INTERRUPTED:
+    return "interrupted";
+  default:
+    return "samples";
+  }
+}
+
+Image pictureOf(const Film& film, const RenderReport& report) {
+  std::vector<std::string> channels = {"R", "G", "B"};
+  for (size_t layer = 1; layer < film.layerCount(); ++layer)
+    for (const char* c : {".R", ".G", ".B"}) channels.push_back(report.classes[layer].name + c);
+  Image image(film.bounds().width(), film.bounds().height(), channels);
+  const float scale = report.loaded.scene->film().imagingRatio;
+  for (size_t pixel = 0; pixel < film.bounds().area(); ++pixel)
+    for (size_t layer = 0; layer < film.layerCount(); ++layer) {
+      const Rgb value = film.value(pixel, layer) * scale;
+      for (int c = 0; c < 3; ++c) image.pixels[pixel * channels.size() + layer * 3 + size_t(c)] = value[c];
+    }
+  image.metadata = {{"Software", std::string("Recurse ") + VERSION},
+                    {"recurse:version", VERSION},
+                    {"recurse:scene", report.loaded.fileName},
+                    {"recurse:settings", report.commandLine},
+                    {"recurse:seed", std::to_string(report.seed)},
+                    {"recurse:samples", format("%.9g", report.samplesPerPixel())},
+                    {"recurse:seconds", format("%.3f", report.statistics.renderSeconds)},
+                    {"recurse:classes", classesText(report.classes)},
+                    {"recurse:ended", report.stopReason()}};
+  return image;
+}
+
+std::string statisticsJson(const RenderReport& report) {
+  const RenderStatistics& s = report.statistics;
+  nlohmann::ordered_json json = {
+      {"version", VERSION},
+      {"scene", report.loaded.fileName},
+      {"integrator", report.loaded.integratorDirective.type},
+      {"settings", report.commandLine},
+      {"seed", report.seed},
+      {"resolution", {report.width, report.height}},
+      {"threads", s.threads},
+      {"stop_reason", report.stopReason()},
+      {"load_seconds", report.loaded.loadSeconds},
+      {"build_seconds", report.loaded.buildSeconds},
+      {"render_seconds", s.renderSeconds},
+      {"photon_seconds", s.photonSeconds},
+      {"balance_seconds", s.balanceSeconds},
+      {"gather_seconds", s.gatherSeconds},
+      {"passes", s.passes},
+      {"samples", s.samples},
+      {"samples_per_pixel", report.samplesPerPixel()},
+      {"rays", s.counts.rays},
+      {"rays_per_second", perSecond(double(s.counts.rays), s.renderSeconds)},
+      {"photons_emitted", s.photonsEmitted},
+      {"photons_stored", s.photonsStored},
+      {"photons_refused", s.photonsRefused},
+      {"photons_emitted_per_second", perSecond(double(s.photonsEmitted), s.photonSeconds)},
+      {"photons_stored_per_second", perSecond(double(s.photonsStored), s.photonSeconds)},
+      {"photon_map_bytes", s.mapBytes},
+      {"gathers", s.counts.gathers},
+      {"photons_found", s.counts.photonsFound},
+      {"non_finite", s.counts.nonFinite},
+      {"weight_cut", s.counts.weightCut},
+      {"peak_memory_bytes", peakMemoryBytes()},
+      {"notes", s.notes},
+      {"warnings", s.warnings}};
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string renderSummary(const RenderReport& report, const std::vector<std::string>& outputs, bool notes) {
+  const RenderStatistics& s = report.statistics;
+  std::string out = std::to_string(report.width) + "x" + std::to_string(report.height) + " pixels, " +
+                    format("%.4g", report.samplesPerPixel()) + " samples each, in " +
+                    durationText(s.renderSeconds) + " on " + std::to_string(s.threads) +
+                    (s.threads == 1 ? " thread" : " threads") + "; ended by ";
+  out += s.stopReason == StopReason::SAMPLES ? "the number of samples"
+         : s.stopReason == StopReason::TIME  ? "the time limit"
+                                             : "an interrupt";
+  out += "\n";
+  if (s.photonsEmitted > 0)
+    out += "photons: " + countText(double(s.photonsEmitted)) + " emitted, " +
+           countText(double(s.photonsStored)) + " stored in " + durationText(s.photonSeconds) + " (" +
+           countText(perSecond(double(s.photonsStored), s.photonSeconds)) + "/s), map of " +
+           bytesText(double(s.mapBytes)) + " balanced in " + durationText(s.balanceSeconds) + "\n";
+  out += "picture: " + countText(double(s.counts.rays)) + " rays in all, " +
+         countText(perSecond(double(s.counts.rays), s.renderSeconds)) + " rays/s, memory at most " +
+         bytesText(double(peakMemoryBytes())) + "\n";
+  if (notes)
+    for (const std::string& note : s.notes) out += note + "\n";
+  if (s.counts.weightCut > 0)
+    out +=
+        "weight cut by depth and weight limits: " + format("%.3g", s.counts.weightCut / double(s.samples)) +
+        " per sample\n";
+  if (s.counts.nonFinite > 0)
+    out += "warning: " + std::to_string(s.counts.nonFinite) +
+           " contributions were not finite and were left out; this is a fault of the program\n";
+  std::string list;
+  for (const std::string& file : outputs) list += (list.empty() ? "" : ", ") + file;
+  if (!list.empty()) out += "written: " + list + "\n";
+  return out;
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,37 @@
+/** @file
+ * What a render leaves behind: pictures, statistics, a summary.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/loadedScene.h"
+#include "recurse/core/image.h"
+#include "recurse/transport/render.h"
+
+namespace recurse::apps {
+
+/** Everything that is told about a finished render. */
+struct RenderReport {
+  const LoadedScene& loaded;
+  const RenderStatistics& statistics;
+  uint64_t seed = 0;
+  std::vector<PathClass> classes;
+  std::string commandLine; ///< one that gives the same picture
+  int width = 0, height = 0;
+
+  double samplesPerPixel() const;
+  const char* stopReason() const;
+};
+
+constexpr const char* VERSION = RECURSE_VERSION;
+
+/** The film as a picture, with the imaging ratio applied and the metadata. The first layer is R, G, B. */
+Image pictureOf(const Film& film, const RenderReport& report);
+/** The text of --stats. */
+std::string statisticsJson(const RenderReport& report);
+/** A few lines for a person. `notes`: with what was chosen by itself. */
+std::string renderSummary(const RenderReport& report, const std::vector<std::string>& outputs, bool notes);
+
+} // namespace recurse::apps
