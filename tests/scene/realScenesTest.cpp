@@ -17,10 +17,11 @@ std::vector<fs::path> sceneFiles() {
   const char* place = std::getenv("RECURSE_SHARED");
   const fs::path root = place ? fs::path(place) : fs::path(RECURSE_SOURCE_DIR) / ".." / "shared";
   std::vector<fs::path> files;
-  for (const char* folder : {"reference", "real"}) {
+  for (const fs::path& folder :
+       {root / "reference", root / "real", fs::path(RECURSE_SOURCE_DIR) / "scenes"}) {
     std::error_code error;
-    if (!fs::is_directory(root / folder, error)) continue;
-    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+    if (!fs::is_directory(folder, error)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
       if (entry.path().extension() == ".pbrt") files.push_back(entry.path());
   }
   return files;
