@@ -23,8 +23,8 @@ void* allocatePhotonMemory(size_t& bytes) {
   // Only whole huge pages are worth having, and only if little of the last one is left over.
   const bool huge = alignment == HUGE_PAGE && rounded - bytes <= bytes / 64;
   bytes = huge ? rounded : (bytes + LINE - 1) / LINE * LINE;
-  void* p = std::aligned_alloc(alignment, std::max(bytes, LINE));
-  if (!p) throw std::bad_alloc();
+  void* p = nullptr;
+  if (posix_memalign(&p, alignment, std::max(bytes, LINE)) != 0) throw std::bad_alloc();
   if (alignment == HUGE_PAGE) madvise(p, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
   return p;
 }
