@@ -44,6 +44,18 @@ const char* RenderReport::stopReason() const {
   }
 }
 
+std::map<std::string, std::string> metadataOf(const RenderReport& report) {
+  return {{"Software", std::string("Recurse ") + VERSION},
+          {"recurse:version", VERSION},
+          {"recurse:scene", report.loaded.fileName},
+          {"recurse:settings", report.commandLine},
+          {"recurse:seed", std::to_string(report.seed)},
+          {"recurse:samples", format("%.9g", report.samplesPerPixel())},
+          {"recurse:seconds", format("%.3f", report.statistics.renderSeconds)},
+          {"recurse:classes", classesText(report.classes)},
+          {"recurse:ended", report.stopReason()}};
+}
+
 Image pictureOf(const Film& film, const RenderReport& report) {
   std::vector<std::string> channels = {"R", "G", "B"};
   for (size_t layer = 1; layer < film.layerCount(); ++layer)
@@ -55,15 +67,7 @@ Image pictureOf(const Film& film, const RenderReport& report) {
       const Rgb value = film.value(pixel, layer) * scale;
       for (int c = 0; c < 3; ++c) image.pixels[pixel * channels.size() + layer * 3 + size_t(c)] = value[c];
     }
-  image.metadata = {{"Software", std::string("Recurse ") + VERSION},
-                    {"recurse:version", VERSION},
-                    {"recurse:scene", report.loaded.fileName},
-                    {"recurse:settings", report.commandLine},
-                    {"recurse:seed", std::to_string(report.seed)},
-                    {"recurse:samples", format("%.9g", report.samplesPerPixel())},
-                    {"recurse:seconds", format("%.3f", report.statistics.renderSeconds)},
-                    {"recurse:classes", classesText(report.classes)},
-                    {"recurse:ended", report.stopReason()}};
+  image.metadata = metadataOf(report);
   return image;
 }
 

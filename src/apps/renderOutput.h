@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct RenderReport {
 
 constexpr const char* VERSION = RECURSE_VERSION;
 
+/** What a picture says of how it came about. */
+std::map<std::string, std::string> metadataOf(const RenderReport& report);
 /** The film as a picture, with the imaging ratio applied and the metadata. The first layer is R, G, B. */
 Image pictureOf(const Film& film, const RenderReport& report);
 /** The text of --stats. */

@@ -1,0 +1,89 @@
+/** @file
+ * Options of a render: declared, understood, and written down again.
+ */
+#include "apps/renderOptions.h"
+
+#include "apps/optionText.h"
+#include "apps/progressDisplay.h"
+
+namespace recurse::apps {
+
+RenderSettings RenderPlan::settings(const Scene& scene) const {
+  RenderSettings out;
+  out.timeLimit = timeLimit;
+  out.seed = seed.value_or(scene.sampler().seed);
+  // A time limit alone means: as many samples as fit.
+  out.samplesPerPixel = samples.value_or(timeLimit > 0 ? 0 : scene.sampler().pixelSamples);
+  return out;
+}
+
+void RenderOptions::addSceneTo(CLI::App& command) {
+  command.add_option("scene", scene, "Scene file, pbrt-v4 text format, may be gzip-compressed")
+      ->required()
+      ->type_name("SCENE");
+}
+
+void RenderOptions::addTo(CLI::App& command) {
+  integrator.addTo(command);
+  const auto add = [&](const char* name, auto& target, const char* type, const char* description) {
+    return command.add_option(name, target, description)->type_name(type);
+  };
+  add("--spp", samples, "N", "Samples per pixel (default: the scene's, or with --time-limit as many as fit)");
+  add("--time-limit", timeLimit, "TIME",
+      "Longest time for photons and picture: 30s, 2m, 1h30m; each pixel gets at least one sample");
+  add("--nthreads", threads, "N", "Threads (default: one for each core); the picture does not depend on it");
+  add("--seed", seed, "N", "Another seed, another independent picture (default: the scene's)");
+  add("--resolution", resolution, "WxH", "Size of the picture in pixels (default: the scene's)");
+  add("--cropwindow", cropWindow, "x0,x1,y0,y1", "Render this part only, as fractions of width and height");
+  add("--stats", statistics, "FILE", "Write statistics as JSON");
+  add("--progress", progress, "WAY", "auto, plain, json or off, on standard error (default: auto)")
+      ->check(CLI::IsMember({"auto", "plain", "json", "off"}))
+      ->type_name("WAY");
+  CLI::Option* quietFlag = command.add_flag("-q,--quiet", quiet, "Print errors and warnings only");
+  command.add_flag("-v,--verbose", verbose, "Print what the scene contains and what was chosen")
+      ->excludes(quietFlag);
+  command.add_flag("--lenient", lenient, "Unknown parameters in the scene are warnings instead of errors");
+}
+
+RenderPlan RenderOptions::plan() const {
+  RenderPlan plan;
+  if (samples) plan.samples = static_cast<int>(parseCount("--spp", *samples, 1, 1 << 30));
+  if (timeLimit) plan.timeLimit = parseDuration("--time-limit", *timeLimit);
+  if (threads) plan.threads = static_cast<int>(parseCount("--nthreads", *threads, 1, 4096));
+  if (seed) plan.seed = parseSeed("--seed", *seed);
+  if (resolution) {
+    const std::array<int, 2> size = parseResolution("--resolution", *resolution);
+    plan.overrides.width = size[0];
+    plan.overrides.height = size[1];
+  }
+  if (cropWindow) plan.overrides.cropWindow = parseCropWindow("--cropwindow", *cropWindow);
+  plan.overrides.lenient = lenient;
+  return plan;
+}
+
+std::string RenderOptions::text(const LoadedScene& loaded, const RenderSettings& settings) const {
+  std::string out = shellQuoted(scene) + " --integrator " + shellQuoted(loaded.integratorDirective.type) +
+                    integrator.text();
+  if (settings.samplesPerPixel > 0) out += " --spp " + std::to_string(settings.samplesPerPixel);
+  if (timeLimit) out += " --time-limit " + shellQuoted(*timeLimit);
+  out += " --seed " + std::to_string(settings.seed);
+  if (resolution) out += " --resolution " + *resolution;
+  if (cropWindow) out += " --cropwindow " + *cropWindow;
+  if (lenient) out += " --lenient";
+  return out;
+}
+
+RenderStatistics renderShown(const LoadedScene& loaded, const PathClasses& classes,
+                             const RenderSettings& settings, const RenderOptions& options, Film& film,
+                             const std::atomic<bool>& stop) {
+  ProgressDisplay display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress));
+  // Warnings are about what the picture will look like, so they come at once and even when quiet.
+  const auto log = [&](const std::string& text) {
+    if (options.verbose || text.starts_with("warning")) display.message(text);
+  };
+  return render(
+      *loaded.scene, *loaded.integrator, classes, settings, film, stop,
+      [&](const RenderProgress& progress) { display.update(progress); }, log);
+}
+
+} // namespace recurse::apps
