@@ -268,17 +268,10 @@ class BilinearMesh final : public Shape {
     Vec3d rounding = position;
     for (int i = 0; i < 3; ++i)
       if (extent[i] == 0) rounding[i] = 0;
-    const double offset = 0x1p-48 * glm::dot(extent, glm::abs(normal));
+    // A grazing ray's side is decided with a normal rounded to float, which is wrong by up to 4 units of
+    // roundoff at the other end of the patch.
+    const double offset = 0x1p-22 * glm::dot(extent, glm::abs(normal));
     s.error = positionError(rounding, 0x1p-50 * extent, normal, offset);
-    const double stretch = glm::length(p.across(u, v));
-    if (!p.isParallelogram() && stretch > 0) {
-      // A patch bends away from its tangent plane by du·dv·twist; see the sphere for what this is about.
-      const double around = 3 * glm::length(s.error);
-      const double bend = square(around) * std::abs(glm::dot(p.twist, normal)) / stretch;
-      const double mostBend = 4 * glm::dot(Vec3d(s.error), glm::abs(normal));
-      s.error = positionError(rounding, 0x1p-50 * extent, normal, offset + std::min(bend, mostBend));
-    }
-
     Vec3d dpdu = p.dpdu(v);
     s.uv = {static_cast<float>(u), static_cast<float>(v)};
     if (!uvs.empty()) {

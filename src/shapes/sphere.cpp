@@ -191,7 +191,7 @@ class Sphere final : public Shape {
   std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const override {
     const Vec3d away = Vec3d(from) - center;
     const double distance2 = glm::dot(away, away);
-    if (!coneIsSeen(distance2)) return Shape::sampleDirection(from, pick, u);
+    if (!coneIsSeen(from, distance2)) return Shape::sampleDirection(from, pick, u);
     // Uniform in the cone around the sphere, in terms of 1 - cosine, which has digits however far the sphere.
     const double sin2Max = square(uniformRadius) / distance2;
     const double x = double(u.x) * oneMinusCosine(sin2Max);
@@ -214,13 +214,16 @@ class Sphere final : public Shape {
   float pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const override {
     const Vec3d away = Vec3d(from) - center;
     const double distance2 = glm::dot(away, away);
-    return coneIsSeen(distance2) ? conePdf(square(uniformRadius) / distance2)
-                                 : Shape::pdfDirection(from, primitive, point);
+    return coneIsSeen(from, distance2) ? conePdf(square(uniformRadius) / distance2)
+                                       : Shape::pdfDirection(from, primitive, point);
   }
 
  private:
-  bool coneIsSeen(double distance2) const {
-    return uniformRadius > 0 && sweep.whole() && distance2 > square(uniformRadius);
+  /** From clearly outside. A point of the sphere itself is rounded to either side of it, and is no such
+   * place. */
+  bool coneIsSeen(const Vec3f& from, double distance2) const {
+    const double surface = uniformRadius * (1 + 1e-4) + 1e-6 * glm::length(Vec3d(from));
+    return uniformRadius > 0 && sweep.whole() && distance2 > square(surface);
   }
   static double oneMinusCosine(double sin2) { return sin2 / (1 + std::sqrt(1 - sin2)); }
   static float conePdf(double sin2Max) {
@@ -237,15 +240,7 @@ class Sphere final : public Shape {
     s.geometricNormal = s.shadingNormal = Vec3f(normal);
 
     const Vec3d exactError = 0x1p-50 * (magnitude * glm::abs(unit) + glm::abs(center));
-    const double offset = unitError / steepness;
-    s.error = positionError(position, exactError, normal, offset);
-    // rayOrigin leaves the tangent plane behind. A surface curved as sharply as floats are coarse may still
-    // be in the way of a ray that goes inside: go as far as it bends within the error, for as long as there
-    // is an inside to speak of.
-    const Vec3d around = inverseMagnitude * (3.0 * Vec3d(s.error));
-    const double bend = glm::dot(around, around) / (2 * steepness);
-    const double mostBend = 4 * glm::dot(Vec3d(s.error), glm::abs(normal));
-    s.error = positionError(position, exactError, normal, offset + std::min(bend, mostBend));
+    s.error = positionError(position, exactError, normal, unitError / steepness);
 
     s.dpdu = Vec3f(linear * (Vec3d(-unit.y, unit.x, 0) * sweep.phiMax));
     // pbrt's coordinates: around in u, from zmin up to zmax in v.
