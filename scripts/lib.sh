@@ -63,26 +63,28 @@ build() {
     return "$status"
 }
 
-# runTests PRESET [CTEST-OPTION...]: closes with the line 'N passed, N failed' and leaves the two numbers in
-# PASSED and FAILED.
+# runTests PRESET [CTEST-OPTION...]: closes with the line 'N passed, N failed', which counts single cases where
+# ctest counts suites of them.
 runTests() {
-    local preset=$1 log status=0 failed total skipped
+    local preset=$1 results=$ROOT/build/$1/Testing/Temporary/LastTest.log summary status=0 failures
     shift
-    log=$(mktemp)
-    (cd "$ROOT" && ctest --preset "$preset" -j "$JOBS" "$@" </dev/null) 2>&1 | tee "$log" || status=$?
-    failed=$(sed -n 's/.*tests passed, \([0-9]*\) tests failed out of [0-9]*$/\1/p' "$log")
-    total=$(sed -n 's/.*tests passed, [0-9]* tests failed out of \([0-9]*\)$/\1/p' "$log")
-    skipped=$(grep -c '\*\*\*Skipped' "$log" || true)
-    rm -f "$log"
-    FAILED=${failed:-0}
-    PASSED=$((${total:-0} - FAILED - skipped))
-    if [[ $status != 0 && $FAILED == 0 ]]; then # ctest itself failed, or found no test
-        FAILED=1
-    fi
-    if [[ $skipped -gt 0 ]]; then
-        echo "$PASSED passed, $FAILED failed, $skipped skipped"
-    else
-        echo "$PASSED passed, $FAILED failed"
-    fi
-    [[ $status == 0 && $FAILED == 0 ]]
+    rm -f "$results"
+    summary=$(mktemp)
+    (cd "$ROOT" && ctest --preset "$preset" -j "$JOBS" "$@" </dev/null) 2>&1 | tee "$summary" || status=$?
+    failures=$(sed -n 's/.*tests passed, \([0-9]*\) tests failed out of .*/\1/p' "$summary")
+    rm -f "$summary"
+    [[ -f $results ]] || results=/dev/null
+    awk -v failures="${failures:-0}" -v status="$status" '
+        / Testing: / { ok = bad = skip = 0 }
+        /^\[       OK \]/ { ++ok }
+        /^\[  FAILED  \] .*\([0-9]+ ms\)$/ { ++bad }
+        /^\[  SKIPPED \] .*\([0-9]+ ms\)$/ { ++skip }
+        /^Test Passed/ { passed += ok + skip > 0 ? ok : 1; skipped += skip }
+        /^Test Failed/ { passed += ok; failed += bad > 0 ? bad : 1; skipped += skip }
+        END {
+            if (failed < failures) failed = failures
+            if (failed == 0 && status != 0) failed = 1 # ctest itself failed, or found no test
+            printf "%d passed, %d failed%s\n", passed, failed, skipped > 0 ? ", " skipped " skipped" : ""
+        }' "$results"
+    return "$status"
 }
