@@ -12,7 +12,8 @@ namespace recurse::apps {
 namespace {
 
 struct CompareOptions {
-  std::vector<std::string> files, noiseFree, failAbove, failBelow;
+  std::string picture, reference, second;
+  std::vector<std::string> noiseFree, failAbove, failBelow;
   std::string output, map = "relative";
   bool json = false;
 };
@@ -41,23 +42,23 @@ ExitStatus compareFiles(const CompareOptions& o) {
   std::vector<Limit> limits;
   for (const std::string& text : o.failAbove) limits.push_back(parseLimit("--fail-above", text, true));
   for (const std::string& text : o.failBelow) limits.push_back(parseLimit("--fail-below", text, false));
-  if (!o.noiseFree.empty() && o.files.size() != 2)
+  if (!o.noiseFree.empty() && !o.second.empty())
     throw Error("--noise-free A B goes with one picture and one reference", ExitStatus::BAD_USAGE);
-  const bool noiseFree = o.files.size() == 3 || !o.noiseFree.empty();
+  const bool noiseFree = !o.second.empty() || !o.noiseFree.empty();
   for (const Limit& limit : limits)
     if (limit.metric.ends_with("_noise_free") && !noiseFree)
       throw Error(limit.metric + " needs two independent references", ExitStatus::BAD_USAGE);
   if (!o.output.empty()) checkImageWritable(o.output);
 
-  const Image image = readImage(o.files[0]);
-  Image reference = readImage(o.files[1]);
+  const Image image = readImage(o.picture);
+  Image reference = readImage(o.reference);
   Comparison comparison;
-  std::string against = o.files[1];
-  if (o.files.size() == 3) {
-    const Image second = readImage(o.files[2]);
+  std::string against = o.reference;
+  if (!o.second.empty()) {
+    const Image second = readImage(o.second);
     comparison = compareImages(image, reference, second);
     reference = meanImage(reference, second);
-    against = "the mean of " + o.files[1] + " and " + o.files[2];
+    against = "the mean of " + o.reference + " and " + o.second;
   } else if (!o.noiseFree.empty()) {
     comparison = compareImages(image, readImage(o.noiseFree[0]), readImage(o.noiseFree[1]), &reference);
   } else {
@@ -65,7 +66,7 @@ ExitStatus compareFiles(const CompareOptions& o) {
   }
 
   print(o.json ? comparisonJson(comparison)
-               : "x = " + o.files[0] + "\nr = " + against + "\n\n" + comparisonTable(comparison));
+               : "x = " + o.picture + "\nr = " + against + "\n\n" + comparisonTable(comparison));
   if (!o.output.empty())
     writeImage(o.output,
                errorMap(image, reference, o.map == "signed" ? ErrorMap::SIGNED : ErrorMap::RELATIVE));
@@ -76,7 +77,7 @@ ExitStatus compareFiles(const CompareOptions& o) {
   };
   if (comparison.pixels == 0) fail("no pixel could be compared");
   if (comparison.nonFinite > 0)
-    fail(o.files[0] + ": " + std::to_string(comparison.nonFinite) + " pixels are not finite");
+    fail(o.picture + ": " + std::to_string(comparison.nonFinite) + " pixels are not finite");
   for (const Limit& limit : limits) {
     const double value = metricByName(comparison, limit.metric);
     // Written so that NaN fails.
@@ -95,11 +96,12 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<CompareOptions>();
   CompareOptions& o = *options;
   CLI::App* command = app.add_subcommand("compare", "Measure the error of a picture against a reference");
-  command
-      ->add_option("files", o.files, "The picture, the reference, and perhaps a second independent reference")
+  command->add_option("picture", o.picture, "The picture, x")->required()->type_name("X");
+  command->add_option("reference", o.reference, "What it should be, r; with a second: one of two, a")
       ->required()
-      ->expected(2, 3)
-      ->type_name("X REFERENCE [B]");
+      ->type_name("REFERENCE");
+  command->add_option("second", o.second, "Another reference, b, whose noise is independent of the first's")
+      ->type_name("B");
   command
       ->add_option(
           "--noise-free", o.noiseFree,

@@ -77,14 +77,18 @@ void IntegratorOptions::addTo(CLI::App& command) {
   const std::vector<std::pair<const char*, const char*>> descriptions = {
       {"N", "Photons emitted; 1M and 1e6 are taken too"},
       {"K", "Photons of a density estimate, where the radius is chosen by itself"},
-      {"R", "Radius of the density estimates [scene units]; default: chosen from the photons' density"},
+      {"R", "Radius of the density estimates [scene units] (default: chosen from the photons' density)"},
       {"N", "Most scattering events of a path; -1: no limit"},
       {"WAY", "Direct light by shadowrays, or by photons like the rest"},
       {"N", "Shadow rays at each diffuse surface"},
       {"INDEX", "Search structure for photons: kdtree or flann"}};
-  for (size_t i = 0; i < values.size(); ++i)
-    command.add_option(values[i].option, values[i].text, descriptions[i].second)
-        ->type_name(descriptions[i].first);
+  const auto* entry = plugIns().integrators.find(DEFAULT_INTEGRATOR);
+  for (size_t i = 0; i < values.size(); ++i) {
+    std::string description = descriptions[i].second;
+    const ParameterSpec* spec = entry ? findSpec(entry->parameters, values[i].parameter) : nullptr;
+    if (spec && !spec->defaultText.empty()) description += " (default: " + spec->defaultText + ")";
+    command.add_option(values[i].option, values[i].text, description)->type_name(descriptions[i].first);
+  }
   command
       .add_option("--set", settings,
                   "Any other parameter of the integrator, see 'recurse reference'; may be repeated")

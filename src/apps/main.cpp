@@ -48,12 +48,30 @@ ExitStatus sayScene(const SceneError& error) {
   ::_exit(static_cast<int>(ExitStatus::FAILED));
 }
 
+/** Lines of at most 100 columns; the descriptions of options go on below themselves. */
+std::string wrapped(const std::string& help) {
+  constexpr size_t WIDTH = 100, INDENT = 30; // as CLI11 places descriptions
+  std::string out;
+  size_t begin = 0;
+  while (begin < help.size()) {
+    const size_t end = std::min(help.find('\n', begin), help.size());
+    std::string line = help.substr(begin, end - begin);
+    begin = end + 1;
+    while (line.size() > WIDTH) {
+      const size_t blank = line.rfind(' ', WIDTH);
+      if (blank == std::string::npos || blank <= INDENT) break;
+      out += line.substr(0, blank) + "\n";
+      line = std::string(INDENT, ' ') + line.substr(blank + 1);
+    }
+    out += line + "\n";
+  }
+  return out;
+}
+
 ExitStatus run(int argc, char** argv) {
   CLI::App app("Recurse: photon mapping and path tracing of scene files in the pbrt-v4 format.", "recurse");
   app.set_version_flag("--version", std::string("Recurse ") + VERSION);
   app.require_subcommand(1);
-  app.failure_message(
-      [](const CLI::App*, const CLI::Error& error) { return error.what() + std::string("\n"); });
   app.footer("Examples:\n"
              "  recurse render scene.pbrt -o picture.exr -o picture.png\n"
              "  recurse compare picture.exr reference.exr\n"
@@ -69,8 +87,11 @@ ExitStatus run(int argc, char** argv) {
   addReferenceCommand(app, chosen);
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    app.exit(help);
+  } catch (const CLI::CallForHelp&) {
+    print(wrapped(app.help()));
+    return ExitStatus::DONE;
+  } catch (const CLI::CallForVersion& version) {
+    print(std::string(version.what()) + "\n");
     return ExitStatus::DONE;
   } catch (const CLI::ParseError& error) {
     const CLI::App* at = &app;

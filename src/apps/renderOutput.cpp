@@ -112,7 +112,8 @@ std::string statisticsJson(const RenderReport& report) {
 std::string renderSummary(const RenderReport& report, const std::vector<std::string>& outputs, bool notes) {
   const RenderStatistics& s = report.statistics;
   std::string out = std::to_string(report.width) + "x" + std::to_string(report.height) + " pixels, " +
-                    format("%.4g", report.samplesPerPixel()) + " samples each, in " +
+                    format("%.4g", report.samplesPerPixel()) +
+                    (report.samplesPerPixel() == 1 ? " sample each, in " : " samples each, in ") +
                     durationText(s.renderSeconds) + " on " + std::to_string(s.threads) +
                     (s.threads == 1 ? " thread" : " threads") + "; ended by ";
   out += s.stopReason == StopReason::SAMPLES ? "the number of samples"

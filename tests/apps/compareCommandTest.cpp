@@ -1,0 +1,113 @@
+/** @file
+ * `recurse compare` and `recurse info` on pictures.
+ */
+#include "program.h"
+
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/image.h"
+
+using namespace programTesting;
+using recurse::Image;
+
+namespace {
+
+Image constant(float value, int width = 8, int height = 4) {
+  Image image(width, height, {"R", "G", "B"});
+  std::fill(image.pixels.begin(), image.pixels.end(), value);
+  return image;
+}
+
+class CompareProgram : public Program {
+ protected:
+  void SetUp() override {
+    Program::SetUp();
+    writeImage(file("x.exr"), constant(1.5f));
+    writeImage(file("r.exr"), constant(1));
+    writeImage(file("a.exr"), constant(0.9f));
+    writeImage(file("b.exr"), constant(1.1f));
+  }
+};
+
+} // namespace
+
+TEST_F(CompareProgram, TableAndJson) {
+  const Outcome text = run({"compare", "x.exr", "r.exr"});
+  EXPECT_EQ(text.status, 0) << text.err;
+  for (const char* part : {"relMSE", "ε 0.01", "reference²+ε", "MAPE", "PSNR", "worst pixels"})
+    EXPECT_TRUE(has(text.out, part)) << text.out;
+  const Outcome json = run({"compare", "x.exr", "r.exr", "--json"});
+  EXPECT_EQ(json.status, 0) << json.err;
+  const nlohmann::json j = nlohmann::json::parse(json.out);
+  EXPECT_DOUBLE_EQ(j["mse"], 0.25);
+  EXPECT_NEAR(j["relmse"], 0.25 / 1.01, 1e-12);
+  EXPECT_DOUBLE_EQ(j["mean_ratio"], 1.5);
+  EXPECT_DOUBLE_EQ(j["max"], 0.5);
+}
+
+TEST_F(CompareProgram, TwoReferences) {
+  const auto json = [&](const std::vector<std::string>& arguments) {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.status, 0) << o.err;
+    return nlohmann::json::parse(o.out);
+  };
+  EXPECT_NEAR(json({"compare", "--json", "x.exr", "a.exr", "b.exr"})["mse_noise_free"], 0.6 * 0.4, 1e-6);
+  const nlohmann::json j = json({"compare", "--json", "x.exr", "r.exr", "--noise-free", "a.exr", "b.exr"});
+  EXPECT_NEAR(j["relmse_noise_free"], 0.24 / 1.01, 1e-6);
+  EXPECT_NEAR(j["relmse"], 0.25 / 1.01, 1e-6);
+}
+
+TEST_F(CompareProgram, StatusForScripts) {
+  EXPECT_EQ(run({"compare", "x.exr", "r.exr", "--fail-above", "mse=0.26", "--fail-above", "max=0.51"}).status,
+            0);
+  const Outcome o = run({"compare", "x.exr", "r.exr", "--fail-above", "mse=0.26", "--fail-above", "mape=0.1",
+                         "--fail-below", "psnr=40"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "mape is ")) << o.err;
+  EXPECT_TRUE(has(o.err, "psnr is ")) << o.err;
+  EXPECT_FALSE(has(o.err, "mse is ")) << o.err;
+  EXPECT_TRUE(has(o.out, "relMSE"));
+
+  Image broken = constant(1);
+  broken.pixels[5] = std::numeric_limits<float>::quiet_NaN();
+  writeImage(file("nan.exr"), broken);
+  const Outcome nan = run({"compare", "nan.exr", "r.exr", "--json"});
+  EXPECT_EQ(nan.status, 1);
+  EXPECT_EQ(nlohmann::json::parse(nan.out)["non_finite"], 1);
+  EXPECT_EQ(run({"compare", "r.exr", "nan.exr"}).status, 0);
+}
+
+TEST_F(CompareProgram, ErrorsAreClear) {
+  writeImage(file("small.exr"), constant(1, 3, 2));
+  const Outcome size = run({"compare", "x.exr", "small.exr"});
+  EXPECT_EQ(size.status, 1);
+  EXPECT_TRUE(has(size.err, "8x4") && has(size.err, "3x2")) << size.err;
+  const Outcome missing = run({"compare", "x.exr", "missing.exr"});
+  EXPECT_EQ(missing.status, 1);
+  EXPECT_TRUE(has(missing.err, "missing.exr: cannot be read: No such file")) << missing.err;
+  EXPECT_EQ(run({"compare", "x.exr", "scene.pbrt"}).status, 1);
+}
+
+TEST_F(CompareProgram, ErrorMap) {
+  ASSERT_EQ(run({"compare", "x.exr", "r.exr", "-o", "map.png"}).status, 0);
+  ASSERT_EQ(run({"compare", "x.exr", "r.exr", "-o", "signed.png", "--map", "signed"}).status, 0);
+  EXPECT_EQ(recurse::readImage(file("map.png")).width, 8);
+  const recurse::Rgb red = recurse::readImage(file("signed.png")).rgb(2, 2);
+  EXPECT_GT(red.r, red.b);
+}
+
+TEST_F(CompareProgram, Info) {
+  Image broken = constant(2);
+  broken.pixels[4] = std::numeric_limits<float>::infinity();
+  broken.metadata["recurse:seed"] = "12";
+  writeImage(file("i.exr"), broken);
+  const Outcome o = run({"info", "i.exr"});
+  EXPECT_EQ(o.status, 0);
+  for (const char* part :
+       {"8x4 pixels, 3 channels", "mean 2", "1 not finite", "0 not finite", "recurse:seed"})
+    EXPECT_TRUE(has(o.out, part)) << part << "\n" << o.out;
+  EXPECT_EQ(run({"info", "none.exr"}).status, 1);
+  EXPECT_EQ(run({"info", "none.pbrt"}).status, 3);
+}

@@ -1,0 +1,123 @@
+/** @file
+ * Runs the built program as a person would, in a folder of its own.
+ */
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace programTesting {
+
+struct Outcome {
+  int status = -1; ///< 128 + signal where it was killed
+  std::string out, err;
+  double seconds = 0;
+};
+
+inline std::string contents(const std::string& name) {
+  std::ifstream in(name, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/** Starts RECURSE_PROGRAM; `meanwhile` gets its process number once it runs. */
+inline Outcome runIn(const std::string& folder, const std::vector<std::string>& arguments,
+                     const std::function<void(pid_t)>& meanwhile = {}) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::string outName = folder + "/.stdout", errName = folder + "/.stderr";
+  std::vector<char*> argv = {const_cast<char*>(RECURSE_PROGRAM)};
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const int out = ::open(outName.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err = ::open(errName.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    ::dup2(out, 1);
+    ::dup2(err, 2);
+    if (::chdir(folder.c_str()) != 0) ::_exit(126);
+    ::execv(RECURSE_PROGRAM, argv.data());
+    ::_exit(127);
+  }
+  if (meanwhile) meanwhile(child);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  Outcome result;
+  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  result.out = contents(outName);
+  result.err = contents(errName);
+  std::filesystem::remove(outName);
+  std::filesystem::remove(errName);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+/** A fixture with a folder, and a small scene in it: a lit floor under a square lamp. */
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = (std::filesystem::temp_directory_path() / ("recurse-program-test-" + std::to_string(::getpid())))
+                 .string();
+    std::filesystem::create_directories(folder);
+    write("scene.pbrt", scene());
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  static std::string scene(const std::string& header = {}, const std::string& inWorld = {}) {
+    return "LookAt 0 1 3  0 0.5 0  0 1 0\n"
+           "Camera \"perspective\" \"float fov\" 50\n"
+           "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 \"string filename\" "
+           "\"film.exr\"\n"
+           "Sampler \"independent\" \"integer pixelsamples\" 2\n" +
+           header +
+           "WorldBegin\n"
+           "AttributeBegin\n"
+           "AreaLightSource \"diffuse\" \"rgb L\" [ 4 4 4 ]\n"
+           "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2 0 2 3 ]\n"
+           "  \"point3 P\" [ -0.5 2 -0.5  0.5 2 -0.5  0.5 2 0.5  -0.5 2 0.5 ]\n"
+           "AttributeEnd\n"
+           "Material \"diffuse\" \"rgb reflectance\" [ 0.5 0.5 0.5 ]\n"
+           "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2 0 2 3 ]\n"
+           "  \"point3 P\" [ -2 0 -2  -2 0 2  2 0 2  2 0 -2 ]\n" +
+           inWorld;
+  }
+
+  Outcome run(const std::vector<std::string>& arguments,
+              const std::function<void(pid_t)>& meanwhile = {}) const {
+    return runIn(folder, arguments, meanwhile);
+  }
+  std::string file(const std::string& name) const { return folder + "/" + name; }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(file(name)) << text; }
+  bool exists(const std::string& name) const { return std::filesystem::exists(file(name)); }
+  /** Files whose name begins with a dot: temporary ones that were left behind. */
+  size_t leftBehind() const {
+    size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      count += entry.path().filename().string().starts_with(".");
+    return count;
+  }
+  static bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+  }
+
+  std::string folder;
+};
+
+inline void sleepSeconds(double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+} // namespace programTesting

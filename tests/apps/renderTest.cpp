@@ -1,0 +1,248 @@
+/** @file
+ * `recurse render`: outputs, settings, statistics, limits and interrupts.
+ */
+#include "program.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/image.h"
+
+using namespace programTesting;
+using recurse::Image;
+using recurse::readImage;
+
+namespace {
+class ProgramRender : public Program {};
+} // namespace
+
+TEST_F(ProgramRender, RendersToSeveralFiles) {
+  const Outcome o = run({"render", "scene.pbrt", "-o", "a.exr", "-o", "a.png", "-o", "a.hdr", "-o", "a.jpg",
+                         "--integrator", "path", "--spp", "3", "--seed", "5"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  for (const char* name : {"a.exr", "a.png", "a.hdr", "a.jpg"}) {
+    const Image image = readImage(file(name));
+    EXPECT_EQ(image.width, 24);
+    EXPECT_EQ(image.height, 16);
+  }
+  Image image = readImage(file("a.exr"));
+  EXPECT_EQ(image.channels, (std::vector<std::string>{"R", "G", "B"}));
+  EXPECT_GT(image.rgb(12, 14).g, 0.01f);
+  EXPECT_EQ(image.metadata["recurse:seed"], "5");
+  EXPECT_EQ(image.metadata["recurse:samples"], "3");
+  EXPECT_EQ(image.metadata["recurse:scene"], "scene.pbrt");
+  EXPECT_EQ(image.metadata["recurse:classes"], "all");
+  EXPECT_TRUE(has(image.metadata["Software"], "Recurse 0."));
+  EXPECT_TRUE(has(image.metadata["recurse:settings"], "--integrator path --spp 3 --seed 5"));
+  EXPECT_TRUE(has(o.err, "written: a.exr, a.png, a.hdr, a.jpg")) << o.err;
+  EXPECT_TRUE(has(o.err, "ended by the number of samples")) << o.err;
+  EXPECT_EQ(leftBehind(), 0u);
+}
+
+TEST_F(ProgramRender, FilmNamesTheDefaultOutput) {
+  EXPECT_EQ(run({"render", "scene.pbrt", "--integrator", "path", "-q"}).status, 0);
+  EXPECT_EQ(readImage(file("film.exr")).metadata["recurse:samples"], "2");
+}
+
+TEST_F(ProgramRender, SameSeedSamePictureWhateverTheThreads) {
+  for (const char* integrator : {"path", "photonmap"}) {
+    std::vector<std::string> base = {"render", "scene.pbrt", "--integrator", integrator, "-q"};
+    if (std::string(integrator) == "photonmap") base.insert(base.end(), {"--photons", "50k"});
+    const auto picture = [&](const std::string& name, const std::vector<std::string>& more) {
+      std::vector<std::string> arguments = base;
+      arguments.insert(arguments.end(), {"-o", name});
+      arguments.insert(arguments.end(), more.begin(), more.end());
+      const Outcome o = run(arguments);
+      EXPECT_EQ(o.status, 0) << o.err;
+      EXPECT_FALSE(has(o.err, "samples")) << o.err; // a quiet run tells warnings only
+      return readImage(file(name)).pixels;
+    };
+    const auto one = picture("one.exr", {"--nthreads", "1"});
+    EXPECT_TRUE(one == picture("two.exr", {"--nthreads", "2"})) << integrator;
+    EXPECT_FALSE(one == picture("other.exr", {"--seed", "9"})) << integrator;
+  }
+}
+
+TEST_F(ProgramRender, ResolutionCropAndExposure) {
+  ASSERT_EQ(
+      run({"render", "scene.pbrt", "--integrator", "path", "-q", "--resolution", "40x20", "-o", "w.exr"})
+          .status,
+      0);
+  const Image whole = readImage(file("w.exr"));
+  EXPECT_EQ(whole.width, 40);
+  EXPECT_EQ(whole.height, 20);
+  ASSERT_EQ(run({"render", "scene.pbrt", "--integrator", "path", "-q", "--resolution", "40x20",
+                 "--cropwindow", "0.5,1,0.25,0.75", "-o", "c.exr", "-o", "dark.png", "--exposure", "-20"})
+                .status,
+            0);
+  const Image crop = readImage(file("c.exr"));
+  ASSERT_EQ(crop.width, 20);
+  ASSERT_EQ(crop.height, 10);
+  for (int x = 0; x < 20; ++x) EXPECT_EQ(crop.rgb(x, 3), whole.rgb(x + 20, 8)); // a part of the same picture
+  EXPECT_EQ(readImage(file("dark.png")).rgb(10, 5), recurse::BLACK);
+}
+
+TEST_F(ProgramRender, FilmScalesByTheImagingRatio) {
+  write("bright.pbrt", scene("Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 "
+                             "\"float exposuretime\" 2 \"float iso\" 200\n"));
+  ASSERT_EQ(run({"render", "scene.pbrt", "--integrator", "path", "-q", "-o", "a.exr"}).status, 0);
+  ASSERT_EQ(run({"render", "bright.pbrt", "--integrator", "path", "-q", "-o", "b.exr"}).status, 0);
+  const Image a = readImage(file("a.exr")), b = readImage(file("b.exr"));
+  EXPECT_NEAR(b.rgb(12, 14).r, 4 * a.rgb(12, 14).r, 1e-6);
+}
+
+TEST_F(ProgramRender, OptionsOverrideTheFile) {
+  write("depth.pbrt", scene("Integrator \"path\" \"integer maxdepth\" 7 \"bool regularize\" true\n"));
+  const auto integratorLine = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", "depth.pbrt", "--check"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.status, 0) << o.err;
+    const size_t at = o.out.find("integrator");
+    return at == std::string::npos ? o.out : o.out.substr(at, o.out.find('\n', at) - at);
+  };
+  EXPECT_TRUE(has(integratorLine({}), "path: maxdepth 7")) << integratorLine({});
+  EXPECT_TRUE(has(integratorLine({"--maxdepth", "3"}), "path: maxdepth 3"));
+  EXPECT_TRUE(has(integratorLine({"--maxdepth", "-1"}), "path: maxdepth -1"));
+  // Another integrator keeps what it has a meaning for.
+  const std::string photons =
+      integratorLine({"--integrator", "photonmap", "--photons", "2M", "--radius", "0.25"});
+  for (const char* part : {"photonmap: ", "maxdepth 7", "photons 2000000", "radius 0.25"})
+    EXPECT_TRUE(has(photons, part)) << photons;
+  EXPECT_TRUE(has(integratorLine({"--set", "lightsamples=4"}), "lightsamples 4"));
+}
+
+TEST_F(ProgramRender, CheckReportsWithoutRendering) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"render", "scene.pbrt", "--check"}, {"info", "scene.pbrt"}}) {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.status, 0) << o.err;
+    for (const char* part : {"24x16", "4 triangles", "1 on surfaces", "reflection", "photonmap", "memory"})
+      EXPECT_TRUE(has(o.out, part)) << part << "\n" << o.out;
+    EXPECT_FALSE(exists("film.exr"));
+  }
+}
+
+TEST_F(ProgramRender, StatisticsHaveTheirKeys) {
+  const Outcome o = run({"render", "scene.pbrt", "--integrator", "photonmap", "--photons", "3000", "--stats",
+                         "s.json", "-o", "a.exr"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const nlohmann::json json = nlohmann::json::parse(contents(file("s.json")));
+  for (const char* key : {"render_seconds", "photon_seconds",  "balance_seconds",   "gather_seconds",
+                          "rays",           "photons_emitted", "photons_stored",    "peak_memory_bytes",
+                          "non_finite",     "weight_cut",      "samples_per_pixel", "passes",
+                          "threads",        "load_seconds",    "build_seconds",     "rays_per_second",
+                          "seed",           "scene",           "integrator",        "stop_reason",
+                          "version",        "notes",           "warnings",          "resolution"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_EQ(json["photons_emitted"], 3000);
+  EXPECT_EQ(json["non_finite"], 0);
+  EXPECT_EQ(json["samples_per_pixel"], 2);
+  EXPECT_EQ(json["stop_reason"], "samples");
+  EXPECT_EQ(json["resolution"], nlohmann::json({24, 16}));
+  EXPECT_GT(json["peak_memory_bytes"], 1000000);
+  EXPECT_TRUE(has(o.err, "written: a.exr, s.json")) << o.err;
+}
+
+TEST_F(ProgramRender, ProgressAsJsonAndOff) {
+  const Outcome json =
+      run({"render", "scene.pbrt", "--integrator", "path", "--progress", "json", "-o", "a.exr"});
+  std::istringstream lines(json.err);
+  int objects = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with("{")) continue;
+    const nlohmann::json object = nlohmann::json::parse(line);
+    ++objects;
+    for (const char* key :
+         {"phase", "fraction", "elapsed", "seconds_left", "samples_per_pixel", "rays_per_second"})
+      EXPECT_TRUE(object.contains(key)) << line;
+  }
+  EXPECT_GT(objects, 0) << json.err;
+  const Outcome off =
+      run({"render", "scene.pbrt", "--integrator", "path", "--progress", "off", "-o", "a.exr"});
+  EXPECT_FALSE(has(off.err, "%"));
+  const Outcome plain = run({"render", "scene.pbrt", "--integrator", "path", "-o", "a.exr"});
+  EXPECT_FALSE(has(plain.err, "\r")) << "a file is no terminal";
+}
+
+TEST_F(ProgramRender, TimeLimitIsRespected) {
+  const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--time-limit", "1s", "-o", "a.exr",
+                         "--stats", "s.json"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const nlohmann::json json = nlohmann::json::parse(contents(file("s.json")));
+  EXPECT_EQ(json["stop_reason"], "time");
+  EXPECT_GT(json["samples_per_pixel"], 2);
+  EXPECT_GT(json["render_seconds"], 0.8);
+  EXPECT_LT(json["render_seconds"], 3);
+  EXPECT_TRUE(has(o.err, "ended by the time limit")) << o.err;
+}
+
+TEST_F(ProgramRender, PathClassesSelectLight) {
+  ASSERT_EQ(
+      run({"render", "scene.pbrt", "--integrator", "path", "-q", "--paths", "LE", "-o", "a.exr"}).status, 0);
+  Image image = readImage(file("a.exr"));
+  EXPECT_EQ(image.rgb(12, 14), recurse::BLACK); // the floor is lit, but does not shine
+  EXPECT_EQ(image.metadata["recurse:classes"], "LE");
+}
+
+TEST_F(ProgramRender, InterruptWritesWhatThereIs) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1000000000", "-o",
+                           "a.exr", "--stats", "s.json"},
+                          [&](pid_t child) {
+                            sleepSeconds(1.5);
+                            ::kill(child, signal);
+                          });
+    EXPECT_EQ(o.status, 130) << o.err;
+    EXPECT_LT(o.seconds, 20);
+    const Image image = readImage(file("a.exr"));
+    EXPECT_GT(image.rgb(12, 14).g, 0.01f);
+    EXPECT_EQ(nlohmann::json::parse(contents(file("s.json")))["stop_reason"], "interrupted");
+    std::filesystem::remove(file("a.exr"));
+    EXPECT_EQ(leftBehind(), 0u);
+  }
+}
+
+TEST_F(ProgramRender, FailedRunsLoseNoPicture) {
+  const std::vector<std::string> render = {"render", "scene.pbrt", "--integrator", "path",
+                                           "-q",     "-o",         "a.exr"};
+  ASSERT_EQ(run(render).status, 0);
+  const std::string before = contents(file("a.exr"));
+
+  write("bad.pbrt", scene("", "Shape \"spheer\"\n"));
+  EXPECT_EQ(run({"render", "bad.pbrt", "-o", "a.exr"}).status, 3);
+  EXPECT_TRUE(contents(file("a.exr")) == before);
+
+  // Killed in the middle.
+  const Outcome killed =
+      run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1000000000", "-o", "a.exr"},
+          [](pid_t child) {
+            sleepSeconds(0.7);
+            ::kill(child, SIGKILL);
+          });
+  EXPECT_EQ(killed.status, 128 + SIGKILL);
+  EXPECT_TRUE(contents(file("a.exr")) == before);
+
+  // A disk that is full when the picture is written; see the limit on the size of files.
+  const std::string command = "cd '" + folder + "' && (ulimit -f 0; trap '' XFSZ; '" + RECURSE_PROGRAM +
+                              "' render scene.pbrt --integrator path -q -o a.exr) > out.txt 2>&1";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_TRUE(contents(file("a.exr")) == before);
+  EXPECT_EQ(leftBehind(), 0u);
+}
+
+TEST_F(ProgramRender, OneUnwritableOutputKeepsTheOthers) {
+  // The folder goes away while the picture is rendered.
+  std::filesystem::create_directory(file("gone"));
+  const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--time-limit", "2s", "-o",
+                         "gone/a.exr", "-o", "b.exr"},
+                        [&](pid_t) {
+                          sleepSeconds(1);
+                          std::filesystem::remove(file("gone"));
+                        });
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "gone/a.exr")) << o.err;
+  EXPECT_TRUE(exists("b.exr"));
+}
