@@ -1,6 +1,7 @@
 /** @file
  * `recurse info`: what is in a picture or a scene file.
  */
+#include <array>
 #include <cmath>
 #include <filesystem>
 
@@ -42,6 +43,24 @@ std::string channelLine(const Image& image, size_t channel) {
   return out;
 }
 
+/** "X,Y", a pixel of the picture. */
+std::array<int, 2> parsePixel(const std::string& text, const Image& image) {
+  const size_t comma = text.find(',');
+  if (comma == std::string::npos) throw Error("--pixel: '" + text + "' is not X,Y", ExitStatus::BAD_USAGE);
+  return {static_cast<int>(parseCount("--pixel", text.substr(0, comma), 0, image.width - 1)),
+          static_cast<int>(parseCount("--pixel", text.substr(comma + 1), 0, image.height - 1))};
+}
+
+std::string pixelReport(const std::string& fileName, const std::string& pixel) {
+  const Image image = readImage(fileName);
+  const std::array<int, 2> at = parsePixel(pixel, image);
+  std::string out;
+  for (size_t channel = 0; channel < image.channels.size(); ++channel)
+    out +=
+        padded(image.channels[channel], 26) + format("%.9g", double(image.at(at[0], at[1])[channel])) + "\n";
+  return out;
+}
+
 std::string imageReport(const std::string& fileName) {
   const Image image = readImage(fileName);
   std::string out = fileName + "\n  " + padded("size", 12) + std::to_string(image.width) + "x" +
@@ -56,20 +75,27 @@ std::string imageReport(const std::string& fileName) {
 
 void addInfoCommand(CLI::App& app, Command& chosen) {
   auto fileName = std::make_shared<std::string>();
+  auto pixel = std::make_shared<std::string>();
   auto lenient = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("info", "Tell what is in a picture or a scene file");
   command->add_option("file", *fileName, "A picture, or a scene file (.pbrt, .pbrt.gz)")
       ->required()
       ->type_name("FILE");
+  command
+      ->add_option("--pixel", *pixel, "Only the values of this pixel of a picture, counted from the top left")
+      ->type_name("X,Y");
   command->add_flag("--lenient", *lenient, "Unknown parameters in the scene are warnings instead of errors");
   command->footer("Of a picture: size, channels (linear values; not-finite ones are counted), metadata.\n"
                   "Of a scene: what 'recurse render --check' reports.\n\n"
                   "Examples:\n"
                   "  recurse info picture.exr\n"
+                  "  recurse info picture.exr --pixel 120,80\n"
                   "  recurse info scene.pbrt");
-  command->callback([fileName, lenient, &chosen] {
-    chosen = [fileName, lenient] {
-      if (isSceneFile(*fileName)) {
+  command->callback([fileName, pixel, lenient, &chosen] {
+    chosen = [fileName, pixel, lenient] {
+      if (!pixel->empty()) {
+        print(pixelReport(*fileName, *pixel));
+      } else if (isSceneFile(*fileName)) {
         SceneOverrides overrides;
         overrides.lenient = *lenient;
         print(sceneReport(loadAndBuild(*fileName, overrides, {})));

@@ -1,0 +1,245 @@
+"""The page of `recurse stills` in headless Chromium: python3 stillsPageTest.py PROGRAM.
+
+It must load without errors and without any network, and show at a pixel what the program says of stills.exr.
+"""
+
+import base64
+import json
+import os
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+
+from browser import Browser, BrowserError
+
+PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
+SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "cornell-mix.pbrt")
+SIZE = 32
+PIXEL = (20, 23)
+# Half floats have eleven bits, and the page prints four digits.
+TOLERANCE = 2 ** -11 + 5.1e-4
+browser = None
+
+
+def recurse(*arguments):
+    return subprocess.run([PROGRAM, *arguments], check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def pixelOf(folder, pixel):
+    """{layer: [r, g, b]} of stills.exr, in the words of the program; the whole picture is layer ''."""
+    out = {}
+    for line in recurse("info", folder + "/stills.exr", "--pixel", "%d,%d" % pixel).splitlines():
+        channel, value = line.split()
+        layer, _, colour = channel.rpartition(".")
+        out.setdefault(layer, [0, 0, 0])["RGB".index(colour)] = float(value)
+    return out
+
+
+def sumOf(colours):
+    return [sum(c) for c in zip([0, 0, 0], *colours)]
+
+
+def displayed(linear, exposure):
+    x = min(max(linear * 2 ** exposure, 0), 1)
+    return 255 * (12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055)
+
+
+class StillsPage(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory(prefix="recurse-stills-page-")
+        folder = cls.temporary.name
+        cls.photons, cls.path, cls.overlap = folder + "/photons", folder + "/path", folder + "/overlap"
+        common = (SCENE, "-q", "--resolution", "%dx%d" % (SIZE, SIZE), "--spp", "4")
+        recurse("stills", *common, "-o", cls.photons, "--integrator", "photonmap", "--photons", "20k")
+        recurse("stills", *common, "-o", cls.path, "--integrator", "path", "--compare", cls.photons)
+        recurse("stills", *common, "-o", cls.overlap, "--class", "a=LD+E", "--class", "b=L[SD]E")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def open(self, folder):
+        browser.open(folder + "/index.html", "document.body.dataset.ready")
+        browser.settle()
+        self.names = browser.evaluate("[...document.querySelectorAll('#classes b')].map((b) => b.textContent)")
+
+    def tearDown(self):
+        self.assertEqual(browser.complaints, [])
+        outside = [url for url in browser.requests if not url.startswith(("file:", "data:", "blob:"))]
+        self.assertEqual(outside, [])
+
+    def text(self, selector):
+        return browser.evaluate(f"document.querySelector({json.dumps(selector)}).textContent")
+
+    def values(self, selector):
+        return [float(v) for v in self.text(selector).split()]
+
+    def place(self, pixel):
+        """Where the middle of a pixel is in the window; the picture is fitted into the stage."""
+        zoom, left, top, width, height = browser.evaluate(
+            "(() => { const b = document.getElementById('view').getBoundingClientRect();"
+            "return [parseInt(document.getElementById('zoomText').textContent) / 100,"
+            "b.left, b.top, b.width, b.height]; })()")
+        origin = (left + (width - SIZE * zoom) / 2, top + (height - SIZE * zoom) / 2)
+        return [origin[i] + (pixel[i] + 0.5) * zoom for i in (0, 1)]
+
+    def markPixel(self):
+        browser.clickAt(*self.place(PIXEL))
+        self.assertEqual(self.text("#pixelPlace"), "x %d  y %d" % PIXEL)
+
+    def colourAt(self, pixel):
+        x, y = self.place(pixel)
+        return browser.evaluate(
+            "(() => { const v = document.getElementById('view'), b = v.getBoundingClientRect();"
+            "const c = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
+            f"c.drawImage(v, {x} - b.left, {y} - b.top, 1, 1, 0, 0, 1, 1);"
+            "return [...c.getImageData(0, 0, 1, 1).data]; })()")[:3]
+
+    def assertColours(self, shown, expected, what=""):
+        self.assertEqual(len(shown), 3, what)
+        for a, b in zip(shown, expected):
+            self.assertAlmostEqual(a, b, delta=TOLERANCE * abs(b) + 1e-9, msg=f"{what} {shown} {expected}")
+
+    def assertShows(self, linear):
+        """The picture itself, not just the numbers beside it."""
+        exposure = float(self.text("#exposureText").replace("−", "-"))
+        for shown, value in zip(self.colourAt(PIXEL), linear):
+            # The exposure is printed with one digit after the point.
+            low, high = displayed(value, exposure - 0.06), displayed(value, exposure + 0.06)
+            self.assertTrue(low - 1.5 <= shown <= high + 1.5, (shown, low, high))
+
+    def checkbox(self, index):
+        return f"document.querySelectorAll('#classes input')[{index}]"
+
+    def testPixelsAreStoredExactlyEnough(self):
+        with open(self.photons + "/index.html", encoding="utf-8") as file:
+            data = json.loads(re.search(r'id="data">(.*?)</script>', file.read(), re.S).group(1))
+        self.assertEqual((data["width"], data["height"]), (SIZE, SIZE))
+        layers = {layer["name"]: layer for layer in data["sets"][0]["layers"]}
+        pixels = {}
+        for name, layer in layers.items():
+            if "pixels" in layer:
+                planes = zlib.decompress(base64.b64decode(layer["pixels"]))
+                half = len(planes) // 2
+                both = bytes(b for pair in zip(planes[half:], planes[:half]) for b in pair)
+                pixels[name] = [v / 2 ** layer["scale"] for v in struct.unpack("<%de" % half, both)]
+        for at in ((0, 0), (SIZE - 1, 0), (5, 30), PIXEL):
+            expected = pixelOf(self.photons, at)
+            self.assertEqual(set(pixels), set(expected) - {""})
+            for name, planes in pixels.items():
+                for c in range(3):
+                    stored, true = planes[c * SIZE * SIZE + at[1] * SIZE + at[0]], expected[name][c]
+                    self.assertLessEqual(abs(stored - true), 2 ** -11 * abs(true), (name, at, c))
+
+    def testTogglingClassesChangesTheSum(self):
+        self.open(self.photons)
+        expected = pixelOf(self.photons, PIXEL)
+        self.assertEqual(set(self.names), set(expected) - {""})
+        self.markPixel()
+        self.assertColours(self.values("#beautyValue"), expected[""], "beauty")
+        self.assertColours(self.values("#sumValue"), expected[""], "everything")
+        self.assertColours(self.values("#pixelShown"), expected[""], "shown")
+        self.assertShows(expected[""])
+        ticked = dict.fromkeys(self.names, True)
+        brightest = sorted(self.names, key=lambda n: -sum(expected[n]))
+        for name in (brightest[0], brightest[1], brightest[0]):
+            browser.click(self.checkbox(self.names.index(name)))
+            ticked[name] = not ticked[name]
+            total = sumOf(expected[n] for n in self.names if ticked[n])
+            self.assertColours(self.values("#sumValue"), total, name)
+            self.assertColours(self.values("#pixelShown"), total, name)
+            self.assertShows(total)
+        browser.click("document.getElementById('tickNone')")
+        self.assertColours(self.values("#sumValue"), [0, 0, 0], "none")
+        self.assertShows([0, 0, 0])
+        browser.click("document.getElementById('tickAll')")
+        self.assertColours(self.values("#sumValue"), expected[""], "all")
+
+    def testClassesAreShownLarge(self):
+        self.open(self.photons)
+        expected = pixelOf(self.photons, PIXEL)
+        self.markPixel()
+        for index, name in enumerate(self.names):
+            browser.click(f"document.querySelectorAll('#classes button')[{index}]")
+            self.assertEqual(self.text("#nameA"), name)
+            self.assertColours(self.values("#pixelShown"), expected[name], name)
+            self.assertColours(self.values(f"#classes li:nth-child({index + 1}) .value"), expected[name], name)
+            browser.click("document.getElementById('ownExposure')")
+            self.assertShows(expected[name])
+
+    def testKeyboard(self):
+        self.open(self.photons)
+        expected = pixelOf(self.photons, (17, 15))
+        browser.evaluate("document.getElementById('view').focus()")
+        for key in ("ArrowRight", "ArrowRight", "ArrowUp"):
+            browser.key(key)
+        self.assertEqual(self.text("#pixelPlace"), "x 17  y 15")
+        self.assertColours(self.values("#beautyValue"), expected[""])
+        browser.key("2", "Digit2")
+        self.assertEqual(self.text("#nameA"), self.names[1])
+        browser.key("0", "Digit0")
+        self.assertEqual(self.text("#nameA"), "beauty")
+        browser.key("@", "Digit2", shift=True)
+        self.assertFalse(browser.evaluate(self.checkbox(1) + ".checked"))
+        others = [expected[n] for n in self.names if n != self.names[1]]
+        self.assertColours(self.values("#sumValue"), sumOf(others))
+        before = float(self.text("#exposureText").replace("−", "-"))
+        browser.key("]")
+        self.assertAlmostEqual(float(self.text("#exposureText").replace("−", "-")), before + 0.5, delta=0.11)
+        zoom = int(self.text("#zoomText").split()[0])
+        browser.key("+")
+        self.assertEqual(int(self.text("#zoomText").split()[0]), 2 * zoom)
+        browser.key("f")
+        self.assertEqual(int(self.text("#zoomText").split()[0]), zoom)
+        browser.key("Escape")
+        self.assertNotIn("x 17", self.text("#pixelPlace"))
+
+    def testComparesIntegrators(self):
+        self.open(self.path)
+        path, photons = pixelOf(self.path, PIXEL), pixelOf(self.photons, PIXEL)
+        self.assertIn("path", self.text("#nameA"))
+        self.assertIn("photonmap", self.text("#nameB"))
+        self.markPixel()
+        self.assertColours(self.values("#pixelShown"), path[""])
+        self.assertColours(self.values("#pixelCompared"), photons[""])
+        self.assertShows(photons[""])  # the slider is in the middle, the pixel to the right of it
+        for _ in range(25):
+            browser.key(".")
+        self.assertShows(path[""])
+        browser.key("c")
+        self.assertTrue(browser.evaluate("document.getElementById('nameB').hidden"))
+        self.assertShows(path[""])
+        # Two classes of one render.
+        browser.evaluate("(() => { const s = document.getElementById('compare');"
+                         "s.selectedIndex = 3; s.dispatchEvent(new Event('change')); })()")
+        self.assertTrue(self.text("#nameB").startswith(self.names[0]), self.text("#nameB"))
+        self.assertColours(self.values("#pixelCompared"), path[self.names[0]])
+
+    def testOverlapsAreTold(self):
+        self.open(self.overlap)
+        expected = pixelOf(self.overlap, PIXEL)
+        self.assertEqual(self.names, ["a", "b", "rest"])
+        self.assertIn("overlap", self.text("#remarks"))
+        self.markPixel()
+        self.assertEqual(self.text("#nameA"), "beauty")
+        self.assertColours(self.values("#pixelShown"), expected[""])
+        self.assertColours(self.values("#sumValue"), sumOf(expected[n] for n in self.names))
+
+
+if __name__ == "__main__":
+    if not PROGRAM:
+        sys.exit("usage: python3 stillsPageTest.py PROGRAM")
+    try:
+        browser = Browser()
+    except BrowserError as error:
+        sys.exit(f"The page cannot be tested: {error}")
+    try:
+        outcome = unittest.main(argv=sys.argv[:1] + sys.argv[2:], exit=False, verbosity=2).result
+    finally:
+        browser.close()
+    sys.exit(not outcome.wasSuccessful())
