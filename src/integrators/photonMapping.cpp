@@ -24,6 +24,7 @@ struct PhotonMappingSettings {
   bool shadowRays = true;
   int lightSamples = 1;
   float weightLimit = 0.03f;
+  float flatness = 0.2f;
   Kernel kernel = Kernel::EPANECHNIKOV;
   PhotonIndexKind index = PhotonIndexKind::KDTREE;
 };
@@ -227,6 +228,7 @@ class PhotonMapping final : public Integrator {
    */
   void chooseRadius(const Scene& scene, const PathClasses&, ForwardStatistics& statistics) {
     search.kernel = settings.kernel;
+    search.flatness = settings.flatness;
     search.nearest = settings.nearest;
     search.radius = static_cast<float>(settings.radius);
     const PixelBounds& crop = scene.film().crop;
@@ -318,6 +320,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.shadowRays = p.string("direct") == "shadowrays";
   s.lightSamples = p.integer("lightsamples");
   s.weightLimit = static_cast<float>(p.real("weightlimit"));
+  s.flatness = static_cast<float>(p.real("flatness"));
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
   s.nearest = p.has("gatherphotons") || s.radius == 0 ? p.integer("gatherphotons") : 0;
@@ -345,6 +348,10 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
            "weightlimit", "0.03",
            "both branches at glass are followed while their weights are above this; below, one by roulette")
            .range(1e-6, 1),
+       realParameter("flatness", "0.2",
+                     "height of the search region over its radius: low keeps light from round "
+                     "the corner out, high finds photons on curved surfaces")
+           .range(1e-3, 1),
        stringParameter("kernel", "epanechnikov", "how photons count by distance")
            .oneOf({"constant", "cone", "epanechnikov"}),
        stringParameter("photonindex", "kdtree",

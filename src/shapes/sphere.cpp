@@ -2,6 +2,8 @@
  * Spheres, and by their transforms ellipsoids, whole or swept in part. All is computed in double precision on
  * the unit sphere, which an affine map takes to the scene.
  */
+#include <mutex>
+
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
@@ -107,7 +109,6 @@ class Sphere final : public Shape {
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k)
         if (!(std::abs(gram[i][k] - (i == k ? r2 : 0)) <= 1e-9 * r2)) uniformRadius = 0;
-    totalArea = uniformRadius > 0 ? sweep.solidAngle() * r2 : stretchedArea();
   }
 
   uint32_t primitiveCount() const override { return 1; }
@@ -169,7 +170,12 @@ class Sphere final : public Shape {
     return pointAt(decodeDirection(parameters));
   }
 
-  float area() const override { return static_cast<float>(totalArea); }
+  float area() const override {
+    if (uniformRadius > 0) return static_cast<float>(sweep.solidAngle() * square(uniformRadius));
+    // Takes a while, and only the power of lights wants it.
+    std::call_once(areaKnown, [this] { ellipsoidArea = stretchedArea(); });
+    return static_cast<float>(ellipsoidArea);
+  }
 
   ShapeSample sampleArea(float, const Vec2f& u) const override {
     const double z = sweep.zLow + (sweep.zHigh - sweep.zLow) * double(u.x), phi = sweep.phiMax * double(u.y);
@@ -274,7 +280,8 @@ class Sphere final : public Shape {
   double side;              ///< -1 where the inside counts as outside
   double unitError;         ///< bound on the rounding error of a point taken to the unit sphere
   double uniformRadius = 0; ///< 0 for ellipsoids
-  double totalArea = 0;
+  mutable std::once_flag areaKnown;
+  mutable double ellipsoidArea = 0;
 };
 
 std::unique_ptr<Shape> makeSphere(const Parameters& p, const ShapeContext& context) {

@@ -3,22 +3,30 @@
  */
 #include "recurse/transport/gather.h"
 
-#include <cstring>
+#include <bit>
 
 namespace recurse {
 
 namespace {
 
-/** Sums of photon power, one for each light-side state, as long as there is only one state at a time. */
+/** Sums of photon power, one for each light-side state. */
 class Estimate {
  public:
   Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
-           const PathClasses& classes)
-      : scattering(scattering), eye(eye), states(classes.lightStateCount()),
+           const PathClasses& classes, EyeState eyeState)
+      : scattering(scattering), eye(eye), eyeState(eyeState), states(classes.lightStateCount()),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal) {
-    for (size_t i = 0; i < states; ++i) sums[i] = BLACK;
+    if (lambertian && states <= MOST_LISTED) {
+      for (size_t i = 0; i < states; ++i)
+        if (classes.join(LightState(static_cast<uint8_t>(i)), eyeState) != 0) {
+          lanes[listed] = {Float8(0), Float8(0), Float8(0)};
+          list[listed++] = static_cast<uint8_t>(i);
+        }
+    } else {
+      for (size_t i = 0; i < states; ++i) sums[i] = BLACK;
+    }
   }
 
   /** Adds the found photons of a block, with kernel shape values in `shape`. */
@@ -30,9 +38,19 @@ class Estimate {
         weight = weight & less(Float8(0), d.x * Float8(shadingSide.x) + d.y * Float8(shadingSide.y) +
                                               d.z * Float8(shadingSide.z));
       }
-      if (states == 1 || uniform(block)) {
-        Rgb& sum8 = sums[block.pathStates[0]];
-        sum8 += Rgb(sum(block.red() * weight), sum(block.green() * weight), sum(block.blue() * weight));
+      const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
+      if (states == 1) {
+        addLanes(0, power);
+        return;
+      }
+      if (states <= MOST_LISTED) {
+        // Every state's turn for every block: cheaper than a branch that depends on the photons.
+        const __m256i eight =
+            _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(block.pathStates)));
+        for (size_t i = 0; i < listed; ++i) {
+          const Float8 same = _mm256_castsi256_ps(_mm256_cmpeq_epi32(eight, _mm256_set1_epi32(list[i])));
+          addLanes(i, {power.x & same, power.y & same, power.z & same});
+        }
         return;
       }
     }
@@ -40,33 +58,48 @@ class Estimate {
     weight.store(w);
     for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
       const int lane = std::countr_zero(rest);
-      Rgb power = block.power(lane) * w[lane];
-      if (!lambertian) power *= scattering.value(eye, block.direction(lane));
-      sums[block.pathStates[lane]] += power;
+      const Rgb power = block.power(lane) * w[lane];
+      sums[block.pathStates[lane]] +=
+          lambertian ? power : power * scattering.value(eye, block.direction(lane));
     }
   }
 
-  void addTo(PathRadiance& out, EyeState eyeState, const Rgb& scale) {
+  void addTo(PathRadiance& out, const Rgb& scale) {
     // A Lambertian BSDF is the same for all photons: one evaluation straight out of the surface.
     const Rgb factor = lambertian ? scale * scattering.value(eye, shadingSide) : scale;
-    for (size_t i = 0; i < states; ++i)
-      if (!isBlack(sums[i])) out.add(LightState(static_cast<uint8_t>(i)), eyeState, sums[i] * factor);
+    const auto addState = [&](size_t state, const Rgb& power) {
+      if (!isBlack(power)) out.add(LightState(static_cast<uint8_t>(state)), eyeState, power * factor);
+    };
+    if (lambertian && states <= MOST_LISTED) {
+      for (size_t i = 0; i < listed; ++i)
+        addState(list[i], Rgb(sum(lanes[i].x), sum(lanes[i].y), sum(lanes[i].z)));
+    } else {
+      for (size_t i = 0; i < states; ++i) addState(i, sums[i]);
+    }
   }
 
  private:
-  static bool uniform(const PhotonBlock& block) {
-    uint64_t eight;
-    std::memcpy(&eight, block.pathStates, sizeof eight);
-    return eight == (eight & 0xff) * 0x0101010101010101ull;
+  /** More states than this are added up photon by photon. */
+  static constexpr size_t MOST_LISTED = 12;
+
+  void addLanes(size_t i, const Vec3f8& power) {
+    Vec3f8& total = lanes[i];
+    total.x += power.x;
+    total.y += power.y;
+    total.z += power.z;
   }
 
   const ScatteringPoint& scattering;
   Vec3f eye;
+  EyeState eyeState;
   size_t states;
   bool lambertian;
   Vec3f shadingSide;
   bool bent;
   std::array<Rgb, 256> sums;
+  size_t listed = 0; ///< states that make an accepted path here
+  std::array<uint8_t, MOST_LISTED> list;
+  std::array<Vec3f8, MOST_LISTED> lanes; ///< sums for the listed states, spread over eight
 };
 
 } // namespace
@@ -84,8 +117,10 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   region.flatness = settings.flatness;
   region.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
 
-  Estimate estimate(scattering, point, eye, out.pathClasses());
-  float radius2 = square(std::max(region.radius, footprint));
+  // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
+  const float least = footprint / 2;
+  Estimate estimate(scattering, point, eye, out.pathClasses(), eyeState);
+  float radius2 = square(std::max(region.radius, least));
   const auto addBlock = [&](const PhotonBlock& block) {
     const Float8 q = min(block.distance2 / Float8(radius2), Float8(1));
     result.found += std::popcount(block.mask);
@@ -96,7 +131,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   bool byNearest = false;
   if (settings.nearest > 0) {
     const NearestPhotons nearest = map.nearest(region, settings.nearest, scratch);
-    if (nearest.count == settings.nearest && nearest.radius2 > square(footprint)) {
+    if (nearest.count == settings.nearest && nearest.radius2 > square(least)) {
       // The disc ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc] is the
       // density.
       byNearest = true;
@@ -106,7 +141,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
         if (block.mask != 0) addBlock(block);
       });
     } else if (nearest.count == settings.nearest) {
-      radius2 = square(footprint);
+      radius2 = square(least);
     }
   }
   if (!byNearest) {
@@ -115,7 +150,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
   result.radius = std::sqrt(radius2);
-  if (result.found > 0) estimate.addTo(out, eyeState, throughput * (INV_PI / radius2));
+  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / radius2));
   return result;
 }
 

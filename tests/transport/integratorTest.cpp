@@ -1,0 +1,389 @@
+/** @file
+ * Integrators against closed forms, against each other, and against the independent reference pictures.
+ */
+#include "rendering.h"
+
+#include <filesystem>
+#include <random>
+#include <sstream>
+
+#include "recurse/core/image.h"
+#include "recurse/transport/gather.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+std::string number(double x) {
+  std::ostringstream s;
+  s.precision(12);
+  s << x;
+  return s.str();
+}
+
+/** The inside of an emitting sphere, seen from its centre. */
+std::string furnace(const std::string& material, double emitted) {
+  return view(96, "0 0 0  0 0 1  0 1 0", 140) + material +
+         "\nReverseOrientation\nAreaLightSource \"diffuse\" \"rgb L\" [" + number(emitted) + " " +
+         number(emitted) + " " + number(emitted) + "]\nShape \"sphere\" \"float radius\" 1\n";
+}
+
+constexpr const char* PHOTONS = "200000";
+
+/** A floor of reflectance 0.5 that fills the view, with its light somewhere above. */
+std::string floorUnder(const std::string& light) {
+  return view(8, "0 0 1  0 0 0  0 1 0", 12) +
+         "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+         "Shape \"trianglemesh\" \"point3 P\" [-.6 -.6 0  .6 -.6 0  .6 .6 0  -.6 .6 0] \"integer indices\" "
+         "[0 1 2 0 "
+         "2 3]\n" +
+         light;
+}
+
+/** cornell-glass, scaled and moved. */
+std::string glassBox(double scale, double move, int size = 32) {
+  const auto place = [&](double x, double y, double z) {
+    return number(x * scale + move) + " " + number(y * scale + move) + " " + number(z * scale + move) + "  ";
+  };
+  const std::string m = number(move), s = number(scale);
+  return view(size, place(0, 0, 3.9) + place(0, 0, 0) + "0 1 0", 39.3) + "Translate " + m + " " + m + " " +
+         m + "\nScale " + s + " " + s + " " + s + R"(
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  -1 1 1  1 1 1  1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  1 1 -1  1 -1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 -1 1  -1 1 1  -1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 1  1 -1 1 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 25 25 25 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -0.15 0.995 -0.15  0.15 0.995 -0.15  0.15 0.995 0.15  -0.15 0.995 0.15 ]
+AttributeEnd
+AttributeBegin
+Material "conductor" "rgb reflectance" [ .9 .9 .9 ]
+Translate -0.42 -0.6 -0.35
+Shape "sphere" "float radius" 0.4
+AttributeEnd
+AttributeBegin
+Material "dielectric" "float eta" 1.5
+Translate 0.42 -0.6 0.25
+Shape "sphere" "float radius" 0.4
+AttributeEnd
+)";
+}
+
+} // namespace
+
+TEST(Furnace, EveryIntegratorAndDiffuseAlbedo) {
+  for (const double albedo : {0.1, 0.5, 0.9}) {
+    const auto scene = sceneFrom(furnace("Material \"diffuse\" \"rgb reflectance\" [" + number(albedo) + " " +
+                                             number(albedo) + " " + number(albedo) + "]",
+                                         1 - albedo));
+    for (const Way& way : allWays(PHOTONS)) {
+      const Rendered r = renderScene(*scene, way.integrator, way.parameters, samples(4));
+      EXPECT_NEAR(r.mean(), 1, SANITIZED ? 0.02 : 0.005)
+          << way.integrator << " " << way.parameters << " albedo " << albedo << " error "
+          << r.standardError();
+    }
+  }
+}
+
+TEST(Furnace, MirrorsAndMixes) {
+  // From the centre every reflection is at normal incidence, where a conductor's reflectance is the
+  // parameter.
+  struct Case {
+    std::string material;
+    double albedo;
+  };
+  const std::vector<Case> cases = {
+      {"Material \"conductor\" \"rgb reflectance\" [.1 .1 .1]", 0.1},
+      {"Material \"conductor\" \"rgb reflectance\" [.9 .9 .9]", 0.9},
+      {"MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.2 .2 .2]\n"
+       "MakeNamedMaterial \"b\" \"string type\" \"diffuse\" \"rgb reflectance\" [.8 .8 .8]\n"
+       "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .25",
+       0.35},
+      // At reflectance 0.9999 a conductor reflects that much or more at every angle.
+      {"MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\n"
+       "MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"rgb reflectance\" [.9999 .9999 .9999]\n"
+       "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .4",
+       0.7}};
+  for (const Case& c : cases) {
+    const auto scene = sceneFrom(furnace(c.material, 1 - c.albedo));
+    for (const Way& way : allWays(PHOTONS)) {
+      const Rendered r = renderScene(*scene, way.integrator, way.parameters, samples(8));
+      EXPECT_NEAR(r.mean(), 1, SANITIZED ? 0.02 : 0.005) << way.integrator << " " << way.parameters << "\n"
+                                                         << c.material;
+    }
+  }
+}
+
+TEST(Furnace, GlassInUniformLightIsInvisible) {
+  for (const char* material : {"\"dielectric\" \"float eta\" 1.5", "\"dielectric\" \"float eta\" .7",
+                               "\"dielectric\" \"float eta\" 1", "\"thindielectric\" \"float eta\" 1.8",
+                               "\"dielectric\" \"float eta\" 2.4"}) {
+    const auto scene = sceneFrom(view(16, "0 0 3  0 0 0  0 1 0", 45) +
+                                 "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial " + material +
+                                 "\nShape \"sphere\" \"float radius\" 1");
+    for (const Way& way : allWays("1000")) {
+      const Rendered r = renderScene(*scene, way.integrator, way.parameters, samples(64));
+      EXPECT_NEAR(r.mean(), 1, 0.005) << way.integrator << " " << material;
+    }
+  }
+}
+
+TEST(DirectLight, IrradianceInClosedForm) {
+  struct Case {
+    std::string light;
+    double irradiance; ///< at the origin
+  };
+  const double disk = 0.3, height = 1.5; // E = π L r² / (r² + h²) under the centre of a parallel disc
+  const std::vector<Case> cases = {
+      {"LightSource \"point\" \"point3 from\" [0 0 2] \"rgb I\" [8 8 8]", 8.0 / 4},
+      {"LightSource \"point\" \"point3 from\" [0 0 2] \"float power\" 100", 100 / (4 * M_PI) / 4},
+      {"LightSource \"spot\" \"point3 from\" [0 0 2] \"point3 to\" [0 0 0] \"rgb I\" [8 8 8] \"float "
+       "coneangle\" "
+       "40",
+       8.0 / 4},
+      {"LightSource \"distant\" \"point3 from\" [0 1 1] \"point3 to\" [0 0 0] \"rgb L\" [3 3 3]",
+       3 * std::sqrt(0.5)},
+      {"LightSource \"infinite\" \"rgb L\" [2 2 2]", 2 * M_PI},
+      {"AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nTranslate 0 0 1.5\nReverseOrientation Shape \"disk\" "
+       "\"float radius\" .3",
+       M_PI * 5 * disk * disk / (disk * disk + height * height)},
+      {"AreaLightSource \"diffuse\" \"float power\" 7 \"bool twosided\" true\nTranslate 0 0 1.5\nShape "
+       "\"disk\" \"float radius\" .3",
+       7 / (2 * M_PI * M_PI * disk * disk) * M_PI * disk * disk / (disk * disk + height * height)},
+      {"AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nTranslate 0 0 1.5\nShape \"sphere\" \"float radius\" "
+       ".3",
+       M_PI * 5 * disk * disk / (height * height)}};
+  for (const Case& c : cases) {
+    const auto scene = sceneFrom(floorUnder("Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n" + c.light));
+    for (const Way& way : allWays("200000")) {
+      // The disc of the photon search must lie within the part where the light is even.
+      const std::string more = way.integrator == "path" ? "" : " \"float radius\" .1";
+      const Rendered r = renderScene(*scene, way.integrator, way.parameters + more, samples(64));
+      const double expected = 0.5 * c.irradiance / M_PI;
+      EXPECT_NEAR(r.mean(), expected, (way.integrator == "path" ? 0.01 : 0.05) * expected)
+          << way.integrator << " " << way.parameters << "\n"
+          << c.light;
+    }
+  }
+}
+
+TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
+  // Photons at random places of a plane, with flux that makes an irradiance of 3, over many maps.
+  const double irradiance = 3, side = 2;
+  const int photons = 2000, maps = samples(400);
+  Diagnostics diagnostics;
+  class NoTextures final : public TextureLookup {
+    TexturedRgb rgb(const Parameters& p, const std::string& n) const override {
+      return {Rgb(p.spectrum(n)), nullptr};
+    }
+    TexturedRgb real(const Parameters&, const std::string&) const override { return {}; }
+  } textures;
+  const auto material =
+      plugIns().materials.make(parseParameterText("diffuse", ""), MaterialContext{textures, {}}, diagnostics);
+  SurfacePoint point{};
+  point.geometricNormal = point.shadingNormal = {0, 0, 1};
+  BsdfArena arena;
+  const ScatteringPoint scattering(*material->bsdfAt(point, arena), point);
+  const PathClasses classes;
+  const double expected = 0.5 * irradiance / M_PI;
+  for (const Kernel kernel : ALL_KERNELS)
+    for (const auto& [nearest, radius] :
+         std::vector<std::pair<int, float>>{{0, 0.2f}, {50, INFINITE}, {8, INFINITE}}) {
+      double sum = 0, squares = 0;
+      for (int m = 0; m < maps; ++m) {
+        std::mt19937_64 random(static_cast<uint64_t>(m));
+        std::uniform_real_distribution<float> place(float(-side / 2), float(side / 2));
+        std::vector<Photon> list(static_cast<size_t>(photons));
+        for (Photon& p : list) {
+          p.position = {place(random), place(random), 0};
+          p.direction = packDirection(glm::normalize(Vec3f(place(random), place(random), 1)));
+          p.power = Rgb(static_cast<float>(irradiance * side * side / photons));
+        }
+        PhotonMap map;
+        map.build(list);
+        TransportCounts counts;
+        PathRadiance out(classes, counts);
+        GatherSettings settings;
+        settings.kernel = kernel;
+        settings.nearest = nearest;
+        settings.radius = radius;
+        gather(map, settings, scattering, point, {0, 0, 1}, 0, Rgb(1),
+               classes.step(classes.eyeStart(), PathEvent::D), out);
+        const double m1 = double(out.total().r);
+        sum += m1;
+        squares += m1 * m1;
+      }
+      const double mean = sum / maps, error = std::sqrt((squares / maps - mean * mean) / maps);
+      EXPECT_NEAR(mean, expected, 4 * error) << kernelName(kernel) << " nearest " << nearest;
+      EXPECT_LT(error, 0.06 * expected);
+    }
+}
+
+TEST(Integrators, AgreeOnGlassAndMirror) {
+  const auto scene = sceneFrom(glassBox(1, 0));
+  const Rendered truth = renderScene(*scene, "path", "", samples(1024));
+  for (const Way& way : allWays("400000")) {
+    if (way.integrator == "path") continue;
+    const Rendered r = renderScene(*scene, way.integrator, way.parameters, samples(16));
+    EXPECT_NEAR(r.mean(), truth.mean(), 4 * truth.standardError() + 0.02 * truth.mean())
+        << way.integrator << way.parameters;
+  }
+}
+
+TEST(Integrators, ScaleAndPlaceOfTheSceneDoNotMatter) {
+  for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 200000"}}) {
+    const int n = samples(way.integrator == "path" ? 512 : 16);
+    const Rendered plain = renderText(glassBox(1, 0), way.integrator, way.parameters, n);
+    for (const auto& [scale, move] :
+         std::vector<std::pair<double, double>>{{1e-3, 0}, {1e4, 0}, {1, 1e5}, {1e-3, 100}}) {
+      const Rendered moved = renderText(glassBox(scale, move), way.integrator, way.parameters, n);
+      const double error = std::hypot(plain.standardError(), moved.standardError());
+      EXPECT_NEAR(moved.mean(), plain.mean(),
+                  4 * error + (way.integrator == "path" ? 0 : 0.01) * plain.mean())
+          << way.integrator << " scale " << scale << " move " << move;
+      // The same samples make the same picture but for paths that rounding sends elsewhere.
+      size_t alike = 0;
+      for (size_t i = 0; i < plain.pixels(); ++i)
+        if (std::abs(luminance(plain.value(i)) - luminance(moved.value(i))) <
+            0.1f * luminance(plain.value(i)) + 1e-3f)
+          ++alike;
+      EXPECT_GT(double(alike), (way.integrator == "path" ? 0.8 : 0.95) * double(plain.pixels()));
+    }
+  }
+}
+
+TEST(Integrators, SameBitsForAnyNumberOfThreads) {
+  const auto scene = sceneFrom(glassBox(1, 0));
+  std::vector<Way> ways = allWays("20000");
+  ways.push_back({"path", "\"integer lightsamples\" 3"});
+  ways.push_back({"photonmap", "\"integer photons\" 20000 \"string photonindex\" \"flann\""});
+  ways.push_back({"sppm", ""});
+  for (const Way& way : ways) {
+    const Rendered one = renderScene(*scene, way.integrator, way.parameters, 3, 7, 1);
+    for (const int threads : {2, 3}) {
+      const Rendered several = renderScene(*scene, way.integrator, way.parameters, 3, 7, threads);
+      for (size_t i = 0; i < one.pixels(); ++i)
+        ASSERT_EQ(one.value(i), several.value(i)) << way.integrator << way.parameters << " pixel " << i;
+      EXPECT_EQ(one.statistics.counts.rays, several.statistics.counts.rays);
+    }
+    const Rendered other = renderScene(*scene, way.integrator, way.parameters, 3, 8, 1);
+    EXPECT_NE(one.mean(), other.mean());
+  }
+}
+
+TEST(Integrators, CropIsAPartOfTheSamePicture) {
+  const auto whole = sceneFrom(glassBox(1, 0));
+  std::string text = glassBox(1, 0);
+  text.insert(text.find("\nPixelFilter"), " \"integer pixelbounds\" [ 8 20 4 30 ]");
+  const auto part = sceneFrom(text);
+  const Rendered a = renderScene(*whole, "path", "", 2), b = renderScene(*part, "path", "", 2);
+  ASSERT_EQ(b.pixels(), 12u * 26u);
+  for (int y = 4; y < 30; ++y)
+    for (int x = 8; x < 20; ++x)
+      ASSERT_EQ(a.value(size_t(y * 32 + x)), b.value(size_t((y - 4) * 12 + (x - 8))));
+}
+
+TEST(Integrators, DepthLimitCutsAndSaysHowMuch) {
+  const auto scene = sceneFrom(furnace("Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]", 0.5));
+  // LE + LDE + ... up to n events: 0.5 (1 + 0.5 + ... + 0.5ⁿ).
+  for (int n = 0; n < 4; ++n) {
+    const Rendered r = renderScene(*scene, "path", "\"integer maxdepth\" " + std::to_string(n), samples(8));
+    EXPECT_NEAR(r.mean(), 1 - std::pow(0.5, n + 1), 0.01);
+    EXPECT_GT(r.statistics.counts.weightCut, 0);
+  }
+  EXPECT_EQ(renderScene(*scene, "path", "", 1).statistics.counts.weightCut, 0);
+}
+
+TEST(Integrators, LightBetweenPerfectMirrorsEnds) {
+  // Two facing mirrors that reflect nearly all: walks are long, and end.
+  const std::string text =
+      view(4, "0 0 0  0 0 1  0 1 0", 20) +
+      "Material \"conductor\" \"rgb reflectance\" [1 1 1]\nTranslate 0 0 1\nShape \"disk\" \"float radius\" "
+      "100\n"
+      "Translate 0 0 -2\nShape \"disk\" \"float radius\" 100\nLightSource \"infinite\" \"rgb L\" [1 1 1]";
+  for (const Way& way : allWays("1000"))
+    EXPECT_GE(renderText(text, way.integrator, way.parameters, 4).mean(), 0);
+}
+
+TEST(Integrators, EmptyAndDarkScenes) {
+  for (const Way& way : allWays("100")) {
+    EXPECT_EQ(renderText(view(4, "0 0 3  0 0 0  0 1 0", 40), way.integrator, way.parameters, 2).mean(), 0);
+    EXPECT_EQ(renderText(floorUnder(""), way.integrator, way.parameters, 2).mean(), 0);
+    EXPECT_EQ(renderText(floorUnder("LightSource \"point\" \"rgb I\" [0 0 0] \"point3 from\" [0 0 1]"),
+                         way.integrator, way.parameters, 2)
+                  .mean(),
+              0);
+  }
+}
+
+TEST(Integrators, InstancesLookLikeCopies) {
+  const std::string shape = "Shape \"sphere\" \"float radius\" .3\nShape \"trianglemesh\" \"point3 P\" [-.5 "
+                            "-.6 0 .5 -.6 0 0 -.4 .2] \"integer indices\" [0 1 2]\n";
+  const std::string head =
+      view(24, "0 0 3  0 0 0  0 1 0", 50) +
+      "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffuse\" \"rgb reflectance\" [.6 .6 .6]\n";
+  const std::string a = "Translate .5 0 0 Rotate 30 0 1 0 Scale 1 1.5 .5\n",
+                    b = "Translate -.5 .2 0 Scale .8 .8 -.8\n";
+  const auto lamp =
+      std::string("AttributeBegin Translate 0 .8 0 AreaLightSource \"diffuse\" \"rgb L\" [9 9 9] "
+                  "Shape \"sphere\" \"float radius\" .1 AttributeEnd\n");
+  const Rendered copies = renderText(head + "AttributeBegin " + a + shape + lamp +
+                                         "AttributeEnd AttributeBegin " + b + shape + lamp + "AttributeEnd",
+                                     "path", "", samples(256));
+  const Rendered instances = renderText(
+      head + "ObjectBegin \"o\" " + shape + lamp + "ObjectEnd\nAttributeBegin " + a +
+          "ObjectInstance \"o\" AttributeEnd AttributeBegin " + b + "ObjectInstance \"o\" AttributeEnd",
+      "path", "", samples(256));
+  EXPECT_NEAR(copies.mean(), instances.mean(),
+              4 * std::hypot(copies.standardError(), instances.standardError()));
+  size_t alike = 0;
+  for (size_t i = 0; i < copies.pixels(); ++i)
+    if (std::abs(luminance(copies.value(i)) - luminance(instances.value(i))) <
+        0.15f * luminance(copies.value(i)) + 0.01f)
+      ++alike;
+  EXPECT_GT(double(alike), 0.97 * double(copies.pixels()));
+}
+
+TEST(Integrators, DomainsAreDisjointAndCoverSurfacePaths) {
+  for (const auto& entry : plugIns().integrators.entries()) {
+    const auto integrator = integratorFrom(entry.name, "");
+    const DomainReport report = checkDomains(integrator->domains(), "surface");
+    EXPECT_TRUE(report.sound()) << entry.name << "\n" << report.text();
+  }
+}
+
+/** The independent reference pictures, where they are at hand: means only, with few samples. */
+TEST(References, MeansAgree) {
+  namespace fs = std::filesystem;
+  const char* environment = std::getenv("RECURSE_SHARED");
+  const fs::path folder =
+      (environment ? fs::path(environment) : fs::path(RECURSE_SOURCE_DIR) / ".." / "shared") / "reference";
+  if (!fs::exists(folder) || SANITIZED) return;
+  struct Case {
+    const char* name;
+    int pathSamples; ///< 0: out of a path tracer's reach in a test
+  };
+  for (const Case& c : {Case{"cornell", 8}, Case{"cornell-glass", 32}, Case{"hexroom-grey", 16},
+                        Case{"sds", 0}, Case{"ajar", 0}}) {
+    Diagnostics diagnostics;
+    const SceneDescription description =
+        loadScene((folder / (std::string(c.name) + ".pbrt")).string(), diagnostics);
+    const auto scene = buildScene(description, {}, diagnostics);
+    ASSERT_TRUE(scene) << diagnostics.format();
+    const Image reference = readImage((folder / (std::string(c.name) + ".exr")).string());
+    double mean = 0;
+    for (int y = 0; y < reference.height; ++y)
+      for (int x = 0; x < reference.width; ++x) mean += double(luminance(reference.rgb(x, y)));
+    mean /= double(reference.width) * reference.height;
+    if (c.pathSamples > 0) {
+      const Rendered r = renderScene(*scene, "path", "", c.pathSamples);
+      EXPECT_NEAR(r.mean(), mean, 0.01 * mean + 4 * r.standardError()) << c.name << " path";
+    }
+    const Rendered r = renderScene(*scene, "photonmap", "\"integer photons\" 1000000", 1);
+    EXPECT_NEAR(r.mean(), mean, 0.02 * mean) << c.name << " photonmap";
+  }
+}

@@ -1,0 +1,98 @@
+/** @file
+ * Small renders for tests: a scene as text in, means and errors out.
+ */
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "recurse/core/parallel.h"
+#include "recurse/scene/loader.h"
+#include "recurse/transport/render.h"
+
+namespace recurse::testing {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool SANITIZED = true;
+#else
+constexpr bool SANITIZED = false;
+#endif
+/** Sanitizers slow a render down tenfold; bounds that come from measured errors allow for fewer samples. */
+inline int samples(int n) { return SANITIZED ? std::max(1, n / 8) : n; }
+
+inline std::unique_ptr<Scene> sceneFrom(const std::string& text) {
+  Diagnostics diagnostics;
+  const SceneDescription description = parseScene(text, "test.pbrt", ".", diagnostics);
+  std::unique_ptr<Scene> scene;
+  if (!diagnostics.hasErrors()) scene = buildScene(description, {}, diagnostics);
+  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
+  return scene;
+}
+
+inline std::unique_ptr<Integrator> integratorFrom(const std::string& name, const std::string& parameters) {
+  Diagnostics diagnostics;
+  auto made = plugIns().integrators.make(parseParameterText(name, parameters), {}, diagnostics);
+  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
+  return made;
+}
+
+struct Rendered {
+  Film film;
+  RenderStatistics statistics;
+
+  size_t pixels() const { return film.bounds().area(); }
+  Rgb value(size_t pixel) const { return film.value(pixel, 0); }
+  double mean() const {
+    double sum = 0;
+    for (size_t i = 0; i < pixels(); ++i) sum += double(luminance(value(i)));
+    return sum / double(pixels());
+  }
+  /** Standard error of mean(), from the variance within pixels: too large rather than too small. */
+  double standardError() const {
+    double sum = 0;
+    for (size_t i = 0; i < pixels(); ++i)
+      sum += film.variance(i) / double(std::max<uint64_t>(1, film.samples(i)));
+    return std::sqrt(sum) / double(pixels());
+  }
+};
+
+inline Rendered renderScene(const Scene& scene, const std::string& integrator, const std::string& parameters,
+                            int samplesPerPixel, uint64_t seed = 1, int threads = 0) {
+  const ThreadPool pool(threads);
+  const auto made = integratorFrom(integrator, parameters);
+  const PathClasses classes;
+  Rendered out{Film(scene.film().crop, 1), {}};
+  RenderSettings settings;
+  settings.samplesPerPixel = samplesPerPixel;
+  settings.seed = seed;
+  const std::atomic<bool> stop{false};
+  out.statistics = render(scene, *made, classes, settings, out.film, stop, nullptr, nullptr);
+  EXPECT_EQ(out.statistics.counts.nonFinite, 0u);
+  return out;
+}
+
+inline Rendered renderText(const std::string& text, const std::string& integrator,
+                           const std::string& parameters, int samplesPerPixel, uint64_t seed = 1,
+                           int threads = 0) {
+  const auto scene = sceneFrom(text);
+  if (!scene) throw std::runtime_error("no scene");
+  return renderScene(*scene, integrator, parameters, samplesPerPixel, seed, threads);
+}
+
+/** Film, filter and camera of `size` x `size` pixels. */
+inline std::string view(int size, const std::string& lookAt, double fov) {
+  const std::string n = std::to_string(size);
+  return "Film \"rgb\" \"integer xresolution\" " + n + " \"integer yresolution\" " + n +
+         "\nPixelFilter \"box\"\nLookAt " + lookAt + "\nCamera \"perspective\" \"float fov\" " +
+         std::to_string(fov) + "\nWorldBegin\n";
+}
+
+/** The ways of estimating the whole of light transport: integrator and parameters. */
+struct Way {
+  std::string integrator, parameters;
+};
+inline std::vector<Way> allWays(const std::string& photons) {
+  const std::string p = "\"integer photons\" " + photons;
+  return {{"path", ""}, {"photonmap", p}, {"photonmap", p + " \"string direct\" \"photons\""}};
+}
+
+} // namespace recurse::testing
