@@ -80,12 +80,12 @@ runTests() {
         /^\[       OK \]/ { ++ok }
         /^\[  FAILED  \] .*\([0-9]+ ms\)$/ { ++bad }
         /^\[  SKIPPED \] .*\([0-9]+ ms\)$/ { ++skip }
-        /^Test Passed/ { passed += ok + skip > 0 ? ok : 1; skipped += skip }
-        /^Test Failed/ { passed += ok; failed += bad > 0 ? bad : 1; skipped += skip }
+        /^Test Passed/ { passed += (ok + skip ? ok : 1); skipped += skip }
+        /^Test Failed/ { passed += ok; failed += (bad ? bad : 1); skipped += skip }
         END {
             if (failed < failures) failed = failures
             if (failed == 0 && status != 0) failed = 1 # ctest itself failed, or found no test
-            printf "%d passed, %d failed%s\n", passed, failed, skipped > 0 ? ", " skipped " skipped" : ""
+            printf "%d passed, %d failed%s\n", passed, failed, (skipped ? ", " skipped " skipped" : "")
         }' "$results"
     return "$status"
 }
