@@ -1,0 +1,180 @@
+/** @file
+ * Path classes as they are rendered: integrators agree class by class, the classes of a disjoint cover add up
+ * to the whole, and a narrow class renders alone what it renders in company, with less work.
+ */
+#include "classRendering.h"
+
+#include <filesystem>
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** The Cornell box with a mirror sphere and a glass sphere; the lamp is so large that `path` sees caustics.
+ */
+std::string glassBox(int size) {
+  return view(size, "0 0 3.9  0 0 0  0 1 0", 39.3) + R"(
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  -1 1 1  1 1 1  1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  1 1 -1  1 -1 -1 ]
+Material "diffuse" "rgb reflectance" [ .6 .1 .1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 -1 1  -1 1 1  -1 1 -1 ]
+Material "diffuse" "rgb reflectance" [ .1 .5 .2 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 1  1 -1 1 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 8 7 6 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -.4 .98 -.4  .4 .98 -.4  .4 .98 .4  -.4 .98 .4 ]
+AttributeEnd
+AttributeBegin
+Material "conductor" "rgb reflectance" [ .9 .9 .9 ]
+Translate -.42 -.58 -.35
+Shape "sphere" "float radius" .4
+AttributeEnd
+AttributeBegin
+Material "dielectric" "float eta" 1.5
+Translate .42 -.58 .25
+Shape "sphere" "float radius" .4
+AttributeEnd
+)";
+}
+
+constexpr double SIGMAS = 5;
+/** Smearing over edges and shadow borders by a search as wide as a pixel of a small film. */
+constexpr double PHOTON_BIAS = 0.03;
+
+/** The classes, and as the last layer all paths. */
+PathClasses withTotal(std::vector<PathClass> classes) {
+  classes.push_back({"total", "all"});
+  return PathClasses(classes);
+}
+
+/** Every pixel of the layers but the last adds up to the last. */
+void expectSums(const Film& film, const std::string& what) {
+  const size_t total = film.layerCount() - 1;
+  for (size_t p = 0; p < film.bounds().area(); ++p) {
+    Rgbd sum(0);
+    for (size_t layer = 0; layer < total; ++layer) sum += Rgbd(film.value(p, layer));
+    for (int c = 0; c < 3; ++c) {
+      const double expected = double(film.value(p, total)[c]);
+      ASSERT_NEAR(sum[c], expected, 1e-5 * expected) << what << " pixel " << p << " colour " << c;
+    }
+  }
+}
+
+std::unique_ptr<Scene> smallScene(const std::filesystem::path& file) {
+  Diagnostics diagnostics;
+  const SceneDescription description = loadScene(file.string(), diagnostics);
+  SceneOverrides overrides;
+  overrides.width = overrides.height = 16;
+  return diagnostics.hasErrors() ? nullptr : buildScene(description, overrides, diagnostics);
+}
+
+} // namespace
+
+TEST(ClassAgreement, PhotonMapAndPathAgreeOnStills) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(glassBox(64));
+  const PathClasses classes(defaultStillClasses());
+  const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(12), 16);
+  const std::string photons =
+      "\"integer photons\" " + std::to_string(samples(50000)) + " \"float radius\" .03";
+  for (const char* direct : {"shadowrays", "photons"}) {
+    const Way way{"photonmap", photons + " \"string direct\" \"" + direct + "\""};
+    const BatchMeans means = classMeans(*scene, way, classes, 1, 16);
+    for (size_t i = 0; i < classes.layerCount(); ++i) {
+      const PathClass& c = classes.classes()[i];
+      for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
+        const double error = std::hypot(truth.standardError(k), means.standardError(k));
+        EXPECT_NEAR(means.mean(k), truth.mean(k), SIGMAS * error + PHOTON_BIAS * truth.mean(k))
+            << direct << " " << c.name << " errors " << truth.standardError(k) << " and "
+            << means.standardError(k);
+        EXPECT_GT(truth.mean(k), 0) << c.name;
+        EXPECT_LT(error, (SANITIZED ? 0.25 : 0.08) * truth.mean(k)) << c.name << ": too vague to tell";
+      }
+    }
+  }
+}
+
+TEST(ClassAgreement, LayersOfACoverAddUp) {
+  namespace fs = std::filesystem;
+  const ThreadPool pool;
+  std::vector<std::pair<std::string, std::unique_ptr<Scene>>> scenes;
+  scenes.emplace_back("glass box", sceneFrom(glassBox(16)));
+  for (const auto& file : fs::directory_iterator(fs::path(RECURSE_SOURCE_DIR) / "scenes"))
+    if (file.path().extension() == ".pbrt")
+      scenes.emplace_back(file.path().filename().string(), smallScene(file.path()));
+  const char* environment = std::getenv("RECURSE_SHARED");
+  const fs::path shared =
+      environment ? fs::path(environment) : fs::path(RECURSE_SOURCE_DIR) / ".." / "shared";
+  for (const char* name : {"cornell.pbrt", "cornell-glass.pbrt", "hexroom-grey.pbrt", "sds.pbrt"})
+    if (fs::exists(shared / "reference" / name))
+      scenes.emplace_back(name, smallScene(shared / "reference" / name));
+
+  const PathClasses stills = withTotal(defaultStillClasses());
+  const PathClasses few = withTotal({{"lens", "L.*SE"}, {"none", "LE"}, {"rest", "all - (L.*SE | LE)"}});
+  for (const auto& [name, scene] : scenes) {
+    ASSERT_TRUE(scene) << name;
+    for (const Way& way : scene == scenes.front().second ? everyWay() : waysThatShareOutDifferently()) {
+      const Way small = withPhotons(way, samples(4000));
+      const std::string what = name + " " + way.integrator + way.parameters;
+      const ClassRender many = renderClasses(*scene, small, stills, 2, 5);
+      expectSums(many.film, what);
+      if (HasFatalFailure()) return;
+      expectSums(renderClasses(*scene, small, few, 1, 6).film, what);
+      // Telling classes apart changes no path: the total is the plain picture.
+      const ClassRender plain = renderClasses(*scene, small, PathClasses(), 2, 5);
+      EXPECT_EQ(plain.counts.rays, many.counts.rays) << what;
+      const size_t total = stills.layerCount() - 1;
+      for (size_t p = 0; p < plain.film.bounds().area(); ++p)
+        for (int c = 0; c < 3; ++c) {
+          const double expected = double(plain.film.value(p, 0)[c]);
+          ASSERT_NEAR(double(many.film.value(p, total)[c]), expected, 1e-5 * expected) << what;
+        }
+    }
+  }
+}
+
+TEST(ClassAgreement, AClassAloneIsTheSameAsInCompany) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(glassBox(32));
+  const std::vector<PathClass> all = {{"caustic", "LS+DE"},
+                                      {"second", "LDDE"},
+                                      {"mirrored", "L(S|D)*DS+E"},
+                                      {"lamps", "LS*E"},
+                                      {"caustics mirrored", "LS+DS+E"},
+                                      {"direct", "LDE"}};
+  for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 20000"},
+                         Way{"photonmap", "\"integer photons\" 20000 \"string direct\" \"photons\""}}) {
+    // The same search for both: by itself it would widen where a class has fewer photons.
+    Way fixed = way;
+    if (way.integrator != "path") fixed.parameters += " \"float radius\" .05";
+    const BatchMeans together = classMeans(*scene, fixed, PathClasses(all), 2, 8);
+    for (size_t i = 0; i < all.size(); ++i) {
+      const BatchMeans alone = classMeans(*scene, fixed, PathClasses({all[i]}), 2, 8);
+      for (size_t c = 0; c < 3; ++c) {
+        const double error = std::hypot(together.standardError(3 * i + c), alone.standardError(c));
+        EXPECT_GT(alone.mean(c), 0);
+        // Of eight values each the error itself is known to a quarter.
+        EXPECT_NEAR(alone.mean(c), together.mean(3 * i + c), 1.5 * SIGMAS * error + 1e-9)
+            << fixed.integrator << fixed.parameters << " " << all[i].expression;
+      }
+    }
+  }
+}
+
+TEST(ClassAgreement, NarrowClassesTraceFewerRays) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(glassBox(32));
+  for (const Way& way : waysThatShareOutDifferently()) {
+    const Way small = withPhotons(way, samples(10000));
+    const auto rays = [&](const std::string& expression) {
+      return double(renderClasses(*scene, small, PathClasses({{"one", expression}}), 2, 1).counts.rays);
+    };
+    const double all = rays("all");
+    for (const char* narrow : {"LS+DE", "LE", "LDE", "LSE", "LDDE"})
+      EXPECT_LT(rays(narrow), 0.8 * all) << narrow << " " << way.integrator << way.parameters;
+  }
+}

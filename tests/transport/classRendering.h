@@ -1,0 +1,126 @@
+/** @file
+ * Renders of path classes for tests: many classes in one render, their means over the picture, and the errors
+ * of these means from renders with independent seeds.
+ */
+#pragma once
+
+#include "rendering.h"
+
+#include <set>
+
+#include "recurse/transport/pathExpression.h"
+
+namespace recurse::testing {
+
+/** Means of many quantities and their standard errors, from independent batches of equal size. */
+class BatchMeans {
+ public:
+  void add(const std::vector<double>& batch) {
+    sum.resize(batch.size());
+    squares.resize(batch.size());
+    for (size_t i = 0; i < batch.size(); ++i) {
+      sum[i] += batch[i];
+      squares[i] += batch[i] * batch[i];
+    }
+    ++count;
+  }
+  double mean(size_t i) const { return sum[i] / count; }
+  double standardError(size_t i) const {
+    return std::sqrt(std::max(0.0, squares[i] / count - square(mean(i))) / (count - 1));
+  }
+
+ private:
+  std::vector<double> sum, squares;
+  double count = 0;
+};
+
+struct ClassRender {
+  Film film;
+  TransportCounts counts;
+
+  /** The mean over the picture of each layer: three numbers a layer, red, green and blue. */
+  std::vector<double> means() const {
+    std::vector<double> out(3 * film.layerCount());
+    const size_t pixels = film.bounds().area();
+    for (size_t layer = 0; layer < film.layerCount(); ++layer)
+      for (size_t p = 0; p < pixels; ++p)
+        for (int c = 0; c < 3; ++c)
+          out[3 * layer + size_t(c)] += double(film.value(p, layer)[c]) / double(pixels);
+    return out;
+  }
+};
+
+inline ClassRender renderClasses(const Scene& scene, const Way& way, const PathClasses& classes,
+                                 int samplesPerPixel, uint64_t seed) {
+  const auto integrator = integratorFrom(way.integrator, way.parameters);
+  ClassRender out{Film(scene.film().crop, classes.layerCount()), {}};
+  RenderSettings settings;
+  settings.samplesPerPixel = samplesPerPixel;
+  settings.seed = seed;
+  const std::atomic<bool> stop{false};
+  out.counts = render(scene, *integrator, classes, settings, out.film, stop, nullptr, nullptr).counts;
+  EXPECT_EQ(out.counts.nonFinite, 0u) << way.integrator << " " << way.parameters;
+  return out;
+}
+
+/** Means over pictures with the seeds 1, 2, … */
+inline BatchMeans classMeans(const Scene& scene, const Way& way, const PathClasses& classes,
+                             int samplesPerPixel, int seeds) {
+  BatchMeans means;
+  for (int seed = 1; seed <= seeds; ++seed)
+    means.add(renderClasses(scene, way, classes, samplesPerPixel, uint64_t(seed)).means());
+  return means;
+}
+
+/**
+ * Every integrator with every combination of its options that are a choice among words, or yes and no; read
+ * off the declarations, so that future integrators and options are among them.
+ */
+inline std::vector<Way> everyWay() {
+  std::vector<Way> ways;
+  for (const auto& entry : plugIns().integrators.entries()) {
+    std::vector<Way> combinations = {{entry.name, ""}};
+    for (const ParameterSpec& p : entry.parameters) {
+      if (p.ignored || p.count != 1) continue;
+      std::vector<std::string> choices;
+      if (p.type == ParameterType::BOOLEAN)
+        choices = {"\"bool " + p.name + "\" false", "\"bool " + p.name + "\" true"};
+      if (p.type == ParameterType::STRING)
+        for (const std::string& choice : p.choices)
+          choices.push_back("\"string " + p.name + "\" \"" + choice + "\"");
+      if (choices.empty()) continue;
+      std::vector<Way> more;
+      for (const Way& way : combinations)
+        for (const std::string& choice : choices)
+          more.push_back({way.integrator, way.parameters + " " + choice});
+      combinations = more;
+    }
+    ways.insert(ways.end(), combinations.begin(), combinations.end());
+  }
+  return ways;
+}
+
+/** Of all ways those that differ in who estimates which paths. */
+inline std::vector<Way> waysThatShareOutDifferently() {
+  std::vector<Way> ways;
+  std::set<std::string> known;
+  for (const Way& way : everyWay()) {
+    std::string paths;
+    for (const EstimatorDomain& d : integratorFrom(way.integrator, way.parameters)->domains())
+      paths += d.estimator + " " + d.expression + "\n";
+    if (known.insert(paths).second) ways.push_back(way);
+  }
+  return ways;
+}
+
+/** The way with so many photons, where the integrator shoots any. */
+inline Way withPhotons(Way way, int photons) {
+  const auto* entry = plugIns().integrators.find(way.integrator);
+  if (entry)
+    for (const ParameterSpec& p : entry->parameters)
+      if (p.name == "photons" && !p.ignored)
+        way.parameters += " \"integer photons\" " + std::to_string(photons);
+  return way;
+}
+
+} // namespace recurse::testing

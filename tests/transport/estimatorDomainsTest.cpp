@@ -1,0 +1,338 @@
+/** @file
+ * Who estimates which paths: the domains of every integrator with every combination of its options are
+ * disjoint and cover what they should, and estimators that share paths have weights that sum to one.
+ */
+#include "classRendering.h"
+
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/estimatorDomains.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Paths in a medium are to be covered as soon as an integrator estimates any of them. */
+std::string whatToCover(const std::vector<EstimatorDomain>& domains) {
+  const PathAutomaton surface = PathAutomaton::compile("surface");
+  for (const EstimatorDomain& d : domains)
+    if (!PathAutomaton::compile(d.expression).subsetOf(surface)) return "all";
+  return "surface";
+}
+
+std::string nameOf(const Way& way) { return way.integrator + way.parameters; }
+
+} // namespace
+
+TEST(EstimatorDomains, AreDisjointAndCoverAllPathsWhateverTheOptions) {
+  size_t combinations = 0;
+  for (const Way& way : everyWay()) {
+    const std::vector<EstimatorDomain> domains = integratorFrom(way.integrator, way.parameters)->domains();
+    const DomainReport report = checkDomains(domains, whatToCover(domains));
+    EXPECT_TRUE(report.sound()) << nameOf(way) << "\n" << report.text();
+    ++combinations;
+  }
+  // Options are found, not only integrators.
+  EXPECT_GT(combinations, plugIns().integrators.entries().size());
+}
+
+/** The same by set algebra on the automata, without the code that explains the findings. */
+TEST(EstimatorDomains, PartitionByAutomata) {
+  for (const Way& way : everyWay()) {
+    const std::vector<EstimatorDomain> domains = integratorFrom(way.integrator, way.parameters)->domains();
+    PathAutomaton covered = PathAutomaton::compile("S", PathAutomaton::Empty::ALLOWED);
+    ASSERT_TRUE(covered.isEmpty());
+    for (size_t i = 0; i < domains.size(); ++i) {
+      const PathAutomaton paths = PathAutomaton::compile(domains[i].expression);
+      for (size_t j = 0; j < i; ++j) {
+        if (!domains[i].sharedGroup.empty() && domains[i].sharedGroup == domains[j].sharedGroup) continue;
+        EXPECT_TRUE(paths.intersect(PathAutomaton::compile(domains[j].expression)).isEmpty())
+            << nameOf(way) << ": " << domains[i].estimator << " and " << domains[j].estimator;
+      }
+      covered = covered.unite(paths);
+    }
+    EXPECT_TRUE(PathAutomaton::compile(whatToCover(domains)).subsetOf(covered)) << nameOf(way);
+  }
+}
+
+/** Soundness is no accident of a check that sees nothing: every single spoilt list is found out. */
+TEST(EstimatorDomains, SpoiltListsAreFoundOut) {
+  for (const Way& way : everyWay()) {
+    const std::vector<EstimatorDomain> domains = integratorFrom(way.integrator, way.parameters)->domains();
+    const std::string covers = whatToCover(domains);
+    for (size_t i = 0; i < domains.size(); ++i) {
+      std::vector<EstimatorDomain> twice = domains;
+      twice.push_back(domains[i]);
+      twice.back().sharedGroup = "";
+      EXPECT_FALSE(checkDomains(twice, covers).overlaps.empty()) << nameOf(way) << domains[i].estimator;
+      if (!domains[i].sharedGroup.empty()) continue;
+      std::vector<EstimatorDomain> fewer = domains;
+      fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(i));
+      EXPECT_FALSE(checkDomains(fewer, covers).uncovered.empty()) << nameOf(way) << domains[i].estimator;
+    }
+  }
+}
+
+namespace {
+
+/** A room with things in it, and the lights that are given. */
+std::string roomWith(const std::string& lights) {
+  return view(16, "0 0 3  0 0 0  0 1 0", 60) + R"(
+MakeNamedMaterial "paint" "string type" "diffuse" "rgb reflectance" [ .2 .5 .3 ]
+MakeNamedMaterial "steel" "string type" "conductor" "rgb reflectance" [ .7 .7 .8 ]
+MakeNamedMaterial "both" "string type" "mix" "string materials" [ "paint" "steel" ] "float amount" .4
+Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -1 -2  2 -1 -2  2 -1 2  -2 -1 2 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -1 -1  -2 1 -1  2 1 -1  2 -1 -1 ]
+AttributeBegin
+NamedMaterial "both"
+Translate .5 -.5 0
+Shape "sphere" "float radius" .3
+AttributeEnd
+AttributeBegin
+Material "conductor" "rgb reflectance" [ .9 .9 .9 ]
+Translate -.6 -.6 .2
+Shape "sphere" "float radius" .3
+AttributeEnd
+)" + lights;
+}
+
+struct LitRoom {
+  std::string name, lights;
+};
+
+const std::vector<LitRoom>& litRooms() {
+  static const std::string mesh = R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 5 4 3 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1.5 .9 -.9  1.7 .6 -.9  1.4 .9 1.4  -1.5 .9 1.5 ]
+AttributeEnd
+)",
+                           sphere = R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 9 2 1 ]
+Translate -.6 .5 .3
+Shape "sphere" "float radius" .8
+AttributeEnd
+)",
+                           disk = R"(
+AttributeBegin
+Material "interface"
+AreaLightSource "diffuse" "rgb L" [ 3 6 3 ] "bool twosided" true
+Translate .9 .2 0 Rotate 60 0 1 0 Scale 1 .6 1
+Shape "disk" "float radius" .9
+AttributeEnd
+)",
+                           patch = R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 2 2 8 ]
+Shape "bilinearmesh" "point3 P" [ -1.6 .9 -.6  -.1 1.2 -.5  -1.7 -.7 1.3  0 .9 1.2 ]
+AttributeEnd
+)",
+                           instances = R"(
+ObjectBegin "lamp"
+AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
+Shape "sphere" "float radius" .3
+ObjectEnd
+AttributeBegin Translate .4 .6 .3 Scale 1 2 1 ObjectInstance "lamp" AttributeEnd
+AttributeBegin Translate -.6 .5 .2 ObjectInstance "lamp" AttributeEnd
+)",
+                           sky = "LightSource \"infinite\" \"rgb L\" [ .5 .7 .9 ]\n",
+                           red = "LightSource \"infinite\" \"rgb L\" [ .8 0 0 ]\n",
+                           green = "LightSource \"infinite\" \"rgb L\" [ 0 .3 0 ]\n",
+                           point = "LightSource \"point\" \"point3 from\" [ 0 .5 .5 ] \"rgb I\" [ 2 2 2 ]\n";
+  static const std::vector<LitRoom> all = {{"mesh", mesh},
+                                           {"sphere", sphere},
+                                           {"disk", disk},
+                                           {"patch", patch},
+                                           {"instances", instances},
+                                           {"sky", sky},
+                                           {"two skies", red + green},
+                                           {"all", mesh + sphere + disk + patch + instances + sky + point}};
+  return all;
+}
+
+/** The first emitting thing that a ray meets, through surfaces that do not scatter; false for a dark one. */
+bool findLight(const Scene& scene, const SurfacePoint& from, const Vec3f& direction, const Light& wanted,
+               Hit& hit, bool& escaped) {
+  Ray ray{from.rayOrigin(direction), direction, INFINITE};
+  escaped = false;
+  for (;;) {
+    if (!scene.intersect(ray, hit)) {
+      escaped = true;
+      return true;
+    }
+    if (hit.areaLight == &wanted) return true;
+    if (hit.material && hit.material->lobes() != NO_LOBE) return false;
+    ray = {hit.point.rayOrigin(direction), direction, INFINITE};
+  }
+}
+
+/** Calls visit(point, hit, wi, sampler) for surface points that eye walks meet, at which there is a D. */
+template <class Visit> void visitPoints(const Scene& scene, int walks, Visit&& visit) {
+  BsdfArena arena;
+  for (int i = 0; i < walks; ++i) {
+    Sampler sampler(17, 3, static_cast<uint32_t>(i));
+    Ray ray = scene.camera().ray(sampler.next2D() * 16.0f);
+    Hit hit;
+    for (int depth = 0; depth < 3 && scene.intersect(ray, hit); ++depth) {
+      arena.reset();
+      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      if (!bsdf) break;
+      const ScatteringPoint scattering(*bsdf, hit.point);
+      if (scattering.hasDiffuse()) visit(scattering, hit.point, -ray.direction, sampler);
+      const std::optional<Scatter> s = scattering.scatter(-ray.direction, Transport::RADIANCE, sampler);
+      if (!s) break;
+      ray = {hit.point.rayOrigin(s->direction), s->direction, INFINITE};
+    }
+  }
+}
+
+constexpr double SAME = 1e-3;
+
+/** Densities and sums agree but for paths that rounding bends past an edge. */
+void expectFew(size_t wrong, size_t tested, const std::string& what) {
+  EXPECT_GT(tested, size_t(samples(500))) << what;
+  EXPECT_LE(double(wrong), 1e-3 * double(tested)) << what << ": " << wrong << " of " << tested;
+}
+
+} // namespace
+
+/** A BSDF ray that meets a light finds the density with which shadow rays choose that very point. */
+TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
+  for (const LitRoom& room : litRooms()) {
+    const auto scene = sceneFrom(roomWith(room.lights));
+    ASSERT_TRUE(scene);
+    size_t tested = 0, wrong = 0;
+    visitPoints(*scene, samples(4000),
+                [&](const ScatteringPoint&, const SurfacePoint& point, const Vec3f&, Sampler sampler) {
+                  float pick = sampler.next1D();
+                  const Vec2f u = sampler.next2D();
+                  const ChosenLight chosen = scene->lights().choose(pick);
+                  const auto light = chosen.light->illuminate(point.position, pick, u);
+                  if (!light || light->delta || !(light->pdf > 0)) return;
+                  Hit hit;
+                  bool escaped = false;
+                  if (!findLight(*scene, point, light->direction, *chosen.light, hit, escaped)) return;
+                  double density = -1, chance = -1;
+                  if (escaped) {
+                    if (light->distance != INFINITE) return; // slipped past the rim
+                    for (size_t i = 0; i < scene->environment().size(); ++i)
+                      if (scene->environment()[i] == chosen.light) {
+                        density = double(scene->environment()[i]->pdfIlluminate(light->direction));
+                        chance = double(scene->lights().probability(scene->environmentIndices()[i]));
+                      }
+                  } else {
+                    // The far side of the light, or another part of it, is another path.
+                    if (glm::distance(hit.point.position, light->target) > 1e-4f) return;
+                    density = double(hit.areaLight->pdfIlluminate(point.position, hit.primitive, hit.point));
+                    chance = double(scene->lights().probability(hit.lightIndex));
+                  }
+                  // The ray is rounded; near a silhouette that moves the point, and the cosine with it.
+                  const double cosine =
+                      escaped ? 1 : double(absDot(hit.point.geometricNormal, light->direction));
+                  const double slack = SAME * std::max(1.0, square(0.1 / cosine));
+                  ++tested;
+                  if (std::abs(density - double(light->pdf)) > slack * double(light->pdf) ||
+                      std::abs(chance - double(chosen.probability)) > SAME * double(chosen.probability))
+                    ++wrong;
+                });
+    expectFew(wrong, tested, room.name);
+  }
+}
+
+/** A shadow ray finds the density with which BSDF rays are sent, with the lobes of `path` and of `photonmap`.
+ */
+TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfDirections) {
+  const auto scene = sceneFrom(roomWith(litRooms().front().lights));
+  for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(DIFFUSE_LOBES)}) {
+    size_t tested = 0, wrong = 0;
+    visitPoints(
+        *scene, samples(4000),
+        [&](const ScatteringPoint& scattering, const SurfacePoint&, const Vec3f& wi, Sampler sampler) {
+          const auto s = scattering.scatter(wi, Transport::RADIANCE, sampler, allowed);
+          if (!s || s->specular()) return;
+          ++tested;
+          if (std::abs(scattering.pdf(wi, s->direction, allowed) - s->pdf) > float(SAME) * s->pdf) ++wrong;
+        });
+    expectFew(wrong, tested, "lobes " + std::to_string(allowed));
+  }
+}
+
+namespace {
+
+/**
+ * What `n` shadow rays bring when each path counts as much as the BSDF rays' functions leave of it. The
+ * sampler draws the numbers that addSampledLight draws, in the same order. `shared` counts the weights that
+ * are neither nearly 0 nor nearly 1.
+ */
+Rgb leftToShadowRays(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
+                     const Vec3f& wi, int n, LobeSet allowed, Sampler sampler, size_t& shared) {
+  Rgb sum = BLACK;
+  for (int i = 0; i < n; ++i) {
+    float pick = sampler.next1D();
+    const Vec2f u = sampler.next2D();
+    const ChosenLight chosen = scene.lights().choose(pick);
+    const auto light = chosen.light->illuminate(point.position, pick, u);
+    if (!light || !(light->pdf > 0)) continue;
+    TransportCounts counts;
+    const Rgb alone = scattering.evaluate(wi, light->direction) * light->radiance /
+                      (chosen.probability * light->pdf * float(n));
+    if (isBlack(alone) || !visible(scene, point, *light, counts)) continue;
+    if (light->delta) {
+      sum += alone;
+      continue;
+    }
+    Hit hit;
+    bool escaped = false;
+    if (!findLight(scene, point, light->direction, *chosen.light, hit, escaped)) continue;
+    const BsdfRay ray{point, scattering.pdf(wi, light->direction, allowed), true};
+    const Rgb weighted = escaped ? environmentRadiance(scene, light->direction, ray, n)
+                                 : emittedRadiance(scene, hit, light->direction, ray, n),
+              plain = escaped ? environmentRadiance(scene, light->direction, {}, n)
+                              : emittedRadiance(scene, hit, light->direction, {}, n);
+    // A colour at a time: the two skies have none in common.
+    for (int c = 0; c < 3; ++c)
+      if (alone[c] > 0) {
+        const float weight = plain[c] > 0 ? weighted[c] / plain[c] : 0;
+        sum[c] += alone[c] * (1 - weight);
+        if (weight > 5 * float(SAME) && weight < 1 - 5 * float(SAME)) ++shared;
+      }
+  }
+  return sum;
+}
+
+} // namespace
+
+/**
+ * What shadow rays bring, by addSampledLight, is what they would bring alone times one minus the weight that
+ * emittedRadiance or environmentRadiance gives to a BSDF ray of the same path.
+ */
+TEST(MultipleImportanceSampling, WeightsSumToOne) {
+  const PathClasses classes;
+  const EyeState eye = classes.step(classes.eyeStart(), PathEvent::D);
+  for (const LitRoom& room : litRooms()) {
+    const auto scene = sceneFrom(roomWith(room.lights));
+    ASSERT_TRUE(scene);
+    for (const int n : {1, 3})
+      for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(DIFFUSE_LOBES)}) {
+        size_t tested = 0, wrong = 0, shared = 0;
+        visitPoints(*scene, samples(2000),
+                    [&](const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& wi,
+                        Sampler sampler) {
+                      const Rgb expected =
+                          leftToShadowRays(*scene, scattering, point, wi, n, allowed, sampler, shared);
+                      TransportCounts counts;
+                      PathRadiance out(classes, counts);
+                      addSampledLight(*scene, scattering, point, wi, Rgb(1), eye, n, allowed, sampler, out);
+                      ++tested;
+                      const Rgb difference = glm::abs(out.total() - expected);
+                      if (maxComponent(difference - expected * float(SAME)) > 0) {
+                        ++wrong;
+                      }
+                    });
+        expectFew(wrong, tested, room.name + ", " + std::to_string(n) + " shadow rays");
+        EXPECT_GT(shared, size_t(samples(100))) << room.name;
+      }
+  }
+}
