@@ -43,7 +43,7 @@ TEST_F(StillsCommand, TellsOverlapsAndWhatIsLeftOver) {
   EXPECT_TRUE(has(o.out, "rest")) << o.out;
   EXPECT_TRUE(exists("s/common/rest.png"));
   EXPECT_FALSE(exists("s/common/all.png"));
-  const Outcome quiet = run({"stills", "scene.pbrt", "-o", "s", "-q", "--photons", "100"});
+  const Outcome quiet = run({"stills", "scene.pbrt", "-o", "s", "-q", "--integrator", "path"});
   EXPECT_EQ(quiet.status, 0);
   EXPECT_EQ(quiet.out + quiet.err, "");
 }

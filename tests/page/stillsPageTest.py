@@ -211,6 +211,11 @@ class StillsPage(unittest.TestCase):
         for _ in range(25):
             browser.key(".")
         self.assertShows(path[""])
+        # A class is compared with the same class of the other.
+        browser.click("document.querySelectorAll('#classes button')[1]")
+        self.assertTrue(self.text("#nameB").startswith(self.names[1]), self.text("#nameB"))
+        self.assertColours(self.values("#pixelCompared"), photons[self.names[1]])
+        browser.key("s")
         browser.key("c")
         self.assertTrue(browser.evaluate("document.getElementById('nameB').hidden"))
         self.assertShows(path[""])

@@ -2,6 +2,7 @@
 
 const element = (id) => document.getElementById(id);
 const BEAUTY = "beauty", SUM = "sum"; // what may be shown besides a class, which is its number
+const SAME = "same"; // compared: of the other set whatever is shown of ours
 
 async function start() {
   const data = await loadData(), [set, other] = data.sets;
@@ -24,6 +25,7 @@ async function start() {
       sums.set(from, addUp(ticked.map((on, i) => on && counterpart(from, i)).filter(Boolean), pixels));
     return sums.get(from);
   }
+  const resolved = (what) => (what === SAME ? shown : what);
   const valuesOf = (from, what) => what === BEAUTY ? from.beauty.values
     : what === SUM ? sumOf(from) : (counterpart(from, what)?.values ?? null);
   const nameOf = (from, what) => (what === BEAUTY ? "beauty" : what === SUM ? "sum" : set.classes[what].name)
@@ -31,11 +33,12 @@ async function start() {
 
   function paintShown() {
     paint(view.pictures[0], valuesOf(set, shown), data.width, data.height, exposure);
-    const values = compared && valuesOf(compared.set, compared.what);
+    const values = compared && valuesOf(compared.set, resolved(compared.what));
     view.pictures[1] = values ? view.pictures[1] ?? document.createElement("canvas") : null;
     if (values) paint(view.pictures[1], values, data.width, data.height, exposure);
     element("nameA").textContent = nameOf(set, shown);
-    element("nameB").textContent = compared ? nameOf(compared.set, compared.what) : "";
+    element("nameB").textContent = compared
+      ? nameOf(compared.set, resolved(compared.what)) + (values ? "" : " (has no such class)") : "";
     element("nameB").hidden = element("split").hidden = !compared;
     view.draw();
   }
@@ -57,7 +60,8 @@ async function start() {
     const value = (values) => (at && values ? formatRgb(values, i) : "");
     element("pixelPlace").textContent = at ? `x ${at[0]}  y ${at[1]}` : "point at a pixel, click to keep it";
     element("pixelShown").textContent = value(valuesOf(set, shown));
-    element("pixelCompared").textContent = compared ? value(valuesOf(compared.set, compared.what)) : "";
+    element("pixelCompared").textContent =
+      compared ? value(valuesOf(compared.set, resolved(compared.what))) : "";
     element("beautyValue").textContent = value(set.beauty.values);
     element("sumValue").textContent = value(sumOf(set));
     set.classes.forEach((layer, c) => { rows[c].querySelector(".value").textContent = value(layer.values); });
@@ -134,6 +138,7 @@ async function start() {
         option.choice = { set: from, what };
         group.append(option);
       };
+      if (from !== set) add(SAME, "what is shown");
       add(BEAUTY, "beauty");
       add(SUM, "sum of the ticked classes");
       set.classes.forEach((layer, c) => { if (counterpart(from, c)) add(c, layer.name); });
@@ -143,7 +148,7 @@ async function start() {
   }
 
   const toggleCompare = () => compareWith(compared ? null
-    : lastCompared ?? { set: other ?? set, what: other ? shown : BEAUTY });
+    : lastCompared ?? { set: other ?? set, what: other ? SAME : BEAUTY });
 
   function onKey(event) {
     if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("select, summary")) return;
@@ -180,7 +185,7 @@ async function start() {
   element("settings").textContent = data.sets.map((s) => s.settings).filter(Boolean).join("\n");
   listClasses();
   listComparisons();
-  if (other) compareWith({ set: other, what: shown });
+  if (other) compareWith({ set: other, what: SAME });
   const click = (id, action) => element(id).addEventListener("click", action);
   click("showBeauty", () => show(BEAUTY));
   click("showSum", () => show(SUM));
