@@ -1,5 +1,5 @@
-# Files into the program. As a script: cmake -DOUTPUT=FILE.cpp -DINPUTS=FILE,FILE -P embed.cmake writes their
-# bytes as C++, `a/stillsData.js` as recurse::page::STILLS_DATA_JS. Included: recurse_embed(TARGET FILE...) does
+# Files into the program. As a script, cmake -DOUTPUT=FILE.cpp -DINPUTS=FILE,FILE -P embed.cmake writes their
+# bytes as C++: a/stillsData.js as recurse::page::STILLS_DATA_JS. Included, recurse_embed(TARGET FILE...) does
 # so at build time.
 
 if(CMAKE_SCRIPT_MODE_FILE)
@@ -14,7 +14,8 @@ if(CMAKE_SCRIPT_MODE_FILE)
         string(REGEX REPLACE "(................................)" "\\1\n" BYTES "${BYTES}")
         string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," BYTES "${BYTES}")
         string(APPEND TEXT "static const unsigned char ${NAME}_BYTES[] = {\n${BYTES}};\n"
-            "const std::string_view ${NAME}(reinterpret_cast<const char*>(${NAME}_BYTES), sizeof ${NAME}_BYTES);\n")
+            "const std::string_view ${NAME}(reinterpret_cast<const char*>(${NAME}_BYTES),\n"
+            "                               sizeof ${NAME}_BYTES);\n")
     endforeach()
     file(WRITE ${OUTPUT} "${TEXT}}\n")
     return()
