@@ -26,7 +26,8 @@ Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 8 7 6 ]
 Material "diffuse" "rgb reflectance" [ 0 0 0 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -.4 .98 -.4  .4 .98 -.4  .4 .98 .4  -.4 .98 .4 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
+  "point3 P" [ -.4 .98 -.4  .4 .98 -.4  .4 .98 .4  -.4 .98 .4 ]
 AttributeEnd
 AttributeBegin
 Material "conductor" "rgb reflectance" [ .9 .9 .9 ]

@@ -105,7 +105,8 @@ const std::vector<LitRoom>& litRooms() {
   static const std::string mesh = R"(
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 5 4 3 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1.5 .9 -.9  1.7 .6 -.9  1.4 .9 1.4  -1.5 .9 1.5 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
+  "point3 P" [ -1.5 .9 -.9  1.7 .6 -.9  1.4 .9 1.4  -1.5 .9 1.5 ]
 AttributeEnd
 )",
                            sphere = R"(

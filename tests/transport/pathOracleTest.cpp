@@ -193,7 +193,8 @@ Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 6 5 4 ]
 Material "diffuse" "rgb reflectance" [ .3 .3 .3 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -.6 .95 -.6  .6 .95 -.6  .6 .95 .6  -.6 .95 .6 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
+  "point3 P" [ -.6 .95 -.6  .6 .95 -.6  .6 .95 .6  -.6 .95 .6 ]
 AttributeEnd
 AttributeBegin
 AreaLightSource "diffuse" "rgb L" [ 1 2 4 ]
@@ -213,7 +214,8 @@ Shape "sphere" "float radius" .4
 AttributeEnd
 AttributeBegin
 Material "thindielectric" "float eta" 1.5
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -.8 -.3 .6  0 -.3 .7  0 .4 .7  -.8 .4 .6 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
+  "point3 P" [ -.8 -.3 .6  0 -.3 .7  0 .4 .7  -.8 .4 .6 ]
 AttributeEnd
 )";
 }
@@ -228,7 +230,8 @@ MakeNamedMaterial "glaze" "string type" "mix" "string materials" [ "paint" "stee
 Material "diffuse" "rgb reflectance" [ .5 .6 .5 ]
 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -1 -2  2 -1 -2  2 -1 2  -2 -1 2 ]
 Material "conductor" "rgb reflectance" [ .85 .9 .85 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1.2 -1 -1  -1.2 .3 -1.2  1.2 .3 -1.2  1.2 -1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
+  "point3 P" [ -1.2 -1 -1  -1.2 .3 -1.2  1.2 .3 -1.2  1.2 -1 -1 ]
 AttributeBegin
 NamedMaterial "glaze"
 Translate -.6 -.6 .1
@@ -241,7 +244,8 @@ Shape "sphere" "float radius" .4
 AttributeEnd
 AttributeBegin
 Material "thindielectric" "float eta" 1.6
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -.2 -.95 .8  .3 -.95 .9  .3 -.2 .9  -.2 -.2 .8 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
+  "point3 P" [ -.2 -.95 .8  .3 -.95 .9  .3 -.2 .9  -.2 -.2 .8 ]
 AttributeEnd
 AttributeBegin
 Material "interface"
