@@ -33,6 +33,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LES
     # Sees overlaps in "text" + std::string where there are none (GCC bug 105651, mended in 13).
     target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wno-restrict>)
 endif()
+if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    # Its intrinsics are macros with compound literals.
+    target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wno-c99-extensions>)
+endif()
 if(RECURSE_WERROR)
     target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()
