@@ -7,20 +7,19 @@ namespace recurse {
 
 namespace {
 
+/** Lambertian where every part that scatters diffusely is. */
+LobeSet lobesOfMix(LobeSet a, LobeSet b) {
+  const LobeSet both = a | b;
+  const auto constant = [](LobeSet l) { return !(l & DIFFUSE_LOBES) || (l & LAMBERTIAN); };
+  return constant(a) && constant(b) ? both : LobeSet(both & ~LAMBERTIAN);
+}
+
 class MixBsdf final : public Bsdf {
  public:
   MixBsdf(const Bsdf* first, const Bsdf* second, float amount)
       : parts{first, second}, shares{1 - amount, amount} {}
 
-  LobeSet lobes() const override {
-    LobeSet all = 0;
-    bool lambertian = true;
-    for (const Bsdf* part : parts) {
-      all |= part->lobes();
-      if ((part->lobes() & DIFFUSE_LOBES) && !(part->lobes() & LAMBERTIAN)) lambertian = false;
-    }
-    return lambertian ? all : LobeSet(all & ~LAMBERTIAN);
-  }
+  LobeSet lobes() const override { return lobesOfMix(parts[0]->lobes(), parts[1]->lobes()); }
   Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
     return parts[0]->value(wi, wo) * shares[0] + parts[1]->value(wi, wo) * shares[1];
   }
@@ -82,10 +81,7 @@ class Mix final : public Material {
     const Bsdf* y = second->bsdfAt(point, arena);
     return arena.make<MixBsdf>(x, y, a);
   }
-  LobeSet lobes() const override {
-    const LobeSet both = first->lobes() | second->lobes();
-    return (first->lobes() & second->lobes() & LAMBERTIAN) ? both : LobeSet(both & ~LAMBERTIAN);
-  }
+  LobeSet lobes() const override { return lobesOfMix(first->lobes(), second->lobes()); }
 
  private:
   const Material *first, *second;

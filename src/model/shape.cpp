@@ -49,12 +49,6 @@ Bounds3f roundedOut(const Bounds3d& box) {
   return out;
 }
 
-Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const Vec3d& normal, double offset) {
-  // The slack covers the float operations of SurfacePoint::rayOrigin.
-  constexpr double UNIT = 0x1p-24, SLACK = 1 + 0x1p-20;
-  return Vec3f((UNIT * glm::abs(position) + exactError + offset * glm::abs(normal)) * SLACK);
-}
-
 ParameterSpec alphaParameter() {
   return realParameter("alpha", "1", "opacity; only 1, an opaque surface, is rendered so far").withTexture();
 }

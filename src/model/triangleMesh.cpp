@@ -174,13 +174,13 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
     if (extent[i] == 0) rounding[i] = 0; // the vertices' own coordinate, exactly
   s.error = positionError(rounding, 0x1p-50 * extent, normal, embreePlaneError(extent, normal, normalLength));
 
-  // pbrt's defaults where there are no coordinates.
-  Vec2d t0{0, 0}, t1{1, 0}, t2{1, 1};
-  if (!uvs.empty()) {
-    t0 = uvs[triangle.x];
-    t1 = uvs[triangle.y];
-    t2 = uvs[triangle.z];
+  if (uvs.empty()) { // pbrt's defaults: (0,0), (1,0), (1,1)
+    s.uv = Vec2f(static_cast<float>(b1 + b2), static_cast<float>(b2));
+    const Vec3d along = tangents.empty() ? Vec3d(0) : interpolated(tangents);
+    s.dpdu = Vec3f(along == Vec3d(0) ? e1 : along);
+    return s;
   }
+  const Vec2d t0 = uvs[triangle.x], t1 = uvs[triangle.y], t2 = uvs[triangle.z];
   s.uv = Vec2f(t0 * b0 + t1 * b1 + t2 * b2);
   const Vec2d d1 = t1 - t0, d2 = t2 - t0;
   const double determinant = d1.x * d2.y - d1.y * d2.x;

@@ -31,7 +31,8 @@ enum Lobe : uint8_t {
   DIFFUSE_LOBES = REFLECTION | TRANSMISSION,
   DELTA_LOBES = MIRROR | REFRACTION,
   ALL_LOBES = DIFFUSE_LOBES | DELTA_LOBES,
-  /** Besides REFLECTION: value() is one constant over the hemisphere, so that gathers may factor it out. */
+  /** Besides REFLECTION, and without TRANSMISSION: value() is albedo/π on either side and sample() follows
+   * the cosine, so that the constant may be factored out. */
   LAMBERTIAN = 16,
 };
 using LobeSet = uint8_t;

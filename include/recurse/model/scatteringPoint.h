@@ -34,7 +34,9 @@ class ScatteringPoint {
  public:
   ScatteringPoint(const Bsdf& bsdf, const SurfacePoint& point)
       : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal),
-        lobeSet(bsdf.lobes()) {}
+        lobeSet(bsdf.lobes()) {
+    if (lobeSet & LAMBERTIAN) constant = bsdf.albedo({0, 0, 1}) * INV_PI;
+  }
 
   LobeSet lobes() const { return lobeSet; }
   bool hasDiffuse() const { return (lobeSet & DIFFUSE_LOBES) != 0; }
@@ -42,7 +44,9 @@ class ScatteringPoint {
 
   /** The non-delta BSDF alone [1/sr], what a photon's power is multiplied by. */
   Rgb value(const Vec3f& wi, const Vec3f& wo) const {
-    return leaks(wi, wo) ? BLACK : bsdf.value(frame.toLocal(wi), frame.toLocal(wo));
+    if (leaks(wi, wo)) return BLACK;
+    if (lobeSet & LAMBERTIAN) return glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0 ? constant : BLACK;
+    return bsdf.value(frame.toLocal(wi), frame.toLocal(wo));
   }
 
   /** Recurse's `evaluate`: the non-delta BSDF times the cosine of `light`, for radiance that arrives from
@@ -115,7 +119,8 @@ class ScatteringPoint {
     s.direction = frame.toWorld(*wo);
     s.pdf = bsdf.pdf(local, *wo);
     if (!(s.pdf > 0) || leaks(wi, s.direction)) return {};
-    s.weight = bsdf.value(local, *wo) * (std::abs(wo->z) / s.pdf);
+    // For a constant BSDF, sampled in proportion to the cosine, the quotient is the albedo.
+    s.weight = (lobeSet & LAMBERTIAN) ? constant * PI : bsdf.value(local, *wo) * (std::abs(wo->z) / s.pdf);
     s.lobe = local.z * wo->z > 0 ? REFLECTION : TRANSMISSION;
     if (transport == Transport::FLUX) s.weight *= shadingNormalFactor(wi, local, s.direction, *wo);
     return s;
@@ -203,6 +208,7 @@ class ScatteringPoint {
   Frame frame;
   Vec3f geometricNormal;
   LobeSet lobeSet;
+  Rgb constant{0}; ///< the value of a Lambertian BSDF
 };
 
 } // namespace recurse
