@@ -112,8 +112,9 @@ TEST(Furnace, MirrorsAndMixes) {
     const auto scene = sceneFrom(furnace(c.material, 1 - c.albedo));
     for (const Way& way : allWays(PHOTONS)) {
       const Rendered r = renderScene(*scene, way.integrator, way.parameters, samples(4));
-      EXPECT_NEAR(r.mean(), 1, (SANITIZED ? 0.015 : 0.004) + 3 * r.standardError()) << way.integrator << " " << way.parameters << "\n"
-                                                         << c.material;
+      EXPECT_NEAR(r.mean(), 1, (SANITIZED ? 0.015 : 0.004) + 3 * r.standardError())
+          << way.integrator << " " << way.parameters << "\n"
+          << c.material;
     }
   }
 }
@@ -174,7 +175,7 @@ TEST(DirectLight, IrradianceInClosedForm) {
 TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
   // Photons at random places of a plane, with flux that makes an irradiance of 3, over many maps.
   const double irradiance = 3, side = 2;
-  const int photons = 2000, maps = samples(400);
+  const int photons = 2000, maps = SANITIZED ? 100 : 400;
   Diagnostics diagnostics;
   class NoTextures final : public TextureLookup {
     TexturedRgb rgb(const Parameters& p, const std::string& n) const override {
