@@ -101,7 +101,8 @@ Bounds3f roundedOut(const Bounds3d& box);
  * SurfacePoint::error of a position that is rounded to float from a point known to `exactError`, an axis at a
  * time, on a surface known to `offset` along its normal.
  */
-inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const Vec3d& normal, double offset) {
+inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const Vec3d& normal,
+                           double offset) {
   // The slack covers the float operations of SurfacePoint::rayOrigin.
   constexpr double UNIT = 0x1p-24, SLACK = 1 + 0x1p-20;
   return Vec3f((UNIT * glm::abs(position) + exactError + offset * glm::abs(normal)) * SLACK);
