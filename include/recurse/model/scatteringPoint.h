@@ -175,6 +175,8 @@ class ScatteringPoint {
 
   float shadingNormalFactor(const Vec3f& wi, const Vec3f& wiLocal, const Vec3f& wo,
                             const Vec3f& woLocal) const {
+    if (frame.z == geometricNormal)
+      return 1; // exactly: at grazing angles the quotient would be rounding alone
     const float denominator = absDot(wi, geometricNormal) * std::abs(woLocal.z);
     if (denominator == 0) return 0; // a photon that arrives in the plane of the surface brings no flux
     return std::abs(wiLocal.z) * absDot(wo, geometricNormal) / denominator;
