@@ -29,7 +29,7 @@ inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
 
 /**
  * The nearest surface that scatters or emits. Surfaces that do neither are not in the scene; one that emits
- * and does not scatter is returned, and the caller goes on behind it with passThrough.
+ * and does not scatter is returned, and the caller goes on behind it.
  */
 inline bool intersect(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
   ++counts.rays;
