@@ -16,8 +16,8 @@ namespace recurse::apps {
 namespace {
 
 std::atomic<bool> stopRequested{false};
-std::atomic<bool> graceful{false};
-static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<int> graceful{0}; // how many GracefulStops there are
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
 void say(const char* text) {
   const ssize_t written = ::write(STDERR_FILENO, text, std::strlen(text));
@@ -25,7 +25,7 @@ void say(const char* text) {
 }
 
 void handle(int) {
-  if (graceful.load() && !stopRequested.exchange(true)) {
+  if (graceful.load() > 0 && !stopRequested.exchange(true)) {
     say("\nInterrupted: writing what there is. Once more gives up at once.\n");
     return;
   }
@@ -49,8 +49,8 @@ void installInterruptHandlers() {
     ::sigaction(SIGHUP, &action, nullptr);
 }
 
-GracefulStop::GracefulStop() { graceful = true; }
-GracefulStop::~GracefulStop() { graceful = false; }
+GracefulStop::GracefulStop() { ++graceful; }
+GracefulStop::~GracefulStop() { --graceful; }
 const std::atomic<bool>& GracefulStop::flag() const { return stopRequested; }
 
 } // namespace recurse::apps

@@ -11,7 +11,7 @@ namespace recurse::apps {
  * at once, with exit status 130 and without temporary files left behind. */
 void installInterruptHandlers();
 
-/** While it lives, the first signal only sets the flag. */
+/** While one lives, the first signal only sets the flag. */
 class GracefulStop {
  public:
   GracefulStop();

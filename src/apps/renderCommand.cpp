@@ -6,10 +6,8 @@
 #include <set>
 
 #include "apps/commands.h"
-#include "apps/interrupt.h"
 #include "apps/optionText.h"
 #include "apps/renderOptions.h"
-#include "apps/renderOutput.h"
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/parallel.h"
 
@@ -58,26 +56,11 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
   }
   const std::vector<std::string> outputs = o.outputs.empty() ? std::vector{defaultOutput(loaded)} : o.outputs;
   checkOutputs(o, outputs);
-  if (o.render.verbose) std::fputs(sceneReport(loaded, classes.layerCount()).c_str(), stderr);
 
-  const RenderSettings settings = plan.settings(*loaded.scene);
-  Film film(loaded.scene->film().crop, classes.layerCount());
-  const GracefulStop graceful;
-  const RenderStatistics statistics = renderShown(loaded, classes, settings, o.render, film, graceful.flag());
-  const bool interrupted = statistics.stopReason == StopReason::INTERRUPTED;
-  if (interrupted && statistics.samples == 0)
-    throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
-
-  std::string commandLine = "recurse render " + o.render.text(loaded, settings);
-  if (!o.paths.empty()) commandLine += " --paths " + shellQuoted(o.paths);
-  const RenderReport report{loaded,
-                            statistics,
-                            settings.seed,
-                            classes.classes(),
-                            commandLine,
-                            film.bounds().width(),
-                            film.bounds().height()};
-  const Image image = pictureOf(film, report);
+  const Rendering rendering(loaded, classes, plan, o.render);
+  const RenderReport report =
+      rendering.report("recurse render", o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths));
+  const Image image = pictureOf(rendering.film(), report);
   std::vector<std::string> written = outputs;
   // One output that fails must not take the others along.
   std::string failures;
@@ -97,7 +80,7 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
     written.push_back(o.render.statistics);
   if (!o.render.quiet) std::fputs(renderSummary(report, written, !o.render.verbose).c_str(), stderr);
   if (!failures.empty()) throw Error(failures);
-  return interrupted ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+  return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
 }
 
 } // namespace

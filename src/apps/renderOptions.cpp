@@ -3,6 +3,8 @@
  */
 #include "apps/renderOptions.h"
 
+#include <cstdio>
+
 #include "apps/optionText.h"
 #include "apps/progressDisplay.h"
 
@@ -73,17 +75,33 @@ std::string RenderOptions::text(const LoadedScene& loaded, const RenderSettings&
   return out;
 }
 
-RenderStatistics renderShown(const LoadedScene& loaded, const PathClasses& classes,
-                             const RenderSettings& settings, const RenderOptions& options, Film& film,
-                             const std::atomic<bool>& stop) {
+Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
+                     const RenderOptions& options, const Retell& retell)
+    : loaded(loaded), options(options), classes(classes.classes()), settings(plan.settings(*loaded.scene)),
+      picture(loaded.scene->film().crop, classes.layerCount()) {
+  if (options.verbose) std::fputs(sceneReport(loaded, classes.layerCount()).c_str(), stderr);
   ProgressDisplay display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress));
   // Warnings are about what the picture will look like, so they come at once and even when quiet.
   const auto log = [&](const std::string& text) {
     if (options.verbose || text.starts_with("warning")) display.message(text);
   };
-  return render(
-      *loaded.scene, *loaded.integrator, classes, settings, film, stop,
-      [&](const RenderProgress& progress) { display.update(progress); }, log);
+  const auto show = [&](RenderProgress progress) {
+    if (retell) retell(progress);
+    display.update(progress);
+  };
+  figures = render(*loaded.scene, *loaded.integrator, classes, settings, picture, graceful.flag(), show, log);
+  if (interrupted() && figures.samples == 0)
+    throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
+}
+
+RenderReport Rendering::report(const std::string& command, const std::string& rest) const {
+  return {loaded,
+          figures,
+          settings.seed,
+          classes,
+          command + " " + options.text(loaded, settings) + rest,
+          picture.bounds().width(),
+          picture.bounds().height()};
 }
 
 } // namespace recurse::apps

@@ -3,11 +3,14 @@
  */
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "apps/integratorOptions.h"
+#include "apps/interrupt.h"
 #include "apps/loadedScene.h"
+#include "apps/renderOutput.h"
 #include "recurse/model/film.h"
 #include "recurse/transport/render.h"
 
@@ -43,9 +46,33 @@ struct RenderOptions {
   std::string text(const LoadedScene& loaded, const RenderSettings& settings) const;
 };
 
-/** Renders with progress and messages as the options ask for them. */
-RenderStatistics renderShown(const LoadedScene& loaded, const PathClasses& classes,
-                             const RenderSettings& settings, const RenderOptions& options, Film& film,
-                             const std::atomic<bool>& stop);
+/**
+ * A film rendered in the constructor, with progress and messages as the options ask for them. While it lives,
+ * Ctrl-C does not end the program, so that what was rendered can be written.
+ */
+class Rendering {
+ public:
+  /** May change what is told of the progress before it is shown. */
+  using Retell = std::function<void(RenderProgress&)>;
+
+  /** Throws Error (INTERRUPTED) when an interrupt came before the first sample. */
+  Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
+            const RenderOptions& options, const Retell& retell = {});
+
+  const Film& film() const { return picture; }
+  const RenderStatistics& statistics() const { return figures; }
+  bool interrupted() const { return figures.stopReason == StopReason::INTERRUPTED; }
+  /** `command` and `rest` are what stands before and after the options of the render. */
+  RenderReport report(const std::string& command, const std::string& rest = {}) const;
+
+ private:
+  const LoadedScene& loaded;
+  const RenderOptions& options;
+  const std::vector<PathClass> classes;
+  const RenderSettings settings;
+  const GracefulStop graceful;
+  Film picture;
+  RenderStatistics figures;
+};
 
 } // namespace recurse::apps

@@ -4,10 +4,8 @@
 #include <optional>
 
 #include "apps/commands.h"
-#include "apps/interrupt.h"
 #include "apps/optionText.h"
 #include "apps/renderOptions.h"
-#include "apps/renderOutput.h"
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/parallel.h"
 #include "recurse/report/stills.h"
@@ -36,12 +34,6 @@ StillsPlan planOf(const StillsOptions& o) {
   return planStills(classes);
 }
 
-std::string commandLine(const StillsOptions& o, const LoadedScene& loaded, const RenderSettings& settings) {
-  std::string out = "recurse stills " + o.render.text(loaded, settings);
-  for (const std::string& text : o.classes) out += " --class " + shellQuoted(text);
-  return out;
-}
-
 /** Fails before the render where it can, not after it. */
 void checkComparable(const Stills& other, const Scene& scene, const std::string& name) {
   const PixelBounds& crop = scene.film().crop;
@@ -63,29 +55,17 @@ ExitStatus renderStills(const StillsOptions& o) {
   const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
   if (other) checkComparable(*other, *loaded.scene, o.compare);
   checkStillsWritable(o.folder);
-  if (o.render.verbose) std::fputs(sceneReport(loaded, classes.layerCount()).c_str(), stderr);
 
-  const RenderSettings settings = plan.settings(*loaded.scene);
-  Film film(loaded.scene->film().crop, classes.layerCount());
-  const GracefulStop graceful;
-  const RenderStatistics statistics = renderShown(loaded, classes, settings, o.render, film, graceful.flag());
-  const bool interrupted = statistics.stopReason == StopReason::INTERRUPTED;
-  if (interrupted && statistics.samples == 0)
-    throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
-
-  const RenderReport report{loaded,
-                            statistics,
-                            settings.seed,
-                            classes.classes(),
-                            commandLine(o, loaded, settings),
-                            film.bounds().width(),
-                            film.bounds().height()};
-  Stills stills = makeStills(film, stillsPlan, loaded.scene->film().imagingRatio);
+  std::string classOptions;
+  for (const std::string& text : o.classes) classOptions += " --class " + shellQuoted(text);
+  const Rendering rendering(loaded, classes, plan, o.render);
+  const RenderReport report = rendering.report("recurse stills", classOptions);
+  Stills stills = makeStills(rendering.film(), stillsPlan, loaded.scene->film().imagingRatio);
   stills.image.metadata = metadataOf(report);
   stills.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
   stills.label = loaded.integratorDirective.type + ", " + format("%.4g", report.samplesPerPixel()) +
                  " samples per pixel";
-  if (interrupted) stills.label += ", interrupted";
+  if (rendering.interrupted()) stills.label += ", interrupted";
   describeStills(stills);
   writeStills(o.folder, stills, other ? &*other : nullptr);
   const std::string folder = o.folder.ends_with('/') ? o.folder : o.folder + "/";
@@ -100,7 +80,7 @@ ExitStatus renderStills(const StillsOptions& o) {
     std::fputs(renderSummary(report, written, !o.render.verbose).c_str(), stderr);
     print(stillsTable(stills));
   }
-  return interrupted ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+  return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
 }
 
 } // namespace
