@@ -38,6 +38,13 @@ Limit parseLimit(const std::string& option, const std::string& text, bool above)
   return limit;
 }
 
+Image mapOf(const std::string& scale, const Image& image, const Image& reference,
+            const Comparison& comparison) {
+  if (scale == "flip") return flipMap(*comparison.flip);
+  if (scale == "hdrflip") return flipMap(*comparison.hdrFlip);
+  return errorMap(image, reference, scale == "signed" ? ErrorMap::SIGNED : ErrorMap::RELATIVE);
+}
+
 ExitStatus compareFiles(const CompareOptions& o) {
   std::vector<Limit> limits;
   for (const std::string& text : o.failAbove) limits.push_back(parseLimit("--fail-above", text, true));
@@ -65,11 +72,10 @@ ExitStatus compareFiles(const CompareOptions& o) {
     comparison = compareImages(image, reference);
   }
 
+  addFlip(comparison, image, reference);
   print(o.json ? comparisonJson(comparison)
                : "x = " + o.picture + "\nr = " + against + "\n\n" + comparisonTable(comparison));
-  if (!o.output.empty())
-    writeImage(o.output,
-               errorMap(image, reference, o.map == "signed" ? ErrorMap::SIGNED : ErrorMap::RELATIVE));
+  if (!o.output.empty()) writeImage(o.output, mapOf(o.map, image, reference, comparison));
 
   std::string failures;
   const auto fail = [&failures](const std::string& why) {
@@ -82,9 +88,10 @@ ExitStatus compareFiles(const CompareOptions& o) {
     const double value = metricByName(comparison, limit.metric);
     // Written so that NaN fails.
     const bool good = limit.above ? value <= limit.value : value >= limit.value;
-    if (!good)
-      fail(limit.metric + " is " + format("%.6g", value) + ", " + (limit.above ? "above " : "below ") +
-           format("%.6g", limit.value));
+    if (good) continue;
+    const std::string definition = metricDefinition(limit.metric);
+    fail(limit.metric + " is " + format("%.6g", value) + ", " + (limit.above ? "above " : "below ") +
+         format("%.6g", limit.value) + (definition.empty() ? "" : " (" + definition + ")"));
   }
   if (!failures.empty()) throw Error(failures);
   return ExitStatus::DONE;
@@ -109,16 +116,19 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
           "of the denominators then")
       ->expected(2)
       ->type_name("A B");
-  command->add_flag("--json", o.json,
-                    "Print JSON: mse relmse relmse_trimmed mape max mean_ratio ..., each over "
-                    "all channels and as NAME_rgb");
+  command->add_flag(
+      "--json", o.json,
+      "Print JSON: mse relmse relmse_trimmed mape smape psnr max mean_ratio ..., each over all channels "
+      "and as NAME_rgb; flip hdrflip; with two references mse_noise_free relmse_noise_free");
   command->add_option("-o,--output", o.output, "Write a false-colour picture of the error")
       ->type_name("FILE");
   command
-      ->add_option("--map", o.map,
-                   "Its scale (default: relative). relative: |x-r|/(|r|+0.01) from 0.001, dark violet, to 1, "
-                   "yellow, logarithmic; signed: (x-r)/(|r|+0.01) from -0.5, blue, to 0.5, red")
-      ->check(CLI::IsMember({"relative", "signed"}))
+      ->add_option(
+          "--map", o.map,
+          "Its scale (default: relative). relative: |x-r|/(|r|+0.01) from 0.001, dark violet, to 1, "
+          "yellow, logarithmic; signed: (x-r)/(|r|+0.01) from -0.5, blue, to 0.5, red; flip and hdrflip: "
+          "what is seen, from 0 to 1")
+      ->check(CLI::IsMember({"relative", "signed", "flip", "hdrflip"}))
       ->type_name("SCALE");
   command->add_option("--fail-above", o.failAbove, "Exit status 1 when a measure is larger; may be repeated")
       ->expected(1)
@@ -132,13 +142,16 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
       "Examples:\n"
       "  recurse compare picture.exr reference.exr\n"
       "  recurse compare picture.exr reference.exr --json -o error.png\n"
+      "  recurse compare picture.exr reference.exr -o seen.png --map hdrflip\n"
       "  recurse compare picture.exr a.exr b.exr\n"
       "  recurse compare picture.exr best.exr --noise-free a.exr b.exr\n"
       "  recurse compare picture.exr reference.exr --fail-above relmse=0.01 --fail-below "
       "mean_ratio=0.99\n\n"
       "With two references whose noise is independent, the error mean((x-a)(x-b)/(r^2+0.01)) is free of\n"
-      "that noise; r is their mean, or REFERENCE with --noise-free. Pixels where a reference is not\n"
-      "finite are left out and counted; pixels of X that are not finite give exit status 1.");
+      "that noise; r is their mean, or REFERENCE with --noise-free. FLIP, the difference that is seen when\n"
+      "the pictures alternate, is for a display 0.7 m and 3840 pixels wide at 0.7 m. Pixels where a\n"
+      "reference is not finite are left out and counted; pixels of X that are not finite give exit\n"
+      "status 1.");
   command->callback([options, &chosen] { chosen = [options] { return compareFiles(*options); }; });
 }
 

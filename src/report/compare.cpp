@@ -17,14 +17,6 @@ std::string sizeText(const Image& image) {
   return std::to_string(image.width) + "x" + std::to_string(image.height);
 }
 
-void requireSameSize(const Image& a, const Image& b, const char* what) {
-  if (a.width != b.width || a.height != b.height)
-    throw Error(std::string("the pictures differ in size: ") + sizeText(a) + ", and the " + what + " " +
-                sizeText(b));
-  if (a.channels.size() < 3 || b.channels.size() < 3)
-    throw Error(std::string("the pictures differ in channels: R, G and B are needed in both"));
-}
-
 /** Sums over pixels a channel at a time, then all channels from the three. */
 struct ChannelSum {
   PerChannel sum{};
@@ -143,8 +135,21 @@ Comparison compare(const Image& image, const References& references) {
 
 } // namespace
 
+void requireComparable(const Image& a, const Image& b, const char* what) {
+  if (a.width != b.width || a.height != b.height)
+    throw Error(std::string("the pictures differ in size: ") + sizeText(a) + ", and the " + what + " " +
+                sizeText(b));
+  if (a.channels.size() < 3 || b.channels.size() < 3)
+    throw Error("the pictures differ in channels: R, G and B are needed in both");
+}
+
+void addFlip(Comparison& comparison, const Image& image, const Image& reference) {
+  comparison.flip = ldrFlip(image, reference);
+  comparison.hdrFlip = hdrFlip(image, reference);
+}
+
 Image meanImage(const Image& a, const Image& b) {
-  requireSameSize(a, b, "second reference has");
+  requireComparable(a, b, "second reference has");
   Image mean(a.width, a.height, {"R", "G", "B"});
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x)
@@ -153,15 +158,15 @@ Image meanImage(const Image& a, const Image& b) {
 }
 
 Comparison compareImages(const Image& image, const Image& reference) {
-  requireSameSize(image, reference, "reference has");
+  requireComparable(image, reference, "reference has");
   return compare(image, {reference});
 }
 
 Comparison compareImages(const Image& image, const Image& a, const Image& b, const Image* reference) {
-  requireSameSize(image, a, "first reference has");
-  requireSameSize(image, b, "second reference has");
+  requireComparable(image, a, "first reference has");
+  requireComparable(image, b, "second reference has");
   if (!reference) return compare(image, {meanImage(a, b), &a, &b});
-  requireSameSize(image, *reference, "reference has");
+  requireComparable(image, *reference, "reference has");
   return compare(image, {*reference, &a, &b});
 }
 

@@ -50,6 +50,22 @@ const std::vector<Metric>& metrics() {
   return ALL;
 }
 
+/** A measure of the picture as a whole. */
+struct WholeMetric {
+  const char *name, *title, *definition;
+  const std::optional<Flip> Comparison::*value;
+};
+
+const std::vector<WholeMetric>& wholeMetrics() {
+  static const std::vector<WholeMetric> ALL = {
+      {"flip", "LDR-FLIP", "Andersson et al. 2020, pictures cut to [0, 1], 67 pixels per degree",
+       &Comparison::flip},
+      {"hdrflip", "HDR-FLIP", "Andersson et al. 2021, ACES tone curve, 67 pixels per degree",
+       &Comparison::hdrFlip},
+  };
+  return ALL;
+}
+
 /** Pads to a width counted in characters; titles and definitions may hold bytes of UTF-8. */
 std::string padded(const std::string& text, size_t width) {
   size_t shown = 0;
@@ -68,6 +84,7 @@ std::string colourText(const Rgb& c) { return number(c.r, 4) + " " + number(c.g,
 std::vector<std::string> metricNames() {
   std::vector<std::string> names;
   for (const Metric& metric : metrics()) names.emplace_back(metric.name);
+  for (const WholeMetric& metric : wholeMetrics()) names.emplace_back(metric.name);
   names.insert(names.end(), {"non_finite", "non_finite_reference"});
   return names;
 }
@@ -79,11 +96,24 @@ double metricByName(const Comparison& comparison, const std::string& name) {
       throw Error(name + " needs two independent references", ExitStatus::BAD_USAGE);
     return (comparison.*metric.values)[ALL_CHANNELS];
   }
+  for (const WholeMetric& metric : wholeMetrics()) {
+    if (name != metric.name) continue;
+    if (!(comparison.*metric.value)) throw Error(name + " was not measured", ExitStatus::BAD_USAGE);
+    return (comparison.*metric.value)->mean;
+  }
   if (name == "non_finite") return double(comparison.nonFinite);
   if (name == "non_finite_reference") return double(comparison.nonFiniteReference);
   std::string message = "no error measure '" + name + "'; there are:";
   for (const std::string& known : metricNames()) message += " " + known;
   throw Error(message, ExitStatus::BAD_USAGE);
+}
+
+std::string metricDefinition(const std::string& name) {
+  for (const Metric& metric : metrics())
+    if (name == metric.name) return metric.definition;
+  for (const WholeMetric& metric : wholeMetrics())
+    if (name == metric.name) return metric.definition;
+  return {};
 }
 
 std::string comparisonTable(const Comparison& c) {
@@ -99,6 +129,11 @@ std::string comparisonTable(const Comparison& c) {
       out += rightAligned(number(values[channel]), COLUMN);
     if (!metric.definition.empty()) out.append("  ").append(metric.definition);
     out += "\n";
+  }
+  for (const WholeMetric& metric : wholeMetrics()) {
+    if (!(c.*metric.value)) continue;
+    out += padded(metric.title, TITLE) + rightAligned(number((c.*metric.value)->mean), COLUMN);
+    out.append(3 * COLUMN + 2, ' ').append(metric.definition).append("\n");
   }
   out.append("\n").append(std::to_string(c.pixels));
   out += std::string(" pixels compared, ") + std::to_string(c.trimmedPixels) + " trimmed\n";
@@ -126,6 +161,12 @@ std::string comparisonJson(const Comparison& c) {
     const PerChannel& values = c.*metric.values;
     json[metric.name] = values[ALL_CHANNELS];
     json[std::string(metric.name) + "_rgb"] = {values[0], values[1], values[2]};
+  }
+  for (const WholeMetric& metric : wholeMetrics())
+    if (c.*metric.value) json[metric.name] = (c.*metric.value)->mean;
+  if (c.hdrFlip) {
+    json["hdrflip_exposures"] = c.hdrFlip->exposures;
+    json["flip_pixels_per_degree"] = FLIP_PIXELS_PER_DEGREE;
   }
   json["non_finite"] = c.nonFinite;
   json["non_finite_reference"] = c.nonFiniteReference;

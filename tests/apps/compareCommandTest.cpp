@@ -45,6 +45,8 @@ TEST_F(CompareProgram, TableAndJson) {
   EXPECT_NEAR(j["relmse"], 0.25 / 1.01, 1e-12);
   EXPECT_DOUBLE_EQ(j["mean_ratio"], 1.5);
   EXPECT_DOUBLE_EQ(j["max"], 0.5);
+  for (const char* key : {"relmse_trimmed", "mape", "smape", "flip", "hdrflip", "psnr", "mean_ratio_rgb"})
+    EXPECT_TRUE(j.contains(key)) << key;
 }
 
 TEST_F(CompareProgram, TwoReferences) {
@@ -68,6 +70,9 @@ TEST_F(CompareProgram, StatusForScripts) {
   EXPECT_TRUE(has(o.err, "mape is ")) << o.err;
   EXPECT_TRUE(has(o.err, "psnr is ")) << o.err;
   EXPECT_FALSE(has(o.err, "mse is ")) << o.err;
+  EXPECT_EQ(run({"compare", "r.exr", "r.exr", "--fail-above", "flip=0", "--fail-above", "hdrflip=0"}).status,
+            0);
+  EXPECT_TRUE(has(run({"compare", "x.exr", "r.exr", "--fail-above", "hdrflip=0.01"}).err, "hdrflip is "));
   EXPECT_TRUE(has(o.out, "relMSE"));
 
   Image broken = constant(1);
@@ -94,6 +99,8 @@ TEST_F(CompareProgram, ErrorMap) {
   ASSERT_EQ(run({"compare", "x.exr", "r.exr", "-o", "map.png"}).status, 0);
   ASSERT_EQ(run({"compare", "x.exr", "r.exr", "-o", "signed.png", "--map", "signed"}).status, 0);
   EXPECT_EQ(recurse::readImage(file("map.png")).width, 8);
+  ASSERT_EQ(run({"compare", "x.exr", "r.exr", "-o", "seen.png", "--map", "hdrflip"}).status, 0);
+  EXPECT_EQ(recurse::readImage(file("seen.png")).width, 8);
   const recurse::Rgb red = recurse::readImage(file("signed.png")).rgb(2, 2);
   EXPECT_GT(red.r, red.b);
 }

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "recurse/core/image.h"
+#include "recurse/report/flip.h"
 
 namespace recurse {
 
@@ -46,6 +48,9 @@ struct Comparison {
   bool noiseFree = false;
   PerChannel mseNoiseFree{}, relMseNoiseFree{};
 
+  /** Where addFlip() was called. Over whole pictures: NaN when any pixel is not finite. */
+  std::optional<Flip> flip, hdrFlip;
+
   struct WorstPixel {
     int x = 0, y = 0;
     double error = 0; ///< relative squared error, mean of the channels
@@ -62,6 +67,13 @@ Comparison compareImages(const Image& image, const Image& reference);
 Comparison compareImages(const Image& image, const Image& a, const Image& b,
                          const Image* reference = nullptr);
 
+/** Adds LDR-FLIP and HDR-FLIP, which take longer than all other measures together. */
+void addFlip(Comparison& comparison, const Image& image, const Image& reference);
+
+/** Throws Error where the pictures differ in size or have no R, G and B; `what` names the second, with a
+ * verb: "reference has". */
+void requireComparable(const Image& a, const Image& b, const char* what);
+
 /** The mean of two pictures of the same size (R, G, B). */
 Image meanImage(const Image& a, const Image& b);
 
@@ -69,6 +81,8 @@ Image meanImage(const Image& a, const Image& b);
  * Error (BAD_USAGE), with the names there are, for any other. */
 double metricByName(const Comparison& comparison, const std::string& name);
 std::vector<std::string> metricNames();
+/** How the measure of that name is made: ε, denominator, trim. Empty where the name says it all. */
+std::string metricDefinition(const std::string& name);
 
 /** What a person reads. */
 std::string comparisonTable(const Comparison& comparison);
