@@ -1,6 +1,6 @@
 /** @file
- * FLIP. All filters are sums of products of one in x and one in y, and are applied as such (as in the authors'
- * note on separated convolutions).
+ * FLIP. All filters are sums of products of one in x and one in y, and are applied as such (as in the
+ * authors' note on separated convolutions).
  */
 #include "recurse/report/flip.h"
 
@@ -23,8 +23,8 @@ constexpr double PI_SQUARED = 3.14159265358979323846 * 3.14159265358979323846;
 struct SensitivityTerm {
   double a, b;
 };
-constexpr SensitivityTerm ACHROMATIC{1, 0.0047}, RED_GREEN{1, 0.0053}, BLUE_YELLOW[2] = {{34.1, 0.04},
-                                                                                        {13.5, 0.025}};
+constexpr SensitivityTerm ACHROMATIC{1, 0.0047}, RED_GREEN{1, 0.0053},
+    BLUE_YELLOW[2] = {{34.1, 0.04}, {13.5, 0.025}};
 constexpr double COLOUR_EXPONENT = 0.7, COLOUR_KNEE = 0.4, COLOUR_KNEE_VALUE = 0.95; // q_c, p_c, p_t
 constexpr double FEATURE_EXPONENT = 0.5;                                             // q_f
 constexpr double FEATURE_WIDTH = 0.082; // peak to trough of the edge detector [degrees]
@@ -93,9 +93,7 @@ template <typename Weight> Kernel kernelOf(int radius, Weight weight) {
   // Positive weights add up to 1, and negative ones to −1.
   Kernel out;
   for (double value : w)
-    out.push_back(static_cast<float>(value > 0   ? value / positive
-                                     : value < 0 ? value / -negative
-                                                 : 0));
+    out.push_back(static_cast<float>(value > 0 ? value / positive : value < 0 ? value / -negative : 0));
   return out;
 }
 
@@ -226,7 +224,8 @@ float largestColourError() {
 /** Of linear pictures with values in [0, 1]; `errors` gets the larger of itself and the new error. */
 void addErrors(const std::vector<Rgb>& image, const std::vector<Rgb>& reference, const Filters& filters,
                Flip& out) {
-  const Seen a = see(image, out.width, out.height, filters), b = see(reference, out.width, out.height, filters);
+  const Seen a = see(image, out.width, out.height, filters),
+             b = see(reference, out.width, out.height, filters);
   const float largest = largestColourError(), knee = float(COLOUR_KNEE) * largest;
   parallelFor(size_t(out.height), [&](size_t row) {
     for (size_t i = row * size_t(out.width); i < (row + 1) * size_t(out.width); ++i) {
@@ -235,8 +234,7 @@ void addErrors(const std::vector<Rgb>& image, const std::vector<Rgb>& reference,
       const float colour = difference < knee
                                ? difference * (AT_KNEE / knee)
                                : AT_KNEE + (difference - knee) / (largest - knee) * (1 - AT_KNEE);
-      const float features =
-          std::max(std::abs(a.edges[i] - b.edges[i]), std::abs(a.points[i] - b.points[i]));
+      const float features = std::max(std::abs(a.edges[i] - b.edges[i]), std::abs(a.points[i] - b.points[i]));
       const float feature = std::pow(features * 0.70710678f, float(FEATURE_EXPONENT));
       out.errors[i] = std::max(out.errors[i], std::pow(colour, 1 - feature));
     }
@@ -265,8 +263,7 @@ Flip begin(const Image& image, const Image& reference) {
   out.width = image.width;
   out.height = image.height;
   out.mean = std::numeric_limits<double>::quiet_NaN();
-  if (allFinite(image) && allFinite(reference))
-    out.errors.resize(size_t(image.width) * size_t(image.height));
+  if (allFinite(image) && allFinite(reference)) out.errors.resize(size_t(image.width) * size_t(image.height));
   return out;
 }
 

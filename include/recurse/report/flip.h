@@ -11,7 +11,8 @@
 
 namespace recurse {
 
-/** Pixels per degree of vision: the papers' default, a display 0.7 m and 3840 pixels wide, seen from 0.7 m. */
+/** Pixels per degree of vision: the papers' default, a display 0.7 m and 3840 pixels wide, seen from 0.7 m.
+ */
 constexpr double FLIP_PIXELS_PER_DEGREE = 3840 * 3.14159265358979323846 / 180;
 
 /** The error of each pixel, row by row, and their mean: 0, nothing seen, to 1. */
@@ -23,8 +24,8 @@ struct Flip {
   std::vector<double> exposures;
 };
 
-/** Of linear pictures as a display shows them without exposure, which is cut to [0, 1]. Throws Error where the
- * sizes differ. */
+/** Of linear pictures as a display shows them without exposure, which is cut to [0, 1]. Throws Error where
+ * the sizes differ. */
 Flip ldrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 
 /**
