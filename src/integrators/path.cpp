@@ -62,7 +62,7 @@ class Path final : public Integrator {
       if (depth > ROULETTE_FREE_DEPTH &&
           !survives(maxComponent(throughput) * etaScale, depth, sampler, throughput))
         return;
-      last = {hit.point, s->pdf, !s->specular()};
+      last = {hit.point.position, s->pdf, !s->specular()};
       ray = spawn(hit.point, s->direction);
     }
   }

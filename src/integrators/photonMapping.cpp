@@ -175,7 +175,7 @@ class PhotonMapping final : public Integrator {
     if (scene.contents().areaLights + scene.contents().environmentLights == 0) return;
     const std::optional<Scatter> s = scattering.scatterDiffuse(wi, Transport::RADIANCE, sampler);
     if (!s) return;
-    BsdfRay own{point, s->pdf, true};
+    BsdfRay own{point.position, s->pdf, true};
     Ray ray = spawn(point, s->direction);
     Hit hit;
     for (;;) {

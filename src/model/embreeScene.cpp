@@ -55,17 +55,19 @@ void occludedCallback(const RTCOccludedFunctionNArguments* a) {
   if (meet(*static_cast<const SceneGeometry*>(a->geometryUserPtr), a->primID, *ray)) ray->tfar = -INFINITE;
 }
 
-RTCRay toEmbree(const Ray& ray, unsigned mask) {
-  RTCRay r{};
+void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
   r.org_x = ray.origin.x;
   r.org_y = ray.origin.y;
   r.org_z = ray.origin.z;
+  r.tnear = 0;
   r.dir_x = ray.direction.x;
   r.dir_y = ray.direction.y;
   r.dir_z = ray.direction.z;
+  r.time = 0;
   r.tfar = ray.tMax;
   r.mask = mask;
-  return r;
+  r.id = 0;
+  r.flags = 0;
 }
 
 /** A point of an object definition, seen from the scene. */
@@ -166,7 +168,7 @@ EmbreeScene::~EmbreeScene() {
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
   RTCRayHit rayHit;
-  rayHit.ray = toEmbree(ray, SEEN);
+  setRay(rayHit.ray, ray, SEEN);
   rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   const GeometryGroup* group = groups.front().get();
@@ -190,7 +192,8 @@ bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
 }
 
 bool EmbreeScene::occluded(const Ray& ray) const {
-  RTCRay r = toEmbree(ray, CASTS_SHADOW);
+  RTCRay r;
+  setRay(r, ray, CASTS_SHADOW);
   embree::occluded(groups.front()->scene(), r);
   return r.tfar < 0;
 }

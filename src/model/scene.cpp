@@ -30,8 +30,7 @@ void LightTable::build(const std::vector<const Light*>& all) {
   }
 }
 
-ChosenLight LightTable::choose(float& u) const {
-  if (lights.size() == 1) return {lights[0], probabilities[0]};
+ChosenLight LightTable::chooseOfMany(float& u) const {
   const auto found = std::upper_bound(cumulative.begin(), cumulative.end() - 1, u);
   const auto i = static_cast<size_t>(found - cumulative.begin());
   const float below = i > 0 ? cumulative[i - 1] : 0;

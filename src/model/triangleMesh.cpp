@@ -110,6 +110,8 @@ TriangleMesh::TriangleMesh(MeshData&& data, const ShapeContext& context)
     sum += 0.5 * glm::length(windingNormal(triangles[i]));
   }
   totalArea = static_cast<float>(sum);
+  planes.reserve(triangles.size());
+  for (const glm::uvec3& t : triangles) planes.push_back(planeOf(t));
 }
 
 Vec3d TriangleMesh::windingNormal(const glm::uvec3& t) const {
@@ -128,8 +130,22 @@ std::optional<PrimitiveHit> TriangleMesh::intersect(uint32_t, const Vec3f&, cons
   throw std::logic_error("triangles are intersected by Embree");
 }
 
+TriangleMesh::Plane TriangleMesh::planeOf(const glm::uvec3& t) const {
+  const Vec3d p0 = vertices[t.x], e1 = Vec3d(vertices[t.y]) - p0, e2 = Vec3d(vertices[t.z]) - p0;
+  Vec3d normal = glm::cross(e1, e2);
+  const double normalLength = glm::length(normal);
+  if (normalLength > 0)
+    normal /= normalLength;
+  else
+    normal = anyPerpendicular(glm::dot(e1, e1) > glm::dot(e2, e2) ? e1 : e2);
+  const Vec3d extent = glm::max(Vec3d(0), glm::max(e1, e2)) - glm::min(Vec3d(0), glm::min(e1, e2));
+  return {Vec3f(flipped ? -normal : normal),
+          static_cast<float>(embreePlaneError(extent, normal, normalLength))};
+}
+
 SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters) const {
   const glm::uvec3& triangle = triangles[primitive];
+  const Plane& plane = planes[primitive];
   // Rounding may put Embree's weights just outside.
   double b1 = std::clamp(double(parameters.x), 0.0, 1.0), b2 = std::clamp(double(parameters.y), 0.0, 1.0);
   if (b1 + b2 > 1) {
@@ -137,42 +153,31 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
     b1 /= sum;
     b2 /= sum;
   }
-  const double b0 = 1 - b1 - b2;
   const auto interpolated = [&](const auto& values) {
     using V = glm::vec<std::decay_t<decltype(values[0])>::length(), double>;
-    return V(values[triangle.x]) * b0 + V(values[triangle.y]) * b1 + V(values[triangle.z]) * b2;
+    return V(values[triangle.x]) * (1 - b1 - b2) + V(values[triangle.y]) * b1 + V(values[triangle.z]) * b2;
   };
   const Vec3d p0 = vertices[triangle.x], e1 = Vec3d(vertices[triangle.y]) - p0,
               e2 = Vec3d(vertices[triangle.z]) - p0;
 
   SurfacePoint s;
   // From edges, so that a coordinate shared by the vertices comes out exactly.
-  const Vec3d position = p0 + e1 * b1 + e2 * b2;
-  s.position = Vec3f(position);
-
-  Vec3d normal = glm::cross(e1, e2);
-  const double normalLength = glm::length(normal);
-  if (normalLength > 0)
-    normal /= normalLength;
-  else
-    normal = anyPerpendicular(glm::dot(e1, e1) > glm::dot(e2, e2) ? e1 : e2);
-  Vec3d shading{0};
-  if (!normals.empty()) shading = interpolated(normals);
-  // Unit normals that nearly cancel leave only rounding behind.
-  const double shadingLength = glm::length(shading);
-  const bool smooth = shadingLength > 1e-6;
-  if (smooth ? glm::dot(normal, shading) < 0 : flipped) normal = -normal;
-  s.geometricNormal = Vec3f(normal);
-  s.shadingNormal = smooth ? Vec3f(shading / shadingLength) : s.geometricNormal;
-  // In floats as well: the caller relies on it.
-  if (glm::dot(s.shadingNormal, s.geometricNormal) < 0) s.shadingNormal = s.geometricNormal;
-
-  const Vec3d lower = glm::min(Vec3d(0), glm::min(e1, e2)),
-              extent = glm::max(Vec3d(0), glm::max(e1, e2)) - lower;
-  Vec3d rounding = position;
+  s.position = Vec3f(p0 + e1 * b1 + e2 * b2);
+  Vec3f rounding = glm::abs(s.position);
   for (int i = 0; i < 3; ++i)
-    if (extent[i] == 0) rounding[i] = 0; // the vertices' own coordinate, exactly
-  s.error = positionError(rounding, 0x1p-50 * extent, normal, embreePlaneError(extent, normal, normalLength));
+    if (e1[i] == 0 && e2[i] == 0) rounding[i] = 0; // the vertices' own coordinate, exactly
+  s.error = positionError(rounding, plane.normal, plane.error);
+
+  s.geometricNormal = plane.normal;
+  s.shadingNormal = plane.normal;
+  if (!normals.empty()) {
+    const Vec3d shading = interpolated(normals);
+    const double length = glm::length(shading);
+    if (length > 1e-6) { // unit normals that nearly cancel leave only rounding behind
+      s.shadingNormal = Vec3f(shading / length);
+      if (glm::dot(s.shadingNormal, s.geometricNormal) < 0) s.geometricNormal = -s.geometricNormal;
+    }
+  }
 
   if (uvs.empty()) { // pbrt's defaults: (0,0), (1,0), (1,1)
     s.uv = Vec2f(static_cast<float>(b1 + b2), static_cast<float>(b2));
@@ -181,7 +186,7 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
     return s;
   }
   const Vec2d t0 = uvs[triangle.x], t1 = uvs[triangle.y], t2 = uvs[triangle.z];
-  s.uv = Vec2f(t0 * b0 + t1 * b1 + t2 * b2);
+  s.uv = Vec2f(interpolated(uvs));
   const Vec2d d1 = t1 - t0, d2 = t2 - t0;
   const double determinant = d1.x * d2.y - d1.y * d2.x;
   Vec3d dpdu{0};
@@ -197,10 +202,11 @@ void TriangleMesh::tabulateAreas() const {
   cumulativeArea.reserve(triangles.size());
   double sum = 0;
   for (const glm::uvec3& t : triangles) cumulativeArea.push_back(sum += 0.5 * glm::length(windingNormal(t)));
+  tabulated.store(true, std::memory_order_release);
 }
 
 ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
-  std::call_once(tabulated, [this] { tabulateAreas(); });
+  if (!tabulated.load(std::memory_order_acquire)) std::call_once(once, [this] { tabulateAreas(); });
   ShapeSample s;
   if (!(totalArea > 0)) return s;
   // A float has too few digits to choose among millions of triangles: u.x adds the lower ones. Where that
@@ -219,15 +225,9 @@ ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
     within.x = std::clamp(static_cast<float>((wanted - below) / (*found - below)), 0.0f, ONE_MINUS_EPSILON);
   }
   // Heitz, "A Low-Distortion Map Between Triangle and Square" (2019).
-  Vec2f b = within;
-  if (b.y > b.x) {
-    b.x *= 0.5f;
-    b.y -= b.x;
-  } else {
-    b.y *= 0.5f;
-    b.x -= b.y;
-  }
-  s.point = surfaceAt(static_cast<uint32_t>(i), b);
+  const float half = std::min(within.x, within.y) * 0.5f;
+  s.point = surfaceAt(static_cast<uint32_t>(i),
+                      within.y > within.x ? Vec2f(half, within.y - half) : Vec2f(within.x - half, half));
   s.pdf = 1 / totalArea;
   return s;
 }

@@ -35,7 +35,7 @@ Rgb emittedRadiance(const Scene& scene, const Hit& hit, const Vec3f& direction, 
   const Rgb radiance = hit.areaLight->radiance(hit.point, -direction);
   if (!ray.weighted || isBlack(radiance)) return radiance;
   const float lightPdf = scene.lights().probability(hit.lightIndex) *
-                         hit.areaLight->pdfIlluminate(ray.from.position, hit.primitive, hit.point);
+                         hit.areaLight->pdfIlluminate(ray.from, hit.primitive, hit.point);
   return radiance * (1 - powerHeuristic(lightSamples, lightPdf, ray.pdf));
 }
 

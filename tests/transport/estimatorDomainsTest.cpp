@@ -287,7 +287,7 @@ Rgb leftToShadowRays(const Scene& scene, const ScatteringPoint& scattering, cons
     Hit hit;
     bool escaped = false;
     if (!findLight(scene, point, light->direction, *chosen.light, hit, escaped)) continue;
-    const BsdfRay ray{point, scattering.pdf(wi, light->direction, allowed), true};
+    const BsdfRay ray{point.position, scattering.pdf(wi, light->direction, allowed), true};
     const Rgb weighted = escaped ? environmentRadiance(scene, light->direction, ray, n)
                                  : emittedRadiance(scene, hit, light->direction, ray, n),
               plain = escaped ? environmentRadiance(scene, light->direction, {}, n)

@@ -60,41 +60,58 @@ class Sampler {
  public:
   /** `stream` tells pixels, and photon passes, apart; `index` counts samples of that stream. */
   Sampler(uint64_t seed, uint64_t stream, uint32_t index)
-      : key(hashCombine(mixBits(seed), stream)), index(index) {}
+      : key(hashCombine(mixBits(seed), stream)), reversedIndex(detail::reverseBits(index)) {}
 
   /** In [0, 1). */
-  float next1D() {
-    const uint64_t h = nextKey();
-    return unitFloat(owen(shuffledReversed(h), static_cast<uint32_t>(h >> 32)));
-  }
+  float next1D() { return first[next()]; }
   /** In [0, 1)². */
   Vec2f next2D() {
-    const uint64_t h = nextKey();
-    const uint32_t reversed = shuffledReversed(h);
-    const auto seed = static_cast<uint32_t>(h >> 32);
-    return {unitFloat(owen(reversed, seed)),
-            unitFloat(owen(detail::sobolSecondReversed(reversed), seed * 0x9e3779b9u + 0x7f4a7c15u))};
+    const unsigned i = next();
+    return {first[i], second[i]};
   }
   /** An independent sampler for a branch of the path. */
   Sampler fork(uint32_t branch) const {
     Sampler s = *this;
     s.key = hashCombine(key ^ (uint64_t(dimension) << 32), branch);
+    s.dimension = (dimension + AT_ONCE - 1) / AT_ONCE * AT_ONCE;
     return s;
   }
 
  private:
-  uint64_t nextKey() { return mixBits(key + 0x9e3779b97f4a7c15ull * ++dimension); }
-  /** The index, shuffled within this dimension by an Owen scramble of its own, as bits from the top down. */
-  uint32_t shuffledReversed(uint64_t h) const {
-    return detail::scrambleReversed(detail::reverseBits(index), static_cast<uint32_t>(h));
+  /** Pairs of dimensions that are made together: the loops over them become vector instructions. */
+  static constexpr unsigned AT_ONCE = 4;
+
+  unsigned next() {
+    const unsigned i = dimension % AT_ONCE;
+    if (i == 0) refill();
+    ++dimension;
+    return i;
   }
-  static uint32_t owen(uint32_t topDown, uint32_t seed) {
-    return detail::reverseBits(detail::scrambleReversed(detail::reverseBits(topDown), seed));
+  void refill() {
+    // The index is shuffled within each pair of dimensions by an Owen scramble of its own.
+    uint32_t shuffle[AT_ONCE], bits[2 * AT_ONCE], seeds[2 * AT_ONCE];
+    for (unsigned i = 0; i < AT_ONCE; ++i) {
+      const uint64_t h = mixBits(key + 0x9e3779b97f4a7c15ull * (dimension + i + 1));
+      shuffle[i] = static_cast<uint32_t>(h);
+      seeds[i] = static_cast<uint32_t>(h >> 32);
+    }
+    for (unsigned i = 0; i < AT_ONCE; ++i) {
+      bits[i] = detail::scrambleReversed(reversedIndex, shuffle[i]);
+      bits[AT_ONCE + i] = detail::sobolSecondReversed(bits[i]);
+      seeds[AT_ONCE + i] = seeds[i] * 0x9e3779b9u + 0x7f4a7c15u;
+    }
+    for (unsigned i = 0; i < 2 * AT_ONCE; ++i)
+      bits[i] = detail::reverseBits(detail::scrambleReversed(detail::reverseBits(bits[i]), seeds[i]));
+    for (unsigned i = 0; i < AT_ONCE; ++i) {
+      first[i] = unitFloat(bits[i]);
+      second[i] = unitFloat(bits[AT_ONCE + i]);
+    }
   }
 
   uint64_t key;
-  uint32_t index;
+  uint32_t reversedIndex;
   uint32_t dimension = 0;
+  float first[AT_ONCE], second[AT_ONCE]; ///< filled where dimension % AT_ONCE > 0
 };
 
 } // namespace recurse

@@ -5,7 +5,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include <glm/glm.hpp>
@@ -31,6 +33,17 @@ constexpr float ONE_MINUS_EPSILON = 0x1.fffffep-1f;
 constexpr float roundingBound(int n) {
   constexpr float UNIT = std::numeric_limits<float>::epsilon() * 0.5f;
   return static_cast<float>(n) * UNIT / (1 - static_cast<float>(n) * UNIT);
+}
+
+/** The float next to a finite x, above it where `direction` is positive and below it where that is negative.
+ */
+inline float nextFloat(float x, float direction) {
+  constexpr uint32_t SIGN = 0x80000000u;
+  const uint32_t way = std::bit_cast<uint32_t>(direction) & SIGN;
+  uint32_t bits = std::bit_cast<uint32_t>(x);
+  if (x == 0) bits = way; // of both zeros the one on that side
+  bits += (bits & SIGN) == way ? 1u : ~0u;
+  return std::bit_cast<float>(bits);
 }
 
 template <class T> constexpr T square(T x) { return x * x; }

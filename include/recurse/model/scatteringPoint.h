@@ -7,6 +7,7 @@
 #pragma once
 
 #include "recurse/core/sampler.h"
+#include "recurse/core/sampling.h"
 #include "recurse/model/bsdf.h"
 
 namespace recurse {
@@ -57,12 +58,17 @@ class ScatteringPoint {
 
   /** Density with which scatter chooses wo by a non-delta lobe [1/sr], for the same allowed lobes. */
   float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
+    if (!(lobeSet & allowed & DELTA_LOBES)) return pdfDiffuse(wi, wo);
     const Vec3f local = frame.toLocal(wi);
     const float p = bsdf.pdf(local, frame.toLocal(wo));
-    return (lobeSet & allowed & DELTA_LOBES) ? p * diffuseChance(local) : p;
+    return p * diffuseChance(local);
   }
   /** The same when only the non-delta lobes are sampled (scatterDiffuse). */
   float pdfDiffuse(const Vec3f& wi, const Vec3f& wo) const {
+    if (lobeSet & LAMBERTIAN) {
+      const float cosI = glm::dot(wi, frame.z), cosO = glm::dot(wo, frame.z);
+      return cosI * cosO > 0 ? std::abs(cosO) * INV_PI : 0;
+    }
     return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
   }
 
@@ -109,18 +115,16 @@ class ScatteringPoint {
 
   /** One step by the non-delta lobes only. */
   std::optional<Scatter> scatterDiffuse(const Vec3f& wi, Transport transport, Sampler& sampler) const {
-    const Vec3f local = frame.toLocal(wi);
     const Vec2f u = sampler.next2D();
-    // Most BSDFs have one non-delta lobe and need no third number.
-    const float pick = (lobeSet & LAMBERTIAN) ? 0 : sampler.next1D();
-    const std::optional<Vec3f> wo = bsdf.sample(local, u, pick);
+    if (lobeSet & LAMBERTIAN) return scatterLambertian(wi, transport, u);
+    const Vec3f local = frame.toLocal(wi);
+    const std::optional<Vec3f> wo = bsdf.sample(local, u, sampler.next1D());
     if (!wo) return {};
     Scatter s;
     s.direction = frame.toWorld(*wo);
     s.pdf = bsdf.pdf(local, *wo);
     if (!(s.pdf > 0) || leaks(wi, s.direction)) return {};
-    // For a constant BSDF, sampled in proportion to the cosine, the quotient is the albedo.
-    s.weight = (lobeSet & LAMBERTIAN) ? constant * PI : bsdf.value(local, *wo) * (std::abs(wo->z) / s.pdf);
+    s.weight = bsdf.value(local, *wo) * (std::abs(wo->z) / s.pdf);
     s.lobe = local.z * wo->z > 0 ? REFLECTION : TRANSMISSION;
     if (transport == Transport::FLUX) s.weight *= shadingNormalFactor(wi, local, s.direction, *wo);
     return s;
@@ -157,6 +161,23 @@ class ScatteringPoint {
   const Vec3f& normal() const { return frame.z; }
 
  private:
+  /** The quotient of a constant BSDF times the cosine and a density in proportion to the cosine is the
+   * albedo: most surfaces of most scenes, so no virtual function is asked. */
+  std::optional<Scatter> scatterLambertian(const Vec3f& wi, Transport transport, const Vec2f& u) const {
+    Vec3f local = cosineHemisphere(u);
+    const float cosI = glm::dot(wi, frame.z);
+    if (cosI < 0) local.z = -local.z;
+    Scatter s;
+    s.direction = frame.toWorld(local);
+    s.pdf = std::abs(local.z) * INV_PI;
+    if (!(s.pdf > 0) || cosI == 0 || leaks(wi, s.direction)) return {};
+    s.weight = constant * PI;
+    s.lobe = REFLECTION;
+    if (transport == Transport::FLUX)
+      s.weight *= shadingNormalFactor(wi, frame.toLocal(wi), s.direction, local);
+    return s;
+  }
+
   /** True when the directions' sides by the geometric normal are not those by the shading normal. */
   bool leaks(const Vec3f& wi, const Vec3f& wo) const {
     const bool sameGeometric = glm::dot(wi, geometricNormal) * glm::dot(wo, geometricNormal) > 0;

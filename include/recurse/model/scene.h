@@ -43,9 +43,13 @@ class LightTable {
   const Light& operator[](size_t i) const { return *lights[i]; }
   float probability(size_t i) const { return probabilities[i]; }
   /** u in [0,1) is used up and replaced by a fresh number in [0,1). Not to be called on an empty table. */
-  ChosenLight choose(float& u) const;
+  ChosenLight choose(float& u) const {
+    return lights.size() == 1 ? ChosenLight{lights[0], probabilities[0]} : chooseOfMany(u);
+  }
 
  private:
+  ChosenLight chooseOfMany(float& u) const;
+
   std::vector<const Light*> lights;
   std::vector<float> probabilities, cumulative;
 };

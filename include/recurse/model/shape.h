@@ -36,10 +36,7 @@ struct SurfacePoint {
     Vec3f p = position + geometricNormal * (side * distance);
     for (int i = 0; i < 3; ++i) { // the sum is rounded: make sure that it is rounded away from the surface
       const float away = side * geometricNormal[i];
-      if (away > 0)
-        p[i] = std::nextafter(p[i], INFINITE);
-      else if (away < 0)
-        p[i] = std::nextafter(p[i], -INFINITE);
+      if (away != 0) p[i] = nextFloat(p[i], away);
     }
     return p;
   }
@@ -106,6 +103,14 @@ inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const
   // The slack covers the float operations of SurfacePoint::rayOrigin.
   constexpr double UNIT = 0x1p-24, SLACK = 1 + 0x1p-20;
   return Vec3f((UNIT * glm::abs(position) + exactError + offset * glm::abs(normal)) * SLACK);
+}
+
+/** The same for a point computed from floats, of which `rounding` are the magnitudes of those coordinates
+ * that are not exact. */
+inline Vec3f positionError(const Vec3f& rounding, const Vec3f& normal, float offset) {
+  // The slack covers these and the float operations of SurfacePoint::rayOrigin.
+  constexpr float UNIT = 0x1p-24f, SLACK = 1 + 0x1p-19f;
+  return (UNIT * rounding + offset * glm::abs(normal)) * SLACK;
 }
 
 /** The parameter `alpha`, which pbrt takes for every shape: only opaque surfaces are rendered so far. */

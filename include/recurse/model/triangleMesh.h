@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include <atomic>
 #include <mutex>
 #include <vector>
 
@@ -42,16 +43,25 @@ class TriangleMesh final : public Shape {
   /** The winding rule's normal in double precision, not normalised; zero for a triangle without area. */
   Vec3d windingNormal(const glm::uvec3& triangle) const;
   void tabulateAreas() const;
+  /** What a hit needs of its triangle and is slow to find out: a normal on the outer side by the winding
+   * rule, and the distance from the plane within which Embree may find a point. */
+  struct Plane {
+    Vec3f normal;
+    float error;
+  };
+  Plane planeOf(const glm::uvec3& triangle) const;
 
   std::vector<Vec3f> vertices, normals, tangents;
   std::vector<Vec2f> uvs;
   std::vector<glm::uvec3> triangles;
+  std::vector<Plane> planes;
   float totalArea = 0;
   bool flipped = false; ///< the winding rule's normal points inside
 
   // Only emitting meshes are sampled, so the table is made when it is first wanted.
-  mutable std::once_flag tabulated;
-  mutable std::vector<double> cumulativeArea; ///< of triangles [0, i]
+  mutable std::once_flag once;
+  mutable std::atomic<bool> tabulated = false; ///< quicker to ask than the flag
+  mutable std::vector<double> cumulativeArea;  ///< of triangles [0, i]
 };
 
 } // namespace recurse

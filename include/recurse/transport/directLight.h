@@ -28,7 +28,7 @@ void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, cons
 
 /** What a BSDF ray carries to find the weight of the light that it may meet. */
 struct BsdfRay {
-  SurfacePoint from;
+  Vec3f from{0};
   float pdf = 0;         ///< per solid angle; of a non-delta lobe
   bool weighted = false; ///< false after the eye and after delta lobes: no shadow ray could find this light
 };

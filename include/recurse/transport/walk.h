@@ -43,10 +43,9 @@ inline bool visible(const Scene& scene, const SurfacePoint& from, const Illumina
   const Vec3f origin = from.rayOrigin(light.direction);
   if (light.distance == INFINITE) return !scene.occluded({origin, light.direction, INFINITE});
   const Vec3f way = light.target - origin;
-  const float length = glm::length(way);
-  if (!(length > 0)) return true;
-  // The target is displaced from its own surface; the factor covers the rounding of direction and distance.
-  return !scene.occluded({origin, way / length, length * (1 - 16 * std::numeric_limits<float>::epsilon())});
+  if (way == Vec3f(0)) return true;
+  // The target is displaced from its own surface; the limit covers the rounding of the way.
+  return !scene.occluded({origin, way, 1 - 16 * std::numeric_limits<float>::epsilon()});
 }
 
 } // namespace recurse
