@@ -14,8 +14,8 @@
 #include <optional>
 
 #include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 
+#include "core/imageInput.h"
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/error.h"
 
@@ -51,7 +51,6 @@ Content contentByExtension(const std::string& fileName) {
 float srgbFromLinear(float x) {
   return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
 }
-float linearFromSrgb(float x) { return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f); }
 
 uint8_t displayByte(float linear, float scale) {
   const float x = linear * scale;
@@ -153,7 +152,10 @@ std::vector<unsigned char> encodeImage(const std::string& fileName, const Image&
   return encode(fileName, spec, OIIO::TypeDesc::UINT8, bytes.data());
 }
 
-/** The channels in the order in which an Image has them: R, G, B, then the others as in the file. */
+} // namespace
+
+float linearFromSrgb(float x) { return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f); }
+
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names) {
   const auto find = [&names](const std::string& wanted) -> std::optional<int> {
     for (size_t i = 0; i < names.size(); ++i)
@@ -187,25 +189,33 @@ std::vector<int> channelOrder(const std::string& fileName, const std::vector<std
   return order;
 }
 
-} // namespace
-
 int Image::channel(const std::string& name) const {
   const auto found = std::find(channels.begin(), channels.end(), name);
   return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());
 }
 
-Image readImage(const std::string& fileName) {
+namespace detail {
+
+std::unique_ptr<OIIO::ImageInput> openImage(const std::string& fileName) {
   std::error_code error;
   const auto status = std::filesystem::status(fileName, error);
   if (!std::filesystem::exists(status))
     throw Error(fileName +
                 ": cannot be read: " + (error ? error.message() : std::string("No such file or directory")));
   if (std::filesystem::is_directory(status)) throw Error(fileName + ": cannot be read: it is a folder");
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(fileName);
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(fileName);
   if (!input) throw Error(fileName + ": cannot be read: " + OIIO::geterror());
   const OIIO::ImageSpec& spec = input->spec();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
     throw Error(fileName + ": cannot be read: not a picture of two dimensions");
+  return input;
+}
+
+} // namespace detail
+
+Image readImage(const std::string& fileName) {
+  const std::unique_ptr<OIIO::ImageInput> input = detail::openImage(fileName);
+  const OIIO::ImageSpec& spec = input->spec();
   const std::vector<int> order = channelOrder(fileName, spec.channelnames);
   const size_t stored = size_t(spec.nchannels);
   std::vector<float> pixels(size_t(spec.width) * size_t(spec.height) * stored);

@@ -16,7 +16,7 @@ class Path final : public Integrator {
   void backward(const Scene& scene, const EyeRay& eyeRay, Sampler& sampler,
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
-    Ray ray = eyeRay;
+    EyeRay ray = eyeRay;
     Rgb throughput(1);
     float etaScale = 1; // undoes the 1/η² inside glass, which is no reason to end a walk
     EyeState eye = classes.eyeStart();
@@ -33,10 +33,11 @@ class Path final : public Integrator {
       if (hit.areaLight)
         out.add(classes.lightStart(), eye,
                 throughput * emittedRadiance(scene, hit, ray.direction, last, lightSamples));
+      ray.width += ray.spread * hit.t;
       arena.reset();
-      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      const Bsdf* bsdf = bsdfAt(hit, footprint(ray), arena);
       if (!bsdf) {
-        ray = spawn(hit.point, ray.direction);
+        static_cast<Ray&>(ray) = spawn(hit.point, ray.direction);
         continue;
       }
       if (depth == maxDepth) {
@@ -63,7 +64,8 @@ class Path final : public Integrator {
           !survives(maxComponent(throughput) * etaScale, depth, sampler, throughput))
         return;
       last = {hit.point.position, s->pdf, !s->specular()};
-      ray = spawn(hit.point, s->direction);
+      static_cast<Ray&>(ray) = spawn(hit.point, s->direction);
+      if (!s->specular()) ray.width = ray.spread = 0; // what a pixel sees from here on is not known
     }
   }
 

@@ -107,7 +107,7 @@ class PhotonMapping final : public Integrator {
                 throughput * emittedRadiance(scene, hit, ray.direction, {}, settings.lightSamples));
       ray.width += ray.spread * hit.t;
       arena.reset();
-      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      const Bsdf* bsdf = bsdfAt(hit, footprint(ray), arena);
       if (!bsdf) {
         static_cast<Ray&>(ray) = spawn(hit.point, ray.direction);
         continue;
@@ -203,7 +203,7 @@ class PhotonMapping final : public Integrator {
       if (!intersect(scene, ray, hit, counts)) return false;
       ray.width += ray.spread * hit.t;
       arena.reset();
-      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      const Bsdf* bsdf = bsdfAt(hit, {}, arena);
       Vec3f direction = ray.direction;
       if (bsdf) {
         const ScatteringPoint scattering(*bsdf, hit.point);

@@ -28,7 +28,8 @@ class DiffuseArea final : public AreaLight {
       sides = 2;
     }
     const Vec3f direction = Frame(normal).toWorld(cosineHemisphere(sampler.next2D()));
-    return Emission{s.point.rayOrigin(direction), direction, constant * (PI * sides / s.pdf)};
+    return Emission{s.point.rayOrigin(direction), direction,
+                    constant * (opacity(s.point) * PI * sides / s.pdf)};
   }
   std::optional<Illumination> illuminate(const Vec3f& point, float pick, const Vec2f& u) const override {
     const std::optional<ShapeSample> s = shape().sampleDirection(point, pick, u);
@@ -38,7 +39,9 @@ class DiffuseArea final : public AreaLight {
     if (!(distance > 0)) return {};
     const Vec3f direction = towards / distance;
     if (isBlack(radiance(s->point, -direction))) return {};
-    return Illumination{direction, s->point.rayOrigin(-direction), distance, constant, s->pdf, false};
+    return Illumination{direction, s->point.rayOrigin(-direction),
+                        distance,  constant * opacity(s->point),
+                        s->pdf,    isUnseen()};
   }
 
  private:

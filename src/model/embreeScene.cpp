@@ -3,9 +3,11 @@
  */
 #include "model/embreeScene.h"
 
+#include <bit>
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include "recurse/core/sampler.h"
 #include "recurse/model/triangleMesh.h"
 
 namespace recurse {
@@ -20,7 +22,40 @@ void boundsCallback(const RTCBoundsFunctionArguments* a) {
   *a->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
 }
 
-std::optional<PrimitiveHit> meet(const SceneGeometry& g, unsigned primitive, const RTCRay& ray) {
+void transformToScene(const GeometryGroup::Instance& instance, SurfacePoint& p);
+
+/**
+ * Whether a ray passes through a surface with alpha, by a number that is hashed from the ray and the place:
+ * the same whoever asks, and independent for each surface along the ray.
+ */
+bool passes(const SceneGeometry& g, unsigned primitive, const Vec2f& parameters, const Vec3f& origin,
+            const Vec3f& direction, unsigned instance) {
+  SurfacePoint point = g.shape->surfaceAt(primitive, parameters);
+  if (instance != RTC_INVALID_GEOMETRY_ID) transformToScene(g.top->instance(instance), point);
+  const float alpha = g.shape->alpha->at(point).r;
+  if (alpha >= 1) return false;
+  if (alpha <= 0) return true;
+  uint64_t h = hashCombine(primitive, instance);
+  for (const Vec3f& v : {origin, direction, Vec3f(parameters, 0)})
+    for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(v[i]));
+  return unitFloat(static_cast<uint32_t>(h >> 32)) >= alpha;
+}
+
+/** For triangles, which Embree intersects: turns down the meetings that alpha does not make. */
+void filterCallback(const RTCFilterFunctionNArguments* a) {
+  const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
+  for (unsigned i = 0; i < a->N; ++i) {
+    if (!a->valid[i]) continue;
+    const RTCRay ray = rtcGetRayFromRayN(a->ray, a->N, i);
+    const RTCHit hit = rtcGetHitFromHitN(a->hit, a->N, i);
+    if (passes(g, hit.primID, {hit.u, hit.v}, {ray.org_x, ray.org_y, ray.org_z},
+               {ray.dir_x, ray.dir_y, ray.dir_z}, hit.instID[0]))
+      a->valid[i] = 0;
+  }
+}
+
+std::optional<PrimitiveHit> meet(const SceneGeometry& g, unsigned primitive, const RTCRay& ray,
+                                 unsigned instance) {
   const Vec3f origin(ray.org_x, ray.org_y, ray.org_z);
   Vec3f direction(ray.dir_x, ray.dir_y, ray.dir_z);
   // Inside a scaled instance the direction is not of unit length; shapes want it so.
@@ -28,6 +63,9 @@ std::optional<PrimitiveHit> meet(const SceneGeometry& g, unsigned primitive, con
   direction /= length;
   std::optional<PrimitiveHit> hit =
       g.shape->intersect(primitive, origin, direction, ray.tnear * length, ray.tfar * length);
+  if (g.shape->alpha)
+    while (hit && passes(g, primitive, hit->parameters, origin, direction, instance))
+      hit = g.shape->intersect(primitive, origin, direction, hit->t, ray.tfar * length);
   if (hit) {
     hit->t /= length;
     if (!(hit->t < ray.tfar)) hit.reset();
@@ -39,7 +77,7 @@ void intersectCallback(const RTCIntersectFunctionNArguments* a) {
   if (!a->valid[0]) return;
   auto* rayHit = reinterpret_cast<RTCRayHit*>(a->rayhit);
   const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
-  const std::optional<PrimitiveHit> hit = meet(g, a->primID, rayHit->ray);
+  const std::optional<PrimitiveHit> hit = meet(g, a->primID, rayHit->ray, a->context->instID[0]);
   if (!hit) return;
   rayHit->ray.tfar = hit->t;
   rayHit->hit.u = hit->parameters.x;
@@ -52,7 +90,8 @@ void intersectCallback(const RTCIntersectFunctionNArguments* a) {
 void occludedCallback(const RTCOccludedFunctionNArguments* a) {
   if (!a->valid[0]) return;
   auto* ray = reinterpret_cast<RTCRay*>(a->ray);
-  if (meet(*static_cast<const SceneGeometry*>(a->geometryUserPtr), a->primID, *ray)) ray->tfar = -INFINITE;
+  if (meet(*static_cast<const SceneGeometry*>(a->geometryUserPtr), a->primID, *ray, a->context->instID[0]))
+    ray->tfar = -INFINITE;
 }
 
 void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
@@ -85,6 +124,7 @@ void transformToScene(const GeometryGroup::Instance& instance, SurfacePoint& p) 
   p.geometricNormal = Vec3f(glm::normalize(instance.normalFromGroup * Vec3d(p.geometricNormal)));
   p.shadingNormal = Vec3f(glm::normalize(instance.normalFromGroup * Vec3d(p.shadingNormal)));
   p.dpdu = Vec3f(linear * Vec3d(p.dpdu));
+  p.dpdv = Vec3f(linear * Vec3d(p.dpdv));
 }
 
 RTCDevice newDevice() {
@@ -124,6 +164,11 @@ void GeometryGroup::add(const SceneGeometry& added) {
     std::copy(positions.begin(), positions.end(), static_cast<Vec3f*>(vertices));
     rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
                                sizeof(glm::uvec3), indices.size());
+    if (mesh->alpha) {
+      rtcSetGeometryUserData(g, &stored);
+      rtcSetGeometryIntersectFilterFunction(g, filterCallback);
+      rtcSetGeometryOccludedFilterFunction(g, filterCallback);
+    }
   } else {
     rtcSetGeometryUserPrimitiveCount(g, stored.shape->primitiveCount());
     rtcSetGeometryUserData(g, &stored);

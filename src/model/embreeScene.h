@@ -11,12 +11,15 @@
 
 namespace recurse {
 
+class GeometryGroup;
+
 /** One shape in a tree, with what hits on it mean. */
 struct SceneGeometry {
   const Shape* shape = nullptr;
   const Material* material = nullptr;
   const AreaLight* light = nullptr;
   uint32_t lightIndex = 0;
+  const GeometryGroup* top = nullptr; ///< where the instances are that alpha's points are seen through
 };
 
 /** Shapes with a tree of their own: the top level, or one object definition. */

@@ -165,11 +165,17 @@ class SceneBuilder final : public TextureLookup {
 
   TexturedRgb lookUp(const Parameters& p, const std::string& name, bool spectrum) const {
     const std::string texture = p.texture(name);
-    if (texture.empty())
-      return {spectrum ? Rgb(p.spectrum(name)) : Rgb(static_cast<float>(p.real(name))), nullptr};
+    if (texture.empty()) return {spectrum ? Rgb(p.spectrum(name)) : Rgb(static_cast<float>(p.real(name)))};
+    const auto [lowest, highest] = p.range(name);
+    const auto textured = [&, low = float(lowest), high = float(highest)](const Texture* t) {
+      return TexturedRgb{BLACK, t, low, high};
+    };
     const auto key = std::make_pair(texture, spectrum);
     const auto found = texturesByName.find(key);
-    if (found != texturesByName.end()) return {BLACK, found->second};
+    if (found != texturesByName.end()) {
+      if (found->second.underWay) p.fail(name, "texture \"" + texture + "\" is made of itself");
+      return textured(found->second.texture);
+    }
     std::vector<std::string> names;
     for (auto t = description.textures.rbegin(); t != description.textures.rend(); ++t) {
       if (t->spectrum != spectrum) continue;
@@ -177,11 +183,14 @@ class SceneBuilder final : public TextureLookup {
         names.push_back(t->name);
         continue;
       }
-      std::unique_ptr<Texture> made = plugIns().textures.make(t->texture, {}, diagnostics, overrides.lenient);
+      texturesByName[key] = {nullptr, true};
+      const TextureContext context{*this, spectrum, t->worldFromTexture, &scene->sceneOrigin};
+      std::unique_ptr<Texture> made =
+          plugIns().textures.make(t->texture, context, diagnostics, overrides.lenient);
       const Texture* pointer = made.get();
       if (made) scene->textures.push_back(std::move(made));
-      texturesByName[key] = pointer;
-      return {BLACK, pointer};
+      texturesByName[key] = {pointer, false};
+      return textured(pointer);
     }
     std::string list;
     for (const std::string& n : nearestNames(texture, names))
@@ -197,6 +206,10 @@ class SceneBuilder final : public TextureLookup {
           SourceLocation where = p.location(parameter);
           const Material* m = namedMaterial(name, where);
           if (!m) p.fail(parameter, "material \"" + name + "\" cannot be used here");
+          if (m->detail)
+            p.fail(parameter,
+                   "material \"" + name + "\" has bumps of its own, and cannot be a part of another",
+                   "\"displacement\" or \"normalmap\" of \"" + p.plugInName() + "\" itself");
           return m;
         }};
     std::unique_ptr<Material> m = plugIns().materials.make(d, context, diagnostics, overrides.lenient);
@@ -259,7 +272,7 @@ class SceneBuilder final : public TextureLookup {
       diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
       return;
     }
-    const ShapeContext context{sceneFromObject, s.reverseOrientation};
+    const ShapeContext context{sceneFromObject, s.reverseOrientation, this};
     std::unique_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, diagnostics, overrides.lenient);
     if (!shape) return;
     if (shape->primitiveCount() == 0) return;
@@ -422,7 +435,7 @@ class SceneBuilder final : public TextureLookup {
       made->reserve(groups[i].placed.size());
       for (const Placed& p : groups[i].placed) {
         const auto light = lightOf.find(p.shape);
-        SceneGeometry g{p.shape, p.material, nullptr, 0};
+        SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get()};
         if (light != lightOf.end()) std::tie(g.light, g.lightIndex) = light->second;
         made->add(g);
       }
@@ -433,6 +446,10 @@ class SceneBuilder final : public TextureLookup {
     scene->groups.front()->commit();
   }
 
+  struct NamedTexture {
+    const Texture* texture = nullptr;
+    bool underWay = false;
+  };
   struct Named {
     const Material* material = nullptr;
     bool underWay = false;
@@ -442,7 +459,7 @@ class SceneBuilder final : public TextureLookup {
   const SceneOverrides& overrides;
   Diagnostics& diagnostics;
   std::unique_ptr<EmbreeScene> scene;
-  mutable std::map<std::pair<std::string, bool>, const Texture*> texturesByName;
+  mutable std::map<std::pair<std::string, bool>, NamedTexture> texturesByName;
   std::map<std::string, Named> materialsByName;
   std::vector<std::pair<bool, const Material*>> materialsByIndex;
   std::deque<Group> groups; ///< [0] is the top level; addresses stay

@@ -49,15 +49,4 @@ Bounds3f roundedOut(const Bounds3d& box) {
   return out;
 }
 
-ParameterSpec alphaParameter() {
-  return realParameter("alpha", "1", "opacity; only 1, an opaque surface, is rendered so far").withTexture();
-}
-
-void requireOpaque(const Parameters& parameters) {
-  if (!parameters.texture("alpha").empty())
-    parameters.fail("alpha", "surfaces cut out by a texture are not rendered yet", "1");
-  if (parameters.real("alpha") < 1)
-    parameters.fail("alpha", "surfaces that are partly transparent by alpha are not rendered yet", "1");
-}
-
 } // namespace recurse

@@ -183,18 +183,23 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
     s.uv = Vec2f(static_cast<float>(b1 + b2), static_cast<float>(b2));
     const Vec3d along = tangents.empty() ? Vec3d(0) : interpolated(tangents);
     s.dpdu = Vec3f(along == Vec3d(0) ? e1 : along);
+    s.dpdv = Vec3f(e2 - e1);
     return s;
   }
   const Vec2d t0 = uvs[triangle.x], t1 = uvs[triangle.y], t2 = uvs[triangle.z];
   s.uv = Vec2f(interpolated(uvs));
   const Vec2d d1 = t1 - t0, d2 = t2 - t0;
   const double determinant = d1.x * d2.y - d1.y * d2.x;
-  Vec3d dpdu{0};
-  if (!tangents.empty()) dpdu = interpolated(tangents);
+  Vec3d dpdu{0}, dpdv{0};
   // A determinant that is all rounding has no direction to offer.
-  if (dpdu == Vec3d(0) && std::abs(determinant) > 1e-9 * (std::abs(d1.x * d2.y) + std::abs(d1.y * d2.x)))
+  if (std::abs(determinant) > 1e-9 * (std::abs(d1.x * d2.y) + std::abs(d1.y * d2.x))) {
     dpdu = (e1 * d2.y - e2 * d1.y) / determinant;
+    dpdv = (e2 * d1.x - e1 * d2.x) / determinant;
+  }
+  if (!tangents.empty())
+    if (const Vec3d along = interpolated(tangents); along != Vec3d(0)) dpdu = along;
   s.dpdu = Vec3f(dpdu);
+  s.dpdv = Vec3f(dpdv);
   return s;
 }
 

@@ -2,6 +2,7 @@
  * Makes the registries from the list.
  */
 #include "recurse/model/plugIns.h"
+#include "recurse/model/surfaceDetail.h"
 #include "recurse/transport/integrator.h"
 
 namespace recurse {
@@ -16,6 +17,7 @@ const PlugIns& plugIns() {
 #define RECURSE_PLUG_IN(Name) register##Name(all);
 #include "plugins/list.h"
 #undef RECURSE_PLUG_IN
+    addSurfaceParameters(all);
     return all;
   }();
   return ALL;

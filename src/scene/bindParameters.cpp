@@ -24,7 +24,7 @@ class Checker {
   Checker(const ParameterSpec& spec, const ParsedParameter& value, Diagnostics& out)
       : spec(spec), value(value), out(out), minimum(spec.minimum), maximum(spec.maximum) {
     if (spec.type != ParameterType::SPECTRUM) return;
-    if (!std::isfinite(minimum)) minimum = 0;
+    if (!std::isfinite(minimum) && spec.spectrumKind != SpectrumKind::SIGNED) minimum = 0;
     if (spec.spectrumKind == SpectrumKind::ALBEDO && !std::isfinite(maximum)) maximum = 1;
   }
 

@@ -219,6 +219,11 @@ std::string Parameters::texture(const std::string& wanted) const {
   return b.present && b.value.type == "texture" ? b.value.strings[0] : std::string();
 }
 
+std::pair<double, double> Parameters::range(const std::string& wanted) const {
+  const Bound& b = find(wanted);
+  return {b.minimum, b.maximum};
+}
+
 std::string Parameters::filePath(const std::string& wanted) const {
   const Bound& b = oneValueOf(wanted, {ParameterType::STRING});
   std::string tried;

@@ -90,7 +90,7 @@ std::string rangeText(const ParameterSpec& spec) {
   }
   double low = spec.minimum, high = spec.maximum;
   if (spec.type == ParameterType::SPECTRUM) {
-    if (!std::isfinite(low)) low = 0;
+    if (!std::isfinite(low) && spec.spectrumKind != SpectrumKind::SIGNED) low = 0;
     if (spec.spectrumKind == SpectrumKind::ALBEDO && !std::isfinite(high)) high = 1;
   }
   if (std::isfinite(low) && std::isfinite(high))

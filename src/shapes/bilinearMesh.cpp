@@ -272,7 +272,7 @@ class BilinearMesh final : public Shape {
     // roundoff at the other end of the patch.
     const double offset = 0x1p-22 * glm::dot(extent, glm::abs(normal));
     s.error = positionError(rounding, 0x1p-50 * extent, normal, offset);
-    Vec3d dpdu = p.dpdu(v);
+    Vec3d dpdu = p.dpdu(v), dpdv = p.dpdv(u);
     s.uv = {static_cast<float>(u), static_cast<float>(v)};
     if (!uvs.empty()) {
       s.uv = Vec2f(bilinear(uvs, c, u, v));
@@ -280,10 +280,13 @@ class BilinearMesh final : public Shape {
       const Vec2d t00 = uvs[c.x], t10 = uvs[c.y], t01 = uvs[c.z], t11 = uvs[c.w];
       const Vec2d du = (t10 - t00) * (1 - v) + (t11 - t01) * v, dv = (t01 - t00) * (1 - u) + (t11 - t10) * u;
       const double determinant = du.x * dv.y - du.y * dv.x;
-      if (std::abs(determinant) > 1e-9 * (std::abs(du.x * dv.y) + std::abs(du.y * dv.x)))
+      if (std::abs(determinant) > 1e-9 * (std::abs(du.x * dv.y) + std::abs(du.y * dv.x))) {
         dpdu = (p.dpdu(v) * dv.y - p.dpdv(u) * du.y) / determinant;
+        dpdv = (p.dpdv(u) * du.x - p.dpdu(v) * dv.x) / determinant;
+      }
     }
     s.dpdu = Vec3f(dpdu);
+    s.dpdv = Vec3f(dpdv);
     return s;
   }
 
@@ -295,7 +298,6 @@ class BilinearMesh final : public Shape {
 };
 
 std::unique_ptr<Shape> makeBilinearMesh(const Parameters& p, const ShapeContext& context) {
-  requireOpaque(p);
   if (p.has("emissionfilename"))
     p.fail("emissionfilename", "emitting pictures are not rendered yet",
            "a constant \"L\" of the area light");
@@ -355,8 +357,7 @@ void registerBilinearMesh(PlugIns& plugIns) {
                             "normals at the corners, interpolated for shading"),
              arrayParameter(ParameterType::POINT2, "uv", 0, "", "texture coordinates at the corners"),
              stringParameter("emissionfilename", "", "a picture that the surface shows; not rendered yet"),
-             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures"),
-             alphaParameter()},
+             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures")},
         .examples = {"\"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 0]",
                      "\"point3 P\" [0 0 0  1 0 .3  0 1 .4  1.2 1.1 -.2] \"point2 uv\" [0 0 1 0 0 2 1 2]",
                      "\"integer indices\" [0 1 2 3 1 4 3 5] "

@@ -68,6 +68,7 @@ class Disk final : public Shape {
     s.error = positionError(position, 0x1p-50 * (glm::abs(axisX) + glm::abs(axisY) + glm::abs(center)),
                             normal, 0x1p-22 * glm::dot(extent, glm::abs(normal)));
     s.dpdu = Vec3f((axisY * x - axisX * y) * phiMax);
+    s.dpdv = Vec3f((r > 0 ? (axisX * x + axisY * y) / r : axisX) * (inner - 1));
     s.uv = {static_cast<float>(std::min(azimuth(x, y) / phiMax, 1.0)),
             static_cast<float>(std::clamp((1 - r) / (1 - inner), 0.0, 1.0))};
     return s;
@@ -105,7 +106,6 @@ class Disk final : public Shape {
 };
 
 std::unique_ptr<Shape> makeDisk(const Parameters& p, const ShapeContext& context) {
-  requireOpaque(p);
   const double radius = p.real("radius"), inner = p.real("innerradius");
   if (!(inner < radius))
     p.fail(p.has("innerradius") ? "innerradius" : "radius", "the hole is as large as the disc",
@@ -126,7 +126,7 @@ void registerDisk(PlugIns& plugIns) {
                        realParameter("radius", "1", "radius").positive(),
                        realParameter("innerradius", "0", "radius of the hole")
                            .range(0, std::numeric_limits<double>::infinity()),
-                       sweep, alphaParameter()},
+                       sweep},
         .examples =
             {"", "\"float height\" 0.3 \"float radius\" 2 \"float innerradius\" 0.5 \"float phimax\" 250"}},
        makeDisk});

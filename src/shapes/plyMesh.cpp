@@ -486,7 +486,6 @@ class PlyReader {
 };
 
 std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& context) {
-  requireOpaque(p);
   for (const char* name : {"displacement", "edgelength"})
     if (p.has(name)) p.fail(name, "displacement of meshes is not rendered yet", "a mesh without it");
   const std::string path = p.filePath("filename");
@@ -514,8 +513,7 @@ void registerPlyMesh(PlugIns& plugIns) {
                            .require(),
                        realParameter("displacement", "", "texture that moves the surface; not rendered yet")
                            .withTexture(),
-                       realParameter("edgelength", "", "edge length for displacement; not rendered yet"),
-                       alphaParameter()},
+                       realParameter("edgelength", "", "edge length for displacement; not rendered yet")},
         .examples = {}},
        makePlyMesh});
 }

@@ -250,10 +250,12 @@ class Sphere final : public Shape {
 
     s.dpdu = Vec3f(linear * (Vec3d(-unit.y, unit.x, 0) * sweep.phiMax));
     // pbrt's coordinates: around in u, from zmin up to zmax in v.
-    const double theta = std::atan2(std::hypot(unit.x, unit.y), unit.z);
+    const double rho = std::hypot(unit.x, unit.y), theta = std::atan2(rho, unit.z);
     const double thetaLow = std::acos(sweep.zLow), thetaHigh = std::acos(sweep.zHigh);
     s.uv = {static_cast<float>(std::min(azimuth(unit) / sweep.phiMax, 1.0)),
             static_cast<float>(std::clamp((theta - thetaLow) / (thetaHigh - thetaLow), 0.0, 1.0))};
+    const Vec2d outwards = rho > 0 ? Vec2d(unit) / rho : Vec2d(1, 0);
+    s.dpdv = Vec3f(linear * (Vec3d(outwards * unit.z, -rho) * (thetaHigh - thetaLow)));
     return s;
   }
 
@@ -285,7 +287,6 @@ class Sphere final : public Shape {
 };
 
 std::unique_ptr<Shape> makeSphere(const Parameters& p, const ShapeContext& context) {
-  requireOpaque(p);
   const double radius = p.real("radius");
   double zMin = p.hasValue("zmin") ? p.real("zmin") : -radius;
   double zMax = p.hasValue("zmax") ? p.real("zmax") : radius;
@@ -312,8 +313,7 @@ void registerSphere(PlugIns& plugIns) {
         .summary = "A sphere around the origin, or a part of one; transforms make ellipsoids of it.",
         .parameters = {realParameter("radius", "1", "radius").positive(),
                        realParameter("zmin", "", "the surface below is cut off; -radius when absent"),
-                       realParameter("zmax", "", "the surface above is cut off; radius when absent"), sweep,
-                       alphaParameter()},
+                       realParameter("zmax", "", "the surface above is cut off; radius when absent"), sweep},
         .examples = {"", "\"float radius\" 0.5",
                      "\"float radius\" 2 \"float zmin\" -1.5 \"float zmax\" 1 \"float phimax\" 200"}},
        makeSphere});

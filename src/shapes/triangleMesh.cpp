@@ -18,7 +18,6 @@ std::vector<T> perVertex(const Parameters& p, const char* name, std::vector<T> v
 }
 
 std::unique_ptr<Shape> makeTriangleMesh(const Parameters& p, const ShapeContext& context) {
-  requireOpaque(p);
   MeshData mesh;
   mesh.positions = p.vector3s("P");
   const size_t count = mesh.positions.size();
@@ -68,8 +67,7 @@ void registerTriangleMesh(PlugIns& plugIns) {
                             "normals at the vertices, interpolated for shading"),
              arrayParameter(ParameterType::VECTOR3, "S", 0, "", "tangents at the vertices"),
              arrayParameter(ParameterType::POINT2, "uv", 0, "", "texture coordinates at the vertices"),
-             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures"),
-             alphaParameter()},
+             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures")},
         .examples =
             {"\"point3 P\" [0 0 0 1 0 0 0 1 .5]",
              "\"integer indices\" [0 1 2 2 3 0] \"point3 P\" [-1 0 -1  -1 0 1  1 0 1  1 0 -1]",

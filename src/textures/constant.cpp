@@ -19,14 +19,15 @@ class Constant final : public Texture {
 } // namespace
 
 void registerConstant(PlugIns& plugIns) {
-  plugIns.textures.add(
-      {{.name = "constant",
-        .summary = "The same value everywhere.",
-        .parameters = {spectrumParameter("value", "1", SpectrumKind::UNBOUNDED, "the value")},
-        .examples = {"\"rgb value\" [.1 .2 .3]"}},
-       [](const Parameters& p, const NoContext&) {
-         return std::make_unique<Constant>(Rgb(p.spectrum("value")));
-       }});
+  ParameterSpec value = textureValue("value", "1", "the value");
+  value.textured = false;
+  plugIns.textures.add({{.name = "constant",
+                         .summary = "The same value everywhere.",
+                         .parameters = {value},
+                         .examples = {"\"float value\" .4"}},
+                        [](const Parameters& p, const TextureContext& c) {
+                          return std::make_unique<Constant>(c.value(p, "value").constant);
+                        }});
 }
 
 } // namespace recurse

@@ -85,6 +85,11 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   const int tilesX = (bounds.width() + TILE - 1) / TILE, tilesY = (bounds.height() + TILE - 1) / TILE;
   const size_t tiles = size_t(tilesX) * size_t(tilesY);
   const int64_t wanted = settings.samplesPerPixel > 0 ? settings.samplesPerPixel : int64_t(1) << 31;
+  // As in pbrt: a sample stands for its share of the pixel, of which many samples leave at least an eighth.
+  const float sampleSpacing =
+      settings.samplesPerPixel > 0
+          ? std::max(0.125f, 1 / std::sqrt(static_cast<float>(settings.samplesPerPixel)))
+          : 1;
   const Clock::time_point pictureStart = Clock::now();
   std::vector<TransportCounts> tileCounts(tiles);
   std::atomic<uint64_t> samplesDone{0}, raysDone{0};
@@ -111,7 +116,9 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
             const Vec2f place(float(x + bounds.x0) + 0.5f + f.offset.x,
                               float(y + bounds.y0) + 0.5f + f.offset.y);
             radiance.reset();
-            integrator.backward(scene, scene.camera().ray(place), sampler, radiance);
+            EyeRay ray = scene.camera().ray(place);
+            ray.sampleSpacing = sampleSpacing;
+            integrator.backward(scene, ray, sampler, radiance);
             film.add(pixel, f.weight, radiance.values(), radiance.total());
           }
         }

@@ -41,7 +41,7 @@ class PhotonWalk {
     for (int depth = 0;;) {
       if (!intersect(scene, ray, hit, counts)) return;
       arena.reset();
-      const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
+      const Bsdf* bsdf = bsdfAt(hit, {}, arena);
       if (!bsdf) {
         ray = spawn(hit.point, ray.direction);
         continue;

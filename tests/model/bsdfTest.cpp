@@ -242,7 +242,6 @@ TEST(PlugIns, EveryExampleCanBeMade) {
   CameraContext camera;
   camera.width = camera.height = 16;
   check(all.shapes, ShapeContext{});
-  check(all.textures, NoContext{});
   check(all.lights, LightContext{});
   check(all.cameras, camera);
   check(all.filters, NoContext{});

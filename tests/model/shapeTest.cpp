@@ -166,7 +166,7 @@ void expectSound(const SurfacePoint& p, const std::string& what) {
   EXPECT_NEAR(glm::length(p.geometricNormal), 1, 1e-6) << what;
   EXPECT_NEAR(glm::length(p.shadingNormal), 1, 1e-6) << what;
   EXPECT_GE(glm::dot(p.shadingNormal, p.geometricNormal), 0) << what;
-  EXPECT_TRUE(isFinite(p.dpdu)) << what;
+  EXPECT_TRUE(isFinite(p.dpdu) && isFinite(p.dpdv)) << what;
   EXPECT_TRUE(std::isfinite(p.uv.x) && std::isfinite(p.uv.y)) << what;
 }
 
@@ -230,6 +230,8 @@ TEST(Shape, TangentsFollowTheSurface) {
         EXPECT_GT(std::abs(glm::dot(glm::normalize(normal), Vec3d(p.geometricNormal))), 0.9999) << s.name;
         const Vec3d dpdu = (px * ty.y - py * tx.y) / determinant;
         EXPECT_LT(glm::length(dpdu - Vec3d(p.dpdu)), 0.02 * glm::length(dpdu)) << s.name;
+        const Vec3d dpdv = (py * tx.x - px * ty.x) / determinant;
+        EXPECT_LT(glm::length(dpdv - Vec3d(p.dpdv)), 0.02 * glm::length(dpdv)) << s.name;
         ++compared;
       }
     }
@@ -795,7 +797,6 @@ TEST(Shape, BadParametersAreExplained) {
   has(complaint("sphere", "\"float radius\" -1"), "radius");
   has(complaint("sphere", "\"float zmin\" 2 \"float zmax\" 3"), "nothing of the sphere");
   has(complaint("sphere", "\"float phimax\" 400"), "phimax");
-  has(complaint("sphere", "\"float alpha\" .5"), "alpha");
   has(complaint("sphere", "\"texture alpha\" \"holes\""), "texture");
   has(complaint("disk", "\"float innerradius\" 2"), "the hole is as large as the disc");
   has(complaint("trianglemesh", "\"integer indices\" [0 1 2]"), "P");

@@ -34,6 +34,13 @@ struct Image {
   }
 };
 
+/** Where R, G, B are among a file's channels, then its others; a single channel stands for all three. Throws
+ * Error naming the file when there are neither. */
+std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);
+
+/** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */
+float linearFromSrgb(float encoded);
+
 /** Reads any format that OpenImageIO knows; 8- and 16-bit sRGB pictures become linear. Throws Error naming
  * the file and the reason. */
 Image readImage(const std::string& fileName);

@@ -19,6 +19,7 @@ struct Ray {
 struct EyeRay : Ray {
   float width = 0;
   float spread = 0;
+  float sampleSpacing = 1; ///< distance between the samples of a pixel over that between pixels
 };
 
 } // namespace recurse

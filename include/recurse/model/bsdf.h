@@ -16,6 +16,7 @@
 
 #include "recurse/core/rgb.h"
 #include "recurse/core/sampler.h"
+#include "recurse/model/surfaceDetail.h"
 #include "recurse/model/texture.h"
 
 namespace recurse {
@@ -118,6 +119,8 @@ class Material {
   virtual const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const = 0;
   /** All lobes that any point may have: what a scene needs is read off this. */
   virtual LobeSet lobes() const = 0;
+
+  std::unique_ptr<const SurfaceDetail> detail; ///< to be applied before bsdfAt; null: none
 };
 
 /** What makers of materials are given besides parameters. */

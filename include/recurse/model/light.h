@@ -11,6 +11,7 @@
 #include "recurse/core/rgb.h"
 #include "recurse/core/sampler.h"
 #include "recurse/model/shape.h"
+#include "recurse/model/texture.h"
 
 namespace recurse {
 
@@ -55,10 +56,21 @@ class Light {
 /** A light that rays meet because it sits on a surface. */
 class AreaLight : public Light {
  public:
-  explicit AreaLight(const Shape& shape) : shapeOfLight(shape) {}
+  explicit AreaLight(const Shape& shape) : shapeOfLight(shape) {
+    if (const TexturedRgb* a = shape.alpha.get()) {
+      unseen = !a->texture && a->constant.r <= 0;
+      if (!unseen) alpha = a;
+    }
+  }
   const Shape& shape() const { return shapeOfLight; }
   /** Emitted radiance at a point of the shape, towards unit `direction`. */
   virtual Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const = 0;
+  /** The part of the light that leaves at a point of the shape: what alpha cuts out does not shine. */
+  float opacity(const SurfacePoint& point) const {
+    return alpha ? std::clamp(alpha->at(point).r, 0.0f, 1.0f) : 1;
+  }
+  /** As in pbrt, a light whose alpha is the number 0 shines like any, but no ray ever meets it. */
+  bool isUnseen() const { return unseen; }
   /** Density with which illuminate(from) chooses this point [1/sr]. */
   float pdfIlluminate(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const {
     return shapeOfLight.pdfDirection(from, primitive, point);
@@ -66,6 +78,8 @@ class AreaLight : public Light {
 
  private:
   const Shape& shapeOfLight;
+  const TexturedRgb* alpha = nullptr; ///< null: 1
+  bool unseen = false;
 };
 
 /** A light that rays meet when they leave the scene. */

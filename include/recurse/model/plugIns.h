@@ -7,6 +7,7 @@
 #include "recurse/model/camera.h"
 #include "recurse/model/light.h"
 #include "recurse/model/shape.h"
+#include "recurse/model/texture.h"
 #include "recurse/scene/registry.h"
 
 namespace recurse {
@@ -19,7 +20,7 @@ struct AcceleratorSettings {};
 struct PlugIns {
   Registry<Shape, ShapeContext> shapes{"Shape"};
   Registry<Material, MaterialContext> materials{"Material"};
-  Registry<Texture, NoContext> textures{"Texture"};
+  Registry<Texture, TextureContext> textures{"Texture"};
   Registry<Light, LightContext> lights{"LightSource"};
   Registry<AreaLight, AreaLightContext> areaLights{"AreaLightSource"};
   Registry<Camera, CameraContext> cameras{"Camera"};

@@ -15,6 +15,14 @@
 namespace recurse {
 
 class TriangleMesh;
+class TextureLookup;
+struct TexturedRgb;
+
+/** What a sample stands for at a surface, for textures to be averaged over: a cone along `direction`. */
+struct Footprint {
+  Vec3f direction{0}; ///< unit, of the ray that came
+  float width = 0;    ///< across the ray [scene units]; 0: not known, a point
+};
 
 /** A point of a surface and what shading needs to know of it. */
 struct SurfacePoint {
@@ -22,8 +30,10 @@ struct SurfacePoint {
   Vec3f error;           ///< bound on the absolute error of the position, an axis at a time
   Vec3f geometricNormal; ///< unit; the side that counts as outside, and that area lights emit from
   Vec3f shadingNormal;   ///< unit, in the hemisphere of the geometric normal
-  Vec3f dpdu;            ///< direction of growing u, not normalised; zero where there is none
+  Vec3f dpdu;            ///< derivative of the position by u; zero where there is none
+  Vec3f dpdv;            ///< the same for v
   Vec2f uv;
+  Footprint footprint;
 
   /**
    * Where a ray that leaves in `direction` starts: beyond the error of the position along the geometric
@@ -82,12 +92,16 @@ class Shape {
   /** The mesh itself when the shape is one, so that Embree can have its triangles. */
   virtual const TriangleMesh* triangleMesh() const { return nullptr; }
   Bounds3f bounds() const;
+
+  /** Opacity, by which rays meet the surface or pass through; null: 1. Set once the shape is made. */
+  std::shared_ptr<const TexturedRgb> alpha;
 };
 
 /** What makers of shapes are given besides parameters. */
 struct ShapeContext {
   Mat4d sceneFromObject{1}; ///< the file's transform, then the scene's recentring
   bool reverseOrientation = false;
+  const TextureLookup* textures = nullptr; ///< null: no texture can be named
 };
 
 // Tools for shapes that compute in double precision.
@@ -112,10 +126,5 @@ inline Vec3f positionError(const Vec3f& rounding, const Vec3f& normal, float off
   constexpr float UNIT = 0x1p-24f, SLACK = 1 + 0x1p-19f;
   return (UNIT * rounding + offset * glm::abs(normal)) * SLACK;
 }
-
-/** The parameter `alpha`, which pbrt takes for every shape: only opaque surfaces are rendered so far. */
-ParameterSpec alphaParameter();
-/** Throws SceneError where `alpha` is anything but 1. */
-void requireOpaque(const Parameters& parameters);
 
 } // namespace recurse

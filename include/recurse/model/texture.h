@@ -19,7 +19,11 @@ class Texture {
 struct TexturedRgb {
   Rgb constant{0};
   const Texture* texture = nullptr; ///< owned by the scene
-  Rgb at(const SurfacePoint& point) const { return texture ? texture->value(point) : constant; }
+  float lowest = -INFINITE,
+        highest = INFINITE; ///< of the parameter: as in pbrt, a texture's values are held to it
+  Rgb at(const SurfacePoint& point) const {
+    return texture ? glm::clamp(texture->value(point), Rgb(lowest), Rgb(highest)) : constant;
+  }
 };
 
 /** Finds textures by name while materials are made. */
@@ -31,5 +35,23 @@ class TextureLookup {
   /** The same for a float parameter: grey. */
   virtual TexturedRgb real(const Parameters& parameters, const std::string& name) const = 0;
 };
+
+/** What makers of textures are given besides parameters. */
+struct TextureContext {
+  const TextureLookup& textures;
+  bool spectrum = true;      ///< false: a float texture, which gives grey
+  Mat4d worldFromTexture{1}; ///< as the file has it
+  const Vec3d* sceneOrigin =
+      nullptr; ///< what was taken off positions, known when all is built; null: nothing
+
+  /** A parameter declared by textureValue: a colour or spectrum texture, or a number or float texture. */
+  TexturedRgb value(const Parameters& parameters, const std::string& name) const;
+  /** Throws SceneError unless the texture is of the only kind that this class can be. */
+  void requireKind(const Parameters& parameters, bool spectrum) const;
+};
+
+/** A value of a texture's own kind, or another texture of this kind. */
+ParameterSpec textureValue(const std::string& name, const std::string& defaultText,
+                           const std::string& description);
 
 } // namespace recurse

@@ -61,6 +61,7 @@ struct ParsedDirective {
 enum class SpectrumKind {
   ALBEDO,     ///< reflectance, in [0, 1]
   UNBOUNDED,  ///< eta, k, absorption: >= 0
+  SIGNED,     ///< the value of a texture, which may stand for anything
   ILLUMINANT, ///< emission: blackbody and sampled spectra are scaled to luminance 1, as pbrt does
 };
 
@@ -151,6 +152,8 @@ class Parameters {
 
   /** The name of the texture that stands for the value; empty when there is none. */
   std::string texture(const std::string& name) const;
+  /** The declared range of every number; what a texture gives has to be held to it. */
+  std::pair<double, double> range(const std::string& name) const;
   /** The value as a path to an existing readable file: beside the file that names it, else beside the top
    * file. */
   std::string filePath(const std::string& name) const;
@@ -170,7 +173,7 @@ class Parameters {
     std::string name;
     ParameterType type = ParameterType::REAL;
     SpectrumKind kind = SpectrumKind::ALBEDO;
-    double minimum = 0, maximum = 0; ///< of a colour
+    double minimum = 0, maximum = 0; ///< of every number
     ParsedParameter value;
     bool given = false, present = false;
   };

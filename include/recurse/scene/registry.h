@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <string>
@@ -34,6 +35,21 @@ template <class I, class Context> class Registry {
   explicit Registry(std::string kind) : kindName(std::move(kind)) {}
 
   void add(Entry entry) { list.push_back(std::move(entry)); }
+  /** Gives every plug-in, but those of the names in `except`, parameters that it need not know of: `finish`
+   * reads them once it is made. */
+  void addToAll(const std::vector<ParameterSpec>& parameters,
+                const std::function<void(I&, const Parameters&, const Context&)>& finish,
+                const std::vector<std::string>& except = {}) {
+    for (Entry& e : list) {
+      if (std::find(except.begin(), except.end(), e.name) != except.end()) continue;
+      e.parameters.insert(e.parameters.end(), parameters.begin(), parameters.end());
+      e.make = [make = std::move(e.make), finish](const Parameters& p, const Context& c) {
+        std::unique_ptr<I> made = make(p, c);
+        if (made) finish(*made, p, c);
+        return made;
+      };
+    }
+  }
   const std::string& kind() const { return kindName; }
   const std::vector<Entry>& entries() const { return list; }
   std::vector<std::string> names() const {

@@ -36,6 +36,17 @@ inline bool intersect(const Scene& scene, const Ray& ray, Hit& hit, TransportCou
   return scene.intersect(ray, hit);
 }
 
+/** What a sample stands for where an eye ray has arrived, its width included. */
+inline Footprint footprint(const EyeRay& ray) { return {ray.direction, ray.width * ray.sampleSpacing}; }
+
+/** The BSDF of what a ray met, once the material has shaped the surface; null where rays pass through. */
+inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena) {
+  if (!hit.material) return nullptr;
+  hit.point.footprint = footprint;
+  if (hit.material->detail) hit.material->detail->apply(hit.point);
+  return hit.material->bsdfAt(hit.point, arena);
+}
+
 /** True when light from `target`, or from infinitely far in that direction, reaches the point. */
 inline bool visible(const Scene& scene, const SurfacePoint& from, const Illumination& light,
                     TransportCounts& counts) {

@@ -1,0 +1,153 @@
+/** @file
+ * Bumps, normal maps, and opacity as a parameter.
+ */
+#include "recurse/model/surfaceDetail.h"
+
+#include "recurse/core/imageTexture.h"
+#include "recurse/model/plugIns.h"
+#include "recurse/model/textureMapping.h"
+
+namespace recurse {
+
+namespace {
+
+/** Sets the shading normal; one that has turned below the surface is mirrored at the horizon. */
+void setShadingNormal(SurfacePoint& point, const Vec3d& wanted) {
+  const Vec3d geometric = point.geometricNormal;
+  const double height = glm::dot(wanted, geometric);
+  Vec3d n = height < 0 ? wanted - 2 * height * geometric : wanted;
+  n = glm::normalize(n);
+  if (!(glm::dot(Vec3f(n), point.geometricNormal) > 0))
+    return; // at the very horizon: there is no such shading
+  point.shadingNormal = Vec3f(n);
+}
+
+class Bumps final : public SurfaceDetail {
+ public:
+  explicit Bumps(const TexturedRgb& height) : height(height) {}
+
+  void apply(SurfacePoint& point) const override {
+    const Vec3d n = point.shadingNormal;
+    const auto tangent = [&n](const Vec3d& v) { return v - n * glm::dot(n, v); };
+    const Vec3d u = tangent(point.dpdu), v = tangent(point.dpdv);
+    // The gradient is the combination of the dual vectors of u and v in the tangent plane.
+    const double determinant = glm::dot(n, glm::cross(u, v));
+    if (!(std::abs(determinant) > 1e-9 * glm::length(u) * glm::length(v)))
+      return; // no coordinates to go along
+    const auto [du, dv] = steps(point);
+    const double hu = slope(point, du, 0), hv = slope(point, 0, dv);
+    setShadingNormal(point, n - (hu * glm::cross(v, n) + hv * glm::cross(n, u)) / determinant);
+  }
+
+ private:
+  /** Half a pixel's width in u and v, as in pbrt, which takes the other value where a pixel is not known. */
+  static std::pair<float, float> steps(const SurfacePoint& point) {
+    constexpr float UNKNOWN = 0.0005f;
+    const FootprintAxes axes(point);
+    const auto step = [&](const Vec3f& derivative) {
+      const float length2 = lengthSquared(derivative);
+      const float s = 0.5f * (absDot(axes.x, derivative) + absDot(axes.y, derivative)) / length2;
+      return s > 0 && std::isfinite(s) ? std::min(s, 0.5f) : UNKNOWN;
+    };
+    return {step(point.dpdu), step(point.dpdv)};
+  }
+
+  /** The derivative of the height by u or v: a central difference over the coordinates as they are rounded.
+   */
+  double slope(const SurfacePoint& point, float du, float dv) const {
+    SurfacePoint before = point, after = point;
+    before.uv -= 0.5f * Vec2f(du, dv);
+    after.uv += 0.5f * Vec2f(du, dv);
+    const Vec2d step = Vec2d(after.uv) - Vec2d(before.uv);
+    const double size = step.x + step.y;
+    if (size == 0)
+      return 0; // coordinates so large that the step is below their rounding: no slope can be seen
+    const Vec3f shift(0.5 * (Vec3d(point.dpdu) * step.x + Vec3d(point.dpdv) * step.y));
+    before.position -= shift;
+    after.position += shift;
+    return (double(height.at(after).r) - double(height.at(before).r)) / size;
+  }
+
+  TexturedRgb height;
+};
+
+class NormalMap final : public SurfaceDetail {
+ public:
+  explicit NormalMap(const std::string& fileName)
+      : image(fileName, {ImageEncoding::Kind::LINEAR, 1},
+              {.filter = ImageTextureSettings::Filter::BILINEAR, .levels = false}) {}
+
+  void apply(SurfacePoint& point) const override {
+    const Vec3d n = point.shadingNormal;
+    const Vec3d along = Vec3d(point.dpdu) - n * glm::dot(n, Vec3d(point.dpdu));
+    const double length = glm::length(along);
+    if (!(length > 0)) return;
+    const Vec3d x = along / length, y = glm::cross(n, x);
+    const Rgbd colour(image.at({point.uv.x, 1 - point.uv.y}, Vec2f(0), Vec2f(0)));
+    const Vec3d local = 2.0 * colour - 1.0;
+    const Vec3d normal = x * local.x + y * local.y + n * local.z;
+    if (glm::dot(normal, normal) > 0) setShadingNormal(point, normal);
+  }
+
+ private:
+  ImageTexture image;
+};
+
+void readAlpha(Shape& shape, const Parameters& p, const ShapeContext& c) {
+  TexturedRgb alpha;
+  if (p.texture("alpha").empty())
+    alpha.constant = Rgb(static_cast<float>(p.real("alpha")));
+  else if (c.textures)
+    alpha = c.textures->real(p, "alpha");
+  else
+    p.fail("alpha", "there are no textures here", "a number");
+  if (!alpha.texture && alpha.constant.r >= 1) return;
+  shape.alpha = std::make_shared<const TexturedRgb>(alpha);
+}
+
+void readDetail(Material& material, const Parameters& p, const MaterialContext& c) {
+  const bool displaced = p.has("displacement"), mapped = p.has("normalmap");
+  if (displaced && mapped)
+    p.fail("normalmap", "both \"displacement\" and \"normalmap\" are given", "either of the two");
+  if (displaced) {
+    if (p.texture("displacement").empty())
+      p.fail("displacement", "a displacement that is the same everywhere bends nothing",
+             "\"texture displacement\" with the name of a float texture");
+    material.detail = bumps(c.textures.real(p, "displacement"));
+  }
+  if (!mapped) return;
+  const std::string path = p.filePath("normalmap");
+  try {
+    material.detail = normalMap(path);
+  } catch (const Error& e) {
+    p.fail("normalmap", e.what());
+  }
+}
+
+} // namespace
+
+std::unique_ptr<SurfaceDetail> bumps(const TexturedRgb& height) { return std::make_unique<Bumps>(height); }
+std::unique_ptr<SurfaceDetail> normalMap(const std::string& fileName) {
+  return std::make_unique<NormalMap>(fileName);
+}
+
+void addSurfaceParameters(PlugIns& plugIns) {
+  plugIns.shapes.addToAll(
+      {realParameter(
+           "alpha", "1",
+           "opacity: rays of all kinds meet the surface with this probability, or pass through. An area "
+           "light with the number 0 is not seen, and shines")
+           .withTexture()},
+      readAlpha);
+  plugIns.materials.addToAll(
+      {realParameter("displacement", "",
+                     "height of bumps, which change the shading normal only [scene units]")
+           .withTexture(),
+       stringParameter(
+           "normalmap", "",
+           "picture of the shading normal: red along u, green across it, blue outwards, 0 to 1 for -1 "
+           "to 1")},
+      readDetail, {"interface"});
+}
+
+} // namespace recurse

@@ -1,0 +1,96 @@
+/** @file
+ * Pictures on surfaces.
+ */
+#include "recurse/core/imageTexture.h"
+#include "recurse/model/plugIns.h"
+#include "recurse/model/textureMapping.h"
+
+namespace recurse {
+
+namespace {
+
+class ImageMap final : public Texture {
+ public:
+  ImageMap(const TextureMapping& mapping, ImageTexture image, float scale, bool invert, bool spectrum)
+      : mapping(mapping), image(std::move(image)), scale(scale), invert(invert), spectrum(spectrum) {}
+
+  Rgb value(const SurfacePoint& point) const override {
+    const MappedPlace m = mapping.at(point);
+    // The texture's t goes up from the lower edge of the picture.
+    Rgb v = scale * image.at({m.st.x, 1 - m.st.y}, {m.alongX.x, -m.alongX.y}, {m.alongY.x, -m.alongY.y});
+    if (!spectrum) v = Rgb(v.r);
+    return invert ? glm::max(1.0f - v, 0.0f) : v;
+  }
+
+ private:
+  TextureMapping mapping;
+  ImageTexture image;
+  float scale;
+  bool invert, spectrum;
+};
+
+ImageEncoding encodingOf(const Parameters& p) {
+  const std::string text = p.hasValue("encoding") ? p.string("encoding") : "sRGB";
+  if (text == "sRGB") return {ImageEncoding::Kind::SRGB, 1};
+  if (text == "linear") return {ImageEncoding::Kind::LINEAR, 1};
+  constexpr const char* ACCEPTED = "\"sRGB\" \"linear\" \"gamma 2.2\" with a positive number";
+  if (text.starts_with("gamma ")) {
+    char* end = nullptr;
+    const float gamma = std::strtof(text.c_str() + 6, &end);
+    if (*end == '\0' && gamma > 0 && std::isfinite(gamma)) return {ImageEncoding::Kind::GAMMA, gamma};
+  }
+  p.fail("encoding", "parameter \"encoding\" cannot be \"" + text + "\"", ACCEPTED);
+}
+
+std::unique_ptr<Texture> makeImageMap(const Parameters& p, const TextureContext& c) {
+  ImageTextureSettings s;
+  const std::string filter = p.string("filter"), wrap = p.string("wrap");
+  s.filter = filter == "point"       ? ImageTextureSettings::Filter::POINT
+             : filter == "bilinear"  ? ImageTextureSettings::Filter::BILINEAR
+             : filter == "trilinear" ? ImageTextureSettings::Filter::TRILINEAR
+                                     : ImageTextureSettings::Filter::EWA;
+  s.wrap = wrap == "repeat"  ? ImageTextureSettings::Wrap::REPEAT
+           : wrap == "black" ? ImageTextureSettings::Wrap::BLACK
+           : wrap == "clamp" ? ImageTextureSettings::Wrap::CLAMP
+                             : ImageTextureSettings::Wrap::OCTAHEDRAL;
+  s.mostAnisotropy = static_cast<float>(p.real("maxanisotropy"));
+  const ImageEncoding encoding = encodingOf(p);
+  const TextureMapping mapping(p, c);
+  const std::string path = p.filePath("filename");
+  try {
+    return std::make_unique<ImageMap>(mapping, ImageTexture(path, encoding, s),
+                                      static_cast<float>(p.real("scale")), p.boolean("invert"), c.spectrum);
+  } catch (const Error& e) {
+    p.fail("filename", e.what());
+  }
+}
+
+} // namespace
+
+void registerImageMap(PlugIns& plugIns) {
+  plugIns.textures.add(
+      {{.name = "imagemap",
+        .summary = "A picture; its lower left corner is at (s, t) = (0, 0). A float texture takes its first "
+                   "channel.",
+        .parameters = withMapping(
+            {stringParameter("filename", "", "picture of any format that OpenImageIO reads").require(),
+             stringParameter(
+                 "filter", "bilinear",
+                 "what is done where a pixel of the film covers many of the picture: one level of "
+                 "detail (point, bilinear), two (trilinear), or along the footprint (EWA)")
+                 .oneOf({"point", "bilinear", "trilinear", "EWA", "ewa"}),
+             realParameter("maxanisotropy", "8", "how much longer than wide a footprint may be, for EWA")
+                 .range(1, 64),
+             stringParameter("wrap", "repeat", "what is beyond the edges")
+                 .oneOf({"repeat", "black", "clamp", "octahedralsphere"}),
+             realParameter("scale", "1", "factor on the values"),
+             booleanParameter("invert", "false", "1 - value instead, at least 0; after scale"),
+             stringParameter(
+                 "encoding", "",
+                 "of integer formats: \"sRGB\", \"linear\", or \"gamma 2.2\" with any exponent; sRGB "
+                 "where it is absent. Floating-point formats are linear")}),
+        .examples = {}},
+       makeImageMap});
+}
+
+} // namespace recurse

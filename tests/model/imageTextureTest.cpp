@@ -1,0 +1,222 @@
+/** @file
+ * Pictures as textures: pixels where they belong, encodings, edges, filtering against averages, files that are
+ * missing or broken.
+ */
+#include <fstream>
+#include <random>
+
+#include "model/textureTesting.h"
+#include "recurse/core/imageTexture.h"
+#include "recurse/model/scene.h"
+#include "recurse/core/parallel.h"
+#include "recurse/scene/loader.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+std::string map(const std::string& file, const std::string& more = "") {
+  return "\"string filename\" \"" + file + "\" " + more;
+}
+
+Rgb at(const Texture& t, double u, double v) { return t.value(flatPoint(u, v)); }
+
+/** A value for each pixel, repeatable. */
+Rgb noisy(int x, int y) {
+  const auto one = [&](uint64_t k) {
+    return unitFloat(static_cast<uint32_t>(hashCombine(hashCombine(uint64_t(x), uint64_t(y)), k) >> 32));
+  };
+  return {one(1), one(2), one(3)};
+}
+
+std::string complaintOf(const std::string& scene) {
+  Diagnostics diagnostics;
+  const SceneDescription d = parseScene("Camera \"perspective\"\nWorldBegin\n" + scene, "test.pbrt", ".", diagnostics);
+  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
+  EXPECT_FALSE(buildScene(d, {}, diagnostics));
+  return diagnostics.format();
+}
+void expectPart(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << "wanted: " << part << "\nin: " << text;
+}
+
+} // namespace
+
+TEST(ImageMap, PixelsAreWhereTheyBelong) {
+  const Folder folder;
+  const std::string file = folder.picture("grid.exr", 5, 3, noisy);
+  for (const char* filter : {"point", "bilinear", "trilinear", "EWA"}) {
+    const auto t = makeTexture("imagemap", map(file, std::string("\"string filter\" \"") + filter + "\""));
+    for (int y = 0; y < 3; ++y)
+      for (int x = 0; x < 5; ++x) // v = 0 is the lower edge
+        expectNear(at(*t, (x + .5) / 5, 1 - (y + .5) / 3), noisy(x, y), 1e-5, filter);
+  }
+  const auto point = makeTexture("imagemap", map(file, "\"string filter\" \"point\""));
+  expectNear(at(*point, 1.9 / 5, 1 - 1.1 / 3), noisy(1, 1), 1e-6);
+  const auto bilinear = makeTexture("imagemap", map(file));
+  expectNear(at(*bilinear, 2. / 5, 1 - 1.75 / 3), .375f * (noisy(1, 1) + noisy(2, 1)) + .125f * (noisy(1, 2) + noisy(2, 2)), 1e-5);
+}
+
+TEST(ImageMap, FloatTexturesTakeTheFirstChannel) {
+  const Folder folder;
+  const std::string file = folder.picture("grid.exr", 4, 4, noisy);
+  const auto t = makeTexture("imagemap", map(file), false);
+  EXPECT_NEAR(at(*t, .375, .875).r, noisy(1, 0).r, 1e-6);
+  EXPECT_EQ(at(*t, .375, .875).g, at(*t, .375, .875).r);
+  Image grey(2, 1, {"Y"});
+  grey.pixels = {.25f, .75f};
+  writeImage(folder.file("grey.exr"), grey);
+  EXPECT_EQ(at(*makeTexture("imagemap", map(folder.file("grey.exr"))), .75, .5), Rgb(.75f));
+}
+
+TEST(ImageMap, ScaleThenInvert) {
+  const Folder folder;
+  const std::string file = folder.picture("c.exr", 2, 2, [](int, int) { return Rgb(.1f, .3f, .6f); });
+  expectNear(at(*makeTexture("imagemap", map(file, "\"float scale\" 2")), .5, .5), {.2f, .6f, 1.2f}, 1e-6);
+  expectNear(at(*makeTexture("imagemap", map(file, "\"float scale\" 2 \"bool invert\" true")), .5, .5), {.8f, .4f, 0}, 1e-6);
+}
+
+TEST(ImageMap, EncodingsOfEightBits) {
+  const Folder folder;
+  // writeImage encodes: 0.2159 is 128.
+  const std::string file = folder.picture("c.png", 2, 2, [](int, int) { return Rgb(.2159f, 0, 1); });
+  const double byte = 128. / 255, srgb = std::pow((byte + .055) / 1.055, 2.4);
+  // 8-bit sRGB is kept with 11 bits of mantissa.
+  expectNear(at(*makeTexture("imagemap", map(file)), .5, .5), {float(srgb), 0, 1}, srgb / 2000);
+  expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"sRGB\"")), .5, .5), {float(srgb), 0, 1}, srgb / 2000);
+  expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"linear\"")), .5, .5), {float(byte), 0, 1}, 1e-6);
+  expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"gamma 3\"")), .5, .5),
+             {float(std::pow(byte, 3)), 0, 1}, 1e-4);
+  const Textures none;
+  for (const char* wrong : {"gamma", "gamma x", "gamma -1", "rec709"}) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(tryTexture("imagemap", map(file, std::string("\"string encoding\" \"") + wrong + "\""), {none}, diagnostics)) << wrong;
+    expectPart(diagnostics.format(), "cannot be \"" + std::string(wrong) + "\"");
+  }
+}
+
+TEST(ImageMap, FilteringIsDoneInLinearLight) {
+  const Folder folder;
+  const std::string file = folder.picture("bw.png", 64, 64, [](int x, int y) { return Rgb(float((x + y) % 2)); });
+  for (const char* filter : {"bilinear", "trilinear", "EWA"}) {
+    const auto t = makeTexture("imagemap", map(file, std::string("\"string filter\" \"") + filter + "\""));
+    EXPECT_NEAR(t->value(seen(flatPoint(.31, .52), .25f)).r, .5, .01) << filter;
+  }
+}
+
+TEST(ImageMap, BeyondTheEdges) {
+  const Folder folder;
+  const std::string file = folder.picture("grid.exr", 4, 4, noisy);
+  const auto with = [&](const char* wrap) {
+    return makeTexture("imagemap", map(file, std::string("\"string filter\" \"point\" \"string wrap\" \"") + wrap + "\""));
+  };
+  const auto pixel = [](int x, int y) { return noisy(x, y); };
+  const auto repeat = with("repeat"), black = with("black"), clamp = with("clamp"), sphere = with("octahedralsphere");
+  expectNear(at(*repeat, -.125, .375), pixel(3, 2), 1e-6);
+  expectNear(at(*repeat, 3.125, -1.625), pixel(0, 2), 1e-6);
+  expectNear(at(*black, -.125, .375), BLACK, 0);
+  expectNear(at(*black, .5 + .125, 1.125), BLACK, 0);
+  expectNear(at(*clamp, -.125, .375), pixel(0, 2), 1e-6);
+  expectNear(at(*clamp, 1.3, 1.3), pixel(3, 0), 1e-6);
+  // Over the left edge at the row 2 from the top: back in at the left edge, at the row 2 from the bottom.
+  expectNear(at(*sphere, -.125, .375), pixel(0, 1), 1e-6);
+  expectNear(at(*sphere, 1.375, .875), pixel(2, 3), 1e-6);
+  expectNear(at(*sphere, .125, 1.125), pixel(3, 0), 1e-6);
+  expectNear(at(*sphere, .125, -.375), pixel(3, 2), 1e-6);
+}
+
+TEST(ImageMap, FilteredValuesAreAveragesOverTheFootprint) {
+  const Folder folder;
+  // A wave that filters of one width and different shapes leave alone, and one that they must take away.
+  constexpr int N = 128;
+  const auto f = [](double s, double t) {
+    return .5 + .25 * std::sin(2 * M_PI * s) * std::cos(2 * M_PI * t) + .2 * std::sin(2 * M_PI * 16 * s);
+  };
+  const std::string file =
+      folder.picture("waves.exr", N, N, [&](int x, int y) { return Rgb(float(f((x + .5) / N, 1 - (y + .5) / N))); });
+  const auto trilinear = makeTexture("imagemap", map(file, "\"string filter\" \"trilinear\""), false);
+  const auto ewa = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\" \"float maxanisotropy\" 16"), false);
+  const auto slow = [](double s, double t) { return .5 + .25 * std::sin(2 * M_PI * s) * std::cos(2 * M_PI * t); };
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int i = 0; i < 100; ++i) {
+    const double s = uniform(random), t = uniform(random);
+    // A footprint of 8 pixels is a period of the fast wave.
+    for (const Texture* texture : {trilinear.get(), ewa.get()})
+      EXPECT_NEAR(texture->value(seen(flatPoint(s, t), 8.f / N)).r, slow(s, t), .03);
+    // Long across the fast wave and short along it: only along the footprint is it averaged.
+    SurfacePoint p = flatPoint(s, t);
+    p.footprint = {glm::normalize(Vec3f(1, 0, -.125f)), 1.f / N};
+    EXPECT_NEAR(ewa->value(p).r, slow(s, t), .06);
+    p.footprint = {glm::normalize(Vec3f(0, 1, -.125f)), .5f / N};
+    EXPECT_NEAR(ewa->value(p).r, f(s, t), .06);
+  }
+  // Coarser than the picture: its mean.
+  for (const Texture* texture : {trilinear.get(), ewa.get()})
+    EXPECT_NEAR(texture->value(seen(flatPoint(.3, .6), 4)).r, .5, .01);
+}
+
+TEST(ImageMap, OddSizesHaveTheirMean) {
+  const Folder folder;
+  Rgbd mean(0);
+  const std::string file = folder.picture("odd.exr", 37, 21, [&](int x, int y) {
+    mean += Rgbd(noisy(x, y)) / (37. * 21);
+    return noisy(x, y);
+  });
+  const auto t = makeTexture("imagemap", map(file, "\"string filter\" \"trilinear\""));
+  expectNear(t->value(seen(flatPoint(.3, .6), 4)), Rgb(mean), .04);
+}
+
+TEST(ImageMap, SharedFilesAndManyThreadsGiveTheSame) {
+  const Folder folder;
+  const std::string file = folder.picture("big.png", 300, 200, noisy);
+  const auto a = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\"")), b = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\""));
+  constexpr size_t POINTS = 4000;
+  const auto value = [](const Texture& t, size_t i) {
+    const double x = double(i) * .6180339887, y = double(i) * .7548776662;
+    return t.value(seen(flatPoint(x - std::floor(x), y - std::floor(y)), std::exp2(-float(i % 12))));
+  };
+  std::vector<Rgb> one(POINTS), many(POINTS);
+  for (size_t i = 0; i < POINTS; ++i) one[i] = value(*a, i);
+  const ThreadPool pool(4);
+  parallelFor(POINTS, [&](size_t i) { many[i] = value(*b, i); });
+  EXPECT_EQ(one, many);
+}
+
+TEST(ImageMap, BadFilesAreNamedAtTheirPlace) {
+  const Folder folder;
+  const auto sceneWith = [](const std::string& texture) {
+    return texture + "\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\"\n";
+  };
+  const auto textured = [&](const std::string& file) {
+    return sceneWith("Texture \"t\" \"spectrum\" \"imagemap\"\n  \"string filename\" \"" + file + "\"");
+  };
+  const std::string missing = complaintOf(textured("none.png"));
+  expectPart(missing, "test.pbrt:4:21: error: there is no file \"none.png\"");
+  expectPart(missing, "^");
+
+  std::ofstream(folder.file("empty.png")).close();
+  expectPart(complaintOf(textured(folder.file("empty.png"))), "test.pbrt:4:21: error: " + folder.file("empty.png"));
+  const std::string whole = folder.picture("whole.png", 64, 64, noisy);
+  std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
+  expectPart(complaintOf(textured(whole)), "test.pbrt:4:21: error: " + whole + ": cannot be read");
+  expectPart(complaintOf(textured(folder.file(""))), "test.pbrt:4:21: error: ");
+
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    const std::string file = folder.picture("bad.exr", 8, 8, [&](int x, int y) { return Rgb(x == 5 && y == 2 ? bad : 1); });
+    const std::string text = complaintOf(textured(file));
+    expectPart(text, "test.pbrt:4:21: error: " + file + ": the pixel at column 5, row 2 is not finite");
+  }
+  expectPart(complaintOf("Material \"diffuse\" \"string normalmap\" \"none.png\"\nShape \"sphere\""),
+             "test.pbrt:3:39: error: there is no file \"none.png\"");
+}
+
+TEST(ImageMap, TexturesThatNameEachOther) {
+  expectPart(complaintOf("Texture \"a\" \"float\" \"scale\" \"texture tex\" \"b\"\n"
+                         "Texture \"b\" \"float\" \"scale\" \"texture tex\" \"a\"\n"
+                         "Material \"diffuse\" \"texture displacement\" \"a\"\nShape \"sphere\""),
+             "is made of itself");
+  expectPart(complaintOf("Texture \"a\" \"spectrum\" \"constant\"\nMaterial \"diffuse\" \"texture displacement\" \"a\"\nShape \"sphere\""),
+             "no float texture \"a\"");
+}

@@ -1,0 +1,153 @@
+/** @file
+ * Bumps and normal maps against normals known in closed form, on every registered shape.
+ */
+#include <random>
+
+#include "model/textureTesting.h"
+#include "recurse/model/surfaceDetail.h"
+#include "recurse/model/triangleMesh.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Calls test(name, point) at points all over each example of each shape, under a transform that shears. */
+template <class F> void atPointsOfShapes(const F& test) {
+  Mat4d m(1);
+  m[0] = Vec4d(.8, .3, .1, 0);
+  m[1] = Vec4d(-.2, 1.3, .2, 0);
+  m[3] = Vec4d(1, 2, 3, 1);
+  for (const auto& entry : plugIns().shapes.entries())
+    for (const std::string& example : entry.examples) {
+      Diagnostics diagnostics;
+      const auto shape = plugIns().shapes.make(parseParameterText(entry.name, example), {m, false}, diagnostics);
+      ASSERT_TRUE(shape) << diagnostics.format();
+      for (uint32_t i = 0; i < 200; ++i) {
+        Sampler sampler(1, 2, i);
+        const float pick = sampler.next1D();
+        test(entry.name + " " + example, shape->sampleArea(pick, sampler.next2D()).point);
+      }
+    }
+}
+
+Vec3d tangential(const Vec3d& v, const Vec3d& n) { return v - n * glm::dot(v, n); }
+
+} // namespace
+
+TEST(Bumps, NormalsAreThoseOfTheRaisedSurface) {
+  // The height is a linear function of space: its gradient along the surface is known on every shape.
+  const Vec3d slope(.1, -.2, .25);
+  const auto height = makeTexture("bilerp",
+                                  "\"string mapping\" \"planar\" \"vector3 v1\" [.1 -.2 .25] "
+                                  "\"float v01\" 0 \"float v10\" 1",
+                                  false);
+  const auto detail = bumps({BLACK, height.get()});
+  int compared = 0;
+  atPointsOfShapes([&](const std::string& name, const SurfacePoint& p) {
+    const Vec3d n = p.shadingNormal, u = tangential(p.dpdu, n), v = tangential(p.dpdv, n);
+    const double lengths = glm::length(u) * glm::length(v);
+    if (!(glm::length(glm::cross(u, v)) > .05 * lengths) || lengths < 1e-3) return; // beside a pole
+    // Where the shading normal is not the surface's, differences along dpdu are not along its tangent.
+    if (p.shadingNormal != p.geometricNormal) return;
+    SurfacePoint bent = p;
+    detail->apply(bent);
+    const Vec3d wanted = glm::normalize(n - tangential(slope, n));
+    EXPECT_LT(glm::length(Vec3d(bent.shadingNormal) - wanted), 4e-3) << name;
+    EXPECT_NEAR(glm::length(bent.shadingNormal), 1, 1e-6);
+    EXPECT_EQ(bent.position, p.position);
+    EXPECT_EQ(bent.uv, p.uv);
+    EXPECT_EQ(bent.geometricNormal, p.geometricNormal);
+    // The width of a pixel sets the step, and changes nothing where the slope is the same everywhere.
+    bent = p;
+    bent.footprint = {-p.geometricNormal, .01f};
+    detail->apply(bent);
+    EXPECT_LT(glm::length(Vec3d(bent.shadingNormal) - wanted), 4e-3) << name;
+    ++compared;
+  });
+  EXPECT_GT(compared, 1500);
+}
+
+TEST(Bumps, FollowTheCoordinatesOfTheSurface) {
+  // h = u² v / 2 as a sum of bilinear terms is not at hand: a checker has no slope but at its edges, marble is
+  // not a float; so an image of a known function.
+  const Folder folder;
+  constexpr int N = 64;
+  const auto h = [](double u, double v) { return .1 * std::sin(2 * M_PI * u) * std::cos(2 * M_PI * v); };
+  const std::string file =
+      folder.picture("h.exr", N, N, [&](int x, int y) { return Rgb(float(h((x + .5) / N, 1 - (y + .5) / N))); });
+  const auto texture = makeTexture("imagemap", "\"string filename\" \"" + file + "\"", false);
+  const auto detail = bumps({BLACK, texture.get()});
+  for (const double flipped : {1., -1.}) // coordinates of either handedness
+    for (int i = 0; i < 300; ++i) {
+      Sampler sampler(1, 1, uint32_t(i));
+      const Vec2f uv = sampler.next2D();
+      SurfacePoint p = flatPoint(double(uv.x), double(uv.y));
+      p.dpdu = {2, 0, 0};
+      p.dpdv = {1, float(3 * flipped), 0};
+      const double u = double(p.uv.x), v = double(p.uv.y), w = 2 * M_PI;
+      const double hu = .1 * w * std::cos(w * u) * std::cos(w * v), hv = -.1 * w * std::sin(w * u) * std::sin(w * v);
+      // x = 2 u + v, y = 3 v: dh/dx = hu / 2, dh/dy = (hv - hu / 2) / 3.
+      const Vec3d wanted = glm::normalize(Vec3d(-hu / 2, -(hv - hu / 2) / (3 * flipped), 1));
+      detail->apply(p);
+      EXPECT_LT(glm::length(Vec3d(p.shadingNormal) - wanted), .03);
+    }
+}
+
+TEST(Bumps, StayOnTheSideOfTheSurface) {
+  const auto steep = makeTexture("bilerp", "\"float v10\" 900 \"float v11\" 900 \"float v01\" 0", false);
+  SurfacePoint p = flatPoint(.3, .3);
+  p.shadingNormal = glm::normalize(Vec3f(-.6f, 0, .8f));
+  bumps({BLACK, steep.get()})->apply(p);
+  EXPECT_GT(glm::dot(p.shadingNormal, p.geometricNormal), 0);
+  EXPECT_NEAR(glm::length(p.shadingNormal), 1, 1e-6);
+  // Without coordinates there is nothing to go along.
+  SurfacePoint q = flatPoint(.3, .3);
+  q.dpdu = Vec3f(0);
+  bumps({BLACK, steep.get()})->apply(q);
+  EXPECT_EQ(q.shadingNormal, q.geometricNormal);
+}
+
+TEST(NormalMap, TurnsTheNormalInTheFrameOfTheSurface) {
+  const Folder folder;
+  const Vec3f wanted = glm::normalize(Vec3f(.3f, -.5f, .8f));
+  const auto map = normalMap(folder.picture("n.exr", 4, 4, [&](int, int) { return Rgb(0.5f * (wanted + 1.0f)); }));
+  atPointsOfShapes([&](const std::string& name, const SurfacePoint& p) {
+    if (!(glm::length(tangential(p.dpdu, p.shadingNormal)) > 1e-3f)) return;
+    SurfacePoint bent = p;
+    map->apply(bent);
+    const Frame frame(p.shadingNormal, p.dpdu);
+    Vec3f n = frame.toWorld(wanted);
+    if (glm::dot(n, p.geometricNormal) < 0) n -= 2 * glm::dot(n, p.geometricNormal) * p.geometricNormal;
+    EXPECT_LT(glm::length(bent.shadingNormal - n), 1e-3f) << name;
+  });
+  // Eight bits are linear: (128, 128, 255) is straight up, nearly.
+  const auto flat = normalMap(folder.picture("flat.png", 4, 4, [](int, int) { return Rgb(.2159f, .2159f, 1); }));
+  SurfacePoint p = flatPoint(.2, .3);
+  flat->apply(p);
+  EXPECT_GT(p.shadingNormal.z, .9999f);
+}
+
+TEST(SurfaceDetail, EveryMaterialTakesIt) {
+  const auto height = makeTexture("fbm", "", false);
+  Textures textures;
+  textures.named["h"] = height.get();
+  for (const auto& entry : plugIns().materials.entries())
+    for (const std::string& example : entry.examples) {
+      Diagnostics diagnostics;
+      const auto made = plugIns().materials.make(
+          parseParameterText(entry.name, example + " \"texture displacement\" \"h\""), {textures, {}}, diagnostics);
+      if (entry.name == "interface") {
+        EXPECT_FALSE(made);
+        continue;
+      }
+      ASSERT_TRUE(made) << diagnostics.format();
+      EXPECT_TRUE(made->detail) << entry.name;
+      const auto plain = plugIns().materials.make(parseParameterText(entry.name, example), {textures, {}}, diagnostics);
+      EXPECT_FALSE(plain->detail) << entry.name;
+    }
+  Diagnostics diagnostics;
+  EXPECT_FALSE(plugIns().materials.make(parseParameterText("diffuse", "\"float displacement\" 2"), {textures, {}}, diagnostics));
+  EXPECT_FALSE(plugIns().materials.make(
+      parseParameterText("diffuse", "\"texture displacement\" \"h\" \"string normalmap\" \"x.png\""), {textures, {}}, diagnostics));
+}
