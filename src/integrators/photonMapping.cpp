@@ -10,6 +10,7 @@
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
 #include "recurse/transport/gather.h"
+#include "recurse/transport/radiusField.h"
 #include "recurse/transport/shoot.h"
 
 namespace recurse {
@@ -17,8 +18,10 @@ namespace recurse {
 namespace {
 
 struct PhotonMappingSettings {
-  uint64_t photons = 0; ///< 0: one for each pixel of the film
-  int nearest = 0;      ///< 0: all photons within the radius
+  uint64_t photons = 0; ///< in each pass; 0: chosen
+  int passes = 0;       ///< see Integrator::passes; -1: left to the number of samples
+  double alpha = 0;     ///< see radiusScale
+  int nearest = 0;      ///< 0: all photons within the radius, or chosen where there is none
   double radius = 0;    ///< 0: found out from the photons' density
   int maxDepth = -1;
   bool shadowRays = true;
@@ -43,13 +46,23 @@ class PhotonMapping final : public Integrator {
  public:
   explicit PhotonMapping(const PhotonMappingSettings& settings) : settings(settings) {}
 
+  int passes(int samplesPerPixel) const override {
+    if (settings.passes >= 0) return settings.passes;
+    return samplesPerPixel > 0 ? 1 : 0;
+  }
+
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     ForwardStatistics statistics;
+    progressive = !pass.only;
+    scale = radiusScale(pass.index, settings.alpha);
     auto start = std::chrono::steady_clock::now();
     ShootSettings shoot;
-    shoot.photons = settings.photons > 0 ? settings.photons
-                                         : uint64_t(scene.film().width) * uint64_t(scene.film().height);
+    shoot.photons = settings.photons;
+    if (shoot.photons == 0)
+      shoot.photons = progressive ? std::max(uint64_t(scene.film().width) * uint64_t(scene.film().height),
+                                             LEAST_PROGRESSIVE_PHOTONS)
+                                  : ONE_MAP_PHOTONS;
     shoot.maxDepth = settings.maxDepth;
     shoot.direct = !settings.shadowRays;
     ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
@@ -62,7 +75,10 @@ class PhotonMapping final : public Integrator {
     statistics.photonsRefused = map.refused();
     statistics.balanceSeconds = secondsSince(start);
     statistics.mapBytes = map.memoryBytes();
-    chooseRadius(scene, classes, statistics);
+    if (pass.index == 0) {
+      chooseRadius(scene, statistics);
+      if (progressive && search.nearest > 0) firstRadii.build(map, search.nearest, search.radius);
+    }
     return statistics;
   }
 
@@ -88,6 +104,11 @@ class PhotonMapping final : public Integrator {
   }
 
  private:
+  // One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly
+  // many.
+  static constexpr uint64_t ONE_MAP_PHOTONS = 1000000, LEAST_PROGRESSIVE_PHOTONS = 65536;
+  static constexpr int ONE_MAP_NEAREST = 100, PROGRESSIVE_NEAREST = 20;
+
   /** Follows an eye ray through mirrors and glass: every branch while it is worth it, one by roulette after.
    */
   void trace(const Scene& scene, EyeRay ray, Rgb throughput, float etaScale, EyeState eye, int depth,
@@ -122,7 +143,8 @@ class PhotonMapping final : public Integrator {
       const EyeState eyeD = classes.step(eye, PathEvent::D);
       if (scattering.hasDiffuse() && !classes.dead(eyeD)) {
         if (settings.shadowRays) addDirect(scene, scattering, hit.point, wi, throughput, eyeD, sampler, out);
-        gather(map, search, scattering, hit.point, wi, ray.width, throughput, eyeD, out);
+        gather(map, searchAt(hit.point.position), scattering, hit.point, wi, ray.width * scale, throughput,
+               eyeD, out);
       }
       eye = classes.step(eye, PathEvent::S);
       if (!scattering.hasDelta() || classes.dead(eye)) return;
@@ -162,6 +184,17 @@ class PhotonMapping final : public Integrator {
               PathRadiance& out) const {
     static_cast<Ray&>(ray) = spawn(from, s.direction);
     trace(scene, ray, throughput * s.weight, etaScale * square(s.eta), eye, depth, sampler, out);
+  }
+
+  /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
+   * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
+  GatherSettings searchAt(const Vec3f& position) const {
+    GatherSettings here = search;
+    if (!progressive) return here;
+    if (search.nearest > 0) here.radius = firstRadii.at(position);
+    here.nearest = 0;
+    here.radius *= scale;
+    return here;
   }
 
   /** LDS*E: lights sampled, and one ray by the BSDF that may meet one. */
@@ -226,10 +259,12 @@ class PhotonMapping final : public Integrator {
    * Looks at the photons where the eye does, and settles the search: the k nearest photons, within a limit
    * that keeps dark corners from smearing over the whole scene; or all within the radius that was asked for.
    */
-  void chooseRadius(const Scene& scene, const PathClasses&, ForwardStatistics& statistics) {
+  void chooseRadius(const Scene& scene, ForwardStatistics& statistics) {
     search.kernel = settings.kernel;
     search.flatness = settings.flatness;
-    search.nearest = settings.nearest;
+    search.nearest = settings.nearest > 0 || settings.radius > 0 ? settings.nearest
+                     : progressive                               ? PROGRESSIVE_NEAREST
+                                                                 : ONE_MAP_NEAREST;
     search.radius = static_cast<float>(settings.radius);
     const PixelBounds& crop = scene.film().crop;
     constexpr int PROBES = 24;
@@ -271,23 +306,23 @@ class PhotonMapping final : public Integrator {
       std::nth_element(v.begin(), v.begin() + i, v.end());
       return v[size_t(i)];
     };
-    const double scale = double(scene.bounds().radius);
+    const double across = double(scene.bounds().radius);
     double typical = settings.radius;
     if (search.nearest > 0) {
       if (!radii.empty()) {
         typical = part(radii, 0.5);
         if (settings.radius == 0) search.radius = static_cast<float>(2 * part(radii, 0.95));
       } else if (settings.radius == 0) {
-        search.radius = static_cast<float>(0.1 * scale);
+        search.radius = static_cast<float>(0.1 * across);
       }
       if (!radii.empty())
         statistics.notes.push_back(text(
             "search: the %d nearest photons, typically within %.3g, at most %.3g; the scene is %.3g across",
-            search.nearest, typical, double(search.radius), 2 * scale));
+            search.nearest, typical, double(search.radius), 2 * across));
     } else {
       statistics.notes.push_back(
           text("search: all photons within %.3g, typically %.0f; the scene is %.3g across", typical,
-               part(found, 0.5), 2 * scale));
+               part(found, 0.5), 2 * across));
     }
     if (map.empty()) {
       if (settings.shadowRays)
@@ -295,22 +330,25 @@ class PhotonMapping final : public Integrator {
       else
         statistics.warnings.push_back(
             "no photon was stored: the picture will show nothing but emitted light");
-    } else if (const double typicalFound = part(found, 0.5); typicalFound < 25) {
+    } else if (const double typicalFound = part(found, 0.5); typicalFound < 25 && !progressive) {
       statistics.warnings.push_back(
           text("the picture will be blotchy: an estimate typically finds %.0f photons; shoot more "
                "(--photons) or widen the search (--radius)",
                typicalFound));
     }
-    if (!map.empty() && typical > 0.05 * scale)
+    if (!map.empty() && typical > 0.05 * across && !progressive)
       statistics.warnings.push_back(
           text("the picture will be smeared: light is averaged over discs of radius %.3g in a scene %.3g "
                "across; shoot more photons (--photons) or narrow the search (--radius, --gather-photons)",
-               typical, 2 * scale));
+               typical, 2 * across));
   }
 
   PhotonMappingSettings settings;
   PhotonMap map;
-  GatherSettings search;
+  GatherSettings search;  ///< of the first pass
+  RadiusField firstRadii; ///< of the first pass, for the others
+  bool progressive = false;
+  float scale = 1; ///< radius of this pass over that of the first
 };
 
 PhotonMappingSettings common(const Parameters& p) {
@@ -323,17 +361,24 @@ PhotonMappingSettings common(const Parameters& p) {
   s.flatness = static_cast<float>(p.real("flatness"));
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
-  s.nearest = p.has("gatherphotons") || s.radius == 0 ? p.integer("gatherphotons") : 0;
+  s.alpha = p.real("alpha");
+  s.nearest = p.hasValue("gatherphotons") ? p.integer("gatherphotons") : 0;
   return s;
 }
 
 std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
   more.insert(
       more.end(),
-      {integerParameter("gatherphotons", "100",
-                        "photons nearest to a point that an estimate uses; without it, a radius means all "
-                        "photons within it")
+      {integerParameter(
+           "gatherphotons", "",
+           "photons nearest to a point that an estimate uses, in the first pass where there are "
+           "many; by default 100 for one pass, 20 for many; a radius alone means all photons within it")
            .range(1, 1e6),
+       realParameter("alpha", "0.666666667",
+                     "how fast the radius of a progressive render shrinks from pass to pass: between 0, at "
+                     "once, and 1, never; "
+                     "the error falls fastest with 2/3")
+           .range(0.01, 1),
        realParameter("radius", "",
                      "radius of the search [scene units]; by default found out from the photons")
            .positive(),
@@ -367,20 +412,32 @@ void registerPhotonMapping(PlugIns& plugIns) {
       {{.name = "photonmap",
         .summary = "Recurse's estimate: emitted light, the photon map at diffuse surfaces, mirror and "
                    "refracted light recursively.",
-        .parameters = parameters({integerParameter("photons", "1000000", "photons emitted").range(1, 2e9)}),
+        .parameters = parameters(
+            {integerParameter(
+                 "photons", "",
+                 "photons emitted in each pass; by default 1000000 for one pass, one for each pixel for many")
+                 .range(1, 2e9),
+             integerParameter(
+                 "passes", "",
+                 "photon maps, each with new photons, smaller radius and its share of the samples; 0: "
+                 "one for each sample (default: 1, or with a time limit alone 0)")
+                 .range(0, 1e9)}),
         .examples = {"", "\"integer photons\" 20000 \"string direct\" \"photons\" \"float radius\" .1"}},
        [](const Parameters& p, const NoContext&) {
          PhotonMappingSettings s = common(p);
-         s.photons = static_cast<uint64_t>(p.integer("photons"));
+         if (p.hasValue("photons")) s.photons = static_cast<uint64_t>(p.integer("photons"));
+         s.passes = p.hasValue("passes") ? p.integer("passes") : -1;
          return std::make_unique<PhotonMapping>(s);
        }});
   plugIns.integrators.add(
       {{.name = "sppm",
-        .summary = "photonmap by the parameters that pbrt files give to sppm; one pass.",
+        .summary =
+            "photonmap by the parameters that pbrt files give to sppm: progressive, a pass for each sample.",
         .parameters = parameters(
-            {integerParameter("photonsperiteration", "-1", "photons emitted; -1: one for each pixel")
+            {integerParameter("photonsperiteration", "-1",
+                              "photons emitted in each pass; -1: one for each pixel, at least 65536")
                  .range(-1, 2e9),
-             integerParameter("photons", "", "photons emitted, instead").range(1, 2e9),
+             integerParameter("photons", "", "the same by photonmap's name").range(1, 2e9),
              ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed counts"),
              ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed")}),
         .examples = {""}},

@@ -66,39 +66,60 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     const double elapsed = seconds(Clock::now() - start);
     teller.say("photons", fraction, fraction > 0.02 ? elapsed / fraction - elapsed : -1, 0, 0);
   };
-  const ForwardStatistics forward = integrator.forward(scene, classes, {settings.seed, 0}, control);
-  statistics.photonSeconds = forward.shootSeconds;
-  statistics.balanceSeconds = forward.balanceSeconds;
-  statistics.photonsEmitted = forward.photonsEmitted;
-  statistics.photonsStored = forward.photonsStored;
-  statistics.photonsRefused = forward.photonsRefused;
-  statistics.mapBytes = forward.mapBytes;
-  statistics.counts = forward.counts;
-  statistics.notes = forward.notes;
-  statistics.warnings = forward.warnings;
-  if (log) {
-    for (const std::string& note : forward.notes) log(note);
-    for (const std::string& warning : forward.warnings) log("warning: " + warning);
-  }
+  const int passes = integrator.passes(settings.samplesPerPixel);
+  double forwardSeconds = 0;
+  const auto shootPass = [&](uint32_t index) {
+    const Clock::time_point passStart = Clock::now();
+    const ForwardStatistics forward =
+        integrator.forward(scene, classes, {settings.seed, index, passes == 1}, control);
+    statistics.photonSeconds += forward.shootSeconds;
+    statistics.balanceSeconds += forward.balanceSeconds;
+    statistics.photonsEmitted += forward.photonsEmitted;
+    statistics.photonsStored += forward.photonsStored;
+    statistics.photonsRefused += forward.photonsRefused;
+    statistics.mapBytes = std::max(statistics.mapBytes, forward.mapBytes);
+    statistics.counts.add(forward.counts);
+    statistics.notes.insert(statistics.notes.end(), forward.notes.begin(), forward.notes.end());
+    statistics.warnings.insert(statistics.warnings.end(), forward.warnings.begin(), forward.warnings.end());
+    if (log) {
+      for (const std::string& note : forward.notes) log(note);
+      for (const std::string& warning : forward.warnings) log("warning: " + warning);
+    }
+    ++statistics.forwardPasses;
+    forwardSeconds += seconds(Clock::now() - passStart);
+  };
 
   const PixelBounds& bounds = film.bounds();
   const int tilesX = (bounds.width() + TILE - 1) / TILE, tilesY = (bounds.height() + TILE - 1) / TILE;
   const size_t tiles = size_t(tilesX) * size_t(tilesY);
-  const int64_t wanted = settings.samplesPerPixel > 0 ? settings.samplesPerPixel : int64_t(1) << 31;
+  // Every pass needs a sample.
+  const int64_t wanted =
+      settings.samplesPerPixel > 0 ? std::max(settings.samplesPerPixel, passes) : int64_t(1) << 31;
   // As in pbrt: a sample stands for its share of the pixel, of which many samples leave at least an eighth.
   const float sampleSpacing =
-      settings.samplesPerPixel > 0
-          ? std::max(0.125f, 1 / std::sqrt(static_cast<float>(settings.samplesPerPixel)))
-          : 1;
-  const Clock::time_point pictureStart = Clock::now();
+      settings.samplesPerPixel > 0 ? std::max(0.125f, 1 / std::sqrt(static_cast<float>(wanted))) : 1;
+  Clock::time_point pictureStart = start;
   std::vector<TransportCounts> tileCounts(tiles);
   std::atomic<uint64_t> samplesDone{0}, raysDone{0};
   std::atomic<bool> timeUp{false};
 
-  int64_t sample = 0;
+  int64_t sample = 0, passEnd = 0;
   int round = 1;
   while (sample < wanted && !stop && !timeUp) {
-    const int64_t end = std::min(wanted, sample + round);
+    if (sample == passEnd) {
+      const auto index = uint32_t(statistics.forwardPasses);
+      // A pass that would not be ready in time is not begun: too few photons are worth nothing.
+      if (index > 0 && settings.timeLimit > 0 &&
+          seconds(Clock::now() - start) + forwardSeconds / index > settings.timeLimit)
+        break;
+      shootPass(index);
+      if (stop) break;
+      // From the second pass on the photons' progress is a part of the picture's.
+      control.progress = [](double) {};
+      if (index == 0) pictureStart = Clock::now();
+      passEnd = passes == 0 ? sample + 1 : (int64_t(index) + 1) * wanted / passes;
+    }
+    const int64_t end = std::min(passEnd, sample + round);
     parallelFor(tiles, [&](size_t tile) {
       if (stop || timeUp) return;
       const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
@@ -142,8 +163,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
 
   for (const TransportCounts& c : tileCounts) statistics.counts.add(c);
   statistics.samples = film.totalSamples();
-  statistics.gatherSeconds = seconds(Clock::now() - pictureStart);
   statistics.renderSeconds = seconds(Clock::now() - start);
+  statistics.gatherSeconds = statistics.renderSeconds - forwardSeconds;
   if (stop)
     statistics.stopReason = StopReason::INTERRUPTED;
   else if (statistics.samples < uint64_t(wanted) * bounds.area())

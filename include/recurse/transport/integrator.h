@@ -20,6 +20,7 @@ namespace recurse {
 struct Pass {
   uint64_t seed = 0;
   uint32_t index = 0;
+  bool only = true; ///< there is no other
 };
 
 /** What happened while rendering; counted per thread and added up. */
@@ -98,7 +99,10 @@ class Integrator {
   virtual ~Integrator() = default;
   /** Called once, before the first pass. Throws Error when it cannot render the scene. */
   virtual void prepare(const Scene&, const PathClasses&) {}
-  /** Shoots what the pass needs. */
+  /** How many times forward() is called for so many samples a pixel (0: no end is known): 1, once for all
+   * samples; n, the samples are dealt out to n passes; 0, once for each sample. */
+  virtual int passes(int /*samplesPerPixel*/) const { return 1; }
+  /** Shoots what the pass needs. Passes depend on no other but the first, which is always done. */
   virtual ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) {
     return {};
   }

@@ -37,8 +37,9 @@ struct RenderStatistics {
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
   size_t mapBytes = 0;
   TransportCounts counts;
-  uint64_t samples = 0; ///< eye paths
-  int passes = 0;       ///< over the whole picture, forward and backward
+  uint64_t samples = 0;  ///< eye paths
+  int passes = 0;        ///< rounds of samples over the whole picture
+  int forwardPasses = 0; ///< photon maps shot
   int threads = 0;
   StopReason stopReason = StopReason::SAMPLES;
   std::vector<std::string> notes, warnings;
