@@ -1,14 +1,14 @@
 /** @file
- * Pictures as textures: pixels where they belong, encodings, edges, filtering against averages, files that are
- * missing or broken.
+ * Pictures as textures: pixels where they belong, encodings, edges, filtering against averages, files that
+ * are missing or broken.
  */
 #include <fstream>
 #include <random>
 
 #include "model/textureTesting.h"
 #include "recurse/core/imageTexture.h"
-#include "recurse/model/scene.h"
 #include "recurse/core/parallel.h"
+#include "recurse/model/scene.h"
 #include "recurse/scene/loader.h"
 
 using namespace recurse;
@@ -32,7 +32,8 @@ Rgb noisy(int x, int y) {
 
 std::string complaintOf(const std::string& scene) {
   Diagnostics diagnostics;
-  const SceneDescription d = parseScene("Camera \"perspective\"\nWorldBegin\n" + scene, "test.pbrt", ".", diagnostics);
+  const SceneDescription d =
+      parseScene("Camera \"perspective\"\nWorldBegin\n" + scene, "test.pbrt", ".", diagnostics);
   EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
   EXPECT_FALSE(buildScene(d, {}, diagnostics));
   return diagnostics.format();
@@ -55,7 +56,8 @@ TEST(ImageMap, PixelsAreWhereTheyBelong) {
   const auto point = makeTexture("imagemap", map(file, "\"string filter\" \"point\""));
   expectNear(at(*point, 1.9 / 5, 1 - 1.1 / 3), noisy(1, 1), 1e-6);
   const auto bilinear = makeTexture("imagemap", map(file));
-  expectNear(at(*bilinear, 2. / 5, 1 - 1.75 / 3), .375f * (noisy(1, 1) + noisy(2, 1)) + .125f * (noisy(1, 2) + noisy(2, 2)), 1e-5);
+  expectNear(at(*bilinear, 2. / 5, 1 - 1.75 / 3),
+             .375f * (noisy(1, 1) + noisy(2, 1)) + .125f * (noisy(1, 2) + noisy(2, 2)), 1e-5);
 }
 
 TEST(ImageMap, FloatTexturesTakeTheFirstChannel) {
@@ -74,7 +76,8 @@ TEST(ImageMap, ScaleThenInvert) {
   const Folder folder;
   const std::string file = folder.picture("c.exr", 2, 2, [](int, int) { return Rgb(.1f, .3f, .6f); });
   expectNear(at(*makeTexture("imagemap", map(file, "\"float scale\" 2")), .5, .5), {.2f, .6f, 1.2f}, 1e-6);
-  expectNear(at(*makeTexture("imagemap", map(file, "\"float scale\" 2 \"bool invert\" true")), .5, .5), {.8f, .4f, 0}, 1e-6);
+  expectNear(at(*makeTexture("imagemap", map(file, "\"float scale\" 2 \"bool invert\" true")), .5, .5),
+             {.8f, .4f, 0}, 1e-6);
 }
 
 TEST(ImageMap, EncodingsOfEightBits) {
@@ -84,21 +87,26 @@ TEST(ImageMap, EncodingsOfEightBits) {
   const double byte = 128. / 255, srgb = std::pow((byte + .055) / 1.055, 2.4);
   // 8-bit sRGB is kept with 11 bits of mantissa.
   expectNear(at(*makeTexture("imagemap", map(file)), .5, .5), {float(srgb), 0, 1}, srgb / 2000);
-  expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"sRGB\"")), .5, .5), {float(srgb), 0, 1}, srgb / 2000);
-  expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"linear\"")), .5, .5), {float(byte), 0, 1}, 1e-6);
+  expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"sRGB\"")), .5, .5),
+             {float(srgb), 0, 1}, srgb / 2000);
+  expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"linear\"")), .5, .5),
+             {float(byte), 0, 1}, 1e-6);
   expectNear(at(*makeTexture("imagemap", map(file, "\"string encoding\" \"gamma 3\"")), .5, .5),
              {float(std::pow(byte, 3)), 0, 1}, 1e-4);
   const Textures none;
   for (const char* wrong : {"gamma", "gamma x", "gamma -1", "rec709"}) {
     Diagnostics diagnostics;
-    EXPECT_FALSE(tryTexture("imagemap", map(file, std::string("\"string encoding\" \"") + wrong + "\""), {none}, diagnostics)) << wrong;
+    EXPECT_FALSE(tryTexture("imagemap", map(file, std::string("\"string encoding\" \"") + wrong + "\""),
+                            {none}, diagnostics))
+        << wrong;
     expectPart(diagnostics.format(), "cannot be \"" + std::string(wrong) + "\"");
   }
 }
 
 TEST(ImageMap, FilteringIsDoneInLinearLight) {
   const Folder folder;
-  const std::string file = folder.picture("bw.png", 64, 64, [](int x, int y) { return Rgb(float((x + y) % 2)); });
+  const std::string file =
+      folder.picture("bw.png", 64, 64, [](int x, int y) { return Rgb(float((x + y) % 2)); });
   for (const char* filter : {"bilinear", "trilinear", "EWA"}) {
     const auto t = makeTexture("imagemap", map(file, std::string("\"string filter\" \"") + filter + "\""));
     EXPECT_NEAR(t->value(seen(flatPoint(.31, .52), .25f)).r, .5, .01) << filter;
@@ -109,10 +117,12 @@ TEST(ImageMap, BeyondTheEdges) {
   const Folder folder;
   const std::string file = folder.picture("grid.exr", 4, 4, noisy);
   const auto with = [&](const char* wrap) {
-    return makeTexture("imagemap", map(file, std::string("\"string filter\" \"point\" \"string wrap\" \"") + wrap + "\""));
+    return makeTexture(
+        "imagemap", map(file, std::string("\"string filter\" \"point\" \"string wrap\" \"") + wrap + "\""));
   };
   const auto pixel = [](int x, int y) { return noisy(x, y); };
-  const auto repeat = with("repeat"), black = with("black"), clamp = with("clamp"), sphere = with("octahedralsphere");
+  const auto repeat = with("repeat"), black = with("black"), clamp = with("clamp"),
+             sphere = with("octahedralsphere");
   expectNear(at(*repeat, -.125, .375), pixel(3, 2), 1e-6);
   expectNear(at(*repeat, 3.125, -1.625), pixel(0, 2), 1e-6);
   expectNear(at(*black, -.125, .375), BLACK, 0);
@@ -133,11 +143,14 @@ TEST(ImageMap, FilteredValuesAreAveragesOverTheFootprint) {
   const auto f = [](double s, double t) {
     return .5 + .25 * std::sin(2 * M_PI * s) * std::cos(2 * M_PI * t) + .2 * std::sin(2 * M_PI * 16 * s);
   };
-  const std::string file =
-      folder.picture("waves.exr", N, N, [&](int x, int y) { return Rgb(float(f((x + .5) / N, 1 - (y + .5) / N))); });
+  const std::string file = folder.picture(
+      "waves.exr", N, N, [&](int x, int y) { return Rgb(float(f((x + .5) / N, 1 - (y + .5) / N))); });
   const auto trilinear = makeTexture("imagemap", map(file, "\"string filter\" \"trilinear\""), false);
-  const auto ewa = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\" \"float maxanisotropy\" 16"), false);
-  const auto slow = [](double s, double t) { return .5 + .25 * std::sin(2 * M_PI * s) * std::cos(2 * M_PI * t); };
+  const auto ewa =
+      makeTexture("imagemap", map(file, "\"string filter\" \"EWA\" \"float maxanisotropy\" 16"), false);
+  const auto slow = [](double s, double t) {
+    return .5 + .25 * std::sin(2 * M_PI * s) * std::cos(2 * M_PI * t);
+  };
   std::mt19937 random(8);
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int i = 0; i < 100; ++i) {
@@ -171,7 +184,8 @@ TEST(ImageMap, OddSizesHaveTheirMean) {
 TEST(ImageMap, SharedFilesAndManyThreadsGiveTheSame) {
   const Folder folder;
   const std::string file = folder.picture("big.png", 300, 200, noisy);
-  const auto a = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\"")), b = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\""));
+  const auto a = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\"")),
+             b = makeTexture("imagemap", map(file, "\"string filter\" \"EWA\""));
   constexpr size_t POINTS = 4000;
   const auto value = [](const Texture& t, size_t i) {
     const double x = double(i) * .6180339887, y = double(i) * .7548776662;
@@ -197,14 +211,16 @@ TEST(ImageMap, BadFilesAreNamedAtTheirPlace) {
   expectPart(missing, "^");
 
   std::ofstream(folder.file("empty.png")).close();
-  expectPart(complaintOf(textured(folder.file("empty.png"))), "test.pbrt:4:21: error: " + folder.file("empty.png"));
+  expectPart(complaintOf(textured(folder.file("empty.png"))),
+             "test.pbrt:4:21: error: " + folder.file("empty.png"));
   const std::string whole = folder.picture("whole.png", 64, 64, noisy);
   std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
   expectPart(complaintOf(textured(whole)), "test.pbrt:4:21: error: " + whole + ": cannot be read");
   expectPart(complaintOf(textured(folder.file(""))), "test.pbrt:4:21: error: ");
 
   for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
-    const std::string file = folder.picture("bad.exr", 8, 8, [&](int x, int y) { return Rgb(x == 5 && y == 2 ? bad : 1); });
+    const std::string file =
+        folder.picture("bad.exr", 8, 8, [&](int x, int y) { return Rgb(x == 5 && y == 2 ? bad : 1); });
     const std::string text = complaintOf(textured(file));
     expectPart(text, "test.pbrt:4:21: error: " + file + ": the pixel at column 5, row 2 is not finite");
   }
@@ -217,6 +233,7 @@ TEST(ImageMap, TexturesThatNameEachOther) {
                          "Texture \"b\" \"float\" \"scale\" \"texture tex\" \"a\"\n"
                          "Material \"diffuse\" \"texture displacement\" \"a\"\nShape \"sphere\""),
              "is made of itself");
-  expectPart(complaintOf("Texture \"a\" \"spectrum\" \"constant\"\nMaterial \"diffuse\" \"texture displacement\" \"a\"\nShape \"sphere\""),
+  expectPart(complaintOf("Texture \"a\" \"spectrum\" \"constant\"\nMaterial \"diffuse\" \"texture "
+                         "displacement\" \"a\"\nShape \"sphere\""),
              "no float texture \"a\"");
 }

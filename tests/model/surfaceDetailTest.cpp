@@ -21,7 +21,8 @@ template <class F> void atPointsOfShapes(const F& test) {
   for (const auto& entry : plugIns().shapes.entries())
     for (const std::string& example : entry.examples) {
       Diagnostics diagnostics;
-      const auto shape = plugIns().shapes.make(parseParameterText(entry.name, example), {m, false}, diagnostics);
+      const auto shape =
+          plugIns().shapes.make(parseParameterText(entry.name, example), {m, false}, diagnostics);
       ASSERT_TRUE(shape) << diagnostics.format();
       for (uint32_t i = 0; i < 200; ++i) {
         Sampler sampler(1, 2, i);
@@ -69,13 +70,13 @@ TEST(Bumps, NormalsAreThoseOfTheRaisedSurface) {
 }
 
 TEST(Bumps, FollowTheCoordinatesOfTheSurface) {
-  // h = u² v / 2 as a sum of bilinear terms is not at hand: a checker has no slope but at its edges, marble is
-  // not a float; so an image of a known function.
+  // h = u² v / 2 as a sum of bilinear terms is not at hand: a checker has no slope but at its edges, marble
+  // is not a float; so an image of a known function.
   const Folder folder;
   constexpr int N = 64;
   const auto h = [](double u, double v) { return .1 * std::sin(2 * M_PI * u) * std::cos(2 * M_PI * v); };
-  const std::string file =
-      folder.picture("h.exr", N, N, [&](int x, int y) { return Rgb(float(h((x + .5) / N, 1 - (y + .5) / N))); });
+  const std::string file = folder.picture(
+      "h.exr", N, N, [&](int x, int y) { return Rgb(float(h((x + .5) / N, 1 - (y + .5) / N))); });
   const auto texture = makeTexture("imagemap", "\"string filename\" \"" + file + "\"", false);
   const auto detail = bumps({BLACK, texture.get()});
   for (const double flipped : {1., -1.}) // coordinates of either handedness
@@ -86,7 +87,8 @@ TEST(Bumps, FollowTheCoordinatesOfTheSurface) {
       p.dpdu = {2, 0, 0};
       p.dpdv = {1, float(3 * flipped), 0};
       const double u = double(p.uv.x), v = double(p.uv.y), w = 2 * M_PI;
-      const double hu = .1 * w * std::cos(w * u) * std::cos(w * v), hv = -.1 * w * std::sin(w * u) * std::sin(w * v);
+      const double hu = .1 * w * std::cos(w * u) * std::cos(w * v),
+                   hv = -.1 * w * std::sin(w * u) * std::sin(w * v);
       // x = 2 u + v, y = 3 v: dh/dx = hu / 2, dh/dy = (hv - hu / 2) / 3.
       const Vec3d wanted = glm::normalize(Vec3d(-hu / 2, -(hv - hu / 2) / (3 * flipped), 1));
       detail->apply(p);
@@ -111,7 +113,8 @@ TEST(Bumps, StayOnTheSideOfTheSurface) {
 TEST(NormalMap, TurnsTheNormalInTheFrameOfTheSurface) {
   const Folder folder;
   const Vec3f wanted = glm::normalize(Vec3f(.3f, -.5f, .8f));
-  const auto map = normalMap(folder.picture("n.exr", 4, 4, [&](int, int) { return Rgb(0.5f * (wanted + 1.0f)); }));
+  const auto map =
+      normalMap(folder.picture("n.exr", 4, 4, [&](int, int) { return Rgb(0.5f * (wanted + 1.0f)); }));
   atPointsOfShapes([&](const std::string& name, const SurfacePoint& p) {
     if (!(glm::length(tangential(p.dpdu, p.shadingNormal)) > 1e-3f)) return;
     SurfacePoint bent = p;
@@ -122,7 +125,8 @@ TEST(NormalMap, TurnsTheNormalInTheFrameOfTheSurface) {
     EXPECT_LT(glm::length(bent.shadingNormal - n), 1e-3f) << name;
   });
   // Eight bits are linear: (128, 128, 255) is straight up, nearly.
-  const auto flat = normalMap(folder.picture("flat.png", 4, 4, [](int, int) { return Rgb(.2159f, .2159f, 1); }));
+  const auto flat =
+      normalMap(folder.picture("flat.png", 4, 4, [](int, int) { return Rgb(.2159f, .2159f, 1); }));
   SurfacePoint p = flatPoint(.2, .3);
   flat->apply(p);
   EXPECT_GT(p.shadingNormal.z, .9999f);
@@ -136,18 +140,22 @@ TEST(SurfaceDetail, EveryMaterialTakesIt) {
     for (const std::string& example : entry.examples) {
       Diagnostics diagnostics;
       const auto made = plugIns().materials.make(
-          parseParameterText(entry.name, example + " \"texture displacement\" \"h\""), {textures, {}}, diagnostics);
+          parseParameterText(entry.name, example + " \"texture displacement\" \"h\""), {textures, {}},
+          diagnostics);
       if (entry.name == "interface") {
         EXPECT_FALSE(made);
         continue;
       }
       ASSERT_TRUE(made) << diagnostics.format();
       EXPECT_TRUE(made->detail) << entry.name;
-      const auto plain = plugIns().materials.make(parseParameterText(entry.name, example), {textures, {}}, diagnostics);
+      const auto plain =
+          plugIns().materials.make(parseParameterText(entry.name, example), {textures, {}}, diagnostics);
       EXPECT_FALSE(plain->detail) << entry.name;
     }
   Diagnostics diagnostics;
-  EXPECT_FALSE(plugIns().materials.make(parseParameterText("diffuse", "\"float displacement\" 2"), {textures, {}}, diagnostics));
+  EXPECT_FALSE(plugIns().materials.make(parseParameterText("diffuse", "\"float displacement\" 2"),
+                                        {textures, {}}, diagnostics));
   EXPECT_FALSE(plugIns().materials.make(
-      parseParameterText("diffuse", "\"texture displacement\" \"h\" \"string normalmap\" \"x.png\""), {textures, {}}, diagnostics));
+      parseParameterText("diffuse", "\"texture displacement\" \"h\" \"string normalmap\" \"x.png\""),
+      {textures, {}}, diagnostics));
 }

@@ -21,7 +21,8 @@ template <class F> double boxMean(double x, double y, double w, double h, const 
   constexpr int N = 200;
   double sum = 0;
   for (int i = 0; i < N; ++i)
-    for (int j = 0; j < N; ++j) sum += f(x + w * ((i + 0.5) / N - 0.5), y + h * ((j + 0.5) / N - 0.5)) / (N * N);
+    for (int j = 0; j < N; ++j)
+      sum += f(x + w * ((i + 0.5) / N - 0.5), y + h * ((j + 0.5) / N - 0.5)) / (N * N);
   return sum;
 }
 
@@ -65,15 +66,18 @@ TEST(Texture, EveryExampleOfEitherKindCanBeMadeAndIsSound) {
 TEST(Texture, ConstantScaleMix) {
   expectNear(at(*makeTexture("constant", "\"rgb value\" [.1 .2 .3]"), 4, 5), {.1f, .2f, .3f}, 1e-7);
   EXPECT_EQ(at(*makeTexture("constant", "\"float value\" -2", false), 0, 0), Rgb(-2));
-  expectNear(at(*makeTexture("scale", "\"rgb tex\" [.1 .2 .3] \"float scale\" 3"), 0, 0), {.3f, .6f, .9f}, 1e-6);
+  expectNear(at(*makeTexture("scale", "\"rgb tex\" [.1 .2 .3] \"float scale\" 3"), 0, 0), {.3f, .6f, .9f},
+             1e-6);
   expectNear(at(*makeTexture("mix", "\"rgb tex1\" [1 0 0] \"rgb tex2\" [0 0 1] \"float amount\" .25"), 0, 0),
              {.75f, 0, .25f}, 1e-7);
-  const auto red = makeTexture("constant", "\"rgb value\" [1 0 0]"), blue = makeTexture("constant", "\"rgb value\" [0 0 1]"),
+  const auto red = makeTexture("constant", "\"rgb value\" [1 0 0]"),
+             blue = makeTexture("constant", "\"rgb value\" [0 0 1]"),
              half = makeTexture("constant", "\"float value\" 7", false); // held to the range of the amount
   Textures named;
   named.named = {{"red", red.get()}, {"blue", blue.get()}, {"half", half.get()}};
-  const auto mix = makeTexture("mix", "\"texture tex1\" \"red\" \"texture tex2\" \"blue\" \"texture amount\" \"half\"",
-                               true, Mat4d(1), named);
+  const auto mix =
+      makeTexture("mix", "\"texture tex1\" \"red\" \"texture tex2\" \"blue\" \"texture amount\" \"half\"",
+                  true, Mat4d(1), named);
   EXPECT_EQ(at(*mix, 0, 0), Rgb(0, 0, 1));
 }
 
@@ -92,7 +96,8 @@ TEST(Texture, DirectionMixFollowsTheCosineInTheSceneOfItsTransform) {
 }
 
 TEST(Texture, BilerpIsBilinear) {
-  const auto t = makeTexture("bilerp", "\"float v00\" 1 \"float v01\" 2 \"float v10\" 4 \"float v11\" 8", false);
+  const auto t =
+      makeTexture("bilerp", "\"float v00\" 1 \"float v01\" 2 \"float v10\" 4 \"float v11\" 8", false);
   EXPECT_FLOAT_EQ(at(*t, 0, 0).r, 1);
   EXPECT_FLOAT_EQ(at(*t, 0, 1).r, 2);
   EXPECT_FLOAT_EQ(at(*t, 1, 0).r, 4);
@@ -103,7 +108,8 @@ TEST(Texture, BilerpIsBilinear) {
 }
 
 TEST(Texture, CheckerboardOfTwoDimensions) {
-  const auto t = makeTexture("checkerboard", "\"float uscale\" 4 \"float vscale\" 2 \"float udelta\" 1", false);
+  const auto t =
+      makeTexture("checkerboard", "\"float uscale\" 4 \"float vscale\" 2 \"float udelta\" 1", false);
   for (int i = 0; i < 8; ++i)
     for (int j = 0; j < 6; ++j) {
       const double s = i - 3 + .5, v = j - 2 + .3;
@@ -117,7 +123,8 @@ TEST(Texture, CheckerboardIsTheMeanOverTheFootprint) {
   for (const double x : {.2, .9, 5.05, -1.1})
     for (const float width : {.01f, .3f, 1.f, 1.7f, 6.3f}) {
       // Seen from above the footprint is a circle; the texture averages over the box around it.
-      EXPECT_NEAR(t->value(seen(flatPoint(x, .4), width)).r, boxMean(x, .4, double(width), double(width), sharp), .006)
+      EXPECT_NEAR(t->value(seen(flatPoint(x, .4), width)).r,
+                  boxMean(x, .4, double(width), double(width), sharp), .006)
           << x << " " << width;
     }
   // At a slant it is longer, along the way that the ray goes.
@@ -131,29 +138,40 @@ TEST(Texture, CheckerboardOfThreeDimensionsHasItsOwnSpace) {
   moved[0] *= .5;
   moved[3] = Vec4d(10, 0, 0, 1);
   const auto t = makeTexture("checkerboard", "\"integer dimension\" 3", false, moved);
-  for (const auto& [p, wanted] : std::vector<std::pair<Vec3f, float>>{
-           {{10.1f, .5f, .5f}, 1}, {{10.6f, .5f, .5f}, 0}, {{10.6f, 1.5f, .5f}, 1}, {{10.6f, 1.5f, -.5f}, 0}, {{9.9f, .5f, .5f}, 0}})
+  for (const auto& [p, wanted] : std::vector<std::pair<Vec3f, float>>{{{10.1f, .5f, .5f}, 1},
+                                                                      {{10.6f, .5f, .5f}, 0},
+                                                                      {{10.6f, 1.5f, .5f}, 1},
+                                                                      {{10.6f, 1.5f, -.5f}, 0},
+                                                                      {{9.9f, .5f, .5f}, 0}})
     EXPECT_EQ(t->value(pointAt(p)).r, wanted) << p.x << " " << p.y << " " << p.z;
 }
 
 TEST(TextureMapping, FollowsItsFormulas) {
   // bilerp shows the coordinates: s in red, t in green.
   const auto shown = [](const std::string& mapping, const Mat4d& m = Mat4d(1)) {
-    return makeTexture("bilerp", mapping + " \"rgb v00\" [0 0 0] \"rgb v10\" [1 0 0] \"rgb v01\" [0 1 0] \"rgb v11\" [1 1 0]",
+    return makeTexture("bilerp",
+                       mapping +
+                           " \"rgb v00\" [0 0 0] \"rgb v10\" [1 0 0] \"rgb v01\" [0 1 0] \"rgb v11\" [1 1 0]",
                        true, m);
   };
-  expectNear(at(*shown("\"float uscale\" 2 \"float vscale\" 3 \"float udelta\" .1 \"float vdelta\" .2"), .25, .1),
-             {.6f, .5f, 0}, 1e-6);
+  expectNear(
+      at(*shown("\"float uscale\" 2 \"float vscale\" 3 \"float udelta\" .1 \"float vdelta\" .2"), .25, .1),
+      {.6f, .5f, 0}, 1e-6);
   const Vec3f p(1, 2, -3);
-  expectNear(shown("\"string mapping\" \"planar\" \"vector3 v1\" [.1 0 .1] \"vector3 v2\" [0 .2 0] \"float udelta\" .5")->value(pointAt(p)),
+  expectNear(shown("\"string mapping\" \"planar\" \"vector3 v1\" [.1 0 .1] \"vector3 v2\" [0 .2 0] \"float "
+                   "udelta\" .5")
+                 ->value(pointAt(p)),
              {.3f, .4f, 0}, 1e-6);
   const double r = std::sqrt(14.), theta = std::acos(-3 / r), phi = std::atan2(2., 1.);
-  expectNear(shown("\"string mapping\" \"spherical\"")->value(pointAt(p)), Rgb(float(theta / PI_D), float(phi / (2 * PI_D)), 0), 1e-6);
-  expectNear(shown("\"string mapping\" \"cylindrical\"")->value(pointAt(p)), Rgb(float((PI_D + phi) / (2 * PI_D)), -3, 0), 1e-6);
+  expectNear(shown("\"string mapping\" \"spherical\"")->value(pointAt(p)),
+             Rgb(float(theta / PI_D), float(phi / (2 * PI_D)), 0), 1e-6);
+  expectNear(shown("\"string mapping\" \"cylindrical\"")->value(pointAt(p)),
+             Rgb(float((PI_D + phi) / (2 * PI_D)), -3, 0), 1e-6);
   // In the space of the transform at the Texture directive.
   Mat4d moved(2);
   moved[3] = Vec4d(1, 2, -13, 1);
-  expectNear(shown("\"string mapping\" \"cylindrical\"", moved)->value(pointAt({1, 4, -3})), {.75f, 5, 0}, 1e-6);
+  expectNear(shown("\"string mapping\" \"cylindrical\"", moved)->value(pointAt({1, 4, -3})), {.75f, 5, 0},
+             1e-6);
 }
 
 TEST(TextureMapping, ChangesOverTheFootprintAreDerivatives) {
@@ -163,12 +181,14 @@ TEST(TextureMapping, ChangesOverTheFootprintAreDerivatives) {
   Mat4d m(1);
   m[0] = Vec4d(.8, .3, .1, 0);
   m[3] = Vec4d(.2, -.1, .3, 1);
-  for (const char* text : {"\"string mapping\" \"planar\" \"vector3 v1\" [.1 .5 .1] \"vector3 v2\" [-.7 .2 0]",
-                           "\"string mapping\" \"spherical\"", "\"string mapping\" \"cylindrical\"",
-                           "\"float uscale\" 3 \"float vscale\" -2"}) {
+  for (const char* text :
+       {"\"string mapping\" \"planar\" \"vector3 v1\" [.1 .5 .1] \"vector3 v2\" [-.7 .2 0]",
+        "\"string mapping\" \"spherical\"", "\"string mapping\" \"cylindrical\"",
+        "\"float uscale\" 3 \"float vscale\" -2"}) {
     Diagnostics diagnostics;
     const ParsedDirective d = parseParameterText("x", text);
-    const TextureMapping mapping(bindParameters(d, withMapping({}), diagnostics, false), {none, true, m, nullptr});
+    const TextureMapping mapping(bindParameters(d, withMapping({}), diagnostics, false),
+                                 {none, true, m, nullptr});
     ASSERT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
     for (int i = 0; i < 100; ++i) {
       const auto vector = [&] { return Vec3d(uniform(random), uniform(random), uniform(random)); };
@@ -194,7 +214,9 @@ TEST(TextureMapping, ChangesOverTheFootprintAreDerivatives) {
         const Vec3d along = second ? axes.y : axes.x;
         // The step in (u, v) solves du u + dv v = along.
         const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), det = uu * vv - uv * uv;
-        const Vec2d step = Vec2d(vv * glm::dot(along, u) - uv * glm::dot(along, v), uu * glm::dot(along, v) - uv * glm::dot(along, u)) / det;
+        const Vec2d step = Vec2d(vv * glm::dot(along, u) - uv * glm::dot(along, v),
+                                 uu * glm::dot(along, v) - uv * glm::dot(along, u)) /
+                           det;
         SurfacePoint a = p, b = p;
         a.position = Vec3f(position - 8.0 * along);
         b.position = Vec3f(position + 8.0 * along);
@@ -254,11 +276,13 @@ TEST(Noise, FractalSumsAreTheOctaves) {
 }
 
 TEST(Noise, OctavesBelowTheFootprintAreAveragedAway) {
-  const auto fbm = makeTexture("fbm", "", false), wrinkled = makeTexture("wrinkled", "\"integer octaves\" 5", false);
+  const auto fbm = makeTexture("fbm", "", false),
+             wrinkled = makeTexture("wrinkled", "\"integer octaves\" 5", false);
   const SurfacePoint p = pointAt({.3f, .4f, .6f});
   EXPECT_EQ(fbm->value(seen(p, 4)).r, 0);
   // With a footprint of 1/8 the octaves of wavelength 1 and 1/2 are left.
-  EXPECT_NEAR(fbm->value(seen(p, .125f)).r, perlinNoise(p.position) + .5 * perlinNoise(1.99 * Vec3d(p.position)), 1e-6);
+  EXPECT_NEAR(fbm->value(seen(p, .125f)).r,
+              perlinNoise(p.position) + .5 * perlinNoise(1.99 * Vec3d(p.position)), 1e-6);
   EXPECT_NEAR(wrinkled->value(seen(p, 4)).r, .2 * (1 + 1 + .5 + .25 + .125 + .0625), 1e-6);
 }
 

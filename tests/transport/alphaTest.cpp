@@ -1,6 +1,6 @@
 /** @file
- * Alpha: surfaces cut out by textures against the same holes as geometry, transmitted light against closed forms,
- * for eye rays, shadow rays and photons.
+ * Alpha: surfaces cut out by textures against the same holes as geometry, transmitted light against closed
+ * forms, for eye rays, shadow rays and photons.
  */
 #include "transport/rendering.h"
 
@@ -13,7 +13,8 @@ namespace {
 const char* const TEXTURED = R"(Texture "holes" "float" "checkerboard" "float uscale" 2 "float vscale" 2
 Shape "bilinearmesh" "point3 P" [-1 -1 1  1 -1 1  -1 1 1  1 1 1] "texture alpha" "holes"
 )";
-const char* const TEXTURED_TRIANGLES = R"(Texture "holes" "float" "checkerboard" "float uscale" 2 "float vscale" 2
+const char* const TEXTURED_TRIANGLES =
+    R"(Texture "holes" "float" "checkerboard" "float uscale" 2 "float vscale" 2
 Shape "trianglemesh" "point3 P" [-1 -1 1  1 -1 1  -1 1 1  1 1 1] "integer indices" [0 1 3 0 3 2]
   "point2 uv" [0 0 1 0 0 1 1 1] "texture alpha" "holes"
 )";
@@ -46,8 +47,10 @@ void expectSamePicture(const Rendered& a, const Rendered& b, double sigmas) {
   ASSERT_EQ(a.pixels(), b.pixels());
   EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()) + 1e-6);
   for (size_t i = 0; i < a.pixels(); ++i) {
-    const double error = std::sqrt(a.film.variance(i) / double(a.film.samples(i)) + b.film.variance(i) / double(b.film.samples(i)));
-    EXPECT_NEAR(double(luminance(a.value(i))), double(luminance(b.value(i))), sigmas * error + .02) << "pixel " << i;
+    const double error = std::sqrt(a.film.variance(i) / double(a.film.samples(i)) +
+                                   b.film.variance(i) / double(b.film.samples(i)));
+    EXPECT_NEAR(double(luminance(a.value(i))), double(luminance(b.value(i))), sigmas * error + .02)
+        << "pixel " << i;
   }
 }
 
@@ -57,23 +60,26 @@ TEST(Alpha, TexturedHolesAreHoles) {
   const Rendered truth = renderText(screenScene(GEOMETRY), "path", "\"integer maxdepth\" 3", samples(64));
   for (const char* screen : {TEXTURED, TEXTURED_TRIANGLES, TEXTURED_INSTANCE}) {
     SCOPED_TRACE(screen);
-    expectSamePicture(renderText(screenScene(screen), "path", "\"integer maxdepth\" 3", samples(64), 2), truth, 6);
+    expectSamePicture(renderText(screenScene(screen), "path", "\"integer maxdepth\" 3", samples(64), 2),
+                      truth, 6);
   }
 }
 
 TEST(Alpha, PhotonsMeetTheSameHoles) {
-  const std::string parameters = "\"integer photons\" 60000 \"string direct\" \"photons\" \"float radius\" .15 \"integer maxdepth\" 3";
+  const std::string parameters =
+      "\"integer photons\" 60000 \"string direct\" \"photons\" \"float radius\" .15 \"integer maxdepth\" 3";
   const Rendered truth = renderText(screenScene(GEOMETRY), "photonmap", parameters, 4);
   const Rendered cut = renderText(screenScene(TEXTURED), "photonmap", parameters, 4, 2);
   EXPECT_NEAR(cut.mean(), truth.mean(), .02 * truth.mean());
-  const Rendered shadowRays = renderText(screenScene(TEXTURED_TRIANGLES), "photonmap", "\"integer photons\" 60000 \"integer maxdepth\" 3", 16, 3);
+  const Rendered shadowRays = renderText(screenScene(TEXTURED_TRIANGLES), "photonmap",
+                                         "\"integer photons\" 60000 \"integer maxdepth\" 3", 16, 3);
   const Rendered path = renderText(screenScene(GEOMETRY), "path", "\"integer maxdepth\" 3", samples(64));
   EXPECT_NEAR(shadowRays.mean(), path.mean(), .02 * path.mean());
 }
 
 TEST(Alpha, LayersTransmitIndependently) {
-  // A camera looks at a lamp through two sheets and a ball of opacity 0.4 each: six tenths pass each of the four
-  // surfaces. They do not reflect.
+  // A camera looks at a lamp through two sheets and a ball of opacity 0.4 each: six tenths pass each of the
+  // four surfaces. They do not reflect.
   const std::string scene = view(16, "0 0 0  0 0 1  0 1 0", 20) + R"(
 AttributeBegin
   AreaLightSource "diffuse" "rgb L" [1 1 1] "bool twosided" true
@@ -107,12 +113,14 @@ Shape "disk" "float radius" 9 "float height" 3 "float alpha" .3
 TEST(Alpha, PartsThatAreCutOutDoNotShine) {
   // Half of the lamp by alpha is the half of the lamp: seen, sampled, and as photons.
   const auto scene = [](const std::string& lamp) {
-    return view(12, "0 -3 2  0 0 .5  0 0 1", 60) + "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [3 2 1]\n" +
+    return view(12, "0 -3 2  0 0 .5  0 0 1", 60) +
+           "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [3 2 1]\n" +
            "Material \"diffuse\" \"rgb reflectance\" [.3 .3 .3]\n" + lamp + "AttributeEnd\n" +
            "Material \"diffuse\" \"rgb reflectance\" [.7 .6 .5]\n"
            "Shape \"bilinearmesh\" \"point3 P\" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]\n";
   };
-  const std::string half = scene("Shape \"bilinearmesh\" \"point3 P\" [-.5 -.5 2  -.5 .5 2  0 -.5 2  0 .5 2]\n");
+  const std::string half =
+      scene("Shape \"bilinearmesh\" \"point3 P\" [-.5 -.5 2  -.5 .5 2  0 -.5 2  0 .5 2]\n");
   const std::string cut = scene(R"(Texture "half" "float" "checkerboard" "float vscale" 2
 Shape "bilinearmesh" "point3 P" [-.5 -.5 2  -.5 .5 2  .5 -.5 2  .5 .5 2] "texture alpha" "half"
 )");
@@ -128,7 +136,8 @@ TEST(Alpha, LightsOfAlphaZeroShineUnseen) {
     return view(12, "0 -3 1  0 0 0  0 0 1", 30) + R"(
 AttributeBegin AreaLightSource "diffuse" "rgb L" [3 2 1]
 Material "interface"
-Shape "bilinearmesh" "point3 P" [-.5 -.5 3  -.5 .5 3  .5 -.5 3  .5 .5 3] )" + alpha + R"(
+Shape "bilinearmesh" "point3 P" [-.5 -.5 3  -.5 .5 3  .5 -.5 3  .5 .5 3] )" +
+           alpha + R"(
 AttributeEnd
 Material "diffuse" "rgb reflectance" [.7 .6 .5]
 Shape "bilinearmesh" "point3 P" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]
@@ -136,11 +145,13 @@ Shape "bilinearmesh" "point3 P" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]
   };
   for (const Way& way : allWays("100000")) {
     const Rendered seen = renderText(scene(""), way.integrator, way.parameters, samples(64)),
-                   unseen = renderText(scene("\"float alpha\" 0"), way.integrator, way.parameters, samples(64), 2);
+                   unseen =
+                       renderText(scene("\"float alpha\" 0"), way.integrator, way.parameters, samples(64), 2);
     EXPECT_NEAR(unseen.mean(), seen.mean(), .02 * seen.mean()) << way.integrator << way.parameters;
   }
   // Straight at it there is nothing.
-  const std::string at = view(8, "0 0 0  0 0 1  0 1 0", 10) + R"(AreaLightSource "diffuse" "rgb L" [3 2 1] "bool twosided" true
+  const std::string at =
+      view(8, "0 0 0  0 0 1  0 1 0", 10) + R"(AreaLightSource "diffuse" "rgb L" [3 2 1] "bool twosided" true
 Shape "disk" "float height" 3 "float radius" 9 "float alpha" 0)";
   EXPECT_EQ(renderText(at, "path", "", 4).mean(), 0);
 }

@@ -1,6 +1,6 @@
 /** @file
- * How far a progressive density estimate looks, before any shrinking: known at every point, and independent of
- * the photons of the pass that uses it, so that those are counted without bias.
+ * How far a progressive density estimate looks, before any shrinking: known at every point, and independent
+ * of the photons of the pass that uses it, so that those are counted without bias.
  */
 #pragma once
 
@@ -18,8 +18,8 @@ float radiusScale(uint32_t index, double alpha);
 
 class RadiusField {
  public:
-  /** Takes at places all over a first photon map the distance to the k-th photon, and at most `limit`. The map
-   * is not needed afterwards. */
+  /** Takes at places all over a first photon map the distance to the k-th photon, and at most `limit`. The
+   * map is not needed afterwards. */
   void build(const PhotonMap& first, int nearest, float limit);
   /** About where a search for the k-th photon of the first map would have ended: the distance known at the
    * nearest of the places, and no less than the way there. */
