@@ -24,7 +24,11 @@ endif()
 set(RECURSE_EMBED_SCRIPT ${CMAKE_CURRENT_LIST_FILE})
 function(recurse_embed TARGET)
     set(OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/embedded/${TARGET}.cpp)
-    list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE INPUTS)
+    set(INPUTS)
+    foreach(FILE ${ARGN})
+        get_filename_component(FILE ${FILE} ABSOLUTE)
+        list(APPEND INPUTS ${FILE})
+    endforeach()
     list(JOIN INPUTS "," JOINED)
     add_custom_command(OUTPUT ${OUTPUT}
         COMMAND ${CMAKE_COMMAND} -DOUTPUT=${OUTPUT} -DINPUTS=${JOINED} -P ${RECURSE_EMBED_SCRIPT}

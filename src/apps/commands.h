@@ -17,6 +17,7 @@ using Command = std::function<ExitStatus()>;
 void addRenderCommand(CLI::App& app, Command& chosen);
 void addStillsCommand(CLI::App& app, Command& chosen);
 void addCompareCommand(CLI::App& app, Command& chosen);
+void addConvergeCommand(CLI::App& app, Command& chosen);
 void addInfoCommand(CLI::App& app, Command& chosen);
 void addClassesCommand(CLI::App& app, Command& chosen);
 void addExplainCommand(CLI::App& app, Command& chosen);

@@ -70,10 +70,14 @@ void IntegratorOptions::addTo(CLI::App& command) {
                   std::string("Integrator, in the place of the scene's (default without either: ") +
                       DEFAULT_INTEGRATOR + ")")
       ->type_name("NAME");
+  const std::vector<Value> before = std::move(values);
   values = {{"--photons", "photons", {}},         {"--gather-photons", "gatherphotons", {}},
             {"--radius", "radius", {}},           {"--maxdepth", "maxdepth", {}},
             {"--direct", "direct", {}},           {"--light-samples", "lightsamples", {}},
             {"--photon-index", "photonindex", {}}};
+  for (size_t i = 0; i < before.size(); ++i) values[i].text = before[i].text;
+  earlier.insert(earlier.end(), settings.begin(), settings.end());
+  settings.clear();
   const std::vector<std::pair<const char*, const char*>> descriptions = {
       {"N", "Photons emitted; 1M and 1e6 are taken too"},
       {"K", "Photons of a density estimate, where the radius is chosen by itself"},
@@ -94,6 +98,11 @@ void IntegratorOptions::addTo(CLI::App& command) {
                   "Any other parameter of the integrator, see 'recurse reference'; may be repeated")
       ->type_name("NAME=VALUE")
       ->take_all();
+}
+
+void IntegratorOptions::set(const std::string& option, const std::string& text) {
+  for (Value& value : values)
+    if (value.option == option) value.text = text;
 }
 
 void IntegratorOptions::replace(ParsedDirective& directive, const std::vector<ParameterSpec>& specs,
@@ -135,7 +144,9 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
                   [&](const ParsedParameter& p) { return !findSpec(entry->parameters, p.name); });
   for (const Value& value : values)
     if (value.text) replace(out, entry->parameters, value.option, value.parameter, *value.text);
-  for (const std::string& setting : settings) {
+  std::vector<std::string> all = earlier;
+  all.insert(all.end(), settings.begin(), settings.end());
+  for (const std::string& setting : all) {
     const size_t equals = setting.find('=');
     if (equals == std::string::npos || equals == 0) badUsage("--set: '" + setting + "' is not NAME=VALUE");
     replace(out, entry->parameters, "--set", setting.substr(0, equals), setting.substr(equals + 1));
@@ -147,7 +158,8 @@ std::string IntegratorOptions::text() const {
   std::string out;
   for (const Value& value : values)
     if (value.text) out += std::string(" ") + value.option + " " + shellQuoted(*value.text);
-  for (const std::string& setting : settings) out += " --set " + shellQuoted(setting);
+  for (const std::vector<std::string>& list : {earlier, settings})
+    for (const std::string& setting : list) out += " --set " + shellQuoted(setting);
   return out;
 }
 

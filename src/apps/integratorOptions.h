@@ -20,7 +20,11 @@ constexpr const char* DEFAULT_INTEGRATOR = "photonmap";
 
 class IntegratorOptions {
  public:
+  /** What was given before counts on where it is not given again. */
   void addTo(CLI::App& command);
+  /** As if the option stood on the command line; call after addTo(). */
+  void set(const std::string& option, const std::string& text);
+  void setIntegrator(const std::string& integrator) { name = integrator; }
 
   /** The file's directive with what the options say. Throws Error (BAD_USAGE) for an unknown integrator and
    * for options that it does not take. */
@@ -28,6 +32,7 @@ class IntegratorOptions {
   /** The options as they were given, for the picture's metadata. */
   std::string text() const;
   bool named() const { return !name.empty(); }
+  const std::string& integratorName() const { return name; }
 
  private:
   struct Value {
@@ -41,7 +46,7 @@ class IntegratorOptions {
 
   std::string name;
   std::vector<Value> values;
-  std::vector<std::string> settings; ///< of --set: NAME=VALUE
+  std::vector<std::string> earlier, settings; ///< of --set: NAME=VALUE
 };
 
 /** Makes it; what is wrong goes to `diagnostics`, and the result is null then. */

@@ -5,8 +5,11 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <fstream>
 
 #include "apps/optionText.h"
+#include "recurse/core/hash.h"
 #include "recurse/scene/loader.h"
 
 namespace recurse::apps {
@@ -61,6 +64,43 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   out.warnings = diagnostics.all().size();
   std::fputs(diagnostics.format().c_str(), stderr);
   return out;
+}
+
+std::string contentHash(const SceneDescription& description) {
+  Hash hash;
+  const auto addFile = [&hash](const std::string& directory, const std::string& name) {
+    const std::filesystem::path path = std::filesystem::path(directory) / name;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) return false;
+    std::ifstream in(path, std::ios::binary);
+    hash.add(std::string(std::istreambuf_iterator<char>(in), {}));
+    return true;
+  };
+  const auto add = [&](const ParsedDirective& directive) {
+    const auto addParameters = [&](const std::vector<ParsedParameter>& parameters) {
+      for (const ParsedParameter& p : parameters)
+        for (const std::string& name : p.strings) // may be that of a file: mesh, texture, spectrum
+          if (!name.empty() && !addFile(p.directory.empty() ? directive.directory : p.directory, name))
+            addFile(directive.topDirectory, name);
+    };
+    addParameters(directive.parameters);
+    if (directive.attributes) addParameters(*directive.attributes);
+  };
+  const SceneDescription& d = description;
+  for (const auto& source : d.sources) hash.add(source->text);
+  for (const ParsedDirective* one :
+       {&d.film, &d.camera, &d.filter, &d.sampler, &d.integrator, &d.accelerator})
+    add(*one);
+  for (const ParsedDirective& material : d.materials) add(material);
+  for (const auto& [name, material] : d.namedMaterials) add(material);
+  for (const TextureDescription& texture : d.textures) add(texture.texture);
+  for (const ParsedDirective& light : d.areaLights) add(light);
+  for (const auto& [name, medium] : d.media) add(medium);
+  for (const ShapeDescription& shape : d.shapes) add(shape.shape);
+  for (const auto& [name, object] : d.objects)
+    for (const ShapeDescription& shape : object.shapes) add(shape.shape);
+  for (const LightDescription& light : d.lights) add(light.light);
+  return hash.text();
 }
 
 std::string sceneReport(const LoadedScene& loaded, size_t layers) {

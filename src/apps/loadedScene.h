@@ -27,6 +27,9 @@ struct LoadedScene {
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
                          const IntegratorOptions& options);
 
+/** A hash of all files that the scene was read from, and of nothing else. */
+std::string contentHash(const SceneDescription& description);
+
 /** What the scene contains and needs, and the settings that it would be rendered with. */
 std::string sceneReport(const LoadedScene& loaded, size_t layers = 1);
 

@@ -81,6 +81,7 @@ ExitStatus run(int argc, char** argv) {
   addRenderCommand(app, chosen);
   addStillsCommand(app, chosen);
   addCompareCommand(app, chosen);
+  addConvergeCommand(app, chosen);
   addInfoCommand(app, chosen);
   addClassesCommand(app, chosen);
   addExplainCommand(app, chosen);

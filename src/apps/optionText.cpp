@@ -29,6 +29,8 @@ std::optional<double> realOf(const std::string& text) {
   return value;
 }
 
+} // namespace
+
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
   for (char c : text)
@@ -38,8 +40,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
       parts.back() += c;
   return parts;
 }
-
-} // namespace
 
 double parseDuration(const std::string& option, const std::string& text) {
   const std::string wanted = "a time; write for example 30s, 2m or 1h30m";

@@ -14,6 +14,9 @@ namespace recurse::apps {
 
 /** "30s", "2m", "1h30m", "90" (seconds): seconds, above zero. */
 double parseDuration(const std::string& option, const std::string& text);
+/** The parts between separators; one empty part of an empty text. */
+std::vector<std::string> split(const std::string& text, char separator);
+
 /** "640x480". */
 std::array<int, 2> parseResolution(const std::string& option, const std::string& text);
 /** "x0,x1,y0,y1", each in [0, 1]. */

@@ -16,6 +16,7 @@ SceneDescription readScene(SourceFiles& files, const Source& top, Diagnostics& d
   scene.fileName = top.text->name;
   files.topDirectory = top.directory;
   SceneParser(scene, files, diagnostics).parse(top);
+  scene.sources = files.all();
   return scene;
 }
 

@@ -124,4 +124,11 @@ const Source& SourceFiles::addText(std::string text, const std::string& name, co
   return *texts.back();
 }
 
+std::vector<std::shared_ptr<const SourceText>> SourceFiles::all() const {
+  std::vector<std::shared_ptr<const SourceText>> out;
+  for (const auto& [path, source] : files) out.push_back(source->text);
+  for (const auto& source : texts) out.push_back(source->text);
+  return out;
+}
+
 } // namespace recurse::sceneFile

@@ -38,6 +38,9 @@ class SourceFiles {
   const Source& open(const std::string& path);
   const Source& addText(std::string text, const std::string& name, const std::string& directory);
 
+  /** The texts of all files read, by their paths. */
+  std::vector<std::shared_ptr<const SourceText>> all() const;
+
   std::string topDirectory;
 
  private:

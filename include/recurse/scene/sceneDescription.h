@@ -62,6 +62,7 @@ struct TextureDescription {
 
 struct SceneDescription {
   std::string fileName;
+  std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and what it includes
   ParsedDirective film, camera, filter, sampler, integrator, accelerator;
   Mat4d worldFromCamera{1};
   std::map<std::string, ParsedParameter> options;

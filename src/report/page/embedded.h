@@ -1,5 +1,5 @@
 /** @file
- * The files of the page as they are beside this one, put into the program by cmake/embed.cmake.
+ * The files of the pages as they are beside this one, put into the program by cmake/embed.cmake.
  */
 #pragma once
 
@@ -7,6 +7,9 @@
 
 namespace recurse::page {
 
-extern const std::string_view STILLS_HTML, STILLS_CSS, STILLS_DATA_JS, STILLS_VIEW_JS, STILLS_JS;
+extern const std::string_view PAGE_CSS, PIXELS_JS, VIEW_JS;
+extern const std::string_view STILLS_HTML, STILLS_CSS, STILLS_DATA_JS, STILLS_JS;
+extern const std::string_view CONVERGE_HTML, CONVERGE_CSS, CONVERGE_JS;
+extern const std::string_view CHART_MIN_JS; ///< Chart.js, from its Debian package
 
 } // namespace recurse::page

@@ -1,0 +1,144 @@
+/** @file
+ * `recurse converge`: studies made, gone on with, refused and interrupted.
+ */
+#include "program.h"
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/image.h"
+
+using namespace programTesting;
+using recurse::Image;
+using recurse::readImage;
+
+namespace {
+
+class ConvergeProgram : public Program {
+ protected:
+  /** A reference that is at hand for the scene of the fixture. */
+  void makeReference(const std::string& name, const std::string& seed) const {
+    ASSERT_EQ(run({"render", "scene.pbrt", "-q", "-o", name, "--integrator", "path", "--spp", "256", "--seed",
+                   seed})
+                  .status,
+              0);
+  }
+  nlohmann::json study(const std::string& name = "study") const {
+    return nlohmann::json::parse(contents(file(name + "/converge.json")));
+  }
+  static size_t lines(const std::string& text) { return size_t(std::count(text.begin(), text.end(), '\n')); }
+};
+
+const std::string PATH = "path=--integrator path",
+                  PHOTONS = "pm=--integrator photonmap --photons 2k --radius 0.4";
+
+} // namespace
+
+TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
+  const std::vector<std::string> arguments = {
+      "converge", "scene.pbrt", "-o",    "study", "--samples",         "4,16", "--seeds", "3",
+      "--run",    PATH,         "--run", PHOTONS, "--reference-error", "0.02"};
+  const Outcome first = run(arguments);
+  ASSERT_EQ(first.status, 0) << first.err;
+  for (const char* part : {"made by path tracing", "relMSE of their mean", "ε 0.01", "picture 12 of 12"})
+    EXPECT_TRUE(has(first.err, part)) << part << "\n" << first.err;
+  for (const char* part : {"bias²", "time to", "no trim", "t^"})
+    EXPECT_TRUE(has(first.out, part)) << first.out;
+  const nlohmann::json j = study();
+  ASSERT_EQ(j["cells"].size(), 12u);
+  EXPECT_EQ(lines(contents(file("study/cells.csv"))), 13u);
+  EXPECT_EQ(lines(contents(file("study/points.csv"))), 5u);
+  EXPECT_TRUE(has(contents(file("study/index.html")), "relmse_noise_free"));
+  EXPECT_TRUE(exists("study/plot.gp"));
+  double errors[2] = {0, 0}; // of path: four times the samples, a quarter of the error
+  for (const auto& cell : j["cells"]) {
+    EXPECT_GT(cell["seconds"], 0);
+    EXPECT_EQ(cell["samples_per_pixel"], cell["budget"] == "4" ? 4 : 16);
+    EXPECT_EQ(cell["photons"], cell["run"] == "pm" ? 2000 : 0);
+    if (cell["run"] == "path") errors[cell["budget"] == "4" ? 0 : 1] += double(cell["relmse_noise_free"]);
+  }
+  EXPECT_NEAR(errors[0] / errors[1], 4, 1.5);
+  const Image reference = readImage(file("study/reference.exr"));
+  EXPECT_GE(reference.channel("a.R"), 0);
+
+  // The same once more renders nothing; another seed only what is missing. The reference stays as it is.
+  const Outcome again = run(arguments);
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_FALSE(has(again.err, "picture ")) << again.err;
+  EXPECT_EQ(again.out, first.out);
+  std::vector<std::string> more = arguments;
+  more[7] = "4";
+  const Outcome grown = run(more);
+  EXPECT_EQ(grown.status, 0) << grown.err;
+  EXPECT_EQ(study()["cells"].size(), 16u);
+  EXPECT_EQ(j["cells"][0], study()["cells"][0]);
+  EXPECT_EQ(readImage(file("study/reference.exr")).pixels, reference.pixels);
+}
+
+TEST_F(ConvergeProgram, RefusesWhatDoesNotBelong) {
+  makeReference("a.exr", "100");
+  makeReference("b.exr", "101");
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"converge",    "scene.pbrt", "-o",   "study",
+                                          "--reference", "a.exr",      "b.exr"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  const Outcome fine = with({"--samples", "2", "--run", PATH, "--seeds", "1"});
+  ASSERT_EQ(fine.status, 0) << fine.err;
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& why) {
+    const Outcome o = with(more);
+    EXPECT_EQ(o.status, 2) << o.err;
+    EXPECT_TRUE(has(o.err, why)) << why << "\n" << o.err;
+  };
+  refused({"--samples", "2", "--run", "path=--integrator path --maxdepth 2"},
+          "run path: there path, maxdepth -1");
+  refused({"--times", "1s", "--run", PATH}, "budgets: there samples, now time");
+  refused({"--samples", "2", "--run", PATH + " --spp 3"}, "--run path: --spp is what the budgets are for");
+  refused({"--samples", "2", "--run", PATH + " --resolution 3x3"}, "--resolution is for all runs");
+  refused({"--samples", "2", "--run", PATH + " --radius 3"},
+          "--run path: --radius: the integrator 'path' has no");
+  refused({"--samples", "2", "--run", "--integrator path"}, "is not NAME=");
+  refused({"--samples", "2,x"}, "--samples: 'x' is not a whole number");
+  refused({"--photons", "1k", "--run", PATH}, "--run path: --photons: the integrator 'path' has no");
+  refused({"--samples", "2", "--resolution", "8x8"},
+          "a.exr has 24x16 pixels, the scene is rendered with 8x8");
+  std::ofstream(file("scene.pbrt"), std::ios::app) << "# changed\n";
+  refused({"--samples", "2", "--run", PATH}, "content of the scene: there");
+  EXPECT_EQ(study()["cells"].size(), 1u);
+}
+
+TEST_F(ConvergeProgram, PhotonBudgets) {
+  makeReference("a.exr", "100");
+  const Outcome o = run({"converge", "scene.pbrt", "-o", "study", "--reference", "a.exr", "--photons",
+                         "1k,4k", "--seeds", "1", "--run", "pm=--radius 0.4 --spp 2", "-q"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_FALSE(has(o.err, "picture 1 of") || has(o.err, "written:")) << o.err;
+  EXPECT_TRUE(has(o.out, "its own noise is in every error")) << o.out;
+  const nlohmann::json j = study();
+  ASSERT_EQ(j["cells"].size(), 2u);
+  EXPECT_EQ(j["cells"][1]["photons"], 4000);
+  EXPECT_EQ(j["cells"][1]["samples_per_pixel"], 2);
+  EXPECT_TRUE(j["cells"][1]["relmse_noise_free"].is_null());
+}
+
+TEST_F(ConvergeProgram, InterruptKeepsWhatIsFinished) {
+  makeReference("a.exr", "100");
+  const std::vector<std::string> arguments = {"converge",    "scene.pbrt", "-o",      "study",
+                                              "--reference", "a.exr",      "--times", "100ms,700ms",
+                                              "--run",       PATH,         "--seeds", "2"};
+  const Outcome stopped = run(arguments, [&](pid_t child) {
+    for (int i = 0; i < 500 && !exists("study/cells/path-0.1s-seed1.exr"); ++i) sleepSeconds(0.02);
+    sleepSeconds(0.2);
+    ::kill(child, SIGINT);
+  });
+  EXPECT_EQ(stopped.status, 130) << stopped.err;
+  EXPECT_TRUE(has(stopped.err, "the same command goes on")) << stopped.err;
+  const size_t kept = study()["cells"].size();
+  EXPECT_GE(kept, 2u);
+  EXPECT_LT(kept, 4u);
+  EXPECT_TRUE(exists("study/index.html"));
+  EXPECT_EQ(leftBehind(), 0u);
+  const Outcome rest = run(arguments);
+  EXPECT_EQ(rest.status, 0) << rest.err;
+  EXPECT_EQ(study()["cells"].size(), 4u);
+}
