@@ -35,6 +35,7 @@ std::string figures(const RenderProgress& p) {
   std::string out;
   if (p.samplesPerPixel > 0) out += format("  %.4g spp", p.samplesPerPixel);
   if (p.raysPerSecond > 0) out += "  " + format("%.3g", p.raysPerSecond / 1e6) + " Mrays/s";
+  if (p.error >= 0) out += "  error " + format("%.3g", p.error);
   out += "  " + durationText(p.elapsed);
   if (p.secondsLeft >= 0) out += ", " + durationText(p.secondsLeft) + " left";
   return out;
@@ -95,6 +96,7 @@ void ProgressDisplay::update(const RenderProgress& p) {
                                    {"seconds_left", nullptr},
                                    {"samples_per_pixel", p.samplesPerPixel},
                                    {"rays_per_second", p.raysPerSecond}};
+    if (p.error >= 0) json["relative_error"] = p.error;
     if (p.secondsLeft >= 0) json["seconds_left"] = p.secondsLeft;
     std::fputs((json.dump() + "\n").c_str(), stderr);
     return;

@@ -20,7 +20,7 @@ struct RenderCommandOptions {
   std::vector<std::string> outputs;
   std::optional<std::string> exposure;
   std::string paths;
-  bool check = false;
+  bool check = false, errorLayer = false;
 };
 
 void checkOutputs(const RenderCommandOptions& o, const std::vector<std::string>& outputs) {
@@ -58,8 +58,9 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
   checkOutputs(o, outputs);
 
   const Rendering rendering(loaded, classes, plan, o.render);
-  const RenderReport report =
+  RenderReport report =
       rendering.report("recurse render", o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths));
+  report.errorLayer = o.errorLayer;
   const Image image = pictureOf(rendering.film(), report);
   std::vector<std::string> written = outputs;
   // One output that fails must not take the others along.
@@ -105,12 +106,15 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       ->type_name("EXPR");
   command->add_option("--exposure", o.exposure, "Brightness of .png .jpg .tif in powers of two (default: 0)")
       ->type_name("STOPS");
+  command->add_flag("--error-layer", o.errorLayer,
+                    "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
   command->add_flag("--check", o.check, "Load the scene, report what it contains and needs, do not render");
   command->footer(
       "Examples:\n"
       "  recurse render scene.pbrt -o picture.exr -o picture.png\n"
       "  recurse render scene.pbrt -o quick.png --time-limit 30s --resolution 320x240\n"
       "  recurse render scene.pbrt -o truth.exr --integrator path --spp 1024\n"
+      "  recurse render scene.pbrt -o sure.exr --integrator path --error-target 0.05\n"
       "  recurse render scene.pbrt -o fine.exr --photons 10M --spp 64 --stats fine.json\n"
       "  recurse render scene.pbrt -o caustics.exr --paths 'LS+DE'\n"
       "  recurse render scene.pbrt --check\n\n"

@@ -14,8 +14,9 @@ RenderSettings RenderPlan::settings(const Scene& scene) const {
   RenderSettings out;
   out.timeLimit = timeLimit;
   out.seed = seed.value_or(scene.sampler().seed);
-  // A time limit alone means: as many samples as fit.
-  out.samplesPerPixel = samples.value_or(timeLimit > 0 ? 0 : scene.sampler().pixelSamples);
+  // A time limit or an error target alone means: as many samples as fit.
+  out.errorTarget = errorTarget;
+  out.samplesPerPixel = samples.value_or(timeLimit > 0 || errorTarget > 0 ? 0 : scene.sampler().pixelSamples);
   return out;
 }
 
@@ -30,9 +31,13 @@ void RenderOptions::addTo(CLI::App& command) {
   const auto add = [&](const char* name, auto& target, const char* type, const char* description) {
     return command.add_option(name, target, description)->type_name(type);
   };
-  add("--spp", samples, "N", "Samples per pixel (default: the scene's, or with --time-limit as many as fit)");
+  add("--spp", samples, "N",
+      "Samples per pixel (default: the scene's, or with --time-limit or --error-target as many as it takes)");
   add("--time-limit", timeLimit, "TIME",
       "Longest time for photons and picture: 30s, 2m, 1h30m; each pixel gets at least one sample");
+  add("--error-target", errorTarget, "E",
+      "Stop when the picture's relative standard error, the 95th percentile over pixels, is E, such as 0.05; "
+      "the bias of a photon map is not in it");
   add("--nthreads", threads, "N", "Threads (default: one for each core); the picture does not depend on it");
   add("--seed", seed, "N", "Another seed, another independent picture (default: the scene's)");
   add("--resolution", resolution, "WxH", "Size of the picture in pixels (default: the scene's)");
@@ -51,6 +56,10 @@ RenderPlan RenderOptions::plan() const {
   RenderPlan plan;
   if (samples) plan.samples = static_cast<int>(parseCount("--spp", *samples, 1, 1 << 30));
   if (timeLimit) plan.timeLimit = parseDuration("--time-limit", *timeLimit);
+  if (errorTarget) {
+    plan.errorTarget = parseReal("--error-target", *errorTarget);
+    if (!(plan.errorTarget > 0)) throw Error("--error-target: must be more than 0", ExitStatus::BAD_USAGE);
+  }
   if (threads) plan.threads = static_cast<int>(parseCount("--nthreads", *threads, 1, 4096));
   if (seed) plan.seed = parseSeed("--seed", *seed);
   if (resolution) {
@@ -68,6 +77,7 @@ std::string RenderOptions::text(const LoadedScene& loaded, const RenderSettings&
                     integrator.text();
   if (settings.samplesPerPixel > 0) out += " --spp " + std::to_string(settings.samplesPerPixel);
   if (timeLimit) out += " --time-limit " + shellQuoted(*timeLimit);
+  if (errorTarget) out += " --error-target " + shellQuoted(*errorTarget);
   out += " --seed " + std::to_string(settings.seed);
   if (resolution) out += " --resolution " + *resolution;
   if (cropWindow) out += " --cropwindow " + *cropWindow;

@@ -21,7 +21,7 @@ struct RenderPlan {
   SceneOverrides overrides;
   std::optional<int> samples;
   std::optional<uint64_t> seed;
-  double timeLimit = 0;
+  double timeLimit = 0, errorTarget = 0;
   int threads = 0; ///< 0: one for each core
 
   /** With what the scene says where the options do not. */
@@ -31,7 +31,7 @@ struct RenderPlan {
 struct RenderOptions {
   std::string scene;
   IntegratorOptions integrator;
-  std::optional<std::string> samples, timeLimit, threads, seed, resolution, cropWindow;
+  std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow;
   std::string statistics, progress = "auto";
   bool quiet = false, verbose = false, lenient = false;
 

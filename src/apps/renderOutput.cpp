@@ -37,6 +37,8 @@ const char* RenderReport::stopReason() const {
   switch (statistics.stopReason) {
   case StopReason::TIME:
     return "time";
+  case StopReason::ERROR:
+    return "error";
   case StopReason::INTERRUPTED:
     return "interrupted";
   default:
@@ -60,13 +62,17 @@ Image pictureOf(const Film& film, const RenderReport& report) {
   std::vector<std::string> channels = {"R", "G", "B"};
   for (size_t layer = 1; layer < film.layerCount(); ++layer)
     for (const char* c : {".R", ".G", ".B"}) channels.push_back(report.classes[layer].name + c);
+  if (report.errorLayer) channels.emplace_back("error.Y");
   Image image(film.bounds().width(), film.bounds().height(), channels);
   const float scale = report.loaded.scene->film().imagingRatio;
-  for (size_t pixel = 0; pixel < film.bounds().area(); ++pixel)
+  for (size_t pixel = 0; pixel < film.bounds().area(); ++pixel) {
+    if (report.errorLayer)
+      image.pixels[(pixel + 1) * channels.size() - 1] = static_cast<float>(film.standardError(pixel)) * scale;
     for (size_t layer = 0; layer < film.layerCount(); ++layer) {
       const Rgb value = film.value(pixel, layer) * scale;
       for (int c = 0; c < 3; ++c) image.pixels[pixel * channels.size() + layer * 3 + size_t(c)] = value[c];
     }
+  }
   image.metadata = metadataOf(report);
   return image;
 }
@@ -89,6 +95,8 @@ std::string statisticsJson(const RenderReport& report) {
       {"balance_seconds", s.balanceSeconds},
       {"gather_seconds", s.gatherSeconds},
       {"passes", s.passes},
+      {"photon_maps", s.photonsEmitted > 0 ? s.forwardPasses : 0},
+      {"relative_error", s.error >= 0 ? nlohmann::ordered_json(s.error) : nlohmann::ordered_json(nullptr)},
       {"samples", s.samples},
       {"samples_per_pixel", report.samplesPerPixel()},
       {"rays", s.counts.rays},
@@ -118,8 +126,14 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
                     (s.threads == 1 ? " thread" : " threads") + "; ended by ";
   out += s.stopReason == StopReason::SAMPLES ? "the number of samples"
          : s.stopReason == StopReason::TIME  ? "the time limit"
+         : s.stopReason == StopReason::ERROR ? "the error target"
                                              : "an interrupt";
   out += "\n";
+  if (s.error >= 0)
+    out += "relative standard error of the picture (95th percentile of pixels): " + format("%.3g", s.error) +
+           (s.oneMap               ? "; what the one photon map adds, noise and bias, is not in it\n"
+            : s.photonsEmitted > 0 ? "; the bias of the photon map's radius is not in it\n"
+                                   : "\n");
   if (s.photonsEmitted > 0)
     out += "photons: " + countText(double(s.photonsEmitted)) + " emitted, " +
            countText(double(s.photonsStored)) + " stored in " + durationText(s.photonSeconds) + " (" +

@@ -21,6 +21,7 @@ struct RenderReport {
   std::vector<PathClass> classes;
   std::string commandLine; ///< one that gives the same picture
   int width = 0, height = 0;
+  bool errorLayer = false; ///< the picture has the standard error of each pixel's luminance as error.Y
 
   double samplesPerPixel() const;
   const char* stopReason() const;

@@ -25,6 +25,8 @@ class Teller {
  public:
   Teller(const std::function<void(const RenderProgress&)>& tell, Clock::time_point start)
       : tell(tell), start(start) {}
+  std::atomic<double> error{-1}; ///< as RenderProgress has it
+
   void say(const char* phase, double fraction, double secondsLeft, double samples, double rays,
            bool always = false) {
     if (!tell || !one.try_lock()) return;
@@ -39,6 +41,7 @@ class Teller {
     p.secondsLeft = secondsLeft;
     p.samplesPerPixel = samples;
     p.raysPerSecond = rays;
+    p.error = error;
     tell(p);
   }
 
@@ -86,6 +89,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       for (const std::string& warning : forward.warnings) log("warning: " + warning);
     }
     ++statistics.forwardPasses;
+    statistics.oneMap = passes == 1 && forward.photonsEmitted > 0;
     forwardSeconds += seconds(Clock::now() - passStart);
   };
 
@@ -103,9 +107,26 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   std::atomic<uint64_t> samplesDone{0}, raysDone{0};
   std::atomic<bool> timeUp{false};
 
+  bool errorReached = false;
+  Clock::time_point errorLooked = start;
+  double errorSeconds = 0; ///< that looking takes
+  double errorTime = 0;    ///< of the picture, when it was looked at
+  // Between rounds, and seldom enough to cost next to nothing.
+  const auto lookAtError = [&](bool always) {
+    const Clock::time_point now = Clock::now();
+    if (!always && seconds(now - errorLooked) < std::max(0.2, 50 * errorSeconds)) return;
+    const double error = film.relativeError();
+    errorLooked = Clock::now();
+    errorSeconds = seconds(errorLooked - now);
+    if (!std::isfinite(error)) return;
+    teller.error = statistics.error = error;
+    errorTime = seconds(errorLooked - pictureStart);
+    errorReached = settings.errorTarget > 0 && error <= settings.errorTarget;
+  };
+
   int64_t sample = 0, passEnd = 0;
   int round = 1;
-  while (sample < wanted && !stop && !timeUp) {
+  while (sample < wanted && !stop && !timeUp && !errorReached) {
     if (sample == passEnd) {
       const auto index = uint32_t(statistics.forwardPasses);
       // A pass that would not be ready in time is not begun: too few photons are worth nothing.
@@ -151,6 +172,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       if (settings.timeLimit > 0 && sample > 0 && elapsed > settings.timeLimit) timeUp = true;
       const double perPixel = double(samples) / double(bounds.area());
       double left = settings.samplesPerPixel > 0 ? inPicture * (double(wanted) / perPixel - 1) : INFINITY;
+      if (settings.errorTarget > 0 && teller.error > 0) // the error falls as one over the root of time
+        left = std::min(left, errorTime * square(teller.error / settings.errorTarget) - inPicture);
       if (settings.timeLimit > 0) left = std::min(left, settings.timeLimit - elapsed);
       left = std::max(left, 0.0);
       teller.say("picture", inPicture / (inPicture + left), left, perPixel, double(rays) / inPicture);
@@ -159,7 +182,9 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     sample = end;
     ++statistics.passes;
     round = std::min(LARGEST_ROUND, std::max(1, int(sample)));
+    lookAtError(settings.errorTarget > 0 && passes == 1);
   }
+  lookAtError(true);
 
   for (const TransportCounts& c : tileCounts) statistics.counts.add(c);
   statistics.samples = film.totalSamples();
@@ -167,6 +192,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   statistics.gatherSeconds = statistics.renderSeconds - forwardSeconds;
   if (stop)
     statistics.stopReason = StopReason::INTERRUPTED;
+  else if (errorReached)
+    statistics.stopReason = StopReason::ERROR;
   else if (statistics.samples < uint64_t(wanted) * bounds.area())
     statistics.stopReason = StopReason::TIME;
   teller.say("picture", 1, 0, double(statistics.samples) / double(bounds.area()),

@@ -4,6 +4,7 @@
  */
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -51,6 +52,21 @@ class Film {
     const double n = double(p.samples);
     return std::max(0.0, (p.luminanceSquared - p.luminance * p.luminance / n) / (n - 1));
   }
+
+  /** Standard error of a pixel's luminance, from the spread of its samples. Samples of a pixel are
+   * stratified, so that the true error is smaller rather than larger; what all samples share, such as one
+   * photon map, is not in it. */
+  double standardError(size_t pixel) const {
+    return pixels[pixel].samples > 0 ? std::sqrt(variance(pixel) / double(pixels[pixel].samples)) : 0;
+  }
+  /**
+   * One number for the picture: the 95th percentile over pixels of standard error divided by luminance, where
+   * the luminance counts as no less than a tenth of the picture's mean, for in black corners a relative error
+   * says nothing that the eye could see. Infinite while a pixel has fewer than LEAST_SAMPLES samples, from
+   * which no spread can be told.
+   */
+  double relativeError() const;
+  static constexpr uint64_t LEAST_SAMPLES = 8;
 
  private:
   struct Pixel {

@@ -14,8 +14,9 @@
 namespace recurse {
 
 struct RenderSettings {
-  int samplesPerPixel = 16; ///< 0: until the time limit
+  int samplesPerPixel = 16; ///< 0: until the time limit or the error target
   double timeLimit = 0;     ///< seconds for the whole render; 0: none
+  double errorTarget = 0;   ///< Film::relativeError at which to stop; 0: none
   uint64_t seed = 0;
 };
 
@@ -27,9 +28,10 @@ struct RenderProgress {
   double secondsLeft = -1; ///< negative: not known yet
   double samplesPerPixel = 0;
   double raysPerSecond = 0;
+  double error = -1; ///< Film::relativeError when it was last looked at; negative: not known yet
 };
 
-enum class StopReason { SAMPLES, TIME, INTERRUPTED };
+enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
 struct RenderStatistics {
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
@@ -42,6 +44,8 @@ struct RenderStatistics {
   int forwardPasses = 0; ///< photon maps shot
   int threads = 0;
   StopReason stopReason = StopReason::SAMPLES;
+  double error = -1;   ///< Film::relativeError at the end; negative: too few samples to tell
+  bool oneMap = false; ///< all samples share one forward pass, whose error is not in `error`
   std::vector<std::string> notes, warnings;
 };
 

@@ -1,0 +1,27 @@
+/** @file
+ * The film's estimate of its own error.
+ */
+#include "recurse/model/film.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace recurse {
+
+double Film::relativeError() const {
+  double sum = 0;
+  for (const Pixel& p : pixels) {
+    if (p.samples < LEAST_SAMPLES) return std::numeric_limits<double>::infinity();
+    sum += p.luminance / double(p.samples);
+  }
+  const double floor = 0.1 * sum / double(pixels.size());
+  if (!(floor > 0)) return 0; // a black picture
+  std::vector<double> errors(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i)
+    errors[i] = standardError(i) / std::max(pixels[i].luminance / double(pixels[i].samples), floor);
+  const auto percentile = errors.begin() + std::ptrdiff_t(0.95 * double(errors.size() - 1));
+  std::nth_element(errors.begin(), percentile, errors.end());
+  return *percentile;
+}
+
+} // namespace recurse

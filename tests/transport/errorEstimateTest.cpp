@@ -1,0 +1,83 @@
+/** @file
+ * A render knows its own error: the film's estimate against closed forms and against the truth, and renders
+ * that end by it.
+ */
+#include "rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+std::string cornerUnderLamp() {
+  return view(16, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
+Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -2 0  2 -2 0  2 2 0  -2 2 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 .5 0  2 .5 0  2 .5 2  -2 .5 2 ]
+AreaLightSource "diffuse" "rgb L" [ 20 20 20 ]
+Shape "sphere" "float radius" .2
+)";
+}
+
+Rendered untilError(const Scene& scene, const char* integrator, double target, int samplesPerPixel = 0) {
+  const ThreadPool pool;
+  const auto made = integratorFrom(integrator, "");
+  const PathClasses classes;
+  Rendered out{Film(scene.film().crop, 1), {}};
+  RenderSettings settings;
+  settings.samplesPerPixel = samplesPerPixel;
+  settings.errorTarget = target;
+  settings.timeLimit = 60;
+  const std::atomic<bool> stop{false};
+  out.statistics = render(scene, *made, classes, settings, out.film, stop, nullptr, nullptr);
+  return out;
+}
+
+} // namespace
+
+TEST(ErrorEstimate, StandardErrorOfKnownSamples) {
+  PixelBounds bounds;
+  bounds.x1 = 100;
+  bounds.y1 = 1;
+  Film film(bounds, 1);
+  EXPECT_TRUE(std::isinf(film.relativeError()));
+  // Half of the samples of pixel i are 1 - i/100, half are 1 + i/100: luminance 1, deviation i/100.
+  for (size_t i = 0; i < 100; ++i)
+    for (int s = 0; s < 64; ++s) {
+      const Rgb value(1 + (s % 2 == 0 ? -1.0f : 1.0f) * static_cast<float>(i) / 100);
+      film.add(i, 1, &value, value);
+    }
+  for (size_t i = 0; i < 100; ++i)
+    EXPECT_NEAR(film.standardError(i), double(i) / 100 / std::sqrt(63.0), 1e-6) << i;
+  EXPECT_NEAR(film.relativeError(), 0.94 / std::sqrt(63.0), 1e-6);
+}
+
+TEST(ErrorEstimate, IsNearTheTrueError) {
+  const auto scene = sceneFrom(cornerUnderLamp());
+  const Rendered truth = renderScene(*scene, "path", "", samples(4096), 5);
+  for (const char* integrator : {"path", "sppm"}) {
+    const Rendered some = renderScene(*scene, integrator, "", 32);
+    double squares = 0;
+    for (size_t p = 0; p < some.pixels(); ++p) {
+      ASSERT_GT(some.film.standardError(p), 0);
+      squares += double(square(luminance(some.value(p)) - luminance(truth.value(p)))) /
+                 (square(some.film.standardError(p)) + square(truth.film.standardError(p)));
+    }
+    // Stratification makes the true error smaller than the samples' spread says.
+    const double ratio = std::sqrt(squares / double(some.pixels()));
+    EXPECT_GT(ratio, 0.2) << integrator;
+    EXPECT_LT(ratio, 1.2) << integrator;
+  }
+}
+
+TEST(ErrorEstimate, EndsARender) {
+  const auto scene = sceneFrom(cornerUnderLamp());
+  for (const char* integrator : {"path", "photonmap"}) {
+    const Rendered r = untilError(*scene, integrator, 0.15);
+    EXPECT_EQ(r.statistics.stopReason, StopReason::ERROR) << integrator;
+    EXPECT_LE(r.statistics.error, 0.15);
+    EXPECT_GT(r.statistics.error, 0.02) << "went on for too long";
+    EXPECT_EQ(r.statistics.error, r.film.relativeError());
+    EXPECT_EQ(untilError(*scene, integrator, 1e-6, 9).statistics.stopReason, StopReason::SAMPLES);
+  }
+}
