@@ -105,15 +105,12 @@ const Source& SourceFiles::open(const std::string& path) {
   std::error_code error;
   std::string canonical = fs::weakly_canonical(path, error).string();
   if (error) canonical = path;
-  std::unique_ptr<Source>& slot = files[canonical];
-  if (!slot) {
-    auto source = std::make_unique<Source>();
-    source->text = std::make_shared<const SourceText>(SourceText{path, readTextFile(path)});
-    source->directory = directoryOf(path);
-    source->canonical = canonical;
-    slot = std::move(source);
-  }
-  return *slot;
+  if (const auto known = files.find(canonical); known != files.end()) return *known->second;
+  auto source = std::make_unique<Source>();
+  source->text = std::make_shared<const SourceText>(SourceText{path, readTextFile(path)});
+  source->directory = directoryOf(path);
+  source->canonical = canonical;
+  return *(files[canonical] = std::move(source));
 }
 
 const Source& SourceFiles::addText(std::string text, const std::string& name, const std::string& directory) {
