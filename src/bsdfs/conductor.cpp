@@ -1,7 +1,7 @@
 /** @file
- * Smooth metals: a mirror with the Fresnel reflectance of a conductor.
+ * Metals, smooth and rough: mirrors, large or microscopic, with the Fresnel reflectance of a conductor.
  */
-#include "recurse/model/fresnel.h"
+#include "recurse/model/conductorOptics.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/roughness.h"
 
@@ -9,73 +9,85 @@ namespace recurse {
 
 namespace {
 
-class ConductorBsdf final : public Bsdf {
+class MirrorBsdf final : public Bsdf {
  public:
-  ConductorBsdf(const Rgb& eta, const Rgb& k) : eta(eta), k(k) {}
+  explicit MirrorBsdf(const ConductorOptics& optics) : optics(optics) {}
   LobeSet lobes() const override { return MIRROR; }
   void deltas(const Vec3f& wi, DeltaScatters& out) const override {
-    const float c = std::min(std::abs(wi.z), 1.0f);
-    Rgb reflectance;
-    for (int i = 0; i < 3; ++i) reflectance[i] = conductorFresnel(c, eta[i], k[i]);
-    out.add({{-wi.x, -wi.y, wi.z}, reflectance, 1, MIRROR});
+    out.add({{-wi.x, -wi.y, wi.z}, optics.reflectance(std::abs(wi.z)), 1, MIRROR});
   }
 
  private:
-  Rgb eta, k;
+  ConductorOptics optics;
+};
+
+class RoughConductorBsdf final : public Bsdf {
+ public:
+  RoughConductorBsdf(const ConductorOptics& optics, const Microfacets& facets)
+      : optics(optics), facets(facets) {}
+  LobeSet lobes() const override { return facets.anisotropic() ? REFLECTION | ANISOTROPIC : REFLECTION; }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+    if (!(wi.z * wo.z > 0)) return BLACK;
+    const Vec3f m = halfVector(wi, wo);
+    return optics.reflectance(absDot(wi, m)) * facets.reflection(wi, wo, m);
+  }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+    return wi.z * wo.z > 0 ? facets.reflectionPdf(wi, halfVector(wi, wo)) : 0;
+  }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float) const override {
+    const float side = wi.z > 0 ? 1.0f : -1.0f;
+    const Vec3f wo = mirrored(wi, facets.sampleVisible(wi * side, u) * side);
+    if (!(wo.z * side > 0)) return {};
+    return glm::normalize(wo);
+  }
+  Rgb albedo(const Vec3f& wi) const override { return optics.reflectance(std::abs(wi.z)); }
+
+ private:
+  ConductorOptics optics;
+  Microfacets facets;
 };
 
 class Conductor final : public Material {
  public:
-  Conductor(const TexturedRgb& eta, const TexturedRgb& k) : eta(eta), k(k) {}
-  explicit Conductor(const TexturedRgb& reflectance) : reflectance(reflectance), fromReflectance(true) {}
+  Conductor(const ConductorParameters& optics, const Roughness& roughness)
+      : optics(optics), roughness(roughness) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
-    if (!fromReflectance) return arena.make<ConductorBsdf>(eta.at(point), k.at(point));
-    // pbrt's meaning of `reflectance`: the conductor with eta 1 that has this reflectance at normal
-    // incidence. A reflectance of 1 would need an infinite k; 0.9999 is pbrt's limit.
-    const Rgb r = glm::min(reflectance.at(point), Rgb(0.9999f));
-    return arena.make<ConductorBsdf>(Rgb(1), 2.0f * glm::sqrt(r) / glm::sqrt(1.0f - r));
+    const Microfacets facets = roughness.at(point);
+    if (facets.smooth()) return arena.make<MirrorBsdf>(optics.at(point));
+    return arena.make<RoughConductorBsdf>(optics.at(point), facets);
   }
-  LobeSet lobes() const override { return MIRROR; }
+  LobeSet lobes() const override {
+    return LobeSet((roughness.neverSmooth() ? NO_LOBE : MIRROR) |
+                   (roughness.alwaysSmooth() ? NO_LOBE : REFLECTION | ANISOTROPIC));
+  }
 
  private:
-  TexturedRgb eta, k, reflectance;
-  bool fromReflectance = false;
+  ConductorParameters optics;
+  Roughness roughness;
 };
 
 } // namespace
 
 void registerConductor(PlugIns& plugIns) {
-  std::vector<ParameterSpec> parameters = {
-      spectrumParameter("eta", "", SpectrumKind::UNBOUNDED,
-                        "refractive index; metal-Cu-eta when neither is given")
-          .withTexture(),
-      spectrumParameter("k", "", SpectrumKind::UNBOUNDED,
-                        "absorption coefficient; metal-Cu-k when neither is given")
-          .withTexture(),
-      spectrumParameter("reflectance", "", SpectrumKind::ALBEDO,
-                        "reflectance at normal incidence instead of eta and k: stands for eta = 1 and "
-                        "k = 2 sqrt(r) / sqrt(1 - r), so that it grows towards 1 at grazing incidence")
-          .withTexture()};
+  std::vector<ParameterSpec> parameters;
+  addConductorParameters(parameters);
   addRoughnessParameters(parameters);
   plugIns.materials.add(
       {{.name = "conductor",
-        .summary = "A smooth metal: mirror reflection with Fresnel's formulas.",
+        .summary = "A metal: mirror reflection with Fresnel's formulas, spread by roughness.",
         .parameters = parameters,
         .examples = {"\"rgb reflectance\" [.9 .8 .7]",
-                     "\"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"", ""}},
-       [](const Parameters& p, const MaterialContext& c) -> std::unique_ptr<Material> {
-         refuseRoughness(p);
-         if (p.has("reflectance")) {
-           for (const char* other : {"eta", "k"})
-             if (p.has(other))
-               p.fail(other, "both \"reflectance\" and \"" + std::string(other) + "\" are given",
-                      "either of the two");
-           return std::make_unique<Conductor>(c.textures.rgb(p, "reflectance"));
-         }
-         // Copper at 611, 549 and 464 nm (P. B. Johnson and R. W. Christy 1972), pbrt's default metal.
-         const TexturedRgb copperEta{{0.2004f, 0.9240f, 1.1022f}}, copperK{{3.9129f, 2.4528f, 2.1421f}};
-         return std::make_unique<Conductor>(p.has("eta") ? c.textures.rgb(p, "eta") : copperEta,
-                                            p.has("k") ? c.textures.rgb(p, "k") : copperK);
+                     "\"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"", "",
+                     "\"float roughness\" 1e-3 \"bool remaproughness\" false",
+                     "\"float roughness\" .03 \"bool remaproughness\" false",
+                     "\"float roughness\" .3 \"rgb reflectance\" [.9 .8 .7]",
+                     "\"float roughness\" 1 \"rgb reflectance\" [.99 .99 .99]",
+                     "\"float uroughness\" .05 \"float vroughness\" .4 \"bool remaproughness\" false",
+                     "\"float roughness\" .002 \"string distribution\" \"beckmann\" "
+                     "\"bool remaproughness\" false",
+                     "\"float uroughness\" .6 \"float vroughness\" .1 \"string distribution\" \"beckmann\""}},
+       [](const Parameters& p, const MaterialContext& c) {
+         return std::make_unique<Conductor>(ConductorParameters(p, c.textures), Roughness(p, c.textures));
        }});
 }
 

@@ -1,7 +1,8 @@
 /** @file
- * A smooth interface between two dielectrics: Fresnel reflection and refraction.
+ * Glass, water and the like: a smooth or rough interface between two dielectrics, with Fresnel reflection and
+ * refraction.
  */
-#include "recurse/model/fresnel.h"
+#include "recurse/model/dielectricInterface.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/roughness.h"
 
@@ -11,33 +12,49 @@ namespace {
 
 class DielectricBsdf final : public Bsdf {
  public:
-  explicit DielectricBsdf(float eta) : eta(eta) {}
+  explicit DielectricBsdf(float eta) : surface{eta, {}} {}
   LobeSet lobes() const override { return MIRROR | REFRACTION; }
-  void deltas(const Vec3f& wi, DeltaScatters& out) const override {
-    const float relative = wi.z > 0 ? eta : 1 / eta; // beyond over here
-    const DielectricFresnel f = dielectricFresnel(std::min(std::abs(wi.z), 1.0f), relative);
-    if (f.reflectance > 0) out.add({{-wi.x, -wi.y, wi.z}, Rgb(f.reflectance), 1, MIRROR});
-    if (f.reflectance < 1)
-      out.add({{-wi.x / relative, -wi.y / relative, -std::copysign(f.cosTransmitted, wi.z)},
-               Rgb(1 - f.reflectance),
-               relative,
-               REFRACTION});
-  }
+  void deltas(const Vec3f& wi, DeltaScatters& out) const override { surface.deltas(wi, out); }
+  bool lossless() const override { return true; }
 
  private:
-  float eta;
+  DielectricInterface surface;
+};
+
+class RoughDielectricBsdf final : public Bsdf {
+ public:
+  explicit RoughDielectricBsdf(const DielectricInterface& surface) : surface(surface) {}
+  LobeSet lobes() const override {
+    return surface.facets.anisotropic() ? DIFFUSE_LOBES | ANISOTROPIC : DIFFUSE_LOBES;
+  }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override { return Rgb(surface.value(wi, wo)); }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override { return surface.pdf(wi, wo); }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    return surface.sample(wi, u, pick);
+  }
+  Rgb albedo(const Vec3f&) const override { return Rgb(1); }
+  float eta() const override { return surface.eta; }
+
+ private:
+  DielectricInterface surface;
 };
 
 class Dielectric final : public Material {
  public:
-  explicit Dielectric(float eta) : eta(eta) {}
-  const Bsdf* bsdfAt(const SurfacePoint&, BsdfArena& arena) const override {
-    return arena.make<DielectricBsdf>(eta);
+  Dielectric(float eta, const Roughness& roughness) : eta(eta), roughness(roughness) {}
+  const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
+    const Microfacets facets = roughness.at(point);
+    if (eta == 1 || facets.smooth()) return arena.make<DielectricBsdf>(eta);
+    return arena.make<RoughDielectricBsdf>(DielectricInterface{eta, facets});
   }
-  LobeSet lobes() const override { return MIRROR | REFRACTION; }
+  LobeSet lobes() const override {
+    return LobeSet((eta != 1 && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
+                   (eta == 1 || roughness.alwaysSmooth() ? NO_LOBE : DIFFUSE_LOBES | ANISOTROPIC));
+  }
 
  private:
   float eta;
+  Roughness roughness;
 };
 
 } // namespace
@@ -51,12 +68,17 @@ void registerDielectric(PlugIns& plugIns) {
   addRoughnessParameters(parameters);
   plugIns.materials.add(
       {{.name = "dielectric",
-        .summary = "Smooth glass, water and the like: Fresnel reflection and refraction.",
+        .summary = "Glass, water and the like: Fresnel reflection and refraction, spread by roughness.",
         .parameters = parameters,
-        .examples = {"\"float eta\" 1.5", "\"float eta\" 0.75", "\"spectrum eta\" \"glass-BK7\""}},
-       [](const Parameters& p, const MaterialContext&) {
-         refuseRoughness(p);
-         return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g));
+        .examples = {"\"float eta\" 1.5", "\"float eta\" 0.75", "\"spectrum eta\" \"glass-BK7\"",
+                     "\"float roughness\" .002 \"bool remaproughness\" false",
+                     "\"float roughness\" .1 \"bool remaproughness\" false",
+                     "\"float roughness\" .4 \"float eta\" .7", "\"float roughness\" 1 \"float eta\" 1.33",
+                     "\"float uroughness\" .05 \"float vroughness\" .5",
+                     "\"float roughness\" .2 \"float eta\" 2 \"string distribution\" \"beckmann\""}},
+       [](const Parameters& p, const MaterialContext& c) {
+         return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g),
+                                             Roughness(p, c.textures));
        }});
 }
 

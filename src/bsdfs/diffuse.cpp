@@ -24,6 +24,7 @@ class DiffuseBsdf final : public Bsdf {
     return wo;
   }
   Rgb albedo(const Vec3f&) const override { return reflectance; }
+  bool lossless() const override { return reflectance == Rgb(1); }
 
  private:
   Rgb reflectance;
@@ -48,7 +49,7 @@ void registerDiffuse(PlugIns& plugIns) {
       {{.name = "diffuse",
         .summary = "Lambertian reflection, the same on both sides.",
         .parameters = {spectrumParameter("reflectance", "0.5", SpectrumKind::ALBEDO, "albedo").withTexture()},
-        .examples = {"\"rgb reflectance\" [.8 .5 .2]", ""}},
+        .examples = {"\"rgb reflectance\" [.8 .5 .2]", "\"rgb reflectance\" [1 1 1]"}},
        [](const Parameters& p, const MaterialContext& c) {
          return std::make_unique<Diffuse>(c.textures.rgb(p, "reflectance"));
        }});

@@ -1,92 +1,77 @@
 /** @file
- * A weighted sum of two materials.
+ * Weighted sums of materials: `mix` of two, as in pbrt-v4, and `compound` of any number.
  */
+#include "recurse/model/bsdfSum.h"
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
 
 namespace {
 
-/** Lambertian where every part that scatters diffusely is. */
-LobeSet lobesOfMix(LobeSet a, LobeSet b) {
-  const LobeSet both = a | b;
-  const auto constant = [](LobeSet l) { return !(l & DIFFUSE_LOBES) || (l & LAMBERTIAN); };
-  return constant(a) && constant(b) ? both : LobeSet(both & ~LAMBERTIAN);
+using Parts = std::vector<const Material*>;
+
+LobeSet lobesOf(const Parts& parts) {
+  LobeSet all = parts[0]->lobes();
+  for (const Material* m : parts) all = lobesOfSum(all, m->lobes());
+  return all;
 }
 
-class MixBsdf final : public Bsdf {
- public:
-  MixBsdf(const Bsdf* first, const Bsdf* second, float amount)
-      : parts{first, second}, shares{1 - amount, amount} {}
-
-  LobeSet lobes() const override { return lobesOfMix(parts[0]->lobes(), parts[1]->lobes()); }
-  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
-    return parts[0]->value(wi, wo) * shares[0] + parts[1]->value(wi, wo) * shares[1];
-  }
-  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
-    const float second = chanceOfSecond(wi);
-    return (second < 1 ? (1 - second) * parts[0]->pdf(wi, wo) : 0) +
-           (second > 0 ? second * parts[1]->pdf(wi, wo) : 0);
-  }
-  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
-    // A Lambertian mix gets no third number; its parts have the same density, so that either will do.
-    const float second = chanceOfSecond(wi);
-    if (pick < second || second == 1)
-      return parts[1]->sample(wi, u, second > 0 ? std::min(pick / second, ONE_MINUS_EPSILON) : 0);
-    return parts[0]->sample(wi, u, std::min((pick - second) / (1 - second), ONE_MINUS_EPSILON));
-  }
-  void deltas(const Vec3f& wi, DeltaScatters& out) const override {
-    for (size_t i = 0; i < 2; ++i) {
-      DeltaScatters own;
-      parts[i]->deltas(wi, own);
-      for (DeltaScatter& d : own) {
-        d.weight *= shares[i];
-        merge(d, out);
-      }
-    }
-  }
-  Rgb albedo(const Vec3f& wi) const override {
-    return parts[0]->albedo(wi) * shares[0] + parts[1]->albedo(wi) * shares[1];
-  }
-
- private:
-  /** Lobes in one direction are one lobe: the mirror direction does not depend on the material. */
-  static void merge(const DeltaScatter& d, DeltaScatters& out) {
-    for (DeltaScatter& o : out)
-      if (o.lobe == d.lobe && o.eta == d.eta && o.wo == d.wo) {
-        o.weight += d.weight;
-        return;
-      }
-    out.add(d);
-  }
-  float chanceOfSecond(const Vec3f& wi) const {
-    const float a = shares[0] * maxComponent(parts[0]->albedo(wi));
-    const float b = shares[1] * maxComponent(parts[1]->albedo(wi));
-    return a + b > 0 ? b / (a + b) : 0;
-  }
-
-  const Bsdf* parts[2];
-  float shares[2];
-};
+int refractionsOf(const Parts& parts) {
+  int n = 0;
+  for (const Material* m : parts) n += m->refractions();
+  return n;
+}
 
 class Mix final : public Material {
  public:
-  Mix(const Material* first, const Material* second, const TexturedRgb& amount)
-      : first(first), second(second), amount(amount) {}
+  Mix(const Parts& parts, const TexturedRgb& amount) : parts(parts), amount(amount) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const float a = std::clamp(amount.at(point).r, 0.0f, 1.0f);
-    if (a == 0) return first->bsdfAt(point, arena);
-    if (a == 1) return second->bsdfAt(point, arena);
-    const Bsdf* x = first->bsdfAt(point, arena);
-    const Bsdf* y = second->bsdfAt(point, arena);
-    return arena.make<MixBsdf>(x, y, a);
+    if (a == 0) return parts[0]->bsdfAt(point, arena);
+    if (a == 1) return parts[1]->bsdfAt(point, arena);
+    BsdfSum sum;
+    sum.add(parts[0]->bsdfAt(point, arena), Rgb(1 - a));
+    sum.add(parts[1]->bsdfAt(point, arena), Rgb(a));
+    return arena.make<BsdfSum>(sum);
   }
-  LobeSet lobes() const override { return lobesOfMix(first->lobes(), second->lobes()); }
+  LobeSet lobes() const override { return lobesOf(parts); }
+  int refractions() const override { return refractionsOf(parts); }
 
  private:
-  const Material *first, *second;
+  Parts parts;
   TexturedRgb amount;
 };
+
+class Compound final : public Material {
+ public:
+  Compound(const Parts& parts, const std::vector<Rgb>& weights) : parts(parts), weights(weights) {}
+  const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
+    BsdfSum sum;
+    for (size_t i = 0; i < parts.size(); ++i) sum.add(parts[i]->bsdfAt(point, arena), weights[i]);
+    return arena.make<BsdfSum>(sum);
+  }
+  LobeSet lobes() const override { return lobesOf(parts); }
+  int refractions() const override { return refractionsOf(parts); }
+
+ private:
+  Parts parts;
+  std::vector<Rgb> weights;
+};
+
+/** The materials that the parameter `materials` names. */
+Parts namedParts(const Parameters& p, const MaterialContext& c) {
+  Parts parts;
+  for (const std::string& name : p.strings("materials")) {
+    parts.push_back(c.material(p, "materials", name));
+    if (parts.back()->lobes() == NO_LOBE)
+      p.fail("materials", "\"" + name + "\" does not scatter and cannot be part of a sum");
+  }
+  // One place is for the mirror direction, which all share.
+  if (refractionsOf(parts) > DeltaScatters::MOST - 1)
+    p.fail("materials", "more materials with smooth refraction than a sum can have",
+           "at most " + std::to_string(DeltaScatters::MOST - 1));
+  return parts;
+}
 
 } // namespace
 
@@ -98,15 +83,46 @@ void registerMix(PlugIns& plugIns) {
             {arrayParameter(ParameterType::STRING, "materials", 2, "", "names of the two materials")
                  .require(),
              realParameter("amount", "0.5", "the part of the second material").range(0, 1).withTexture()},
-        .examples = {}},
+        .examples = {"\"string materials\" [\"red\" \"gold\"] \"float amount\" .3",
+                     "\"string materials\" [\"glass\" \"red\"] \"float amount\" .6",
+                     "\"string materials\" [\"glass\" \"gold\"]",
+                     "\"string materials\" [\"red\" \"frosted\"]",
+                     "\"string materials\" [\"brushed\" \"glass\"] \"float amount\" .7"}},
        [](const Parameters& p, const MaterialContext& c) {
-         const std::vector<std::string> names = p.strings("materials");
-         const Material* both[2] = {c.material(p, "materials", names[0]),
-                                    c.material(p, "materials", names[1])};
-         for (size_t i = 0; i < 2; ++i)
-           if (both[i]->lobes() == NO_LOBE)
-             p.fail("materials", "\"" + names[i] + "\" does not scatter and cannot be mixed");
-         return std::make_unique<Mix>(both[0], both[1], c.textures.real(p, "amount"));
+         return std::make_unique<Mix>(namedParts(p, c), c.textures.real(p, "amount"));
+       }});
+  plugIns.materials.add(
+      {{.name = "compound",
+        .summary = "A weighted sum of any named materials: their mirror and glass parts are S in path "
+                   "classes, the others D.",
+        .parameters = {arrayParameter(ParameterType::STRING, "materials", 0, "",
+                                      "names of the materials, 8 at most")
+                           .require(),
+                       arrayParameter(ParameterType::SPECTRUM, "weights", 0, "",
+                                      "the part of each material, a colour each; all together at most 1")
+                           .require()},
+        .examples = {"\"string materials\" [\"red\" \"gold\" \"glass\"] "
+                     "\"rgb weights\" [.5 .5 .5  .2 .3 .2  .3 .2 .3]",
+                     "\"string materials\" [\"brushed\" \"red\" \"gold\" \"frosted\"] "
+                     "\"rgb weights\" [.3 .3 .1  .1 .2 .3  .3 .3 .3  .2 .1 .2]"}},
+       [](const Parameters& p, const MaterialContext& c) {
+         const Parts parts = namedParts(p, c);
+         std::vector<Rgb> weights;
+         Rgbd total(0);
+         for (const Rgbd& w : p.spectra("weights")) {
+           weights.emplace_back(w);
+           total += w;
+         }
+         if (parts.empty() || parts.size() > BsdfSum::MOST)
+           p.fail("materials", "a compound has 1 to " + std::to_string(BsdfSum::MOST) + " materials");
+         if (weights.size() != parts.size())
+           p.fail("weights",
+                  "there are " + std::to_string(weights.size()) + " weights for " +
+                      std::to_string(parts.size()) + " materials",
+                  "one for each");
+         if (std::max({total.r, total.g, total.b}) > 1 + 1e-6)
+           p.fail("weights", "the weights add up to more than 1: more light would leave than arrives");
+         return std::make_unique<Compound>(parts, weights);
        }});
 }
 

@@ -19,6 +19,7 @@ class ThinDielectricBsdf final : public Bsdf {
     if (reflectance > 0) out.add({{-wi.x, -wi.y, wi.z}, Rgb(reflectance), 1, MIRROR});
     if (reflectance < 1) out.add({-wi, Rgb(1 - reflectance), 1, REFRACTION});
   }
+  bool lossless() const override { return true; }
 
  private:
   float eta;

@@ -35,6 +35,8 @@ enum Lobe : uint8_t {
   /** Besides REFLECTION, and without TRANSMISSION: value() is albedo/π on either side and sample() follows
    * the cosine, so that the constant may be factored out. */
   LAMBERTIAN = 16,
+  /** Besides others: the x axis of the local frame lies along the surface's dpdu. */
+  ANISOTROPIC = 32,
 };
 using LobeSet = uint8_t;
 
@@ -48,7 +50,7 @@ struct DeltaScatter {
 
 /** The delta lobes for a given wi: a mirror direction and one refracted direction for each interface. */
 struct DeltaScatters {
-  static constexpr int MOST = 4;
+  static constexpr int MOST = 4; ///< makers of materials see to it that there are no more
   std::array<DeltaScatter, MOST> entries;
   int count = 0;
   void add(const DeltaScatter& d) {
@@ -63,7 +65,8 @@ struct DeltaScatters {
 /**
  * Scattering at one point, in the local frame: z is the shading normal, on the outer side of the surface.
  * Both directions are unit and point away from the surface: wi where the walk came from, wo where it goes on.
- * value must be reciprocal (delta refraction and rough transmission: up to eta², which the caller applies).
+ * value is for flux that comes from wi and goes to wo; radiance is the same with both exchanged. It must be
+ * reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b, a) n(b)².
  */
 class Bsdf {
  public:
@@ -78,8 +81,13 @@ class Bsdf {
   }
   /** All delta lobes for wi. */
   virtual void deltas(const Vec3f& /*wi*/, DeltaScatters& /*out*/) const {}
-  /** The flux that the non-delta part scatters, exactly or nearly: it steers the choice among lobes. */
+  /** The flux that the non-delta part scatters: exactly for LAMBERTIAN lobes, else nearly, as it only steers
+   * the choice among lobes; not zero where there is any. */
   virtual Rgb albedo(const Vec3f& /*wi*/) const { return BLACK; }
+  /** Refractive index below the surface over that above, by which the TRANSMISSION lobe bends. */
+  virtual float eta() const { return 1; }
+  /** True where nothing is absorbed, so that a white furnace stays white to within a hundredth. */
+  virtual bool lossless() const { return false; }
 
  protected:
   ~Bsdf() = default; // lives in an arena that never destroys
@@ -119,6 +127,8 @@ class Material {
   virtual const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const = 0;
   /** All lobes that any point may have: what a scene needs is read off this. */
   virtual LobeSet lobes() const = 0;
+  /** How many directions of smooth refraction there are at one point. */
+  virtual int refractions() const { return lobes() & REFRACTION ? 1 : 0; }
 
   std::unique_ptr<const SurfaceDetail> detail; ///< to be applied before bsdfAt; null: none
 };

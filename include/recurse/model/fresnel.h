@@ -34,9 +34,10 @@ inline float conductorFresnel(float cosIncident, float eta, float k) {
   const double t0 = eta2 - k2 - s2;
   const double a2b2 = std::sqrt(t0 * t0 + 4 * eta2 * k2);
   const double a = std::sqrt(std::max(0.0, 0.5 * (a2b2 + t0)));
-  const double perpendicular = (a2b2 + c2 - 2 * c * a) / (a2b2 + c2 + 2 * c * a);
+  if (a2b2 + c2 == 0) return 0; // along an interface of equal indices, which is none
+  const double perpendicular = std::max(0.0, a2b2 + c2 - 2 * c * a) / (a2b2 + c2 + 2 * c * a);
   const double t3 = c2 * a2b2 + s2 * s2, t4 = 2 * c * a * s2;
-  const double parallel = t3 + t4 > 0 ? perpendicular * (t3 - t4) / (t3 + t4) : perpendicular;
+  const double parallel = t3 + t4 > 0 ? perpendicular * std::max(0.0, t3 - t4) / (t3 + t4) : perpendicular;
   return static_cast<float>(0.5 * (parallel + perpendicular));
 }
 

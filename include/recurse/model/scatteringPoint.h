@@ -36,6 +36,7 @@ class ScatteringPoint {
   ScatteringPoint(const Bsdf& bsdf, const SurfacePoint& point)
       : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal),
         lobeSet(bsdf.lobes()) {
+    if (lobeSet & ANISOTROPIC) frame = Frame(point.shadingNormal, point.dpdu);
     if (lobeSet & LAMBERTIAN) constant = bsdf.albedo({0, 0, 1}) * INV_PI;
   }
 
@@ -43,11 +44,12 @@ class ScatteringPoint {
   bool hasDiffuse() const { return (lobeSet & DIFFUSE_LOBES) != 0; }
   bool hasDelta() const { return (lobeSet & DELTA_LOBES) != 0; }
 
-  /** The non-delta BSDF alone [1/sr], what a photon's power is multiplied by. */
+  /** The non-delta BSDF alone [1/sr] for radiance that arrives from wo and leaves towards wi: what a photon's
+   * power is multiplied by. */
   Rgb value(const Vec3f& wi, const Vec3f& wo) const {
     if (leaks(wi, wo)) return BLACK;
     if (lobeSet & LAMBERTIAN) return glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0 ? constant : BLACK;
-    return bsdf.value(frame.toLocal(wi), frame.toLocal(wo));
+    return bsdf.value(frame.toLocal(wo), frame.toLocal(wi));
   }
 
   /** Recurse's `evaluate`: the non-delta BSDF times the cosine of `light`, for radiance that arrives from
@@ -124,8 +126,11 @@ class ScatteringPoint {
     s.direction = frame.toWorld(*wo);
     s.pdf = bsdf.pdf(local, *wo);
     if (!(s.pdf > 0) || leaks(wi, s.direction)) return {};
-    s.weight = bsdf.value(local, *wo) * (std::abs(wo->z) / s.pdf);
     s.lobe = local.z * wo->z > 0 ? REFLECTION : TRANSMISSION;
+    // Radiance goes the other way; where it is refracted that is the factor 1/η².
+    const Rgb f = transport == Transport::FLUX ? bsdf.value(local, *wo) : bsdf.value(*wo, local);
+    s.weight = f * (std::abs(wo->z) / s.pdf);
+    if (s.lobe == TRANSMISSION) s.eta = local.z > 0 ? bsdf.eta() : 1 / bsdf.eta();
     if (transport == Transport::FLUX) s.weight *= shadingNormalFactor(wi, local, s.direction, *wo);
     return s;
   }

@@ -1,0 +1,125 @@
+/** @file
+ * BSDFs for tests: every registered material from its own examples, and from the corners of what it declares
+ * about its parameters, so that a new material is covered without a change to any test.
+ */
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "recurse/core/sampling.h"
+#include "recurse/model/plugIns.h"
+#include "recurse/model/scatteringPoint.h"
+
+namespace recurse {
+
+class NoTextures final : public TextureLookup {
+ public:
+  TexturedRgb rgb(const Parameters& p, const std::string& n) const override {
+    return {Rgb(p.spectrum(n)), nullptr};
+  }
+  TexturedRgb real(const Parameters& p, const std::string& n) const override {
+    return {Rgb(static_cast<float>(p.real(n))), nullptr};
+  }
+};
+
+inline std::unique_ptr<Material> makeMaterial(const std::string& name, const std::string& parameters,
+                                              const MaterialContext& context) {
+  Diagnostics diagnostics;
+  auto material = plugIns().materials.make(parseParameterText(name, parameters), context, diagnostics);
+  EXPECT_TRUE(material) << name << " " << parameters << "\n" << diagnostics.format();
+  return material;
+}
+
+/** Materials with names that others can be made of: a diffuse one, a mirror, glass, and the last two rough.
+ */
+class NamedMaterials {
+ public:
+  NamedMaterials() {
+    const MaterialContext plain{textures, {}};
+    const auto add = [&](const char* name, const char* type, const char* parameters) {
+      materials.emplace_back(name, makeMaterial(type, parameters, plain));
+    };
+    add("red", "diffuse", "\"rgb reflectance\" [.9 .3 .1]");
+    add("gold", "conductor", "\"rgb reflectance\" [.9 .8 .4]");
+    add("glass", "dielectric", "\"float eta\" 1.5");
+    add("brushed", "conductor", "\"rgb reflectance\" [.9 .8 .4] \"float roughness\" .1");
+    add("frosted", "dielectric", "\"float eta\" 1.5 \"float roughness\" .1");
+  }
+  MaterialContext context() const {
+    return {textures, [this](const Parameters& p, const std::string& parameter, const std::string& name) {
+              for (const auto& [known, material] : materials)
+                if (known == name) return static_cast<const Material*>(material.get());
+              p.fail(parameter, "no such material");
+            }};
+  }
+
+ private:
+  NoTextures textures;
+  std::vector<std::pair<std::string, std::unique_ptr<Material>>> materials;
+};
+
+inline SurfacePoint flatPoint() {
+  SurfacePoint p{};
+  p.geometricNormal = p.shadingNormal = {0, 0, 1};
+  p.dpdu = {1, 0, 0};
+  return p;
+}
+
+/** Calls test(bsdf) for a use of a material. */
+template <class F>
+void withBsdf(const std::string& name, const std::string& parameters, const NamedMaterials& named,
+              const F& test) {
+  SCOPED_TRACE(name + " " + parameters);
+  const auto material = makeMaterial(name, parameters, named.context());
+  ASSERT_TRUE(material);
+  BsdfArena arena;
+  const Bsdf* bsdf = material->bsdfAt(flatPoint(), arena);
+  if (!bsdf) {
+    EXPECT_EQ(material->lobes(), NO_LOBE);
+    return;
+  }
+  EXPECT_EQ(bsdf->lobes() & ~material->lobes() & ALL_LOBES, 0)
+      << "a lobe that the material does not announce";
+  test(*bsdf);
+}
+
+/** Calls test(bsdf) for each example of each material. */
+template <class F> void forEachBsdf(const F& test) {
+  const NamedMaterials named;
+  for (const auto& entry : plugIns().materials.entries())
+    for (const std::string& example : entry.examples) withBsdf(entry.name, example, named, test);
+}
+
+/** Both sides, from the normal to grazing, in several azimuths. */
+inline std::vector<Vec3f> incidentDirections() {
+  std::vector<Vec3f> out;
+  double azimuth = 0.3;
+  for (const double degrees : {0.0, 15.0, 35.0, 55.0, 70.0, 80.0, 86.0, 89.0, 89.9})
+    for (const double side : {1.0, -1.0}) {
+      const double a = glm::radians(degrees);
+      azimuth += 2.4;
+      out.emplace_back(glm::normalize(
+          Vec3d(std::sin(a) * std::cos(azimuth), std::sin(a) * std::sin(azimuth), side * std::cos(a))));
+    }
+  return out;
+}
+
+/** Random numbers of a test, the same in every run. */
+class TestRandom {
+ public:
+  explicit TestRandom(uint32_t seed) : engine(seed) {}
+  float next() { return unitFloat(engine()); }
+  Vec2f next2() {
+    const float x = next();
+    return {x, next()};
+  }
+  Vec3f direction() { return uniformSphere(next2()); }
+  uint32_t below(size_t n) { return static_cast<uint32_t>(engine() % n); }
+
+ private:
+  std::mt19937 engine;
+};
+
+} // namespace recurse

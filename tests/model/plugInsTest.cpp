@@ -1,0 +1,58 @@
+/** @file
+ * What holds for every registered plug-in, whatever its kind; and pixel filters.
+ */
+#include "model/bsdfTesting.h"
+
+using namespace recurse;
+
+TEST(PlugIns, EveryExampleCanBeMade) {
+  const auto check = [](const auto& registry, const auto& context) {
+    for (const auto& entry : registry.entries()) {
+      EXPECT_FALSE(entry.summary.empty()) << entry.name;
+      for (const ParameterSpec& p : entry.parameters)
+        EXPECT_FALSE(p.description.empty()) << entry.name << " " << p.name;
+      for (const std::string& example : entry.examples) {
+        Diagnostics diagnostics;
+        EXPECT_TRUE(registry.make(parseParameterText(entry.name, example), context, diagnostics))
+            << registry.kind() << " " << entry.name << " " << example << "\n"
+            << diagnostics.format();
+      }
+    }
+  };
+  const PlugIns& all = plugIns();
+  const NamedMaterials named;
+  check(all.materials, named.context());
+  CameraContext camera;
+  camera.width = camera.height = 16;
+  check(all.shapes, ShapeContext{});
+  check(all.lights, LightContext{});
+  check(all.cameras, camera);
+  check(all.filters, NoContext{});
+  check(all.films, NoContext{});
+  check(all.samplers, NoContext{});
+  check(all.accelerators, NoContext{});
+  Diagnostics diagnostics;
+  const auto sphere = all.shapes.make(parseParameterText("sphere", ""), {}, diagnostics);
+  check(all.areaLights, AreaLightContext{*sphere});
+}
+
+TEST(Filters, SamplesHaveTheFiltersMoments) {
+  // Weighted samples must have total weight 1, mean 0, and stay within the radius.
+  for (const auto& entry : plugIns().filters.entries()) {
+    Diagnostics diagnostics;
+    const auto filter = plugIns().filters.make(parseParameterText(entry.name, ""), {}, diagnostics);
+    double weight = 0, x = 0, y = 0;
+    constexpr uint32_t N = 1 << 16;
+    for (uint32_t i = 0; i < N; ++i) {
+      Sampler sampler(1, 1, i);
+      const Filter::Sample s = filter->sample(sampler.next2D());
+      weight += double(s.weight) / N;
+      x += double(s.weight * s.offset.x) / N;
+      y += double(s.weight * s.offset.y) / N;
+      ASSERT_LE(std::abs(s.offset.x), 2.0001f);
+    }
+    EXPECT_NEAR(weight, 1, 2e-3) << entry.name;
+    EXPECT_NEAR(x, 0, 2e-3) << entry.name;
+    EXPECT_NEAR(y, 0, 2e-3) << entry.name;
+  }
+}
