@@ -26,7 +26,7 @@ class Mix final : public Material {
  public:
   Mix(const Parts& parts, const TexturedRgb& amount) : parts(parts), amount(amount) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
-    const float a = std::clamp(amount.at(point).r, 0.0f, 1.0f);
+    const float a = amount.at(point).r;
     if (a == 0) return parts[0]->bsdfAt(point, arena);
     if (a == 1) return parts[1]->bsdfAt(point, arena);
     BsdfSum sum;

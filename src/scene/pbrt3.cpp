@@ -22,7 +22,6 @@ bool isPlugIn(const std::string& directive, const std::string& plugIn) {
       "Sampler random",
       "Camera environment",
       "Material matte",
-      "Material plastic",
       "Material metal",
       "Material glass",
       "Material mirror",

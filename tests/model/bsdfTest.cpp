@@ -7,8 +7,10 @@
 
 #include "model/bsdfTesting.h"
 #include "recurse/core/sampling.h"
+#include "sanitized.h"
 
 using namespace recurse;
+using namespace recurse::testing;
 
 namespace {
 
@@ -43,7 +45,7 @@ class CellTree {
   struct Cell {
     int side = 0;
     Vec2d low{0, -M_PI}, high{1, M_PI};
-    Vec2d first{1e9}, last{-1e9}; ///< the middle half of the samples that it was made for
+    Vec2d first{1e9}, last{-1e9}; ///< where its samples are densest
     double found = 0;
   };
 
@@ -68,11 +70,33 @@ class CellTree {
   std::vector<Cell> cells;
 
  private:
+  static constexpr size_t NEVER = size_t(-1); ///< not to be divided
   struct Node {
     int axis = -1;
     double split = 0;
     int child[2] = {-1, -1}; ///< of a leaf: the cell
   };
+  /** The smallest range of a coordinate that holds a quarter of the samples; the whole range of a few. */
+  static Vec2d densest(const std::vector<MapPoint>& samples, int axis) {
+    std::vector<double> v;
+    for (const MapPoint& s : samples) v.push_back(s.p[axis]);
+    std::sort(v.begin(), v.end());
+    Vec2d best(v.front(), v.back());
+    const size_t quarter = v.size() / 4;
+    for (size_t i = 0; quarter > 1 && i + quarter < v.size(); ++i)
+      if (v[i + quarter] - v[i] < best[1] - best[0]) best = {v[i], v[i + quarter]};
+    return best;
+  }
+  /** True where the density varies much over the samples' box. */
+  static bool concentrated(const std::vector<MapPoint>& samples, const Vec2d& extent) {
+    constexpr size_t FEW = 12;
+    if (samples.size() < FEW) return false;
+    for (int axis = 0; axis < 2; ++axis) {
+      const Vec2d d = densest(samples, axis);
+      if (d[1] - d[0] < extent[axis] / 24) return true;
+    }
+    return false;
+  }
   int build(std::vector<MapPoint> samples, const Cell& cell, size_t most, int axis = 0) {
     const int index = int(nodes.size());
     nodes.emplace_back();
@@ -82,14 +106,14 @@ class CellTree {
       high = glm::max(high, s.p);
     }
     if (!(high[axis] > low[axis])) axis = 1 - axis;
-    if (samples.size() <= most || !(high[axis] > low[axis])) {
+    if ((samples.size() <= most && (most == NEVER || !concentrated(samples, high - low))) ||
+        !(high[axis] > low[axis])) {
       nodes[size_t(index)].child[0] = int(cells.size());
       cells.push_back(cell);
       for (int a = 0; a < 2 && !samples.empty(); ++a) {
-        std::sort(samples.begin(), samples.end(),
-                  [&](const MapPoint& x, const MapPoint& y) { return x.p[a] < y.p[a]; });
-        cells.back().first[a] = samples[samples.size() / 4].p[a];
-        cells.back().last[a] = samples[samples.size() * 3 / 4].p[a];
+        const Vec2d range = densest(samples, a);
+        cells.back().first[a] = range[0];
+        cells.back().last[a] = range[1];
       }
       return index;
     }
@@ -104,7 +128,7 @@ class CellTree {
     for (int i = 0; i < 2; ++i) {
       // All on one coordinate: no further split separates them.
       const bool stuck = parts[1 - i].empty();
-      child[i] = build(std::move(parts[i]), halves[i], stuck ? size_t(-1) : most, 1 - axis);
+      child[i] = build(std::move(parts[i]), halves[i], stuck ? NEVER : most, 1 - axis);
     }
     Node& node = nodes[size_t(index)];
     node.axis = axis;
@@ -219,8 +243,8 @@ Albedo scatteredFlux(const Bsdf& bsdf, const Vec3f& wi, int n, uint32_t seed) {
 
 TEST(BsdfSampling, FollowsTheDensity) {
   // Chi-square over cells that adapt to the lobe; the density is integrated in each to a known error.
-  constexpr int N = 16000;
-  constexpr size_t CELLS = 64;
+  const int N = samples(10000);
+  constexpr size_t IN_A_CELL = 156;
   forEachBsdf([&](const Bsdf& bsdf) {
     if (!hasDiffuse(bsdf)) return;
     for (const Vec3f& wi : incidentDirections()) {
@@ -243,7 +267,7 @@ TEST(BsdfSampling, FollowsTheDensity) {
       if (shape.empty() || narrowest(wi, shape) < 1024 * 0x1p-24) continue;
       std::vector<MapPoint> points;
       for (const Vec3f& w : shape) points.push_back(map.point(w));
-      CellTree tree(points, N / CELLS);
+      CellTree tree(points, IN_A_CELL);
       const std::vector<Vec3f> samples = draw();
       for (const Vec3f& w : samples) tree.count(map.point(w));
       double total = 0, chi2 = 0;
@@ -268,7 +292,7 @@ TEST(BsdfSampling, FollowsTheDensity) {
 TEST(BsdfEnergy, NoMoreThanArrives) {
   forEachBsdf([](const Bsdf& bsdf) {
     for (const Vec3f& wi : incidentDirections()) {
-      const Albedo a = scatteredFlux(bsdf, wi, 4000, 3);
+      const Albedo a = scatteredFlux(bsdf, wi, samples(4000), 3);
       for (int k = 0; k < 3; ++k) {
         EXPECT_LE(a.mean[k], 1 + 4 * a.error[k] + 2e-4) << "wi.z " << wi.z;
         if (bsdf.lossless()) {
@@ -285,7 +309,7 @@ TEST(BsdfEnergy, AlbedoSteersTheChoice) {
     for (const Vec3f& wi : incidentDirections()) {
       DeltaScatters deltas;
       bsdf.deltas(wi, deltas);
-      Rgbd own = scatteredFlux(bsdf, wi, 4000, 5).mean;
+      Rgbd own = scatteredFlux(bsdf, wi, samples(4000), 5).mean;
       for (const DeltaScatter& d : deltas) own -= Rgbd(d.weight);
       const Rgb told = bsdf.albedo(wi);
       for (int k = 0; k < 3; ++k) {
@@ -341,7 +365,7 @@ TEST(BsdfReciprocity, ValuesAndDensities) {
         EXPECT_EQ(ab, Rgbd(0));
       }
     };
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < samples(2000); ++i) {
       const Vec3f a = random.direction();
       check(a, random.direction());
       const Vec2f u = random.next2();
@@ -407,7 +431,7 @@ TEST(BsdfPasses, ForwardEqualsBackward) {
   const auto h = [](const Vec3f& w) {
     return 1 - 0.6 * double(w.y) + 0.2 * double(w.x * w.x) - 0.3 * double(w.z);
   };
-  constexpr uint32_t N = 1 << 14;
+  const auto N = uint32_t(samples(1 << 14));
   forEachBsdf([&](const Bsdf& bsdf) {
     for (const float tilt : {0.0f, 0.4f}) {
       SurfacePoint point = flatPoint();
@@ -442,7 +466,7 @@ TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
   forEachBsdf([](const Bsdf& bsdf) {
     const ScatteringPoint s(bsdf, flatPoint());
     for (const Vec3f& wi : incidentDirections()) {
-      constexpr uint32_t N = 4096;
+      const auto N = uint32_t(samples(4096));
       Rgbd sum(0), sum2(0);
       for (uint32_t i = 0; i < N; ++i) {
         Sampler each(9, 1, i);
@@ -452,7 +476,7 @@ TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
         sum += w;
         sum2 += w * w;
       }
-      const Albedo all = scatteredFlux(bsdf, wi, N, 1);
+      const Albedo all = scatteredFlux(bsdf, wi, int(N), 1);
       const Rgbd mean = sum / double(N), variance = glm::max(sum2 / double(N) - mean * mean, 0.0) / double(N);
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(mean[k], all.mean[k], 5 * std::sqrt(variance[k] + square(all.error[k])) + 1e-4)
@@ -546,7 +570,7 @@ float cornerNumber(TestRandom& random) {
 TEST(BsdfCorners, NothingButFiniteNumbers) {
   // RECURSE_BSDF_EVALUATIONS sets the number of random evaluations; 1e7 was run under the sanitizers.
   const char* wanted = std::getenv("RECURSE_BSDF_EVALUATIONS");
-  const size_t evaluations = wanted ? size_t(std::atof(wanted)) : 200000;
+  const size_t evaluations = wanted ? size_t(std::atof(wanted)) : size_t(samples(200000));
   const NamedMaterials named;
   TestRandom random(23);
   struct Use {
@@ -564,7 +588,7 @@ TEST(BsdfCorners, NothingButFiniteNumbers) {
     for (const std::string& example : entry.examples) uses.push_back({&entry, example});
   }
   constexpr size_t EACH = 50; // evaluations of one choice of parameters
-  for (size_t n = 0; n < evaluations && !testing::Test::HasFailure();) {
+  for (size_t n = 0; n < evaluations && !::testing::Test::HasFailure();) {
     for (const Use& use : uses) {
       std::string parameters = use.base;
       if (use.base.empty())

@@ -96,7 +96,7 @@ template <class F> void forEachBsdf(const F& test) {
 inline std::vector<Vec3f> incidentDirections() {
   std::vector<Vec3f> out;
   double azimuth = 0.3;
-  for (const double degrees : {0.0, 15.0, 35.0, 55.0, 70.0, 80.0, 86.0, 89.0, 89.9})
+  for (const double degrees : {0.0, 20.0, 45.0, 70.0, 84.0, 89.0, 89.9})
     for (const double side : {1.0, -1.0}) {
       const double a = glm::radians(degrees);
       azimuth += 2.4;

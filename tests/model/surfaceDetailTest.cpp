@@ -3,6 +3,7 @@
  */
 #include <random>
 
+#include "model/bsdfTesting.h"
 #include "model/textureTesting.h"
 #include "recurse/model/surfaceDetail.h"
 #include "recurse/model/triangleMesh.h"
@@ -136,12 +137,13 @@ TEST(SurfaceDetail, EveryMaterialTakesIt) {
   const auto height = makeTexture("fbm", "", false);
   Textures textures;
   textures.named["h"] = height.get();
+  const NamedMaterials named;
+  const MaterialContext context{textures, named.context().material};
   for (const auto& entry : plugIns().materials.entries())
     for (const std::string& example : entry.examples) {
       Diagnostics diagnostics;
       const auto made = plugIns().materials.make(
-          parseParameterText(entry.name, example + " \"texture displacement\" \"h\""), {textures, {}},
-          diagnostics);
+          parseParameterText(entry.name, example + " \"texture displacement\" \"h\""), context, diagnostics);
       if (entry.name == "interface") {
         EXPECT_FALSE(made);
         continue;
@@ -149,7 +151,7 @@ TEST(SurfaceDetail, EveryMaterialTakesIt) {
       ASSERT_TRUE(made) << diagnostics.format();
       EXPECT_TRUE(made->detail) << entry.name;
       const auto plain =
-          plugIns().materials.make(parseParameterText(entry.name, example), {textures, {}}, diagnostics);
+          plugIns().materials.make(parseParameterText(entry.name, example), context, diagnostics);
       EXPECT_FALSE(plain->detail) << entry.name;
     }
   Diagnostics diagnostics;

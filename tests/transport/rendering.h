@@ -8,16 +8,9 @@
 #include "recurse/core/parallel.h"
 #include "recurse/scene/loader.h"
 #include "recurse/transport/render.h"
+#include "sanitized.h"
 
 namespace recurse::testing {
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool SANITIZED = true;
-#else
-constexpr bool SANITIZED = false;
-#endif
-/** Sanitizers slow a render down tenfold; bounds that come from measured errors allow for fewer samples. */
-inline int samples(int n) { return SANITIZED ? std::max(1, n / 8) : n; }
 
 inline std::unique_ptr<Scene> sceneFrom(const std::string& text) {
   Diagnostics diagnostics;

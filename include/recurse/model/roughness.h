@@ -52,9 +52,7 @@ struct Roughness {
   }
 
   Microfacets at(const SurfacePoint& point) const {
-    Vec2f alpha(u.at(point).r, v.at(point).r);
-    alpha =
-        glm::max(alpha, Vec2f(0)); // what a texture gives is not checked; rougher than smooth it cannot be
+    const Vec2f alpha(u.at(point).r, v.at(point).r);
     return {kind, remap ? glm::sqrt(alpha) : alpha};
   }
   bool textured() const { return u.texture || v.texture; }

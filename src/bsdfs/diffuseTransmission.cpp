@@ -1,0 +1,88 @@
+/** @file
+ * Lambertian reflection and transmission: paper, leaves, thin cloth.
+ */
+#include "recurse/core/sampling.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class DiffuseTransmissionBsdf final : public Bsdf {
+ public:
+  DiffuseTransmissionBsdf(const Rgb& reflectance, const Rgb& transmittance)
+      : reflectance(reflectance), transmittance(transmittance) {
+    const float r = maxComponent(reflectance), t = maxComponent(transmittance);
+    reflected = r + t > 0 ? r / (r + t) : 0;
+  }
+  LobeSet lobes() const override { return DIFFUSE_LOBES; }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+    const float product = wi.z * wo.z;
+    return product > 0 ? reflectance * INV_PI : product < 0 ? transmittance * INV_PI : BLACK;
+  }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+    const float product = wi.z * wo.z;
+    if (product == 0 || (isBlack(reflectance) && isBlack(transmittance))) return 0;
+    return (product > 0 ? reflected : 1 - reflected) * std::abs(wo.z) * INV_PI;
+  }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    if (isBlack(reflectance) && isBlack(transmittance)) return {};
+    Vec3f wo = cosineHemisphere(u);
+    if ((wi.z < 0) == (pick < reflected)) wo.z = -wo.z;
+    return wo;
+  }
+  Rgb albedo(const Vec3f&) const override { return glm::min(reflectance + transmittance, Rgb(1)); }
+  bool lossless() const override { return reflectance + transmittance == Rgb(1); }
+
+ private:
+  Rgb reflectance, transmittance;
+  float reflected; ///< the chance of reflection
+};
+
+class DiffuseTransmission final : public Material {
+ public:
+  DiffuseTransmission(const TexturedRgb& reflectance, const TexturedRgb& transmittance, float scale)
+      : reflectance(reflectance), transmittance(transmittance), scale(scale) {}
+  const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
+    return arena.make<DiffuseTransmissionBsdf>(reflectance.at(point) * scale,
+                                               transmittance.at(point) * scale);
+  }
+  LobeSet lobes() const override { return DIFFUSE_LOBES; }
+
+ private:
+  TexturedRgb reflectance, transmittance;
+  float scale;
+};
+
+} // namespace
+
+void registerDiffuseTransmission(PlugIns& plugIns) {
+  plugIns.materials.add(
+      {{.name = "diffusetransmission",
+        .summary = "Lambertian reflection and transmission, as of paper.",
+        .parameters = {spectrumParameter("reflectance", "0.25", SpectrumKind::ALBEDO,
+                                         "albedo of what is reflected")
+                           .withTexture(),
+                       spectrumParameter(
+                           "transmittance", "0.25", SpectrumKind::ALBEDO,
+                           "albedo of what goes through; both together at most 1, which is checked unless "
+                           "a texture gives one")
+                           .withTexture(),
+                       realParameter("scale", "1", "factor of both").range(0, 1)},
+        .examples = {"", "\"rgb reflectance\" [.5 .2 .1] \"rgb transmittance\" [.5 .7 .3]",
+                     "\"rgb reflectance\" [.25 .5 1] \"rgb transmittance\" [.75 .5 0]"}},
+       [](const Parameters& p, const MaterialContext& c) {
+         const double scale = p.real("scale");
+         if (p.texture("reflectance").empty() && p.texture("transmittance").empty()) {
+           const Rgbd sum = (p.spectrum("reflectance") + p.spectrum("transmittance")) * scale;
+           if (std::max({sum.r, sum.g, sum.b}) > 1 + 1e-6)
+             p.fail(
+                 p.has("transmittance") ? "transmittance" : "reflectance",
+                 "reflectance and transmittance add up to more than 1: more light would leave than arrives");
+         }
+         return std::make_unique<DiffuseTransmission>(
+             c.textures.rgb(p, "reflectance"), c.textures.rgb(p, "transmittance"), static_cast<float>(scale));
+       }});
+}
+
+} // namespace recurse
