@@ -39,6 +39,14 @@ class RecordingScene final : public Scene {
     rays.push_back({ray, true});
     return scene.occluded(ray);
   }
+  void intersectBatch(std::span<const Ray> batch, Coherence coherence, std::span<Hit> hits) const override {
+    for (const Ray& ray : batch) rays.push_back({ray, false});
+    scene.intersectBatch(batch, coherence, hits);
+  }
+  void occludedBatch(std::span<const Ray> batch, std::span<uint8_t> blocked) const override {
+    for (const Ray& ray : batch) rays.push_back({ray, true});
+    scene.occludedBatch(batch, blocked);
+  }
   size_t memoryBytes() const override { return scene.memoryBytes(); }
 
   mutable std::vector<RecordedRay> rays;
@@ -175,18 +183,27 @@ double compare(size_t triangles) {
   const PathClasses classes;
   const auto render = [&](const Scene& s) {
     TransportCounts counts;
-    PathRadiance radiance(classes, counts);
+    std::vector<PathRadiance> radiance(EYE_BATCH, PathRadiance(classes, counts));
+    std::vector<EyePath> paths;
+    paths.reserve(EYE_BATCH);
     double sum = 0;
+    const auto walk = [&] {
+      integrator->backwardBatch(s, paths);
+      for (const EyePath& p : paths) sum += double(p.out->total().r);
+      paths.clear();
+    };
     const FilmSettings& film = scene->film();
     for (int y = 0; y < film.height; ++y)
       for (int x = 0; x < film.width; ++x)
         for (uint32_t i = 0; i < 8; ++i) {
-          Sampler sampler(1, uint64_t(y) << 32 | uint32_t(x), i);
-          const Vec2f place = Vec2f(float(x), float(y)) + sampler.next2D();
-          radiance.reset();
-          integrator->backward(s, scene->camera().ray(place), sampler, radiance);
-          sum += double(radiance.total().r);
+          PathRadiance& out = radiance[paths.size()];
+          out.reset();
+          EyePath& path = paths.emplace_back(Sampler(1, uint64_t(y) << 32 | uint32_t(x), i), out);
+          const Vec2f place = Vec2f(float(x), float(y)) + path.sampler.next2D();
+          path.ray = scene->camera().ray(place);
+          if (paths.size() == EYE_BATCH) walk();
         }
+    walk();
     if (!(sum > 0)) throw Error("the picture is black");
     return counts.rays;
   };

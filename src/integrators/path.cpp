@@ -2,6 +2,7 @@
  * The unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It
  * is the truth that the photon map is compared with.
  */
+#include "recurse/core/inPlace.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
 
@@ -9,63 +10,62 @@ namespace recurse {
 
 namespace {
 
+/** An eye path under way. */
+struct Walk {
+  EyePath* path;
+  Rgb throughput;
+  float etaScale; ///< undoes the 1/η² inside glass, which is no reason to end a walk
+  int depth;
+  EyeState eye;
+  float width, spread; ///< of the ray's footprint
+  BsdfRay last;
+};
+
+/** Where a walk scatters. */
+struct Vertex {
+  Walk* walk;
+  const SurfacePoint* point;
+  Vec3f wi;
+  std::optional<ScatteringPoint> scattering;
+  EyeState eyeD, eyeS;
+  LobeSet allowed;
+  bool sampleLight;
+};
+
+/** A shadow ray under way. */
+struct Shadow {
+  const Vertex* vertex;
+  Rgb radiance;
+};
+
+/** N of T, in no state at first. */
+template <class T> class Raw {
+ public:
+  T& operator[](size_t i) { return *std::launder(reinterpret_cast<T*>(bytes) + i); }
+  T* data() { return reinterpret_cast<T*>(bytes); }
+
+ private:
+  static_assert(std::is_trivially_destructible_v<T>);
+  alignas(T) std::byte bytes[EYE_BATCH * sizeof(T)];
+};
+
 class Path final : public Integrator {
  public:
   Path(int maxDepth, int lightSamples) : maxDepth(maxDepth), lightSamples(lightSamples) {}
 
-  void backward(const Scene& scene, const EyeRay& eyeRay, Sampler& sampler,
-                PathRadiance& out) const override {
-    const PathClasses& classes = out.pathClasses();
-    EyeRay ray = eyeRay;
-    Rgb throughput(1);
-    float etaScale = 1; // undoes the 1/η² inside glass, which is no reason to end a walk
-    EyeState eye = classes.eyeStart();
-    BsdfRay last;
-    Hit hit;
-    BsdfArena arena;
-    for (int depth = 0;;) {
-      if (!intersect(scene, ray, hit, out.counts)) {
-        if (!scene.environment().empty())
-          out.add(classes.lightStart(), eye,
-                  throughput * environmentRadiance(scene, ray.direction, last, lightSamples));
-        return;
-      }
-      if (hit.areaLight)
-        out.add(classes.lightStart(), eye,
-                throughput * emittedRadiance(scene, hit, ray.direction, last, lightSamples));
-      ray.width += ray.spread * hit.t;
-      arena.reset();
-      const Bsdf* bsdf = bsdfAt(hit, footprint(ray), arena);
-      if (!bsdf) {
-        static_cast<Ray&>(ray) = spawn(hit.point, ray.direction);
-        continue;
-      }
-      if (depth == maxDepth) {
-        out.counts.weightCut += double(maxComponent(throughput));
-        return;
-      }
-      ++depth;
-      const ScatteringPoint scattering(*bsdf, hit.point);
-      const Vec3f wi = -ray.direction;
-      const EyeState eyeD = classes.step(eye, PathEvent::D), eyeS = classes.step(eye, PathEvent::S);
-      const LobeSet allowed = LobeSet((classes.dead(eyeD) ? NO_LOBE : DIFFUSE_LOBES) |
-                                      (classes.dead(eyeS) ? NO_LOBE : DELTA_LOBES));
-      if (scattering.lobes() & allowed & DIFFUSE_LOBES)
-        addSampledLight(scene, scattering, hit.point, wi, throughput, eyeD, lightSamples, allowed, sampler,
-                        out);
+  void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
+    EyePath one(sampler, out);
+    one.ray = ray;
+    backwardBatch(scene, {&one, 1});
+    sampler = one.sampler;
+  }
 
-      const std::optional<Scatter> s = scattering.scatter(wi, Transport::RADIANCE, sampler, allowed);
-      if (!s) return;
-      throughput *= s->weight;
-      if (isBlack(throughput)) return;
-      eye = s->specular() ? eyeS : eyeD;
-      etaScale *= square(s->eta);
-      if (depth > ROULETTE_FREE_DEPTH &&
-          !survives(maxComponent(throughput) * etaScale, depth, sampler, throughput))
-        return;
-      last = {hit.point.position, s->pdf, !s->specular()};
-      static_cast<Ray&>(ray) = spawn(hit.point, s->direction);
-      if (!s->specular()) ray.width = ray.spread = 0; // what a pixel sees from here on is not known
+  void backwardBatch(const Scene& scene, std::span<EyePath> paths) const override {
+    while (!paths.empty()) {
+      const size_t count = std::min(paths.size(), EYE_BATCH);
+      Batch batch(*this, scene, paths.first(count));
+      batch.run();
+      paths = paths.subspan(count);
     }
   }
 
@@ -78,6 +78,171 @@ class Path final : public Integrator {
   }
 
  private:
+  /**
+   * Paths that go step by step together. One path is a chain of operations that wait for each other; the
+   * loops here run over paths that do not, and the scene gets its rays many at a time.
+   */
+  class Batch {
+   public:
+    Batch(const Path& path, const Scene& scene, std::span<EyePath> paths)
+        : settings(path), scene(scene), classes(paths[0].out->pathClasses()), counts(paths[0].out->counts),
+          alive(paths.size()) {
+      for (size_t i = 0; i < alive; ++i) {
+        Walk& w = walks[i];
+        w.path = &paths[i];
+        w.throughput = Rgb(1);
+        w.etaScale = 1;
+        w.depth = 0;
+        w.eye = classes.eyeStart();
+        w.width = paths[i].ray.width;
+        w.spread = paths[i].ray.spread;
+        w.last.weighted = false;
+        active[i] = &w;
+        rays[i] = paths[i].ray;
+      }
+    }
+
+    void run() {
+      for (auto coherence = Scene::Coherence::ALIKE; alive > 0; coherence = Scene::Coherence::NONE) {
+        counts.rays += alive;
+        scene.intersectBatch({rays.data(), alive}, coherence, {hits.data(), alive});
+        arrive();
+        for (int i = 0; i < settings.lightSamples; ++i) sampleLights();
+        goOn();
+      }
+    }
+
+   private:
+    /** Emission met, and the surfaces. */
+    void arrive() {
+      arena.reset();
+      vertexCount = 0;
+      size_t passed = 0;
+      for (size_t i = 0; i < alive; ++i) {
+        Walk& w = *active[i];
+        Hit& hit = hits[i];
+        const Vec3f direction = rays[i].direction;
+        if (hit.t == INFINITE) {
+          if (!scene.environment().empty())
+            w.path->out->add(classes.lightStart(), w.eye,
+                             w.throughput *
+                                 environmentRadiance(scene, direction, w.last, settings.lightSamples));
+          continue;
+        }
+        if (hit.areaLight)
+          w.path->out->add(classes.lightStart(), w.eye,
+                           w.throughput *
+                               emittedRadiance(scene, hit, direction, w.last, settings.lightSamples));
+        w.width += w.spread * hit.t;
+        const Bsdf* bsdf = bsdfAt(hit, {direction, w.width * w.path->ray.sampleSpacing}, arena);
+        if (!bsdf) {
+          active[passed] = &w;
+          makeAt(rays[passed++], [&] { return spawn(hit.point, direction); });
+          continue;
+        }
+        if (w.depth == settings.maxDepth) {
+          counts.weightCut += double(maxComponent(w.throughput));
+          continue;
+        }
+        ++w.depth;
+        Vertex& v = vertices[vertexCount++];
+        v.walk = &w;
+        v.point = &hit.point;
+        v.wi = -direction;
+        v.scattering.emplace(*bsdf, hit.point);
+        v.eyeD = classes.step(w.eye, PathEvent::D);
+        v.eyeS = classes.step(w.eye, PathEvent::S);
+        v.allowed = LobeSet((classes.dead(v.eyeD) ? NO_LOBE : DIFFUSE_LOBES) |
+                            (classes.dead(v.eyeS) ? NO_LOBE : DELTA_LOBES));
+        v.sampleLight = (v.scattering->lobes() & v.allowed & DIFFUSE_LOBES) != 0 &&
+                        lightIsSampled(scene, classes, v.eyeD);
+      }
+      alive = passed;
+    }
+
+    /** One shadow ray for each vertex. */
+    void sampleLights() {
+      const LightTable& table = scene.lights();
+      size_t lit = 0;
+      for (size_t i = 0; i < vertexCount; ++i)
+        if (vertices[i].sampleLight) shadows[lit++].vertex = &vertices[i];
+      for (size_t i = 0; i < lit; ++i)
+        makeAt(choices[i], [&] { return LightChoice(table, shadows[i].vertex->walk->path->sampler); });
+      for (size_t i = 0; i < lit; ++i)
+        makeAt(lights[i], [&] { return choices[i].illuminate(shadows[i].vertex->point->position); });
+      size_t count = 0;
+      for (size_t i = 0; i < lit; ++i) {
+        if (!lights[i]) continue;
+        const Vertex& v = *shadows[i].vertex;
+        const Rgb radiance =
+            unshadowedRadiance(*v.scattering, v.wi, v.walk->throughput, *lights[i],
+                               choices[i].chosen.probability, settings.lightSamples, v.allowed);
+        if (isBlack(radiance)) continue;
+        ++counts.rays;
+        makeAt(shadowRays[count], [&] { return shadowRay(*v.point, *lights[i]); });
+        if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
+          v.walk->path->out->add(classes.lightStart(), v.eyeD, radiance);
+          continue;
+        }
+        shadows[count].vertex = &v;
+        shadows[count].radiance = radiance;
+        ++count;
+      }
+      scene.occludedBatch({shadowRays.data(), count}, {blocked.data(), count});
+      for (size_t i = 0; i < count; ++i) {
+        const Vertex& v = *shadows[i].vertex;
+        if (!blocked[i]) v.walk->path->out->add(classes.lightStart(), v.eyeD, shadows[i].radiance);
+      }
+    }
+
+    /** The next direction of each walk that has one. */
+    void goOn() {
+      for (size_t i = 0; i < vertexCount; ++i) {
+        const Vertex& v = vertices[i];
+        makeAt(scatters[i], [&] {
+          return v.scattering->scatter(v.wi, Transport::RADIANCE, v.walk->path->sampler, v.allowed);
+        });
+      }
+      for (size_t i = 0; i < vertexCount; ++i) {
+        if (!scatters[i]) continue;
+        const Scatter& s = *scatters[i];
+        const Vertex& v = vertices[i];
+        Walk& w = *v.walk;
+        w.throughput *= s.weight;
+        if (isBlack(w.throughput)) continue;
+        w.eye = s.specular() ? v.eyeS : v.eyeD;
+        w.etaScale *= square(s.eta);
+        if (w.depth > ROULETTE_FREE_DEPTH &&
+            !survives(maxComponent(w.throughput) * w.etaScale, w.depth, w.path->sampler, w.throughput))
+          continue;
+        w.last.from = v.point->position;
+        w.last.pdf = s.pdf;
+        w.last.weighted = !s.specular();
+        if (!s.specular()) w.width = w.spread = 0; // what a pixel sees from here on is not known
+        active[alive] = &w;
+        makeAt(rays[alive++], [&] { return spawn(*v.point, s.direction); });
+      }
+    }
+
+    const Path& settings;
+    const Scene& scene;
+    const PathClasses& classes;
+    TransportCounts& counts;
+    size_t alive, vertexCount = 0;
+    BsdfArena arena;
+    Raw<Walk> walks;
+    Raw<Walk*> active; ///< the walks of `rays` and `hits`
+    Raw<Ray> rays;
+    Raw<Hit> hits;
+    Raw<Vertex> vertices;
+    Raw<LightChoice> choices;
+    Raw<std::optional<Illumination>> lights;
+    Raw<Shadow> shadows;
+    Raw<Ray> shadowRays;
+    Raw<uint8_t> blocked;
+    Raw<std::optional<Scatter>> scatters;
+  };
+
   /** Short walks are not gambled with: most of the light is there. */
   static constexpr int ROULETTE_FREE_DEPTH = 2;
   int maxDepth;

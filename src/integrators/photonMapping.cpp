@@ -236,7 +236,7 @@ class PhotonMapping final : public Integrator {
       if (!intersect(scene, ray, hit, counts)) return false;
       ray.width += ray.spread * hit.t;
       arena.reset();
-      const Bsdf* bsdf = bsdfAt(hit, {}, arena);
+      const Bsdf* bsdf = bsdfAt(hit, Footprint(), arena);
       Vec3f direction = ray.direction;
       if (bsdf) {
         const ScatteringPoint scattering(*bsdf, hit.point);

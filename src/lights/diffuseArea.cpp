@@ -32,16 +32,22 @@ class DiffuseArea final : public AreaLight {
                     constant * (opacity(s.point) * PI * sides / s.pdf)};
   }
   std::optional<Illumination> illuminate(const Vec3f& point, float pick, const Vec2f& u) const override {
+    std::optional<Illumination> light;
     const std::optional<ShapeSample> s = shape().sampleDirection(point, pick, u);
-    if (!s) return {};
+    if (!s) return light;
     const Vec3f towards = s->point.position - point;
     const float distance = glm::length(towards);
-    if (!(distance > 0)) return {};
+    if (!(distance > 0)) return light;
     const Vec3f direction = towards / distance;
-    if (isBlack(radiance(s->point, -direction))) return {};
-    return Illumination{direction, s->point.rayOrigin(-direction),
-                        distance,  constant * opacity(s->point),
-                        s->pdf,    isUnseen()};
+    if (isBlack(DiffuseArea::radiance(s->point, -direction))) return light;
+    light.emplace();
+    light->direction = direction;
+    light->target = s->point.rayOrigin(-direction);
+    light->distance = distance;
+    light->radiance = constant * opacity(s->point);
+    light->pdf = s->pdf;
+    light->delta = isUnseen();
+    return light;
   }
 
  private:

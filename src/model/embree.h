@@ -31,4 +31,39 @@ inline void occluded(RTCScene scene, RTCRay& ray) {
 #endif
 }
 
+constexpr unsigned PACKET = 8;
+
+/** Which rays of a packet there are: the first `count`, or all. */
+struct Lanes {
+  explicit Lanes(size_t count) {
+    for (size_t i = 0; i < PACKET; ++i) valid[i] = i < count ? -1 : 0;
+  }
+  alignas(32) int valid[PACKET];
+};
+
+/** `alike`: the rays have nearly one origin and one direction. */
+inline void intersect(RTCScene scene, const Lanes& lanes, RTCRayHit8& rayHits, bool alike) {
+#if RTC_VERSION_MAJOR >= 4
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  if (alike) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  rtcIntersect8(lanes.valid, scene, &rayHits, &arguments);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  if (alike) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  rtcIntersect8(lanes.valid, scene, &context, &rayHits);
+#endif
+}
+
+inline void occluded(RTCScene scene, const Lanes& lanes, RTCRay8& rays) {
+#if RTC_VERSION_MAJOR >= 4
+  rtcOccluded8(lanes.valid, scene, &rays);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded8(lanes.valid, scene, &context, &rays);
+#endif
+}
+
 } // namespace recurse::embree

@@ -7,6 +7,7 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include "recurse/core/inPlace.h"
 #include "recurse/core/sampler.h"
 #include "recurse/model/triangleMesh.h"
 
@@ -16,6 +17,11 @@ namespace {
 
 /** Surfaces that emit and do not scatter are met by rays but cast no shadow. */
 constexpr unsigned SEEN = 1, CASTS_SHADOW = 2;
+
+/** So many rays are traced faster one by one than as a packet. */
+constexpr size_t FEW = 2;
+/** So many rays are prepared together. */
+constexpr size_t GROUP = 64;
 
 void boundsCallback(const RTCBoundsFunctionArguments* a) {
   const Bounds3f b = static_cast<const SceneGeometry*>(a->geometryUserPtr)->shape->bounds(a->primID);
@@ -74,24 +80,28 @@ std::optional<PrimitiveHit> meet(const SceneGeometry& g, unsigned primitive, con
 }
 
 void intersectCallback(const RTCIntersectFunctionNArguments* a) {
-  if (!a->valid[0]) return;
-  auto* rayHit = reinterpret_cast<RTCRayHit*>(a->rayhit);
   const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
-  const std::optional<PrimitiveHit> hit = meet(g, a->primID, rayHit->ray, a->context->instID[0]);
-  if (!hit) return;
-  rayHit->ray.tfar = hit->t;
-  rayHit->hit.u = hit->parameters.x;
-  rayHit->hit.v = hit->parameters.y;
-  rayHit->hit.geomID = a->geomID;
-  rayHit->hit.primID = a->primID;
-  rayHit->hit.instID[0] = a->context->instID[0];
+  RTCRayN* rays = RTCRayHitN_RayN(a->rayhit, a->N);
+  RTCHitN* hits = RTCRayHitN_HitN(a->rayhit, a->N);
+  for (unsigned i = 0; i < a->N; ++i) {
+    if (!a->valid[i]) continue;
+    const std::optional<PrimitiveHit> hit =
+        meet(g, a->primID, rtcGetRayFromRayN(rays, a->N, i), a->context->instID[0]);
+    if (!hit) continue;
+    RTCRayN_tfar(rays, a->N, i) = hit->t;
+    RTCHitN_u(hits, a->N, i) = hit->parameters.x;
+    RTCHitN_v(hits, a->N, i) = hit->parameters.y;
+    RTCHitN_geomID(hits, a->N, i) = a->geomID;
+    RTCHitN_primID(hits, a->N, i) = a->primID;
+    RTCHitN_instID(hits, a->N, i, 0) = a->context->instID[0];
+  }
 }
 
 void occludedCallback(const RTCOccludedFunctionNArguments* a) {
-  if (!a->valid[0]) return;
-  auto* ray = reinterpret_cast<RTCRay*>(a->ray);
-  if (meet(*static_cast<const SceneGeometry*>(a->geometryUserPtr), a->primID, *ray, a->context->instID[0]))
-    ray->tfar = -INFINITE;
+  const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
+  for (unsigned i = 0; i < a->N; ++i)
+    if (a->valid[i] && meet(g, a->primID, rtcGetRayFromRayN(a->ray, a->N, i), a->context->instID[0]))
+      RTCRayN_tfar(a->ray, a->N, i) = -INFINITE;
 }
 
 void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
@@ -107,6 +117,22 @@ void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
   r.mask = mask;
   r.id = 0;
   r.flags = 0;
+}
+
+/** Also for the ray part of an RTCRayHit8. */
+template <class Packet> void setRay(Packet& r, size_t i, const Ray& ray, unsigned mask) {
+  r.org_x[i] = ray.origin.x;
+  r.org_y[i] = ray.origin.y;
+  r.org_z[i] = ray.origin.z;
+  r.tnear[i] = 0;
+  r.dir_x[i] = ray.direction.x;
+  r.dir_y[i] = ray.direction.y;
+  r.dir_z[i] = ray.direction.z;
+  r.time[i] = 0;
+  r.tfar[i] = ray.tMax;
+  r.mask[i] = mask;
+  r.id[i] = 0;
+  r.flags[i] = 0;
 }
 
 /** A point of an object definition, seen from the scene. */
@@ -152,7 +178,7 @@ GeometryGroup::~GeometryGroup() { rtcReleaseScene(tree); }
 void GeometryGroup::add(const SceneGeometry& added) {
   geometries.push_back(added);
   SceneGeometry& stored = geometries.back();
-  const TriangleMesh* mesh = stored.shape->triangleMesh();
+  const TriangleMesh* mesh = stored.mesh = stored.shape->triangleMesh();
   RTCGeometry g = rtcNewGeometry(device, mesh ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_USER);
   if (mesh) {
     const auto& positions = mesh->positions();
@@ -196,7 +222,9 @@ void GeometryGroup::addInstance(const GeometryGroup& group, const Mat4d& sceneFr
   instances.push_back({&group, sceneFromGroup, glm::transpose(glm::inverse(Mat3d(sceneFromGroup)))});
 }
 
-EmbreeScene::EmbreeScene() : device(newDevice()) {
+EmbreeScene::EmbreeScene()
+    : device(newDevice()),
+      packets(rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) {
   rtcSetDeviceMemoryMonitorFunction(
       device,
       [](void* scene, ssize_t added, bool) {
@@ -211,29 +239,94 @@ EmbreeScene::~EmbreeScene() {
   rtcReleaseDevice(device);
 }
 
-bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
+EmbreeScene::Met EmbreeScene::nearest(const Ray& ray) const {
   RTCRayHit rayHit;
   setRay(rayHit.ray, ray, SEEN);
   rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  const GeometryGroup* group = groups.front().get();
-  embree::intersect(group->scene(), rayHit);
+  embree::intersect(groups.front()->scene(), rayHit);
   const RTCHit& h = rayHit.hit;
-  if (h.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  return {rayHit.ray.tfar, {h.u, h.v}, h.geomID, h.primID, h.instID[0]};
+}
+
+const TriangleMesh* EmbreeScene::meshOf(const Met& met) const {
+  if (met.geometry == RTC_INVALID_GEOMETRY_ID) return nullptr;
+  const GeometryGroup* group = groups.front().get();
+  if (met.instance != RTC_INVALID_GEOMETRY_ID) group = group->instance(met.instance).group;
+  return group->geometry(met.geometry).mesh;
+}
+
+void EmbreeScene::complete(const Met& met, Hit& hit) const {
+  const GeometryGroup* group = groups.front().get();
   const GeometryGroup::Instance* instance = nullptr;
-  if (h.instID[0] != RTC_INVALID_GEOMETRY_ID) {
-    instance = &group->instance(h.instID[0]);
+  if (met.instance != RTC_INVALID_GEOMETRY_ID) {
+    instance = &group->instance(met.instance);
     group = instance->group;
   }
-  const SceneGeometry& g = group->geometry(h.geomID);
-  hit.point = g.shape->surfaceAt(h.primID, {h.u, h.v});
+  const SceneGeometry& g = group->geometry(met.geometry);
+  makeAt(hit.point, [&] { return g.shape->surfaceAt(met.primitive, met.parameters); });
   if (instance) transformToScene(*instance, hit.point);
-  hit.t = rayHit.ray.tfar;
-  hit.primitive = h.primID;
+  hit.t = met.t;
+  hit.primitive = met.primitive;
   hit.material = g.material;
   hit.areaLight = g.light;
   hit.lightIndex = g.lightIndex;
+}
+
+bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
+  const Met met = nearest(ray);
+  if (met.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  complete(met, hit);
   return true;
+}
+
+void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, Met* met) const {
+  size_t done = 0;
+  if (packets && rays.size() > FEW) {
+    RTCRayHit8 packet[GROUP / embree::PACKET];
+    // All packets are filled before the first is traced: what was just written singly is slow to read at
+    // once.
+    for (size_t i = 0; i < rays.size(); ++i) {
+      RTCRayHit8& p = packet[i / embree::PACKET];
+      const size_t lane = i % embree::PACKET;
+      setRay(p.ray, lane, rays[i], SEEN);
+      p.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      p.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    for (RTCRayHit8* p = packet; done < rays.size(); ++p) {
+      const embree::Lanes lanes(rays.size() - done);
+      embree::intersect(groups.front()->scene(), lanes, *p, coherence == Coherence::ALIKE);
+      for (size_t i = 0; i < embree::PACKET && done < rays.size(); ++i)
+        met[done++] = {p->ray.tfar[i],
+                       {p->hit.u[i], p->hit.v[i]},
+                       p->hit.geomID[i],
+                       p->hit.primID[i],
+                       p->hit.instID[0][i]};
+    }
+  }
+  for (; done < rays.size(); ++done) makeAt(met[done], [&] { return nearest(rays[done]); });
+}
+
+void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const {
+  Met met[GROUP];
+  const TriangleMesh* meshes[GROUP];
+  while (!rays.empty()) {
+    const size_t count = std::min(GROUP, rays.size());
+    nearestOfEach(rays.first(count), coherence, met);
+    for (size_t i = 0; i < count; ++i) {
+      meshes[i] = meshOf(met[i]);
+      if (meshes[i]) meshes[i]->prefetchTriangle(met[i].primitive);
+    }
+    for (size_t i = 0; i < count; ++i)
+      if (meshes[i]) meshes[i]->prefetchVertices(met[i].primitive);
+    for (size_t i = 0; i < count; ++i)
+      if (met[i].geometry != RTC_INVALID_GEOMETRY_ID)
+        complete(met[i], hits[i]);
+      else
+        hits[i].t = INFINITE;
+    rays = rays.subspan(count);
+    hits = hits.subspan(count);
+  }
 }
 
 bool EmbreeScene::occluded(const Ray& ray) const {
@@ -241,6 +334,21 @@ bool EmbreeScene::occluded(const Ray& ray) const {
   setRay(r, ray, CASTS_SHADOW);
   embree::occluded(groups.front()->scene(), r);
   return r.tfar < 0;
+}
+
+void EmbreeScene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const {
+  size_t done = 0;
+  while (packets && done + FEW < rays.size()) {
+    RTCRay8 packet[GROUP / embree::PACKET];
+    const size_t end = std::min(rays.size(), done + GROUP);
+    for (size_t i = done; i < end; ++i)
+      setRay(packet[(i - done) / embree::PACKET], (i - done) % embree::PACKET, rays[i], CASTS_SHADOW);
+    for (RTCRay8* p = packet; done < end; ++p) {
+      embree::occluded(groups.front()->scene(), embree::Lanes(end - done), *p);
+      for (size_t i = 0; i < embree::PACKET && done < end; ++i) blocked[done++] = p->tfar[i] < 0;
+    }
+  }
+  for (; done < rays.size(); ++done) blocked[done] = occluded(rays[done]);
 }
 
 } // namespace recurse

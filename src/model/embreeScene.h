@@ -20,6 +20,7 @@ struct SceneGeometry {
   const AreaLight* light = nullptr;
   uint32_t lightIndex = 0;
   const GeometryGroup* top = nullptr; ///< where the instances are that alpha's points are seen through
+  const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
 };
 
 /** Shapes with a tree of their own: the top level, or one object definition. */
@@ -59,11 +60,27 @@ class EmbreeScene final : public Scene {
 
   bool intersect(const Ray& ray, Hit& hit) const override;
   bool occluded(const Ray& ray) const override;
+  void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const override;
+  void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const override;
   size_t memoryBytes() const override { return static_cast<size_t>(bytes.load()); }
 
  private:
   friend class SceneBuilder;
+  /** What Embree says of a ray's nearest surface. */
+  struct Met {
+    float t;
+    Vec2f parameters;
+    unsigned geometry, primitive, instance;
+  };
+  Met nearest(const Ray& ray) const;
+  /** The same for up to GROUP rays. */
+  void nearestOfEach(std::span<const Ray> rays, Coherence coherence, Met* met) const;
+  const TriangleMesh* meshOf(const Met& met) const;
+  /** The surface at a meeting. */
+  void complete(const Met& met, Hit& hit) const;
+
   RTCDevice device;
+  bool packets; ///< Embree has packets of rays on this processor
   std::atomic<int64_t> bytes{0};
   std::vector<std::unique_ptr<Texture>> textures;
   std::vector<std::unique_ptr<Material>> materials;

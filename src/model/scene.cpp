@@ -38,6 +38,15 @@ ChosenLight LightTable::chooseOfMany(float& u) const {
   return {lights[i], probabilities[i]};
 }
 
+void Scene::intersectBatch(std::span<const Ray> rays, Coherence, std::span<Hit> hits) const {
+  for (size_t i = 0; i < rays.size(); ++i)
+    if (!intersect(rays[i], hits[i])) hits[i].t = INFINITE;
+}
+
+void Scene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const {
+  for (size_t i = 0; i < rays.size(); ++i) blocked[i] = occluded(rays[i]);
+}
+
 /** The work of buildScene, with what it has to remember meanwhile. */
 class SceneBuilder final : public TextureLookup {
  public:

@@ -3,6 +3,8 @@
  */
 #include "recurse/model/shape.h"
 
+#include "recurse/core/inPlace.h"
+
 namespace recurse {
 
 namespace {
@@ -21,10 +23,11 @@ float solidAngleDensity(float areaDensity, const Vec3f& from, const SurfacePoint
 } // namespace
 
 std::optional<ShapeSample> Shape::sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const {
-  ShapeSample s = sampleArea(pick, u);
-  if (!(s.pdf > 0)) return {};
-  s.pdf = solidAngleDensity(s.pdf, from, s.point);
-  if (!(s.pdf > 0)) return {};
+  std::optional<ShapeSample> s;
+  const auto sample = [&] { return sampleArea(pick, u); };
+  s.emplace(Made(sample));
+  if (s->pdf > 0) s->pdf = solidAngleDensity(s->pdf, from, s->point);
+  if (!(s->pdf > 0)) s.reset();
   return s;
 }
 

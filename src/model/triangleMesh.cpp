@@ -165,7 +165,7 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
   s.position = Vec3f(p0 + e1 * b1 + e2 * b2);
   Vec3f rounding = glm::abs(s.position);
   for (int i = 0; i < 3; ++i)
-    if (e1[i] == 0 && e2[i] == 0) rounding[i] = 0; // the vertices' own coordinate, exactly
+    rounding[i] *= float((e1[i] != 0) | (e2[i] != 0)); // else it is the vertices' own coordinate, exactly
   s.error = positionError(rounding, plane.normal, plane.error);
 
   s.geometricNormal = plane.normal;
@@ -179,27 +179,27 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
     }
   }
 
+  // Directions for shading: floats are enough, and every hit pays for them.
+  const Vec3f& v0 = vertices[triangle.x];
+  const Vec3f along1 = vertices[triangle.y] - v0, along2 = vertices[triangle.z] - v0;
   if (uvs.empty()) { // pbrt's defaults: (0,0), (1,0), (1,1)
     s.uv = Vec2f(static_cast<float>(b1 + b2), static_cast<float>(b2));
-    const Vec3d along = tangents.empty() ? Vec3d(0) : interpolated(tangents);
-    s.dpdu = Vec3f(along == Vec3d(0) ? e1 : along);
-    s.dpdv = Vec3f(e2 - e1);
-    return s;
-  }
-  const Vec2d t0 = uvs[triangle.x], t1 = uvs[triangle.y], t2 = uvs[triangle.z];
-  s.uv = Vec2f(interpolated(uvs));
-  const Vec2d d1 = t1 - t0, d2 = t2 - t0;
-  const double determinant = d1.x * d2.y - d1.y * d2.x;
-  Vec3d dpdu{0}, dpdv{0};
-  // A determinant that is all rounding has no direction to offer.
-  if (std::abs(determinant) > 1e-9 * (std::abs(d1.x * d2.y) + std::abs(d1.y * d2.x))) {
-    dpdu = (e1 * d2.y - e2 * d1.y) / determinant;
-    dpdv = (e2 * d1.x - e1 * d2.x) / determinant;
+    s.dpdu = along1;
+    s.dpdv = along2 - along1;
+  } else {
+    s.uv = Vec2f(interpolated(uvs));
+    const Vec2f d1 = uvs[triangle.y] - uvs[triangle.x], d2 = uvs[triangle.z] - uvs[triangle.x];
+    const float a = d1.x * d2.y, b = d1.y * d2.x, determinant = a - b;
+    s.dpdu = s.dpdv = Vec3f(0);
+    // A determinant that is all rounding has no direction to offer.
+    if (std::abs(determinant) > 1e-6f * (std::abs(a) + std::abs(b))) {
+      const float scale = 1 / determinant;
+      s.dpdu = (along1 * d2.y - along2 * d1.y) * scale;
+      s.dpdv = (along2 * d1.x - along1 * d2.x) * scale;
+    }
   }
   if (!tangents.empty())
-    if (const Vec3d along = interpolated(tangents); along != Vec3d(0)) dpdu = along;
-  s.dpdu = Vec3f(dpdu);
-  s.dpdv = Vec3f(dpdv);
+    if (const Vec3d along = interpolated(tangents); along != Vec3d(0)) s.dpdu = Vec3f(along);
   return s;
 }
 
@@ -212,8 +212,7 @@ void TriangleMesh::tabulateAreas() const {
 
 ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
   if (!tabulated.load(std::memory_order_acquire)) std::call_once(once, [this] { tabulateAreas(); });
-  ShapeSample s;
-  if (!(totalArea > 0)) return s;
+  if (!(totalArea > 0)) return {};
   // A float has too few digits to choose among millions of triangles: u.x adds the lower ones. Where that
   // matters, the digits are then used up, and the place within the triangle takes what the choice left over.
   const double chosen = double(pick) + double(u.x) * 0x1p-24;
@@ -231,10 +230,10 @@ ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
   }
   // Heitz, "A Low-Distortion Map Between Triangle and Square" (2019).
   const float half = std::min(within.x, within.y) * 0.5f;
-  s.point = surfaceAt(static_cast<uint32_t>(i),
-                      within.y > within.x ? Vec2f(half, within.y - half) : Vec2f(within.x - half, half));
-  s.pdf = 1 / totalArea;
-  return s;
+  const bool above = within.y > within.x;
+  return {surfaceAt(static_cast<uint32_t>(i),
+                    Vec2f(above ? half : within.x - half, above ? within.y - half : half)),
+          1 / totalArea};
 }
 
 } // namespace recurse

@@ -8,25 +8,15 @@ namespace recurse {
 void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
                      const Vec3f& eye, const Rgb& throughput, EyeState eyeState, int samples, LobeSet allowed,
                      Sampler& sampler, PathRadiance& out) {
-  const LightTable& lights = scene.lights();
-  if (lights.size() == 0) return;
-  const PathClasses& classes = out.pathClasses();
-  if (classes.join(classes.lightStart(), eyeState) == 0) return;
+  if (!lightIsSampled(scene, out.pathClasses(), eyeState)) return;
   for (int i = 0; i < samples; ++i) {
-    float pick = sampler.next1D();
-    const Vec2f u = sampler.next2D();
-    const ChosenLight chosen = lights.choose(pick);
-    if (!(chosen.probability > 0)) continue;
-    const std::optional<Illumination> light = chosen.light->illuminate(point.position, pick, u);
-    if (!light || !(light->pdf > 0)) continue;
-    const Rgb f = scattering.evaluate(eye, light->direction);
-    if (isBlack(f)) continue;
-    const float pdf = chosen.probability * light->pdf;
-    const float weight =
-        light->delta ? 1 : powerHeuristic(samples, pdf, scattering.pdf(eye, light->direction, allowed));
-    if (!visible(scene, point, *light, out.counts)) continue;
-    out.add(classes.lightStart(), eyeState,
-            throughput * f * light->radiance * (weight / (pdf * static_cast<float>(samples))));
+    const LightChoice choice(scene.lights(), sampler);
+    const std::optional<Illumination> light = choice.illuminate(point.position);
+    if (!light) continue;
+    const Rgb radiance =
+        unshadowedRadiance(scattering, eye, throughput, *light, choice.chosen.probability, samples, allowed);
+    if (!isBlack(radiance) && visible(scene, point, *light, out.counts))
+      out.add(out.pathClasses().lightStart(), eyeState, radiance);
   }
 }
 

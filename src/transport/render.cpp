@@ -3,9 +3,11 @@
  */
 #include "recurse/transport/render.h"
 
+#include <array>
 #include <chrono>
 #include <mutex>
 
+#include "recurse/core/inPlace.h"
 #include "recurse/core/parallel.h"
 
 namespace recurse {
@@ -49,6 +51,48 @@ class Teller {
   const std::function<void(const RenderProgress&)>& tell;
   Clock::time_point start, last{};
   std::mutex one;
+};
+
+/** Collects eye paths, has them walked together, and puts what they bring into the film in the same order. */
+class EyeBatch {
+ public:
+  EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
+           TransportCounts& counts, Film& film)
+      : scene(scene), integrator(integrator), film(film), radiance(EYE_BATCH, PathRadiance(classes, counts)) {
+    paths.reserve(EYE_BATCH);
+  }
+  /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. */
+  void add(uint64_t seed, uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner,
+           float sampleSpacing) {
+    Place& place = places[paths.size()];
+    EyePath& path = paths.emplace_back(Sampler(seed, stream, index), radiance[paths.size()]);
+    const Filter::Sample f = scene.filter().sample(path.sampler.next2D());
+    makeAt(path.ray, [&] { return scene.camera().ray(corner + 0.5f + f.offset); });
+    path.ray.sampleSpacing = sampleSpacing;
+    path.out->reset();
+    place.pixel = pixel;
+    place.weight = f.weight;
+    if (paths.size() == EYE_BATCH) flush();
+  }
+  void flush() {
+    if (paths.empty()) return;
+    integrator.backwardBatch(scene, paths);
+    for (size_t i = 0; i < paths.size(); ++i)
+      film.add(places[i].pixel, places[i].weight, radiance[i].values(), radiance[i].total());
+    paths.clear();
+  }
+
+ private:
+  struct Place {
+    size_t pixel;
+    float weight;
+  };
+  const Scene& scene;
+  const Integrator& integrator;
+  Film& film;
+  std::vector<PathRadiance> radiance;
+  std::vector<EyePath> paths;
+  std::array<Place, EYE_BATCH> places;
 };
 
 } // namespace
@@ -146,24 +190,17 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
       const int x1 = std::min(x0 + TILE, bounds.width()), y1 = std::min(y0 + TILE, bounds.height());
       TransportCounts counts;
-      PathRadiance radiance(classes, counts);
+      EyeBatch batch(scene, integrator, classes, counts, film);
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
           const size_t pixel = size_t(y) * size_t(bounds.width()) + size_t(x);
           // Keyed by the place on the whole film, so that a crop is a part of the same picture.
           const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
-          for (int64_t s = sample; s < end; ++s) {
-            Sampler sampler(settings.seed, stream, static_cast<uint32_t>(s));
-            const Filter::Sample f = scene.filter().sample(sampler.next2D());
-            const Vec2f place(float(x + bounds.x0) + 0.5f + f.offset.x,
-                              float(y + bounds.y0) + 0.5f + f.offset.y);
-            radiance.reset();
-            EyeRay ray = scene.camera().ray(place);
-            ray.sampleSpacing = sampleSpacing;
-            integrator.backward(scene, ray, sampler, radiance);
-            film.add(pixel, f.weight, radiance.values(), radiance.total());
-          }
+          const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
+          for (int64_t s = sample; s < end; ++s)
+            batch.add(settings.seed, stream, static_cast<uint32_t>(s), pixel, corner, sampleSpacing);
         }
+      batch.flush();
       tileCounts[tile].add(counts);
       const uint64_t samples = samplesDone += uint64_t(x1 - x0) * uint64_t(y1 - y0) * uint64_t(end - sample);
       const uint64_t rays = raysDone += counts.rays;

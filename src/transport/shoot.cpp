@@ -41,7 +41,7 @@ class PhotonWalk {
     for (int depth = 0;;) {
       if (!intersect(scene, ray, hit, counts)) return;
       arena.reset();
-      const Bsdf* bsdf = bsdfAt(hit, {}, arena);
+      const Bsdf* bsdf = bsdfAt(hit, Footprint(), arena);
       if (!bsdf) {
         ray = spawn(hit.point, ray.direction);
         continue;

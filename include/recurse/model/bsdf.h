@@ -93,30 +93,37 @@ class Bsdf {
   ~Bsdf() = default; // lives in an arena that never destroys
 };
 
-/** Memory for the BSDFs of one point. */
+/** Memory for BSDFs of a point, or of several. It keeps what it has got when it is reset. */
 class BsdfArena {
  public:
   template <class T, class... Arguments> const T* make(Arguments&&... arguments) {
     static_assert(std::is_trivially_destructible_v<T>);
+    static_assert(sizeof(T) <= BLOCK && alignof(T) <= alignof(std::max_align_t));
     return new (allocate(sizeof(T), alignof(T))) T(std::forward<Arguments>(arguments)...);
   }
-  void reset() { used = 0; }
+  void reset() {
+    used = 0;
+    block = inlined;
+    nextBlock = 0;
+  }
 
  private:
+  static constexpr size_t BLOCK = 2048;
+
   void* allocate(size_t size, size_t alignment) {
-    const size_t begin = (used + alignment - 1) / alignment * alignment;
-    if (begin + size > sizeof inlined) { // deep mixes only
-      spilled.push_back(std::make_unique<std::byte[]>(size + alignment));
-      void* p = spilled.back().get();
-      size_t space = size + alignment;
-      return std::align(alignment, size, p, space);
+    size_t begin = (used + alignment - 1) / alignment * alignment;
+    if (begin + size > BLOCK) {
+      if (nextBlock == more.size()) more.push_back(std::make_unique<std::byte[]>(BLOCK));
+      block = more[nextBlock++].get();
+      begin = 0;
     }
     used = begin + size;
-    return inlined + begin;
+    return block + begin;
   }
-  alignas(std::max_align_t) std::byte inlined[512];
-  size_t used = 0;
-  std::vector<std::unique_ptr<std::byte[]>> spilled;
+  alignas(std::max_align_t) std::byte inlined[BLOCK];
+  std::byte* block = inlined;
+  size_t used = 0, nextBlock = 0;
+  std::vector<std::unique_ptr<std::byte[]>> more; ///< deep mixes, or many points
 };
 
 /** A material of the scene: gives the BSDF of each point. Immutable. */

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,6 +70,15 @@ class Scene {
   virtual bool intersect(const Ray& ray, Hit& hit) const = 0;
   /** True when something scattering lies between the points' ends of the ray (t < ray.tMax). */
   virtual bool occluded(const Ray& ray) const = 0;
+  /** How alike the rays of a batch are: ALIKE for those of neighbouring pixels. It changes only the speed. */
+  enum class Coherence { NONE, ALIKE };
+  /**
+   * intersect() for many rays at once, which is faster. hits[i].t is infinite where ray i meets nothing. The
+   * parameters of a hit may differ from those of a single ray by rounding, and of two surfaces at the same
+   * distance either may be met.
+   */
+  virtual void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const;
+  virtual void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const;
 
   const LightTable& lights() const { return lightTable; }
   const std::vector<const EnvironmentLight*>& environment() const { return environmentLights; }

@@ -20,8 +20,8 @@ struct TexturedRgb;
 
 /** What a sample stands for at a surface, for textures to be averaged over: a cone along `direction`. */
 struct Footprint {
-  Vec3f direction{0}; ///< unit, of the ray that came
-  float width = 0;    ///< across the ray [scene units]; 0: not known, a point
+  Vec3f direction; ///< unit, of the ray that came; not set where the width is 0
+  float width = 0; ///< across the ray [scene units]; 0: not known, a point
 };
 
 /** A point of a surface and what shading needs to know of it. */

@@ -35,6 +35,14 @@ class TriangleMesh final : public Shape {
   Bounds3f bounds(uint32_t primitive) const override;
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
   SurfacePoint surfaceAt(uint32_t primitive, const Vec2f& parameters) const override;
+  /** Has what surfaceAt will read of a triangle brought into the cache: first this, then its vertices. */
+  void prefetchTriangle(uint32_t primitive) const {
+    __builtin_prefetch(&triangles[primitive]);
+    __builtin_prefetch(&planes[primitive]);
+  }
+  void prefetchVertices(uint32_t primitive) const {
+    for (int k = 0; k < 3; ++k) __builtin_prefetch(&vertices[triangles[primitive][k]]);
+  }
   float area() const override { return totalArea; }
   ShapeSample sampleArea(float pick, const Vec2f& u) const override;
   const TriangleMesh* triangleMesh() const override { return this; }

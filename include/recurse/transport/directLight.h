@@ -11,10 +11,43 @@
 namespace recurse {
 
 /** The power heuristic with exponent 2 (Veach 1997, section 9.2.4) for n samples of density p against one of
- * q. */
+ * q > 0. */
 inline float powerHeuristic(int n, float p, float q) {
-  const double a = double(n) * double(p), b = double(q);
-  return static_cast<float>(a * a / (a * a + b * b));
+  return 1 / (1 + square(q / (static_cast<float>(n) * p))); // no square that could overflow to a NaN
+}
+
+/** Whether there are lights to be sampled, and paths from them in demand, at a vertex whose D `eyeState` has
+ * read. */
+inline bool lightIsSampled(const Scene& scene, const PathClasses& classes, EyeState eyeState) {
+  return scene.lights().size() > 0 && classes.join(classes.lightStart(), eyeState) != 0;
+}
+
+/** The numbers of one shadow ray, and the light that they choose. */
+struct LightChoice {
+  ChosenLight chosen;
+  float pick; ///< what the choice left over
+  Vec2f u;
+
+  LightChoice(const LightTable& lights, Sampler& sampler) : pick(sampler.next1D()), u(sampler.next2D()) {
+    chosen = lights.choose(pick);
+  }
+  std::optional<Illumination> illuminate(const Vec3f& point) const {
+    if (chosen.probability > 0) return chosen.light->illuminate(point, pick, u);
+    return {};
+  }
+};
+
+/** What one of `samples` shadow rays brings along unit `eye`, times `throughput`, if nothing is in its way.
+ * Black: it need not be traced. */
+inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& eye, const Rgb& throughput,
+                              const Illumination& light, float probability, int samples, LobeSet allowed) {
+  if (!(light.pdf > 0)) return BLACK;
+  const Rgb f = scattering.evaluate(eye, light.direction);
+  if (isBlack(f)) return BLACK;
+  const float pdf = probability * light.pdf;
+  const float weight =
+      light.delta ? 1 : powerHeuristic(samples, pdf, scattering.pdf(eye, light.direction, allowed));
+  return throughput * f * light.radiance * (weight / (pdf * static_cast<float>(samples)));
 }
 
 /**

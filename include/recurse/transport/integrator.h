@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -94,6 +95,18 @@ struct ForwardControl {
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 };
 
+/** An eye path to be walked: where it starts, its samples, and where its radiance goes. */
+struct EyePath {
+  EyePath(const Sampler& sampler, PathRadiance& out) : sampler(sampler), out(&out) {}
+  EyeRay ray;
+  Sampler sampler;
+  PathRadiance* out;
+};
+
+/** How many eye paths are handed over at once: enough to keep the processor busy with independent work, few
+ * enough for the cache next to it. */
+constexpr size_t EYE_BATCH = 64;
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
@@ -108,6 +121,11 @@ class Integrator {
   }
   /** Estimates the radiance along an eye ray. May be called from any thread for any pixel. */
   virtual void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const = 0;
+  /** The same for several eye paths, which must share their classes; each gets the radiance that it would get
+   * alone. */
+  virtual void backwardBatch(const Scene& scene, std::span<EyePath> paths) const {
+    for (EyePath& p : paths) backward(scene, p.ray, p.sampler, *p.out);
+  }
   /** The estimators and the paths that each one takes into account. */
   virtual std::vector<EstimatorDomain> domains() const = 0;
 };

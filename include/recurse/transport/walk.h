@@ -47,16 +47,22 @@ inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena
   return hit.material->bsdfAt(hit.point, arena);
 }
 
-/** True when light from `target`, or from infinitely far in that direction, reaches the point. */
+/** The ray that must be free for light from `target`, or from infinitely far in that direction, to reach the
+ * point. Its direction is zero where there is no way between. */
+inline Ray shadowRay(const SurfacePoint& from, const Illumination& light) {
+  const Vec3f origin = from.rayOrigin(light.direction);
+  const bool endless = light.distance == INFINITE;
+  // The target is displaced from its own surface; the limit covers the rounding of the way.
+  return {origin, endless ? light.direction : light.target - origin,
+          endless ? INFINITE : 1 - 16 * std::numeric_limits<float>::epsilon()};
+}
+
+/** True when the light reaches the point. */
 inline bool visible(const Scene& scene, const SurfacePoint& from, const Illumination& light,
                     TransportCounts& counts) {
   ++counts.rays;
-  const Vec3f origin = from.rayOrigin(light.direction);
-  if (light.distance == INFINITE) return !scene.occluded({origin, light.direction, INFINITE});
-  const Vec3f way = light.target - origin;
-  if (way == Vec3f(0)) return true;
-  // The target is displaced from its own surface; the limit covers the rounding of the way.
-  return !scene.occluded({origin, way, 1 - 16 * std::numeric_limits<float>::epsilon()});
+  const Ray ray = shadowRay(from, light);
+  return ray.direction == Vec3f(0) || !scene.occluded(ray);
 }
 
 } // namespace recurse
