@@ -1,7 +1,7 @@
 /** @file
  * Recurse's estimate of radiance: emitted light, plus the photon map's estimate at diffuse surfaces, plus
  * mirror and refracted light, recursively. Direct light comes from shadow rays, or from the map like
- * everything else.
+ * everything else. Sharp rough lobes are followed too, and share the light with the map (lobeSharing.h).
  */
 #include <algorithm>
 #include <chrono>
@@ -28,6 +28,7 @@ struct PhotonMappingSettings {
   int lightSamples = 1;
   float weightLimit = 0.03f;
   float flatness = 0.2f;
+  LobeSharing sharing;
   Kernel kernel = Kernel::EPANECHNIKOV;
   PhotonIndexKind index = PhotonIndexKind::KDTREE;
 };
@@ -83,23 +84,25 @@ class PhotonMapping final : public Integrator {
   }
 
   void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
-    trace(scene, ray, Rgb(1), 1, out.pathClasses().eyeStart(), 0, sampler, out);
+    trace(scene, {ray, Rgb(1), 1, out.pathClasses().eyeStart(), 0}, nullptr, sampler, out);
   }
 
   std::vector<EstimatorDomain> domains() const override {
+    const std::string rays = std::to_string(settings.lightSamples);
+    const std::string indirect = settings.shadowRays ? "L(S|D)+DS*E" : "L(S|D)*DS*E";
     std::vector<EstimatorDomain> all = {
         {"emission", "LS*E", "none: met by eye rays through mirrors and glass", ""}};
     if (settings.shadowRays) {
-      const std::string rays = std::to_string(settings.lightSamples);
       all.push_back(
           {"shadow rays", "LDS*E", rays + " for each diffuse surface an eye ray meets", "direct light"});
       all.push_back({"BSDF rays", "LDS*E", "one for each diffuse surface an eye ray meets", "direct light"});
-      all.push_back(
-          {"photon map", "L(S|D)+DS*E", "one estimate for each diffuse surface an eye ray meets", ""});
-    } else {
-      all.push_back(
-          {"photon map", "L(S|D)*DS*E", "one estimate for each diffuse surface an eye ray meets", ""});
     }
+    const std::string group = settings.sharing.ever() ? "rough lobes" : "";
+    all.push_back({"photon map", indirect, "one estimate for each diffuse surface an eye ray meets", group});
+    if (settings.sharing.ever())
+      all.push_back({"followed lobes", indirect,
+                     "the BSDF ray goes on where a lobe is sharp; what arrives is estimated by all of these",
+                     group});
     return all;
   }
 
@@ -109,23 +112,36 @@ class PhotonMapping final : public Integrator {
   static constexpr uint64_t ONE_MAP_PHOTONS = 1000000, LEAST_PROGRESSIVE_PHOTONS = 65536;
   static constexpr int ONE_MAP_NEAREST = 100, PROGRESSIVE_NEAREST = 20;
 
+  /** An eye path on its way. */
+  struct Walk {
+    EyeRay ray;
+    Rgb throughput;
+    float etaScale; ///< undoes the 1/η² inside glass
+    EyeState eye;
+    int depth; ///< scattering events so far
+  };
+
   /** Follows an eye ray through mirrors and glass: every branch while it is worth it, one by roulette after.
-   */
-  void trace(const Scene& scene, EyeRay ray, Rgb throughput, float etaScale, EyeState eye, int depth,
-             Sampler& sampler, PathRadiance& out) const {
+   * `met` is what the ray is known to meet, whose emission has been dealt with; or null. */
+  void trace(const Scene& scene, Walk walk, const Hit* met, Sampler& sampler, PathRadiance& out) const {
     const PathClasses& classes = out.pathClasses();
     Hit hit;
     BsdfArena arena;
-    for (;;) {
-      if (!intersect(scene, ray, hit, out.counts)) {
-        if (!scene.environment().empty())
+    for (;; met = nullptr) {
+      auto& [ray, throughput, etaScale, eye, depth] = walk;
+      if (met) {
+        hit = *met;
+      } else {
+        if (!intersect(scene, ray, hit, out.counts)) {
+          if (!scene.environment().empty())
+            out.add(classes.lightStart(), eye,
+                    throughput * environmentRadiance(scene, ray.direction, {}, settings.lightSamples));
+          return;
+        }
+        if (hit.areaLight)
           out.add(classes.lightStart(), eye,
-                  throughput * environmentRadiance(scene, ray.direction, {}, settings.lightSamples));
-        return;
+                  throughput * emittedRadiance(scene, hit, ray.direction, {}, settings.lightSamples));
       }
-      if (hit.areaLight)
-        out.add(classes.lightStart(), eye,
-                throughput * emittedRadiance(scene, hit, ray.direction, {}, settings.lightSamples));
       ray.width += ray.spread * hit.t;
       arena.reset();
       const Bsdf* bsdf = bsdfAt(hit, footprint(ray), arena);
@@ -142,7 +158,12 @@ class PhotonMapping final : public Integrator {
       const Vec3f wi = -ray.direction;
       const EyeState eyeD = classes.step(eye, PathEvent::D);
       if (scattering.hasDiffuse() && !classes.dead(eyeD)) {
-        if (settings.shadowRays) addDirect(scene, scattering, hit.point, wi, throughput, eyeD, sampler, out);
+        Walk diffuse = walk;
+        diffuse.eye = eyeD;
+        if (settings.shadowRays)
+          addSampledLight(scene, scattering, hit.point, wi, throughput, eyeD, settings.lightSamples,
+                          DIFFUSE_LOBES, sampler, out);
+        followLobe(scene, scattering, hit.point, wi, diffuse, sampler, out);
         gather(map, searchAt(hit.point.position), scattering, hit.point, wi, ray.width * scale, throughput,
                eyeD, out);
       }
@@ -163,7 +184,7 @@ class PhotonMapping final : public Integrator {
       if (least >= settings.weightLimit && depth <= LONG_WALK) {
         for (int i = 1; i < count; ++i) {
           Sampler branch = sampler.fork(static_cast<uint32_t>(i));
-          follow(scene, ray, hit.point, all[size_t(i)], throughput, etaScale, eye, depth, branch, out);
+          trace(scene, after(walk, hit.point, all[size_t(i)]), nullptr, branch, out);
         }
       } else {
         float u = count > 1 ? sampler.next1D() * total : 0;
@@ -172,24 +193,66 @@ class PhotonMapping final : public Integrator {
         throughput *= total / worth[next];
         if (!survives(std::min(1.0f, total / settings.weightLimit), depth, sampler, throughput)) return;
       }
-      const Scatter& s = all[size_t(next)];
-      throughput *= s.weight;
-      etaScale *= square(s.eta);
-      static_cast<Ray&>(ray) = spawn(hit.point, s.direction);
+      walk = after(walk, hit.point, all[size_t(next)]);
     }
   }
 
-  void follow(const Scene& scene, EyeRay ray, const SurfacePoint& from, const Scatter& s,
-              const Rgb& throughput, float etaScale, EyeState eye, int depth, Sampler& sampler,
-              PathRadiance& out) const {
-    static_cast<Ray&>(ray) = spawn(from, s.direction);
-    trace(scene, ray, throughput * s.weight, etaScale * square(s.eta), eye, depth, sampler, out);
+  static Walk after(Walk walk, const SurfacePoint& point, const Scatter& s) {
+    walk.throughput *= s.weight;
+    walk.etaScale *= square(s.eta);
+    static_cast<Ray&>(walk.ray) = spawn(point, s.direction);
+    return walk;
+  }
+
+  /**
+   * One ray by the non-delta lobes of a point. It may meet a light, which shadow rays look for as well
+   * (LDS*E, with the weight that they leave). Where the lobe is sharp the walk goes on from what the ray
+   * meets, with the weight that the photon map leaves at the point; `walk` has read the D there.
+   */
+  void followLobe(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
+                  const Vec3f& wi, const Walk& walk, Sampler& sampler, PathRadiance& out) const {
+    const PathClasses& classes = out.pathClasses();
+    const bool meetsLight = scene.contents().areaLights + scene.contents().environmentLights > 0 &&
+                            classes.join(classes.lightStart(), walk.eye) != 0;
+    const bool mayFollow = settings.sharing.ever() && !(scattering.lobes() & LAMBERTIAN);
+    if (!(meetsLight && settings.shadowRays) && !mayFollow) return;
+    const std::optional<Scatter> s = scattering.scatterDiffuse(wi, Transport::RADIANCE, sampler);
+    if (!s) return;
+    const float share = mayFollow ? settings.sharing.followed(s->pdf) : 0;
+    if (!(meetsLight && settings.shadowRays) && share == 0) return;
+    Walk next = after(walk, point, *s);
+    // Without shadow rays the photon map has direct light too, and the ray its share of that.
+    const BsdfRay own{point.position, s->pdf, settings.shadowRays};
+    const Rgb direct = next.throughput * (settings.shadowRays ? 1 : share);
+    Hit hit;
+    for (;;) {
+      if (!intersect(scene, next.ray, hit, out.counts)) {
+        if (!scene.environment().empty())
+          out.add(classes.lightStart(), next.eye,
+                  direct * environmentRadiance(scene, next.ray.direction, own, settings.lightSamples));
+        return;
+      }
+      if (hit.areaLight)
+        out.add(classes.lightStart(), next.eye,
+                direct * emittedRadiance(scene, hit, next.ray.direction, own, settings.lightSamples));
+      if (hit.material && hit.material->lobes() != NO_LOBE) break;
+      static_cast<Ray&>(next.ray) = spawn(hit.point, next.ray.direction); // a lamp without a body
+    }
+    if (share == 0) return;
+    next.throughput *= share;
+    if (!survives(std::min(1.0f, maxComponent(next.throughput) * next.etaScale / settings.weightLimit),
+                  next.depth, sampler, next.throughput))
+      return;
+    next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
+    Sampler branch = sampler.fork(DeltaScatters::MOST);
+    trace(scene, next, &hit, branch, out);
   }
 
   /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
    * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
   GatherSettings searchAt(const Vec3f& position) const {
     GatherSettings here = search;
+    here.sharing = settings.sharing;
     if (!progressive) return here;
     if (search.nearest > 0) here.radius = firstRadii.at(position);
     here.nearest = 0;
@@ -197,39 +260,9 @@ class PhotonMapping final : public Integrator {
     return here;
   }
 
-  /** LDS*E: lights sampled, and one ray by the BSDF that may meet one. */
-  void addDirect(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
-                 const Vec3f& wi, const Rgb& throughput, EyeState eyeD, Sampler& sampler,
-                 PathRadiance& out) const {
-    const PathClasses& classes = out.pathClasses();
-    if (classes.join(classes.lightStart(), eyeD) == 0) return;
-    addSampledLight(scene, scattering, point, wi, throughput, eyeD, settings.lightSamples, DIFFUSE_LOBES,
-                    sampler, out);
-    if (scene.contents().areaLights + scene.contents().environmentLights == 0) return;
-    const std::optional<Scatter> s = scattering.scatterDiffuse(wi, Transport::RADIANCE, sampler);
-    if (!s) return;
-    BsdfRay own{point.position, s->pdf, true};
-    Ray ray = spawn(point, s->direction);
-    Hit hit;
-    for (;;) {
-      if (!intersect(scene, ray, hit, out.counts)) {
-        if (!scene.environment().empty())
-          out.add(classes.lightStart(), eyeD,
-                  throughput * s->weight *
-                      environmentRadiance(scene, ray.direction, own, settings.lightSamples));
-        return;
-      }
-      if (hit.areaLight)
-        out.add(classes.lightStart(), eyeD,
-                throughput * s->weight *
-                    emittedRadiance(scene, hit, ray.direction, own, settings.lightSamples));
-      if (hit.material && hit.material->lobes() != NO_LOBE) return;
-      ray = spawn(hit.point, ray.direction); // a lamp without a body
-    }
-  }
-
-  /** The first diffuse surface along an eye ray, by the strongest delta lobe; false when there is none. */
-  bool firstDiffuse(const Scene& scene, EyeRay ray, Hit& hit, TransportCounts& counts,
+  /** The first surface along an eye ray that reads the photon map, by the strongest delta lobe; false when
+   * there is none. */
+  bool firstDiffuse(const Scene& scene, EyeRay ray, Sampler sampler, Hit& hit, TransportCounts& counts,
                     float& footprint) const {
     BsdfArena arena;
     for (int depth = 0; depth < LONG_WALK; ++depth) {
@@ -241,14 +274,20 @@ class PhotonMapping final : public Integrator {
       if (bsdf) {
         const ScatteringPoint scattering(*bsdf, hit.point);
         footprint = ray.width;
-        if (scattering.hasDiffuse()) return true;
-        std::array<Scatter, DeltaScatters::MOST> all;
-        const int count = scattering.deltaScatters(-ray.direction, Transport::FLUX, all);
-        if (count == 0) return false;
-        direction =
-            std::max_element(all.begin(), all.begin() + count, [](const Scatter& a, const Scatter& b) {
-              return maxComponent(a.weight) < maxComponent(b.weight);
-            })->direction;
+        if (scattering.hasDiffuse()) {
+          if (!settings.sharing.ever() || (scattering.lobes() & LAMBERTIAN)) return true;
+          const auto s = scattering.scatterDiffuse(-ray.direction, Transport::RADIANCE, sampler);
+          if (!s || settings.sharing.followed(s->pdf) < 0.5f) return true;
+          direction = s->direction;
+        } else {
+          std::array<Scatter, DeltaScatters::MOST> all;
+          const int count = scattering.deltaScatters(-ray.direction, Transport::FLUX, all);
+          if (count == 0) return false;
+          direction =
+              std::max_element(all.begin(), all.begin() + count, [](const Scatter& a, const Scatter& b) {
+                return maxComponent(a.weight) < maxComponent(b.weight);
+              })->direction;
+        }
       }
       static_cast<Ray&>(ray) = spawn(hit.point, direction);
     }
@@ -279,7 +318,8 @@ class PhotonMapping final : public Integrator {
         Hit hit;
         float footprint = 0;
         const EyeRay ray = scene.camera().ray(film);
-        if (!firstDiffuse(scene, ray, hit, statistics.counts, footprint)) continue;
+        const Sampler sampler(0, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
+        if (!firstDiffuse(scene, ray, sampler, hit, statistics.counts, footprint)) continue;
         GatherRegion region;
         region.center = hit.point.position;
         region.normal = hit.point.geometricNormal;
@@ -359,6 +399,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.lightSamples = p.integer("lightsamples");
   s.weightLimit = static_cast<float>(p.real("weightlimit"));
   s.flatness = static_cast<float>(p.real("flatness"));
+  s.sharing = LobeSharing::belowRoughness(p.real("followroughness"));
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
   s.alpha = p.real("alpha");
@@ -397,6 +438,11 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
                      "height of the search region over its radius: low keeps light from round "
                      "the corner out, high finds photons on curved surfaces")
            .range(1e-3, 1),
+       realParameter("followroughness", "0.2",
+                     "rough lobes sharper than that of a metal of this roughness are followed by a ray, as "
+                     "mirrors are, though they are D in path classes; broader ones read the photon map; near "
+                     "it both share, with weights that add up to one; 0: all read the map")
+           .range(0, 10),
        stringParameter("kernel", "epanechnikov", "how photons count by distance")
            .oneOf({"constant", "cone", "epanechnikov"}),
        stringParameter("photonindex", "kdtree",

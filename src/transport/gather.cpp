@@ -13,8 +13,9 @@ namespace {
 class Estimate {
  public:
   Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
-           const PathClasses& classes, EyeState eyeState)
-      : scattering(scattering), eye(eye), eyeState(eyeState), states(classes.lightStateCount()),
+           const LobeSharing& sharing, const PathClasses& classes, EyeState eyeState)
+      : scattering(scattering), eye(eye), sharing(sharing), eyeState(eyeState),
+        states(classes.lightStateCount()),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal) {
@@ -59,8 +60,7 @@ class Estimate {
     for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
       const int lane = std::countr_zero(rest);
       const Rgb power = block.power(lane) * w[lane];
-      sums[block.pathStates[lane]] +=
-          lambertian ? power : power * scattering.value(eye, block.direction(lane));
+      sums[block.pathStates[lane]] += lambertian ? power : power * value(block.direction(lane));
     }
   }
 
@@ -82,6 +82,13 @@ class Estimate {
   /** More states than this are added up photon by photon. */
   static constexpr size_t MOST_LISTED = 12;
 
+  /** The BSDF for light from a photon's direction, as far as no ray follows it. */
+  Rgb value(const Vec3f& light) const {
+    const Rgb f = scattering.value(eye, light);
+    if (!sharing.ever() || isBlack(f)) return f;
+    return f * sharing.gathered(scattering.pdfDiffuse(eye, light));
+  }
+
   void addLanes(size_t i, const Vec3f8& power) {
     Vec3f8& total = lanes[i];
     total.x += power.x;
@@ -91,6 +98,7 @@ class Estimate {
 
   const ScatteringPoint& scattering;
   Vec3f eye;
+  LobeSharing sharing;
   EyeState eyeState;
   size_t states;
   bool lambertian;
@@ -119,7 +127,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
 
   // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
   const float least = footprint / 2;
-  Estimate estimate(scattering, point, eye, out.pathClasses(), eyeState);
+  Estimate estimate(scattering, point, eye, settings.sharing, out.pathClasses(), eyeState);
   float radius2 = square(std::max(region.radius, least));
   const auto addBlock = [&](const PhotonBlock& block) {
     const Float8 q = min(block.distance2 / Float8(radius2), Float8(1));

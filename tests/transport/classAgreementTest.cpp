@@ -13,7 +13,9 @@ namespace {
 
 /** The Cornell box with a mirror sphere and a glass sphere; the lamp is so large that `path` sees caustics.
  */
-std::string glassBox(int size) {
+const char* const MIRROR_BALL = R"(Material "conductor" "rgb reflectance" [ .9 .9 .9 ])";
+const char* const GLASS_BALL = R"(Material "dielectric" "float eta" 1.5)";
+std::string glassBox(int size, const std::string& left = MIRROR_BALL, const std::string& right = GLASS_BALL) {
   return view(size, "0 0 3.9  0 0 0  0 1 0", 39.3) + R"(
 Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
@@ -30,12 +32,14 @@ Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
   "point3 P" [ -.4 .98 -.4  .4 .98 -.4  .4 .98 .4  -.4 .98 .4 ]
 AttributeEnd
 AttributeBegin
-Material "conductor" "rgb reflectance" [ .9 .9 .9 ]
+)" + left +
+         R"(
 Translate -.42 -.58 -.35
 Shape "sphere" "float radius" .4
 AttributeEnd
 AttributeBegin
-Material "dielectric" "float eta" 1.5
+)" + right +
+         R"(
 Translate .42 -.58 .25
 Shape "sphere" "float radius" .4
 AttributeEnd
@@ -73,6 +77,23 @@ std::unique_ptr<Scene> smallScene(const std::filesystem::path& file) {
   return diagnostics.hasErrors() ? nullptr : buildScene(description, overrides, diagnostics);
 }
 
+/** The way's means of all classes are those of `truth`, within the noise of both and the bias of a map. */
+void expectAgreement(const Scene& scene, const Way& way, const PathClasses& classes,
+                     const BatchMeans& truth) {
+  const BatchMeans means = classMeans(scene, way, classes, 1, 16);
+  for (size_t i = 0; i < classes.layerCount(); ++i) {
+    const PathClass& c = classes.classes()[i];
+    for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
+      const double error = std::hypot(truth.standardError(k), means.standardError(k));
+      EXPECT_NEAR(means.mean(k), truth.mean(k), SIGMAS * error + PHOTON_BIAS * truth.mean(k))
+          << way.parameters << " " << c.name << " errors " << truth.standardError(k) << " and "
+          << means.standardError(k);
+      EXPECT_GT(truth.mean(k), 0) << c.name;
+      EXPECT_LT(error, (SANITIZED ? 0.25 : 0.08) * truth.mean(k)) << c.name << ": too vague to tell";
+    }
+  }
+}
+
 } // namespace
 
 TEST(ClassAgreement, PhotonMapAndPathAgreeOnStills) {
@@ -82,21 +103,27 @@ TEST(ClassAgreement, PhotonMapAndPathAgreeOnStills) {
   const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(12), 16);
   const std::string photons =
       "\"integer photons\" " + std::to_string(samples(50000)) + " \"float radius\" .03";
-  for (const char* direct : {"shadowrays", "photons"}) {
-    const Way way{"photonmap", photons + " \"string direct\" \"" + direct + "\""};
-    const BatchMeans means = classMeans(*scene, way, classes, 1, 16);
-    for (size_t i = 0; i < classes.layerCount(); ++i) {
-      const PathClass& c = classes.classes()[i];
-      for (size_t k = 3 * i; k < 3 * i + 3; ++k) {
-        const double error = std::hypot(truth.standardError(k), means.standardError(k));
-        EXPECT_NEAR(means.mean(k), truth.mean(k), SIGMAS * error + PHOTON_BIAS * truth.mean(k))
-            << direct << " " << c.name << " errors " << truth.standardError(k) << " and "
-            << means.standardError(k);
-        EXPECT_GT(truth.mean(k), 0) << c.name;
-        EXPECT_LT(error, (SANITIZED ? 0.25 : 0.08) * truth.mean(k)) << c.name << ": too vague to tell";
-      }
-    }
-  }
+  for (const char* direct : {"shadowrays", "photons"})
+    expectAgreement(*scene, {"photonmap", photons + " \"string direct\" \"" + direct + "\""}, classes, truth);
+}
+
+/** Rough lobes are D, read the map, are followed, or both; near the threshold with weights between 0 and 1.
+ */
+TEST(ClassAgreement, RoughLobesAgreeWhoeverTakesThem) {
+  const ThreadPool pool;
+  const auto scene =
+      sceneFrom(glassBox(32, R"(Material "conductor" "rgb reflectance" [ .9 .9 .9 ] "float roughness" .04)",
+                         R"(Material "dielectric" "float roughness" .04)"));
+  const PathClasses classes({{"direct", "LDE"}, {"two", "LDDE"}, {"three", "LDDDE"}, {"more", "LDDDD+E"}});
+  const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(16), 16);
+  const std::string photons =
+      "\"integer photons\" " + std::to_string(samples(25000)) + " \"float radius\" .03";
+  for (const char* follow : {"0", ".2", "1"})
+    for (const char* direct : {"shadowrays", "photons"})
+      expectAgreement(*scene,
+                      {"photonmap", photons + " \"float followroughness\" " + follow +
+                                        " \"string direct\" \"" + direct + "\""},
+                      classes, truth);
 }
 
 TEST(ClassAgreement, LayersOfACoverAddUp) {

@@ -6,6 +6,7 @@
 
 #include "recurse/transport/directLight.h"
 #include "recurse/transport/estimatorDomains.h"
+#include "recurse/transport/lobeSharing.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -34,6 +35,41 @@ TEST(EstimatorDomains, AreDisjointAndCoverAllPathsWhateverTheOptions) {
   }
   // Options are found, not only integrators.
   EXPECT_GT(combinations, plugIns().integrators.entries().size());
+}
+
+TEST(EstimatorDomains, LobesAreSharedOnlyWhereTheyAreFollowed) {
+  const auto shared = integratorFrom("photonmap", "")->domains();
+  const auto alone = integratorFrom("photonmap", "\"float followroughness\" 0")->domains();
+  EXPECT_EQ(shared.back().estimator, "followed lobes");
+  EXPECT_EQ(shared.size(), alone.size() + 1);
+  EXPECT_EQ(shared.back().expression, alone.back().expression); // what the map leaves, a part of its paths
+  EXPECT_TRUE(alone.back().sharedGroup.empty());
+  EXPECT_TRUE(checkDomains(alone, "surface").sound());
+}
+
+TEST(LobeSharing, WeightsAddUpToOneAndChangeWithoutSteps) {
+  EXPECT_FALSE(LobeSharing::belowRoughness(0).ever());
+  EXPECT_EQ(LobeSharing().followed(1e30f), 0);
+  for (const double alpha : {1e-3, 0.2, 1.0}) {
+    const LobeSharing s = LobeSharing::belowRoughness(alpha);
+    // The metal's lobe of this roughness seen from the normal: D / 4 in its middle.
+    EXPECT_NEAR(s.density * 4 * M_PI * alpha * alpha, 1, 1e-5);
+    EXPECT_NEAR(s.followed(s.density), 0.5, 1e-6);
+    float before = 0;
+    for (double e = -3; e <= 3; e += 1 / 64.) {
+      const float pdf = s.density * float(std::exp2(e)), w = s.followed(pdf);
+      EXPECT_EQ(w + s.gathered(pdf), 1);
+      EXPECT_GE(w, before);
+      EXPECT_LT(w, before + 0.02f);
+      if (e <= -1) {
+        EXPECT_EQ(w, 0);
+      }
+      if (e >= 1) {
+        EXPECT_EQ(w, 1);
+      }
+      before = w;
+    }
+  }
 }
 
 /** The same by set algebra on the automata, without the code that explains the findings. */

@@ -16,7 +16,8 @@ namespace recurse {
  */
 inline void addRoughnessParameters(std::vector<ParameterSpec>& parameters, const std::string& prefix = "",
                                    const std::string& roughness = "0") {
-  const char* smooth = "microfacet roughness; below an alpha of 0.001 a perfectly smooth surface";
+  const char* smooth = "microfacet roughness; below an alpha of 0.001 a perfectly smooth surface, S in path "
+                       "classes; a rougher one is D";
   parameters.push_back(realParameter(prefix + "roughness", roughness, smooth).range(0, 10).withTexture());
   for (const char* axis : {"u", "v"})
     parameters.push_back(realParameter(prefix + axis + "roughness", "",

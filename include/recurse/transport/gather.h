@@ -7,6 +7,7 @@
 #include "recurse/model/scatteringPoint.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/kernel.h"
+#include "recurse/transport/lobeSharing.h"
 #include "recurse/transport/photonMap.h"
 
 namespace recurse {
@@ -16,6 +17,7 @@ struct GatherSettings {
   int nearest = 0;       ///< photons looked for; 0: all within the radius
   float radius = 0;      ///< of the search, or its limit where `nearest` is given [scene units]
   float flatness = 0.2f; ///< of the search region, see GatherRegion
+  LobeSharing sharing;   ///< with rays that follow sharp lobes; by default there are none
 };
 
 /** What an estimate went by. */
