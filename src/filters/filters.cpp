@@ -72,8 +72,8 @@ class Triangle final : public Filter {
 };
 
 std::vector<ParameterSpec> radiusParameters(const std::string& radius, std::vector<ParameterSpec> more = {}) {
-  more.insert(more.begin(), {realParameter("xradius", radius, "half width [pixels]").positive(),
-                             realParameter("yradius", radius, "half height [pixels]").positive()});
+  more.insert(more.begin(), {realParameter("xradius", radius, "half width [pixels]").range(0.01, 100),
+                             realParameter("yradius", radius, "half height [pixels]").range(0.01, 100)});
   return more;
 }
 
@@ -107,7 +107,7 @@ void registerFilters(PlugIns& plugIns) {
   filters.add({{.name = "gaussian",
                 .summary = "A Gaussian, lowered so that it ends at zero.",
                 .parameters = radiusParameters(
-                    "1.5", {realParameter("sigma", "0.5", "standard deviation [pixels]").positive()}),
+                    "1.5", {realParameter("sigma", "0.5", "standard deviation [pixels]").range(0.01, 1e4)}),
                 .examples = {""}},
                [](const Parameters& p, const NoContext&) {
                  const double sigma = p.real("sigma");

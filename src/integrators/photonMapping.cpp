@@ -191,7 +191,9 @@ class PhotonMapping final : public Integrator {
         while (next + 1 < count && u >= worth[next]) u -= worth[next++];
         if (!(worth[next] > 0)) return;
         throughput *= total / worth[next];
-        if (!survives(std::min(1.0f, total / settings.weightLimit), depth, sampler, throughput)) return;
+        // A long walk by its full weight: it may be thousands of events from falling below the limit.
+        const float chance = depth > LONG_WALK ? total : total / settings.weightLimit;
+        if (!survives(std::min(1.0f, chance), depth, sampler, throughput)) return;
       }
       walk = after(walk, hit.point, all[size_t(next)]);
     }

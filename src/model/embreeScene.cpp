@@ -64,9 +64,13 @@ std::optional<PrimitiveHit> meet(const SceneGeometry& g, unsigned primitive, con
                                  unsigned instance) {
   const Vec3f origin(ray.org_x, ray.org_y, ray.org_z);
   Vec3f direction(ray.dir_x, ray.dir_y, ray.dir_z);
-  // Inside a scaled instance the direction is not of unit length; shapes want it so.
-  const float length = glm::length(direction);
-  direction /= length;
+  // Inside a scaled instance the direction is not of unit length; shapes want it so. A unit vector is left as
+  // it is: dividing by a length that is rounded would turn the ray by a few units in the last place.
+  float length = glm::length(direction);
+  if (std::abs(length - 1) <= 4 * std::numeric_limits<float>::epsilon())
+    length = 1;
+  else
+    direction /= length;
   std::optional<PrimitiveHit> hit =
       g.shape->intersect(primitive, origin, direction, ray.tnear * length, ray.tfar * length);
   if (g.shape->alpha)

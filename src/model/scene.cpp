@@ -84,7 +84,25 @@ class SceneBuilder final : public TextureLookup {
     std::vector<Placed> placed;
   };
 
+  /** Squares of coordinates must fit single precision. */
+  static constexpr float LARGEST_COORDINATE = 1e18f;
+  static constexpr size_t MOST_ERRORS = 50;
   static constexpr const char* LATER_MEDIA = "participating media are not rendered yet";
+
+  /** True after so many errors that more would only bury the first ones; says so once. */
+  bool enoughErrors() {
+    if (diagnostics.errors() < MOST_ERRORS) return false;
+    if (!saidEnough) diagnostics.warning({}, "further errors are not shown");
+    saidEnough = true;
+    return true;
+  }
+
+  static bool representable(const Vec3f& p) {
+    return glm::all(
+        glm::lessThanEqual(glm::abs(p), Vec3f(LARGEST_COORDINATE))); // false for what is no number
+  }
+
+  static bool isUnit(const Vec3f& v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
 
   Mat4d recentred(const Mat4d& worldFromObject, const Vec3d& origin) const {
     Mat4d m = worldFromObject;
@@ -168,6 +186,17 @@ class SceneBuilder final : public TextureLookup {
     context.height = scene->filmSettings.height;
     scene->sceneCamera = plugIns().cameras.make(orDefault(description.camera, "perspective"), context,
                                                 diagnostics, overrides.lenient);
+    if (!scene->sceneCamera) return;
+    const FilmSettings& f = scene->filmSettings;
+    for (const Vec2f& corner : {Vec2f(0), Vec2f(f.width, 0), Vec2f(0, f.height), Vec2f(f.width, f.height)}) {
+      const EyeRay ray = scene->sceneCamera->ray(corner);
+      // A ray from too far away, or of a direction that has come to nothing, meets anything or nothing.
+      if (representable(ray.origin) && isUnit(ray.direction)) continue;
+      diagnostics.error(description.camera.location,
+                        "the camera's rays cannot be told in single precision: it is "
+                        "too far from the scene, or its window is too large");
+      break;
+    }
   }
 
   // ---- textures and materials, made when they are first used
@@ -269,6 +298,7 @@ class SceneBuilder final : public TextureLookup {
 
   /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
   void addShape(const ShapeDescription& s, const Mat4d& parent, Group& group) {
+    if (enoughErrors()) return;
     if (!s.medium.inside.empty() || !s.medium.outside.empty()) {
       diagnostics.error(s.shape.location, LATER_MEDIA);
       return;
@@ -285,6 +315,13 @@ class SceneBuilder final : public TextureLookup {
     std::unique_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, diagnostics, overrides.lenient);
     if (!shape) return;
     if (shape->primitiveCount() == 0) return;
+    const Bounds3f bounds = shape->bounds();
+    if (!representable(bounds.lower) || !representable(bounds.upper)) {
+      diagnostics.error(s.shape.location,
+                        "the shape is too large, or too far from the rest, for single precision",
+                        "coordinates below 1e18");
+      return;
+    }
     group.placed.push_back({shape.get(), m, &s});
     scene->shapes.push_back(std::move(shape));
   }
@@ -329,6 +366,7 @@ class SceneBuilder final : public TextureLookup {
     });
     scene->sceneOrigin = groups.front().origin;
     for (const InstanceDescription& i : description.instances) {
+      if (enoughErrors()) break;
       const auto object = description.objects.find(i.object);
       if (object == description.objects.end()) {
         std::vector<std::string> names;
@@ -401,22 +439,32 @@ class SceneBuilder final : public TextureLookup {
 
   void buildLights() {
     std::vector<const Light*> table;
-    const auto keep = [&](std::unique_ptr<Light> light) {
+    const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
       light->prepare(scene->sceneBounds);
+      // A light is where its photons start.
+      Sampler sampler(0, 0, 0);
+      const std::optional<Emission> emission = light->emit(sampler);
+      if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
+        diagnostics.error(where, "the light's power is too large for single precision");
+      else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))
+        diagnostics.error(where, "the light is too far from the scene for single precision",
+                          "coordinates below 1e18");
       table.push_back(light.get());
       scene->ownLights.push_back(std::move(light));
     };
     for (const Placed& p : groups.front().placed) {
       if (p.from->areaLight < 0) continue;
+      if (enoughErrors()) return;
       const ParsedDirective& d = description.areaLights[static_cast<size_t>(p.from->areaLight)];
       std::unique_ptr<AreaLight> light =
           plugIns().areaLights.make(d, {*p.shape}, diagnostics, overrides.lenient);
       if (!light) continue;
       lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
       ++scene->sceneContents.areaLights;
-      keep(std::move(light));
+      keep(std::move(light), d.location);
     }
     for (const LightDescription& l : description.lights) {
+      if (enoughErrors()) return;
       if (!l.medium.empty()) {
         diagnostics.error(l.light.location, LATER_MEDIA);
         continue;
@@ -431,7 +479,7 @@ class SceneBuilder final : public TextureLookup {
       } else if (light->isDelta()) {
         ++scene->sceneContents.deltaLights;
       }
-      keep(std::move(light));
+      keep(std::move(light), l.light.location);
     }
     scene->lightTable.build(table);
   }
@@ -468,6 +516,7 @@ class SceneBuilder final : public TextureLookup {
   const SceneOverrides& overrides;
   Diagnostics& diagnostics;
   std::unique_ptr<EmbreeScene> scene;
+  bool saidEnough = false;
   mutable std::map<std::pair<std::string, bool>, NamedTexture> texturesByName;
   std::map<std::string, Named> materialsByName;
   std::vector<std::pair<bool, const Material*>> materialsByIndex;

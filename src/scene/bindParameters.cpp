@@ -74,8 +74,11 @@ class Checker {
   }
 
   bool inRange(double x) const {
-    return x >= minimum && x <= maximum && !(spec.minimumExcluded && x == minimum) && std::isfinite(x);
+    return x >= minimum && x <= maximum && !(spec.minimumExcluded && x == minimum) && std::isfinite(x) &&
+           !tooLarge(x);
   }
+  /** Plug-ins work in single precision, where this would be infinite. */
+  static bool tooLarge(double x) { return std::abs(x) > double(std::numeric_limits<float>::max()); }
 
   /** The place of the i-th number, found by reading the list once more. */
   SourceLocation placeOf(size_t i) const {
@@ -108,8 +111,10 @@ class Checker {
     for (size_t i = first; i < v.size(); i += step) {
       if (inRange(v[i])) continue;
       return wrong(placeOf(i),
-                   std::isfinite(v[i]) ? "parameter " + quoted(spec.name) + " is out of range"
-                                       : "parameter " + quoted(spec.name) + " is not finite",
+                   "parameter " + quoted(spec.name) +
+                       (!std::isfinite(v[i]) ? " is not finite"
+                        : tooLarge(v[i])     ? " is too large for single precision"
+                                             : " is out of range"),
                    rangeText(spec));
     }
     return true;
@@ -156,6 +161,13 @@ class Checker {
       for (size_t i = 0; i < v.size(); ++i)
         if (!(v[i] > 0) || !std::isfinite(v[i]))
           return wrong(placeOf(i), "the temperature of " + quoted(spec.name) + " must be positive");
+      // A colour may have a component below zero; but what divides by the parameter needs its least value.
+      for (size_t i = 0; i < v.size() && minimum > 0; ++i) {
+        const Rgbd c = rgbOfBlackbody(v[i], spec.spectrumKind);
+        if (!inRange(c.r) || !inRange(c.g) || !inRange(c.b))
+          return wrong(placeOf(i), "parameter " + quoted(spec.name) + " is out of range at this temperature",
+                       rangeText(spec));
+      }
       return true;
     }
     if (!value.strings.empty())

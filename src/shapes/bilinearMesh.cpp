@@ -268,10 +268,7 @@ class BilinearMesh final : public Shape {
     Vec3d rounding = position;
     for (int i = 0; i < 3; ++i)
       if (extent[i] == 0) rounding[i] = 0;
-    // A grazing ray's side is decided with a normal rounded to float, which is wrong by up to 4 units of
-    // roundoff at the other end of the patch.
-    const double offset = 0x1p-22 * glm::dot(extent, glm::abs(normal));
-    s.error = positionError(rounding, 0x1p-50 * extent, normal, offset);
+    s.error = positionError(rounding, 0x1p-50 * extent, normal, flatOffset(extent, position, normal));
     Vec3d dpdu = p.dpdu(v), dpdv = p.dpdv(u);
     s.uv = {static_cast<float>(u), static_cast<float>(v)};
     if (!uvs.empty()) {

@@ -62,11 +62,9 @@ class Disk final : public Shape {
     const Vec3d across = axisX * x + axisY * y, position = center + across;
     s.position = Vec3f(position);
     s.geometricNormal = s.shadingNormal = Vec3f(normal * outside);
-    // A grazing ray's side is decided with a normal rounded to float, which is wrong by up to 4 units of
-    // roundoff at the other end of the disc.
     const Vec3d extent = 2.0 * glm::sqrt(axisX * axisX + axisY * axisY);
     s.error = positionError(position, 0x1p-50 * (glm::abs(axisX) + glm::abs(axisY) + glm::abs(center)),
-                            normal, 0x1p-22 * glm::dot(extent, glm::abs(normal)));
+                            normal, flatOffset(extent, position, normal));
     s.dpdu = Vec3f((axisY * x - axisX * y) * phiMax);
     s.dpdv = Vec3f((r > 0 ? (axisX * x + axisY * y) / r : axisX) * (inner - 1));
     s.uv = {static_cast<float>(std::min(azimuth(x, y) / phiMax, 1.0)),

@@ -70,13 +70,24 @@ class PhotonWalk {
   }
 
  private:
+  /** Rounding must not send a photon that only grazes the surface below it, where no search would find it. */
+  static PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
+    PackedDirection packed = packDirection(wi);
+    const float cosine = glm::dot(wi, normal);
+    if (std::abs(cosine) > 1e-4f) return packed; // packing turns it by less
+    const Vec3f up = normal * std::copysign(1.0f, cosine);
+    for (float lift = 4e-5f; glm::dot(unpackDirection(packed), up) < 1e-6f; lift *= 2)
+      packed = packDirection(glm::normalize(wi + up * lift));
+    return packed;
+  }
+
   void store(const SurfacePoint& point, const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& flux,
              LightState state) {
     const float geometric = absDot(wi, point.geometricNormal);
     if (geometric == 0) return; // in the plane of the surface: brings no flux
     Photon p;
     p.position = point.position;
-    p.direction = packDirection(wi);
+    p.direction = packOnSide(wi, point.geometricNormal);
     p.power = flux * (absDot(wi, scattering.normal()) / geometric);
     p.pathState = state.byte;
     out.push_back(p);

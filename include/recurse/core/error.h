@@ -56,6 +56,7 @@ class Diagnostics {
   void error(const SourceLocation& where, const std::string& message, const std::string& accepted = {});
   void warning(const SourceLocation& where, const std::string& message, const std::string& accepted = {});
   bool hasErrors() const { return errorCount > 0; }
+  size_t errors() const { return errorCount; }
   const std::vector<Diagnostic>& all() const { return list; }
   /** Every diagnostic in the order of reporting, each on lines of its own. */
   std::string format() const;
@@ -64,7 +65,7 @@ class Diagnostics {
 
  private:
   std::vector<Diagnostic> list;
-  int errorCount = 0;
+  size_t errorCount = 0;
 };
 
 /** A scene that cannot be used: what() is the formatted diagnostics. */

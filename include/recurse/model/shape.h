@@ -119,6 +119,19 @@ inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const
   return Vec3f((UNIT * glm::abs(position) + exactError + offset * glm::abs(normal)) * SLACK);
 }
 
+/**
+ * How far along its normal rays at least start off a flat surface. A grazing ray's side is decided with a
+ * normal rounded to float, which is wrong by up to 4 units of roundoff at the other end of what the surface
+ * spans. And a plane through the origin has coordinates of zero, next to which floats are denormal: something
+ * else in the same plane would be met.
+ */
+inline double flatOffset(const Vec3d& extent, const Vec3d& position, const Vec3d& normal) {
+  const Vec3d n = glm::abs(normal);
+  const double largest = std::max(extent.x, std::max(extent.y, extent.z));
+  return std::max(0x1p-22 * glm::dot(extent, n),
+                  0x1p-28 * largest - 0x1p-24 * glm::dot(glm::abs(position), n));
+}
+
 /** The same for a point computed from floats, of which `rounding` are the magnitudes of those coordinates
  * that are not exact. */
 inline Vec3f positionError(const Vec3f& rounding, const Vec3f& normal, float offset) {

@@ -8,14 +8,21 @@
 
 namespace recurse {
 
-/** No walk is longer than this without a chance to end, so that light caught between perfect mirrors stops.
- */
+/** Beyond this many events a walk does not branch any more. */
 constexpr int LONG_WALK = 64;
-constexpr float LONG_WALK_SURVIVAL = 0.95f;
+/** Beyond this many events a walk that loses nothing, such as light between perfect mirrors, may end. */
+constexpr int ENDLESS_WALK = 512;
 
-/** Russian roulette: true to go on, and then the weight is divided by the chance. */
+/**
+ * Russian roulette: true to go on, and then the weight is divided by the chance. Of endless walks the part
+ * (512/n)² is left after n events: they end, and however slowly what they bring falls off, its variance is
+ * finite. (With the same chance at every event it is not, once that is below the square of the albedo: nearly
+ * always nearly everything is lost.)
+ */
 inline bool survives(float chance, int length, Sampler& sampler, Rgb& weight) {
-  if (length > LONG_WALK) chance = std::min(chance, LONG_WALK_SURVIVAL);
+  constexpr float NOTHING_LOST = 0.99999f;
+  if (length > ENDLESS_WALK && chance > NOTHING_LOST)
+    chance = std::min(chance, 1 - 2 / static_cast<float>(length));
   if (chance >= 1) return true;
   if (!(chance > 0) || sampler.next1D() >= chance) return false;
   weight /= chance;

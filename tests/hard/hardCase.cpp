@@ -1,0 +1,169 @@
+/** @file
+ * Rendering and reporting for the hard cases.
+ */
+#include "hardCase.h"
+
+#include <cstdio>
+#include <set>
+#include <typeindex>
+
+#include "recurse/core/parallel.h"
+#include "recurse/scene/loader.h"
+
+namespace recurse::hard {
+
+void Report::atMost(const std::string& detail, const std::string& integrator, const std::string& figureName,
+                    double figure, double bound, const std::string& problem) const {
+  Row row;
+  row.what = what(detail);
+  row.integrator = integrator;
+  row.figure = figureName + " " + shown("%.3g", figure);
+  row.bound = "<= " + shown("%.3g", bound);
+  row.passed = problem.empty() && figure <= bound; // false for NaN
+  row.reason = problem.empty() ? "beyond the bound" : problem;
+  send(row);
+}
+
+void Report::holds(const std::string& detail, const std::string& integrator, const std::string& figure,
+                   bool passed, const std::string& reason) const {
+  send({what(detail), integrator, figure, "right", passed, reason});
+}
+
+bool thorough = false;
+
+std::vector<Way> allWays(double photons, const std::string& more) {
+  std::vector<Way> ways;
+  std::set<std::type_index> seen;
+  for (const auto& entry : plugIns().integrators.entries()) {
+    // Other names of an integrator are not other integrators.
+    Diagnostics diagnostics;
+    const auto made = plugIns().integrators.make(parseParameterText(entry.name, ""), {}, diagnostics);
+    diagnostics.throwIfErrors();
+    const Integrator& integrator = *made;
+    if (!seen.insert(typeid(integrator)).second) continue;
+    const auto parameter = [&](const char* name) -> const ParameterSpec* {
+      for (const ParameterSpec& p : entry.parameters)
+        if (p.name == name && !p.ignored) return &p;
+      return nullptr;
+    };
+    if (!parameter("photons")) {
+      ways.push_back({entry.name, "", entry.name, false, false});
+      continue;
+    }
+    const std::string base = "\"integer photons\" " + shown("%.0f", photons) + " " + more;
+    const ParameterSpec* direct = parameter("direct");
+    if (!direct) {
+      ways.push_back({entry.name, base, entry.name, true, true});
+      continue;
+    }
+    for (const std::string& choice : direct->choices) {
+      const bool byDefault = choice == direct->defaultText;
+      ways.push_back({entry.name, base + (byDefault ? "" : " \"string direct\" \"" + choice + "\""),
+                      byDefault ? entry.name : entry.name + ", direct " + choice, true, choice == "photons"});
+    }
+    if (thorough && parameter("passes"))
+      ways.push_back({entry.name, base + " \"integer passes\" 4", entry.name + ", 4 passes", true, false});
+  }
+  return ways;
+}
+
+std::unique_ptr<Scene> sceneFrom(const std::string& text, const std::string& directory) {
+  Diagnostics diagnostics;
+  const SceneDescription description = parseScene(text, "hard.pbrt", directory, diagnostics);
+  diagnostics.throwIfErrors();
+  auto scene = buildScene(description, {}, diagnostics);
+  diagnostics.throwIfErrors();
+  if (!scene) throw Error("no scene was made, and no error reported");
+  return scene;
+}
+
+double Rendered::mean() const {
+  double sum = 0;
+  for (size_t i = 0; i < pixels(); ++i) sum += luminanceAt(i);
+  return sum / double(pixels());
+}
+
+double Rendered::standardError() const {
+  double sum = 0;
+  for (size_t i = 0; i < pixels(); ++i)
+    sum += film.variance(i) / double(std::max<uint64_t>(1, film.samples(i)));
+  return std::sqrt(sum) / double(pixels());
+}
+
+std::string Rendered::unsound() const {
+  if (statistics.counts.nonFinite > 0)
+    return std::to_string(statistics.counts.nonFinite) + " contributions were not finite";
+  if (statistics.photonsRefused > 0)
+    return std::to_string(statistics.photonsRefused) + " photons were not finite";
+  for (size_t i = 0; i < pixels(); ++i) {
+    const Rgb v = value(i);
+    if (!isFinite(v) || v.r < 0 || v.g < 0 || v.b < 0) return "a pixel is negative or not finite";
+  }
+  return {};
+}
+
+Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed) {
+  const ThreadPool pool;
+  Diagnostics diagnostics;
+  const auto made =
+      plugIns().integrators.make(parseParameterText(way.integrator, way.parameters), {}, diagnostics);
+  diagnostics.throwIfErrors();
+  const PathClasses classes;
+  Rendered out{Film(scene.film().crop, 1), {}};
+  RenderSettings settings;
+  settings.samplesPerPixel = samplesPerPixel;
+  settings.seed = seed;
+  const std::atomic<bool> stop{false};
+  out.statistics = render(scene, *made, classes, settings, out.film, stop, nullptr, nullptr);
+  return out;
+}
+
+Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, uint64_t seed) {
+  const int n = way.usesPhotons ? budget.photonSamples : budget.samples;
+  return renderScene(scene, way, SANITIZED ? std::max(1, n / 8) : thorough ? 4 * n : n, seed);
+}
+
+void checkMean(const Report& report, const std::string& detail, const std::string& sceneText, double expected,
+               const Budget& budget, bool indirect) {
+  const auto scene = sceneFrom(sceneText);
+  const double photons = SANITIZED ? std::max(budget.photons / 4, 1.0) : budget.photons;
+  for (const Way& way : allWays(photons, budget.photonParameters)) {
+    if (budget.only && !budget.only(way)) continue;
+    const Rendered r = renderScene(*scene, way, budget);
+    const double bound =
+        (fromMap(way, indirect) ? budget.photonTolerance * (SANITIZED ? 2 : 1) : budget.tolerance) +
+        4 * r.standardError() / std::abs(expected);
+    report.atMost(detail, way.label, "relative error", std::abs(r.mean() / expected - 1), bound, r.unsound());
+  }
+}
+
+std::string number(double x) { return shown("%.17g", x); }
+
+std::string shown(const char* format, double x) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, format, x);
+  return buffer;
+}
+
+std::string view(int width, int height, const std::string& lookAt, const std::string& camera) {
+  return "Film \"rgb\" \"integer xresolution\" " + std::to_string(width) + " \"integer yresolution\" " +
+         std::to_string(height) + "\nPixelFilter \"box\"\nLookAt " + lookAt + "\n" + camera +
+         "\nWorldBegin\n";
+}
+
+std::string orthographic(double half) {
+  const std::string h = number(half);
+  return "Camera \"orthographic\" \"float screenwindow\" [-" + h + " " + h + " -" + h + " " + h + "]";
+}
+
+std::string diffuse(double albedo) {
+  const std::string a = number(albedo);
+  return "Material \"diffuse\" \"rgb reflectance\" [" + a + " " + a + " " + a + "]\n";
+}
+std::string glass(double eta) { return "Material \"dielectric\" \"float eta\" " + number(eta) + "\n"; }
+std::string constantLight(double radiance) {
+  const std::string l = number(radiance);
+  return "LightSource \"infinite\" \"rgb L\" [" + l + " " + l + " " + l + "]\n";
+}
+
+} // namespace recurse::hard

@@ -1,0 +1,51 @@
+/** @file
+ * Rows of the hard-case table that cannot pass now, and why. The tests expect exactly these to fail: a new
+ * failure is noticed, and so is a failure that is gone.
+ */
+#pragma once
+
+#include <string_view>
+
+#include "hardCase.h"
+
+namespace recurse::hard {
+
+struct KnownFailure {
+  const char* what;
+  const char* integrator; ///< with a star at the end: whatever begins so
+  const char* reason;
+};
+
+constexpr const char* FINE_DIRECTIONS =
+    "a direction of three floats is known to 6e-8 rad, and this sphere is seen under 1e-8 rad";
+constexpr const char* THIN_FACES = "out of the axes the faces are 8 units of roundoff apart, and some rays "
+                                   "that leave one start beyond the other";
+constexpr const char* BY_POWER =
+    "lights are chosen by power alone, wherever they can be seen: once in 1e40 rays";
+constexpr const char* DISC_OVER_WALL =
+    "the disc of the search reaches under the wall to the other room's floor";
+
+constexpr KnownFailure KNOWN_FAILURES[] = {
+    {"sphere of radius 1e-4 seen from 1e4: pinhole across the axes", "*", FINE_DIRECTIONS},
+    {"thin slab: slab 1e-06 thick at 0 degrees, tilted", "photonmap*", THIN_FACES},
+    {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "photonmap*", THIN_FACES},
+    {"inside glass: point light inside a glass ball", "path", "no ray from the eye meets a point light"},
+    {"two rooms: floor lit by a point light of 1e-20 beside 1e20 behind a wall", "*", BY_POWER},
+    {"two rooms: floor lit by a lamp of 1e-20 beside 1e20 behind a wall", "photonmap, direct photons",
+     BY_POWER},
+    {"thin wall: dark floor beside the wall, radius 100 times its thickness", "photonmap*", DISC_OVER_WALL},
+};
+
+/** The reason when the row is a known failure, else null. */
+inline const char* knownFailure(const Row& row) {
+  for (const KnownFailure& k : KNOWN_FAILURES) {
+    std::string_view pattern = k.integrator;
+    const bool begins = pattern.ends_with('*');
+    if (begins) pattern.remove_suffix(1);
+    if (row.what == k.what && (begins ? row.integrator.starts_with(pattern) : row.integrator == pattern))
+      return k.reason;
+  }
+  return nullptr;
+}
+
+} // namespace recurse::hard

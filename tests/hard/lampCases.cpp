@@ -1,0 +1,144 @@
+/** @file
+ * 5. Tiny lamps with the power of large ones, a light just above a surface, a hundred thousand lights, one
+ * light in ten thousand that matters.
+ */
+#include "hardCase.h"
+
+#include <random>
+
+namespace recurse::hard {
+
+namespace {
+
+std::string floor(double half) {
+  const std::string h = number(half);
+  return diffuse(0.5) + "Shape \"bilinearmesh\" \"point3 P\" [ -" + h + " -" + h + " 0  " + h + " -" + h +
+         " 0  -" + h + " " + h + " 0  " + h + " " + h + " 0 ]\n";
+}
+
+/** Every lamp of power 10 W at a height of 1 gives this irradiance below, if its light is even in all
+ * directions. */
+constexpr double POWER = 10;
+
+void tiny(const Report& report) {
+  const std::string head = view(8, 8, "0 0 .8  0 0 0  0 1 0", perspective(3)) + floor(0.6) + diffuse(0);
+  Budget budget;
+  budget.tolerance = 2e-3;
+  budget.photons = 4e5;
+  // The disc of the search is seen from the lamp under 1/400 of the sphere.
+  budget.photonTolerance = 0.01 + photonNoise(1000);
+  budget.photonParameters = "\"float radius\" .1";
+  const double point = 0.5 / M_PI * POWER / (4 * M_PI);
+  checkMean(report, "point light",
+            head + "LightSource \"point\" \"point3 from\" [ 0 0 1 ] \"float power\" 10\n", point, budget);
+  for (const double size : {0.1, 1e-5}) {
+    const std::string name = " of size " + shown("%g", size);
+    // A Lambertian sphere gives what a point light of its power gives, at any distance.
+    checkMean(report, "sphere" + name,
+              head +
+                  "AreaLightSource \"diffuse\" \"float power\" 10\nTranslate 0 0 1\nShape \"sphere\" \"float "
+                  "radius\" " +
+                  number(size / 2) + "\n",
+              point, budget);
+    // A disc: E = Φ / (π (r² + h²)).
+    checkMean(report, "disc" + name,
+              head +
+                  "AreaLightSource \"diffuse\" \"float power\" 10\nTranslate 0 0 1\nReverseOrientation\n"
+                  "Shape \"disk\" \"float radius\" " +
+                  number(size / 2) + "\n",
+              0.5 / M_PI * POWER / M_PI / (1 + size * size / 4), budget);
+  }
+}
+
+/** The mean of I h / (h² + x² + y²)^1.5 over the square of half width s: 4 I / (2s)² atan(s² / (h sqrt(h² + 2
+ * s²))). */
+double meanIrradiance(double intensity, double h, double s) {
+  return intensity / (s * s) * std::atan(s * s / (h * std::sqrt(h * h + 2 * s * s)));
+}
+
+void near(const Report& report) {
+  for (const double height : {1e-2, 1e-4, 1e-6}) {
+    const double half = 2 * height;
+    Budget budget;
+    budget.tolerance = 5e-3;
+    budget.photonTolerance = 0.05; // the picture is many discs wide
+    budget.photons = 4e5;
+    checkMean(report, "point light " + shown("%g", height) + " above a floor",
+              view(16, 16, "0 0 1  0 0 0  0 1 0", orthographic(half)) + floor(1) +
+                  "LightSource \"point\" \"rgb I\" [ 1 1 1 ] \"point3 from\" [ 0 0 " + number(height) +
+                  " ]\n",
+              0.5 / M_PI * meanIrradiance(1, height, half), budget);
+  }
+}
+
+/** Lights strewn evenly at a height of 1 over a floor, which is seen in the middle. */
+void many(const Report& report, int count, const std::string& kind) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(-4, 4);
+  std::string lights;
+  double irradiance = 0;
+  for (int i = 0; i < count; ++i) {
+    const double x = place(random), y = place(random);
+    irradiance += 1.0 / count / std::pow(1 + x * x + y * y, 1.5);
+    const std::string where = number(x) + " " + number(y) + " 1";
+    if (kind == "point")
+      lights += "LightSource \"point\" \"float power\" " + number(4 * M_PI / count) + " \"point3 from\" [ " +
+                where + " ]\n";
+    else
+      lights +=
+          "AttributeBegin\nTranslate " + where + "\nShape \"sphere\" \"float radius\" 1e-3\nAttributeEnd\n";
+  }
+  if (kind != "point")
+    lights = diffuse(0) + "AreaLightSource \"diffuse\" \"float power\" " + number(4 * M_PI / count) + "\n" +
+             lights;
+  Budget budget;
+  budget.samples = 256;
+  budget.photonSamples = 64;
+  budget.photons = 4e5;
+  budget.tolerance = 5e-3;
+  budget.photonTolerance = 0.05;
+  budget.photonParameters = "\"float radius\" .3"; // thousands of photons
+  checkMean(report, shown("%.0f ", count) + kind + " lights",
+            view(8, 8, "0 0 .8  0 0 0  0 1 0", perspective(6)) + floor(5) + lights, 0.5 / M_PI * irradiance,
+            budget);
+}
+
+/** One light that counts among many that do not: of no power, or as strong but walled off. */
+void one(const Report& report, bool walledOff, int samples) {
+  constexpr int COUNT = 10000;
+  std::string lights;
+  for (int i = 0; i < COUNT; ++i) {
+    const double x = 3 + 0.01 * (i % 100), y = -0.5 + 0.01 * (i / 100);
+    lights += i == 4321 ? std::string("LightSource \"point\" \"rgb I\" [ 2 2 2 ] \"point3 from\" [ 0 0 1 ]\n")
+                        : "LightSource \"point\" \"rgb I\" [ 2 2 2 ] \"float scale\" " +
+                              std::string(walledOff ? "1" : "1e-9") + " \"point3 from\" [ " + number(x) +
+                              " " + number(y) + " .5 ]\n";
+  }
+  // A black box around the others.
+  const std::string box =
+      diffuse(0) + "AttributeBegin\nTranslate 3.5 0 .5\nShape \"sphere\" \"float radius\" 2\nAttributeEnd\n";
+  Budget budget;
+  budget.samples = budget.photonSamples = samples;
+  budget.photons = walledOff ? 1e7 : 1e5;
+  budget.photonParameters = "\"float radius\" .1";
+  budget.tolerance = 2e-3;
+  // The disc of the search is seen from the lamp under 1/400 of the sphere.
+  budget.photonTolerance = 0.01 + photonNoise(budget.photons / (walledOff ? COUNT : 1) / 400);
+  checkMean(report, walledOff ? "all but one walled off" : "all but one of a billionth of its power",
+            view(8, 8, "0 0 .8  0 0 0  0 1 0", perspective(3)) + floor(0.6) + (walledOff ? box : "") + lights,
+            0.5 / M_PI * 2, budget);
+}
+
+} // namespace
+
+void addLampCases(HardCases& cases) {
+  cases.push_back({5, "lamps of the same power", false, tiny});
+  cases.push_back({5, "light near a surface", false, near});
+  cases.push_back(
+      {5, "many lights", false, [](const Report& r) { many(r, SANITIZED ? 10000 : 100000, "point"); }});
+  cases.push_back({5, "many lights", true, [](const Report& r) { many(r, 100000, "sphere"); }});
+  cases.push_back({5, "one light in 10000 matters", false, [](const Report& r) { one(r, false, 64); }});
+  cases.push_back({5, "one light in 10000 matters", true, [](const Report& r) { one(r, true, 65536); }});
+}
+
+} // namespace recurse::hard
