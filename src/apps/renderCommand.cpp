@@ -19,7 +19,9 @@ struct RenderCommandOptions {
   RenderOptions render;
   std::vector<std::string> outputs;
   std::optional<std::string> exposure;
-  std::string paths;
+  std::optional<std::string> sampleRange, checkpointInterval;
+  std::string paths, checkpoint;
+  bool resume = false;
   bool check = false, errorLayer = false;
 };
 
@@ -30,6 +32,37 @@ void checkOutputs(const RenderCommandOptions& o, const std::vector<std::string>&
     if (!names.insert(name).second) throw Error("-o: " + name + " is given twice", ExitStatus::BAD_USAGE);
   }
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
+  if (o.checkpoint.empty()) return;
+  if (!o.resume && std::filesystem::exists(o.checkpoint))
+    throw Error("--checkpoint: " + o.checkpoint + " exists; go on with it by --resume, or remove it",
+                ExitStatus::BAD_USAGE);
+  checkFileWritable(o.checkpoint);
+}
+
+/** What --checkpoint and its relatives say. */
+RenderPlan planOf(const RenderCommandOptions& o) {
+  RenderPlan plan = o.render.plan();
+  plan.checkpoint = o.checkpoint;
+  plan.resume = o.resume;
+  const auto needsCheckpoint = [&](bool given, const char* option) {
+    if (given && o.checkpoint.empty())
+      throw Error(std::string(option) + ": needs --checkpoint FILE", ExitStatus::BAD_USAGE);
+  };
+  needsCheckpoint(o.resume, "--resume");
+  needsCheckpoint(o.checkpointInterval.has_value(), "--checkpoint-interval");
+  if (o.checkpointInterval)
+    plan.checkpointInterval = parseDuration("--checkpoint-interval", *o.checkpointInterval);
+  if (!o.sampleRange) return plan;
+  const std::vector<std::string> range = split(*o.sampleRange, ':');
+  if (range.size() != 2)
+    throw Error("--sample-range: '" + *o.sampleRange + "' is not FIRST:END, such as 64:128",
+                ExitStatus::BAD_USAGE);
+  if (!plan.samples)
+    throw Error("--sample-range: needs --spp N, the number of samples of which these are a part",
+                ExitStatus::BAD_USAGE);
+  plan.firstSample = parseCount("--sample-range", range[0], 0, *plan.samples - 1);
+  plan.endSample = parseCount("--sample-range", range[1], plan.firstSample + 1, *plan.samples);
+  return plan;
 }
 
 /** The film's file name, in the current folder as pbrt has it; a picture with everything where it says
@@ -42,7 +75,7 @@ std::string defaultOutput(const LoadedScene& loaded) {
 }
 
 ExitStatus renderScene(const RenderCommandOptions& o) {
-  const RenderPlan plan = o.render.plan();
+  const RenderPlan plan = planOf(o);
   ImageWriteOptions write;
   if (o.exposure) write.exposure = static_cast<float>(parseReal("--exposure", *o.exposure));
   const PathClasses classes =
@@ -80,6 +113,7 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
       attempt([&] { writeFileAtomically(o.render.statistics, statisticsJson(report)); }))
     written.push_back(o.render.statistics);
   if (!o.render.quiet) std::fputs(renderSummary(report, written, !o.render.verbose).c_str(), stderr);
+  if (!rendering.checkpointFailure().empty()) attempt([&] { throw Error(rendering.checkpointFailure()); });
   if (!failures.empty()) throw Error(failures);
   return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
 }
@@ -106,6 +140,20 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       ->type_name("EXPR");
   command->add_option("--exposure", o.exposure, "Brightness of .png .jpg .tif in powers of two (default: 0)")
       ->type_name("STOPS");
+  command
+      ->add_option("--checkpoint", o.checkpoint,
+                   "Keep the render in this file, every now and then and at its end or interruption")
+      ->type_name("FILE");
+  command->add_option("--checkpoint-interval", o.checkpointInterval, "How often that is done (default: 60s)")
+      ->type_name("TIME");
+  command->add_flag("--resume", o.resume,
+                    "Go on with the render in the --checkpoint file, bit for bit as if it had never stopped; "
+                    "begin where there is no such file");
+  command
+      ->add_option(
+          "--sample-range", o.sampleRange,
+          "Only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds renders up")
+      ->type_name("FIRST:END");
   command->add_flag("--error-layer", o.errorLayer,
                     "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
   command->add_flag("--check", o.check, "Load the scene, report what it contains and needs, do not render");
@@ -117,6 +165,8 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       "  recurse render scene.pbrt -o sure.exr --integrator path --error-target 0.05\n"
       "  recurse render scene.pbrt -o fine.exr --photons 10M --spp 64 --stats fine.json\n"
       "  recurse render scene.pbrt -o caustics.exr --paths 'LS+DE'\n"
+      "  recurse render scene.pbrt -o long.exr --spp 4096 --checkpoint long.rck --resume\n"
+      "  recurse render scene.pbrt -o half.exr --spp 512 --sample-range 0:256 --checkpoint a.rck\n"
       "  recurse render scene.pbrt --check\n\n"
       "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
       "complete one.");

@@ -4,6 +4,7 @@
 #include "apps/renderOptions.h"
 
 #include <cstdio>
+#include <filesystem>
 
 #include "apps/optionText.h"
 #include "apps/progressDisplay.h"
@@ -16,6 +17,9 @@ RenderSettings RenderPlan::settings(const Scene& scene) const {
   out.seed = seed.value_or(scene.sampler().seed);
   // A time limit or an error target alone means: as many samples as fit.
   out.errorTarget = errorTarget;
+  out.firstSample = firstSample;
+  out.endSample = endSample;
+  out.saveInterval = checkpointInterval;
   out.samplesPerPixel = samples.value_or(timeLimit > 0 || errorTarget > 0 ? 0 : scene.sampler().pixelSamples);
   return out;
 }
@@ -82,13 +86,46 @@ std::string RenderOptions::text(const LoadedScene& loaded, const RenderSettings&
   if (resolution) out += " --resolution " + *resolution;
   if (cropWindow) out += " --cropwindow " + *cropWindow;
   if (lenient) out += " --lenient";
+  if (settings.firstSample > 0 || settings.endSample > 0)
+    out +=
+        " --sample-range " + std::to_string(settings.firstSample) + ":" + std::to_string(settings.endSample);
   return out;
 }
 
+namespace {
+
+/** What the samples of a render depend on, but for the seed. */
+std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const RenderSettings& settings,
+                                              const std::vector<PathClass>& classes) {
+  const FilmSettings& film = loaded.scene->film();
+  std::string integrator = loaded.integratorDirective.type;
+  for (const std::string& setting : settingsOf(loaded.integratorDirective)) integrator += ", " + setting;
+  std::string crop;
+  for (const int x : {film.crop.x0, film.crop.x1, film.crop.y0, film.crop.y1})
+    crop += (crop.empty() ? "" : ",") + std::to_string(x);
+  return {{"version", VERSION},
+          {"scene files (hash)", contentHash(loaded.description)},
+          {"integrator", integrator},
+          {"resolution", std::to_string(film.width) + "x" + std::to_string(film.height)},
+          {"part of the picture in pixels", crop},
+          {"path classes", classesText(classes)},
+          {"samples per pixel",
+           settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"}};
+}
+
+} // namespace
+
 Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
                      const RenderOptions& options, const Retell& retell)
-    : loaded(loaded), options(options), classes(classes.classes()), settings(plan.settings(*loaded.scene)),
-      picture(loaded.scene->film().crop, classes.layerCount()) {
+    : loaded(loaded), options(options),
+      settings(plan.settings(*loaded.scene)), kept{{},
+                                                   {},
+                                                   loaded.scene->film().imagingRatio,
+                                                   classes.classes(),
+                                                   {{settings.seed, settings.firstSample,
+                                                     settings.firstSample}},
+                                                   {},
+                                                   Film(loaded.scene->film().crop, classes.layerCount())} {
   if (options.verbose) std::fputs(sceneReport(loaded, classes.layerCount()).c_str(), stderr);
   ProgressDisplay display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress));
   // Warnings are about what the picture will look like, so they come at once and even when quiet.
@@ -99,7 +136,40 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
     if (retell) retell(progress);
     display.update(progress);
   };
-  figures = render(*loaded.scene, *loaded.integrator, classes, settings, picture, graceful.flag(), show, log);
+  if (!plan.checkpoint.empty()) {
+    kept.identity = identityOf(loaded, settings, kept.classes);
+    if (plan.resume && std::filesystem::exists(plan.checkpoint)) {
+      Checkpoint before = Checkpoint::read(plan.checkpoint);
+      requireSame(plan.checkpoint, kept.identity, before.identity);
+      const Checkpoint::Part &then = before.parts.front(), &now = kept.parts.front();
+      if (before.parts.size() > 1) throw Error(plan.checkpoint + ": is the sum of several renders");
+      if (then.seed != now.seed || then.first != now.first)
+        throw Error(plan.checkpoint + ": has seed " + std::to_string(then.seed) + " and samples from " +
+                    std::to_string(then.first) + "; here it is seed " + std::to_string(now.seed) +
+                    " and samples from " + std::to_string(now.first));
+      settings.from = before.position;
+      kept.film = std::move(before.film);
+      log("going on with " + plan.checkpoint);
+    }
+    settings.save = [&](const RenderPosition& position) {
+      kept.position = position;
+      uint64_t most = 0;
+      for (size_t i = 0; i < kept.film.bounds().area(); ++i) most = std::max(most, kept.film.samples(i));
+      kept.parts.front().end = settings.firstSample + int64_t(most);
+      figures = position.statistics;
+      figures.samples = kept.film.totalSamples();
+      kept.metadata = metadataOf(report("recurse render"));
+      try {
+        writeCheckpoint(plan.checkpoint, kept);
+        failure.clear();
+      } catch (const Error& error) { // the render is worth more than its copy
+        if (failure.empty()) display.message(std::string("warning: ") + error.what());
+        failure = error.what();
+      }
+    };
+  }
+  figures =
+      render(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful.flag(), show, log);
   if (interrupted() && figures.samples == 0)
     throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
 }
@@ -108,10 +178,10 @@ RenderReport Rendering::report(const std::string& command, const std::string& re
   return {loaded,
           figures,
           settings.seed,
-          classes,
+          kept.classes,
           command + " " + options.text(loaded, settings) + rest,
-          picture.bounds().width(),
-          picture.bounds().height()};
+          kept.film.bounds().width(),
+          kept.film.bounds().height()};
 }
 
 } // namespace recurse::apps

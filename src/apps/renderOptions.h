@@ -11,7 +11,7 @@
 #include "apps/interrupt.h"
 #include "apps/loadedScene.h"
 #include "apps/renderOutput.h"
-#include "recurse/model/film.h"
+#include "recurse/report/checkpoint.h"
 #include "recurse/transport/render.h"
 
 namespace recurse::apps {
@@ -22,7 +22,11 @@ struct RenderPlan {
   std::optional<int> samples;
   std::optional<uint64_t> seed;
   double timeLimit = 0, errorTarget = 0;
-  int threads = 0; ///< 0: one for each core
+  int threads = 0;                        ///< 0: one for each core
+  int64_t firstSample = 0, endSample = 0; ///< see RenderSettings
+  std::string checkpoint;                 ///< file to keep the render in; empty: none
+  double checkpointInterval = 60;         ///< seconds
+  bool resume = false;                    ///< from that file, where it exists
 
   /** With what the scene says where the options do not. */
   RenderSettings settings(const Scene& scene) const;
@@ -55,12 +59,15 @@ class Rendering {
   /** May change what is told of the progress before it is shown. */
   using Retell = std::function<void(RenderProgress&)>;
 
-  /** Throws Error (INTERRUPTED) when an interrupt came before the first sample. */
+  /** Throws Error (INTERRUPTED) when an interrupt came before the first sample, and where the render cannot
+   * go on from its checkpoint. */
   Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
             const RenderOptions& options, const Retell& retell = {});
 
-  const Film& film() const { return picture; }
+  const Film& film() const { return kept.film; }
   const RenderStatistics& statistics() const { return figures; }
+  /** Why the checkpoint could not be written; empty where it could. */
+  const std::string& checkpointFailure() const { return failure; }
   bool interrupted() const { return figures.stopReason == StopReason::INTERRUPTED; }
   /** `command` and `rest` are what stands before and after the options of the render. */
   RenderReport report(const std::string& command, const std::string& rest = {}) const;
@@ -68,11 +75,11 @@ class Rendering {
  private:
   const LoadedScene& loaded;
   const RenderOptions& options;
-  const std::vector<PathClass> classes;
-  const RenderSettings settings;
+  RenderSettings settings;
   const GracefulStop graceful;
-  Film picture;
+  Checkpoint kept;
   RenderStatistics figures;
+  std::string failure;
 };
 
 } // namespace recurse::apps

@@ -20,14 +20,14 @@ uint64_t peakMemoryBytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024; // Linux counts in kilobytes
 }
 
+} // namespace
+
 std::string classesText(const std::vector<PathClass>& classes) {
   std::string out;
   for (const PathClass& c : classes)
     out += (out.empty() ? "" : "; ") + (c.name == c.expression ? c.name : c.name + " = " + c.expression);
   return out;
 }
-
-} // namespace
 
 double RenderReport::samplesPerPixel() const {
   return double(statistics.samples) / (double(width) * double(height));
@@ -58,21 +58,27 @@ std::map<std::string, std::string> metadataOf(const RenderReport& report) {
           {"recurse:ended", report.stopReason()}};
 }
 
-Image pictureOf(const Film& film, const RenderReport& report) {
+Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float imagingRatio,
+                bool errorLayer) {
   std::vector<std::string> channels = {"R", "G", "B"};
   for (size_t layer = 1; layer < film.layerCount(); ++layer)
-    for (const char* c : {".R", ".G", ".B"}) channels.push_back(report.classes[layer].name + c);
-  if (report.errorLayer) channels.emplace_back("error.Y");
+    for (const char* c : {".R", ".G", ".B"}) channels.push_back(classes[layer].name + c);
+  if (errorLayer) channels.emplace_back("error.Y");
   Image image(film.bounds().width(), film.bounds().height(), channels);
-  const float scale = report.loaded.scene->film().imagingRatio;
   for (size_t pixel = 0; pixel < film.bounds().area(); ++pixel) {
-    if (report.errorLayer)
-      image.pixels[(pixel + 1) * channels.size() - 1] = static_cast<float>(film.standardError(pixel)) * scale;
+    if (errorLayer)
+      image.pixels[(pixel + 1) * channels.size() - 1] =
+          static_cast<float>(film.standardError(pixel)) * imagingRatio;
     for (size_t layer = 0; layer < film.layerCount(); ++layer) {
-      const Rgb value = film.value(pixel, layer) * scale;
+      const Rgb value = film.value(pixel, layer) * imagingRatio;
       for (int c = 0; c < 3; ++c) image.pixels[pixel * channels.size() + layer * 3 + size_t(c)] = value[c];
     }
   }
+  return image;
+}
+
+Image pictureOf(const Film& film, const RenderReport& report) {
+  Image image = pictureOf(film, report.classes, report.loaded.scene->film().imagingRatio, report.errorLayer);
   image.metadata = metadataOf(report);
   return image;
 }

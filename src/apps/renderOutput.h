@@ -31,7 +31,12 @@ constexpr const char* VERSION = RECURSE_VERSION;
 
 /** What a picture says of how it came about. */
 std::map<std::string, std::string> metadataOf(const RenderReport& report);
-/** The film as a picture, with the imaging ratio applied and the metadata. The first layer is R, G, B. */
+/** The classes of a render as a text. */
+std::string classesText(const std::vector<PathClass>& classes);
+/** The film as a picture. The first layer is R, G, B; the others are called after their classes.
+ * `errorLayer`: with the standard error of each pixel's luminance as error.Y. */
+Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float imagingRatio, bool errorLayer);
+/** The same of a render, with its metadata. */
 Image pictureOf(const Film& film, const RenderReport& report);
 /** The text of --stats. */
 std::string statisticsJson(const RenderReport& report);

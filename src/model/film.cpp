@@ -8,6 +8,17 @@
 
 namespace recurse {
 
+void Film::add(const Film& other) {
+  for (size_t i = 0; i < sums.size(); ++i) sums[i] += other.sums[i];
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const Pixel& p = other.pixels[i];
+    pixels[i].weight += p.weight;
+    pixels[i].luminance += p.luminance;
+    pixels[i].luminanceSquared += p.luminanceSquared;
+    pixels[i].samples += p.samples;
+  }
+}
+
 double Film::relativeError() const {
   double sum = 0;
   for (const Pixel& p : pixels) {

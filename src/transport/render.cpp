@@ -101,9 +101,13 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
                         const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
                         const std::function<void(const RenderProgress&)>& progress,
                         const std::function<void(const std::string&)>& log) {
-  const Clock::time_point start = Clock::now();
+  // A render that goes on takes its time with it.
+  const Clock::time_point now = Clock::now();
+  const Clock::time_point start =
+      now - std::chrono::duration_cast<Clock::duration>(
+                std::chrono::duration<double>(settings.from.statistics.renderSeconds));
   Teller teller(progress, start);
-  RenderStatistics statistics;
+  RenderStatistics statistics = settings.from.statistics;
   statistics.threads = threadCount();
   integrator.prepare(scene, classes);
 
@@ -114,27 +118,29 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     teller.say("photons", fraction, fraction > 0.02 ? elapsed / fraction - elapsed : -1, 0, 0);
   };
   const int passes = integrator.passes(settings.samplesPerPixel);
-  double forwardSeconds = 0;
+  double forwardSeconds = 0; ///< of the `shots` that were made here
+  int shots = 0;
   const auto shootPass = [&](uint32_t index) {
     const Clock::time_point passStart = Clock::now();
     const ForwardStatistics forward =
         integrator.forward(scene, classes, {settings.seed, index, passes == 1}, control);
+    forwardSeconds += seconds(Clock::now() - passStart);
+    ++shots;
     statistics.photonSeconds += forward.shootSeconds;
     statistics.balanceSeconds += forward.balanceSeconds;
+    statistics.mapBytes = std::max(statistics.mapBytes, forward.mapBytes);
     statistics.photonsEmitted += forward.photonsEmitted;
     statistics.photonsStored += forward.photonsStored;
     statistics.photonsRefused += forward.photonsRefused;
-    statistics.mapBytes = std::max(statistics.mapBytes, forward.mapBytes);
     statistics.counts.add(forward.counts);
+    ++statistics.forwardPasses;
     statistics.notes.insert(statistics.notes.end(), forward.notes.begin(), forward.notes.end());
     statistics.warnings.insert(statistics.warnings.end(), forward.warnings.begin(), forward.warnings.end());
     if (log) {
       for (const std::string& note : forward.notes) log(note);
       for (const std::string& warning : forward.warnings) log("warning: " + warning);
     }
-    ++statistics.forwardPasses;
     statistics.oneMap = passes == 1 && forward.photonsEmitted > 0;
-    forwardSeconds += seconds(Clock::now() - passStart);
   };
 
   const PixelBounds& bounds = film.bounds();
@@ -148,8 +154,11 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       settings.samplesPerPixel > 0 ? std::max(0.125f, 1 / std::sqrt(static_cast<float>(wanted))) : 1;
   Clock::time_point pictureStart = start;
   std::vector<TransportCounts> tileCounts(tiles);
-  std::atomic<uint64_t> samplesDone{0}, raysDone{0};
-  std::atomic<bool> timeUp{false};
+  const int64_t first = settings.firstSample, last = settings.endSample > 0 ? settings.endSample : wanted;
+  const uint64_t samplesBefore = film.totalSamples();
+  std::atomic<uint64_t> samplesDone{samplesBefore}, raysDone{0};
+  std::atomic<bool> timeUp{settings.timeLimit > 0 && samplesBefore > 0 &&
+                           settings.from.statistics.renderSeconds > settings.timeLimit};
 
   bool errorReached = false;
   Clock::time_point errorLooked = start;
@@ -168,27 +177,51 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     errorReached = settings.errorTarget > 0 && error <= settings.errorTarget;
   };
 
-  int64_t sample = 0, passEnd = 0;
-  int round = 1;
-  while (sample < wanted && !stop && !timeUp && !errorReached) {
-    if (sample == passEnd) {
-      const auto index = uint32_t(statistics.forwardPasses);
+  int64_t sample = std::max(first, settings.from.sample), pass = 0;
+  const auto passEnd = [&] { return passes == 0 ? pass + 1 : (pass + 1) * wanted / passes; };
+  while (passEnd() <= sample && sample < last) ++pass;
+
+  Clock::time_point saved = Clock::now();
+  std::atomic<bool> saveDue{false};
+  const auto save = [&] {
+    RenderPosition position{sample, statistics};
+    for (const TransportCounts& c : tileCounts) position.statistics.counts.add(c);
+    position.statistics.renderSeconds = seconds(Clock::now() - start);
+    position.statistics.notes.clear();
+    position.statistics.warnings.clear();
+    settings.save(position);
+    saved = Clock::now();
+    saveDue = false;
+  };
+
+  if (samplesBefore > 0) lookAtError(true);
+  bool ready = false; // has the photons of `pass`
+  while (sample < last && !stop && !timeUp && !errorReached) {
+    if (!ready || sample == passEnd()) {
+      if (ready) ++pass;
       // A pass that would not be ready in time is not begun: too few photons are worth nothing.
-      if (index > 0 && settings.timeLimit > 0 &&
-          seconds(Clock::now() - start) + forwardSeconds / index > settings.timeLimit)
+      if (shots > 0 && settings.timeLimit > 0 &&
+          seconds(Clock::now() - start) + forwardSeconds / shots > settings.timeLimit)
         break;
-      shootPass(index);
+      if (!ready && pass > 0) shootPass(0); // which the later ones look back at
+      shootPass(uint32_t(pass));
       if (stop) break;
       // From the second pass on the photons' progress is a part of the picture's.
       control.progress = [](double) {};
-      if (index == 0) pictureStart = Clock::now();
-      passEnd = passes == 0 ? sample + 1 : (int64_t(index) + 1) * wanted / passes;
+      if (!ready) pictureStart = Clock::now();
+      ready = true;
     }
-    const int64_t end = std::min(passEnd, sample + round);
+    const int64_t round = std::clamp<int64_t>(sample - first, 1, LARGEST_ROUND);
+    const int64_t end = std::min({passEnd(), sample + round, last});
+    std::atomic<size_t> tilesDone{0};
     parallelFor(tiles, [&](size_t tile) {
-      if (stop || timeUp) return;
+      if (stop || timeUp || saveDue) return;
       const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
       const int x1 = std::min(x0 + TILE, bounds.width()), y1 = std::min(y0 + TILE, bounds.height());
+      if (film.samples(size_t(y0) * size_t(bounds.width()) + size_t(x0)) >= uint64_t(end - first)) {
+        ++tilesDone; // before the round was interrupted
+        return;
+      }
       TransportCounts counts;
       EyeBatch batch(scene, integrator, classes, counts, film);
       for (int y = y0; y < y1; ++y)
@@ -201,14 +234,20 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
             batch.add(settings.seed, stream, static_cast<uint32_t>(s), pixel, corner, sampleSpacing);
         }
       batch.flush();
+      ++tilesDone;
       tileCounts[tile].add(counts);
       const uint64_t samples = samplesDone += uint64_t(x1 - x0) * uint64_t(y1 - y0) * uint64_t(end - sample);
       const uint64_t rays = raysDone += counts.rays;
       const double elapsed = seconds(Clock::now() - start), inPicture = seconds(Clock::now() - pictureStart);
       // The first round is always finished: every pixel gets a sample.
-      if (settings.timeLimit > 0 && sample > 0 && elapsed > settings.timeLimit) timeUp = true;
+      if (settings.timeLimit > 0 && sample > first && elapsed > settings.timeLimit) timeUp = true;
+      if (settings.save && seconds(Clock::now() - saved) > settings.saveInterval) saveDue = true;
       const double perPixel = double(samples) / double(bounds.area());
-      double left = settings.samplesPerPixel > 0 ? inPicture * (double(wanted) / perPixel - 1) : INFINITY;
+      double left = INFINITY;
+      if (settings.samplesPerPixel > 0) {
+        const double all = double(last - first) * double(bounds.area());
+        left = inPicture * (all - double(samples)) / double(samples - samplesBefore);
+      }
       if (settings.errorTarget > 0 && teller.error > 0) // the error falls as one over the root of time
         left = std::min(left, errorTime * square(teller.error / settings.errorTarget) - inPicture);
       if (settings.timeLimit > 0) left = std::min(left, settings.timeLimit - elapsed);
@@ -216,22 +255,25 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       teller.say("picture", inPicture / (inPicture + left), left, perPixel, double(rays) / inPicture);
     });
     if (settings.timeLimit > 0 && seconds(Clock::now() - start) > settings.timeLimit) timeUp = true;
-    sample = end;
-    ++statistics.passes;
-    round = std::min(LARGEST_ROUND, std::max(1, int(sample)));
-    lookAtError(settings.errorTarget > 0 && passes == 1);
+    if (tilesDone == tiles) {
+      sample = end;
+      ++statistics.passes;
+      lookAtError(settings.errorTarget > 0 && passes == 1);
+    }
+    if (saveDue) save();
   }
   lookAtError(true);
+  if (settings.save) save();
 
   for (const TransportCounts& c : tileCounts) statistics.counts.add(c);
   statistics.samples = film.totalSamples();
   statistics.renderSeconds = seconds(Clock::now() - start);
-  statistics.gatherSeconds = statistics.renderSeconds - forwardSeconds;
+  statistics.gatherSeconds = statistics.renderSeconds - statistics.photonSeconds - statistics.balanceSeconds;
   if (stop)
     statistics.stopReason = StopReason::INTERRUPTED;
   else if (errorReached)
     statistics.stopReason = StopReason::ERROR;
-  else if (statistics.samples < uint64_t(wanted) * bounds.area())
+  else if (statistics.samples < uint64_t(last - first) * bounds.area())
     statistics.stopReason = StopReason::TIME;
   teller.say("picture", 1, 0, double(statistics.samples) / double(bounds.area()),
              double(raysDone) / std::max(statistics.gatherSeconds, 1e-9), true);

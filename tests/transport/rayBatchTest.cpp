@@ -53,7 +53,8 @@ std::vector<Ray> randomRays(size_t count) {
 
 TEST(RayBatch, NearestHitsAreThoseOfSingleRays) {
   const auto scene = sceneFrom(ROOM);
-  for (const size_t count : {size_t(1), size_t(2), size_t(7), size_t(8), size_t(64), size_t(65), size_t(5000)}) {
+  for (const size_t count :
+       {size_t(1), size_t(2), size_t(7), size_t(8), size_t(64), size_t(65), size_t(5000)}) {
     const std::vector<Ray> rays = randomRays(count);
     for (const auto coherence : {Scene::Coherence::NONE, Scene::Coherence::ALIKE}) {
       std::vector<Hit> hits(count);

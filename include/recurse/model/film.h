@@ -4,8 +4,11 @@
  */
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "recurse/core/rgb.h"
@@ -32,6 +35,13 @@ class Film {
     p.luminance += y;
     p.luminanceSquared += y * y;
     ++p.samples;
+  }
+
+  /** Adds all samples of another film of the same pixels and layers. */
+  void add(const Film& other);
+  /** The numbers that the film consists of, as they lie in memory, to be kept and put back. */
+  std::array<std::span<std::byte>, 2> state() {
+    return {std::as_writable_bytes(std::span(sums)), std::as_writable_bytes(std::span(pixels))};
   }
 
   /** The pixel's value in a layer; black before the first sample. */

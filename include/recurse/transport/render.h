@@ -13,24 +13,6 @@
 
 namespace recurse {
 
-struct RenderSettings {
-  int samplesPerPixel = 16; ///< 0: until the time limit or the error target
-  double timeLimit = 0;     ///< seconds for the whole render; 0: none
-  double errorTarget = 0;   ///< Film::relativeError at which to stop; 0: none
-  uint64_t seed = 0;
-};
-
-/** Told to the progress display about ten times a second, from one thread at a time. */
-struct RenderProgress {
-  std::string phase;       ///< "photons", "picture"
-  double fraction = 0;     ///< of the phase, in [0, 1]
-  double elapsed = 0;      ///< seconds since the start of the render
-  double secondsLeft = -1; ///< negative: not known yet
-  double samplesPerPixel = 0;
-  double raysPerSecond = 0;
-  double error = -1; ///< Film::relativeError when it was last looked at; negative: not known yet
-};
-
 enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
 struct RenderStatistics {
@@ -50,8 +32,44 @@ struct RenderStatistics {
 };
 
 /**
- * Renders into the film. Returns early when `stop` becomes true; the film then holds what there is. Bit for
- * bit the same for any number of threads unless it ends early.
+ * Where a render stands. The film has the rest: of the round of samples that begins with `sample` each tile
+ * of the picture has either everything or nothing.
+ */
+struct RenderPosition {
+  int64_t sample = 0; ///< every pixel has the samples from the first one of the render up to this one
+  RenderStatistics statistics; ///< so far, without notes and warnings
+};
+
+struct RenderSettings {
+  int samplesPerPixel = 16; ///< 0: until the time limit or the error target
+  double timeLimit = 0;     ///< seconds for the whole render; 0: none
+  double errorTarget = 0;   ///< Film::relativeError at which to stop; 0: none
+  uint64_t seed = 0;
+  /** A part of the samples of each pixel, those from `firstSample` up to `endSample` of samplesPerPixel, for
+   * renders that are to be added up; 0: up to the last one. */
+  int64_t firstSample = 0, endSample = 0;
+  RenderPosition from = {}; ///< where the film comes from that the render begins with
+  /** Called with a film that a render can go on from: when `saveInterval` seconds have passed since the last
+   * time, and at the end, whatever the reason for it. */
+  std::function<void(const RenderPosition&)> save = {};
+  double saveInterval = 60;
+};
+
+/** Told to the progress display about ten times a second, from one thread at a time. */
+struct RenderProgress {
+  std::string phase;       ///< "photons", "picture"
+  double fraction = 0;     ///< of the phase, in [0, 1]
+  double elapsed = 0;      ///< seconds since the start of the render
+  double secondsLeft = -1; ///< negative: not known yet
+  double samplesPerPixel = 0;
+  double raysPerSecond = 0;
+  double error = -1; ///< Film::relativeError when it was last looked at; negative: not known yet
+};
+
+/**
+ * Renders into the film, which is empty or, for a render that goes on, the one of that moment. Returns early
+ * when `stop` becomes true; the film then holds what there is. Bit for bit the same for any number of threads
+ * and interruptions unless it ends early.
  */
 RenderStatistics render(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                         const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,

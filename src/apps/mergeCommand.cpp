@@ -1,0 +1,104 @@
+/** @file
+ * `recurse merge`: renders of the same picture, kept in checkpoints, added up.
+ */
+#include <optional>
+
+#include "apps/commands.h"
+#include "apps/optionText.h"
+#include "apps/renderOutput.h"
+#include "recurse/core/atomicFile.h"
+#include "recurse/report/checkpoint.h"
+
+namespace recurse::apps {
+
+namespace {
+
+struct MergeOptions {
+  std::vector<std::string> inputs, outputs;
+  std::optional<std::string> exposure;
+  std::string checkpoint;
+  bool errorLayer = false, quiet = false;
+};
+
+std::string partsText(const Checkpoint& c) {
+  std::string out;
+  for (const Checkpoint::Part& p : c.parts)
+    out += (out.empty() ? "" : "; ") + ("seed " + std::to_string(p.seed)) + ", samples " +
+           std::to_string(p.first) + ":" + std::to_string(p.end);
+  return out;
+}
+
+ExitStatus mergeRenders(const MergeOptions& o) {
+  if (o.outputs.empty() && o.checkpoint.empty())
+    throw Error("merge: nothing to write; -o FILE or --checkpoint FILE", ExitStatus::BAD_USAGE);
+  ImageWriteOptions write;
+  if (o.exposure) write.exposure = static_cast<float>(parseReal("--exposure", *o.exposure));
+  for (const std::string& name : o.outputs) checkImageWritable(name);
+  if (!o.checkpoint.empty()) checkFileWritable(o.checkpoint);
+
+  Checkpoint sum = Checkpoint::read(o.inputs.front());
+  for (size_t i = 1; i < o.inputs.size(); ++i) merge(sum, Checkpoint::read(o.inputs[i]), o.inputs[i]);
+  const double samples = double(sum.film.totalSamples()) / double(sum.film.bounds().area());
+  if (samples == 0) throw Error(o.inputs.front() + ": has no samples yet");
+  std::string command = "recurse merge";
+  for (const std::string& input : o.inputs) command += " " + shellQuoted(input);
+  if (o.inputs.size() > 1) {
+    sum.metadata["recurse:settings"] = command;
+    sum.metadata["recurse:ended"] = "merged";
+    sum.metadata.erase("recurse:seed");
+    sum.metadata.erase("recurse:seconds");
+  }
+  sum.metadata["recurse:samples"] = format("%.9g", samples);
+  sum.metadata["recurse:parts"] = partsText(sum);
+  Image image = pictureOf(sum.film, sum.classes, sum.imagingRatio, o.errorLayer);
+  image.metadata = sum.metadata;
+  std::string written;
+  for (const std::string& name : o.outputs) {
+    writeImage(name, image, write);
+    written += (written.empty() ? "" : ", ") + name;
+  }
+  if (!o.checkpoint.empty()) {
+    writeCheckpoint(o.checkpoint, sum);
+    written += (written.empty() ? "" : ", ") + o.checkpoint;
+  }
+  if (!o.quiet)
+    std::fputs(
+        (partsText(sum) + "\n" + format("%.6g", samples) + " samples per pixel\nwritten: " + written + "\n")
+            .c_str(),
+        stderr);
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addMergeCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<MergeOptions>();
+  MergeOptions& o = *options;
+  CLI::App* command =
+      app.add_subcommand("merge", "Add up renders of the same picture: other seeds, other samples");
+  command->add_option("checkpoints", o.inputs, "Files of 'recurse render --checkpoint'")
+      ->required()
+      ->type_name("FILE...");
+  command->add_option("-o,--output", o.outputs, "Picture to write, several allowed; as of 'recurse render'")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all();
+  command->add_option("--checkpoint", o.checkpoint, "Write the sum as a checkpoint, to be merged again")
+      ->type_name("FILE");
+  command->add_option("--exposure", o.exposure, "Brightness of .png .jpg .tif in powers of two (default: 0)")
+      ->type_name("STOPS");
+  command->add_flag("--error-layer", o.errorLayer,
+                    "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
+  command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
+  command->footer(
+      "The renders must be of the same scene files, integrator settings, size and samples per pixel, and no\n"
+      "sample may be in two of them. The sum is what one longer render would have given.\n\n"
+      "Examples:\n"
+      "  recurse render scene.pbrt --spp 512 --sample-range 0:256 --checkpoint a.rck -o a.exr\n"
+      "  recurse render scene.pbrt --spp 512 --sample-range 256:512 --checkpoint b.rck -o b.exr\n"
+      "  recurse merge a.rck b.rck -o whole.exr -o whole.png\n"
+      "  recurse merge unfinished.rck -o look.png");
+  command->callback([options, &chosen] { chosen = [options] { return mergeRenders(*options); }; });
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,179 @@
+/** @file
+ * Checkpoints: a line that says what it is, a line of JSON, the film's numbers as they are, a checksum.
+ */
+#include "recurse/report/checkpoint.h"
+
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+#include <zlib.h>
+
+#include "recurse/core/atomicFile.h"
+#include "recurse/core/error.h"
+
+namespace recurse {
+
+namespace {
+
+using Json = nlohmann::json;
+static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
+
+const std::string MAGIC = "Recurse checkpoint 1\n";
+/** Larger headers are damaged. */
+constexpr uint64_t MAX_HEADER = 1 << 24;
+
+uint64_t checksum(uint64_t state, std::span<const std::byte> bytes) {
+  return ::crc32_z(state, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+}
+
+Json toJson(const RenderPosition& p) {
+  const RenderStatistics& s = p.statistics;
+  return {{"sample", p.sample},
+          {"render_seconds", s.renderSeconds},
+          {"photon_seconds", s.photonSeconds},
+          {"balance_seconds", s.balanceSeconds},
+          {"photons_emitted", s.photonsEmitted},
+          {"photons_stored", s.photonsStored},
+          {"photons_refused", s.photonsRefused},
+          {"map_bytes", s.mapBytes},
+          {"rays", s.counts.rays},
+          {"non_finite", s.counts.nonFinite},
+          {"weight_cut", s.counts.weightCut},
+          {"gathers", s.counts.gathers},
+          {"photons_found", s.counts.photonsFound},
+          {"passes", s.passes},
+          {"photon_maps", s.forwardPasses}};
+}
+
+RenderPosition positionFrom(const Json& j) {
+  RenderPosition p;
+  RenderStatistics& s = p.statistics;
+  j.at("sample").get_to(p.sample);
+  j.at("render_seconds").get_to(s.renderSeconds);
+  j.at("photon_seconds").get_to(s.photonSeconds);
+  j.at("balance_seconds").get_to(s.balanceSeconds);
+  j.at("photons_emitted").get_to(s.photonsEmitted);
+  j.at("photons_stored").get_to(s.photonsStored);
+  j.at("photons_refused").get_to(s.photonsRefused);
+  j.at("map_bytes").get_to(s.mapBytes);
+  j.at("rays").get_to(s.counts.rays);
+  j.at("non_finite").get_to(s.counts.nonFinite);
+  j.at("weight_cut").get_to(s.counts.weightCut);
+  j.at("gathers").get_to(s.counts.gathers);
+  j.at("photons_found").get_to(s.counts.photonsFound);
+  j.at("passes").get_to(s.passes);
+  j.at("photon_maps").get_to(s.forwardPasses);
+  return p;
+}
+
+} // namespace
+
+void writeCheckpoint(const std::string& fileName, Checkpoint& c) {
+  const PixelBounds& b = c.film.bounds();
+  Json parts = Json::array(), classes = Json::array();
+  for (const Checkpoint::Part& p : c.parts) parts.push_back({p.seed, p.first, p.end});
+  for (const PathClass& k : c.classes) classes.push_back({k.name, k.expression});
+  const Json json = {{"identity", c.identity},
+                     {"metadata", c.metadata},
+                     {"imaging_ratio", c.imagingRatio},
+                     {"classes", classes},
+                     {"parts", parts},
+                     {"position", toJson(c.position)},
+                     {"film", {b.x0, b.y0, b.x1, b.y1}}};
+  const std::string header = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const uint64_t size = header.size();
+  AtomicFile file(fileName);
+  uint64_t sum = 0;
+  const auto write = [&](std::span<const std::byte> bytes) {
+    sum = checksum(sum, bytes);
+    file.write(bytes.data(), bytes.size());
+  };
+  file.write(MAGIC.data(), MAGIC.size());
+  write(std::as_bytes(std::span(&size, 1)));
+  write(std::as_bytes(std::span(header)));
+  for (const std::span<std::byte> part : c.film.state()) write(part);
+  file.write(&sum, sizeof sum);
+  file.commit();
+}
+
+Checkpoint Checkpoint::read(const std::string& fileName) {
+  const auto fail = [&](const std::string& why) { throw Error(fileName + ": " + why); };
+  errno = 0;
+  std::ifstream in(fileName, std::ios::binary | std::ios::ate);
+  if (!in) fail(std::string("cannot be read: ") + std::strerror(errno));
+  const auto fileBytes = static_cast<uint64_t>(in.tellg());
+  in.seekg(0);
+  uint64_t sum = 0;
+  const auto take = [&](std::span<std::byte> bytes) {
+    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!in) fail("the checkpoint is cut off");
+    sum = checksum(sum, bytes);
+  };
+  std::string magic(MAGIC.size(), '\0');
+  if (!in.read(magic.data(), static_cast<std::streamsize>(magic.size())) || magic != MAGIC)
+    fail("is not a checkpoint of this version of Recurse");
+  uint64_t size = 0;
+  take(std::as_writable_bytes(std::span(&size, 1)));
+  if (size > MAX_HEADER) fail("the checkpoint is damaged");
+  std::string header(size, '\0');
+  take(std::as_writable_bytes(std::span(header)));
+  try {
+    const Json json = Json::parse(header);
+    std::vector<PathClass> classes;
+    for (const Json& k : json.at("classes")) classes.push_back({k.at(0), k.at(1)});
+    const Json& f = json.at("film");
+    const PixelBounds bounds{f.at(0), f.at(1), f.at(2), f.at(3)};
+    // What follows must be as long as the header says, before memory is taken for it.
+    const uint64_t left = fileBytes - MAGIC.size() - sizeof size - header.size();
+    const double pixelBytes = double(sizeof(Rgbd)) * double(classes.size()) + 32;
+    if (bounds.x1 <= bounds.x0 || bounds.y1 <= bounds.y0 || classes.empty() ||
+        double(bounds.width()) * double(bounds.height()) * pixelBytes + sizeof sum != double(left))
+      fail("the checkpoint is damaged or cut off");
+    Checkpoint c{json.at("identity"),
+                 json.at("metadata"),
+                 json.at("imaging_ratio"),
+                 classes,
+                 {},
+                 positionFrom(json.at("position")),
+                 Film(bounds, classes.size())};
+    for (const Json& p : json.at("parts")) c.parts.push_back({p.at(0), p.at(1), p.at(2)});
+    if (c.parts.empty()) fail("the checkpoint is damaged");
+    for (const std::span<std::byte> part : c.film.state()) take(part);
+    const uint64_t expected = sum;
+    take(std::as_writable_bytes(std::span(&size, 1)));
+    if (size != expected || in.peek() != std::ifstream::traits_type::eof()) fail("the checkpoint is damaged");
+    return c;
+  } catch (const Json::exception&) {
+    fail("the checkpoint is damaged");
+    throw;
+  }
+}
+
+void requireSame(const std::string& fileName, const std::map<std::string, std::string>& identity,
+                 const std::map<std::string, std::string>& other) {
+  std::string differences;
+  for (const auto& [name, value] : identity) {
+    const auto there = other.find(name);
+    if (there == other.end() || there->second != value)
+      differences += "\n  " + name + ": " + (there == other.end() ? "not said" : there->second) +
+                     " in the checkpoint, " + value + " here";
+  }
+  if (!differences.empty()) throw Error(fileName + ": is a render of something else:" + differences);
+}
+
+void merge(Checkpoint& into, const Checkpoint& other, const std::string& fileName) {
+  requireSame(fileName, into.identity, other.identity);
+  for (const Checkpoint::Part& p : other.parts)
+    for (const Checkpoint::Part& q : into.parts)
+      if (p.seed == q.seed && p.first < q.end && q.first < p.end)
+        throw Error(fileName + ": samples " + std::to_string(std::max(p.first, q.first)) + " to " +
+                    std::to_string(std::min(p.end, q.end) - 1) + " of seed " + std::to_string(p.seed) +
+                    " are there already; they would count twice");
+  into.film.add(other.film);
+  into.parts.insert(into.parts.end(), other.parts.begin(), other.parts.end());
+}
+
+} // namespace recurse

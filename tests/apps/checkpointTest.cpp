@@ -1,0 +1,160 @@
+/** @file
+ * `recurse render --checkpoint --resume --sample-range` and `recurse merge`: whatever interrupts a render, and
+ * however it is dealt out, the picture is the same to the bit.
+ */
+#include "program.h"
+
+#include <random>
+
+#include "recurse/core/image.h"
+#include "sanitized.h"
+
+using namespace programTesting;
+using recurse::readImage;
+
+namespace {
+
+class Checkpoints : public Program {
+ protected:
+  /** The picture of a render that goes through at once. */
+  std::vector<float> whole(const std::vector<std::string>& settings) {
+    const Outcome o = render(settings, {"-o", "whole.exr"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    return readImage(file("whole.exr")).pixels;
+  }
+  Outcome render(std::vector<std::string> settings, const std::vector<std::string>& more,
+                 const std::function<void(pid_t)>& meanwhile = {}) {
+    settings.insert(settings.begin(), {"render", "scene.pbrt", "-q"});
+    settings.insert(settings.end(), more.begin(), more.end());
+    return run(settings, meanwhile);
+  }
+  void expectError(const Outcome& o, const std::string& text) {
+    EXPECT_NE(o.status, 0);
+    EXPECT_LT(o.status, 128) << "killed";
+    EXPECT_TRUE(has(o.err, text)) << o.err;
+  }
+};
+
+const std::vector<std::string> PATH = {"--integrator", "path", "--spp", "64"};
+const std::vector<std::string> SPPM = {"--integrator", "sppm", "--spp", "24", "--photons", "2000"};
+
+} // namespace
+
+TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
+  const int wanted = recurse::testing::samples(50);
+  std::mt19937 random(3);
+  int kills = 0;
+  for (int round = 0; kills < wanted; ++round) {
+    ASSERT_LT(round, 40) << "renders end before they are killed";
+    const std::vector<std::string>& settings = round % 2 == 0 ? PATH : SPPM;
+    const std::vector<float> truth = whole(settings);
+    std::filesystem::remove(file("c.rck"));
+    // At first too short to get anywhere; longer and longer, so that it ends some time.
+    for (int longest = 40000;; longest = longest * 5 / 4) {
+      const auto delay = std::chrono::microseconds(std::uniform_int_distribution<>(1000, longest)(random));
+      const Outcome o = render(settings,
+                               {"--checkpoint", "c.rck", "--checkpoint-interval", "0.005s", "--resume", "-o", "r.exr"},
+                               [&](pid_t child) {
+                                 std::this_thread::sleep_for(delay);
+                                 ::kill(child, SIGKILL);
+                               });
+      if (o.status == 0) break;
+      ASSERT_EQ(o.status, 128 + SIGKILL) << o.err;
+      ++kills;
+    }
+    ASSERT_TRUE(readImage(file("r.exr")).pixels == truth) << "round " << round << " after " << kills << " kills";
+  }
+}
+
+TEST_F(Checkpoints, InterruptedRendersGoOn) {
+  const std::vector<std::string> settings = {"--integrator", "path", "--spp", "3000"};
+  const std::vector<float> truth = whole(settings);
+  const std::vector<std::string> kept = {"--checkpoint", "c.rck", "--resume", "-o", "r.exr"};
+  const Outcome interrupted = render(settings, kept, [](pid_t child) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    ::kill(child, SIGINT);
+  });
+  ASSERT_EQ(interrupted.status, 130) << interrupted.err;
+  EXPECT_TRUE(std::filesystem::exists(file("c.rck")));
+  const Outcome o = render(settings, kept);
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(readImage(file("r.exr")).pixels == truth);
+  // And once it is complete, nothing is left to be done.
+  ASSERT_EQ(render(settings, kept).status, 0);
+  EXPECT_TRUE(readImage(file("r.exr")).pixels == truth);
+}
+
+TEST_F(Checkpoints, PartsAddUpToTheWhole) {
+  for (const std::vector<std::string>& settings : {PATH, SPPM}) {
+    const std::vector<float> truth = whole(settings);
+    const std::string last = settings[3];
+    for (const auto& [name, range] : std::vector<std::pair<std::string, std::string>>{
+             {"a.rck", "0:5"}, {"b.rck", "5:16"}, {"c.rck", "16:" + last}}) {
+      std::filesystem::remove(file(name));
+      const Outcome o = render(settings, {"--sample-range", range, "--checkpoint", name, "-o", "part.exr"});
+      ASSERT_EQ(o.status, 0) << o.err;
+    }
+    ASSERT_EQ(run({"merge", "c.rck", "a.rck", "--checkpoint", "ca.rck"}).status, 0);
+    const Outcome o = run({"merge", "ca.rck", "b.rck", "-o", "sum.exr", "-o", "sum.png"});
+    ASSERT_EQ(o.status, 0) << o.err;
+    const recurse::Image sum = readImage(file("sum.exr"));
+    EXPECT_EQ(sum.metadata.at("recurse:samples"), last);
+    ASSERT_EQ(sum.pixels.size(), truth.size());
+    for (size_t i = 0; i < truth.size(); ++i) // sums in another order, in double precision
+      ASSERT_NEAR(sum.pixels[i], truth[i], 1e-6f * truth[i]);
+    expectError(run({"merge", "ca.rck", "a.rck", "-o", "x.exr"}), "they would count twice");
+  }
+}
+
+TEST_F(Checkpoints, OtherSeedsAddUp) {
+  for (const char* seed : {"1", "2"})
+    ASSERT_EQ(render(PATH, {"--seed", seed, "--checkpoint", std::string(seed) + ".rck", "-o",
+                            std::string(seed) + ".exr"})
+                  .status,
+              0);
+  ASSERT_EQ(run({"merge", "1.rck", "2.rck", "-o", "sum.exr"}).status, 0);
+  const auto a = readImage(file("1.exr")).pixels, b = readImage(file("2.exr")).pixels,
+             sum = readImage(file("sum.exr")).pixels;
+  double difference = 0;
+  for (size_t i = 0; i < sum.size(); ++i) {
+    EXPECT_NEAR(sum[i], (a[i] + b[i]) / 2, 1e-5f * (a[i] + b[i])); // a box filter: all weights are one
+    difference += std::abs(double(a[i]) - double(b[i]));
+  }
+  EXPECT_GT(difference, 0);
+}
+
+TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
+  ASSERT_EQ(render(PATH, {"--checkpoint", "c.rck", "-o", "a.exr"}).status, 0);
+  expectError(render(PATH, {"--checkpoint", "c.rck", "-o", "a.exr"}), "--resume");
+  const std::vector<std::string> resume = {"--checkpoint", "c.rck", "--resume", "-o", "a.exr"};
+  const auto resumed = [&](const std::vector<std::string>& settings) { return render(settings, resume); };
+  expectError(resumed({"--integrator", "path", "--spp", "65"}), "samples per pixel: 64 in the checkpoint, 65");
+  expectError(resumed({"--integrator", "path", "--spp", "64", "--maxdepth", "3"}), "integrator:");
+  expectError(resumed({"--integrator", "path", "--spp", "64", "--resolution", "30x20"}), "resolution:");
+  expectError(resumed({"--integrator", "path", "--spp", "64", "--cropwindow", "0,.5,0,1"}), "part of the picture");
+  expectError(resumed({"--integrator", "path", "--spp", "64", "--paths", "LDE"}), "path classes:");
+  expectError(resumed({"--integrator", "path", "--spp", "64", "--seed", "8"}), "seed 8");
+  write("scene.pbrt", scene() + "\n# another word\n");
+  expectError(resumed(PATH), "scene files");
+  write("scene.pbrt", scene());
+  EXPECT_EQ(resumed(PATH).status, 0);
+
+  const std::string good = contents(file("c.rck"));
+  for (const size_t size : {size_t(0), size_t(10), size_t(25), size_t(300), good.size() / 2, good.size() - 1}) {
+    write("bad.rck", good.substr(0, size));
+    expectError(run({"merge", "bad.rck", "-o", "x.exr"}), "bad.rck: ");
+  }
+  for (const size_t place : {size_t(3), size_t(23), size_t(200), good.size() / 2, good.size() - 3}) {
+    std::string damaged = good;
+    damaged[place] = static_cast<char>(damaged[place] ^ 0x55);
+    write("bad.rck", damaged);
+    expectError(run({"merge", "bad.rck", "-o", "x.exr"}), "bad.rck: ");
+  }
+  expectError(run({"merge", "none.rck", "-o", "x.exr"}), "none.rck: ");
+  expectError(run({"merge", "c.rck"}), "nothing to write");
+  EXPECT_FALSE(std::filesystem::exists(file("x.exr")));
+  for (const char* range : {"5", "5:5", "-1:5", "0:65", "a:b", ""})
+    expectError(render(PATH, {"--sample-range", range}), "--sample-range");
+  expectError(render({"--integrator", "path"}, {"--sample-range", "0:4"}), "--spp");
+  expectError(render(PATH, {"--resume"}), "--checkpoint");
+}
