@@ -2,6 +2,7 @@
  * Metals, smooth and rough: mirrors, large or microscopic, with the Fresnel reflectance of a conductor.
  */
 #include "recurse/model/conductorOptics.h"
+#include "recurse/model/facetLosses.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/roughness.h"
 
@@ -21,7 +22,7 @@ class MirrorBsdf final : public Bsdf {
   ConductorOptics optics;
 };
 
-class RoughConductorBsdf final : public Bsdf {
+class RoughConductorBsdf : public Bsdf {
  public:
   RoughConductorBsdf(const ConductorOptics& optics, const Microfacets& facets)
       : optics(optics), facets(facets) {}
@@ -42,19 +43,79 @@ class RoughConductorBsdf final : public Bsdf {
   }
   Rgb albedo(const Vec3f& wi) const override { return optics.reflectance(std::abs(wi.z)); }
 
- private:
+ protected:
+  ~RoughConductorBsdf() = default;
   ConductorOptics optics;
   Microfacets facets;
 };
 
+class SingleScattering final : public RoughConductorBsdf {
+ public:
+  using RoughConductorBsdf::RoughConductorBsdf;
+};
+
+/** With the light that meets several facets: what single scattering loses, times the reflectance of all
+ * further facets (Kulla and Conty 2017, with the Fresnel factor of Hill 2018, "A Multi-Faceted Exploration").
+ */
+class MultipleScattering final : public RoughConductorBsdf {
+ public:
+  MultipleScattering(const ConductorOptics& optics, const Rgb& meanReflectance, const Microfacets& facets,
+                     const FacetLosses& losses)
+      : RoughConductorBsdf(optics, facets), losses(&losses), meanLost(losses.meanLost(facets)) {
+    further = meanReflectance * meanReflectance * (1 - meanLost) / (1.0f - meanReflectance * meanLost);
+    white = meanReflectance.r > 0.999f && meanReflectance.g > 0.999f && meanReflectance.b > 0.999f;
+  }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+    if (!(wi.z * wo.z > 0)) return BLACK;
+    return RoughConductorBsdf::value(wi, wo) + further * (lost(wi) * lost(wo) / meanLost * INV_PI);
+  }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+    if (!(wi.z * wo.z > 0)) return 0;
+    const float more = lost(wi);
+    return (1 - more) * RoughConductorBsdf::pdf(wi, wo) + more * std::abs(wo.z) * INV_PI;
+  }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    if (pick >= lost(wi)) return RoughConductorBsdf::sample(wi, u, pick);
+    const Vec3f wo = cosineHemisphere(u);
+    return Vec3f(wo.x, wo.y, std::copysign(wo.z, wi.z));
+  }
+  Rgb albedo(const Vec3f& wi) const override {
+    const float more = lost(wi);
+    return glm::min(RoughConductorBsdf::albedo(wi) * (1 - more) + further * more, Rgb(1));
+  }
+  bool lossless() const override { return white; }
+
+ private:
+  float lost(const Vec3f& w) const { return losses->lost(w, facets); }
+
+  const FacetLosses* losses;
+  float meanLost;
+  Rgb further; ///< what of the lost light leaves after all
+  bool white;
+};
+
+/** The part that facets of perfect mirrors let go after one reflection. */
+float mirrorAlbedo(const Vec3f& wi, const Microfacets& facets, const Vec2f& u) {
+  const Vec3f m = facets.sampleVisible(wi, u), wo = mirrored(wi, m);
+  const float p = wo.z > 0 ? facets.reflectionPdf(wi, m) : 0;
+  return p > 0 ? facets.reflection(wi, wo, m) * wo.z / p : 0;
+}
+
 class Conductor final : public Material {
  public:
-  Conductor(const ConductorParameters& optics, const Roughness& roughness)
-      : optics(optics), roughness(roughness) {}
+  Conductor(const ConductorParameters& optics, const Roughness& roughness, bool multiple)
+      : optics(optics), roughness(roughness) {
+    if (!multiple) return;
+    losses = FacetLosses(roughness, mirrorAlbedo);
+    if (!optics.textured()) meanReflectance = optics.at({}).meanReflectance();
+  }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Microfacets facets = roughness.at(point);
-    if (facets.smooth()) return arena.make<MirrorBsdf>(optics.at(point));
-    return arena.make<RoughConductorBsdf>(optics.at(point), facets);
+    const ConductorOptics here = optics.at(point);
+    if (facets.smooth()) return arena.make<MirrorBsdf>(here);
+    if (losses.empty()) return arena.make<SingleScattering>(here, facets);
+    return arena.make<MultipleScattering>(here, meanReflectance ? *meanReflectance : here.meanReflectance(),
+                                          facets, losses);
   }
   LobeSet lobes() const override {
     return LobeSet((roughness.neverSmooth() ? NO_LOBE : MIRROR) |
@@ -64,6 +125,8 @@ class Conductor final : public Material {
  private:
   ConductorParameters optics;
   Roughness roughness;
+  FacetLosses losses;                 ///< empty: not asked for
+  std::optional<Rgb> meanReflectance; ///< where it is the same everywhere
 };
 
 } // namespace
@@ -72,6 +135,7 @@ void registerConductor(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters;
   addConductorParameters(parameters);
   addRoughnessParameters(parameters);
+  addMultipleScatteringParameter(parameters);
   plugIns.materials.add(
       {{.name = "conductor",
         .summary = "A metal: mirror reflection with Fresnel's formulas, spread by roughness.",
@@ -85,9 +149,16 @@ void registerConductor(PlugIns& plugIns) {
                      "\"float uroughness\" .05 \"float vroughness\" .4 \"bool remaproughness\" false",
                      "\"float roughness\" .002 \"string distribution\" \"beckmann\" "
                      "\"bool remaproughness\" false",
-                     "\"float uroughness\" .6 \"float vroughness\" .1 \"string distribution\" \"beckmann\""}},
+                     "\"float uroughness\" .6 \"float vroughness\" .1 \"string distribution\" \"beckmann\"",
+                     "\"float roughness\" .3 \"rgb reflectance\" [1 1 1] \"bool multiscatter\" true",
+                     "\"float roughness\" 1 \"rgb reflectance\" [1 1 1] \"bool multiscatter\" true",
+                     "\"float roughness\" .8 \"bool multiscatter\" true \"string distribution\" \"beckmann\"",
+                     "\"float uroughness\" .6 \"float vroughness\" .1 \"rgb reflectance\" [1 1 1] "
+                     "\"bool multiscatter\" true"}},
        [](const Parameters& p, const MaterialContext& c) {
-         return std::make_unique<Conductor>(ConductorParameters(p, c.textures), Roughness(p, c.textures));
+         const Roughness roughness(p, c.textures);
+         return std::make_unique<Conductor>(ConductorParameters(p, c.textures), roughness,
+                                            wantsMultipleScattering(p, roughness));
        }});
 }
 

@@ -3,6 +3,7 @@
  * refraction.
  */
 #include "recurse/model/dielectricInterface.h"
+#include "recurse/model/facetLosses.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/roughness.h"
 
@@ -21,7 +22,7 @@ class DielectricBsdf final : public Bsdf {
   DielectricInterface surface;
 };
 
-class RoughDielectricBsdf final : public Bsdf {
+class RoughDielectricBsdf : public Bsdf {
  public:
   explicit RoughDielectricBsdf(const DielectricInterface& surface) : surface(surface) {}
   LobeSet lobes() const override {
@@ -35,17 +36,100 @@ class RoughDielectricBsdf final : public Bsdf {
   Rgb albedo(const Vec3f&) const override { return Rgb(1); }
   float eta() const override { return surface.eta; }
 
- private:
+ protected:
+  ~RoughDielectricBsdf() = default;
   DielectricInterface surface;
+};
+
+class SingleScattering final : public RoughDielectricBsdf {
+ public:
+  using RoughDielectricBsdf::RoughDielectricBsdf;
+};
+
+/** The part of the light from one side that leaves after one facet, as FacetLosses wants it. */
+auto singleAlbedo(float eta, float side) {
+  return [eta, side](const Vec3f& up, const Microfacets& facets, const Vec2f& u) {
+    const DielectricInterface surface{eta, facets};
+    float sum = 0;
+    for (const Lobe lobe : {REFLECTION, TRANSMISSION})
+      if (const auto step = surface.step({up.x, up.y, up.z * side}, u, lobe)) sum += step->weight;
+    return sum;
+  };
+}
+
+/** What single scattering loses of the light on either side. */
+struct InterfaceLosses {
+  InterfaceLosses(float eta, const Roughness& roughness)
+      : above(roughness, singleAlbedo(eta, 1)), below(roughness, singleAlbedo(eta, -1)) {
+    constexpr int N = 256; // 1 - 2 ∫ F(μ) μ dμ
+    for (int i = 0; i < N; ++i) {
+      const float c = (static_cast<float>(i) + 0.5f) / N;
+      transmittance += (1 - dielectricFresnel(c, eta).reflectance) * 2 * c / N;
+    }
+  }
+  const FacetLosses& on(float z) const { return z > 0 ? above : below; }
+
+  FacetLosses above, below;
+  float transmittance = 0; ///< of diffuse light from above
+};
+
+/**
+ * With the light that meets several facets. On its side of the surface, and on the other, it leaves in the
+ * shape of what is lost there; how much goes through is as much as Fresnel's mean asks for, and what the
+ * reciprocity of both ways, up to the squares of the indices, allows.
+ */
+class MultipleScattering final : public RoughDielectricBsdf {
+ public:
+  MultipleScattering(const DielectricInterface& surface, const InterfaceLosses& losses)
+      : RoughDielectricBsdf(surface), losses(&losses), meanAbove(losses.above.meanLost(surface.facets)),
+        meanBelow(losses.below.meanLost(surface.facets)) {
+    const float k = losses.transmittance / std::max(meanAbove, meanBelow);
+    fromAbove = k * meanBelow;
+    fromBelow = k * meanAbove / square(surface.eta);
+  }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+    if (wi.z == 0 || wo.z == 0) return BLACK;
+    const float mean = wo.z > 0 ? meanAbove : meanBelow;
+    return RoughDielectricBsdf::value(wi, wo) + Rgb(share(wi, wo) * lost(wi) * lost(wo) / mean * INV_PI);
+  }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+    if (wi.z == 0 || wo.z == 0) return 0;
+    const float more = lost(wi);
+    return (1 - more) * surface.pdf(wi, wo) + more * share(wi, wo) * std::abs(wo.z) * INV_PI;
+  }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    const float more = lost(wi);
+    if (pick >= more) return surface.sample(wi, u, std::min((pick - more) / (1 - more), ONE_MINUS_EPSILON));
+    const Vec3f wo = cosineHemisphere(u);
+    const bool through = pick < more * (wi.z > 0 ? fromAbove : fromBelow);
+    return Vec3f(wo.x, wo.y, (wi.z > 0) != through ? wo.z : -wo.z);
+  }
+  bool lossless() const override { return true; }
+
+ private:
+  float lost(const Vec3f& w) const { return losses->on(w.z).lost(w, surface.facets); }
+  /** Of the light from wi that is lost, the part that leaves on the side of wo. */
+  float share(const Vec3f& wi, const Vec3f& wo) const {
+    const float through = wi.z > 0 ? fromAbove : fromBelow;
+    return wi.z * wo.z > 0 ? 1 - through : through;
+  }
+
+  const InterfaceLosses* losses;
+  float meanAbove, meanBelow;
+  float fromAbove, fromBelow; ///< the parts of what is lost that go through
 };
 
 class Dielectric final : public Material {
  public:
-  Dielectric(float eta, const Roughness& roughness) : eta(eta), roughness(roughness) {}
+  Dielectric(float eta, const Roughness& roughness, bool multiple) : eta(eta), roughness(roughness) {
+    if (multiple && eta != 1 && !roughness.alwaysSmooth()) losses.emplace(eta, roughness);
+  }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Microfacets facets = roughness.at(point);
     if (eta == 1 || facets.smooth()) return arena.make<DielectricBsdf>(eta);
-    return arena.make<RoughDielectricBsdf>(DielectricInterface{eta, facets});
+    const DielectricInterface surface{eta, facets};
+    if (!losses) return arena.make<SingleScattering>(surface);
+    return arena.make<MultipleScattering>(surface, *losses);
   }
   LobeSet lobes() const override {
     return LobeSet((eta != 1 && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
@@ -55,6 +139,7 @@ class Dielectric final : public Material {
  private:
   float eta;
   Roughness roughness;
+  std::optional<InterfaceLosses> losses; ///< none: not asked for
 };
 
 } // namespace
@@ -66,6 +151,7 @@ void registerDielectric(PlugIns& plugIns) {
           "refractive index inside over outside (the side of the normal); of a spectrum, the value for green")
           .range(1e-3, 1e3)};
   addRoughnessParameters(parameters);
+  addMultipleScatteringParameter(parameters);
   plugIns.materials.add(
       {{.name = "dielectric",
         .summary = "Glass, water and the like: Fresnel reflection and refraction, spread by roughness.",
@@ -75,10 +161,16 @@ void registerDielectric(PlugIns& plugIns) {
                      "\"float roughness\" .1 \"bool remaproughness\" false",
                      "\"float roughness\" .4 \"float eta\" .7", "\"float roughness\" 1 \"float eta\" 1.33",
                      "\"float uroughness\" .05 \"float vroughness\" .5",
-                     "\"float roughness\" .2 \"float eta\" 2 \"string distribution\" \"beckmann\""}},
+                     "\"float roughness\" .2 \"float eta\" 2 \"string distribution\" \"beckmann\"",
+                     "\"float roughness\" .3 \"bool multiscatter\" true",
+                     "\"float roughness\" 1 \"float eta\" .7 \"bool multiscatter\" true",
+                     "\"float roughness\" .5 \"float eta\" 2 \"bool multiscatter\" true "
+                     "\"string distribution\" \"beckmann\"",
+                     "\"float uroughness\" .05 \"float vroughness\" .5 \"bool multiscatter\" true"}},
        [](const Parameters& p, const MaterialContext& c) {
-         return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g),
-                                             Roughness(p, c.textures));
+         const Roughness roughness(p, c.textures);
+         return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g), roughness,
+                                             wantsMultipleScattering(p, roughness));
        }});
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 /** The part of the light from each direction that the coat reflects. */
 AlbedoTable coatAlbedo(float eta, MicrofacetKind kind, float least, float most) {
-  return {least, most, [&](const Vec3f& wi, float alpha, const Vec2f& u, float) {
+  return {least, most, [&](const Vec3f& wi, float alpha, const Vec2f& u) {
             const DielectricInterface coat{eta, {kind, Vec2f(alpha)}};
             const auto s = coat.step(wi, u, REFLECTION);
             return s ? s->weight : 0.0f;

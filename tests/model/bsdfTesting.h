@@ -67,29 +67,39 @@ inline SurfacePoint flatPoint() {
   return p;
 }
 
-/** Calls test(bsdf) for a use of a material. */
-template <class F>
-void withBsdf(const std::string& name, const std::string& parameters, const NamedMaterials& named,
-              const F& test) {
-  SCOPED_TRACE(name + " " + parameters);
-  const auto material = makeMaterial(name, parameters, named.context());
-  ASSERT_TRUE(material);
-  BsdfArena arena;
-  const Bsdf* bsdf = material->bsdfAt(flatPoint(), arena);
-  if (!bsdf) {
-    EXPECT_EQ(material->lobes(), NO_LOBE);
-    return;
-  }
-  EXPECT_EQ(bsdf->lobes() & ~material->lobes() & ALL_LOBES, 0)
-      << "a lobe that the material does not announce";
-  test(*bsdf);
+/** A material from one of its own examples. */
+struct MaterialUse {
+  std::string text;
+  std::unique_ptr<Material> material;
+};
+/** All examples of all materials, made once: tables take their time. */
+inline const std::vector<MaterialUse>& everyUse() {
+  static const NamedMaterials named;
+  static const std::vector<MaterialUse> uses = [] {
+    std::vector<MaterialUse> out;
+    for (const auto& entry : plugIns().materials.entries())
+      for (const std::string& example : entry.examples)
+        out.push_back({entry.name + " " + example, makeMaterial(entry.name, example, named.context())});
+    return out;
+  }();
+  return uses;
 }
 
-/** Calls test(bsdf) for each example of each material. */
+/** Calls test(bsdf) for each use. */
 template <class F> void forEachBsdf(const F& test) {
-  const NamedMaterials named;
-  for (const auto& entry : plugIns().materials.entries())
-    for (const std::string& example : entry.examples) withBsdf(entry.name, example, named, test);
+  for (const MaterialUse& use : everyUse()) {
+    SCOPED_TRACE(use.text);
+    ASSERT_TRUE(use.material);
+    BsdfArena arena;
+    const Bsdf* bsdf = use.material->bsdfAt(flatPoint(), arena);
+    if (!bsdf) {
+      EXPECT_EQ(use.material->lobes(), NO_LOBE);
+      continue;
+    }
+    EXPECT_EQ(bsdf->lobes() & ~use.material->lobes() & ALL_LOBES, 0)
+        << "a lobe that the material does not announce";
+    test(*bsdf);
+  }
 }
 
 /** Both sides, from the normal to grazing, in several azimuths. */

@@ -13,12 +13,14 @@ namespace recurse {
 class AlbedoTable {
  public:
   AlbedoTable() = default;
-  /** albedo(wi, alpha, u, pick) is one sample's weight for a direction with wi.y = 0, wi.z > 0, and is
-   * averaged over u and pick. Roughness goes from `least` to `most`; equal ones need one row. */
-  template <class F> AlbedoTable(float least, float most, const F& albedo) : least(least), most(most) {
-    rows = most > least ? ROWS : 1;
+  /** albedo(wi, alpha, u) is one sample's weight for a direction with wi.y = 0, wi.z > 0, and is
+   * averaged over u. Roughness goes from `least` to `most`; equal ones need one row. */
+  template <class F>
+  AlbedoTable(float least, float most, const F& albedo, int rowsBetween = 20)
+      : least(least), most(most), rows(most > least ? rowsBetween : 1) {
     values.resize(static_cast<size_t>(rows * COLUMNS));
     means.resize(static_cast<size_t>(rows));
+    const int strata = rows > 1 ? 24 : 48;
     for (int row = 0; row < rows; ++row) {
       const float s = rows > 1 ? static_cast<float>(row) / static_cast<float>(rows - 1) : 0;
       const float alpha = least + square(s) * (most - least);
@@ -26,16 +28,13 @@ class AlbedoTable {
         const float cosine = std::max(square(static_cast<float>(column) / (COLUMNS - 1)), 1e-4f);
         const Vec3f wi(std::sqrt(1 - square(cosine)), 0, cosine);
         double sum = 0;
-        for (int i = 0; i < STRATA; ++i)
-          for (int j = 0; j < STRATA; ++j) {
-            const Vec2f u((static_cast<float>(i) + 0.5f) / STRATA, (static_cast<float>(j) + 0.5f) / STRATA);
-            // A third dimension from the additive recurrence of the plastic number's first power.
-            const float pick =
-                static_cast<float>(std::fmod((i * STRATA + j + 0.5) * 0.7548776662466927, 1.0));
-            sum += static_cast<double>(albedo(wi, alpha, u, pick));
+        for (int i = 0; i < strata; ++i)
+          for (int j = 0; j < strata; ++j) {
+            const Vec2f u = Vec2f(static_cast<float>(i) + 0.5f, static_cast<float>(j) + 0.5f);
+            sum += static_cast<double>(albedo(wi, alpha, u / static_cast<float>(strata)));
           }
         values[static_cast<size_t>(row * COLUMNS + column)] =
-            std::min(static_cast<float>(sum / (STRATA * STRATA)), 1.0f);
+            std::min(static_cast<float>(sum / (strata * strata)), 1.0f);
       }
       // 2 ∫ E(μ) μ dμ = 4 ∫ E t³ dt with μ = t², E linear in t between the columns.
       double mean = 0;
@@ -69,7 +68,7 @@ class AlbedoTable {
   }
 
  private:
-  static constexpr int ROWS = 20, COLUMNS = 40, STRATA = 24;
+  static constexpr int COLUMNS = 40;
 
   template <class F> float overRows(float alpha, const F& inRow) const {
     if (rows == 1) return inRow(0);

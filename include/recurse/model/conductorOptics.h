@@ -19,6 +19,14 @@ struct ConductorOptics {
     return {conductorFresnel(c, eta.r, k.r), conductorFresnel(c, eta.g, k.g),
             conductorFresnel(c, eta.b, k.b)};
   }
+  /** Of light from all directions alike: 2 ∫ R(μ) μ dμ, by Gauss' rule of five points. */
+  Rgb meanReflectance() const {
+    Rgb sum(0);
+    constexpr float X[] = {0.0469101f, 0.2307653f, 0.5f, 0.7692347f, 0.9530899f},
+                    W[] = {0.1184634f, 0.2393143f, 0.2844444f, 0.2393143f, 0.1184634f};
+    for (int i = 0; i < 5; ++i) sum += reflectance(X[i]) * (2 * W[i] * X[i]);
+    return sum;
+  }
 };
 
 /** Declares `eta`, `k` and `reflectance`; coatings put `prefix` before the first two. */
@@ -56,6 +64,7 @@ class ConductorParameters {
     if (p.has(prefix + "k")) k = textures.rgb(p, prefix + "k");
   }
 
+  bool textured() const { return eta.texture || k.texture || reflectance.texture; }
   ConductorOptics at(const SurfacePoint& point) const {
     if (!fromReflectance) return {eta.at(point), k.at(point)};
     // pbrt's meaning of `reflectance`: the conductor with eta 1 that has this reflectance at normal
