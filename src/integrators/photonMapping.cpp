@@ -24,7 +24,7 @@ struct PhotonMappingSettings {
   int nearest = 0;      ///< 0: all photons within the radius, or chosen where there is none
   double radius = 0;    ///< 0: found out from the photons' density
   int maxDepth = -1;
-  bool shadowRays = true;
+  bool shadowRays = true, guided = true;
   int lightSamples = 1;
   float weightLimit = 0.03f;
   float flatness = 0.2f;
@@ -66,6 +66,10 @@ class PhotonMapping final : public Integrator {
                                   : ONE_MAP_PHOTONS;
     shoot.maxDepth = settings.maxDepth;
     shoot.direct = !settings.shadowRays;
+    if (pass.index == 0)
+      guide =
+          settings.guided ? learn(scene, classes, pass.seed, shoot, control, statistics) : EmissionGuide();
+    shoot.guide = &guide;
     ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
     statistics.counts = shot.counts;
     statistics.photonsEmitted = shot.emitted;
@@ -296,6 +300,33 @@ class PhotonMapping final : public Integrator {
     return false;
   }
 
+  /** Where photons should start, so that they come down where the eye looks. */
+  EmissionGuide learn(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                      const ShootSettings& shoot, const ForwardControl& control,
+                      ForwardStatistics& statistics) const {
+    const PixelBounds& crop = scene.film().crop;
+    constexpr int PROBES = 96;
+    const float spacing = std::sqrt(float(crop.area())) / PROBES;
+    VisibleRegion region;
+    for (int y = 0; y < PROBES; ++y)
+      for (int x = 0; x < PROBES; ++x) {
+        const Vec2f film(float(crop.x0) + (float(x) + 0.5f) / PROBES * float(crop.width()),
+                         float(crop.y0) + (float(y) + 0.5f) / PROBES * float(crop.height()));
+        Hit hit;
+        float footprint = 0;
+        const Sampler sampler(1, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
+        if (firstDiffuse(scene, scene.camera().ray(film), sampler, hit, statistics.counts, footprint) &&
+            footprint > 0)
+          region.add(hit.point.position, footprint * std::max(spacing, 2.0f));
+      }
+    EmissionGuide learned = learnEmission(scene, classes, seed, shoot, region, control, statistics.counts);
+    if (learned.active())
+      statistics.notes.push_back(
+          text("photons: sent where the eye looks, each worth %.3g times what it is worth without",
+               learned.gain()));
+    return learned;
+  }
+
   /**
    * Looks at the photons where the eye does, and settles the search: the k nearest photons, within a limit
    * that keeps dark corners from smearing over the whole scene; or all within the radius that was asked for.
@@ -389,6 +420,7 @@ class PhotonMapping final : public Integrator {
   PhotonMap map;
   GatherSettings search;  ///< of the first pass
   RadiusField firstRadii; ///< of the first pass, for the others
+  EmissionGuide guide;    ///< learned before the first pass, for all
   bool progressive = false;
   float scale = 1; ///< radius of this pass over that of the first
 };
@@ -401,6 +433,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.lightSamples = p.integer("lightsamples");
   s.weightLimit = static_cast<float>(p.real("weightlimit"));
   s.flatness = static_cast<float>(p.real("flatness"));
+  s.guided = p.boolean("guided");
   s.sharing = LobeSharing::belowRoughness(p.real("followroughness"));
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
@@ -431,6 +464,9 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
        stringParameter("direct", "shadowrays",
                        "where direct light comes from: shadow rays, or photons like all other light")
            .oneOf({"shadowrays", "photons"}),
+       booleanParameter("guided", "true",
+                        "send photons where the eye looks: learned from trial photons, without bias; used "
+                        "where that pays"),
        integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
        realParameter(
            "weightlimit", "0.03",

@@ -17,17 +17,18 @@ class DiffuseArea final : public AreaLight {
   Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const override {
     return twoSided || glm::dot(point.geometricNormal, direction) > 0 ? constant : BLACK;
   }
-  std::optional<Emission> emit(Sampler& sampler) const override {
-    float pick = sampler.next1D();
-    const ShapeSample s = shape().sampleArea(pick, sampler.next2D());
+  std::optional<Emission> emit(const EmissionSample& sample) const override {
+    const ShapeSample s = shape().sampleArea(sample.pick, sample.place);
     if (!(s.pdf > 0)) return {};
     Vec3f normal = s.point.geometricNormal;
     float sides = 1;
-    if (twoSided) {
-      if (sampler.next1D() < 0.5f) normal = -normal;
+    Vec2f u = sample.direction;
+    if (twoSided) { // one number for the side and what is left over of it
+      if (u.x < 0.5f) normal = -normal;
+      u.x = 2 * u.x - (u.x < 0.5f ? 0.0f : 1.0f);
       sides = 2;
     }
-    const Vec3f direction = Frame(normal).toWorld(cosineHemisphere(sampler.next2D()));
+    const Vec3f direction = Frame(normal).toWorld(cosineHemisphere(u));
     return Emission{s.point.rayOrigin(direction), direction,
                     constant * (opacity(s.point) * PI * sides / s.pdf)};
   }

@@ -13,8 +13,8 @@ class Distant final : public Light {
   Distant(const Vec3f& towardsLight, const Rgb& irradiance) : frame(towardsLight), irradiance(irradiance) {}
   void prepare(const SceneBounds& b) override { bounds = b; }
   Rgb power() const override { return irradiance * (PI * square(bounds.radius)); }
-  std::optional<Emission> emit(Sampler& sampler) const override {
-    const Vec2f d = uniformDisk(sampler.next2D()) * bounds.radius;
+  std::optional<Emission> emit(const EmissionSample& sample) const override {
+    const Vec2f d = uniformDisk(sample.place) * bounds.radius;
     return Emission{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z,
                     power()};
   }

@@ -13,10 +13,10 @@ class Infinite final : public EnvironmentLight {
   explicit Infinite(const Rgb& radiance) : constant(radiance) {}
   void prepare(const SceneBounds& b) override { bounds = b; }
   Rgb power() const override { return constant * (4 * square(PI * bounds.radius)); }
-  std::optional<Emission> emit(Sampler& sampler) const override {
+  std::optional<Emission> emit(const EmissionSample& sample) const override {
     // A disc over the bounding sphere, seen from a direction that is uniform on the sphere.
-    const Frame frame(uniformSphere(sampler.next2D()));
-    const Vec2f d = uniformDisk(sampler.next2D()) * bounds.radius;
+    const Frame frame(uniformSphere(sample.direction));
+    const Vec2f d = uniformDisk(sample.place) * bounds.radius;
     return Emission{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z,
                     power()};
   }

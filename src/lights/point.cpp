@@ -12,8 +12,8 @@ class Point final : public Light {
  public:
   Point(const Vec3f& position, const Rgb& intensity) : position(position), intensity(intensity) {}
   Rgb power() const override { return intensity * (4 * PI); }
-  std::optional<Emission> emit(Sampler& sampler) const override {
-    return Emission{position, uniformSphere(sampler.next2D()), power()};
+  std::optional<Emission> emit(const EmissionSample& sample) const override {
+    return Emission{position, uniformSphere(sample.direction), power()};
   }
   std::optional<Illumination> illuminate(const Vec3f& point, float, const Vec2f&) const override {
     const Vec3f towards = position - point;

@@ -19,10 +19,10 @@ class Spot final : public Light {
   }
   Rgb power() const override { return intensity * static_cast<float>(solidAngle(cosEdge, cosFull)); }
 
-  std::optional<Emission> emit(Sampler& sampler) const override {
+  std::optional<Emission> emit(const EmissionSample& sample) const override {
     // Directions in proportion to the falloff, so that every photon has the same flux.
     const double full = 1 - cosFull, ring = (cosFull - cosEdge) / 2;
-    Vec2f u = sampler.next2D();
+    const Vec2f& u = sample.direction;
     double c = double(u.x) * (full + ring);
     c = c < full ? 1 - c : cosEdge + (cosFull - cosEdge) * inverseSmoothStep((c - full) / ring);
     const double s = std::sqrt(std::max(0.0, (1 - c) * (1 + c)));

@@ -442,8 +442,7 @@ class SceneBuilder final : public TextureLookup {
     const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
       light->prepare(scene->sceneBounds);
       // A light is where its photons start.
-      Sampler sampler(0, 0, 0);
-      const std::optional<Emission> emission = light->emit(sampler);
+      const std::optional<Emission> emission = light->emit({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
       if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
         diagnostics.error(where, "the light's power is too large for single precision");
       else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))

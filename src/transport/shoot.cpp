@@ -3,6 +3,7 @@
  */
 #include "recurse/transport/shoot.h"
 
+#include <algorithm>
 #include <mutex>
 
 #include "recurse/core/parallel.h"
@@ -14,7 +15,7 @@ namespace recurse {
 namespace {
 
 /** Tells photon samples from those of pixels. */
-constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
+constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull, TRIAL_STREAM = 0x545249414c53ull;
 constexpr uint64_t BATCH = 4096;
 
 class PhotonWalk {
@@ -23,20 +24,34 @@ class PhotonWalk {
              TransportCounts& counts, std::vector<Photon>& out)
       : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
 
-  void shoot(Sampler sampler) {
-    float pick = sampler.next1D();
+  /** Returns what the photon started by, and one over its density. */
+  EmissionGuide::Useful shoot(Sampler sampler) {
+    const float light = sampler.next1D(), part = sampler.next1D();
+    const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+    EmissionGuide::Useful start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
+    auto& n = start.numbers;
+    if (settings.guide && settings.guide->active())
+      start.weight = 1 / settings.guide->warp(n, sampler.next1D());
+    float pick = n[0];
     const ChosenLight chosen = scene.lights().choose(pick);
-    if (!(chosen.probability > 0)) return;
-    const std::optional<Emission> emission = chosen.light->emit(sampler);
-    if (!emission || isBlack(emission->flux)) return;
-    Rgb flux = emission->flux / (chosen.probability * static_cast<float>(settings.photons));
+    if (!(chosen.probability > 0)) return start;
+    const std::optional<Emission> emission = chosen.light->emit({n[1], {n[2], n[3]}, {n[4], n[5]}});
+    if (emission && !isBlack(emission->flux))
+      walk(*emission,
+           emission->flux * (start.weight / (chosen.probability * static_cast<float>(settings.photons))),
+           sampler);
+    return start;
+  }
+
+ private:
+  void walk(const Emission& emission, Rgb flux, Sampler& sampler) {
     if (!isFinite(flux)) {
       ++counts.nonFinite;
       return;
     }
     LightState state = classes.lightStart();
     if (classes.dead(state)) return;
-    Ray ray{emission->origin, emission->direction, INFINITE};
+    Ray ray{emission.origin, emission.direction, INFINITE};
     Hit hit;
     for (int depth = 0;;) {
       if (!intersect(scene, ray, hit, counts)) return;
@@ -69,7 +84,6 @@ class PhotonWalk {
     }
   }
 
- private:
   /** Rounding must not send a photon that only grazes the surface below it, where no search would find it. */
   static PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
     PackedDirection packed = packDirection(wi);
@@ -135,6 +149,42 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   for (const TransportCounts& c : counts) shot.counts.add(c);
   shot.emitted = settings.photons;
   return shot;
+}
+
+EmissionGuide learnEmission(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                            const ShootSettings& settings, const VisibleRegion& region,
+                            const ForwardControl& control, TransportCounts& counts) {
+  constexpr uint64_t TRIALS = 8 * BATCH;
+  constexpr int ROUNDS = 5;
+  constexpr double WORTH_IT = 1.5;
+  EmissionGuide guide;
+  if (scene.lights().size() == 0 || region.empty()) return guide;
+  ShootSettings trial = settings;
+  trial.photons = TRIALS;
+  std::vector<EmissionGuide::Useful> useful;
+  for (int round = 0; round < ROUNDS && !control.stopped(); ++round) {
+    trial.guide = &guide;
+    std::array<std::vector<EmissionGuide::Useful>, TRIALS / BATCH> found;
+    std::array<TransportCounts, TRIALS / BATCH> batchCounts;
+    parallelFor(found.size(), [&](size_t b) {
+      std::vector<Photon> stored;
+      PhotonWalk walk(scene, classes, trial, batchCounts[b], stored);
+      for (uint64_t i = b * BATCH; i < (b + 1) * BATCH; ++i) {
+        stored.clear();
+        const EmissionGuide::Useful start =
+            walk.shoot(Sampler(hashCombine(seed, uint64_t(round)), TRIAL_STREAM, static_cast<uint32_t>(i)));
+        if (std::any_of(stored.begin(), stored.end(),
+                        [&](const Photon& p) { return region.contains(p.position); }))
+          found[b].push_back(start);
+      }
+    });
+    for (const auto& f : found) useful.insert(useful.end(), f.begin(), f.end());
+    for (const TransportCounts& c : batchCounts) counts.add(c);
+    guide = EmissionGuide(useful, double(TRIALS) * (round + 1));
+    // Few hits say little yet; many of a density that is good already, that there is no more to gain.
+    if (useful.size() > TRIALS / 4 && guide.gain() < WORTH_IT) break;
+  }
+  return guide.gain() < WORTH_IT ? EmissionGuide() : guide;
 }
 
 } // namespace recurse

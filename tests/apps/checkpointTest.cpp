@@ -1,6 +1,6 @@
 /** @file
- * `recurse render --checkpoint --resume --sample-range` and `recurse merge`: whatever interrupts a render, and
- * however it is dealt out, the picture is the same to the bit.
+ * `recurse render --checkpoint --resume --sample-range` and `recurse merge`: whatever interrupts a render,
+ * and however it is dealt out, the picture is the same to the bit.
  */
 #include "program.h"
 
@@ -52,17 +52,18 @@ TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
     // At first too short to get anywhere; longer and longer, so that it ends some time.
     for (int longest = 40000;; longest = longest * 5 / 4) {
       const auto delay = std::chrono::microseconds(std::uniform_int_distribution<>(1000, longest)(random));
-      const Outcome o = render(settings,
-                               {"--checkpoint", "c.rck", "--checkpoint-interval", "0.005s", "--resume", "-o", "r.exr"},
-                               [&](pid_t child) {
-                                 std::this_thread::sleep_for(delay);
-                                 ::kill(child, SIGKILL);
-                               });
+      const Outcome o = render(
+          settings, {"--checkpoint", "c.rck", "--checkpoint-interval", "0.005s", "--resume", "-o", "r.exr"},
+          [&](pid_t child) {
+            std::this_thread::sleep_for(delay);
+            ::kill(child, SIGKILL);
+          });
       if (o.status == 0) break;
       ASSERT_EQ(o.status, 128 + SIGKILL) << o.err;
       ++kills;
     }
-    ASSERT_TRUE(readImage(file("r.exr")).pixels == truth) << "round " << round << " after " << kills << " kills";
+    ASSERT_TRUE(readImage(file("r.exr")).pixels == truth)
+        << "round " << round << " after " << kills << " kills";
   }
 }
 
@@ -128,10 +129,12 @@ TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
   expectError(render(PATH, {"--checkpoint", "c.rck", "-o", "a.exr"}), "--resume");
   const std::vector<std::string> resume = {"--checkpoint", "c.rck", "--resume", "-o", "a.exr"};
   const auto resumed = [&](const std::vector<std::string>& settings) { return render(settings, resume); };
-  expectError(resumed({"--integrator", "path", "--spp", "65"}), "samples per pixel: 64 in the checkpoint, 65");
+  expectError(resumed({"--integrator", "path", "--spp", "65"}),
+              "samples per pixel: 64 in the checkpoint, 65");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--maxdepth", "3"}), "integrator:");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--resolution", "30x20"}), "resolution:");
-  expectError(resumed({"--integrator", "path", "--spp", "64", "--cropwindow", "0,.5,0,1"}), "part of the picture");
+  expectError(resumed({"--integrator", "path", "--spp", "64", "--cropwindow", "0,.5,0,1"}),
+              "part of the picture");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--paths", "LDE"}), "path classes:");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--seed", "8"}), "seed 8");
   write("scene.pbrt", scene() + "\n# another word\n");
@@ -140,7 +143,8 @@ TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
   EXPECT_EQ(resumed(PATH).status, 0);
 
   const std::string good = contents(file("c.rck"));
-  for (const size_t size : {size_t(0), size_t(10), size_t(25), size_t(300), good.size() / 2, good.size() - 1}) {
+  for (const size_t size :
+       {size_t(0), size_t(10), size_t(25), size_t(300), good.size() / 2, good.size() - 1}) {
     write("bad.rck", good.substr(0, size));
     expectError(run({"merge", "bad.rck", "-o", "x.exr"}), "bad.rck: ");
   }

@@ -22,6 +22,14 @@ struct Emission {
   Rgb flux;        ///< emitted radiance · cosine / density: its mean over samples is the light's power [W]
 };
 
+/** The numbers in [0, 1) that a photon starts by. A light need not use all, but no others: where they come
+ * from is the business of whoever shoots. */
+struct EmissionSample {
+  float pick = 0; ///< of the part of the light
+  Vec2f place;
+  Vec2f direction;
+};
+
 /** Light that may arrive at a point. */
 struct Illumination {
   Vec3f direction;    ///< unit, towards the light
@@ -46,7 +54,7 @@ class Light {
   /** Emitted flux [W]; what enters the scene's bounding sphere for distant and environment lights. */
   virtual Rgb power() const = 0;
   /** The forward pass: one photon. Empty: nothing is emitted for this sample. */
-  virtual std::optional<Emission> emit(Sampler& sampler) const = 0;
+  virtual std::optional<Emission> emit(const EmissionSample& sample) const = 0;
   /** The backward pass: light towards a point, not tested for visibility. Empty: none. */
   virtual std::optional<Illumination> illuminate(const Vec3f& point, float pick, const Vec2f& u) const = 0;
   /** True for lights at a point or in one direction, which rays cannot meet. */

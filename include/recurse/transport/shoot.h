@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "recurse/transport/emissionGuide.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/photon.h"
 
@@ -14,7 +15,8 @@ struct ShootSettings {
   uint64_t photons = 0; ///< emitted
   int maxDepth =
       -1; ///< most scattering events of a photon, the one where it is stored included; -1: no limit
-  bool direct = true; ///< store photons that come straight from a light as well
+  bool direct = true;                   ///< store photons that come straight from a light as well
+  const EmissionGuide* guide = nullptr; ///< where photons are worth most; null: everywhere
 };
 
 struct ShotPhotons {
@@ -30,5 +32,13 @@ struct ShotPhotons {
  */
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
                          const ShootSettings& settings, const ForwardControl& control);
+
+/**
+ * Learns from trial photons where those start that come down in the region: as few as will do, where most do
+ * so anyway, and the guide is then not active. `counts` gets what the trials cost.
+ */
+EmissionGuide learnEmission(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                            const ShootSettings& settings, const VisibleRegion& region,
+                            const ForwardControl& control, TransportCounts& counts);
 
 } // namespace recurse

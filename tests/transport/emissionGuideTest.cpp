@@ -1,0 +1,132 @@
+/** @file
+ * Guided photons: densities against closed forms, pictures against those without a guide.
+ */
+#include <random>
+
+#include "recurse/transport/emissionGuide.h"
+#include "transport/rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+EmissionGuide::Numbers randomNumbers(std::mt19937& random) {
+  EmissionGuide::Numbers n;
+  for (float& x : n) x = std::uniform_real_distribution<float>(0, 0.99999f)(random);
+  return n;
+}
+
+/** What a photon brings in the tests: something only in a corner whose dimensions hang together. */
+bool useful(const EmissionGuide::Numbers& n) { return n[0] > 0.7f && n[0] < 0.8f && std::abs(n[3] - n[4]) < 0.05f; }
+
+EmissionGuide learned(int trials) {
+  std::mt19937 random(1);
+  std::vector<EmissionGuide::Useful> found;
+  for (int i = 0; i < trials; ++i)
+    if (const EmissionGuide::Numbers n = randomNumbers(random); useful(n)) found.push_back({n, 1});
+  return EmissionGuide(found, trials);
+}
+
+/** Closed rooms in a row, each with its lamp; the eye is in the first one. */
+std::string rooms(int count) {
+  std::string s = view(16, ".1 .5 .5  1 .5 .2  0 0 1", 70);
+  for (int i = 0; i < count; ++i) {
+    s += "AttributeBegin Translate " + std::to_string(i * 1.5) + " 0 0\n" + R"(
+      Material "diffuse" "rgb reflectance" [.6 .6 .6]
+      Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] Shape "bilinearmesh" "point3 P" [0 0 1 1 0 1 0 1 1 1 1 1]
+      Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 0 1 1 0 1] Shape "bilinearmesh" "point3 P" [0 1 0 1 1 0 0 1 1 1 1 1]
+      Shape "bilinearmesh" "point3 P" [0 0 0 0 1 0 0 0 1 0 1 1] Shape "bilinearmesh" "point3 P" [1 0 0 1 1 0 1 0 1 1 1 1]
+      AttributeBegin Material "dielectric" Translate .7 .4 .25 Shape "sphere" "float radius" .15 AttributeEnd
+      AreaLightSource "diffuse" "rgb L" [5 5 5]
+      Shape "bilinearmesh" "point3 P" [.4 .4 .98  .4 .6 .98  .6 .4 .98  .6 .6 .98]
+    AttributeEnd
+    )";
+  }
+  return s;
+}
+
+} // namespace
+
+TEST(EmissionGuide, DensitiesAreThoseOfTheSamples) {
+  const EmissionGuide guide = learned(100000);
+  ASSERT_TRUE(guide.active());
+  EXPECT_GT(guide.gain(), 5);
+  std::mt19937 random(2);
+  // The mean of f/q is the integral of f, and the mean of 1/q that of 1.
+  double one = 0, part = 0, squares = 0;
+  constexpr int N = 400000;
+  for (int i = 0; i < N; ++i) {
+    EmissionGuide::Numbers n = randomNumbers(random);
+    const double q = double(guide.warp(n, std::uniform_real_distribution<float>(0, 1)(random)));
+    ASSERT_GE(q, 0.0999);
+    for (const float x : n) ASSERT_TRUE(x >= 0 && x < 1);
+    one += 1 / q / N;
+    part += useful(n) / q / N;
+    squares += useful(n) / (q * q) / N;
+  }
+  const double truth = 0.1 * (1 - 0.95 * 0.95);
+  EXPECT_NEAR(one, 1, 4 * 3.0 / std::sqrt(double(N)));
+  EXPECT_NEAR(part, truth, 4 * std::sqrt(squares / N));
+  // The variance is lower as foretold: in proportion to the mean of f²/q², against that of f.
+  EXPECT_NEAR(truth / squares / guide.gain(), 1, 0.15);
+}
+
+TEST(EmissionGuide, NothingToLearnNoGuide) {
+  EXPECT_FALSE(EmissionGuide().active());
+  EXPECT_FALSE(EmissionGuide({}, 1000).active());
+  std::mt19937 random(1);
+  std::vector<EmissionGuide::Useful> all;
+  for (int i = 0; i < 20000; ++i) all.push_back({randomNumbers(random), 1});
+  EXPECT_LT(EmissionGuide(all, 20000).gain(), 1.1);
+}
+
+TEST(EmissionGuide, VisibleRegionHoldsWhatIsNear) {
+  VisibleRegion region;
+  region.add({1, 2, 3}, 0.01f);
+  region.add({-1e4f, 5, 0}, 7);
+  EXPECT_TRUE(region.contains({1, 2, 3}));
+  EXPECT_TRUE(region.contains({1.0099f, 1.9901f, 3.0099f}));
+  EXPECT_FALSE(region.contains({1.1f, 2, 3}));
+  EXPECT_TRUE(region.contains({-1e4f + 6, 0, -6}));
+  EXPECT_FALSE(region.contains({-1e4f + 60, 0, 0}));
+}
+
+TEST(EmissionGuide, ManyLampsInOtherRooms) {
+  const auto scene = sceneFrom(rooms(60));
+  const auto render = [&](const char* guided, uint64_t seed) {
+    return renderScene(*scene, "photonmap",
+                       std::string("\"string direct\" \"photons\" \"integer photons\" 30000 \"integer passes\" 2 "
+                                   "\"float radius\" .08 \"bool guided\" ") +
+                           guided,
+                       2, seed);
+  };
+  const int runs = SANITIZED ? 3 : 6;
+  double mean[2] = {}, variance[2] = {};
+  for (const int guided : {0, 1}) {
+    std::vector<Rendered> pictures;
+    for (int i = 0; i < runs; ++i) pictures.push_back(render(guided ? "true" : "false", uint64_t(i)));
+    for (const Rendered& p : pictures) mean[guided] += p.mean() / runs;
+    for (size_t pixel = 0; pixel < pictures[0].pixels(); ++pixel) {
+      double sum = 0, squares = 0;
+      for (const Rendered& p : pictures) {
+        const double y = double(luminance(p.value(pixel)));
+        sum += y / runs;
+        squares += y * y / runs;
+      }
+      variance[guided] += (squares - sum * sum) * runs / (runs - 1) / double(pictures[0].pixels());
+    }
+  }
+  // Photons of which one in sixty counts: the same picture, at least ten times nearer to it.
+  EXPECT_NEAR(mean[1] / mean[0], 1, 0.03);
+  EXPECT_LT(variance[1], variance[0] / 10);
+}
+
+TEST(EmissionGuide, WhereAllPhotonsCountNothingChanges) {
+  const auto scene = sceneFrom(rooms(1));
+  const auto picture = [&](const char* guided) {
+    return renderScene(*scene, "photonmap", std::string("\"integer photons\" 20000 \"bool guided\" ") + guided, 2);
+  };
+  const Rendered a = picture("true"), b = picture("false");
+  for (size_t i = 0; i < a.pixels(); ++i) ASSERT_EQ(a.value(i), b.value(i));
+}
