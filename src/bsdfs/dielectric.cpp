@@ -121,24 +121,32 @@ class MultipleScattering final : public RoughDielectricBsdf {
 
 class Dielectric final : public Material {
  public:
-  Dielectric(float eta, const Roughness& roughness, bool multiple) : eta(eta), roughness(roughness) {
+  Dielectric(float eta, const Roughness& roughness, bool multiple, int rank)
+      : eta(eta), roughness(roughness), rank(rank) {
     if (multiple && eta != 1 && !roughness.alwaysSmooth()) losses.emplace(eta, roughness);
   }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Microfacets facets = roughness.at(point);
-    if (eta == 1 || facets.smooth()) return arena.make<DielectricBsdf>(eta);
-    const DielectricInterface surface{eta, facets};
+    const float relative = rank > 0 ? eta / point.indexOutside : eta;
+    if (relative == 1 || facets.smooth()) return arena.make<DielectricBsdf>(relative);
+    const DielectricInterface surface{relative, facets};
     if (!losses) return arena.make<SingleScattering>(surface);
     return arena.make<MultipleScattering>(surface, *losses);
   }
   LobeSet lobes() const override {
-    return LobeSet((eta != 1 && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
-                   (eta == 1 || roughness.alwaysSmooth() ? NO_LOBE : DIFFUSE_LOBES | ANISOTROPIC));
+    // Against another dielectric of the same index the surface is none.
+    const bool always = rank == 0 && eta != 1;
+    return LobeSet(
+        (always && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
+        ((rank == 0 && eta == 1) || roughness.alwaysSmooth() ? NO_LOBE : DIFFUSE_LOBES | ANISOTROPIC));
   }
+  int priority() const override { return rank; }
+  float indexInside() const override { return eta; }
 
  private:
   float eta;
   Roughness roughness;
+  int rank;                              ///< priority
   std::optional<InterfaceLosses> losses; ///< none: not asked for
 };
 
@@ -152,11 +160,21 @@ void registerDielectric(PlugIns& plugIns) {
           .range(1e-3, 1e3)};
   addRoughnessParameters(parameters);
   addMultipleScatteringParameter(parameters);
+  parameters.push_back(integerParameter("priority", "0",
+                                        "above 0: the shape is a solid that may overlap others with a "
+                                        "priority, as water does that reaches into "
+                                        "its glass; where they overlap the highest is there, of equal ones "
+                                        "the one that the file uses first, and "
+                                        "the surfaces of the others count for nothing; those with the same "
+                                        "priority and eta are one matter; eta is "
+                                        "then the index itself, not over that outside")
+                           .range(0, 1e6));
   plugIns.materials.add(
       {{.name = "dielectric",
         .summary = "Glass, water and the like: Fresnel reflection and refraction, spread by roughness.",
         .parameters = parameters,
-        .examples = {"\"float eta\" 1.5", "\"float eta\" 0.75", "\"spectrum eta\" \"glass-BK7\"",
+        .examples = {"\"float eta\" 1.5", "\"float eta\" 0.75", "\"float eta\" 1.33 \"integer priority\" 1",
+                     "\"spectrum eta\" \"glass-BK7\"",
                      "\"float roughness\" .002 \"bool remaproughness\" false",
                      "\"float roughness\" .1 \"bool remaproughness\" false",
                      "\"float roughness\" .4 \"float eta\" .7", "\"float roughness\" 1 \"float eta\" 1.33",
@@ -169,8 +187,11 @@ void registerDielectric(PlugIns& plugIns) {
                      "\"float uroughness\" .05 \"float vroughness\" .5 \"bool multiscatter\" true"}},
        [](const Parameters& p, const MaterialContext& c) {
          const Roughness roughness(p, c.textures);
-         return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g), roughness,
-                                             wantsMultipleScattering(p, roughness));
+         const bool multiple = wantsMultipleScattering(p, roughness);
+         if (multiple && p.integer("priority") > 0)
+           p.fail("multiscatter", "it is not worked out for dielectrics with a priority");
+         return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g), roughness, multiple,
+                                             p.integer("priority"));
        }});
 }
 

@@ -18,13 +18,14 @@ struct Walk {
   int depth;
   EyeState eye;
   float width, spread; ///< of the ray's footprint
+  Nesting nesting;
   BsdfRay last;
 };
 
 /** Where a walk scatters. */
 struct Vertex {
   Walk* walk;
-  const SurfacePoint* point;
+  const Hit* hit;
   Vec3f wi;
   std::optional<ScatteringPoint> scattering;
   EyeState eyeD, eyeS;
@@ -97,6 +98,7 @@ class Path final : public Integrator {
         w.width = paths[i].ray.width;
         w.spread = paths[i].ray.spread;
         w.last.weighted = false;
+        makeAt(w.nesting, [] { return Nesting(); });
         active[i] = &w;
         rays[i] = paths[i].ray;
       }
@@ -134,8 +136,10 @@ class Path final : public Integrator {
                            w.throughput *
                                emittedRadiance(scene, hit, direction, w.last, settings.lightSamples));
         w.width += w.spread * hit.t;
-        const Bsdf* bsdf = bsdfAt(hit, {direction, w.width * w.path->ray.sampleSpacing}, arena);
+        const Bsdf* bsdf =
+            bsdfAt(scene, hit, direction, {direction, w.width * w.path->ray.sampleSpacing}, w.nesting, arena);
         if (!bsdf) {
+          if (isNested(hit)) w.last.weighted = false; // shadow rays end there
           active[passed] = &w;
           makeAt(rays[passed++], [&] { return spawn(hit.point, direction); });
           continue;
@@ -147,7 +151,7 @@ class Path final : public Integrator {
         ++w.depth;
         Vertex& v = vertices[vertexCount++];
         v.walk = &w;
-        v.point = &hit.point;
+        v.hit = &hit;
         v.wi = -direction;
         v.scattering.emplace(*bsdf, hit.point);
         v.eyeD = classes.step(w.eye, PathEvent::D);
@@ -169,7 +173,7 @@ class Path final : public Integrator {
       for (size_t i = 0; i < lit; ++i)
         makeAt(choices[i], [&] { return LightChoice(table, shadows[i].vertex->walk->path->sampler); });
       for (size_t i = 0; i < lit; ++i)
-        makeAt(lights[i], [&] { return choices[i].illuminate(shadows[i].vertex->point->position); });
+        makeAt(lights[i], [&] { return choices[i].illuminate(shadows[i].vertex->hit->point.position); });
       size_t count = 0;
       for (size_t i = 0; i < lit; ++i) {
         if (!lights[i]) continue;
@@ -179,7 +183,7 @@ class Path final : public Integrator {
                                choices[i].chosen.probability, settings.lightSamples, v.allowed);
         if (isBlack(radiance)) continue;
         ++counts.rays;
-        makeAt(shadowRays[count], [&] { return shadowRay(*v.point, *lights[i]); });
+        makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
         if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
           v.walk->path->out->add(classes.lightStart(), v.eyeD, radiance);
           continue;
@@ -215,12 +219,13 @@ class Path final : public Integrator {
         if (w.depth > ROULETTE_FREE_DEPTH &&
             !survives(maxComponent(w.throughput) * w.etaScale, w.depth, w.path->sampler, w.throughput))
           continue;
-        w.last.from = v.point->position;
+        w.last.from = v.hit->point.position;
         w.last.pdf = s.pdf;
         w.last.weighted = !s.specular();
+        w.nesting.scatters(*v.hit, v.wi, s.direction);
         if (!s.specular()) w.width = w.spread = 0; // what a pixel sees from here on is not known
         active[alive] = &w;
-        makeAt(rays[alive++], [&] { return spawn(*v.point, s.direction); });
+        makeAt(rays[alive++], [&] { return spawn(v.hit->point, s.direction); });
       }
     }
 

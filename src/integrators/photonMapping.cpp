@@ -123,6 +123,7 @@ class PhotonMapping final : public Integrator {
     float etaScale; ///< undoes the 1/η² inside glass
     EyeState eye;
     int depth; ///< scattering events so far
+    Nesting nesting{};
   };
 
   /** Follows an eye ray through mirrors and glass: every branch while it is worth it, one by roulette after.
@@ -132,7 +133,7 @@ class PhotonMapping final : public Integrator {
     Hit hit;
     BsdfArena arena;
     for (;; met = nullptr) {
-      auto& [ray, throughput, etaScale, eye, depth] = walk;
+      auto& [ray, throughput, etaScale, eye, depth, nesting] = walk;
       if (met) {
         hit = *met;
       } else {
@@ -148,7 +149,7 @@ class PhotonMapping final : public Integrator {
       }
       ray.width += ray.spread * hit.t;
       arena.reset();
-      const Bsdf* bsdf = bsdfAt(hit, footprint(ray), arena);
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, footprint(ray), nesting, arena);
       if (!bsdf) {
         static_cast<Ray&>(ray) = spawn(hit.point, ray.direction);
         continue;
@@ -167,7 +168,7 @@ class PhotonMapping final : public Integrator {
         if (settings.shadowRays)
           addSampledLight(scene, scattering, hit.point, wi, throughput, eyeD, settings.lightSamples,
                           DIFFUSE_LOBES, sampler, out);
-        followLobe(scene, scattering, hit.point, wi, diffuse, sampler, out);
+        followLobe(scene, scattering, hit, diffuse, sampler, out);
         gather(map, searchAt(hit.point.position), scattering, hit.point, wi, ray.width * scale, throughput,
                eyeD, out);
       }
@@ -188,7 +189,7 @@ class PhotonMapping final : public Integrator {
       if (least >= settings.weightLimit && depth <= LONG_WALK) {
         for (int i = 1; i < count; ++i) {
           Sampler branch = sampler.fork(static_cast<uint32_t>(i));
-          trace(scene, after(walk, hit.point, all[size_t(i)]), nullptr, branch, out);
+          trace(scene, after(walk, hit, all[size_t(i)]), nullptr, branch, out);
         }
       } else {
         float u = count > 1 ? sampler.next1D() * total : 0;
@@ -199,14 +200,15 @@ class PhotonMapping final : public Integrator {
         const float chance = depth > LONG_WALK ? total : total / settings.weightLimit;
         if (!survives(std::min(1.0f, chance), depth, sampler, throughput)) return;
       }
-      walk = after(walk, hit.point, all[size_t(next)]);
+      walk = after(walk, hit, all[size_t(next)]);
     }
   }
 
-  static Walk after(Walk walk, const SurfacePoint& point, const Scatter& s) {
+  static Walk after(Walk walk, const Hit& hit, const Scatter& s) {
+    walk.nesting.scatters(hit, -walk.ray.direction, s.direction);
     walk.throughput *= s.weight;
     walk.etaScale *= square(s.eta);
-    static_cast<Ray&>(walk.ray) = spawn(point, s.direction);
+    static_cast<Ray&>(walk.ray) = spawn(hit.point, s.direction);
     return walk;
   }
 
@@ -215,20 +217,21 @@ class PhotonMapping final : public Integrator {
    * (LDS*E, with the weight that they leave). Where the lobe is sharp the walk goes on from what the ray
    * meets, with the weight that the photon map leaves at the point; `walk` has read the D there.
    */
-  void followLobe(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
-                  const Vec3f& wi, const Walk& walk, Sampler& sampler, PathRadiance& out) const {
+  void followLobe(const Scene& scene, const ScatteringPoint& scattering, const Hit& from, const Walk& walk,
+                  Sampler& sampler, PathRadiance& out) const {
     const PathClasses& classes = out.pathClasses();
     const bool meetsLight = scene.contents().areaLights + scene.contents().environmentLights > 0 &&
                             classes.join(classes.lightStart(), walk.eye) != 0;
     const bool mayFollow = settings.sharing.ever() && !(scattering.lobes() & LAMBERTIAN);
     if (!(meetsLight && settings.shadowRays) && !mayFollow) return;
-    const std::optional<Scatter> s = scattering.scatterDiffuse(wi, Transport::RADIANCE, sampler);
+    const std::optional<Scatter> s =
+        scattering.scatterDiffuse(-walk.ray.direction, Transport::RADIANCE, sampler);
     if (!s) return;
     const float share = mayFollow ? settings.sharing.followed(s->pdf) : 0;
     if (!(meetsLight && settings.shadowRays) && share == 0) return;
-    Walk next = after(walk, point, *s);
+    Walk next = after(walk, from, *s);
     // Without shadow rays the photon map has direct light too, and the ray its share of that.
-    const BsdfRay own{point.position, s->pdf, settings.shadowRays};
+    const BsdfRay own{from.point.position, s->pdf, settings.shadowRays};
     const Rgb direct = next.throughput * (settings.shadowRays ? 1 : share);
     Hit hit;
     for (;;) {

@@ -201,6 +201,14 @@ class SceneBuilder final : public TextureLookup {
 
   // ---- textures and materials, made when they are first used
 
+  /** The first of the nested materials that is the same matter: priority and index are; or their number. */
+  size_t sameNested(const Material& material) const {
+    const auto same = [&](const Material* m) {
+      return m->priority() == material.priority() && m->indexInside() == material.indexInside();
+    };
+    return static_cast<size_t>(std::find_if(nested.begin(), nested.end(), same) - nested.begin());
+  }
+
   TexturedRgb lookUp(const Parameters& p, const std::string& name, bool spectrum) const {
     const std::string texture = p.texture(name);
     if (texture.empty()) return {spectrum ? Rgb(p.spectrum(name)) : Rgb(static_cast<float>(p.real(name)))};
@@ -252,6 +260,14 @@ class SceneBuilder final : public TextureLookup {
         }};
     std::unique_ptr<Material> m = plugIns().materials.make(d, context, diagnostics, overrides.lenient);
     if (!m) return nullptr;
+    if (m->priority() > 0) {
+      if (sameNested(*m) == nested.size() && ++nestedKinds > Scene::MOST_NESTED)
+        diagnostics.error(d.location,
+                          "there are more than " + std::to_string(Scene::MOST_NESTED) +
+                              " dielectrics with a priority that differ",
+                          "a priority and eta that another has too");
+      nested.push_back(m.get());
+    }
     scene->materials.push_back(std::move(m));
     return scene->materials.back().get();
   }
@@ -433,6 +449,17 @@ class SceneBuilder final : public TextureLookup {
       }
     c.instances = instances.size();
     c.materials = scene->materials.size();
+    std::stable_sort(nested.begin(), nested.end(),
+                     [](const Material* a, const Material* b) { return a->priority() > b->priority(); });
+    for (size_t i = 0; i < nested.size(); ++i) {
+      const size_t same = sameNested(*nested[i]);
+      if (same < i) {
+        nested[i]->nesting = nested[same]->nesting;
+        continue;
+      }
+      nested[i]->nesting = static_cast<int>(scene->nestedDielectrics.size());
+      scene->nestedDielectrics.push_back(nested[i]->indexInside());
+    }
   }
 
   // ---- lights
@@ -519,7 +546,9 @@ class SceneBuilder final : public TextureLookup {
   mutable std::map<std::pair<std::string, bool>, NamedTexture> texturesByName;
   std::map<std::string, Named> materialsByName;
   std::vector<std::pair<bool, const Material*>> materialsByIndex;
-  std::deque<Group> groups; ///< [0] is the top level; addresses stay
+  std::vector<Material*> nested; ///< those with a priority, in the order of their use
+  size_t nestedKinds = 0;        ///< of those, the ones that are not the same matter as another
+  std::deque<Group> groups;      ///< [0] is the top level; addresses stay
   std::vector<std::pair<size_t, const InstanceDescription*>> instances;
   std::map<const Shape*, std::pair<const AreaLight*, uint32_t>> lightOf;
 };

@@ -51,12 +51,13 @@ class PhotonWalk {
     }
     LightState state = classes.lightStart();
     if (classes.dead(state)) return;
+    Nesting nesting;
     Ray ray{emission.origin, emission.direction, INFINITE};
     Hit hit;
     for (int depth = 0;;) {
       if (!intersect(scene, ray, hit, counts)) return;
       arena.reset();
-      const Bsdf* bsdf = bsdfAt(hit, Footprint(), arena);
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
       if (!bsdf) {
         ray = spawn(hit.point, ray.direction);
         continue;
@@ -80,6 +81,7 @@ class PhotonWalk {
       flux = scattered;
       if (!survives(std::min(1.0f, after / before), depth, sampler, flux)) return;
       state = s->specular() ? stateS : stateD;
+      nesting.scatters(hit, wi, s->direction);
       ray = spawn(hit.point, s->direction);
     }
   }

@@ -136,8 +136,15 @@ class Material {
   virtual LobeSet lobes() const = 0;
   /** How many directions of smooth refraction there are at one point. */
   virtual int refractions() const { return lobes() & REFRACTION ? 1 : 0; }
+  /** Above 0: a solid that may overlap others, of which the one with the highest priority is there. Its BSDF
+   * goes by the point's indexOutside. */
+  virtual int priority() const { return 0; }
+  /** The refractive index inside, of one with a priority. */
+  virtual float indexInside() const { return 1; }
 
   std::unique_ptr<const SurfaceDetail> detail; ///< to be applied before bsdfAt; null: none
+  int nesting = -1; ///< place among the scene's solids with priority, the strongest first; -1: has none.
+                    ///< Those with the same priority and index are one matter
 };
 
 /** What makers of materials are given besides parameters. */

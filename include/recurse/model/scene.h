@@ -88,6 +88,10 @@ class Scene {
   /** World coordinates of the scene's origin: what was taken off every position. */
   const Vec3d& origin() const { return sceneOrigin; }
   const SceneContents& contents() const { return sceneContents; }
+  /** Dielectrics with priority that a scene may have, those of the same matter counted once. */
+  static constexpr size_t MOST_NESTED = 32;
+  /** Their refractive indices, the strongest first. */
+  const std::vector<float>& nestedIndices() const { return nestedDielectrics; }
   const Camera& camera() const { return *sceneCamera; }
   const Filter& filter() const { return *pixelFilter; }
   const FilmSettings& film() const { return filmSettings; }
@@ -102,6 +106,7 @@ class Scene {
   SceneBounds sceneBounds;
   Vec3d sceneOrigin{0};
   SceneContents sceneContents;
+  std::vector<float> nestedDielectrics;
   std::unique_ptr<Camera> sceneCamera;
   std::unique_ptr<Filter> pixelFilter;
   FilmSettings filmSettings;

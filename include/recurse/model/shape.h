@@ -34,6 +34,7 @@ struct SurfacePoint {
   Vec3f dpdv;            ///< the same for v
   Vec2f uv;
   Footprint footprint;
+  float indexOutside = 1; ///< refractive index on the outer side; of nested dielectrics only
 
   /**
    * Where a ray that leaves in `direction` starts: beyond the error of the position along the geometric

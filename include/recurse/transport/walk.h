@@ -5,6 +5,7 @@
 
 #include "recurse/core/sampler.h"
 #include "recurse/transport/integrator.h"
+#include "recurse/transport/nesting.h"
 
 namespace recurse {
 
@@ -52,6 +53,13 @@ inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena
   hit.point.footprint = footprint;
   if (hit.material->detail) hit.material->detail->apply(hit.point);
   return hit.material->bsdfAt(hit.point, arena);
+}
+
+/** The same, but that solids which are there by priority hide the others. */
+inline const Bsdf* bsdfAt(const Scene& scene, Hit& hit, const Vec3f& direction, const Footprint& footprint,
+                          Nesting& nesting, BsdfArena& arena) {
+  if (isNested(hit) && !nesting.meets(scene, hit, direction)) return nullptr;
+  return bsdfAt(hit, footprint, arena);
 }
 
 /** The ray that must be free for light from `target`, or from infinitely far in that direction, to reach the

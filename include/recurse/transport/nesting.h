@@ -1,0 +1,60 @@
+/** @file
+ * Dielectrics that overlap, by priority (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
+ * Images"): where several are, the strongest is there, and the surfaces of the others count for nothing. So
+ * water may reach into the glass around it, and leaves no gap.
+ */
+#pragma once
+
+#include <array>
+
+#include "recurse/model/scene.h"
+
+namespace recurse {
+
+/** True for a surface of a solid with priority. */
+inline bool isNested(const Hit& hit) { return hit.material && hit.material->nesting >= 0; }
+
+/** What a walk is inside of. Dielectrics are known by their places, the strongest first. */
+class Nesting {
+ public:
+  /** Where a walk of unit `direction` meets a nested dielectric: false when it passes as if there were
+   * nothing, and is inside or outside of it from now on. Else the point knows the index outside. */
+  bool meets(const Scene& scene, Hit& hit, const Vec3f& direction) {
+    const auto own = static_cast<size_t>(hit.material->nesting);
+    const bool entering = glm::dot(direction, hit.point.geometricNormal) < 0;
+    bool hidden = depth[own] > (entering ? 0 : 1); // within another shape of the same
+    for (size_t i = 0; i < own; ++i) hidden = hidden || depth[i] > 0;
+    if (hidden) {
+      cross(*hit.material, entering);
+      return false;
+    }
+    const std::vector<float>& indices = scene.nestedIndices();
+    hit.point.indexOutside = 1;
+    for (size_t i = own + 1; i < indices.size(); ++i)
+      if (depth[i] > 0) {
+        hit.point.indexOutside = indices[i];
+        break;
+      }
+    return true;
+  }
+
+  /** The walk came from `wi` and goes on to `direction`, which may be through the surface. */
+  void scatters(const Hit& hit, const Vec3f& wi, const Vec3f& direction) {
+    if (!isNested(hit)) return;
+    const float before = glm::dot(wi, hit.point.geometricNormal);
+    if (before * glm::dot(direction, hit.point.geometricNormal) < 0) cross(*hit.material, before > 0);
+  }
+
+ private:
+  void cross(const Material& material, bool entering) {
+    uint8_t& d = depth[static_cast<size_t>(material.nesting)];
+    if (entering)
+      ++d;
+    else if (d > 0) // the walk may have begun inside
+      --d;
+  }
+
+  std::array<uint8_t, Scene::MOST_NESTED> depth{}; ///< how many shapes of each it is inside of
+};
+
+} // namespace recurse

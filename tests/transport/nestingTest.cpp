@@ -1,0 +1,117 @@
+/** @file
+ * Dielectrics that overlap: the picture is that of the same solids with their true surfaces.
+ */
+#include "rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Four lamps of different colours behind what is looked at, and in front of it. */
+std::string between(const std::string& solids) {
+  std::string text = R"(
+Film "rgb" "integer xresolution" 12 "integer yresolution" 12
+PixelFilter "box"
+LookAt .3 .2 -6  0 0 0  0 1 0
+Camera "perspective" "float fov" 24
+WorldBegin
+)";
+  const struct {
+    const char* radiance;
+    double x, y, z;
+  } quads[] = {
+      {"3 1 .2", -2, -2, 5}, {".2 2 .3", 1.9, -1.8, 5}, {".1 .4 3", -.3, 2, 5}, {"1 1 1", .2, .1, -9}};
+  for (const auto& q : quads) {
+    const auto corner = [&](double dx, double dy) {
+      return std::to_string(q.x + dx) + " " + std::to_string(q.y + dy) + " " + std::to_string(q.z) + "  ";
+    };
+    text += std::string("AttributeBegin\nAreaLightSource \"diffuse\" \"bool twosided\" true \"rgb L\" [ ") +
+            q.radiance + " ]\nMaterial \"interface\"\nShape \"bilinearmesh\" \"point3 P\" [ " +
+            corner(-1.5, -1.5) + corner(1.5, -1.5) + corner(-1.5, 1.5) + corner(1.5, 1.5) +
+            "]\nAttributeEnd\n";
+  }
+  return text + solids;
+}
+
+std::string sphere(double radius, const std::string& material, bool inwards = false) {
+  return "AttributeBegin\nMaterial \"dielectric\" " + material + "\n" +
+         (inwards ? "ReverseOrientation\n" : "") + "Shape \"sphere\" \"float radius\" " +
+         std::to_string(radius) + "\nAttributeEnd\n";
+}
+
+void expectSamePicture(const std::string& a, const std::string& b, const std::string& integrator) {
+  const auto one = sceneFrom(between(a)), other = sceneFrom(between(b));
+  ASSERT_TRUE(one && other);
+  const Rendered x = renderScene(*one, integrator, "", samples(512), 1);
+  const Rendered y = renderScene(*other, integrator, "", samples(512), 2);
+  double most = 0;
+  for (size_t p = 0; p < x.pixels(); ++p) {
+    const double error = std::sqrt(x.film.variance(p) / double(x.film.samples(p)) +
+                                   y.film.variance(p) / double(y.film.samples(p)));
+    const double l = double(luminance(x.value(p)));
+    EXPECT_NEAR(l, double(luminance(y.value(p))), 5 * error + 1e-3) << integrator << " pixel " << p;
+    most = std::max(most, l);
+  }
+  EXPECT_GT(most, 0.5);
+}
+
+} // namespace
+
+TEST(Nesting, WaterThatReachesIntoItsGlassTouchesIt) {
+  // Inside of the glass, at a radius of .8, its index is over that of water.
+  const std::string touching = sphere(1, R"("float eta" 1.5)") + sphere(0.8, R"("float eta" .8866667)");
+  const std::string overlapping = sphere(1, R"("float eta" 1.5 "integer priority" 2)") +
+                                  sphere(0.8, R"("float eta" 1.5 "integer priority" 2)", true) +
+                                  sphere(0.9, R"("float eta" 1.33 "integer priority" 1)");
+  for (const char* integrator : {"path", "photonmap"}) expectSamePicture(touching, overlapping, integrator);
+}
+
+TEST(Nesting, TheStrongerIsThereInWhateverOrder) {
+  const std::string hidden = sphere(1, R"("float eta" 1.7 "integer priority" 3)");
+  const std::string within = sphere(0.6, R"("float eta" 1.2 "integer priority" 2)");
+  expectSamePicture(sphere(1, R"("float eta" 1.7)"), hidden + within, "path");
+  expectSamePicture(sphere(1, R"("float eta" 1.7)"), within + hidden, "path");
+  // The other way round the weaker is outside of the stronger: as with relative indices.
+  expectSamePicture(sphere(1, R"("float eta" 1.7)") + sphere(0.6, R"("float eta" .7058824)"),
+                    sphere(1, R"("float eta" 1.7 "integer priority" 1)") +
+                        sphere(0.6, R"("float eta" 1.2 "integer priority" 2)"),
+                    "path");
+}
+
+TEST(Nesting, OneSolidOfManyShapesHasNoWallsInside) {
+  const std::string material =
+      "MakeNamedMaterial \"g\" \"string type\" \"dielectric\" \"integer priority\" 1\n"
+      "NamedMaterial \"g\"\n";
+  const std::string two =
+      material + "Shape \"sphere\" \"float radius\" 1\nShape \"sphere\" \"float radius\" .5\n";
+  expectSamePicture(sphere(1, ""), two, "path");
+}
+
+TEST(Nesting, NothingIsLostInAFurnace) {
+  const auto scene =
+      sceneFrom(R"(
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+LookAt .3 .2 -6  0 0 0  0 1 0
+Camera "perspective" "float fov" 24
+WorldBegin
+LightSource "infinite" "rgb L" [ 1 1 1 ]
+)" + sphere(1, R"("float eta" 1.5 "integer priority" 2)") +
+                "Translate .7 0 0\n" + sphere(0.8, R"("float eta" 1.33 "integer priority" 1)"));
+  ASSERT_TRUE(scene);
+  const Rendered r = renderScene(*scene, "path", "", samples(256));
+  EXPECT_NEAR(r.mean(), 1, 0.005 + 3 * r.standardError());
+}
+
+TEST(Nesting, TooManyAreRefusedAtTheirPlace) {
+  std::string solids;
+  for (size_t i = 0; i <= Scene::MOST_NESTED; ++i) {
+    solids += sphere(1, "\"float eta\" 1.5 \"integer priority\" 1"); // all one matter
+    if (i > 0) solids += sphere(1, "\"integer priority\" " + std::to_string(1 + i));
+  }
+  Diagnostics diagnostics;
+  const SceneDescription description = parseScene(between(solids), "test.pbrt", ".", diagnostics);
+  EXPECT_FALSE(buildScene(description, {}, diagnostics));
+  EXPECT_NE(diagnostics.format().find("more than 32 dielectrics with a priority that differ"),
+            std::string::npos);
+}
