@@ -26,6 +26,7 @@ struct PhotonMappingSettings {
   int maxDepth = -1;
   bool shadowRays = true, guided = true;
   int lightSamples = 1;
+  int finalGather = 0; ///< rays from the first diffuse surface of an eye path; 0: it reads the map itself
   float weightLimit = 0.03f;
   float flatness = 0.2f;
   LobeSharing sharing;
@@ -66,9 +67,11 @@ class PhotonMapping final : public Integrator {
                                   : ONE_MAP_PHOTONS;
     shoot.maxDepth = settings.maxDepth;
     shoot.direct = !settings.shadowRays;
-    if (pass.index == 0)
-      guide =
-          settings.guided ? learn(scene, classes, pass.seed, shoot, control, statistics) : EmissionGuide();
+    if (pass.index == 0) {
+      guide = {};
+      if (settings.guided && settings.finalGather == 0) // what a final gather reads lies all over the scene
+        guide = learn(scene, classes, pass.seed, shoot, control, statistics);
+    }
     shoot.guide = &guide;
     ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
     statistics.counts = shot.counts;
@@ -77,30 +80,54 @@ class PhotonMapping final : public Integrator {
     statistics.shootSeconds = secondsSince(start);
     start = std::chrono::steady_clock::now();
     map.build(shot.stored, settings.index);
+    if (settings.finalGather > 0) {
+      std::vector<Photon> some;
+      std::copy_if(shot.stored.begin(), shot.stored.end(), std::back_inserter(some),
+                   [](const Photon& p) { return p.caustic; });
+      caustics.build(some, settings.index);
+    }
     statistics.photonsRefused = map.refused();
     statistics.balanceSeconds = secondsSince(start);
-    statistics.mapBytes = map.memoryBytes();
+    statistics.mapBytes = map.memoryBytes() + caustics.memoryBytes();
     if (pass.index == 0) {
       chooseRadius(scene, statistics);
-      if (progressive && search.nearest > 0) firstRadii.build(map, search.nearest, search.radius);
+      if (progressive && search.nearest > 0) {
+        firstRadii.build(map, search.nearest, search.radius);
+        causticRadii.build(caustics, search.nearest, search.radius);
+      }
     }
     return statistics;
   }
 
   void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
-    trace(scene, {ray, Rgb(1), 1, out.pathClasses().eyeStart(), 0}, nullptr, sampler, out);
+    trace(scene,
+          {.ray = ray, .throughput = Rgb(1), .etaScale = 1, .eye = out.pathClasses().eyeStart(), .depth = 0},
+          nullptr, sampler, out);
   }
 
   std::vector<EstimatorDomain> domains() const override {
     const std::string rays = std::to_string(settings.lightSamples);
-    const std::string indirect = settings.shadowRays ? "L(S|D)+DS*E" : "L(S|D)*DS*E";
+    const bool gathers = settings.finalGather > 0;
     std::vector<EstimatorDomain> all = {
         {"emission", "LS*E", "none: met by eye rays through mirrors and glass", ""}};
     if (settings.shadowRays) {
       all.push_back(
           {"shadow rays", "LDS*E", rays + " for each diffuse surface an eye ray meets", "direct light"});
-      all.push_back({"BSDF rays", "LDS*E", "one for each diffuse surface an eye ray meets", "direct light"});
+      all.push_back({"BSDF rays", "LDS*E",
+                     gathers ? "those of the final gather" : "one for each diffuse surface an eye ray meets",
+                     "direct light"});
     }
+    if (gathers) {
+      all.push_back({"caustic photons", settings.shadowRays ? "LS+DS*E" : "LS*DS*E",
+                     "one estimate for each diffuse surface an eye ray meets", ""});
+      all.push_back({"final gather", "L(S|D)*DS*DS*E",
+                     std::to_string(settings.finalGather) +
+                         " rays for each diffuse surface an eye ray meets; what they meet is estimated by "
+                         "shadow rays and photon map",
+                     ""});
+      return all;
+    }
+    const std::string indirect = settings.shadowRays ? "L(S|D)+DS*E" : "L(S|D)*DS*E";
     const std::string group = settings.sharing.ever() ? "rough lobes" : "";
     all.push_back({"photon map", indirect, "one estimate for each diffuse surface an eye ray meets", group});
     if (settings.sharing.ever())
@@ -122,7 +149,10 @@ class PhotonMapping final : public Integrator {
     Rgb throughput;
     float etaScale; ///< undoes the 1/η² inside glass
     EyeState eye;
-    int depth; ///< scattering events so far
+    int depth;                ///< scattering events so far
+    bool gathers = true;      ///< the first diffuse surface may send a final gather
+    bool lightCounts = true;  ///< emission that is met; false where photons bring it
+    float gatherDistance = 0; ///< of the final gather's ray, to its first surface
     Nesting nesting{};
   };
 
@@ -133,17 +163,21 @@ class PhotonMapping final : public Integrator {
     Hit hit;
     BsdfArena arena;
     for (;; met = nullptr) {
-      auto& [ray, throughput, etaScale, eye, depth, nesting] = walk;
+      EyeRay& ray = walk.ray;
+      Rgb& throughput = walk.throughput;
+      EyeState& eye = walk.eye;
+      int& depth = walk.depth;
+      Nesting& nesting = walk.nesting;
       if (met) {
         hit = *met;
       } else {
         if (!intersect(scene, ray, hit, out.counts)) {
-          if (!scene.environment().empty())
+          if (!scene.environment().empty() && walk.lightCounts)
             out.add(classes.lightStart(), eye,
                     throughput * environmentRadiance(scene, ray.direction, {}, settings.lightSamples));
           return;
         }
-        if (hit.areaLight)
+        if (hit.areaLight && walk.lightCounts)
           out.add(classes.lightStart(), eye,
                   throughput * emittedRadiance(scene, hit, ray.direction, {}, settings.lightSamples));
       }
@@ -168,9 +202,24 @@ class PhotonMapping final : public Integrator {
         if (settings.shadowRays)
           addSampledLight(scene, scattering, hit.point, wi, throughput, eyeD, settings.lightSamples,
                           DIFFUSE_LOBES, sampler, out);
-        followLobe(scene, scattering, hit, diffuse, sampler, out);
-        gather(map, searchAt(hit.point.position), scattering, hit.point, wi, ray.width * scale, throughput,
-               eyeD, out);
+        GatherSettings here = searchAt(hit.point.position, firstRadii);
+        // A surface that a gather ray finds close by is not seen through a map that is blurred over more than
+        // the distance: it gathers for itself.
+        const bool close = !walk.gathers && walk.gatherDistance > 0 &&
+                           walk.gatherDistance < (progressive ? here.radius : typicalRadius);
+        if (settings.finalGather > 0 && (walk.gathers || close)) {
+          const int rays = walk.gathers ? settings.finalGather : 1;
+          for (int i = 0; i < rays; ++i) {
+            Sampler branch = sampler.fork(DeltaScatters::MOST + 1 + static_cast<uint32_t>(i));
+            gatherRay(scene, scattering, hit, diffuse, 1 / static_cast<float>(rays), branch, out);
+          }
+          gather(caustics, searchAt(hit.point.position, causticRadii), scattering, hit.point, wi,
+                 ray.width * scale, throughput, eyeD, out);
+        } else {
+          here.sharing = settings.sharing;
+          followLobe(scene, scattering, hit, diffuse, sampler, out);
+          gather(map, here, scattering, hit.point, wi, ray.width * scale, throughput, eyeD, out);
+        }
       }
       eye = classes.step(eye, PathEvent::S);
       if (!scattering.hasDelta() || classes.dead(eye)) return;
@@ -180,7 +229,7 @@ class PhotonMapping final : public Integrator {
       float worth[DeltaScatters::MOST], total = 0, least = INFINITE;
       for (int i = 0; i < count; ++i) {
         const Scatter& s = all[size_t(i)];
-        worth[i] = maxComponent(throughput * s.weight) * square(s.eta) * etaScale;
+        worth[i] = maxComponent(throughput * s.weight) * square(s.eta) * walk.etaScale;
         total += worth[i];
         if (worth[i] > 0) least = std::min(least, worth[i]);
       }
@@ -219,51 +268,90 @@ class PhotonMapping final : public Integrator {
    */
   void followLobe(const Scene& scene, const ScatteringPoint& scattering, const Hit& from, const Walk& walk,
                   Sampler& sampler, PathRadiance& out) const {
-    const PathClasses& classes = out.pathClasses();
-    const bool meetsLight = scene.contents().areaLights + scene.contents().environmentLights > 0 &&
-                            classes.join(classes.lightStart(), walk.eye) != 0;
+    const bool looksForLight = settings.shadowRays && mayMeetLight(scene, walk.eye, out);
     const bool mayFollow = settings.sharing.ever() && !(scattering.lobes() & LAMBERTIAN);
-    if (!(meetsLight && settings.shadowRays) && !mayFollow) return;
+    if (!looksForLight && !mayFollow) return;
     const std::optional<Scatter> s =
         scattering.scatterDiffuse(-walk.ray.direction, Transport::RADIANCE, sampler);
     if (!s) return;
     const float share = mayFollow ? settings.sharing.followed(s->pdf) : 0;
-    if (!(meetsLight && settings.shadowRays) && share == 0) return;
+    if (!looksForLight && share == 0) return;
     Walk next = after(walk, from, *s);
-    // Without shadow rays the photon map has direct light too, and the ray its share of that.
-    const BsdfRay own{from.point.position, s->pdf, settings.shadowRays};
-    const Rgb direct = next.throughput * (settings.shadowRays ? 1 : share);
+    next.gathers = false;
+    next.lightCounts = true;
+    next.gatherDistance = 0;
     Hit hit;
-    for (;;) {
-      if (!intersect(scene, next.ray, hit, out.counts)) {
-        if (!scene.environment().empty())
-          out.add(classes.lightStart(), next.eye,
-                  direct * environmentRadiance(scene, next.ray.direction, own, settings.lightSamples));
-        return;
-      }
-      if (hit.areaLight)
-        out.add(classes.lightStart(), next.eye,
-                direct * emittedRadiance(scene, hit, next.ray.direction, own, settings.lightSamples));
-      if (hit.material && hit.material->lobes() != NO_LOBE) break;
-      static_cast<Ray&>(next.ray) = spawn(hit.point, next.ray.direction); // a lamp without a body
-    }
-    if (share == 0) return;
+    // Without shadow rays the photon map has direct light too, and the ray its share of that.
+    if (!meetSurface(scene, next, {from.point.position, s->pdf, settings.shadowRays},
+                     settings.shadowRays ? 1 : share, hit, out) ||
+        share == 0)
+      return;
     next.throughput *= share;
     if (!survives(std::min(1.0f, maxComponent(next.throughput) * next.etaScale / settings.weightLimit),
                   next.depth, sampler, next.throughput))
       return;
-    next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
     Sampler branch = sampler.fork(DeltaScatters::MOST);
     trace(scene, next, &hit, branch, out);
   }
 
+  /**
+   * A ray of a final gather, with the part `share` of all there are at the point. It brings light of at least
+   * two diffuse surfaces (L(S|D)*DS*DS*E) and, together with shadow rays, direct light; what comes from a
+   * light by mirrors and glass is for the caustic photons.
+   */
+  void gatherRay(const Scene& scene, const ScatteringPoint& scattering, const Hit& from, const Walk& walk,
+                 float share, Sampler& sampler, PathRadiance& out) const {
+    const std::optional<Scatter> s =
+        scattering.scatterDiffuse(-walk.ray.direction, Transport::RADIANCE, sampler);
+    if (!s) return;
+    Walk next = after(walk, from, *s);
+    next.throughput *= share;
+    next.gathers = next.lightCounts = false;
+    Hit hit;
+    if (!meetSurface(scene, next, {from.point.position, s->pdf, settings.shadowRays},
+                     settings.shadowRays ? 1 : 0, hit, out))
+      return;
+    next.gatherDistance = glm::length(hit.point.position - from.point.position);
+    const float worth = maxComponent(next.throughput) * next.etaScale / (settings.weightLimit * share);
+    if (next.depth > LONG_WALK || worth < 1)
+      if (!survives(std::min(1.0f, worth), next.depth, sampler, next.throughput)) return;
+    trace(scene, next, &hit, sampler, out);
+  }
+
+  bool mayMeetLight(const Scene& scene, EyeState eye, const PathRadiance& out) const {
+    const PathClasses& classes = out.pathClasses();
+    return scene.contents().areaLights + scene.contents().environmentLights > 0 &&
+           classes.join(classes.lightStart(), eye) != 0;
+  }
+
+  /** Follows the ray of `next` to a surface that scatters; false where there is none. Adds the part `counts`
+   * of the light met on the way, with the weight that shadow rays leave to the ray. */
+  bool meetSurface(const Scene& scene, Walk& next, const BsdfRay& own, float counts, Hit& hit,
+                   PathRadiance& out) const {
+    const PathClasses& classes = out.pathClasses();
+    const Rgb direct = next.throughput * counts;
+    next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
+    for (;;) {
+      if (!intersect(scene, next.ray, hit, out.counts)) {
+        if (!scene.environment().empty() && counts > 0)
+          out.add(classes.lightStart(), next.eye,
+                  direct * environmentRadiance(scene, next.ray.direction, own, settings.lightSamples));
+        return false;
+      }
+      if (hit.areaLight && counts > 0)
+        out.add(classes.lightStart(), next.eye,
+                direct * emittedRadiance(scene, hit, next.ray.direction, own, settings.lightSamples));
+      if (hit.material && hit.material->lobes() != NO_LOBE) return true;
+      static_cast<Ray&>(next.ray) = spawn(hit.point, next.ray.direction); // a lamp without a body
+    }
+  }
+
   /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
    * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
-  GatherSettings searchAt(const Vec3f& position) const {
+  GatherSettings searchAt(const Vec3f& position, const RadiusField& radii) const {
     GatherSettings here = search;
-    here.sharing = settings.sharing;
     if (!progressive) return here;
-    if (search.nearest > 0) here.radius = firstRadii.at(position);
+    if (search.nearest > 0) here.radius = radii.at(position);
     here.nearest = 0;
     here.radius *= scale;
     return here;
@@ -412,6 +500,7 @@ class PhotonMapping final : public Integrator {
                "(--photons) or widen the search (--radius)",
                typicalFound));
     }
+    typicalRadius = static_cast<float>(typical);
     if (!map.empty() && typical > 0.05 * across && !progressive)
       statistics.warnings.push_back(
           text("the picture will be smeared: light is averaged over discs of radius %.3g in a scene %.3g "
@@ -420,10 +509,11 @@ class PhotonMapping final : public Integrator {
   }
 
   PhotonMappingSettings settings;
-  PhotonMap map;
-  GatherSettings search;  ///< of the first pass
-  RadiusField firstRadii; ///< of the first pass, for the others
-  EmissionGuide guide;    ///< learned before the first pass, for all
+  PhotonMap map, caustics;              ///< caustics: only with final gathering
+  GatherSettings search;                ///< of the first pass
+  RadiusField firstRadii, causticRadii; ///< of the first pass, for the others
+  float typicalRadius = 0;              ///< of the first pass
+  EmissionGuide guide;                  ///< learned before the first pass, for all
   bool progressive = false;
   float scale = 1; ///< radius of this pass over that of the first
 };
@@ -437,6 +527,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.weightLimit = static_cast<float>(p.real("weightlimit"));
   s.flatness = static_cast<float>(p.real("flatness"));
   s.guided = p.boolean("guided");
+  s.finalGather = p.integer("finalgather");
   s.sharing = LobeSharing::belowRoughness(p.real("followroughness"));
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
@@ -484,6 +575,11 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
                      "mirrors are, though they are D in path classes; broader ones read the photon map; near "
                      "it both share, with weights that add up to one; 0: all read the map")
            .range(0, 10),
+       integerParameter("finalgather", "0",
+                        "rays that the first diffuse surface of an eye path sends to others, which read the "
+                        "photon map in its place; there it is only read for caustics. Slower, and free of "
+                        "blotches with few photons; 0: none")
+           .range(0, 1e5),
        stringParameter("kernel", "epanechnikov", "how photons count by distance")
            .oneOf({"constant", "cone", "epanechnikov"}),
        stringParameter("photonindex", "kdtree",
@@ -509,7 +605,8 @@ void registerPhotonMapping(PlugIns& plugIns) {
                  "photon maps, each with new photons, smaller radius and its share of the samples; 0: "
                  "one for each sample (default: 1, or with a time limit alone 0)")
                  .range(0, 1e9)}),
-        .examples = {"", "\"integer photons\" 20000 \"string direct\" \"photons\" \"float radius\" .1"}},
+        .examples = {"", "\"integer photons\" 20000 \"string direct\" \"photons\" \"float radius\" .1",
+                     "\"integer photons\" 20000 \"integer finalgather\" 4"}},
        [](const Parameters& p, const NoContext&) {
          PhotonMappingSettings s = common(p);
          if (p.hasValue("photons")) s.photons = static_cast<uint64_t>(p.integer("photons"));

@@ -165,7 +165,8 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
   s.position = Vec3f(p0 + e1 * b1 + e2 * b2);
   Vec3f rounding = glm::abs(s.position);
   for (int i = 0; i < 3; ++i)
-    rounding[i] *= float(int(e1[i] != 0) | int(e2[i] != 0)); // else it is the vertices' own coordinate, exactly
+    rounding[i] *=
+        float(int(e1[i] != 0) | int(e2[i] != 0)); // else it is the vertices' own coordinate, exactly
   s.error = positionError(rounding, plane.normal, plane.error);
 
   s.geometricNormal = plane.normal;

@@ -14,7 +14,8 @@ uint64_t VisibleRegion::key(int level, const Vec3f& position) {
   const double side = std::ldexp(1.0, level);
   uint64_t key = mixBits(static_cast<uint64_t>(level + 4096));
   for (int axis = 0; axis < 3; ++axis)
-    key = hashCombine(key, static_cast<uint64_t>(static_cast<int64_t>(std::floor(double(position[axis]) / side))));
+    key = hashCombine(key,
+                      static_cast<uint64_t>(static_cast<int64_t>(std::floor(double(position[axis]) / side))));
   return key;
 }
 
@@ -86,7 +87,8 @@ void EmissionGuide::split(std::span<Useful> useful, const Numbers& low, const Nu
       std::array<double, 4> quarters{};
       const float width = high[d] - low[d];
       for (const Useful& u : useful)
-        quarters[std::min<size_t>(3, static_cast<size_t>(4 * (u.numbers[d] - low[d]) / width))] += double(u.weight);
+        quarters[std::min<size_t>(3, static_cast<size_t>(4 * (u.numbers[d] - low[d]) / width))] +=
+            double(u.weight);
       double left = 0;
       for (int i = 1; i < 4; ++i) {
         left += quarters[size_t(i - 1)];

@@ -54,6 +54,7 @@ class PhotonWalk {
     Nesting nesting;
     Ray ray{emission.origin, emission.direction, INFINITE};
     Hit hit;
+    bool caustic = true;
     for (int depth = 0;;) {
       if (!intersect(scene, ray, hit, counts)) return;
       arena.reset();
@@ -70,7 +71,7 @@ class PhotonWalk {
       const Vec3f wi = -ray.direction;
       const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
       if (scattering.hasDiffuse() && !classes.dead(stateD) && (depth > 0 || settings.direct))
-        store(hit.point, scattering, wi, flux, state);
+        store(hit.point, scattering, wi, flux, state, caustic);
       ++depth;
       const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : DIFFUSE_LOBES) |
                                       (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
@@ -82,6 +83,7 @@ class PhotonWalk {
       if (!survives(std::min(1.0f, after / before), depth, sampler, flux)) return;
       state = s->specular() ? stateS : stateD;
       nesting.scatters(hit, wi, s->direction);
+      caustic = caustic && s->specular();
       ray = spawn(hit.point, s->direction);
     }
   }
@@ -98,7 +100,7 @@ class PhotonWalk {
   }
 
   void store(const SurfacePoint& point, const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& flux,
-             LightState state) {
+             LightState state, bool caustic) {
     const float geometric = absDot(wi, point.geometricNormal);
     if (geometric == 0) return; // in the plane of the surface: brings no flux
     Photon p;
@@ -106,6 +108,7 @@ class PhotonWalk {
     p.direction = packOnSide(wi, point.geometricNormal);
     p.power = flux * (absDot(wi, scattering.normal()) / geometric);
     p.pathState = state.byte;
+    p.caustic = caustic;
     out.push_back(p);
   }
 

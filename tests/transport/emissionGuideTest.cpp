@@ -18,7 +18,9 @@ EmissionGuide::Numbers randomNumbers(std::mt19937& random) {
 }
 
 /** What a photon brings in the tests: something only in a corner whose dimensions hang together. */
-bool useful(const EmissionGuide::Numbers& n) { return n[0] > 0.7f && n[0] < 0.8f && std::abs(n[3] - n[4]) < 0.05f; }
+bool useful(const EmissionGuide::Numbers& n) {
+  return n[0] > 0.7f && n[0] < 0.8f && std::abs(n[3] - n[4]) < 0.05f;
+}
 
 EmissionGuide learned(int trials) {
   std::mt19937 random(1);
@@ -95,11 +97,12 @@ TEST(EmissionGuide, VisibleRegionHoldsWhatIsNear) {
 TEST(EmissionGuide, ManyLampsInOtherRooms) {
   const auto scene = sceneFrom(rooms(60));
   const auto render = [&](const char* guided, uint64_t seed) {
-    return renderScene(*scene, "photonmap",
-                       std::string("\"string direct\" \"photons\" \"integer photons\" 30000 \"integer passes\" 2 "
-                                   "\"float radius\" .08 \"bool guided\" ") +
-                           guided,
-                       2, seed);
+    return renderScene(
+        *scene, "photonmap",
+        std::string("\"string direct\" \"photons\" \"integer photons\" 30000 \"integer passes\" 2 "
+                    "\"float radius\" .08 \"bool guided\" ") +
+            guided,
+        2, seed);
   };
   const int runs = SANITIZED ? 3 : 6;
   double mean[2] = {}, variance[2] = {};
@@ -125,7 +128,8 @@ TEST(EmissionGuide, ManyLampsInOtherRooms) {
 TEST(EmissionGuide, WhereAllPhotonsCountNothingChanges) {
   const auto scene = sceneFrom(rooms(1));
   const auto picture = [&](const char* guided) {
-    return renderScene(*scene, "photonmap", std::string("\"integer photons\" 20000 \"bool guided\" ") + guided, 2);
+    return renderScene(*scene, "photonmap",
+                       std::string("\"integer photons\" 20000 \"bool guided\" ") + guided, 2);
   };
   const Rendered a = picture("true"), b = picture("false");
   for (size_t i = 0; i < a.pixels(); ++i) ASSERT_EQ(a.value(i), b.value(i));

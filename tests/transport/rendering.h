@@ -85,7 +85,11 @@ struct Way {
 };
 inline std::vector<Way> allWays(const std::string& photons) {
   const std::string p = "\"integer photons\" " + photons;
-  return {{"path", ""}, {"photonmap", p}, {"photonmap", p + " \"string direct\" \"photons\""}};
+  return {{"path", ""},
+          {"photonmap", p},
+          {"photonmap", p + " \"string direct\" \"photons\""},
+          {"photonmap", p + " \"integer finalgather\" 2"},
+          {"photonmap", p + " \"integer finalgather\" 1 \"string direct\" \"photons\""}};
 }
 
 } // namespace recurse::testing

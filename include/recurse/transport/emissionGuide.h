@@ -28,8 +28,9 @@ class VisibleRegion {
 };
 
 /**
- * A density over the unit cube of a photon's first numbers, constant in the leaves of a tree that splits where
- * trial photons are spread unevenly. A photon of density q carries 1/q of the flux it would carry without.
+ * A density over the unit cube of a photon's first numbers, constant in the leaves of a tree that splits
+ * where trial photons are spread unevenly. A photon of density q carries 1/q of the flux it would carry
+ * without.
  */
 class EmissionGuide {
  public:
@@ -53,7 +54,8 @@ class EmissionGuide {
   /** How many times less variance a photon brings than without; 1 without a guide. */
   double gain() const { return expectedGain; }
   bool active() const { return leaves.size() > 1; }
-  /** Replaces uniform numbers by ones of the density, and returns that density. `choice` is one number more. */
+  /** Replaces uniform numbers by ones of the density, and returns that density. `choice` is one number more.
+   */
   float warp(Numbers& numbers, float choice) const;
 
  private:

@@ -46,6 +46,7 @@ struct Photon {
   PackedDirection direction; ///< unit, from the surface towards where the photon came from
   Rgb power;                 ///< flux [W], with the shading-normal factor |wi·ns| / |wi·ng| folded in
   uint8_t pathState = 0;     ///< LightState after the events before this surface
+  bool caustic = false;      ///< nothing but mirrors and glass, or nothing at all, between light and surface
 };
 static_assert(sizeof(Photon) <= 40 - 2 * sizeof(float), "room for two floats more");
 
