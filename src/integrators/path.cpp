@@ -153,7 +153,7 @@ class Path final : public Integrator {
         v.walk = &w;
         v.hit = &hit;
         v.wi = -direction;
-        v.scattering.emplace(*bsdf, hit.point);
+        makeAt(v.scattering, [&] { return std::optional<ScatteringPoint>(std::in_place, *bsdf, hit.point); });
         v.eyeD = classes.step(w.eye, PathEvent::D);
         v.eyeS = classes.step(w.eye, PathEvent::S);
         v.allowed = LobeSet((classes.dead(v.eyeD) ? NO_LOBE : DIFFUSE_LOBES) |
