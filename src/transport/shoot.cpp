@@ -165,7 +165,8 @@ EmissionGuide learnEmission(const Scene& scene, const PathClasses& classes, uint
   EmissionGuide guide;
   if (scene.lights().size() == 0 || region.empty()) return guide;
   ShootSettings trial = settings;
-  trial.photons = TRIALS;
+  // No more than a pass has: learning must not cost many times what it serves.
+  const uint64_t trials = trial.photons = std::min(TRIALS, settings.photons);
   std::vector<EmissionGuide::Useful> useful;
   for (int round = 0; round < ROUNDS && !control.stopped(); ++round) {
     trial.guide = &guide;
@@ -174,7 +175,7 @@ EmissionGuide learnEmission(const Scene& scene, const PathClasses& classes, uint
     parallelFor(found.size(), [&](size_t b) {
       std::vector<Photon> stored;
       PhotonWalk walk(scene, classes, trial, batchCounts[b], stored);
-      for (uint64_t i = b * BATCH; i < (b + 1) * BATCH; ++i) {
+      for (uint64_t i = b * BATCH; i < std::min(trials, (b + 1) * BATCH); ++i) {
         stored.clear();
         const EmissionGuide::Useful start =
             walk.shoot(Sampler(hashCombine(seed, uint64_t(round)), TRIAL_STREAM, static_cast<uint32_t>(i)));
@@ -185,9 +186,9 @@ EmissionGuide learnEmission(const Scene& scene, const PathClasses& classes, uint
     });
     for (const auto& f : found) useful.insert(useful.end(), f.begin(), f.end());
     for (const TransportCounts& c : batchCounts) counts.add(c);
-    guide = EmissionGuide(useful, double(TRIALS) * (round + 1));
+    guide = EmissionGuide(useful, double(trials) * (round + 1));
     // Few hits say little yet; many of a density that is good already, that there is no more to gain.
-    if (useful.size() > TRIALS / 4 && guide.gain() < WORTH_IT) break;
+    if (useful.size() > trials / 4 && guide.gain() < WORTH_IT) break;
   }
   return guide.gain() < WORTH_IT ? EmissionGuide() : guide;
 }

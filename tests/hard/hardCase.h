@@ -36,7 +36,8 @@ class Report {
   Report(std::string name, std::function<void(const Row&)> send)
       : name(std::move(name)), send(std::move(send)) {}
 
-  /** The figure must be a number and not exceed the bound. */
+  /** The figure must be a number and not exceed the bound; under sanitizers, with their few samples, only a
+   * number. */
   void atMost(const std::string& detail, const std::string& integrator, const std::string& figureName,
               double figure, double bound, const std::string& problem = {}) const;
   /** Something that is right or not; `figure` says how it is. */
@@ -70,7 +71,7 @@ extern bool thorough;
 
 /**
  * The integrators of the registry, and each choice that they have for direct light. `more` goes to those that
- * shoot photons.
+ * shoot photons; under sanitizers they shoot a 16th.
  */
 std::vector<Way> allWays(double photons, const std::string& more = {});
 
@@ -112,7 +113,7 @@ struct Rendered {
 };
 
 Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed = 1);
-/** With the budget's samples; sanitizers slow a render down tenfold, and get fewer. */
+/** With the budget's samples; sanitizers slow a render down tenfold, and get a 32nd. */
 Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, uint64_t seed = 1);
 
 /**

@@ -14,12 +14,15 @@ struct KnownFailure {
   const char* what;
   const char* integrator; ///< with a star at the end: whatever begins so
   const char* reason;
+  bool heavyOnly = false; ///< hidden in the noise of the quick run
 };
 
 constexpr const char* FINE_DIRECTIONS =
     "a direction of three floats is known to 6e-8 rad, and this sphere is seen under 1e-8 rad";
 constexpr const char* THIN_FACES = "out of the axes the faces are 8 units of roundoff apart, and some rays "
                                    "that leave one start beyond the other";
+constexpr const char* GUIDED_WEIGHTS =
+    "guided photons differ in weight: 0.05 off without guiding, 0.12 with, and 0.32 with 8000 nearest ones";
 constexpr const char* BY_POWER =
     "lights are chosen by power alone, wherever they can be seen: once in 1e40 rays";
 constexpr const char* DISC_OVER_WALL =
@@ -27,8 +30,15 @@ constexpr const char* DISC_OVER_WALL =
 
 constexpr KnownFailure KNOWN_FAILURES[] = {
     {"sphere of radius 1e-4 seen from 1e4: pinhole across the axes", "*", FINE_DIRECTIONS},
+    {"ground sphere of radius 1e6: even light, eye at 0 1 4  0 ", "photonmap, direct photons",
+     GUIDED_WEIGHTS},
+    {"ground sphere of radius 1e6: even light, eye at 0 .01 4  ", "photonmap, direct photons",
+     GUIDED_WEIGHTS},
+    {"ground sphere of radius 1e6: even light, eye at 0 100 400", "photonmap, direct photons",
+     GUIDED_WEIGHTS},
     {"thin slab: slab 1e-06 thick at 0 degrees, tilted", "photonmap*", THIN_FACES},
     {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "photonmap*", THIN_FACES},
+    {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "path", THIN_FACES, true},
     {"inside glass: point light inside a glass ball", "path", "no ray from the eye meets a point light"},
     {"two rooms: floor lit by a point light of 1e-20 beside 1e20 behind a wall", "*", BY_POWER},
     {"two rooms: floor lit by a lamp of 1e-20 beside 1e20 behind a wall", "photonmap, direct photons",
@@ -39,6 +49,7 @@ constexpr KnownFailure KNOWN_FAILURES[] = {
 /** The reason when the row is a known failure, else null. */
 inline const char* knownFailure(const Row& row) {
   for (const KnownFailure& k : KNOWN_FAILURES) {
+    if (k.heavyOnly && !thorough) continue;
     std::string_view pattern = k.integrator;
     const bool begins = pattern.ends_with('*');
     if (begins) pattern.remove_suffix(1);

@@ -29,7 +29,7 @@ constexpr const char* GROUPS[] = {"scale and place",
                                   "stretched spheres",
                                   "inputs at the edge"};
 constexpr int GROUP_COUNT = 10;
-constexpr int QUICK_SECONDS = SANITIZED ? 300 : 60, HEAVY_SECONDS = 1800;
+constexpr int QUICK_SECONDS = 300, HEAVY_SECONDS = 1800;
 
 void put(FILE* pipe, const Row& row) {
   const auto clean = [](std::string s) {
@@ -177,13 +177,13 @@ int runCases(int argc, char** argv) {
       ++rows;
       ++(row.passed ? passed : failed);
       const char* known = knownFailure(row);
-      const bool surprise = row.passed == (known != nullptr);
+      const bool surprise = SANITIZED ? !row.passed && !known : row.passed == (known != nullptr);
       surprises += surprise;
       std::printf("  %-66s  %-29s  %-24s  %-11s  %s", row.what.c_str(), row.integrator.c_str(),
                   row.figure.c_str(), row.bound.c_str(), row.passed ? "pass" : "FAIL");
       if (!row.passed)
         std::printf(": %s%s%s", row.reason.c_str(), known ? "; known: " : "", known ? known : "");
-      if (row.passed && known)
+      if (row.passed && known && !SANITIZED)
         std::printf(" (listed as a known failure: take it off tests/hard/knownFailures.h)");
       std::printf("\n");
       std::fflush(stdout);
