@@ -28,7 +28,6 @@ constexpr const char* GROUPS[] = {"scale and place",
                                   "photon map",
                                   "stretched spheres",
                                   "inputs at the edge"};
-constexpr int GROUP_COUNT = 10;
 constexpr int QUICK_SECONDS = 300, HEAVY_SECONDS = 1800;
 
 void put(FILE* pipe, const Row& row) {
