@@ -391,25 +391,32 @@ class PhotonMapping final : public Integrator {
     return false;
   }
 
+  /** Calls `use(point, footprint)` for what a grid of `across`² eye rays reads the photon map at. */
+  template <class Use>
+  void probe(const Scene& scene, int across, uint64_t seed, TransportCounts& counts, const Use& use) const {
+    const PixelBounds& crop = scene.film().crop;
+    for (int y = 0; y < across; ++y)
+      for (int x = 0; x < across; ++x) {
+        const Vec2f film(float(crop.x0) + (float(x) + 0.5f) / float(across) * float(crop.width()),
+                         float(crop.y0) + (float(y) + 0.5f) / float(across) * float(crop.height()));
+        Hit hit;
+        float footprint = 0;
+        const Sampler sampler(seed, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
+        if (firstDiffuse(scene, scene.camera().ray(film), sampler, hit, counts, footprint))
+          use(hit.point, footprint);
+      }
+  }
+
   /** Where photons should start, so that they come down where the eye looks. */
   EmissionGuide learn(const Scene& scene, const PathClasses& classes, uint64_t seed,
                       const ShootSettings& shoot, const ForwardControl& control,
                       ForwardStatistics& statistics) const {
-    const PixelBounds& crop = scene.film().crop;
     constexpr int PROBES = 96;
-    const float spacing = std::sqrt(float(crop.area())) / PROBES;
+    const float spacing = std::sqrt(float(scene.film().crop.area())) / PROBES;
     VisibleRegion region;
-    for (int y = 0; y < PROBES; ++y)
-      for (int x = 0; x < PROBES; ++x) {
-        const Vec2f film(float(crop.x0) + (float(x) + 0.5f) / PROBES * float(crop.width()),
-                         float(crop.y0) + (float(y) + 0.5f) / PROBES * float(crop.height()));
-        Hit hit;
-        float footprint = 0;
-        const Sampler sampler(1, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
-        if (firstDiffuse(scene, scene.camera().ray(film), sampler, hit, statistics.counts, footprint) &&
-            footprint > 0)
-          region.add(hit.point.position, footprint * std::max(spacing, 2.0f));
-      }
+    probe(scene, PROBES, 1, statistics.counts, [&](const SurfacePoint& point, float footprint) {
+      if (footprint > 0) region.add(point.position, footprint * std::max(spacing, 2.0f));
+    });
     EmissionGuide learned = learnEmission(scene, classes, seed, shoot, region, control, statistics.counts);
     if (learned.active())
       statistics.notes.push_back(
@@ -429,37 +436,25 @@ class PhotonMapping final : public Integrator {
                      : progressive                               ? PROGRESSIVE_NEAREST
                                                                  : ONE_MAP_NEAREST;
     search.radius = static_cast<float>(settings.radius);
-    const PixelBounds& crop = scene.film().crop;
-    constexpr int PROBES = 24;
     std::vector<double> radii, found;
-    GatherSettings probe = search;
-    if (settings.radius == 0) probe.radius = 2 * scene.bounds().radius;
     PhotonScratch scratch;
-    for (int y = 0; y < PROBES; ++y)
-      for (int x = 0; x < PROBES; ++x) {
-        const Vec2f film(float(crop.x0) + (float(x) + 0.5f) / PROBES * float(crop.width()),
-                         float(crop.y0) + (float(y) + 0.5f) / PROBES * float(crop.height()));
-        Hit hit;
-        float footprint = 0;
-        const EyeRay ray = scene.camera().ray(film);
-        const Sampler sampler(0, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
-        if (!firstDiffuse(scene, ray, sampler, hit, statistics.counts, footprint)) continue;
-        GatherRegion region;
-        region.center = hit.point.position;
-        region.normal = hit.point.geometricNormal;
-        region.bothSides = true;
-        region.flatness = probe.flatness;
-        region.radius = probe.radius;
-        if (search.nearest > 0) {
-          const NearestPhotons n = map.nearest(region, search.nearest, scratch);
-          found.push_back(n.count);
-          if (n.count == search.nearest) radii.push_back(double(std::sqrt(n.radius2)));
-        } else {
-          int n = 0;
-          map.visitWithin(region, [&](const PhotonBlock& b) { n += std::popcount(b.mask); });
-          found.push_back(n);
-        }
+    probe(scene, 24, 0, statistics.counts, [&](const SurfacePoint& point, float) {
+      GatherRegion region;
+      region.center = point.position;
+      region.normal = point.geometricNormal;
+      region.bothSides = true;
+      region.flatness = search.flatness;
+      region.radius = settings.radius == 0 ? 2 * scene.bounds().radius : search.radius;
+      if (search.nearest > 0) {
+        const NearestPhotons n = map.nearest(region, search.nearest, scratch);
+        found.push_back(n.count);
+        if (n.count == search.nearest) radii.push_back(double(std::sqrt(n.radius2)));
+      } else {
+        int n = 0;
+        map.visitWithin(region, [&](const PhotonBlock& b) { n += std::popcount(b.mask); });
+        found.push_back(n);
       }
+    });
     if (found.empty()) {
       statistics.notes.push_back("the eye sees no diffuse surface: no photons are gathered");
       if (search.radius == 0) search.radius = 2 * scene.bounds().radius;

@@ -29,43 +29,35 @@ uint64_t checksum(uint64_t state, std::span<const std::byte> bytes) {
   return ::crc32_z(state, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
 }
 
+/** Calls `use(name, value)` for everything of a position that is kept. */
+template <class Position, class Use> void forEachFigure(Position& p, const Use& use) {
+  auto& s = p.statistics;
+  use("sample", p.sample);
+  use("render_seconds", s.renderSeconds);
+  use("photon_seconds", s.photonSeconds);
+  use("balance_seconds", s.balanceSeconds);
+  use("photons_emitted", s.photonsEmitted);
+  use("photons_stored", s.photonsStored);
+  use("photons_refused", s.photonsRefused);
+  use("map_bytes", s.mapBytes);
+  use("rays", s.counts.rays);
+  use("non_finite", s.counts.nonFinite);
+  use("weight_cut", s.counts.weightCut);
+  use("gathers", s.counts.gathers);
+  use("photons_found", s.counts.photonsFound);
+  use("passes", s.passes);
+  use("photon_maps", s.forwardPasses);
+}
+
 Json toJson(const RenderPosition& p) {
-  const RenderStatistics& s = p.statistics;
-  return {{"sample", p.sample},
-          {"render_seconds", s.renderSeconds},
-          {"photon_seconds", s.photonSeconds},
-          {"balance_seconds", s.balanceSeconds},
-          {"photons_emitted", s.photonsEmitted},
-          {"photons_stored", s.photonsStored},
-          {"photons_refused", s.photonsRefused},
-          {"map_bytes", s.mapBytes},
-          {"rays", s.counts.rays},
-          {"non_finite", s.counts.nonFinite},
-          {"weight_cut", s.counts.weightCut},
-          {"gathers", s.counts.gathers},
-          {"photons_found", s.counts.photonsFound},
-          {"passes", s.passes},
-          {"photon_maps", s.forwardPasses}};
+  Json j;
+  forEachFigure(p, [&](const char* name, const auto& value) { j[name] = value; });
+  return j;
 }
 
 RenderPosition positionFrom(const Json& j) {
   RenderPosition p;
-  RenderStatistics& s = p.statistics;
-  j.at("sample").get_to(p.sample);
-  j.at("render_seconds").get_to(s.renderSeconds);
-  j.at("photon_seconds").get_to(s.photonSeconds);
-  j.at("balance_seconds").get_to(s.balanceSeconds);
-  j.at("photons_emitted").get_to(s.photonsEmitted);
-  j.at("photons_stored").get_to(s.photonsStored);
-  j.at("photons_refused").get_to(s.photonsRefused);
-  j.at("map_bytes").get_to(s.mapBytes);
-  j.at("rays").get_to(s.counts.rays);
-  j.at("non_finite").get_to(s.counts.nonFinite);
-  j.at("weight_cut").get_to(s.counts.weightCut);
-  j.at("gathers").get_to(s.counts.gathers);
-  j.at("photons_found").get_to(s.counts.photonsFound);
-  j.at("passes").get_to(s.passes);
-  j.at("photon_maps").get_to(s.forwardPasses);
+  forEachFigure(p, [&](const char* name, auto& value) { j.at(name).get_to(value); });
   return p;
 }
 

@@ -10,6 +10,16 @@
 
 namespace recurse {
 
+namespace {
+
+double volumeOf(const EmissionGuide::Numbers& low, const EmissionGuide::Numbers& high) {
+  double volume = 1;
+  for (size_t d = 0; d < EmissionGuide::DIMENSIONS; ++d) volume *= double(high[d]) - double(low[d]);
+  return volume;
+}
+
+} // namespace
+
 uint64_t VisibleRegion::key(int level, const Vec3f& position) {
   const double side = std::ldexp(1.0, level);
   uint64_t key = mixBits(static_cast<uint64_t>(level + 4096));
@@ -36,16 +46,15 @@ bool VisibleRegion::contains(const Vec3f& position) const {
 }
 
 EmissionGuide::EmissionGuide(std::span<const Useful> useful, double trials) {
-  std::vector<Useful> sorted(useful.begin(), useful.end());
+  std::vector<Useful> parts(useful.begin(), useful.end()); // which splits put in order
   Numbers low, high;
   low.fill(0);
   high.fill(1);
-  split(sorted, low, high, trials, 0);
+  split(parts, low, high, trials, 0);
   // Leaf.density is √p so far.
   double sum = 0, plain = 0, variance = 0;
   for (Leaf& leaf : leaves) {
-    double volume = 1;
-    for (size_t d = 0; d < DIMENSIONS; ++d) volume *= double(leaf.high[d]) - double(leaf.low[d]);
+    const double volume = volumeOf(leaf.low, leaf.high);
     sum += volume * leaf.density;
     plain += volume * square(leaf.density);
     leaf.chance = sum;
@@ -54,13 +63,11 @@ EmissionGuide::EmissionGuide(std::span<const Useful> useful, double trials) {
     *this = {};
     return;
   }
-  double before = 0;
   for (Leaf& leaf : leaves) {
-    const double p = square(leaf.density), volume = (leaf.chance - before) / std::max(leaf.density, 1e-300);
-    before = leaf.chance;
+    const double p = square(leaf.density);
     leaf.chance /= sum;
     leaf.density = UNIFORM_PART + (1 - UNIFORM_PART) * leaf.density / sum;
-    if (p > 0) variance += volume * p / leaf.density;
+    variance += volumeOf(leaf.low, leaf.high) * p / leaf.density;
   }
   expectedGain = plain / variance;
 }
@@ -69,12 +76,11 @@ void EmissionGuide::split(std::span<Useful> useful, const Numbers& low, const Nu
                           int depth) {
   const auto node = nodes.size();
   nodes.push_back({-1, 0, static_cast<uint32_t>(leaves.size())});
-  double weight = 0, squared = 0, volume = 1;
+  double weight = 0, squared = 0;
   for (const Useful& u : useful) {
     weight += double(u.weight);
     squared += square(double(u.weight));
   }
-  for (size_t d = 0; d < DIMENSIONS; ++d) volume *= double(high[d]) - double(low[d]);
   // A likelihood ratio that chance alone would hardly reach, over all the ways to split.
   constexpr double SIGNIFICANT = 8;
   constexpr int DEEPEST = 40;
@@ -102,7 +108,7 @@ void EmissionGuide::split(std::span<Useful> useful, const Numbers& low, const Nu
       }
     }
   if (dimension == DIMENSIONS || !(at > low[dimension] && at < high[dimension])) {
-    leaves.push_back({low, high, std::sqrt(weight / trials / volume), 0});
+    leaves.push_back({low, high, std::sqrt(weight / trials / volumeOf(low, high)), 0});
     return;
   }
   const auto middle = std::partition(useful.begin(), useful.end(),
