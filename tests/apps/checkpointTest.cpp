@@ -71,10 +71,10 @@ TEST_F(Checkpoints, InterruptedRendersGoOn) {
   const std::vector<std::string> settings = {"--integrator", "path", "--spp", "3000"};
   const std::vector<float> truth = whole(settings);
   const std::vector<std::string> kept = {"--checkpoint", "c.rck", "--resume", "-o", "r.exr"};
-  const Outcome interrupted = render(settings, kept, [](pid_t child) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(400));
-    ::kill(child, SIGINT);
-  });
+  std::vector<std::string> watched = {"render", "scene.pbrt", "--progress", "json"};
+  watched.insert(watched.end(), settings.begin(), settings.end());
+  watched.insert(watched.end(), kept.begin(), kept.end());
+  const Outcome interrupted = run(watched, onceUnderWay(SIGINT));
   ASSERT_EQ(interrupted.status, 130) << interrupted.err;
   EXPECT_TRUE(std::filesystem::exists(file("c.rck")));
   const Outcome o = render(settings, kept);

@@ -124,7 +124,7 @@ TEST_F(ConvergeProgram, PhotonBudgets) {
 TEST_F(ConvergeProgram, InterruptKeepsWhatIsFinished) {
   makeReference("a.exr", "100");
   const std::vector<std::string> arguments = {"converge",    "scene.pbrt", "-o",      "study",
-                                              "--reference", "a.exr",      "--times", "100ms,700ms",
+                                              "--reference", "a.exr",      "--times", "100ms,1.5s",
                                               "--run",       PATH,         "--seeds", "2"};
   const Outcome stopped = run(arguments, [&](pid_t child) {
     for (int i = 0; i < 500 && !exists("study/cells/path-0.1s-seed1.exr"); ++i) sleepSeconds(0.02);

@@ -113,7 +113,27 @@ class Program : public testing::Test {
     return text.find(part) != std::string::npos;
   }
 
+  /** Waits until a render with `--progress json` has a sample of every pixel, then sends it the signal. */
+  std::function<void(pid_t)> onceUnderWay(int signal) const {
+    return [this, signal](pid_t child) {
+      for (int i = 0; i < 3000; ++i) {
+        std::ifstream lines(file(".stderr"));
+        for (std::string line; std::getline(lines, line);) {
+          const size_t at = line.find(SAMPLES);
+          if (at == std::string::npos || std::atof(line.c_str() + at + SAMPLES.size()) < 1) continue;
+          ::kill(child, signal);
+          return;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      }
+      ::kill(child, SIGKILL); // a minute without a sample
+    };
+  }
+
   std::string folder;
+
+ private:
+  inline static const std::string SAMPLES = "\"samples_per_pixel\":";
 };
 
 inline void sleepSeconds(double seconds) {

@@ -189,11 +189,8 @@ TEST_F(ProgramRender, PathClassesSelectLight) {
 TEST_F(ProgramRender, InterruptWritesWhatThereIs) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1000000000", "-o",
-                           "a.exr", "--stats", "s.json"},
-                          [&](pid_t child) {
-                            sleepSeconds(1.5);
-                            ::kill(child, signal);
-                          });
+                           "a.exr", "--stats", "s.json", "--progress", "json"},
+                          onceUnderWay(signal));
     EXPECT_EQ(o.status, 130) << o.err;
     EXPECT_LT(o.seconds, 20);
     const Image image = readImage(file("a.exr"));
@@ -215,12 +212,9 @@ TEST_F(ProgramRender, FailedRunsLoseNoPicture) {
   EXPECT_TRUE(contents(file("a.exr")) == before);
 
   // Killed in the middle.
-  const Outcome killed =
-      run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1000000000", "-o", "a.exr"},
-          [](pid_t child) {
-            sleepSeconds(0.7);
-            ::kill(child, SIGKILL);
-          });
+  const Outcome killed = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1000000000", "-o",
+                              "a.exr", "--progress", "json"},
+                             onceUnderWay(SIGKILL));
   EXPECT_EQ(killed.status, 128 + SIGKILL);
   EXPECT_TRUE(contents(file("a.exr")) == before);
 
