@@ -143,6 +143,7 @@ std::string settingsText(const Run& run, const Scene& scene, BudgetKind kind) {
     if (kind != BudgetKind::PHOTONS || !setting.starts_with("photons ")) out += ", " + setting;
   if (kind == BudgetKind::PHOTONS)
     out += ", " + std::to_string(run.options.plan().settings(scene).samplesPerPixel) + " samples per pixel";
+  if (run.options.adaptive) out += ", adaptive";
   return out;
 }
 

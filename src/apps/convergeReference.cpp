@@ -84,6 +84,7 @@ Halves readHalves(const std::string& fileName, const std::string& identity) {
 References ownReferences(LoadedScene& loaded, const RenderOptions& options, const ReferencePlan& plan,
                          const std::string& sceneHash, const std::string& folder) {
   RenderOptions path = options;
+  path.adaptive = false;
   path.verbose = false;
   path.integrator.setIntegrator("path");
   Diagnostics diagnostics;

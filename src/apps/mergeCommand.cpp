@@ -17,7 +17,8 @@ struct MergeOptions {
   std::vector<std::string> inputs, outputs;
   std::optional<std::string> exposure;
   std::string checkpoint;
-  bool errorLayer = false, quiet = false;
+  ExtraLayers extra;
+  bool quiet = false;
 };
 
 std::string partsText(const Checkpoint& c) {
@@ -50,7 +51,7 @@ ExitStatus mergeRenders(const MergeOptions& o) {
   }
   sum.metadata["recurse:samples"] = format("%.9g", samples);
   sum.metadata["recurse:parts"] = partsText(sum);
-  Image image = pictureOf(sum.film, sum.classes, sum.imagingRatio, o.errorLayer);
+  Image image = pictureOf(sum.film, sum.classes, sum.imagingRatio, o.extra);
   image.metadata = sum.metadata;
   std::string written;
   for (const std::string& name : o.outputs) {
@@ -87,8 +88,10 @@ void addMergeCommand(CLI::App& app, Command& chosen) {
       ->type_name("FILE");
   command->add_option("--exposure", o.exposure, "Brightness of .png .jpg .tif in powers of two (default: 0)")
       ->type_name("STOPS");
-  command->add_flag("--error-layer", o.errorLayer,
+  command->add_flag("--error-layer", o.extra.error,
                     "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
+  command->add_flag("--samples-layer", o.extra.samples,
+                    "Add the number of samples of each pixel to .exr, as channel samples.N");
   command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
   command->footer(
       "The renders must be of the same scene files, integrator settings, size and samples per pixel, and no\n"

@@ -22,7 +22,8 @@ struct RenderCommandOptions {
   std::optional<std::string> sampleRange, checkpointInterval;
   std::string paths, checkpoint;
   bool resume = false;
-  bool check = false, errorLayer = false;
+  ExtraLayers extra;
+  bool check = false;
 };
 
 void checkOutputs(const RenderCommandOptions& o, const std::vector<std::string>& outputs) {
@@ -53,6 +54,11 @@ RenderPlan planOf(const RenderCommandOptions& o) {
   if (o.checkpointInterval)
     plan.checkpointInterval = parseDuration("--checkpoint-interval", *o.checkpointInterval);
   if (!o.sampleRange) return plan;
+  if (plan.adaptive)
+    throw Error(
+        "--sample-range: with --adaptive the number of samples follows from those before; other parts "
+        "of a picture are other seeds (--seed)",
+        ExitStatus::BAD_USAGE);
   const std::vector<std::string> range = split(*o.sampleRange, ':');
   if (range.size() != 2)
     throw Error("--sample-range: '" + *o.sampleRange + "' is not FIRST:END, such as 64:128",
@@ -93,7 +99,7 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
   const Rendering rendering(loaded, classes, plan, o.render);
   RenderReport report =
       rendering.report("recurse render", o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths));
-  report.errorLayer = o.errorLayer;
+  report.extra = o.extra;
   const Image image = pictureOf(rendering.film(), report);
   std::vector<std::string> written = outputs;
   // One output that fails must not take the others along.
@@ -154,8 +160,10 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
           "--sample-range", o.sampleRange,
           "Only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds renders up")
       ->type_name("FIRST:END");
-  command->add_flag("--error-layer", o.errorLayer,
+  command->add_flag("--error-layer", o.extra.error,
                     "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
+  command->add_flag("--samples-layer", o.extra.samples,
+                    "Add the number of samples of each pixel to .exr, as channel samples.N");
   command->add_flag("--check", o.check, "Load the scene, report what it contains and needs, do not render");
   command->footer(
       "Examples:\n"
@@ -163,6 +171,7 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       "  recurse render scene.pbrt -o quick.png --time-limit 30s --resolution 320x240\n"
       "  recurse render scene.pbrt -o truth.exr --integrator path --spp 1024\n"
       "  recurse render scene.pbrt -o sure.exr --integrator path --error-target 0.05\n"
+      "  recurse render scene.pbrt -o even.exr --integrator path --spp 256 --adaptive --samples-layer\n"
       "  recurse render scene.pbrt -o fine.exr --photons 10M --spp 64 --stats fine.json\n"
       "  recurse render scene.pbrt -o caustics.exr --paths 'LS+DE'\n"
       "  recurse render scene.pbrt -o long.exr --spp 4096 --checkpoint long.rck --resume\n"

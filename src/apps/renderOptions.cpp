@@ -37,6 +37,10 @@ void RenderOptions::addTo(CLI::App& command) {
   };
   add("--spp", samples, "N",
       "Samples per pixel (default: the scene's, or with --time-limit or --error-target as many as it takes)");
+  command.add_flag(
+      "--adaptive", adaptive,
+      "Samples go where the error is: pixels get between a quarter of --spp and eight times as many, "
+      "as the first samples of the pixels around them tell; a crop is a picture of its own then");
   add("--time-limit", timeLimit, "TIME",
       "Longest time for photons and picture: 30s, 2m, 1h30m; each pixel gets at least one sample");
   add("--error-target", errorTarget, "E",
@@ -73,6 +77,7 @@ RenderPlan RenderOptions::plan() const {
   }
   if (cropWindow) plan.overrides.cropWindow = parseCropWindow("--cropwindow", *cropWindow);
   plan.overrides.lenient = lenient;
+  plan.adaptive = adaptive;
   return plan;
 }
 
@@ -80,6 +85,7 @@ std::string RenderOptions::text(const LoadedScene& loaded, const RenderSettings&
   std::string out = shellQuoted(scene) + " --integrator " + shellQuoted(loaded.integratorDirective.type) +
                     integrator.text();
   if (settings.samplesPerPixel > 0) out += " --spp " + std::to_string(settings.samplesPerPixel);
+  if (adaptive) out += " --adaptive";
   if (timeLimit) out += " --time-limit " + shellQuoted(*timeLimit);
   if (errorTarget) out += " --error-target " + shellQuoted(*errorTarget);
   out += " --seed " + std::to_string(settings.seed);
@@ -96,7 +102,7 @@ namespace {
 
 /** What the samples of a render depend on, but for the seed. */
 std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const RenderSettings& settings,
-                                              const std::vector<PathClass>& classes) {
+                                              const std::vector<PathClass>& classes, bool adaptive) {
   const FilmSettings& film = loaded.scene->film();
   std::string integrator = loaded.integratorDirective.type;
   for (const std::string& setting : settingsOf(loaded.integratorDirective)) integrator += ", " + setting;
@@ -110,7 +116,8 @@ std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const R
           {"part of the picture in pixels", crop},
           {"path classes", classesText(classes)},
           {"samples per pixel",
-           settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"}};
+           settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"},
+          {"samples go", adaptive ? "where the error is" : "to all pixels alike"}};
 }
 
 } // namespace
@@ -125,7 +132,9 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
                                                    {{settings.seed, settings.firstSample,
                                                      settings.firstSample}},
                                                    {},
-                                                   Film(loaded.scene->film().crop, classes.layerCount())} {
+                                                   Film(loaded.scene->film().crop, classes.layerCount()),
+                                                   {}} {
+  if (plan.adaptive) kept.allocation.emplace(kept.film.bounds(), kept.imagingRatio);
   if (options.verbose) std::fputs(sceneReport(loaded, classes.layerCount()).c_str(), stderr);
   ProgressDisplay display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress));
   // Warnings are about what the picture will look like, so they come at once and even when quiet.
@@ -137,7 +146,7 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
     display.update(progress);
   };
   if (!plan.checkpoint.empty()) {
-    kept.identity = identityOf(loaded, settings, kept.classes);
+    kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
     if (plan.resume && std::filesystem::exists(plan.checkpoint)) {
       Checkpoint before = Checkpoint::read(plan.checkpoint);
       requireSame(plan.checkpoint, kept.identity, before.identity);
@@ -149,6 +158,7 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
                     " and samples from " + std::to_string(now.first));
       settings.from = before.position;
       kept.film = std::move(before.film);
+      kept.allocation = std::move(before.allocation);
       log("going on with " + plan.checkpoint);
     }
     settings.save = [&](const RenderPosition& position) {
@@ -168,6 +178,7 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
       }
     };
   }
+  settings.allocation = kept.allocation ? &*kept.allocation : nullptr;
   figures =
       render(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful.flag(), show, log);
   if (interrupted() && figures.samples == 0)

@@ -27,6 +27,7 @@ struct RenderPlan {
   std::string checkpoint;                 ///< file to keep the render in; empty: none
   double checkpointInterval = 60;         ///< seconds
   bool resume = false;                    ///< from that file, where it exists
+  bool adaptive = false;                  ///< see SampleAllocation
 
   /** With what the scene says where the options do not. */
   RenderSettings settings(const Scene& scene) const;
@@ -37,7 +38,7 @@ struct RenderOptions {
   IntegratorOptions integrator;
   std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow;
   std::string statistics, progress = "auto";
-  bool quiet = false, verbose = false, lenient = false;
+  bool quiet = false, verbose = false, lenient = false, adaptive = false;
 
   /** The scene file, which is the first positional argument. */
   void addSceneTo(CLI::App& command);

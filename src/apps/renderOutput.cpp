@@ -59,16 +59,18 @@ std::map<std::string, std::string> metadataOf(const RenderReport& report) {
 }
 
 Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float imagingRatio,
-                bool errorLayer) {
+                const ExtraLayers& extra) {
   std::vector<std::string> channels = {"R", "G", "B"};
   for (size_t layer = 1; layer < film.layerCount(); ++layer)
     for (const char* c : {".R", ".G", ".B"}) channels.push_back(classes[layer].name + c);
-  if (errorLayer) channels.emplace_back("error.Y");
+  const size_t colours = channels.size();
+  if (extra.error) channels.emplace_back("error.Y");
+  if (extra.samples) channels.emplace_back("samples.N");
   Image image(film.bounds().width(), film.bounds().height(), channels);
   for (size_t pixel = 0; pixel < film.bounds().area(); ++pixel) {
-    if (errorLayer)
-      image.pixels[(pixel + 1) * channels.size() - 1] =
-          static_cast<float>(film.standardError(pixel)) * imagingRatio;
+    float* more = &image.pixels[pixel * channels.size() + colours - 1];
+    if (extra.error) *++more = static_cast<float>(film.standardError(pixel)) * imagingRatio;
+    if (extra.samples) *++more = static_cast<float>(film.samples(pixel));
     for (size_t layer = 0; layer < film.layerCount(); ++layer) {
       const Rgb value = film.value(pixel, layer) * imagingRatio;
       for (int c = 0; c < 3; ++c) image.pixels[pixel * channels.size() + layer * 3 + size_t(c)] = value[c];
@@ -78,7 +80,7 @@ Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float i
 }
 
 Image pictureOf(const Film& film, const RenderReport& report) {
-  Image image = pictureOf(film, report.classes, report.loaded.scene->film().imagingRatio, report.errorLayer);
+  Image image = pictureOf(film, report.classes, report.loaded.scene->film().imagingRatio, report.extra);
   image.metadata = metadataOf(report);
   return image;
 }
@@ -105,6 +107,7 @@ std::string statisticsJson(const RenderReport& report) {
       {"relative_error", s.error >= 0 ? nlohmann::ordered_json(s.error) : nlohmann::ordered_json(nullptr)},
       {"samples", s.samples},
       {"samples_per_pixel", report.samplesPerPixel()},
+      {"samples_of_a_pixel", {{"least", s.least}, {"median", s.median}, {"most", s.most}}},
       {"rays", s.counts.rays},
       {"rays_per_second", perSecond(double(s.counts.rays), s.renderSeconds)},
       {"photons_emitted", s.photonsEmitted},
@@ -140,6 +143,9 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
            (s.oneMap               ? "; what the one photon map adds, noise and bias, is not in it\n"
             : s.photonsEmitted > 0 ? "; the bias of the photon map's radius is not in it\n"
                                    : "\n");
+  if (s.least != s.most)
+    out += "samples of a pixel: " + std::to_string(s.least) + " to " + std::to_string(s.most) +
+           ", half of the pixels have at most " + std::to_string(s.median) + "\n";
   if (s.photonsEmitted > 0)
     out += "photons: " + countText(double(s.photonsEmitted)) + " emitted, " +
            countText(double(s.photonsStored)) + " stored in " + durationText(s.photonSeconds) + " (" +

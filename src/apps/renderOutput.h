@@ -13,6 +13,12 @@
 
 namespace recurse::apps {
 
+/** What a picture is to have besides colours. */
+struct ExtraLayers {
+  bool error = false;   ///< the standard error of each pixel's luminance as error.Y
+  bool samples = false; ///< the number of samples of each pixel as samples.N
+};
+
 /** Everything that is told about a finished render. */
 struct RenderReport {
   const LoadedScene& loaded;
@@ -21,7 +27,7 @@ struct RenderReport {
   std::vector<PathClass> classes;
   std::string commandLine; ///< one that gives the same picture
   int width = 0, height = 0;
-  bool errorLayer = false; ///< the picture has the standard error of each pixel's luminance as error.Y
+  ExtraLayers extra = {};
 
   double samplesPerPixel() const;
   const char* stopReason() const;
@@ -33,9 +39,9 @@ constexpr const char* VERSION = RECURSE_VERSION;
 std::map<std::string, std::string> metadataOf(const RenderReport& report);
 /** The classes of a render as a text. */
 std::string classesText(const std::vector<PathClass>& classes);
-/** The film as a picture. The first layer is R, G, B; the others are called after their classes.
- * `errorLayer`: with the standard error of each pixel's luminance as error.Y. */
-Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float imagingRatio, bool errorLayer);
+/** The film as a picture. The first layer is R, G, B; the others are called after their classes. */
+Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float imagingRatio,
+                const ExtraLayers& extra);
 /** The same of a render, with its metadata. */
 Image pictureOf(const Film& film, const RenderReport& report);
 /** The text of --stats. */

@@ -1,5 +1,6 @@
 /** @file
- * Checkpoints: a line that says what it is, a line of JSON, the film's numbers as they are, a checksum.
+ * Checkpoints: a line that says what it is, a line of JSON, the film's numbers as they are and those of
+ * adaptive samples, a checksum.
  */
 #include "recurse/report/checkpoint.h"
 
@@ -27,6 +28,15 @@ constexpr uint64_t MAX_HEADER = 1 << 24;
 
 uint64_t checksum(uint64_t state, std::span<const std::byte> bytes) {
   return ::crc32_z(state, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+}
+
+/** What follows the header: the film's numbers, then those of the allocation, where there is one. */
+std::vector<std::span<std::byte>> numbersOf(Checkpoint& c) {
+  std::vector<std::span<std::byte>> out;
+  for (const std::span<std::byte> part : c.film.state()) out.push_back(part);
+  if (c.allocation)
+    for (const std::span<std::byte> part : c.allocation->state()) out.push_back(part);
+  return out;
 }
 
 /** Calls `use(name, value)` for everything of a position that is kept. */
@@ -74,6 +84,7 @@ void writeCheckpoint(const std::string& fileName, Checkpoint& c) {
                      {"classes", classes},
                      {"parts", parts},
                      {"position", toJson(c.position)},
+                     {"adaptive", c.allocation.has_value()},
                      {"film", {b.x0, b.y0, b.x1, b.y1}}};
   const std::string header = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   const uint64_t size = header.size();
@@ -86,7 +97,7 @@ void writeCheckpoint(const std::string& fileName, Checkpoint& c) {
   file.write(MAGIC.data(), MAGIC.size());
   write(std::as_bytes(std::span(&size, 1)));
   write(std::as_bytes(std::span(header)));
-  for (const std::span<std::byte> part : c.film.state()) write(part);
+  for (const std::span<std::byte> part : numbersOf(c)) write(part);
   file.write(&sum, sizeof sum);
   file.commit();
 }
@@ -121,8 +132,10 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
     // What follows must be as long as the header says, before memory is taken for it.
     const uint64_t left = fileBytes - MAGIC.size() - sizeof size - header.size();
     const double pixelBytes = double(sizeof(Rgbd)) * double(classes.size()) + 32;
+    const double pixels = double(bounds.width()) * double(bounds.height());
+    const bool adaptive = json.at("adaptive");
     if (bounds.x1 <= bounds.x0 || bounds.y1 <= bounds.y0 || classes.empty() ||
-        double(bounds.width()) * double(bounds.height()) * pixelBytes + sizeof sum != double(left))
+        pixels * pixelBytes + (adaptive ? SampleAllocation::bytes(pixels) : 0) + sizeof sum != double(left))
       fail("the checkpoint is damaged or cut off");
     Checkpoint c{json.at("identity"),
                  json.at("metadata"),
@@ -130,10 +143,12 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
                  classes,
                  {},
                  positionFrom(json.at("position")),
-                 Film(bounds, classes.size())};
+                 Film(bounds, classes.size()),
+                 {}};
+    if (adaptive) c.allocation.emplace(bounds, c.imagingRatio);
     for (const Json& p : json.at("parts")) c.parts.push_back({p.at(0), p.at(1), p.at(2)});
     if (c.parts.empty()) fail("the checkpoint is damaged");
-    for (const std::span<std::byte> part : c.film.state()) take(part);
+    for (const std::span<std::byte> part : numbersOf(c)) take(part);
     const uint64_t expected = sum;
     take(std::as_writable_bytes(std::span(&size, 1)));
     if (size != expected || in.peek() != std::ifstream::traits_type::eof()) fail("the checkpoint is damaged");
@@ -165,6 +180,7 @@ void merge(Checkpoint& into, const Checkpoint& other, const std::string& fileNam
                     std::to_string(std::min(p.end, q.end) - 1) + " of seed " + std::to_string(p.seed) +
                     " are there already; they would count twice");
   into.film.add(other.film);
+  into.allocation.reset();
   into.parts.insert(into.parts.end(), other.parts.begin(), other.parts.end());
 }
 

@@ -3,6 +3,7 @@
  */
 #include "recurse/transport/render.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <mutex>
@@ -57,13 +58,15 @@ class Teller {
 class EyeBatch {
  public:
   EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
-           TransportCounts& counts, Film& film)
-      : scene(scene), integrator(integrator), film(film), radiance(EYE_BATCH, PathRadiance(classes, counts)) {
+           TransportCounts& counts, Film& film, SampleAllocation* allocation)
+      : scene(scene), integrator(integrator), film(film), allocation(allocation),
+        radiance(EYE_BATCH, PathRadiance(classes, counts)) {
     paths.reserve(EYE_BATCH);
   }
-  /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. */
+  /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: the allocation
+   * is told of it. */
   void add(uint64_t seed, uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner,
-           float sampleSpacing) {
+           float sampleSpacing, bool pilot) {
     Place& place = places[paths.size()];
     EyePath& path = paths.emplace_back(Sampler(seed, stream, index), radiance[paths.size()]);
     const Filter::Sample f = scene.filter().sample(path.sampler.next2D());
@@ -72,13 +75,16 @@ class EyeBatch {
     path.out->reset();
     place.pixel = pixel;
     place.weight = f.weight;
+    place.pilot = pilot;
     if (paths.size() == EYE_BATCH) flush();
   }
   void flush() {
     if (paths.empty()) return;
     integrator.backwardBatch(scene, paths);
-    for (size_t i = 0; i < paths.size(); ++i)
+    for (size_t i = 0; i < paths.size(); ++i) {
       film.add(places[i].pixel, places[i].weight, radiance[i].values(), radiance[i].total());
+      if (places[i].pilot) allocation->addPilot(places[i].pixel, double(luminance(radiance[i].total())));
+    }
     paths.clear();
   }
 
@@ -86,10 +92,12 @@ class EyeBatch {
   struct Place {
     size_t pixel;
     float weight;
+    bool pilot;
   };
   const Scene& scene;
   const Integrator& integrator;
   Film& film;
+  SampleAllocation* allocation;
   std::vector<PathRadiance> radiance;
   std::vector<EyePath> paths;
   std::array<Place, EYE_BATCH> places;
@@ -155,6 +163,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   Clock::time_point pictureStart = start;
   std::vector<TransportCounts> tileCounts(tiles);
   const int64_t first = settings.firstSample, last = settings.endSample > 0 ? settings.endSample : wanted;
+  SampleAllocation* const allocation = settings.allocation;
+  if (allocation) allocation->setMapPerSample(passes == 0 || passes == wanted);
   const uint64_t samplesBefore = film.totalSamples();
   std::atomic<uint64_t> samplesDone{samplesBefore}, raysDone{0};
   std::atomic<bool> timeUp{settings.timeLimit > 0 && samplesBefore > 0 &&
@@ -212,31 +222,40 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       ready = true;
     }
     const int64_t round = std::clamp<int64_t>(sample - first, 1, LARGEST_ROUND);
-    const int64_t end = std::min({passEnd(), sample + round, last});
+    const int64_t stageEnd = allocation ? std::min(SampleAllocation::stageEnd(sample), last) : last;
+    if (allocation) allocation->begin(sample, stageEnd, settings.seed, film);
+    const int64_t end = std::min({passEnd(), sample + round, stageEnd});
+    // How many samples of a pixel there are to be at the end of the round.
+    const auto due = [&](size_t pixel) {
+      return allocation ? allocation->due(pixel, end) : uint64_t(end - first);
+    };
+    const int64_t pilots = allocation ? allocation->pilots(sample, end) : 0;
     std::atomic<size_t> tilesDone{0};
     parallelFor(tiles, [&](size_t tile) {
       if (stop || timeUp || saveDue) return;
       const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
       const int x1 = std::min(x0 + TILE, bounds.width()), y1 = std::min(y0 + TILE, bounds.height());
-      if (film.samples(size_t(y0) * size_t(bounds.width()) + size_t(x0)) >= uint64_t(end - first)) {
-        ++tilesDone; // before the round was interrupted
-        return;
-      }
       TransportCounts counts;
-      EyeBatch batch(scene, integrator, classes, counts, film);
+      EyeBatch batch(scene, integrator, classes, counts, film, allocation);
+      uint64_t taken = 0;
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
           const size_t pixel = size_t(y) * size_t(bounds.width()) + size_t(x);
           // Keyed by the place on the whole film, so that a crop is a part of the same picture.
           const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
           const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
-          for (int64_t s = sample; s < end; ++s)
-            batch.add(settings.seed, stream, static_cast<uint32_t>(s), pixel, corner, sampleSpacing);
+          // None is left where the tile was done before the round was interrupted.
+          const uint64_t before = film.samples(pixel), after = std::max(before, due(pixel));
+          for (uint64_t n = before; n < after; ++n)
+            batch.add(settings.seed, stream, static_cast<uint32_t>(uint64_t(first) + n), pixel, corner,
+                      sampleSpacing, n - before < uint64_t(pilots));
+          taken += after - before;
         }
       batch.flush();
       ++tilesDone;
+      if (taken == 0) return;
       tileCounts[tile].add(counts);
-      const uint64_t samples = samplesDone += uint64_t(x1 - x0) * uint64_t(y1 - y0) * uint64_t(end - sample);
+      const uint64_t samples = samplesDone += taken;
       const uint64_t rays = raysDone += counts.rays;
       const double elapsed = seconds(Clock::now() - start), inPicture = seconds(Clock::now() - pictureStart);
       // The first round is always finished: every pixel gets a sample.
@@ -267,13 +286,21 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
 
   for (const TransportCounts& c : tileCounts) statistics.counts.add(c);
   statistics.samples = film.totalSamples();
+  std::vector<uint64_t> counts(bounds.area());
+  for (size_t i = 0; i < counts.size(); ++i) counts[i] = film.samples(i);
+  const auto middle = counts.begin() + std::ptrdiff_t((counts.size() - 1) / 2);
+  std::nth_element(counts.begin(), middle, counts.end());
+  statistics.median = *middle;
+  const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
+  statistics.least = *least;
+  statistics.most = *most;
   statistics.renderSeconds = seconds(Clock::now() - start);
   statistics.gatherSeconds = statistics.renderSeconds - statistics.photonSeconds - statistics.balanceSeconds;
   if (stop)
     statistics.stopReason = StopReason::INTERRUPTED;
   else if (errorReached)
     statistics.stopReason = StopReason::ERROR;
-  else if (statistics.samples < uint64_t(last - first) * bounds.area())
+  else if (sample < last)
     statistics.stopReason = StopReason::TIME;
   teller.say("picture", 1, 0, double(statistics.samples) / double(bounds.area()),
              double(raysDone) / std::max(statistics.gatherSeconds, 1e-9), true);

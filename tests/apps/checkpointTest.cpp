@@ -38,15 +38,21 @@ class Checkpoints : public Program {
 const std::vector<std::string> PATH = {"--integrator", "path", "--spp", "64"};
 const std::vector<std::string> SPPM = {"--integrator", "sppm", "--spp", "24", "--photons", "2000"};
 
+std::vector<std::string> adaptive(std::vector<std::string> settings) {
+  settings.emplace_back("--adaptive");
+  return settings;
+}
+
 } // namespace
 
 TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
   const int wanted = recurse::testing::samples(50);
   std::mt19937 random(3);
   int kills = 0;
-  for (int round = 0; kills < wanted; ++round) {
+  const std::vector<std::vector<std::string>> all = {PATH, adaptive(SPPM), adaptive(PATH), SPPM};
+  for (int round = 0; kills < wanted || round < int(all.size()); ++round) {
     ASSERT_LT(round, 40) << "renders end before they are killed";
-    const std::vector<std::string>& settings = round % 2 == 0 ? PATH : SPPM;
+    const std::vector<std::string>& settings = all[size_t(round) % all.size()];
     const std::vector<float> truth = whole(settings);
     std::filesystem::remove(file("c.rck"));
     // At first too short to get anywhere; longer and longer, so that it ends some time.
@@ -124,6 +130,35 @@ TEST_F(Checkpoints, OtherSeedsAddUp) {
   EXPECT_GT(difference, 0);
 }
 
+TEST_F(Checkpoints, AdaptiveSeedsAddUpByTheirSamples) {
+  for (const char* seed : {"1", "2"}) {
+    const Outcome o = render(adaptive(PATH), {"--seed", seed, "--checkpoint", std::string(seed) + ".rck",
+                                              "-o", std::string(seed) + ".exr", "--samples-layer"});
+    ASSERT_EQ(o.status, 0) << o.err;
+  }
+  ASSERT_EQ(
+      run({"merge", "1.rck", "2.rck", "-o", "sum.exr", "--samples-layer", "--checkpoint", "s.rck"}).status,
+      0);
+  ASSERT_EQ(run({"merge", "s.rck", "-o", "again.exr", "--samples-layer"}).status, 0);
+  const recurse::Image a = readImage(file("1.exr")), b = readImage(file("2.exr")),
+                       sum = readImage(file("sum.exr"));
+  ASSERT_EQ(sum.channels.back(), "samples.N");
+  EXPECT_TRUE(readImage(file("again.exr")).pixels == sum.pixels);
+  float least = 1e9f, most = 0;
+  for (size_t i = 0; i < sum.pixels.size(); i += 4) {
+    const float n = a.pixels[i + 3], m = b.pixels[i + 3];
+    ASSERT_EQ(sum.pixels[i + 3], n + m);
+    for (size_t c = 0; c < 3; ++c) {
+      const float expected = (n * a.pixels[i + c] + m * b.pixels[i + c]) / (n + m); // a box filter
+      ASSERT_NEAR(sum.pixels[i + c], expected, 1e-5f * expected);
+    }
+    least = std::min({least, n, m});
+    most = std::max({most, n, m});
+  }
+  EXPECT_GE(least, 64 / 4);
+  EXPECT_GT(most, least);
+}
+
 TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
   ASSERT_EQ(render(PATH, {"--checkpoint", "c.rck", "-o", "a.exr"}).status, 0);
   expectError(render(PATH, {"--checkpoint", "c.rck", "-o", "a.exr"}), "--resume");
@@ -137,6 +172,8 @@ TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
               "part of the picture");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--paths", "LDE"}), "path classes:");
   expectError(resumed({"--integrator", "path", "--spp", "64", "--seed", "8"}), "seed 8");
+  expectError(resumed(adaptive(PATH)),
+              "samples go: to all pixels alike in the checkpoint, where the error is");
   write("scene.pbrt", scene() + "\n# another word\n");
   expectError(resumed(PATH), "scene files");
   write("scene.pbrt", scene());
@@ -160,5 +197,6 @@ TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
   for (const char* range : {"5", "5:5", "-1:5", "0:65", "a:b", ""})
     expectError(render(PATH, {"--sample-range", range}), "--sample-range");
   expectError(render({"--integrator", "path"}, {"--sample-range", "0:4"}), "--spp");
+  expectError(render(adaptive(PATH), {"--sample-range", "0:4"}), "--adaptive");
   expectError(render(PATH, {"--resume"}), "--checkpoint");
 }

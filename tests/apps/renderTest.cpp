@@ -139,6 +139,7 @@ TEST_F(ProgramRender, StatisticsHaveTheirKeys) {
   EXPECT_EQ(json["photons_emitted"], 3000);
   EXPECT_EQ(json["non_finite"], 0);
   EXPECT_EQ(json["samples_per_pixel"], 2);
+  EXPECT_EQ(json["samples_of_a_pixel"], (nlohmann::json{{"least", 2}, {"median", 2}, {"most", 2}}));
   EXPECT_EQ(json["stop_reason"], "samples");
   EXPECT_EQ(json["resolution"], nlohmann::json({24, 16}));
   EXPECT_GT(json["peak_memory_bytes"], 1000000);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct Checkpoint {
   std::vector<Part> parts;
   RenderPosition position; ///< of a single part
   Film film;
+  std::optional<SampleAllocation> allocation; ///< of a single part
 
   /** A film too large for the file (see the error) is not allocated. Throws Error that names the file: not
    * readable, not a checkpoint, of another version, damaged. */

@@ -10,6 +10,7 @@
 
 #include "recurse/model/film.h"
 #include "recurse/transport/integrator.h"
+#include "recurse/transport/sampleAllocation.h"
 
 namespace recurse {
 
@@ -21,9 +22,10 @@ struct RenderStatistics {
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
   size_t mapBytes = 0;
   TransportCounts counts;
-  uint64_t samples = 0;  ///< eye paths
-  int passes = 0;        ///< rounds of samples over the whole picture
-  int forwardPasses = 0; ///< photon maps shot
+  uint64_t samples = 0;                     ///< eye paths
+  uint64_t least = 0, median = 0, most = 0; ///< eye paths of a pixel
+  int passes = 0;                           ///< rounds of samples over the whole picture
+  int forwardPasses = 0;                    ///< photon maps shot
   int threads = 0;
   StopReason stopReason = StopReason::SAMPLES;
   double error = -1;   ///< Film::relativeError at the end; negative: too few samples to tell
@@ -32,11 +34,11 @@ struct RenderStatistics {
 };
 
 /**
- * Where a render stands. The film has the rest: of the round of samples that begins with `sample` each tile
- * of the picture has either everything or nothing.
+ * Where a render stands. The film, and the allocation where there is one, have the rest: of the round of
+ * samples that begins with `sample` each tile of the picture has either everything or nothing.
  */
 struct RenderPosition {
-  int64_t sample = 0; ///< every pixel has the samples from the first one of the render up to this one
+  int64_t sample = 0; ///< every pixel, or with an allocation the average one, has the samples up to this one
   RenderStatistics statistics; ///< so far, without notes and warnings
 };
 
@@ -49,6 +51,9 @@ struct RenderSettings {
    * renders that are to be added up; 0: up to the last one. */
   int64_t firstSample = 0, endSample = 0;
   RenderPosition from = {}; ///< where the film comes from that the render begins with
+  /** Deals the samples out; samplesPerPixel is the average then, and all samples are rendered. Goes with the
+   * film: new, or the one of the moment that the render goes on from. Null: each pixel gets as many. */
+  SampleAllocation* allocation = nullptr;
   /** Called with a film that a render can go on from: when `saveInterval` seconds have passed since the last
    * time, and at the end, whatever the reason for it. */
   std::function<void(const RenderPosition&)> save = {};

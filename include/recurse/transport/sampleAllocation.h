@@ -1,0 +1,111 @@
+/** @file
+ * Adaptive samples: how many samples each pixel of a picture gets, so that the error of the whole becomes least.
+ *
+ * By Neyman's rule (Neyman 1934, "On the Two Different Aspects of the Representative Method"): samples in
+ * proportion to the deviation of a pixel's samples, relative to its brightness, s = sqrt(variance / (luminance² +
+ * 0.1²)), with luminance as in the picture. That makes least what `recurse compare` calls relMSE.
+ *
+ * Progressive photon mapping makes a map for each sample of the average pixel. The variance has two parts then:
+ * what the photons bring, m, and what the eye paths bring, e. A pixel with n samples from P maps has the error
+ * m / min(n, P) + e / n: a second sample of the same map is of use against e only. So n follows sqrt(m + e) up to
+ * P, and sqrt(e) beyond it. The parts are told apart by pairs of pixels side by side, which see the same photons:
+ * the difference of two samples of the same pass has none of m, and 2 e.
+ *
+ * What s is for a pixel is told by pilot samples of the pixels around it, never by its own. Deciding by its own
+ * would bias it: where early samples miss a rare bright path the pixel would be left dark, and where they meet it
+ * the pixel would be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling Techniques for Image
+ * Synthesis"). Pilot samples are the first EVEN samples of each pixel, and then one for each PILOT_PERIOD that the
+ * average pixel gets: their number is the same for all pixels, so that it carries no values from pixel to pixel.
+ * What holds:
+ * - Where the samples of different pixels are independent (path tracing; one photon map, once it has been shot) a
+ *   pixel's count depends on its own samples only through one number in which all pixels count alike: the scale
+ *   that makes the counts add up. The expected value of the pixel is right, up to what one pixel among all can do
+ *   to the scale.
+ * - In progressive photon mapping neighbours see the same photons, and the counts depend on them a little. That is
+ *   consistent: it vanishes, like the bias of the map itself, with the number of passes.
+ * - A pixel that is unlike all around it gets what those need. That is never wrong, only slow.
+ * - Every pixel gets at least one PILOT_PERIOD-th of the average, and not much more than MOST times as much.
+ */
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "recurse/model/film.h"
+
+namespace recurse {
+
+class SampleAllocation {
+  struct Stage {
+    int64_t first = 0, end = 0; ///< samples of the average pixel
+    int64_t pilots = 0;         ///< pilot samples of each pixel before the stage
+    uint64_t seed = 0;
+  };
+  struct Pixel {
+    double luminance = 0, luminanceSquared = 0; ///< of pilot samples
+    /** With a map for each pass: in columns of even number the latest pilot sample, in those after them the sum
+     * of products of both's. */
+    double pair = 0;
+    uint32_t before = 0;                        ///< samples when the stage began
+    uint32_t extra = 0;                         ///< samples in the stage beside pilot samples
+  };
+
+ public:
+  /** So many samples of each pixel come first. */
+  static constexpr int64_t EVEN = int64_t(Film::LEAST_SAMPLES);
+  static constexpr int64_t PILOT_PERIOD = 4;
+  static constexpr double MOST = 8;
+  /** Samples of each pixel on average from one look at the errors to the next, at most; before that it is as
+   * many as there have been. */
+  static constexpr int64_t LONGEST_STAGE = 64;
+
+  /** `imagingRatio`: of the picture to the film. */
+  explicit SampleAllocation(const PixelBounds& bounds, double imagingRatio = 1)
+      : width(size_t(bounds.width())), height(size_t(bounds.height())), dark(0.1 / imagingRatio), pixels(bounds.area()) {}
+
+  /** Where the stage ends that sample number `sample` of the average pixel is in. */
+  static int64_t stageEnd(int64_t sample);
+  /** Deals out the stage up to `end`, where `sample` begins one and that has not been done yet. */
+  void begin(int64_t sample, int64_t end, uint64_t seed, const Film& film);
+  /** Call before the first sample: each sample of the average pixel has a photon map of its own. */
+  void setMapPerSample(bool is) { mapPerSample = is; }
+
+  /** How many samples of a pixel there are to be when the average pixel has `sample`, within the stage. */
+  uint64_t due(size_t pixel, int64_t sample) const;
+  /** How many of those that come before `sample` and from `from` on are pilot samples: the first ones. */
+  int64_t pilots(int64_t from, int64_t sample) const;
+  /** Of two pixels side by side, the left one in a column of even number, the left one first. */
+  void addPilot(size_t pixel, double luminance) {
+    Pixel& p = pixels[pixel];
+    p.luminance += luminance;
+    p.luminanceSquared += luminance * luminance;
+    if (mapPerSample) p.pair = pixel % width % 2 == 0 ? luminance : p.pair + pixels[pixel - 1].pair * luminance;
+  }
+
+  /** What it takes in memory, and of state(), for so many pixels. */
+  static double bytes(double pixels) { return sizeof(Stage) + sizeof(Pixel) * pixels; }
+  /** The numbers that it consists of, as they lie in memory, to be kept and put back. */
+  std::array<std::span<std::byte>, 2> state() {
+    return {std::as_writable_bytes(std::span(&stage, 1)), std::as_writable_bytes(std::span(pixels))};
+  }
+
+ private:
+  /** What a pixel's neighbours tell of it. */
+  struct Told {
+    double deviation = 0; ///< s
+    double eyeDeviation = 0; ///< the part of the eye paths
+  };
+  std::vector<Told> told() const;
+  uint64_t hashOf(size_t pixel) const;
+
+  size_t width, height;
+  double dark; ///< luminance
+  bool mapPerSample = false;
+  Stage stage;
+  std::vector<Pixel> pixels;
+};
+
+} // namespace recurse

@@ -1,0 +1,245 @@
+/** @file
+ * Adaptive samples: the mean of every pixel stays right, also where bright samples are rare; samples go where the
+ * error is, to no pixel too few; the same bits for any number of threads and interruptions.
+ */
+#include "rendering.h"
+
+#include <functional>
+#include <random>
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Radiance by a formula of the direction and random numbers, instead of a scene. */
+class Formula final : public Integrator {
+ public:
+  using Radiance = std::function<float(const Vec3f& direction, Sampler& sampler)>;
+  explicit Formula(Radiance radiance) : radiance(std::move(radiance)) {}
+  void backward(const Scene&, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
+    out.add(out.pathClasses().lightStart(), out.pathClasses().eyeStart(),
+            Rgb(radiance(ray.direction, sampler)));
+  }
+  std::vector<EstimatorDomain> domains() const override { return {}; }
+
+ private:
+  Radiance radiance;
+};
+
+/** Of two random numbers, so that a number of samples has no part in how even they are. */
+bool happens(float probability, Sampler& sampler) {
+  const Vec2f u = sampler.next2D();
+  return double(mixBits(uint64_t(u.x * 0x1p24f) << 32 | uint64_t(u.y * 0x1p24f))) * 0x1p-64 <
+         double(probability);
+}
+
+/** 1 on average: 1 on the left; on the right 1 / probability, rarely. */
+Formula::Radiance rareOnTheRight(float probability, float from = 0) {
+  return [=](const Vec3f& direction, Sampler& sampler) {
+    if (direction.x < from) return 1.0f;
+    return happens(probability, sampler) ? 1 / probability : 0.0f;
+  };
+}
+
+std::string emptyScene(int size) {
+  return view(size, "0 0 0  0 0 1  0 1 0", 60) + "Shape \"sphere\" \"float radius\" .1\n";
+}
+
+struct State {
+  Film film;
+  SampleAllocation allocation;
+  RenderPosition position;
+};
+
+struct Settings {
+  int samples = 32;
+  uint64_t seed = 1;
+  bool adaptive = true;
+  int threads = 0;
+};
+
+Rendered renderWith(const Scene& scene, Integrator& integrator, const Settings& s,
+                    std::vector<State>* saved = nullptr, const State* from = nullptr) {
+  const ThreadPool pool(s.threads);
+  const PathClasses classes;
+  Rendered out{Film(scene.film().crop, 1), {}};
+  SampleAllocation allocation(scene.film().crop);
+  RenderSettings settings;
+  settings.samplesPerPixel = s.samples;
+  settings.seed = s.seed;
+  if (s.adaptive) settings.allocation = &allocation;
+  if (from) {
+    out.film = from->film;
+    allocation = from->allocation;
+    settings.from = from->position;
+  }
+  if (saved) {
+    settings.saveInterval = 0;
+    settings.save = [&](const RenderPosition& position) { saved->push_back({out.film, allocation, position}); };
+  }
+  const std::atomic<bool> stop{false};
+  out.statistics = render(scene, integrator, classes, settings, out.film, stop, nullptr, nullptr);
+  return out;
+}
+
+Rendered renderWith(const Scene& scene, const Way& way, const Settings& s,
+                    std::vector<State>* saved = nullptr, const State* from = nullptr) {
+  const auto integrator = integratorFrom(way.integrator, way.parameters);
+  return renderWith(scene, *integrator, s, saved, from);
+}
+
+bool same(const Rendered& a, const Rendered& b) {
+  for (size_t p = 0; p < a.pixels(); ++p)
+    if (a.film.samples(p) != b.film.samples(p) || a.value(p) != b.value(p)) return false;
+  return true;
+}
+
+/** The mean of values with its standard error. */
+struct Mean {
+  explicit Mean(const std::vector<double>& values) {
+    for (const double v : values) mean += v / double(values.size());
+    double squares = 0;
+    for (const double v : values) squares += (v - mean) * (v - mean);
+    error = std::sqrt(squares / double(values.size() - 1) / double(values.size()));
+  }
+  double mean = 0, error = 0;
+};
+
+std::string litCorner() {
+  return view(20, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
+Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -2 0  2 -2 0  2 2 0  -2 2 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 .5 0  2 .5 0  2 .5 2  -2 .5 2 ]
+AreaLightSource "diffuse" "rgb L" [ 20 20 20 ]
+Shape "sphere" "float radius" .2
+)";
+}
+
+const std::vector<Way> WAYS = {{"path", ""},
+                               {"photonmap", "\"integer photons\" 3000"},
+                               {"photonmap", "\"integer photons\" 1000 \"integer passes\" 5"},
+                               {"sppm", "\"integer photons\" 1000"}};
+
+} // namespace
+
+// A pixel that asked for more samples when its own had met something would be too dark on average, by a lot.
+TEST(Adaptive, RareBrightSamplesCountForWhatTheyAre) {
+  constexpr float PROBABILITY = 0.04f;
+  constexpr int SIZE = 24;
+  const auto scene = sceneFrom(emptyScene(SIZE));
+  std::vector<double> means, naive;
+  uint64_t least = 1000, most = 0;
+  for (uint64_t seed = 1; seed <= uint64_t(samples(400)); ++seed) {
+    Formula formula(rareOnTheRight(PROBABILITY));
+    const Rendered r = renderWith(*scene, formula, {.seed = seed});
+    least = std::min(least, r.statistics.least);
+    most = std::max(most, r.statistics.most);
+    double sum = 0, naiveSum = 0;
+    std::mt19937_64 random(seed);
+    std::bernoulli_distribution bright{double(PROBABILITY)};
+    int pixels = 0;
+    for (size_t p = 0; p < r.pixels(); ++p) {
+      if (p % SIZE < SIZE / 2) continue;
+      ++pixels;
+      sum += double(r.value(p).x);
+      int met = 0, count = 0;
+      const auto take = [&](int upTo) {
+        for (; count < upTo; ++count) met += bright(random) ? 1 : 0;
+      };
+      take(8);
+      take(met > 0 ? 64 : 12);
+      naiveSum += double(met) / count / double(PROBABILITY);
+    }
+    means.push_back(sum / pixels);
+    naive.push_back(naiveSum / pixels);
+  }
+  EXPECT_GE(least, 8u + (32 - 8) / 4);
+  EXPECT_GT(most, 2 * least) << "the samples are not dealt out at all";
+  const Mean mean(means), wrong(naive);
+  EXPECT_LT(mean.error, 0.01);
+  EXPECT_NEAR(mean.mean, 1, 4 * mean.error);
+  EXPECT_LT(wrong.mean, 1 - 4 * wrong.error) << "this test would find no fault";
+}
+
+TEST(Adaptive, SamplesGoWhereTheErrorIs) {
+  const auto scene = sceneFrom(emptyScene(32));
+  const auto squaredError = [](const Rendered& r) {
+    double sum = 0;
+    for (size_t p = 0; p < r.pixels(); ++p) sum += double(square(r.value(p).x - 1));
+    return sum;
+  };
+  double adaptive = 0, even = 0;
+  for (uint64_t seed = 1; seed <= 4; ++seed) {
+    Formula formula(rareOnTheRight(0.5f, 0.3f));
+    const Rendered a = renderWith(*scene, formula, {.samples = 64, .seed = seed});
+    const Rendered e = renderWith(*scene, formula, {.samples = 64, .seed = seed, .adaptive = false});
+    adaptive += squaredError(a);
+    even += squaredError(e);
+    EXPECT_NEAR(double(a.statistics.samples), double(e.statistics.samples), 0.002 * double(e.statistics.samples));
+    EXPECT_EQ(a.statistics.stopReason, StopReason::SAMPLES);
+    EXPECT_EQ(a.statistics.least, 8u + (64 - 8) / 4);
+    EXPECT_LE(a.statistics.most, 8u * 64 + 16);
+    EXPECT_EQ(e.statistics.least, 64u);
+    EXPECT_EQ(e.statistics.most, 64u);
+  }
+  EXPECT_LT(adaptive, 0.5 * even);
+}
+
+TEST(Adaptive, OneBrightPixelDoesNotSwallowTheBudget) {
+  const auto scene = sceneFrom(emptyScene(32));
+  Formula formula([](const Vec3f& d, Sampler& sampler) {
+    const float u = sampler.next1D();
+    const bool brightPixel = std::abs(d.x - 0.2f) < 0.015f && std::abs(d.y - 0.2f) < 0.015f;
+    return brightPixel && u < 0.2f ? 1e5f : 2 * u;
+  });
+  const Rendered r = renderWith(*scene, formula, {.samples = 64});
+  EXPECT_LT(r.statistics.most, 2u * 64);
+  EXPECT_GT(r.statistics.least, 32u);
+}
+
+TEST(Adaptive, NothingToTellMeansTheSameForAll) {
+  const auto scene = sceneFrom(emptyScene(8));
+  for (const float value : {0.0f, 3.0f}) {
+    Formula formula([value](const Vec3f&, Sampler&) { return value; });
+    for (const int count : {1, 5, 8, 9, 50}) {
+      const Rendered r = renderWith(*scene, formula, {.samples = count});
+      EXPECT_NEAR(double(r.statistics.samples), 64.0 * count, 16) << count;
+      EXPECT_LT(r.statistics.most, uint64_t(count) + 4); // round numbers
+      EXPECT_EQ(r.value(0).x, value);
+    }
+  }
+}
+
+TEST(Adaptive, SameBitsForAnyNumberOfThreads) {
+  const auto scene = sceneFrom(litCorner());
+  for (const Way& way : WAYS) {
+    const Rendered one = renderWith(*scene, way, {.samples = 25, .threads = 1});
+    EXPECT_GT(one.statistics.most, one.statistics.least);
+    EXPECT_TRUE(same(one, renderWith(*scene, way, {.samples = 25, .threads = 3}))) << way.parameters;
+  }
+}
+
+TEST(Adaptive, GoesOnFromWhereverItWas) {
+  const auto scene = sceneFrom(litCorner());
+  for (const Way& way : WAYS) {
+    std::vector<State> saved;
+    const Settings settings{.samples = 25};
+    const Rendered whole = renderWith(*scene, way, settings, &saved);
+    ASSERT_GT(saved.size(), 8u);
+    for (size_t i = 0; i < saved.size(); i += std::max<size_t>(1, saved.size() / 6))
+      EXPECT_TRUE(same(whole, renderWith(*scene, way, settings, nullptr, &saved[i])))
+          << way.integrator << way.parameters << " from save " << i << " of " << saved.size();
+  }
+}
+
+TEST(Adaptive, MeansAgreeWithThoseOfEvenSamples) {
+  const auto scene = sceneFrom(litCorner());
+  for (const Way& way : WAYS) {
+    const Rendered a = renderWith(*scene, way, {.samples = 200, .seed = 1});
+    const Rendered b = renderWith(*scene, way, {.samples = 200, .seed = 2, .adaptive = false});
+    const double maps = way.integrator == "path" ? 0 : 0.02 * b.mean(); // few photons: their noise is shared
+    EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()) + maps)
+        << way.integrator << way.parameters;
+  }
+}
