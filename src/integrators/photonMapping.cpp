@@ -10,7 +10,7 @@
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
 #include "recurse/transport/gather.h"
-#include "recurse/transport/radiusField.h"
+#include "recurse/transport/searchField.h"
 #include "recurse/transport/shoot.h"
 
 namespace recurse {
@@ -25,6 +25,7 @@ struct PhotonMappingSettings {
   double radius = 0;    ///< 0: found out from the photons' density
   int maxDepth = -1;
   bool shadowRays = true, guided = true;
+  bool edges = true; ///< estimates know where surfaces end
   int lightSamples = 1;
   int finalGather = 0; ///< rays from the first diffuse surface of an eye path; 0: it reads the map itself
   float weightLimit = 0.03f;
@@ -91,9 +92,10 @@ class PhotonMapping final : public Integrator {
     statistics.mapBytes = map.memoryBytes() + caustics.memoryBytes();
     if (pass.index == 0) {
       chooseRadius(scene, statistics);
-      if (progressive && search.nearest > 0) {
-        firstRadii.build(map, search.nearest, search.radius);
-        causticRadii.build(caustics, search.nearest, search.radius);
+      if (progressive || settings.edges) {
+        field.build(scene, map, search.nearest, search.radius, search.flatness, statistics.counts);
+        causticField.build(scene, caustics, search.nearest, search.radius, search.flatness,
+                           statistics.counts);
       }
     }
     return statistics;
@@ -141,7 +143,11 @@ class PhotonMapping final : public Integrator {
   // One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly
   // many.
   static constexpr uint64_t ONE_MAP_PHOTONS = 1000000, LEAST_PROGRESSIVE_PHOTONS = 65536;
-  static constexpr int ONE_MAP_NEAREST = 100, PROGRESSIVE_NEAREST = 20;
+  static constexpr int ONE_MAP_NEAREST = 100;
+  /** Photons that the first of many passes looks for: so many that the disc is PROGRESSIVE_WIDTH pixels in
+   * radius, if the photons allow. Fewer are noise, wider discs a blur that passes take long to sharpen. */
+  static constexpr int PROGRESSIVE_LEAST = 8, PROGRESSIVE_TRIAL = 20, PROGRESSIVE_MOST = 40;
+  static constexpr double PROGRESSIVE_WIDTH = 8;
 
   /** An eye path on its way. */
   struct Walk {
@@ -202,23 +208,23 @@ class PhotonMapping final : public Integrator {
         if (settings.shadowRays)
           addSampledLight(scene, scattering, hit.point, wi, throughput, eyeD, settings.lightSamples,
                           DIFFUSE_LOBES, sampler, out);
-        GatherSettings here = searchAt(hit.point.position, firstRadii);
+        Search here = searchAt(field, hit.point, wi);
         // A surface that a gather ray finds close by is not seen through a map that is blurred over more than
         // the distance: it gathers for itself.
         const bool close = !walk.gathers && walk.gatherDistance > 0 &&
-                           walk.gatherDistance < (progressive ? here.radius : typicalRadius);
+                           walk.gatherDistance < (progressive ? here.settings.radius : typicalRadius);
         if (settings.finalGather > 0 && (walk.gathers || close)) {
           const int rays = walk.gathers ? settings.finalGather : 1;
           for (int i = 0; i < rays; ++i) {
-            Sampler branch = sampler.fork(DeltaScatters::MOST + 1 + static_cast<uint32_t>(i));
+            Sampler branch = sampler.fork(DeltaScatters::MOST + 2 + static_cast<uint32_t>(i));
             gatherRay(scene, scattering, hit, diffuse, 1 / static_cast<float>(rays), branch, out);
           }
-          gather(caustics, searchAt(hit.point.position, causticRadii), scattering, hit.point, wi,
-                 ray.width * scale, throughput, eyeD, out);
+          estimate(scene, caustics, searchAt(causticField, hit.point, wi), scattering, hit.point, diffuse,
+                   sampler, out);
         } else {
-          here.sharing = settings.sharing;
+          here.settings.sharing = settings.sharing;
           followLobe(scene, scattering, hit, diffuse, sampler, out);
-          gather(map, here, scattering, hit.point, wi, ray.width * scale, throughput, eyeD, out);
+          estimate(scene, map, here, scattering, hit.point, diffuse, sampler, out);
         }
       }
       eye = classes.step(eye, PathEvent::S);
@@ -346,15 +352,32 @@ class PhotonMapping final : public Integrator {
     }
   }
 
+  /** How photons are searched at a point. */
+  struct Search {
+    GatherSettings settings;
+    SearchPlace place;
+  };
   /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
    * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
-  GatherSettings searchAt(const Vec3f& position, const RadiusField& radii) const {
-    GatherSettings here = search;
-    if (!progressive) return here;
-    if (search.nearest > 0) here.radius = radii.at(position);
-    here.nearest = 0;
-    here.radius *= scale;
+  Search searchAt(const SearchField& known, const SurfacePoint& point, const Vec3f& wi) const {
+    Search here{search, {}};
+    if (!progressive && !settings.edges) return here;
+    here.place = known.at(point.position, glm::dot(point.geometricNormal, wi) < 0 ? -point.geometricNormal
+                                                                                  : point.geometricNormal);
+    if (progressive) {
+      here.settings.nearest = 0;
+      here.settings.radius = here.place.radius * scale;
+    }
     return here;
+  }
+  /** Adds what a photon map has at a point; `walk` has read the D there. */
+  void estimate(const Scene& scene, const PhotonMap& photons, const Search& here,
+                const ScatteringPoint& scattering, const SurfacePoint& point, const Walk& walk,
+                const Sampler& sampler, PathRadiance& out) const {
+    Surroundings surroundings{scene, sampler.fork(DeltaScatters::MOST + 1), here.place.known,
+                              here.place.away};
+    gather(photons, here.settings, scattering, point, -walk.ray.direction, walk.ray.width * scale,
+           walk.throughput, walk.eye, out, settings.edges ? &surroundings : nullptr);
   }
 
   /** The first surface along an eye ray that reads the photon map, by the strongest delta lobe; false when
@@ -433,12 +456,13 @@ class PhotonMapping final : public Integrator {
     search.kernel = settings.kernel;
     search.flatness = settings.flatness;
     search.nearest = settings.nearest > 0 || settings.radius > 0 ? settings.nearest
-                     : progressive                               ? PROGRESSIVE_NEAREST
+                     : progressive                               ? PROGRESSIVE_TRIAL
                                                                  : ONE_MAP_NEAREST;
     search.radius = static_cast<float>(settings.radius);
-    std::vector<double> radii, found;
+    std::vector<double> radii, found, widths;
     PhotonScratch scratch;
-    probe(scene, 24, 0, statistics.counts, [&](const SurfacePoint& point, float) {
+    probe(scene, 24, 0, statistics.counts, [&](const SurfacePoint& point, float footprint) {
+      widths.push_back(double(footprint));
       GatherRegion region;
       region.center = point.position;
       region.normal = point.geometricNormal;
@@ -465,6 +489,12 @@ class PhotonMapping final : public Integrator {
       std::nth_element(v.begin(), v.begin() + i, v.end());
       return v[size_t(i)];
     };
+    if (progressive && search.nearest > 0 && settings.nearest == 0 && !radii.empty()) {
+      const double widening = PROGRESSIVE_WIDTH * part(widths, 0.5) / part(radii, 0.5);
+      search.nearest = static_cast<int>(std::clamp(PROGRESSIVE_TRIAL * widening * widening,
+                                                   double(PROGRESSIVE_LEAST), double(PROGRESSIVE_MOST)));
+      for (double& r : radii) r *= std::sqrt(double(search.nearest) / PROGRESSIVE_TRIAL);
+    }
     const double across = double(scene.bounds().radius);
     double typical = settings.radius;
     if (search.nearest > 0) {
@@ -504,11 +534,11 @@ class PhotonMapping final : public Integrator {
   }
 
   PhotonMappingSettings settings;
-  PhotonMap map, caustics;              ///< caustics: only with final gathering
-  GatherSettings search;                ///< of the first pass
-  RadiusField firstRadii, causticRadii; ///< of the first pass, for the others
-  float typicalRadius = 0;              ///< of the first pass
-  EmissionGuide guide;                  ///< learned before the first pass, for all
+  PhotonMap map, caustics;         ///< caustics: only with final gathering
+  GatherSettings search;           ///< of the first pass
+  SearchField field, causticField; ///< from the first pass, for all
+  float typicalRadius = 0;         ///< of the first pass
+  EmissionGuide guide;             ///< learned before the first pass, for all
   bool progressive = false;
   float scale = 1; ///< radius of this pass over that of the first
 };
@@ -522,6 +552,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.weightLimit = static_cast<float>(p.real("weightlimit"));
   s.flatness = static_cast<float>(p.real("flatness"));
   s.guided = p.boolean("guided");
+  s.edges = p.boolean("edges");
   s.finalGather = p.integer("finalgather");
   s.sharing = LobeSharing::belowRoughness(p.real("followroughness"));
   s.kernel = *parseKernel(p.string("kernel"));
@@ -537,7 +568,8 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
       {integerParameter(
            "gatherphotons", "",
            "photons nearest to a point that an estimate uses, in the first pass where there are "
-           "many; by default 100 for one pass, 20 for many; a radius alone means all photons within it")
+           "many; by default 100 for one pass, 8 to 40 for many, by the width of a pixel; a radius alone means "
+           "all photons within it")
            .range(1, 1e6),
        realParameter("alpha", "0.666666667",
                      "how fast the radius of a progressive render shrinks from pass to pass: between 0, at "
@@ -556,6 +588,10 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
        booleanParameter("guided", "true",
                         "send photons where the eye looks: learned from trial photons, without bias; used "
                         "where that pays"),
+       booleanParameter("edges", "true",
+                        "divide by the area of what is surface within a search, which rays find out near "
+                        "edges, walls and on curved surfaces; false: by the whole disc's, which is darker "
+                        "there"),
        integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
        realParameter(
            "weightlimit", "0.03",

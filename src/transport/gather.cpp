@@ -114,51 +114,80 @@ class Estimate {
 
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
-                    EyeState eyeState, PathRadiance& out) {
+                    EyeState eyeState, PathRadiance& out, Surroundings* surroundings) {
   ++out.counts.gathers;
   GatherResult result;
   if (map.empty()) return result;
+  // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
+  const float least = footprint / 2;
   GatherRegion region;
   region.center = point.position;
   region.normal = glm::dot(point.geometricNormal, eye) < 0 ? -point.geometricNormal : point.geometricNormal;
-  region.radius = settings.radius;
   region.flatness = settings.flatness;
   region.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
 
-  // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
-  const float least = footprint / 2;
+  thread_local PhotonScratch scratch;
+  bool byNearest = false;
+  float radius2 = 0;
+  const auto search = [&] {
+    region.radius = settings.radius;
+    byNearest = false;
+    radius2 = square(region.radius);
+    if (settings.nearest > 0) {
+      const NearestPhotons nearest = map.nearest(region, settings.nearest, scratch);
+      if (nearest.count == settings.nearest) {
+        radius2 = nearest.radius2;
+        byNearest = true;
+      }
+    }
+    if (radius2 < square(least)) {
+      radius2 = square(least);
+      byNearest = false;
+    }
+    region.radius = std::sqrt(radius2);
+  };
+  search();
+  float part = 1;
+  if (surroundings) {
+    const float error = glm::length(point.error);
+    const auto measure = [&] {
+      return clipAndMeasure(*surroundings, error, settings.kernel, region, out.counts);
+    };
+    SurfaceInDisc disc = measure();
+    if (byNearest && region.clipCount > 0) {
+      search();
+      disc = measure();
+    }
+    // A disc that is hardly surface, or bends away, is too wide for what is there.
+    constexpr float LEAST_PART = 0.2f, LEAST_COSINE = 0.95f;
+    const auto fits = [&] { return disc.part >= LEAST_PART && disc.cosine >= LEAST_COSINE; };
+    constexpr int MOST_STEPS = 8;
+    for (int i = 0; i < MOST_STEPS && !fits(); ++i) {
+      radius2 /= 2;
+      region.radius = std::sqrt(radius2);
+      byNearest = false;
+      disc = measure();
+    }
+    part = disc.part >= LEAST_PART ? disc.part : 1; // otherwise it cannot be seen: nothing is known of it
+  }
+
   Estimate estimate(scattering, point, eye, settings.sharing, out.pathClasses(), eyeState);
-  float radius2 = square(std::max(region.radius, least));
-  const auto addBlock = [&](const PhotonBlock& block) {
+  const auto addBlock = [&](PhotonBlock block) {
+    // A disc by the nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc]
+    // is the density.
+    if (byNearest) block.mask &= bits(less(block.distance2, Float8(radius2)));
+    if (block.mask == 0) return;
     const Float8 q = min(block.distance2 / Float8(radius2), Float8(1));
     result.found += std::popcount(block.mask);
     withKernel(settings.kernel, [&](auto kernel) { estimate.add(block, kernelShape<kernel.value>(q)); });
   };
-
-  thread_local PhotonScratch scratch;
-  bool byNearest = false;
-  if (settings.nearest > 0) {
-    const NearestPhotons nearest = map.nearest(region, settings.nearest, scratch);
-    if (nearest.count == settings.nearest && nearest.radius2 > square(least)) {
-      // The disc ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc] is the
-      // density.
-      byNearest = true;
-      radius2 = nearest.radius2;
-      map.visitNearest(scratch, [&](PhotonBlock block) {
-        block.mask &= bits(less(block.distance2, Float8(radius2)));
-        if (block.mask != 0) addBlock(block);
-      });
-    } else if (nearest.count == settings.nearest) {
-      radius2 = square(least);
-    }
-  }
-  if (!byNearest) {
-    region.radius = std::sqrt(radius2);
+  if (byNearest)
+    map.visitNearest(scratch, addBlock);
+  else
     map.visitWithin(region, addBlock);
-  }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
-  result.radius = std::sqrt(radius2);
-  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / radius2));
+  result.radius = region.radius;
+  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (radius2 * part)));
   return result;
 }
 

@@ -311,7 +311,9 @@ size_t PhotonMap::memoryBytes() const {
  */
 float PhotonMap::densityBound(const Vec3f& center, int k) const {
   constexpr float MARGIN = 1.3f;
-  const Query<false, false> query(GatherRegion{center, Vec3f(0, 0, 1), INFINITE, 1, true});
+  GatherRegion region;
+  region.center = center;
+  const Query<false, false, false> query(region);
   size_t node = 0;
   float bound = INFINITE;
   for (int level = 0; level < levelCount; ++level) {

@@ -13,6 +13,8 @@
  */
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <cstdlib>
@@ -161,14 +163,35 @@ constexpr std::optional<PhotonIndexKind> parsePhotonIndex(std::string_view name)
  * finds at the distance of the k-th: both kinds of query mean the same set, whatever the upper bound.
  *
  * Where !bothSides, a photon counts only if it arrived from the side that the normal points to:
- * direction·normal > 0. Photons that do not count are left out before anything is counted.
+ * direction·normal > 0. Half-spaces clip the region: a photon counts where v·normal > limit for all of them.
+ * Photons that do not count are left out before anything is counted.
  */
 struct GatherRegion {
+  struct HalfSpace {
+    Vec3f normal{0};
+    float limit = 0; ///< negative where the centre is inside
+    bool has(const Vec3f& v) const { return glm::dot(v, normal) > limit; }
+  };
+  static constexpr size_t MOST_CLIPS = 6;
+
   Vec3f center{0};
   Vec3f normal{0, 0, 1};   ///< unit, geometric, on the side that photons must arrive from
   float radius = INFINITE; ///< on the tangent plane [scene units]; may be infinite for k-nearest
   float flatness = 1;      ///< half axis along the normal ÷ radius, at least 1e-6; from 1 on: a sphere
   bool bothSides = false;  ///< photons may arrive from either side (transmitting surfaces)
+  size_t clipCount = 0;
+  std::array<HalfSpace, MOST_CLIPS> clips{}; ///< the first clipCount of them
+
+  /** Whether no half-space takes the point center + v away. */
+  bool unclipped(const Vec3f& v) const {
+    return std::all_of(clips.begin(), clips.begin() + clipCount,
+                       [&](const HalfSpace& clip) { return clip.has(v); });
+  }
+  /** D² of center + v. */
+  float distance2(const Vec3f& v) const {
+    const float h = glm::dot(v, normal);
+    return lengthSquared(v) + std::max(0.0f, 1 / square(flatness) - 1) * square(h);
+  }
 };
 
 /** The payload of eight slots: what an estimate needs of a photon beyond its place. */
@@ -356,7 +379,7 @@ class PhotonMap {
   struct Flann;
 
   /** The region, as the tests of eight photons at a time want it. */
-  template <bool FLAT, bool SIDED> struct Query;
+  template <bool FLAT, bool SIDED, bool CLIPPED> struct Query;
   template <class F> decltype(auto) withQuery(const GatherRegion& region, F&& f) const;
   struct Hits;
   template <class Q, class Flush> void walk(const Q& query, Flush&& flush) const;
@@ -393,17 +416,18 @@ class PhotonMap {
  * Rounding is monotonic, and boxes and photons are compared by the same operations in the same order: a box
  * is never left out that has a photon in the region. So nothing here has a tolerance.
  */
-template <bool FLAT, bool SIDED> struct PhotonMap::Query {
-  static constexpr bool ONE_SIDED = SIDED;
+template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
+  static constexpr bool SELECTIVE = SIDED || CLIPPED; ///< not every photon that is near enough counts
   Float8 cx, cy, cz;
   float nx, ny, nz;
   float flattening; ///< w of GatherRegion
   float radius2;    ///< may shrink during a walk
   float reach;      ///< at least the radius: whatever is not less has a square that is not less than radius2
+  const GatherRegion& region;
 
   explicit Query(const GatherRegion& r)
       : cx(r.center.x), cy(r.center.y), cz(r.center.z), nx(r.normal.x), ny(r.normal.y), nz(r.normal.z),
-        flattening(FLAT ? 1 / (r.flatness * r.flatness) - 1 : 0) {
+        flattening(FLAT && r.flatness < 1 ? 1 / (r.flatness * r.flatness) - 1 : 0), region(r) {
     setRadius2(r.radius * r.radius);
   }
   void setRadius2(float r2) {
@@ -427,16 +451,27 @@ template <bool FLAT, bool SIDED> struct PhotonMap::Query {
     const Float8 h = x * Float8(nx) + y * Float8(ny) + z * Float8(nz);
     return d2 + Float8(flattening) * (h * h);
   }
-  /** Lanes whose photons arrived from the right side. The octahedron's points need no unit length for that.
-   */
-  uint32_t facing(const uint32_t* packed) const {
-    if constexpr (!SIDED) return 0xff;
-    const Vec3f8 d = unpackOctahedron(packed);
-    return bits(less(Float8(0), d.x * Float8(nx) + d.y * Float8(ny) + d.z * Float8(nz)));
+  /** Lanes whose photons arrived from the right side and are not clipped away. The octahedron's points need
+   * no unit length for that. */
+  uint32_t selected(const float* px, const float* py, const float* pz, const uint32_t* packed) const {
+    uint32_t mask = 0xff;
+    if constexpr (SIDED) {
+      const Vec3f8 d = unpackOctahedron(packed);
+      mask = bits(less(Float8(0), d.x * Float8(nx) + d.y * Float8(ny) + d.z * Float8(nz)));
+    }
+    if constexpr (CLIPPED) {
+      const Float8 x = Float8::load(px) - cx, y = Float8::load(py) - cy, z = Float8::load(pz) - cz;
+      for (size_t i = 0; i < region.clipCount; ++i) {
+        const auto& [n, limit] = region.clips[i];
+        mask &= bits(less(Float8(limit), x * Float8(n.x) + y * Float8(n.y) + z * Float8(n.z)));
+      }
+    }
+    return mask;
   }
-  bool facing(PackedDirection direction) const {
+  bool selected(const Vec3f& position, PackedDirection direction) const {
+    alignas(32) const float x[8] = {position.x}, y[8] = {position.y}, z[8] = {position.z};
     alignas(32) const uint32_t packed[8] = {direction.bits};
-    return (facing(packed) & 1) != 0;
+    return (selected(x, y, z, packed) & 1) != 0;
   }
   Float8 boxDistance2(const Node& node) const {
     const auto axis = [&](int i, Float8 c) {
@@ -457,8 +492,11 @@ template <bool FLAT, bool SIDED> struct PhotonMap::Query {
 
 template <class F> decltype(auto) PhotonMap::withQuery(const GatherRegion& region, F&& f) const {
   const bool flat = region.flatness < 1;
-  if (region.bothSides) return flat ? f(Query<true, false>(region)) : f(Query<false, false>(region));
-  return flat ? f(Query<true, true>(region)) : f(Query<false, true>(region));
+  if (region.clipCount > 0) // seldom, and then the flattening costs little
+    return region.bothSides ? f(Query<true, false, true>(region)) : f(Query<true, true, true>(region));
+  if (region.bothSides)
+    return flat ? f(Query<true, false, false>(region)) : f(Query<false, false, false>(region));
+  return flat ? f(Query<true, true, false>(region)) : f(Query<false, true, false>(region));
 }
 
 /** Blocks that a walk has found and not yet handed on. Their number is bounded, so they lie on the stack. */
@@ -484,10 +522,13 @@ template <class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flu
   size_t nodesLeft = 0, leavesFound = 0;
   Hits hits;
   const auto finish = [&] {
-    if constexpr (Q::ONE_SIDED) {
+    if constexpr (Q::SELECTIVE) {
       size_t kept = 0;
       for (size_t i = 0; i < hits.count; ++i) {
-        const uint32_t mask = hits.mask[i] & query.facing(payload[hits.block[i]].direction);
+        const Leaf& leaf = leaves[hits.block[i] / LEAF_BLOCKS];
+        const size_t at = hits.block[i] % LEAF_BLOCKS * 8;
+        const uint32_t mask = hits.mask[i] & query.selected(leaf.x + at, leaf.y + at, leaf.z + at,
+                                                            payload[hits.block[i]].direction);
         hits.block[kept] = hits.block[i];
         hits.distance2[kept] = hits.distance2[i];
         hits.mask[kept] = mask;

@@ -1,0 +1,46 @@
+/** @file
+ * What is known of a place before photons are searched there: how far a progressive density estimate looks,
+ * before any shrinking, and how far the surface has no edge. It is independent of the photons of the pass
+ * that uses it, so that those are counted without bias.
+ */
+#pragma once
+
+#include "recurse/transport/surroundings.h"
+
+namespace recurse {
+
+/**
+ * The radius of a progressive estimate in pass `index` (0, 1, …) over that of the first pass, after Knaus and
+ * Zwicker, "Progressive Photon Mapping: A Probabilistic Approach" (2011), equation 15: the squares of
+ * successive radii are as (i + alpha) : (i + 1). A pass depends on no other, so any machine may do it. alpha
+ * in (0, 1]: 1 never shrinks.
+ */
+float radiusScale(uint32_t index, double alpha);
+
+/** Known before a search at a point. */
+struct SearchPlace {
+  float radius = 0;                     ///< of the first pass
+  const Neighbourhood* known = nullptr; ///< of a place near by; null where there is none
+  float away = 0;                       ///< the distance to that place
+};
+
+class SearchField {
+ public:
+  /** Takes at places all over a first photon map the distance to the k-th photon, and at most `limit`, and
+   * what the surface is like around them. k = 0: `limit` everywhere. The map is not needed afterwards. */
+  void build(const Scene& scene, const PhotonMap& first, int nearest, float limit, float flatness,
+             TransportCounts& counts);
+  /** About where a search for the k-th photon of the first map would have ended at a point with this
+   * geometric normal: the distance known at the nearest of the places, and no less than the way there. */
+  SearchPlace at(const Vec3f& position, const Vec3f& normal) const;
+  size_t memoryBytes() const {
+    return places.memoryBytes() + neighbourhoods.capacity() * sizeof(Neighbourhood);
+  }
+
+ private:
+  PhotonMap places; ///< the distance stands in the power, the normal in the direction
+  std::vector<Neighbourhood> neighbourhoods; ///< in the order in which the places were put in
+  float limit = 0;
+};
+
+} // namespace recurse

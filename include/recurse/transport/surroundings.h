@@ -1,0 +1,72 @@
+/** @file
+ * What of the disc of a density estimate is surface. An estimate divides flux by the area of its disc; where
+ * the disc reaches past the edge of a surface, behind a wall or round a sphere, light can only fall on a part
+ * of it, and the estimate is too dark there by what is missing (boundary bias: Jensen 2001, "Realistic Image
+ * Synthesis Using Photon Mapping", section 7.2.3, who divides by the area of the photons' convex hull).
+ *
+ * Here rays look at the surface itself: the part of the kernel's weight that it bears is the divisor, so that
+ * uniform irradiance is estimated without bias at edges as well (the first-order edge correction of density
+ * estimation, Diggle 1985, "A Kernel Method for Smoothing Point Process Data"). It depends on no photon.
+ */
+#pragma once
+
+#include "recurse/transport/kernel.h"
+#include "recurse/transport/photonMap.h"
+#include "recurse/transport/walk.h"
+
+namespace recurse {
+
+/** The plane of a wall that rises from a surface: points p with p·normal = offset. */
+struct Wall {
+  Vec3f normal{0}; ///< unit, towards those who see it
+  float offset = 0;
+};
+
+/** What is known of the surface around a place. */
+struct Neighbourhood {
+  static constexpr size_t MOST_WALLS = GatherRegion::MOST_CLIPS;
+  float reach = 0; ///< the distance that was looked at
+  float flat = 0;  ///< within this distance the surface is whole and flat, but for what lies behind walls
+  size_t wallCount = 0;
+  std::array<Wall, MOST_WALLS> walls;
+
+  /** Whether no wall hides the point. */
+  bool sees(const Vec3f& position) const {
+    return std::all_of(walls.begin(), walls.begin() + wallCount,
+                       [&](const Wall& w) { return glm::dot(position, w.normal) > w.offset; });
+  }
+};
+
+/**
+ * Looks around the region's centre, as far as its radius. `error` bounds that of the centre. Details that are
+ * smaller than a quarter of their distance may escape it.
+ */
+Neighbourhood lookAround(const Scene& scene, float error, const GatherRegion& region, Sampler& sampler,
+                         TransportCounts& counts);
+
+/** What an estimate may know of the scene around its point. */
+struct Surroundings {
+  const Scene& scene;
+  Sampler sampler;                      ///< for the rays that look around
+  const Neighbourhood* known = nullptr; ///< of a place near by; null: nothing is known
+  float away = 0;                       ///< the distance to that place
+};
+
+/** What a disc bears. */
+struct SurfaceInDisc {
+  /** Of the kernel's weight over the whole disc the part that lies on a surface which can hold photons,
+   * measured by area on the surface: 1 on a plane, about 1/2 at an edge, more than the disc's part where the
+   * surface is curved. */
+  float part = 1;
+  float cosine = 1; ///< mean cosine between the surface's normals and the disc's
+};
+
+/**
+ * Clips the region at the walls around it, so that it leaves out what belongs to other surfaces or to another
+ * room, and measures what is left. Where that is not known it goes by twelve places: it is exact on a plane,
+ * and the part about .1 off elsewhere.
+ */
+SurfaceInDisc clipAndMeasure(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
+                             TransportCounts& counts);
+
+} // namespace recurse
