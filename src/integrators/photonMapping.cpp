@@ -143,11 +143,13 @@ class PhotonMapping final : public Integrator {
   // One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly
   // many.
   static constexpr uint64_t ONE_MAP_PHOTONS = 1000000, LEAST_PROGRESSIVE_PHOTONS = 65536;
-  static constexpr int ONE_MAP_NEAREST = 100;
-  /** Photons that the first of many passes looks for: so many that the disc is PROGRESSIVE_WIDTH pixels in
-   * radius, if the photons allow. Fewer are noise, wider discs a blur that passes take long to sharpen. */
-  static constexpr int PROGRESSIVE_LEAST = 8, PROGRESSIVE_TRIAL = 20, PROGRESSIVE_MOST = 40;
-  static constexpr double PROGRESSIVE_WIDTH = 8;
+  /** How many photons a search looks for: so many that the disc is `width` pixels in radius, if the photons
+   * allow. Fewer are noise, and a wider disc is a blur, which many passes take long to sharpen. */
+  struct Nearest {
+    int least, most;
+    double width;
+  };
+  static constexpr Nearest ONE_MAP_NEAREST{50, 100, 16}, PROGRESSIVE_NEAREST{8, 40, 8};
 
   /** An eye path on its way. */
   struct Walk {
@@ -455,9 +457,8 @@ class PhotonMapping final : public Integrator {
   void chooseRadius(const Scene& scene, ForwardStatistics& statistics) {
     search.kernel = settings.kernel;
     search.flatness = settings.flatness;
-    search.nearest = settings.nearest > 0 || settings.radius > 0 ? settings.nearest
-                     : progressive                               ? PROGRESSIVE_TRIAL
-                                                                 : ONE_MAP_NEAREST;
+    const Nearest range = progressive ? PROGRESSIVE_NEAREST : ONE_MAP_NEAREST;
+    search.nearest = settings.nearest > 0 || settings.radius > 0 ? settings.nearest : range.least;
     search.radius = static_cast<float>(settings.radius);
     std::vector<double> radii, found, widths;
     PhotonScratch scratch;
@@ -489,11 +490,11 @@ class PhotonMapping final : public Integrator {
       std::nth_element(v.begin(), v.begin() + i, v.end());
       return v[size_t(i)];
     };
-    if (progressive && search.nearest > 0 && settings.nearest == 0 && !radii.empty()) {
-      const double widening = PROGRESSIVE_WIDTH * part(widths, 0.5) / part(radii, 0.5);
-      search.nearest = static_cast<int>(std::clamp(PROGRESSIVE_TRIAL * widening * widening,
-                                                   double(PROGRESSIVE_LEAST), double(PROGRESSIVE_MOST)));
-      for (double& r : radii) r *= std::sqrt(double(search.nearest) / PROGRESSIVE_TRIAL);
+    if (search.nearest > 0 && settings.nearest == 0 && !radii.empty()) {
+      const double widening = range.width * part(widths, 0.5) / part(radii, 0.5);
+      search.nearest = static_cast<int>(
+          std::clamp(range.least * widening * widening, double(range.least), double(range.most)));
+      for (double& r : radii) r *= std::sqrt(double(search.nearest) / range.least);
     }
     const double across = double(scene.bounds().radius);
     double typical = settings.radius;
@@ -565,11 +566,11 @@ PhotonMappingSettings common(const Parameters& p) {
 std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
   more.insert(
       more.end(),
-      {integerParameter(
-           "gatherphotons", "",
-           "photons nearest to a point that an estimate uses, in the first pass where there are "
-           "many; by default 100 for one pass, 8 to 40 for many, by the width of a pixel; a radius alone means "
-           "all photons within it")
+      {integerParameter("gatherphotons", "",
+                        "photons nearest to a point that an estimate uses, in the first pass where there are "
+                        "many; by default 100 for one pass, 8 to 40 for many, by the width of a pixel; a "
+                        "radius alone means "
+                        "all photons within it")
            .range(1, 1e6),
        realParameter("alpha", "0.666666667",
                      "how fast the radius of a progressive render shrinks from pass to pass: between 0, at "

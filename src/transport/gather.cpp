@@ -161,7 +161,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
     // A disc that is hardly surface, or bends away, is too wide for what is there.
     constexpr float LEAST_PART = 0.2f, LEAST_COSINE = 0.95f;
     const auto fits = [&] { return disc.part >= LEAST_PART && disc.cosine >= LEAST_COSINE; };
-    constexpr int MOST_STEPS = 8;
+    constexpr int MOST_STEPS = 40;
     for (int i = 0; i < MOST_STEPS && !fits(); ++i) {
       radius2 /= 2;
       region.radius = std::sqrt(radius2);

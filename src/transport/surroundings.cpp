@@ -101,8 +101,7 @@ float overDisc(Kernel kernel, const GatherRegion& region, const Vec2f& u, const 
       all += shape(q);
       const Vec2f& at = spiral.places[size_t(i)];
       const Vec3f offset = (x * at.x + y * at.y) * (region.radius * std::sqrt(q));
-      if (region.unclipped(offset))
-        sum += weight(offset, q, shape);
+      if (region.unclipped(offset)) sum += weight(offset, q, shape);
     }
     return sum / all;
   });
@@ -137,7 +136,7 @@ Neighbourhood lookAround(const Scene& scene, float error, const GatherRegion& re
 }
 
 SurfaceInDisc clipAndMeasure(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
-                     TransportCounts& counts) {
+                             TransportCounts& counts) {
   const Scene& scene = surroundings.scene;
   region.clipCount = 0;
   Neighbourhood own;
@@ -146,8 +145,8 @@ SurfaceInDisc clipAndMeasure(Surroundings& surroundings, float error, Kernel ker
   if (!known) {
     constexpr int DIRECTIONS = 8;
     std::array<float, DIRECTIONS> walls;
-    findWalls(scene, error, region,
-              directions<DIRECTIONS>(region.normal, surroundings.sampler.next1D()), walls, own, counts);
+    findWalls(scene, error, region, directions<DIRECTIONS>(region.normal, surroundings.sampler.next1D()),
+              walls, own, counts);
     known = &own;
   }
   const float margin = 1e-3f * region.radius + 2 * error; // what lies on the wall is not in front of it

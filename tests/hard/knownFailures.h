@@ -26,8 +26,6 @@ constexpr const char* CURVED_DISC = "2000 photons lie within a sixth of the radi
                                     "0.1 off, and 0.3 with 8000";
 constexpr const char* BY_POWER =
     "lights are chosen by power alone, wherever they can be seen: once in 1e40 rays";
-constexpr const char* DISC_OVER_WALL =
-    "the disc of the search reaches under the wall to the other room's floor";
 
 constexpr KnownFailure KNOWN_FAILURES[] = {
     {"sphere of radius 1e-4 seen from 1e4: pinhole across the axes", "*", FINE_DIRECTIONS},
@@ -41,7 +39,6 @@ constexpr KnownFailure KNOWN_FAILURES[] = {
     {"two rooms: floor lit by a point light of 1e-20 beside 1e20 behind a wall", "*", BY_POWER},
     {"two rooms: floor lit by a lamp of 1e-20 beside 1e20 behind a wall", "photonmap, direct photons",
      BY_POWER},
-    {"thin wall: dark floor beside the wall, radius 100 times its thickness", "photonmap*", DISC_OVER_WALL},
 };
 
 /** The reason when the row is a known failure, else null. */

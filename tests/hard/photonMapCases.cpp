@@ -178,10 +178,14 @@ void radii(const Report& report) {
   budget.photonSamples = 64;
   budget.only = [](const Way& w) { return w.directPhotons; };
   budget.photonTolerance = 0.02;
-  // All photons of the disc, whose flux is 2π (1 - 1/√2), spread over the disc of the search.
-  budget.photonParameters = "\"float radius\" 1000 \"string kernel\" \"constant\"";
-  checkMean(report, "radius of 1000 in a scene of 1", scene,
-            ALBEDO / M_PI * 2 * M_PI * (1 - std::sqrt(0.5)) / (M_PI * 1e6), budget);
+  // All photons of the plate, whose flux is 2π (1 - 1/√2), spread over the plate, or over the disc of the
+  // search.
+  const double spreadOverPlate = ALBEDO / M_PI * 2 * (1 - std::sqrt(0.5));
+  const std::string wide = "\"float radius\" 1000 \"string kernel\" \"constant\"";
+  budget.photonParameters = wide;
+  checkMean(report, "radius of 1000 in a scene of 1", scene, spreadOverPlate, budget);
+  budget.photonParameters = wide + " \"bool edges\" false";
+  checkMean(report, "radius of 1000 in a scene of 1, blind to edges", scene, spreadOverPlate / 1e6, budget);
   // A radius below the width of a pixel, 0.01: the disc is that wide, and the picture is right.
   budget.photonParameters = "\"float radius\" 1e-6";
   budget.photonSamples = 256;

@@ -4,7 +4,7 @@
  */
 #include "rendering.h"
 
-#include "recurse/transport/radiusField.h"
+#include "recurse/transport/searchField.h"
 
 using namespace recurse;
 using namespace recurse::testing;
