@@ -98,6 +98,12 @@ FoundList bruteForce(const std::vector<Photon>& photons, const GatherRegion& reg
     if (!(d2 < region.radius * region.radius)) continue;
     const Vec3f d = unpackDirection(photons[i].direction);
     if (!region.bothSides && !(glm::dot(d, n) > 0)) continue;
+    bool clipped = false;
+    for (size_t c = 0; c < region.clipCount; ++c) {
+      const Vec3f& m = region.clips[c].normal;
+      clipped = clipped || !(v.x * m.x + v.y * m.y + v.z * m.z > region.clips[c].limit);
+    }
+    if (clipped) continue;
     found.push_back({d2, static_cast<uint32_t>(i)});
   }
   std::sort(found.begin(), found.end());
@@ -149,6 +155,9 @@ std::vector<GatherRegion> makeRegions(const std::vector<Photon>& photons, size_t
     if (i % 5 == 0) region.radius = 0.25f; // the lattice's spacing: on the border
     region.flatness = i % 2 ? 1 : uniform(random, 0.01f, 1.5f);
     region.bothSides = (i / 2) % 2;
+    for (size_t clips = i % 7 == 3 ? 1 + i % GatherRegion::MOST_CLIPS : 0; region.clipCount < clips;)
+      region.clips[region.clipCount++] = {uniformDirection(random),
+                                          uniform(random, -1, 0.1f) * region.radius};
     regions.push_back(region);
   }
   return regions;

@@ -1,0 +1,192 @@
+/** @file
+ * Density estimates where the disc of the search is not all surface: uniform irradiance has to come out right
+ * at edges, in corners, beside walls and on curved surfaces.
+ */
+#include <random>
+
+#include "recurse/transport/gather.h"
+#include "recurse/transport/searchField.h"
+#include "rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+constexpr double IRRADIANCE = 3, ALBEDO = 0.5;
+
+std::string square(const std::string& corners) {
+  return "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ " + corners + " ]\n";
+}
+const std::string FLOOR = square("-1 -1 0  1 -1 0  1 1 0  -1 1 0"),
+                  WALL = square(".5 -1 -1  .5 1 -1  .5 1 1  .5 -1 1");
+
+std::unique_ptr<Scene> sceneOf(const std::string& shapes) {
+  // The scene's centre, to which positions are relative, is the origin for all of them.
+  return sceneFrom(view(8, "0 0 3  0 0 0  0 1 0", 40) + "Material \"diffuse\"\n" + shapes);
+}
+
+/** Photons at random places of the floor, with flux that makes IRRADIANCE. */
+std::vector<Photon> onFloor(uint64_t seed, int count) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<float> place(-1, 1);
+  std::vector<Photon> list(static_cast<size_t>(count));
+  for (Photon& p : list) {
+    p.position = {place(random), place(random), 0};
+    p.direction = packDirection(glm::normalize(Vec3f(place(random), place(random), 1)));
+    p.power = Rgb(static_cast<float>(IRRADIANCE * 4 / count));
+  }
+  return list;
+}
+
+struct Mean {
+  double value = 0, error = 0;
+};
+
+/** The estimate at what a ray meets, over what it should be, as a mean over maps. */
+Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings& settings, int maps,
+                       const std::function<std::vector<Photon>(uint64_t)>& photons) {
+  Hit hit;
+  EXPECT_TRUE(scene.intersect(ray, hit));
+  BsdfArena arena;
+  const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
+  const PathClasses classes;
+  double sum = 0, squares = 0;
+  for (int m = 0; m < maps; ++m) {
+    PhotonMap map;
+    map.build(photons(static_cast<uint64_t>(m)));
+    TransportCounts counts;
+    PathRadiance out(classes, counts);
+    Surroundings surroundings{scene, Sampler(5, 0, static_cast<uint32_t>(m))};
+    gather(map, settings, scattering, hit.point, -ray.direction, 0, Rgb(1),
+           classes.step(classes.eyeStart(), PathEvent::D), out, &surroundings);
+    const double ratio = double(out.total().g) / (ALBEDO * IRRADIANCE / M_PI);
+    sum += ratio;
+    squares += ratio * ratio;
+  }
+  const double mean = sum / maps;
+  return {mean, std::sqrt(std::max(0.0, squares / maps - mean * mean) / maps)};
+}
+
+Ray down(float x, float y) { return {{x, y, 0.5f}, {0, 0, -1}}; }
+
+} // namespace
+
+TEST(Surroundings, UniformIrradianceAtTheEdgeOfASurface) {
+  const auto scene = sceneOf(FLOOR);
+  for (const Kernel kernel : ALL_KERNELS)
+    for (const auto& [nearest, radius] : std::vector<std::pair<int, float>>{{0, 0.2f}, {100, 1.0f}})
+      for (const Vec2f& place : {Vec2f(0, 0), Vec2f(0.3f, 0.9f), Vec2f(-0.99f, 0.2f), Vec2f(0.98f, -0.97f)}) {
+        GatherSettings settings;
+        settings.kernel = kernel;
+        settings.nearest = nearest;
+        settings.radius = radius;
+        const Mean m = estimateOverTruth(*scene, down(place.x, place.y), settings, samples(100),
+                                         [](uint64_t seed) { return onFloor(seed, 4000); });
+        // The part is .1 off at random, and its inverse therefore up to (.1/.25)² at the very corner.
+        const double bound = std::abs(place.x * place.y) > 0.9f ? 0.06 : 0.015;
+        EXPECT_NEAR(m.value, 1, bound + 4 * m.error)
+            << kernelName(kernel) << " nearest " << nearest << " at " << place.x << " " << place.y;
+      }
+}
+
+TEST(Surroundings, ConcaveCornersAndWhatLiesBehindThem) {
+  // The floor goes on behind the wall, which has a hundred times the floor's light, and so has what is
+  // behind.
+  const auto scene = sceneOf(FLOOR + WALL);
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (Photon& p : list)
+      if (p.position.x > 0.5f) p.power *= 100;
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<float> place(-1, 1);
+    for (int i = 0; i < 2000; ++i) {
+      Photon p;
+      p.position = {0.5f, place(random), (place(random) + 1) / 2};
+      p.direction = packDirection(glm::normalize(Vec3f(-1, place(random), place(random))));
+      p.power = Rgb(float(100 * IRRADIANCE * 2 / 2000));
+      list.push_back(p);
+    }
+    return list;
+  };
+  for (const auto& [nearest, radius] : std::vector<std::pair<int, float>>{{0, 0.2f}, {50, 1.0f}})
+    for (const float x : {0.1f, 0.4f, 0.49f}) {
+      GatherSettings settings;
+      settings.nearest = nearest;
+      settings.radius = radius;
+      const Mean m = estimateOverTruth(*scene, down(x, 0.1f), settings, samples(100), photons);
+      EXPECT_NEAR(m.value, 1, 0.015 + 4 * m.error) << "nearest " << nearest << " at " << x;
+    }
+}
+
+TEST(Surroundings, CurvedSurfaces) {
+  const auto scene = sceneOf("Shape \"sphere\" \"float radius\" 1\n");
+  const auto photons = [](uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<float> normal;
+    std::vector<Photon> list(8000);
+    for (Photon& p : list) {
+      p.position = glm::normalize(Vec3f(normal(random), normal(random), normal(random)));
+      p.direction = packDirection(p.position);
+      p.power = Rgb(float(IRRADIANCE * 4 * M_PI / double(list.size())));
+    }
+    return list;
+  };
+  for (const float radius : {0.05f, 0.2f, 0.5f, 5.0f}) {
+    GatherSettings settings;
+    settings.radius = radius;
+    const Mean m = estimateOverTruth(*scene, {{0.2f, 0.1f, 3}, {0, 0, -1}}, settings, samples(100), photons);
+    EXPECT_NEAR(m.value, 1, 0.015 + 4 * m.error) << radius;
+  }
+}
+
+TEST(Surroundings, WhatIsSeenOfWallsAndEdges) {
+  const auto scene = sceneOf(FLOOR + WALL);
+  const auto at = [&](float x, float y, float radius) {
+    Hit hit;
+    EXPECT_TRUE(scene->intersect(down(x, y), hit));
+    GatherRegion region;
+    region.center = hit.point.position;
+    region.normal = hit.point.geometricNormal;
+    region.radius = radius;
+    TransportCounts counts;
+    Sampler sampler(3, 0, 0);
+    return lookAround(*scene, glm::length(hit.point.error), region, sampler, counts);
+  };
+  for (const float x : {-0.9f, -0.2f, 0.3f, 0.45f}) {
+    const Neighbourhood seen = at(x, 0.0f, 0.4f);
+    EXPECT_EQ(seen.wallCount, x > 0.1f ? 1u : 0u) << x;
+    if (seen.wallCount > 0) {
+      EXPECT_LT(seen.walls[0].normal.x, -0.9999f);
+      EXPECT_NEAR(seen.walls[0].offset, -0.5f, 1e-5f);
+      EXPECT_FALSE(seen.sees(Vec3f(0.6f, 0, 0)));
+      EXPECT_TRUE(seen.sees(Vec3f(x, 0, 0)));
+    }
+    const float edge = std::min(0.4f, x + 1);
+    EXPECT_LE(seen.flat, edge) << x;
+    EXPECT_GE(seen.flat, 0.5f * edge) << x;
+  }
+  EXPECT_EQ(at(-0.2f, 0.0f, 0.1f).wallCount, 0u);
+}
+
+TEST(Surroundings, APlaceBehindAWallTellsNothing) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR + WALL);
+  // Many photons behind the wall, few before it: the radius must be that of the few up to the wall.
+  std::vector<Photon> list;
+  int count = 0;
+  for (const Photon& p : onFloor(1, 20000)) {
+    if (p.position.x < 0.5f && ++count % 20 != 0) continue;
+    list.push_back(p);
+  }
+  PhotonMap map;
+  map.build(list);
+  SearchField field;
+  TransportCounts counts;
+  field.build(*scene, map, 20, 1, 0.2f, counts);
+  const SearchPlace before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
+  const SearchPlace behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
+  ASSERT_TRUE(behind.known);
+  EXPECT_LT(2 * behind.radius, before.radius);
+  EXPECT_TRUE(!before.known || before.known->sees(Vec3f(0.48f, 0, 0)));
+}
