@@ -35,69 +35,66 @@ bool surfaceOf(const Scene& scene, const Photon& photon, float near, SurfacePoin
 void SearchField::build(const Scene& scene, const PhotonMap& first, int nearest, float limit, float flatness,
                         TransportCounts& counts) {
   this->limit = limit;
+  lift = 2 * scene.bounds().radius;
   constexpr size_t EVERY = 4, MOST = 65536, AT_ONCE = 256;
   const size_t every = std::max(EVERY, first.size() / MOST);
-  std::vector<Photon> found((first.size() + every - 1) / every);
-  neighbourhoods.resize(found.size());
-  const size_t parts = (found.size() + AT_ONCE - 1) / AT_ONCE;
+  places.assign((first.size() + every - 1) / every, {});
+  std::vector<Photon> lifted(places.size());
+  const size_t parts = (places.size() + AT_ONCE - 1) / AT_ONCE;
   std::vector<TransportCounts> partCounts(parts);
   parallelFor(parts, [&](size_t part) {
     PhotonScratch scratch;
-    for (size_t i = part * AT_ONCE; i < std::min(found.size(), (part + 1) * AT_ONCE); ++i) {
-      Photon& place = found[i];
-      place.position = first.position(i * every);
-      place.direction = first.packedDirection(i * every);
+    for (size_t i = part * AT_ONCE; i < std::min(places.size(), (part + 1) * AT_ONCE); ++i) {
+      Photon& photon = lifted[i];
+      photon.position = first.position(i * every);
+      photon.direction = first.packedDirection(i * every);
       GatherRegion region;
-      region.center = place.position;
+      region.center = photon.position;
       region.bothSides = true;
-      const auto radiusHere = [&] {
+      const auto radius = [&] {
         region.radius = limit;
         if (nearest == 0) return limit;
         const NearestPhotons n = first.nearest(region, nearest, scratch);
         return n.count == nearest ? std::sqrt(n.radius2) : limit;
       };
-      float radius = radiusHere();
       SurfacePoint point;
-      if (surfaceOf(scene, place, radius, point, partCounts[part])) {
-        place.direction = packDirection(point.geometricNormal);
-        region.normal = point.geometricNormal;
-        region.bothSides = false;
-        region.flatness = flatness;
-        radius = radiusHere();
-        constexpr float BEYOND = 2; // what searches near the place may need
-        region.radius = BEYOND * radius;
-        Sampler sampler(0, 0, static_cast<uint32_t>(i));
-        neighbourhoods[i] = lookAround(scene, glm::length(point.error), region, sampler, partCounts[part]);
-      }
-      place.power = Rgb(radius);
+      if (!surfaceOf(scene, photon, radius(), point, partCounts[part])) continue;
+      region.center = point.position;
+      region.normal = point.geometricNormal;
+      region.bothSides = false;
+      region.flatness = flatness;
+      Place& place = places[i];
+      place = {point.position, point.geometricNormal, radius(), {}};
+      photon.position = point.position + lift * point.geometricNormal;
+      constexpr float BEYOND = 2; // what searches near the place may need
+      region.radius = BEYOND * place.radius;
+      Sampler sampler(0, 0, static_cast<uint32_t>(i));
+      place.around = lookAround(scene, glm::length(point.error), region, sampler, partCounts[part]);
     }
   });
   for (const TransportCounts& c : partCounts) counts.add(c);
-  places.build(found);
+  index.build(lifted);
 }
 
 SearchPlace SearchField::at(const Vec3f& position, const Vec3f& normal) const {
-  if (places.empty()) return {limit};
   constexpr int NEAREST = 4;
   thread_local PhotonScratch scratch;
   GatherRegion region;
-  region.center = position;
-  region.normal = normal;
-  region.flatness = 0.2f; // rather one farther away than on another surface
-  region.radius = limit;
-  places.nearest(region, NEAREST, scratch);
+  region.center = position + lift * normal;
+  region.bothSides = true;
+  index.nearest(region, NEAREST, scratch);
   SearchPlace best{limit, nullptr, INFINITE};
-  places.visitNearest(scratch, [&](const PhotonBlock& block) {
+  index.visitNearest(scratch, [&](const PhotonBlock& block) {
     for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+      const size_t slot = block.first + static_cast<size_t>(std::countr_zero(rest));
+      const Place& place = places[index.emissionIndex(slot)];
+      const float away = glm::distance(position, place.position);
+      if (place.radius == 0) continue;
+      // A place on another side or behind a wall tells hardly anything.
       constexpr float ALIKE = 0.9f;
-      const int lane = std::countr_zero(rest);
-      const float away = std::sqrt(block.distance2[lane]);
-      const Neighbourhood& there =
-          neighbourhoods[places.emissionIndex(block.first + static_cast<uint32_t>(lane))];
-      // A place behind a wall tells nothing of this side.
-      const bool same = glm::dot(block.direction(lane), normal) > ALIKE && there.sees(position);
-      if (best.known ? !same || away >= best.away : !same && away >= best.away) continue;
-      best = {block.power(lane).r, same ? &there : nullptr, away};
+      const bool same = glm::dot(place.normal, normal) > ALIKE && place.around.sees(position);
+      if (same == (best.known != nullptr) ? away < best.away : same)
+        best = {place.radius, same ? &place.around : nullptr, away};
     }
   });
   // Where the place is far, there is no telling how far the k-th photon is; as far as the place, at least.

@@ -33,14 +33,19 @@ class SearchField {
   /** About where a search for the k-th photon of the first map would have ended at a point with this
    * geometric normal: the distance known at the nearest of the places, and no less than the way there. */
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;
-  size_t memoryBytes() const {
-    return places.memoryBytes() + neighbourhoods.capacity() * sizeof(Neighbourhood);
-  }
+  size_t memoryBytes() const { return index.memoryBytes() + places.capacity() * sizeof(Place); }
 
  private:
-  PhotonMap places; ///< the distance stands in the power, the normal in the direction
-  std::vector<Neighbourhood> neighbourhoods; ///< in the order in which the places were put in
-  float limit = 0;
+  struct Place {
+    Vec3f position{0}, normal{0};
+    float radius = 0; ///< 0: no place
+    Neighbourhood around;
+  };
+  std::vector<Place> places;
+  /** The places, lifted off their surfaces by far more than the scene's width: so the nearest is one whose
+   * surface faces the same way, and the two sides of a thin wall are far apart. */
+  PhotonMap index;
+  float limit = 0, lift = 0;
 };
 
 } // namespace recurse
