@@ -93,9 +93,9 @@ class PhotonMapping final : public Integrator {
     if (pass.index == 0) {
       chooseRadius(scene, statistics);
       if (progressive || settings.edges) {
-        field.build(scene, map, search.nearest, search.radius, search.flatness, statistics.counts);
-        causticField.build(scene, caustics, search.nearest, search.radius, search.flatness,
-                           statistics.counts);
+        for (const auto& [known, photons] : {std::pair(&field, &map), std::pair(&causticField, &caustics)})
+          known->build(scene, *photons, search.nearest, search.radius, search.flatness, search.kernel,
+                       statistics.counts);
       }
     }
     return statistics;
@@ -368,7 +368,8 @@ class PhotonMapping final : public Integrator {
                                                                                   : point.geometricNormal);
     if (progressive) {
       here.settings.nearest = 0;
-      here.settings.radius = here.place.radius * scale;
+      if (search.nearest > 0) here.settings.radius = here.place.radius;
+      here.settings.radius *= scale;
     }
     return here;
   }

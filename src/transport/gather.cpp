@@ -149,26 +149,18 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   search();
   float part = 1;
   if (surroundings) {
-    const float error = glm::length(point.error);
-    const auto measure = [&] {
-      return clipAndMeasure(*surroundings, error, settings.kernel, region, out.counts);
-    };
-    SurfaceInDisc disc = measure();
-    if (byNearest && region.clipCount > 0) {
-      search();
-      disc = measure();
-    }
-    // A disc that is hardly surface, or bends away, is too wide for what is there.
-    constexpr float LEAST_PART = 0.2f, LEAST_COSINE = 0.95f;
-    const auto fits = [&] { return disc.part >= LEAST_PART && disc.cosine >= LEAST_COSINE; };
-    constexpr int MOST_STEPS = 40;
-    for (int i = 0; i < MOST_STEPS && !fits(); ++i) {
-      radius2 /= 2;
-      region.radius = std::sqrt(radius2);
+    const auto fit = [&] {
+      part = fitToSurface(*surroundings, glm::length(point.error), settings.kernel, region, out.counts);
+      const bool smaller = square(region.radius) < 0.99f * radius2;
+      if (!smaller) return;
+      radius2 = square(region.radius);
       byNearest = false;
-      disc = measure();
+    };
+    fit();
+    if (byNearest && region.clipCount > 0) { // the nearest that are not clipped away
+      search();
+      fit();
     }
-    part = disc.part >= LEAST_PART ? disc.part : 1; // otherwise it cannot be seen: nothing is known of it
   }
 
   Estimate estimate(scattering, point, eye, settings.sharing, out.pathClasses(), eyeState);

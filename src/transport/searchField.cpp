@@ -33,7 +33,7 @@ bool surfaceOf(const Scene& scene, const Photon& photon, float near, SurfacePoin
 } // namespace
 
 void SearchField::build(const Scene& scene, const PhotonMap& first, int nearest, float limit, float flatness,
-                        TransportCounts& counts) {
+                        Kernel kernel, TransportCounts& counts) {
   this->limit = limit;
   lift = 2 * scene.bounds().radius;
   constexpr size_t EVERY = 4, MOST = 65536, AT_ONCE = 256;
@@ -64,12 +64,15 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, int nearest,
       region.bothSides = false;
       region.flatness = flatness;
       Place& place = places[i];
-      place = {point.position, point.geometricNormal, radius(), {}};
+      const float error = glm::length(point.error);
+      region.radius = radius();
+      Surroundings surroundings{scene, Sampler(0, 0, static_cast<uint32_t>(i))};
+      fitToSurface(surroundings, error, kernel, region, partCounts[part]);
+      place = {point.position, point.geometricNormal, region.radius, {}};
       photon.position = point.position + lift * point.geometricNormal;
       constexpr float BEYOND = 2; // what searches near the place may need
-      region.radius = BEYOND * place.radius;
-      Sampler sampler(0, 0, static_cast<uint32_t>(i));
-      place.around = lookAround(scene, glm::length(point.error), region, sampler, partCounts[part]);
+      region.radius *= BEYOND;
+      place.around = lookAround(scene, error, region, surroundings.sampler, partCounts[part]);
     }
   });
   for (const TransportCounts& c : partCounts) counts.add(c);

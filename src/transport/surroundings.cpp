@@ -135,51 +135,83 @@ Neighbourhood lookAround(const Scene& scene, float error, const GatherRegion& re
   return found;
 }
 
-SurfaceInDisc clipAndMeasure(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
-                             TransportCounts& counts) {
-  const Scene& scene = surroundings.scene;
-  region.clipCount = 0;
-  Neighbourhood own;
-  const Neighbourhood* known = surroundings.known;
-  if (known && region.radius > known->reach - surroundings.away) known = nullptr;
-  if (!known) {
-    constexpr int DIRECTIONS = 8;
-    std::array<float, DIRECTIONS> walls;
-    findWalls(scene, error, region, directions<DIRECTIONS>(region.normal, surroundings.sampler.next1D()),
-              walls, own, counts);
-    known = &own;
-  }
-  const float margin = 1e-3f * region.radius + 2 * error; // what lies on the wall is not in front of it
-  for (size_t i = 0; i < known->wallCount; ++i) {
-    const Wall& wall = known->walls[i];
-    const float distance = glm::dot(region.center, wall.normal) - wall.offset;
-    if (distance > 2 * margin && distance < region.radius)
-      region.clips[region.clipCount++] = {wall.normal, margin - distance};
-  }
+namespace {
+
+/** What a disc bears. */
+struct SurfaceInDisc {
+  float part = 1;   ///< see fitToSurface()
+  float cosine = 1; ///< mean cosine between the surface's normals and the disc's
+};
+
+/** Measures the unclipped part of a disc at N places. */
+template <int N>
+SurfaceInDisc measure(Surroundings& surroundings, float error, Kernel kernel, const GatherRegion& region,
+                      TransportCounts& counts) {
   const Vec2f u = surroundings.sampler.next2D();
-  if (region.radius <= known->flat - surroundings.away) {
-    if (region.clipCount == 0) return {1, 1};
+  if (region.radius <= surroundings.known->flat - surroundings.away) {
+    if (region.clipCount == 0) return {};
     return {overDisc<48>(kernel, region, u, [](const Vec3f&, float q, auto shape) { return shape(q); }), 1};
   }
-  const float radius2 = square(region.radius);
   float cosines = 0;
   int met = 0;
-  const float part = overDisc<12>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
+  const float part = overDisc<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
     constexpr float LEAST_COSINE = 0.25f; // steeper than this is no part of the surface
     const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
     Hit hit;
-    if (!meetDiffuse(scene, downThrough(region.center + offset, region.normal, height), hit, counts))
+    if (!meetDiffuse(surroundings.scene, downThrough(region.center + offset, region.normal, height), hit,
+                     counts))
       return 0.0f;
     const float cosine = std::abs(glm::dot(hit.point.geometricNormal, region.normal));
     // The error of a plane's place is not to count.
     if (std::abs(hit.t - height) > 4 * error)
-      q = region.distance2(hit.point.position - region.center) / radius2;
+      q = region.distance2(hit.point.position - region.center) / square(region.radius);
     if (cosine < LEAST_COSINE || q > 1) return 0.0f;
     cosines += cosine;
     ++met;
     return shape(q) / cosine;
   });
   return {part, met > 0 ? cosines / static_cast<float>(met) : 1};
+}
+
+} // namespace
+
+float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
+                   TransportCounts& counts) {
+  if (!surroundings.known || region.radius > surroundings.known->reach - surroundings.away) {
+    constexpr int DIRECTIONS = 8;
+    std::array<float, DIRECTIONS> met;
+    surroundings.own = {};
+    surroundings.own.reach = region.radius;
+    findWalls(surroundings.scene, error, region,
+              directions<DIRECTIONS>(region.normal, surroundings.sampler.next1D()), met, surroundings.own,
+              counts);
+    surroundings.known = &surroundings.own;
+    surroundings.away = 0;
+  }
+  const auto clip = [&] {
+    region.clipCount = 0;
+    const float margin = 1e-3f * region.radius + 2 * error; // what lies on the wall is not in front of it
+    for (size_t i = 0; i < surroundings.known->wallCount; ++i) {
+      const Wall& wall = surroundings.known->walls[i];
+      const float distance = glm::dot(region.center, wall.normal) - wall.offset;
+      if (distance > 2 * margin && distance < region.radius)
+        region.clips[region.clipCount++] = {wall.normal, margin - distance};
+    }
+  };
+  constexpr float LEAST_PART = 0.2f, LEAST_COSINE = 0.95f, STEP = 0.7f;
+  constexpr int MOST_STEPS = 40, FEW = 8, MANY = 32;
+  clip();
+  SurfaceInDisc disc = measure<FEW>(surroundings, error, kernel, region, counts);
+  const auto fits = [&] { return disc.part >= LEAST_PART && disc.cosine >= LEAST_COSINE; };
+  if (fits()) return disc.part;
+  for (int i = 0; i < MOST_STEPS && !fits(); ++i) {
+    region.radius *= STEP;
+    clip();
+    disc = measure<FEW>(surroundings, error, kernel, region, counts);
+  }
+  // Once more, for what has stopped the search is likely to be too much.
+  disc = measure<MANY>(surroundings, error, kernel, region, counts);
+  return disc.part > 0 ? disc.part : 1; // it cannot be seen: nothing is known of it
 }
 
 } // namespace recurse

@@ -183,7 +183,7 @@ TEST(Surroundings, APlaceBehindAWallTellsNothing) {
   map.build(list);
   SearchField field;
   TransportCounts counts;
-  field.build(*scene, map, 20, 1, 0.2f, counts);
+  field.build(*scene, map, 20, 1, 0.2f, Kernel::EPANECHNIKOV, counts);
   const SearchPlace before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
   const SearchPlace behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
   ASSERT_TRUE(behind.known);

@@ -29,7 +29,7 @@ class SearchField {
   /** Takes at places all over a first photon map the distance to the k-th photon, and at most `limit`, and
    * what the surface is like around them. k = 0: `limit` everywhere. The map is not needed afterwards. */
   void build(const Scene& scene, const PhotonMap& first, int nearest, float limit, float flatness,
-             TransportCounts& counts);
+             Kernel kernel, TransportCounts& counts);
   /** About where a search for the k-th photon of the first map would have ended at a point with this
    * geometric normal: the distance known at the nearest of the places, and no less than the way there. */
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;

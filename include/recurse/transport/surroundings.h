@@ -50,23 +50,17 @@ struct Surroundings {
   Sampler sampler;                      ///< for the rays that look around
   const Neighbourhood* known = nullptr; ///< of a place near by; null: nothing is known
   float away = 0;                       ///< the distance to that place
-};
-
-/** What a disc bears. */
-struct SurfaceInDisc {
-  /** Of the kernel's weight over the whole disc the part that lies on a surface which can hold photons,
-   * measured by area on the surface: 1 on a plane, about 1/2 at an edge, more than the disc's part where the
-   * surface is curved. */
-  float part = 1;
-  float cosine = 1; ///< mean cosine between the surface's normals and the disc's
+  Neighbourhood own = {};               ///< found out where nothing is known
 };
 
 /**
  * Clips the region at the walls around it, so that it leaves out what belongs to other surfaces or to another
- * room, and measures what is left. Where that is not known it goes by twelve places: it is exact on a plane,
- * and the part about .1 off elsewhere.
+ * room, and returns the part of the kernel's weight over the whole disc that then lies on a surface which can
+ * hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A disc of which hardly
+ * anything is surface, or whose surface bends away, is made smaller first. Where the part is not known it
+ * goes by eight places: it is exact on a plane, and about .1 off elsewhere.
  */
-SurfaceInDisc clipAndMeasure(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
-                             TransportCounts& counts);
+float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
+                   TransportCounts& counts);
 
 } // namespace recurse
