@@ -567,11 +567,11 @@ PhotonMappingSettings common(const Parameters& p) {
 std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
   more.insert(
       more.end(),
-      {integerParameter("gatherphotons", "",
-                        "photons nearest to a point that an estimate uses, in the first pass where there are "
-                        "many; by default 100 for one pass, 8 to 40 for many, by the width of a pixel; a "
-                        "radius alone means "
-                        "all photons within it")
+      {integerParameter(
+           "gatherphotons", "",
+           "photons nearest to a point that an estimate uses, in the first pass where there are "
+           "many; by default 50 to 100 for one pass, 8 to 40 for many, by the width of a pixel; a "
+           "radius alone means all photons within it")
            .range(1, 1e6),
        realParameter("alpha", "0.666666667",
                      "how fast the radius of a progressive render shrinks from pass to pass: between 0, at "
