@@ -99,6 +99,8 @@ std::string statisticsJson(const RenderReport& report) {
       {"load_seconds", report.loaded.loadSeconds},
       {"build_seconds", report.loaded.buildSeconds},
       {"render_seconds", s.renderSeconds},
+      {"processor_seconds", s.processorSeconds},
+      {"cores_busy", perSecond(s.processorSeconds, s.renderSeconds)},
       {"photon_seconds", s.photonSeconds},
       {"balance_seconds", s.balanceSeconds},
       {"gather_seconds", s.gatherSeconds},
@@ -132,7 +134,9 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
                     format("%.4g", report.samplesPerPixel()) +
                     (report.samplesPerPixel() == 1 ? " sample each, in " : " samples each, in ") +
                     durationText(s.renderSeconds) + " on " + std::to_string(s.threads) +
-                    (s.threads == 1 ? " thread" : " threads") + "; ended by ";
+                    (s.threads == 1 ? " thread" : " threads") + " (" +
+                    format("%.2f", perSecond(s.processorSeconds, s.renderSeconds)) +
+                    " cores busy); ended by ";
   out += s.stopReason == StopReason::SAMPLES ? "the number of samples"
          : s.stopReason == StopReason::TIME  ? "the time limit"
          : s.stopReason == StopReason::ERROR ? "the error target"

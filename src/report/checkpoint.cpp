@@ -44,6 +44,7 @@ template <class Position, class Use> void forEachFigure(Position& p, const Use& 
   auto& s = p.statistics;
   use("sample", p.sample);
   use("render_seconds", s.renderSeconds);
+  use("processor_seconds", s.processorSeconds);
   use("photon_seconds", s.photonSeconds);
   use("balance_seconds", s.balanceSeconds);
   use("photons_emitted", s.photonsEmitted);

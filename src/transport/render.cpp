@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <ctime>
 #include <mutex>
 
 #include "recurse/core/inPlace.h"
@@ -22,6 +23,8 @@ constexpr int TILE = 16;
 constexpr int LARGEST_ROUND = 64;
 
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
+/** What the threads of the process have worked so far. */
+double processorSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
 /** Tells the progress display at most ten times a second, from one thread at a time. */
 class Teller {
@@ -114,6 +117,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   const Clock::time_point start =
       now - std::chrono::duration_cast<Clock::duration>(
                 std::chrono::duration<double>(settings.from.statistics.renderSeconds));
+  const double processorStart = processorSeconds() - settings.from.statistics.processorSeconds;
   Teller teller(progress, start);
   RenderStatistics statistics = settings.from.statistics;
   statistics.threads = threadCount();
@@ -197,6 +201,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     RenderPosition position{sample, statistics};
     for (const TransportCounts& c : tileCounts) position.statistics.counts.add(c);
     position.statistics.renderSeconds = seconds(Clock::now() - start);
+    position.statistics.processorSeconds = processorSeconds() - processorStart;
     position.statistics.notes.clear();
     position.statistics.warnings.clear();
     settings.save(position);
@@ -295,6 +300,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   statistics.least = *least;
   statistics.most = *most;
   statistics.renderSeconds = seconds(Clock::now() - start);
+  statistics.processorSeconds = processorSeconds() - processorStart;
   statistics.gatherSeconds = statistics.renderSeconds - statistics.photonSeconds - statistics.balanceSeconds;
   if (stop)
     statistics.stopReason = StopReason::INTERRUPTED;

@@ -129,12 +129,31 @@ TEST_F(ProgramRender, StatisticsHaveTheirKeys) {
                          "s.json", "-o", "a.exr"});
   ASSERT_EQ(o.status, 0) << o.err;
   const nlohmann::json json = nlohmann::json::parse(contents(file("s.json")));
-  for (const char* key : {"render_seconds", "photon_seconds",  "balance_seconds",   "gather_seconds",
-                          "rays",           "photons_emitted", "photons_stored",    "peak_memory_bytes",
-                          "non_finite",     "weight_cut",      "samples_per_pixel", "passes",
-                          "threads",        "load_seconds",    "build_seconds",     "rays_per_second",
-                          "seed",           "scene",           "integrator",        "stop_reason",
-                          "version",        "notes",           "warnings",          "resolution"})
+  for (const char* key : {"render_seconds",
+                          "photon_seconds",
+                          "balance_seconds",
+                          "gather_seconds",
+                          "rays",
+                          "photons_emitted",
+                          "photons_stored",
+                          "peak_memory_bytes",
+                          "non_finite",
+                          "weight_cut",
+                          "samples_per_pixel",
+                          "passes",
+                          "threads",
+                          "load_seconds",
+                          "build_seconds",
+                          "rays_per_second",
+                          "seed",
+                          "scene",
+                          "integrator",
+                          "stop_reason",
+                          "cores_busy",
+                          "version",
+                          "notes",
+                          "warnings",
+                          "resolution"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_EQ(json["photons_emitted"], 3000);
   EXPECT_EQ(json["non_finite"], 0);

@@ -17,6 +17,7 @@ namespace recurse {
 enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
 struct RenderStatistics {
+  double processorSeconds = 0; ///< of all threads together
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
          gatherSeconds = 0; ///< gather: the backward part
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
