@@ -85,8 +85,8 @@ uint64_t SampleAllocation::due(size_t pixel, int64_t sample) const {
              pilotsDone = uint64_t(pilots(stage.first, sample)),
              pilotsAll = uint64_t(pilots(stage.first, stage.end));
   if (p.extra == 0) return p.before + pilotsDone;
-  // Each may have a photon map of its own: first one sample in as many as possible of those without a pilot sample,
-  // at even distances, and what is left evenly in all. Those of different pixels not at once.
+  // Each may have a photon map of its own: first one sample in as many as possible of those without a pilot
+  // sample, at even distances, and what is left evenly in all. Those of different pixels not at once.
   const uint64_t single = std::min<uint64_t>(p.extra, all - pilotsAll), hash = hashOf(pixel);
   const auto spread = [hash](uint64_t count, uint64_t part, uint64_t whole) {
     return whole > 0 ? (count * part + hash % whole) / whole : 0;
@@ -228,13 +228,13 @@ std::vector<SampleAllocation::Told> SampleAllocation::told() const {
     }
   });
   if (mapPerSample) {
-    // Neighbours see the same photons, so that what few passes say of a place is far off all around it: the mean
-    // over the picture counts.
+    // Neighbours see the same photons, so that what few passes say of a place is far off all around it: the
+    // mean over the picture counts.
     double photons = 0;
     for (const Told& t : out) photons += square(t.deviation) - square(t.eyeDeviation);
     photons = std::max(0.0, photons / double(out.size()));
-    // Eye paths are stratified, and what is left of e after n samples is less than e / n. As if the error fell as
-    // n^-1.5, which it does at edges: too little of e costs less than too few maps.
+    // Eye paths are stratified, and what is left of e after n samples is less than e / n. As if the error
+    // fell as n^-1.5, which it does at edges: too little of e costs less than too few maps.
     const double stratified = 1 / std::sqrt(double(stage.end));
     for (Told& t : out) {
       t.eyeDeviation *= std::sqrt(stratified);

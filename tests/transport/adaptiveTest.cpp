@@ -1,6 +1,6 @@
 /** @file
- * Adaptive samples: the mean of every pixel stays right, also where bright samples are rare; samples go where the
- * error is, to no pixel too few; the same bits for any number of threads and interruptions.
+ * Adaptive samples: the mean of every pixel stays right, also where bright samples are rare; samples go where
+ * the error is, to no pixel too few; the same bits for any number of threads and interruptions.
  */
 #include "rendering.h"
 
@@ -76,7 +76,9 @@ Rendered renderWith(const Scene& scene, Integrator& integrator, const Settings& 
   }
   if (saved) {
     settings.saveInterval = 0;
-    settings.save = [&](const RenderPosition& position) { saved->push_back({out.film, allocation, position}); };
+    settings.save = [&](const RenderPosition& position) {
+      saved->push_back({out.film, allocation, position});
+    };
   }
   const std::atomic<bool> stop{false};
   out.statistics = render(scene, integrator, classes, settings, out.film, stop, nullptr, nullptr);
@@ -176,7 +178,8 @@ TEST(Adaptive, SamplesGoWhereTheErrorIs) {
     const Rendered e = renderWith(*scene, formula, {.samples = 64, .seed = seed, .adaptive = false});
     adaptive += squaredError(a);
     even += squaredError(e);
-    EXPECT_NEAR(double(a.statistics.samples), double(e.statistics.samples), 0.002 * double(e.statistics.samples));
+    EXPECT_NEAR(double(a.statistics.samples), double(e.statistics.samples),
+                0.002 * double(e.statistics.samples));
     EXPECT_EQ(a.statistics.stopReason, StopReason::SAMPLES);
     EXPECT_EQ(a.statistics.least, 8u + (64 - 8) / 4);
     EXPECT_LE(a.statistics.most, 8u * 64 + 16);

@@ -1,28 +1,30 @@
 /** @file
- * Adaptive samples: how many samples each pixel of a picture gets, so that the error of the whole becomes least.
+ * Adaptive samples: how many samples each pixel of a picture gets, so that the error of the whole becomes
+ * least.
  *
  * By Neyman's rule (Neyman 1934, "On the Two Different Aspects of the Representative Method"): samples in
- * proportion to the deviation of a pixel's samples, relative to its brightness, s = sqrt(variance / (luminance² +
- * 0.1²)), with luminance as in the picture. That makes least what `recurse compare` calls relMSE.
+ * proportion to the deviation of a pixel's samples, relative to its brightness, s = sqrt(variance /
+ * (luminance² + 0.1²)), with luminance as in the picture. That makes least what `recurse compare` calls
+ * relMSE.
  *
- * Progressive photon mapping makes a map for each sample of the average pixel. The variance has two parts then:
- * what the photons bring, m, and what the eye paths bring, e. A pixel with n samples from P maps has the error
- * m / min(n, P) + e / n: a second sample of the same map is of use against e only. So n follows sqrt(m + e) up to
- * P, and sqrt(e) beyond it. The parts are told apart by pairs of pixels side by side, which see the same photons:
- * the difference of two samples of the same pass has none of m, and 2 e.
+ * Progressive photon mapping makes a map for each sample of the average pixel. The variance has two parts
+ * then: what the photons bring, m, and what the eye paths bring, e. A pixel with n samples from P maps has
+ * the error m / min(n, P) + e / n: a second sample of the same map is of use against e only. So n follows
+ * sqrt(m + e) up to P, and sqrt(e) beyond it. The parts are told apart by pairs of pixels side by side, which
+ * see the same photons: the difference of two samples of the same pass has none of m, and 2 e.
  *
- * What s is for a pixel is told by pilot samples of the pixels around it, never by its own. Deciding by its own
- * would bias it: where early samples miss a rare bright path the pixel would be left dark, and where they meet it
- * the pixel would be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling Techniques for Image
- * Synthesis"). Pilot samples are the first EVEN samples of each pixel, and then one for each PILOT_PERIOD that the
- * average pixel gets: their number is the same for all pixels, so that it carries no values from pixel to pixel.
- * What holds:
- * - Where the samples of different pixels are independent (path tracing; one photon map, once it has been shot) a
- *   pixel's count depends on its own samples only through one number in which all pixels count alike: the scale
- *   that makes the counts add up. The expected value of the pixel is right, up to what one pixel among all can do
- *   to the scale.
- * - In progressive photon mapping neighbours see the same photons, and the counts depend on them a little. That is
- *   consistent: it vanishes, like the bias of the map itself, with the number of passes.
+ * What s is for a pixel is told by pilot samples of the pixels around it, never by its own. Deciding by its
+ * own would bias it: where early samples miss a rare bright path the pixel would be left dark, and where they
+ * meet it the pixel would be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling
+ * Techniques for Image Synthesis"). Pilot samples are the first EVEN samples of each pixel, and then one for
+ * each PILOT_PERIOD that the average pixel gets: their number is the same for all pixels, so that it carries
+ * no values from pixel to pixel. What holds:
+ * - Where the samples of different pixels are independent (path tracing; one photon map, once it has been
+ * shot) a pixel's count depends on its own samples only through one number in which all pixels count alike:
+ * the scale that makes the counts add up. The expected value of the pixel is right, up to what one pixel
+ * among all can do to the scale.
+ * - In progressive photon mapping neighbours see the same photons, and the counts depend on them a little.
+ * That is consistent: it vanishes, like the bias of the map itself, with the number of passes.
  * - A pixel that is unlike all around it gets what those need. That is never wrong, only slow.
  * - Every pixel gets at least one PILOT_PERIOD-th of the average, and not much more than MOST times as much.
  */
@@ -46,11 +48,11 @@ class SampleAllocation {
   };
   struct Pixel {
     double luminance = 0, luminanceSquared = 0; ///< of pilot samples
-    /** With a map for each pass: in columns of even number the latest pilot sample, in those after them the sum
-     * of products of both's. */
+    /** With a map for each pass: in columns of even number the latest pilot sample, in those after them the
+     * sum of products of both's. */
     double pair = 0;
-    uint32_t before = 0;                        ///< samples when the stage began
-    uint32_t extra = 0;                         ///< samples in the stage beside pilot samples
+    uint32_t before = 0; ///< samples when the stage began
+    uint32_t extra = 0;  ///< samples in the stage beside pilot samples
   };
 
  public:
@@ -64,7 +66,8 @@ class SampleAllocation {
 
   /** `imagingRatio`: of the picture to the film. */
   explicit SampleAllocation(const PixelBounds& bounds, double imagingRatio = 1)
-      : width(size_t(bounds.width())), height(size_t(bounds.height())), dark(0.1 / imagingRatio), pixels(bounds.area()) {}
+      : width(size_t(bounds.width())), height(size_t(bounds.height())), dark(0.1 / imagingRatio),
+        pixels(bounds.area()) {}
 
   /** Where the stage ends that sample number `sample` of the average pixel is in. */
   static int64_t stageEnd(int64_t sample);
@@ -82,7 +85,8 @@ class SampleAllocation {
     Pixel& p = pixels[pixel];
     p.luminance += luminance;
     p.luminanceSquared += luminance * luminance;
-    if (mapPerSample) p.pair = pixel % width % 2 == 0 ? luminance : p.pair + pixels[pixel - 1].pair * luminance;
+    if (mapPerSample)
+      p.pair = pixel % width % 2 == 0 ? luminance : p.pair + pixels[pixel - 1].pair * luminance;
   }
 
   /** What it takes in memory, and of state(), for so many pixels. */
@@ -95,7 +99,7 @@ class SampleAllocation {
  private:
   /** What a pixel's neighbours tell of it. */
   struct Told {
-    double deviation = 0; ///< s
+    double deviation = 0;    ///< s
     double eyeDeviation = 0; ///< the part of the eye paths
   };
   std::vector<Told> told() const;
