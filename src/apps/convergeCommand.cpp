@@ -28,8 +28,6 @@ struct ConvergeOptions {
   std::optional<std::string> times, samples, photons, seeds, referenceError, referenceTime;
 };
 
-[[noreturn]] void badUsage(const std::string& message) { throw Error(message, ExitStatus::BAD_USAGE); }
-
 /** "100k" for 100000: short enough for file names and tables. */
 std::string countName(int64_t count) {
   if (count % 1000000 == 0) return std::to_string(count / 1000000) + "M";

@@ -14,8 +14,6 @@ namespace recurse::apps {
 
 namespace {
 
-[[noreturn]] void badUsage(const std::string& message) { throw Error(message, ExitStatus::BAD_USAGE); }
-
 std::string joined(const std::vector<std::string>& words) {
   std::string out;
   for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;

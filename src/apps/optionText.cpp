@@ -12,6 +12,8 @@
 
 namespace recurse::apps {
 
+void badUsage(const std::string& message) { throw Error(message, ExitStatus::BAD_USAGE); }
+
 namespace {
 
 [[noreturn]] void fail(const std::string& option, const std::string& text, const std::string& wanted) {

@@ -10,6 +10,8 @@
 
 namespace recurse::apps {
 
+[[noreturn]] void badUsage(const std::string& message);
+
 /** Every function throws Error (BAD_USAGE) that names the option. */
 
 /** "30s", "2m", "1h30m", "90" (seconds): seconds, above zero. */

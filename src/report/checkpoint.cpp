@@ -19,7 +19,7 @@ namespace recurse {
 
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
 
 const std::string MAGIC = "Recurse checkpoint 1\n";

@@ -47,7 +47,7 @@ Rgb pixelOf(const Image& image, size_t pixel) {
                    static_cast<int>(pixel / size_t(image.width)));
 }
 
-struct References {
+struct ComparedTo {
   const Image& r;
   const Image* a = nullptr; ///< both or none
   const Image* b = nullptr;
@@ -55,7 +55,7 @@ struct References {
 
 constexpr size_t SHOWN_WORST = 5;
 
-Comparison compare(const Image& image, const References& references) {
+Comparison compare(const Image& image, const ComparedTo& references) {
   const Image& reference = references.r;
   Comparison out;
   out.noiseFree = references.a != nullptr;

@@ -34,7 +34,7 @@ constexpr ExpectedSlope EXPECTED[] = {
     {-2.0 / 3, "t^-2/3",
      "progressive photon mapping at its best (Knaus and Zwicker 2011): bias and variance"}};
 
-std::string number(double value, int digits = 3) {
+std::string rounded(double value, int digits = 3) {
   char text[48];
   std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
@@ -49,8 +49,8 @@ std::string column(const std::string& text, size_t width) {
 
 std::string fitText(const std::optional<PowerLaw>& fit) {
   if (!fit) return "no fit";
-  std::string out = "t^" + number(fit->exponent, 3);
-  if (std::isfinite(fit->standardError)) out += " ± " + number(fit->standardError, 1);
+  std::string out = "t^" + rounded(fit->exponent, 3);
+  if (std::isfinite(fit->standardError)) out += " ± " + rounded(fit->standardError, 1);
   return out;
 }
 
@@ -168,11 +168,11 @@ std::string studyTable(const StudyReport& report) {
                     column("spp", 10) + column(measure.title, 21) + column("variance", 12) + "bias² (95%)\n";
   for (const ConvergePoint& p : report.points) {
     out += column(p.run, width) + column(p.budget, 10) + column(std::to_string(p.seeds), 7) +
-           column(number(p.mean.seconds), 10) + column(number(p.mean.samplesPerPixel), 10) +
-           column(number(measure.of(p), 4), 21);
+           column(rounded(p.mean.seconds), 10) + column(rounded(p.mean.samplesPerPixel), 10) +
+           column(rounded(measure.of(p), 4), 21);
     if (p.split)
-      out += column(number(p.split->relVariance.value), 12) + number(p.split->relBias2.value) + " (" +
-             number(p.split->relBias2.low) + " to " + number(p.split->relBias2.high) + ")";
+      out += column(rounded(p.split->relVariance.value), 12) + rounded(p.split->relBias2.value) + " (" +
+             rounded(p.split->relBias2.low) + " to " + rounded(p.split->relBias2.high) + ")";
     else
       out += "(needs two seeds)";
     if (p.mean.nonFinite > 0) out += "  " + std::to_string(p.mean.nonFinite) + " pixels NOT FINITE";
@@ -183,7 +183,7 @@ std::string studyTable(const StudyReport& report) {
          "\n\n";
   const std::vector<Curve> curves = curvesOf(report, measure);
   out += column("time to", width);
-  for (double target : targetErrors(curves)) out += column(number(target), 16);
+  for (double target : targetErrors(curves)) out += column(rounded(target), 16);
   out += "error ~\n";
   for (size_t i = 0; i < curves.size(); ++i) {
     out += column(report.study.runs[i].name, width);
@@ -225,8 +225,8 @@ std::string plotScript(const StudyReport& report) {
       const double error = measure.of(p);
       // What is not above zero has no place on a logarithmic axis; the page's table has it.
       if (p.run == run && error > 0)
-        rows += number(p.mean.seconds, 9) + " " + number(error, 9) + " " +
-                number(p.smallest > 0 ? p.smallest : error, 9) + " " + number(p.largest, 9) + "\n";
+        rows += rounded(p.mean.seconds, 9) + " " + rounded(error, 9) + " " +
+                rounded(p.smallest > 0 ? p.smallest : error, 9) + " " + rounded(p.largest, 9) + "\n";
     }
     if (rows.empty()) continue;
     out += "$run" + std::to_string(i) + " << END\n" + rows + "END\n";
@@ -238,8 +238,8 @@ std::string plotScript(const StudyReport& report) {
     int dash = 2;
     for (const ExpectedSlope& slope : EXPECTED) {
       const std::string name = "$slope" + std::to_string(dash);
-      out += name + " << END\n" + number((*start)[0], 9) + " " + number((*start)[1], 9) + "\n" +
-             number(end, 9) + " " + number((*start)[1] * std::pow(end / (*start)[0], slope.exponent), 9) +
+      out += name + " << END\n" + rounded((*start)[0], 9) + " " + rounded((*start)[1], 9) + "\n" +
+             rounded(end, 9) + " " + rounded((*start)[1] * std::pow(end / (*start)[0], slope.exponent), 9) +
              "\nEND\n";
       plot(name + " using 1:2 with lines lc rgb '#909090' dt " + std::to_string(dash++) + " title " +
            gnuplotString(slope.label));

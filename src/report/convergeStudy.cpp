@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
+constexpr double UNKNOWN = std::numeric_limits<double>::quiet_NaN();
 constexpr int FORMAT = 1; ///< of converge.json
 
 const char* const KINDS[] = {"time", "samples", "photons"};
@@ -48,7 +48,7 @@ constexpr SplitField SPLIT_FIELDS[] = {{"variance", &ErrorSplit::variance},
 
 /** Infinity and NaN have no place in JSON. */
 Json numberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-double numberOf(const Json& json) { return json.is_null() ? NONE : json.get<double>(); }
+double numberOf(const Json& json) { return json.is_null() ? UNKNOWN : json.get<double>(); }
 
 std::string csvNumber(double value) {
   if (!std::isfinite(value)) return "";
@@ -221,9 +221,9 @@ std::vector<ErrorMeasure> errorMeasures(const StudyReport& report) {
   if (split) {
     out.push_back({"relvariance", "relative variance",
                    "variance of a pixel over the seeds, over r²+ε, ε 0.01",
-                   [](const ConvergePoint& p) { return p.split ? p.split->relVariance.value : NONE; }});
+                   [](const ConvergePoint& p) { return p.split ? p.split->relVariance.value : UNKNOWN; }});
     out.push_back({"relbias2", "relative bias²", "relMSE less relative variance, over r²+ε, ε 0.01",
-                   [](const ConvergePoint& p) { return p.split ? p.split->relBias2.value : NONE; }});
+                   [](const ConvergePoint& p) { return p.split ? p.split->relBias2.value : UNKNOWN; }});
   }
   return out;
 }
@@ -259,7 +259,7 @@ std::string pointsCsv(const StudyReport& report) {
     out += point.run + "," + point.budget + "," + std::to_string(point.seeds);
     for (const CellField& field : CELL_FIELDS) out += "," + csvNumber(point.mean.*field.value);
     for (const SplitField& field : SPLIT_FIELDS) {
-      const Estimate estimate = point.split ? *point.split.*field.value : Estimate{NONE, NONE, NONE};
+      const Estimate estimate = point.split ? *point.split.*field.value : Estimate{UNKNOWN, UNKNOWN, UNKNOWN};
       for (double value : {estimate.value, estimate.low, estimate.high}) out += "," + csvNumber(value);
     }
     out += "\n";

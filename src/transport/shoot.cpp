@@ -45,7 +45,7 @@ class PhotonWalk {
 
  private:
   void walk(const Emission& emission, Rgb flux, Sampler& sampler) {
-    if (!isFinite(flux)) {
+    if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
       return;
     }

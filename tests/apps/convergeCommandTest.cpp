@@ -28,7 +28,7 @@ class ConvergeProgram : public Program {
   static size_t lines(const std::string& text) { return size_t(std::count(text.begin(), text.end(), '\n')); }
 };
 
-const std::string PATH = "path=--integrator path",
+const std::string PATHS = "path=--integrator path",
                   PHOTONS = "pm=--integrator photonmap --photons 2k --radius 0.4";
 
 } // namespace
@@ -36,7 +36,7 @@ const std::string PATH = "path=--integrator path",
 TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
   const std::vector<std::string> arguments = {
       "converge", "scene.pbrt", "-o",    "study", "--samples",         "4,16", "--seeds", "3",
-      "--run",    PATH,         "--run", PHOTONS, "--reference-error", "0.02"};
+      "--run",    PATHS,        "--run", PHOTONS, "--reference-error", "0.02"};
   const Outcome first = run(arguments);
   ASSERT_EQ(first.status, 0) << first.err;
   for (const char* part : {"made by path tracing", "relMSE of their mean", "ε 0.01", "picture 12 of 12"})
@@ -83,7 +83,7 @@ TEST_F(ConvergeProgram, RefusesWhatDoesNotBelong) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
   };
-  const Outcome fine = with({"--samples", "2", "--run", PATH, "--seeds", "1"});
+  const Outcome fine = with({"--samples", "2", "--run", PATHS, "--seeds", "1"});
   ASSERT_EQ(fine.status, 0) << fine.err;
   const auto refused = [&](const std::vector<std::string>& more, const std::string& why) {
     const Outcome o = with(more);
@@ -92,18 +92,18 @@ TEST_F(ConvergeProgram, RefusesWhatDoesNotBelong) {
   };
   refused({"--samples", "2", "--run", "path=--integrator path --maxdepth 2"},
           "run path: there path, maxdepth -1");
-  refused({"--times", "1s", "--run", PATH}, "budgets: there samples, now time");
-  refused({"--samples", "2", "--run", PATH + " --spp 3"}, "--run path: --spp is what the budgets are for");
-  refused({"--samples", "2", "--run", PATH + " --resolution 3x3"}, "--resolution is for all runs");
-  refused({"--samples", "2", "--run", PATH + " --radius 3"},
+  refused({"--times", "1s", "--run", PATHS}, "budgets: there samples, now time");
+  refused({"--samples", "2", "--run", PATHS + " --spp 3"}, "--run path: --spp is what the budgets are for");
+  refused({"--samples", "2", "--run", PATHS + " --resolution 3x3"}, "--resolution is for all runs");
+  refused({"--samples", "2", "--run", PATHS + " --radius 3"},
           "--run path: --radius: the integrator 'path' has no");
   refused({"--samples", "2", "--run", "--integrator path"}, "is not NAME=");
   refused({"--samples", "2,x"}, "--samples: 'x' is not a whole number");
-  refused({"--photons", "1k", "--run", PATH}, "--run path: --photons: the integrator 'path' has no");
+  refused({"--photons", "1k", "--run", PATHS}, "--run path: --photons: the integrator 'path' has no");
   refused({"--samples", "2", "--resolution", "8x8"},
           "a.exr has 24x16 pixels, the scene is rendered with 8x8");
   std::ofstream(file("scene.pbrt"), std::ios::app) << "# changed\n";
-  refused({"--samples", "2", "--run", PATH}, "content of the scene: there");
+  refused({"--samples", "2", "--run", PATHS}, "content of the scene: there");
   EXPECT_EQ(study()["cells"].size(), 1u);
 }
 
@@ -125,7 +125,7 @@ TEST_F(ConvergeProgram, InterruptKeepsWhatIsFinished) {
   makeReference("a.exr", "100");
   const std::vector<std::string> arguments = {"converge",    "scene.pbrt", "-o",      "study",
                                               "--reference", "a.exr",      "--times", "100ms,1.5s",
-                                              "--run",       PATH,         "--seeds", "2"};
+                                              "--run",       PATHS,        "--seeds", "2"};
   const Outcome stopped = run(arguments, [&](pid_t child) {
     for (int i = 0; i < 500 && !exists("study/cells/path-0.1s-seed1.exr"); ++i) sleepSeconds(0.02);
     sleepSeconds(0.2);

@@ -120,7 +120,7 @@ void thinSlab(const Report& report) {
 /** Shells of glass around each other: at perpendicular incidence n faces let through (1 - R) / (1 + (n - 1)
  * R). */
 void shells(const Report& report) {
-  constexpr int COUNT = 50;
+  constexpr int COUNT = SANITIZED ? 10 : 50; // paths are as long as there are shells, and each is followed
   std::string text;
   for (int i = 0; i < COUNT; ++i) {
     const double outer = 1 + 0.02 * i;

@@ -252,7 +252,10 @@ void notFinite(const Report& report) {
 }
 
 void hardlyFinite(const Report& report) {
-  const std::vector<Way> ways = allWays(500);
+  std::vector<Way> ways = allWays(500);
+  // Of two ways with photons one learns where to send them, from far more trials than there are photons.
+  for (size_t i = 0, photons = 0; i < ways.size(); ++i)
+    if (ways[i].usesPhotons && photons++ > 0) ways[i].parameters += " \"bool guided\" false";
   for (const char* word : {"1e308", "-1e308", "1e39", "3e38", "1e30", "-1e30", "1e-30", "1e-46", "1e-320"}) {
     int tried = 0, refusals = 0, wrong = 0;
     std::string first;

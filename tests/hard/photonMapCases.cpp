@@ -82,7 +82,7 @@ void few(const Report& report) {
   }
   // Pictures from one to three photons: the mean over many of them. A lamp that sends all its light down onto
   // a floor, of which the picture shows so much that every photon's disc lies in it: ρ Φ / π over its area.
-  constexpr int PICTURES = 400;
+  constexpr int PICTURES = SANITIZED ? 20 : 400;
   for (const int photons : {1, 2, 3}) {
     const auto scene =
         sceneFrom(view(4, 4, "0 0 1  0 0 0  0 1 0", orthographic(0.5)) + diffuse(ALBEDO) +

@@ -44,10 +44,10 @@ std::string contents(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-class Measured : public testing::Test {
+class Measured : public ::testing::Test {
  protected:
   void SetUp() override {
-    directory = testing::TempDir() + "measuredTest." + std::to_string(::getpid());
+    directory = ::testing::TempDir() + "measuredTest." + std::to_string(::getpid());
     std::filesystem::create_directory(directory);
   }
   void TearDown() override { std::filesystem::remove_all(directory); }

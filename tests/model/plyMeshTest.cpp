@@ -52,10 +52,10 @@ class PlyWriter {
   Encoding encoding;
 };
 
-class PlyMesh : public testing::Test {
+class PlyMesh : public ::testing::Test {
  protected:
   void SetUp() override {
-    directory = testing::TempDir() + "plyMeshTest." + std::to_string(::getpid());
+    directory = ::testing::TempDir() + "plyMeshTest." + std::to_string(::getpid());
     std::filesystem::create_directory(directory);
     registerPlyMesh(all);
   }

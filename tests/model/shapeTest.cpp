@@ -586,7 +586,7 @@ int selfHits(const std::string& name, const std::string& example, double ratio, 
 
 } // namespace
 
-class LeavingRays : public testing::Test {
+class LeavingRays : public ::testing::Test {
  protected:
   // As in the renderer: displacements that are denormal numbers are none.
   void SetUp() override { setThreadFloatMode(); }

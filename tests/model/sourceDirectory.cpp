@@ -7,11 +7,11 @@
 
 namespace {
 
-class SourceDirectory final : public testing::Environment {
+class SourceDirectory final : public ::testing::Environment {
   void SetUp() override { std::filesystem::current_path(RECURSE_SOURCE_DIR); }
 };
 
-[[maybe_unused]] const testing::Environment* const REGISTERED =
-    testing::AddGlobalTestEnvironment(new SourceDirectory);
+[[maybe_unused]] const ::testing::Environment* const REGISTERED =
+    ::testing::AddGlobalTestEnvironment(new SourceDirectory);
 
 } // namespace

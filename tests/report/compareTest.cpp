@@ -5,13 +5,13 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "recurse/core/error.h"
 #include "recurse/report/compare.h"
+#include "report/noise.h"
 
 using namespace recurse;
 
@@ -23,14 +23,6 @@ Image constant(int width, int height, const Rgb& colour) {
     for (int x = 0; x < width; ++x)
       for (int c = 0; c < 3; ++c) image.at(x, y)[c] = colour[c];
   return image;
-}
-
-Image noisy(const Image& truth, double deviation, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal(0, deviation);
-  Image out = truth;
-  for (float& value : out.pixels) value += static_cast<float>(normal(generator));
-  return out;
 }
 
 } // namespace

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <random>
 
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "recurse/core/error.h"
 #include "recurse/report/converge.h"
+#include "report/noise.h"
 
 using namespace recurse;
 
@@ -22,14 +22,6 @@ Image constant(int width, int height, float value) {
   Image image(width, height, {"R", "G", "B"});
   std::fill(image.pixels.begin(), image.pixels.end(), value);
   return image;
-}
-
-Image noisy(const Image& truth, double deviation, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal(0, deviation);
-  Image out = truth;
-  for (float& value : out.pixels) value += static_cast<float>(normal(generator));
-  return out;
 }
 
 /** Two references around 1 with noise. */

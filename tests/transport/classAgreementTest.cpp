@@ -174,8 +174,9 @@ TEST(ClassAgreement, AClassAloneIsTheSameAsInCompany) {
                                       {"lamps", "LS*E"},
                                       {"caustics mirrored", "LS+DS+E"},
                                       {"direct", "LDE"}};
-  for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 20000"},
-                         Way{"photonmap", "\"integer photons\" 20000 \"string direct\" \"photons\""}}) {
+  const std::string photons = "\"integer photons\" " + std::to_string(samples(20000));
+  for (const Way& way : {Way{"path", ""}, Way{"photonmap", photons},
+                         Way{"photonmap", photons + " \"string direct\" \"photons\""}}) {
     // The same search for both: by itself it would widen where a class has fewer photons.
     Way fixed = way;
     if (way.integrator != "path") fixed.parameters += " \"float radius\" .05";

@@ -64,7 +64,7 @@ struct RegexCase {
 
 void PrintTo(const RegexCase& c, std::ostream* out) { *out << c.ours; }
 
-class AgainstStdRegex : public testing::TestWithParam<RegexCase> {};
+class AgainstStdRegex : public ::testing::TestWithParam<RegexCase> {};
 
 TEST_P(AgainstStdRegex, AllWordsUpToTenEventsAndAllTheirCuts) {
   const std::string ours = GetParam().ours, regexText = GetParam().regex;
@@ -90,7 +90,7 @@ TEST_P(AgainstStdRegex, AllWordsUpToTenEventsAndAllTheirCuts) {
 
 INSTANTIATE_TEST_SUITE_P(
     Expressions, AgainstStdRegex,
-    testing::Values(
+    ::testing::Values(
         RegexCase{"LE", "LE"}, RegexCase{"L.*E", "L[SDV]*E"}, RegexCase{"L(S|D)*DS+E", "L(S|D)*DS+E"},
         RegexCase{"LS+DE", "LS+DE"}, RegexCase{"L[SD]{2,3}E", "L[SD]{2,3}E"}, RegexCase{"L[S|D]E", "L[SD]E"},
         RegexCase{"L[S|D]*E", "L[SD]*E"}, RegexCase{"L[S+|D]DE", "L(S+|D)DE"},
@@ -364,7 +364,7 @@ struct ErrorCase {
 
 void PrintTo(const ErrorCase& c, std::ostream* out) { *out << c.expression; }
 
-class PathExpressionError : public testing::TestWithParam<ErrorCase> {};
+class PathExpressionError : public ::testing::TestWithParam<ErrorCase> {};
 
 TEST_P(PathExpressionError, PointsAtTheColumn) {
   const auto& [expression, column, says] = GetParam();
@@ -382,7 +382,7 @@ TEST_P(PathExpressionError, PointsAtTheColumn) {
 
 INSTANTIATE_TEST_SUITE_P(
     Errors, PathExpressionError,
-    testing::Values(
+    ::testing::Values(
         ErrorCase{"", 1, "ends too early"}, ErrorCase{"LDE|", 5, "ends too early"},
         ErrorCase{"LDE - ", 7, "ends too early"}, ErrorCase{"L(SDE", 2, "no matching ')'"},
         ErrorCase{"L[S|DE", 2, "no matching ']'"}, ErrorCase{"L[^SDE", 2, "no matching ']'"},

@@ -163,7 +163,7 @@ std::vector<GatherRegion> makeRegions(const std::vector<Photon>& photons, size_t
   return regions;
 }
 
-class PhotonSets : public testing::TestWithParam<std::tuple<size_t, size_t>> {
+class PhotonSets : public ::testing::TestWithParam<std::tuple<size_t, size_t>> {
  protected:
   PhotonSets() {
     const Distribution& distribution = DISTRIBUTIONS[std::get<0>(GetParam())];
@@ -224,8 +224,8 @@ TEST_P(PhotonSets, nearestEqualsBruteForce) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, PhotonSets,
-                         testing::Combine(testing::Range<size_t>(0, 6),
-                                          testing::Range<size_t>(0, std::size(SIZES))),
+                         ::testing::Combine(::testing::Range<size_t>(0, 6),
+                                            ::testing::Range<size_t>(0, std::size(SIZES))),
                          [](const auto& info) {
                            return DISTRIBUTIONS[std::get<0>(info.param)].name + std::string("_") +
                                   std::to_string(SIZES[std::get<1>(info.param)]);
