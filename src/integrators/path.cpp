@@ -36,6 +36,7 @@ struct Vertex {
 /** A shadow ray under way. */
 struct Shadow {
   const Vertex* vertex;
+  const Illumination* light;
   Rgb radiance;
 };
 
@@ -98,7 +99,7 @@ class Path final : public Integrator {
         w.width = paths[i].ray.width;
         w.spread = paths[i].ray.spread;
         w.last.weighted = false;
-        makeAt(w.nesting, [] { return Nesting(); });
+        makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
         active[i] = &w;
         rays[i] = paths[i].ray;
       }
@@ -139,7 +140,6 @@ class Path final : public Integrator {
         const Bsdf* bsdf =
             bsdfAt(scene, hit, direction, {direction, w.width * w.path->ray.sampleSpacing}, w.nesting, arena);
         if (!bsdf) {
-          if (isNested(hit)) w.last.weighted = false; // shadow rays end there
           active[passed] = &w;
           makeAt(rays[passed++], [&] { return spawn(hit.point, direction); });
           continue;
@@ -189,13 +189,16 @@ class Path final : public Integrator {
           continue;
         }
         shadows[count].vertex = &v;
+        shadows[count].light = &*lights[i];
         shadows[count].radiance = radiance;
         ++count;
       }
       scene.occludedBatch({shadowRays.data(), count}, {blocked.data(), count});
       for (size_t i = 0; i < count; ++i) {
         const Vertex& v = *shadows[i].vertex;
-        if (!blocked[i]) v.walk->path->out->add(classes.lightStart(), v.eyeD, shadows[i].radiance);
+        if (!blocked[i] ||
+            onlyHidden(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.walk->nesting, counts))
+          v.walk->path->out->add(classes.lightStart(), v.eyeD, shadows[i].radiance);
       }
     }
 

@@ -103,7 +103,12 @@ class PhotonMapping final : public Integrator {
 
   void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
     trace(scene,
-          {.ray = ray, .throughput = Rgb(1), .etaScale = 1, .eye = out.pathClasses().eyeStart(), .depth = 0},
+          {.ray = ray,
+           .throughput = Rgb(1),
+           .etaScale = 1,
+           .eye = out.pathClasses().eyeStart(),
+           .depth = 0,
+           .nesting = nestingAt(scene, ray, out.counts)},
           nullptr, sampler, out);
   }
 
@@ -208,7 +213,7 @@ class PhotonMapping final : public Integrator {
         Walk diffuse = walk;
         diffuse.eye = eyeD;
         if (settings.shadowRays)
-          addSampledLight(scene, scattering, hit.point, wi, throughput, eyeD, settings.lightSamples,
+          addSampledLight(scene, scattering, hit, nesting, wi, throughput, eyeD, settings.lightSamples,
                           DIFFUSE_LOBES, sampler, out);
         Search here = searchAt(field, hit.point, wi);
         // A surface that a gather ray finds close by is not seen through a map that is blurred over more than

@@ -5,17 +5,17 @@
 
 namespace recurse {
 
-void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
-                     const Vec3f& eye, const Rgb& throughput, EyeState eyeState, int samples, LobeSet allowed,
-                     Sampler& sampler, PathRadiance& out) {
+void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, const Hit& hit,
+                     const Nesting& nesting, const Vec3f& eye, const Rgb& throughput, EyeState eyeState,
+                     int samples, LobeSet allowed, Sampler& sampler, PathRadiance& out) {
   if (!lightIsSampled(scene, out.pathClasses(), eyeState)) return;
   for (int i = 0; i < samples; ++i) {
     const LightChoice choice(scene.lights(), sampler);
-    const std::optional<Illumination> light = choice.illuminate(point.position);
+    const std::optional<Illumination> light = choice.illuminate(hit.point.position);
     if (!light) continue;
     const Rgb radiance =
         unshadowedRadiance(scattering, eye, throughput, *light, choice.chosen.probability, samples, allowed);
-    if (!isBlack(radiance) && visible(scene, point, *light, out.counts))
+    if (!isBlack(radiance) && visible(scene, hit, eye, *light, nesting, out.counts))
       out.add(out.pathClasses().lightStart(), eyeState, radiance);
   }
 }

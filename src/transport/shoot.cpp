@@ -51,8 +51,8 @@ class PhotonWalk {
     }
     LightState state = classes.lightStart();
     if (classes.dead(state)) return;
-    Nesting nesting;
     Ray ray{emission.origin, emission.direction, INFINITE};
+    Nesting nesting = nestingAt(scene, ray, counts);
     Hit hit;
     bool caustic = true;
     for (int depth = 0;;) {

@@ -306,6 +306,8 @@ namespace {
 Rgb leftToShadowRays(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
                      const Vec3f& wi, int n, LobeSet allowed, Sampler sampler, size_t& shared) {
   Rgb sum = BLACK;
+  Hit at;
+  at.point = point;
   for (int i = 0; i < n; ++i) {
     float pick = sampler.next1D();
     const Vec2f u = sampler.next2D();
@@ -315,7 +317,7 @@ Rgb leftToShadowRays(const Scene& scene, const ScatteringPoint& scattering, cons
     TransportCounts counts;
     const Rgb alone = scattering.evaluate(wi, light->direction) * light->radiance /
                       (chosen.probability * light->pdf * float(n));
-    if (isBlack(alone) || !visible(scene, point, *light, counts)) continue;
+    if (isBlack(alone) || !visible(scene, at, wi, *light, {}, counts)) continue;
     if (light->delta) {
       sum += alone;
       continue;
@@ -361,7 +363,9 @@ TEST(MultipleImportanceSampling, WeightsSumToOne) {
                           leftToShadowRays(*scene, scattering, point, wi, n, allowed, sampler, shared);
                       TransportCounts counts;
                       PathRadiance out(classes, counts);
-                      addSampledLight(*scene, scattering, point, wi, Rgb(1), eye, n, allowed, sampler, out);
+                      Hit at;
+                      at.point = point;
+                      addSampledLight(*scene, scattering, at, {}, wi, Rgb(1), eye, n, allowed, sampler, out);
                       ++tested;
                       const Rgb difference = glm::abs(out.total() - expected);
                       if (maxComponent(difference - expected * float(SAME)) > 0) {

@@ -103,6 +103,56 @@ LightSource "infinite" "rgb L" [ 1 1 1 ]
   EXPECT_NEAR(r.mean(), 1, 0.005 + 3 * r.standardError());
 }
 
+TEST(Nesting, HiddenSurfacesThrowNoShadows) {
+  // A lamp and a floor, both inside of glass, with the surface of weaker matter between them.
+  for (const char* lamp :
+       {"LightSource \"point\" \"rgb I\" [ 2 2 2 ] \"point3 from\" [ .1 .8 -.2 ]\n",
+        "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 40 40 40 ]\nMaterial \"interface\"\n"
+        "Translate .1 .8 -.2\nShape \"sphere\" \"float radius\" .1\nAttributeEnd\n"}) {
+    const std::string inside = std::string(lamp) +
+                               "AttributeBegin\nMaterial \"diffuse\"\nRotate -90 1 0 0\nShape \"disk\" "
+                               "\"float radius\" .5\nAttributeEnd\n";
+    const std::string glass = sphere(1, R"("float eta" 1.5 "integer priority" 2)");
+    const std::string weaker = sphere(0.6, R"("float eta" 1.2 "integer priority" 1)");
+    const auto one = sceneFrom(between(glass + inside)), other = sceneFrom(between(glass + weaker + inside));
+    ASSERT_TRUE(one && other);
+    for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 20000"}}) {
+      const Rendered x = renderScene(*one, way.integrator, way.parameters, samples(64), 1);
+      const Rendered y = renderScene(*other, way.integrator, way.parameters, samples(64), 2);
+      EXPECT_NEAR(x.mean(), y.mean(), 4 * std::hypot(x.standardError(), y.standardError()) + 0.02 * x.mean())
+          << way.integrator << " " << lamp;
+    }
+  }
+}
+
+TEST(Nesting, TheEyeMayBeInside) {
+  // Seen from within the glass the weaker solid around its far side is still hidden, and what is beyond is
+  // not.
+  const std::string eye = R"(
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+PixelFilter "box"
+LookAt 0 0 -.5  .1 .2 1  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "infinite" "rgb L" [ .2 .2 .2 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 3 3 3 ]
+Translate .3 0 6
+Shape "sphere" "float radius" 1.5
+AttributeEnd
+)";
+  const auto one = sceneFrom(eye + sphere(1, R"("float eta" 1.5)"));
+  const auto other = sceneFrom(eye + sphere(1, R"("float eta" 1.5 "integer priority" 2)") +
+                               sphere(0.8, R"("float eta" 1.2 "integer priority" 1)"));
+  ASSERT_TRUE(one && other);
+  for (const char* integrator : {"path", "photonmap"}) {
+    const Rendered x = renderScene(*one, integrator, "", samples(512), 1);
+    const Rendered y = renderScene(*other, integrator, "", samples(512), 2);
+    EXPECT_NEAR(x.mean(), y.mean(), 4 * std::hypot(x.standardError(), y.standardError()) + 1e-3 * x.mean())
+        << integrator;
+  }
+}
+
 TEST(Nesting, TooManyAreRefusedAtTheirPlace) {
   std::string solids;
   for (size_t i = 0; i <= Scene::MOST_NESTED; ++i) {

@@ -53,11 +53,11 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& ey
 /**
  * Adds the light that `samples` shadow rays bring to a point with non-delta lobes, seen from unit `eye` with
  * `throughput`. `eyeState` has read the D at the point. `allowed` are the lobes that the BSDF's own ray is
- * chosen from.
+ * chosen from, `nesting` is what the walk is inside of that came there.
  */
-void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
-                     const Vec3f& eye, const Rgb& throughput, EyeState eyeState, int samples, LobeSet allowed,
-                     Sampler& sampler, PathRadiance& out);
+void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, const Hit& hit,
+                     const Nesting& nesting, const Vec3f& eye, const Rgb& throughput, EyeState eyeState,
+                     int samples, LobeSet allowed, Sampler& sampler, PathRadiance& out);
 
 /** What a BSDF ray carries to find the weight of the light that it may meet. */
 struct BsdfRay {

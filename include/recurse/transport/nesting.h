@@ -5,6 +5,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "recurse/model/scene.h"
@@ -38,6 +39,20 @@ class Nesting {
     return true;
   }
 
+  /** For a walk that begins at a point, by all that a ray from there meets: solids are closed, so it leaves
+   * once more than it enters what the point is inside of. `surfaces(f)` calls f(hit, direction) for each. */
+  template <class Surfaces> static Nesting within(const Surfaces& surfaces) {
+    std::array<int, Scene::MOST_NESTED> left{};
+    surfaces([&](const Hit& hit, const Vec3f& direction) {
+      if (isNested(hit))
+        left[static_cast<size_t>(hit.material->nesting)] +=
+            glm::dot(direction, hit.point.geometricNormal) < 0 ? -1 : 1;
+    });
+    Nesting nesting;
+    for (size_t i = 0; i < left.size(); ++i) nesting.depth[i] = static_cast<uint8_t>(std::max(left[i], 0));
+    return nesting;
+  }
+
   /** The walk came from `wi` and goes on to `direction`, which may be through the surface. */
   void scatters(const Hit& hit, const Vec3f& wi, const Vec3f& direction) {
     if (!isNested(hit)) return;
@@ -50,7 +65,7 @@ class Nesting {
     uint8_t& d = depth[static_cast<size_t>(material.nesting)];
     if (entering)
       ++d;
-    else if (d > 0) // the walk may have begun inside
+    else if (d > 0) // shapes may be open
       --d;
   }
 

@@ -72,12 +72,37 @@ inline Ray shadowRay(const SurfacePoint& from, const Illumination& light) {
           endless ? INFINITE : 1 - 16 * std::numeric_limits<float>::epsilon()};
 }
 
-/** True when the light reaches the point. */
-inline bool visible(const Scene& scene, const SurfacePoint& from, const Illumination& light,
-                    TransportCounts& counts) {
+/** What a walk that begins with this ray is inside of. */
+inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
+  if (scene.nestedIndices().empty()) return {};
+  return Nesting::within([&](const auto& crosses) {
+    for (Hit hit; intersect(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
+      crosses(hit, ray.direction);
+  });
+}
+
+/** Whether a shadow ray that something blocks is blocked by hidden surfaces only, and so free. `nesting` is
+ * what the walk is inside of that came to the point from `wi`. */
+inline bool onlyHidden(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi,
+                       const Illumination& light, Nesting nesting, TransportCounts& counts) {
+  if (scene.nestedIndices().empty()) return false;
+  nesting.scatters(from, wi, light.direction);
+  Hit hit;
+  while (intersect(scene, ray, hit, counts)) {
+    if (hit.material && !(isNested(hit) && !nesting.meets(scene, hit, light.direction))) return false;
+    ray = shadowRay(hit.point, light);
+    if (ray.direction == Vec3f(0)) break;
+  }
+  return true;
+}
+
+/** True when the light reaches the point, to which a walk came from `wi`. */
+inline bool visible(const Scene& scene, const Hit& from, const Vec3f& wi, const Illumination& light,
+                    const Nesting& nesting, TransportCounts& counts) {
   ++counts.rays;
-  const Ray ray = shadowRay(from, light);
-  return ray.direction == Vec3f(0) || !scene.occluded(ray);
+  const Ray ray = shadowRay(from.point, light);
+  return ray.direction == Vec3f(0) || !scene.occluded(ray) ||
+         onlyHidden(scene, ray, from, wi, light, nesting, counts);
 }
 
 } // namespace recurse
