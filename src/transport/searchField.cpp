@@ -36,8 +36,10 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, int nearest,
                         Kernel kernel, TransportCounts& counts) {
   this->limit = limit;
   lift = 2 * scene.bounds().radius;
-  constexpr size_t EVERY = 4, MOST = 65536, AT_ONCE = 256;
-  const size_t every = std::max(EVERY, first.size() / MOST);
+  // A small picture does not look long enough at the places to be worth many.
+  constexpr size_t EVERY = 4, LEAST = 1024, MOST = 65536, AT_ONCE = 64;
+  const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
+  const size_t every = std::max(EVERY, first.size() / std::clamp(4 * pixels, LEAST, MOST));
   places.assign((first.size() + every - 1) / every, {});
   std::vector<Photon> lifted(places.size());
   const size_t parts = (places.size() + AT_ONCE - 1) / AT_ONCE;

@@ -23,7 +23,7 @@ const std::string FLOOR = square("-1 -1 0  1 -1 0  1 1 0  -1 1 0"),
 
 std::unique_ptr<Scene> sceneOf(const std::string& shapes) {
   // The scene's centre, to which positions are relative, is the origin for all of them.
-  return sceneFrom(view(8, "0 0 3  0 0 0  0 1 0", 40) + "Material \"diffuse\"\n" + shapes);
+  return sceneFrom(view(64, "0 0 3  0 0 0  0 1 0", 40) + "Material \"diffuse\"\n" + shapes);
 }
 
 /** Photons at random places of the floor, with flux that makes IRRADIANCE. */
