@@ -143,7 +143,8 @@ Material "diffuse" "rgb reflectance" [.7 .6 .5]
 Shape "bilinearmesh" "point3 P" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]
 )";
   };
-  for (const Way& way : allWays("100000")) {
+  // The view is a hundredth of the plate: so many that the photons there are even to less than a hundredth.
+  for (const Way& way : allWays("400000")) {
     const Rendered seen = renderText(scene(""), way.integrator, way.parameters, samples(64)),
                    unseen =
                        renderText(scene("\"float alpha\" 0"), way.integrator, way.parameters, samples(64), 2);
