@@ -7,8 +7,8 @@
  * The random numbers of a walk are hashed from the two directions, put in an order that does not depend on
  * which is which: value() is the same for the same arguments, and reciprocal. Its noise is that of a walk
  * from one pair of directions to the next, and averages out as theirs does. The two ways
- * in which a walk leaves a rough coat have weights that add up to one; those of pbrt-v4 do not quite, so that
- * what it evaluates is a few hundredths brighter than what it samples, and than this.
+ * in which a walk leaves a rough coat have weights that add up to one. A rough coat comes out up to 2 %
+ * darker than in pictures of pbrt-v4, for a reason that is not known.
  *
  * What a smooth coat reflects at once is a delta lobe and exact. The sampling density is not that of the walk
  * but of a fitted mixture, in closed form.
