@@ -35,6 +35,9 @@ bool meetWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit,
          std::abs(glm::dot(hit.point.geometricNormal, normal)) < WALL_COSINE;
 }
 
+/** What is not this far in front of a wall lies on it. */
+float wallMargin(const GatherRegion& region, float error) { return 1e-3f * region.radius + 2 * error; }
+
 /** From above a place of the tangent plane down through it, within `height` of it. */
 Ray downThrough(const Vec3f& place, const Vec3f& normal, float height) {
   return {place + normal * height, -normal, 2 * height};
@@ -58,7 +61,7 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
                const std::array<Vec3f, N>& directions, std::array<float, N>& met, Neighbourhood& found,
                TransportCounts& counts) {
   const Vec3f start = region.center + region.normal * std::max(RISE * region.radius, 2 * error);
-  const float margin = 1e-3f * region.radius + 2 * error;
+  const float margin = wallMargin(region, error);
   for (size_t i = 0; i < N; ++i) {
     met[i] = INFINITE;
     Hit hit;
@@ -190,7 +193,7 @@ float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, Gathe
   }
   const auto clip = [&] {
     region.clipCount = 0;
-    const float margin = 1e-3f * region.radius + 2 * error; // what lies on the wall is not in front of it
+    const float margin = wallMargin(region, error);
     for (size_t i = 0; i < surroundings.known->wallCount; ++i) {
       const Wall& wall = surroundings.known->walls[i];
       const float distance = glm::dot(region.center, wall.normal) - wall.offset;

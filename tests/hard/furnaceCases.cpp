@@ -14,9 +14,7 @@ void furnace(const Report& report, double albedo, const std::string& name, const
   const auto scene = sceneFrom(view(8, 8, ".3 .2 -.5  0 0 0  0 1 0", perspective(60)) + material +
                                "ReverseOrientation\nAreaLightSource \"diffuse\" \"rgb L\" [ " + e + " " + e +
                                " " + e + " ]\nShape \"sphere\"\n");
-  // The pixels are a tenth of the sphere wide, and so are the discs of the search: flat ones would leave out
-  // what the sphere curves away.
-  for (const Way& way : allWays(photons, "\"float flatness\" 1")) {
+  for (const Way& way : allWays(photons)) {
     const bool diffuseLight = name == "diffuse";
     Budget budget;
     budget.samples = budget.photonSamples = std::max(1, samples / (way.usesPhotons && diffuseLight ? 4 : 1));

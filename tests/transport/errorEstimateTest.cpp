@@ -9,16 +9,6 @@ using namespace recurse::testing;
 
 namespace {
 
-std::string cornerUnderLamp() {
-  return view(16, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
-Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -2 0  2 -2 0  2 2 0  -2 2 0 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 .5 0  2 .5 0  2 .5 2  -2 .5 2 ]
-AreaLightSource "diffuse" "rgb L" [ 20 20 20 ]
-Shape "sphere" "float radius" .2
-)";
-}
-
 Rendered untilError(const Scene& scene, const char* integrator, double target, int samplesPerPixel = 0) {
   const ThreadPool pool;
   const auto made = integratorFrom(integrator, "");
@@ -53,7 +43,7 @@ TEST(ErrorEstimate, StandardErrorOfKnownSamples) {
 }
 
 TEST(ErrorEstimate, IsNearTheTrueError) {
-  const auto scene = sceneFrom(cornerUnderLamp());
+  const auto scene = sceneFrom(litCorner(16));
   const Rendered truth = renderScene(*scene, "path", "", samples(4096), 5);
   for (const char* integrator : {"path", "sppm"}) {
     const Rendered some = renderScene(*scene, integrator, "", 32);
@@ -71,7 +61,7 @@ TEST(ErrorEstimate, IsNearTheTrueError) {
 }
 
 TEST(ErrorEstimate, EndsARender) {
-  const auto scene = sceneFrom(cornerUnderLamp());
+  const auto scene = sceneFrom(litCorner(16));
   for (const char* integrator : {"path", "photonmap"}) {
     const Rendered r = untilError(*scene, integrator, 0.15);
     EXPECT_EQ(r.statistics.stopReason, StopReason::ERROR) << integrator;

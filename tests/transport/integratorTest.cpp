@@ -194,7 +194,7 @@ TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
   for (const Kernel kernel : ALL_KERNELS)
     for (const auto& [nearest, radius] :
          std::vector<std::pair<int, float>>{{0, 0.2f}, {50, INFINITE}, {8, INFINITE}}) {
-      double sum = 0, squares = 0;
+      std::vector<double> estimates;
       for (int m = 0; m < maps; ++m) {
         std::mt19937_64 random(static_cast<uint64_t>(m));
         std::uniform_real_distribution<float> place(float(-side / 2), float(side / 2));
@@ -214,13 +214,11 @@ TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
         settings.radius = radius;
         gather(map, settings, scattering, point, {0, 0, 1}, 0, Rgb(1),
                classes.step(classes.eyeStart(), PathEvent::D), out);
-        const double m1 = double(out.total().r);
-        sum += m1;
-        squares += m1 * m1;
+        estimates.push_back(double(out.total().r));
       }
-      const double mean = sum / maps, error = std::sqrt((squares / maps - mean * mean) / maps);
-      EXPECT_NEAR(mean, expected, 4 * error) << kernelName(kernel) << " nearest " << nearest;
-      EXPECT_LT(error, 0.06 * expected);
+      const Mean mean(estimates);
+      EXPECT_NEAR(mean.value, expected, 4 * mean.error) << kernelName(kernel) << " nearest " << nearest;
+      EXPECT_LT(mean.error, 0.06 * expected);
     }
 }
 

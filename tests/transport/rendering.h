@@ -79,6 +79,29 @@ inline std::string view(int size, const std::string& lookAt, double fov) {
          std::to_string(fov) + "\nWorldBegin\n";
 }
 
+/** A floor, a wall and a small lamp in front of them. */
+inline std::string litCorner(int size) {
+  return view(size, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
+Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -2 0  2 -2 0  2 2 0  -2 2 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 .5 0  2 .5 0  2 .5 2  -2 .5 2 ]
+AreaLightSource "diffuse" "rgb L" [ 20 20 20 ]
+Shape "sphere" "float radius" .2
+)";
+}
+
+/** The mean of many independent values, with its standard error. */
+struct Mean {
+  explicit Mean(const std::vector<double>& values) {
+    const auto n = double(values.size());
+    for (const double v : values) value += v / n;
+    double squares = 0;
+    for (const double v : values) squares += square(v - value);
+    error = std::sqrt(squares) / n;
+  }
+  double value = 0, error = 0;
+};
+
 /** The ways of estimating the whole of light transport: integrator and parameters. */
 struct Way {
   std::string integrator, parameters;

@@ -39,10 +39,6 @@ std::vector<Photon> onFloor(uint64_t seed, int count) {
   return list;
 }
 
-struct Mean {
-  double value = 0, error = 0;
-};
-
 /** The estimate at what a ray meets, over what it should be, as a mean over maps. */
 Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings& settings, int maps,
                        const std::function<std::vector<Photon>(uint64_t)>& photons) {
@@ -51,7 +47,7 @@ Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings&
   BsdfArena arena;
   const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
   const PathClasses classes;
-  double sum = 0, squares = 0;
+  std::vector<double> ratios;
   for (int m = 0; m < maps; ++m) {
     PhotonMap map;
     map.build(photons(static_cast<uint64_t>(m)));
@@ -60,12 +56,9 @@ Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings&
     Surroundings surroundings{scene, Sampler(5, 0, static_cast<uint32_t>(m))};
     gather(map, settings, scattering, hit.point, -ray.direction, 0, Rgb(1),
            classes.step(classes.eyeStart(), PathEvent::D), out, &surroundings);
-    const double ratio = double(out.total().g) / (ALBEDO * IRRADIANCE / M_PI);
-    sum += ratio;
-    squares += ratio * ratio;
+    ratios.push_back(double(out.total().g) / (ALBEDO * IRRADIANCE / M_PI));
   }
-  const double mean = sum / maps;
-  return {mean, std::sqrt(std::max(0.0, squares / maps - mean * mean) / maps)};
+  return Mean(ratios);
 }
 
 Ray down(float x, float y) { return {{x, y, 0.5f}, {0, 0, -1}}; }
