@@ -31,6 +31,7 @@ struct Vertex {
   EyeState eyeD, eyeS;
   LobeSet allowed;
   bool sampleLight;
+  LitPlace place; ///< of the lights, where they are sampled
 };
 
 /** A shadow ray under way. */
@@ -54,6 +55,8 @@ template <class T> class Raw {
 class Path final : public Integrator {
  public:
   Path(int maxDepth, int lightSamples) : maxDepth(maxDepth), lightSamples(lightSamples) {}
+
+  void prepare(const Scene& scene, const PathClasses&) override { guide.learn(scene); }
 
   void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
     EyePath one(sampler, out);
@@ -128,14 +131,14 @@ class Path final : public Integrator {
         if (hit.t == INFINITE) {
           if (!scene.environment().empty())
             w.path->out->add(classes.lightStart(), w.eye,
-                             w.throughput *
-                                 environmentRadiance(scene, direction, w.last, settings.lightSamples));
+                             w.throughput * environmentRadiance(scene, settings.guide, direction, w.last,
+                                                                settings.lightSamples));
           continue;
         }
         if (hit.areaLight)
           w.path->out->add(classes.lightStart(), w.eye,
-                           w.throughput *
-                               emittedRadiance(scene, hit, direction, w.last, settings.lightSamples));
+                           w.throughput * emittedRadiance(scene, settings.guide, hit, direction, w.last,
+                                                          settings.lightSamples));
         w.width += w.spread * hit.t;
         const Bsdf* bsdf =
             bsdfAt(scene, hit, direction, {direction, w.width * w.path->ray.sampleSpacing}, w.nesting, arena);
@@ -160,6 +163,7 @@ class Path final : public Integrator {
                             (classes.dead(v.eyeS) ? NO_LOBE : DELTA_LOBES));
         v.sampleLight = (v.scattering->lobes() & v.allowed & DIFFUSE_LOBES) != 0 &&
                         lightIsSampled(scene, classes, v.eyeD);
+        v.place = v.sampleLight ? litPlace(settings.guide, hit.point, v.wi) : LitPlace();
       }
       alive = passed;
     }
@@ -171,7 +175,10 @@ class Path final : public Integrator {
       for (size_t i = 0; i < vertexCount; ++i)
         if (vertices[i].sampleLight) shadows[lit++].vertex = &vertices[i];
       for (size_t i = 0; i < lit; ++i)
-        makeAt(choices[i], [&] { return LightChoice(table, shadows[i].vertex->walk->path->sampler); });
+        makeAt(choices[i], [&] {
+          const Vertex& v = *shadows[i].vertex;
+          return LightChoice(table, settings.guide, v.place, v.walk->path->sampler);
+        });
       for (size_t i = 0; i < lit; ++i)
         makeAt(lights[i], [&] { return choices[i].illuminate(shadows[i].vertex->hit->point.position); });
       size_t count = 0;
@@ -222,7 +229,7 @@ class Path final : public Integrator {
         if (w.depth > ROULETTE_FREE_DEPTH &&
             !survives(maxComponent(w.throughput) * w.etaScale, w.depth, w.path->sampler, w.throughput))
           continue;
-        w.last.from = v.hit->point.position;
+        w.last.from = v.place;
         w.last.pdf = s.pdf;
         w.last.weighted = !s.specular();
         w.nesting.scatters(*v.hit, v.wi, s.direction);
@@ -255,6 +262,7 @@ class Path final : public Integrator {
   static constexpr int ROULETTE_FREE_DEPTH = 2;
   int maxDepth;
   int lightSamples;
+  LightGuide guide;
 };
 
 } // namespace
@@ -281,8 +289,8 @@ void registerPath(PlugIns& plugIns) {
   const auto boolean = [](const char* n) {
     return ignoredParameter(ParameterType::BOOLEAN, n, "path does not need it");
   };
-  const ParameterSpec lights =
-      ignoredParameter(ParameterType::STRING, "lightsampler", "lights are chosen by power");
+  const ParameterSpec lights = ignoredParameter(ParameterType::STRING, "lightsampler",
+                                                "lights are chosen by what photons tell of each place");
   add("path", "The unbiased path tracer with shadow rays and multiple importance sampling.",
       {real("rrthreshold"), boolean("regularize"), lights});
   add("volpath", other, {real("rrthreshold"), boolean("regularize"), lights});

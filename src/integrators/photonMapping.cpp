@@ -54,6 +54,10 @@ class PhotonMapping final : public Integrator {
     return samplesPerPixel > 0 ? 1 : 0;
   }
 
+  void prepare(const Scene& scene, const PathClasses&) override {
+    if (settings.shadowRays) lights.learn(scene);
+  }
+
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     ForwardStatistics statistics;
@@ -167,6 +171,7 @@ class PhotonMapping final : public Integrator {
     bool lightCounts = true;  ///< emission that is met; false where photons bring it
     float gatherDistance = 0; ///< of the final gather's ray, to its first surface
     Nesting nesting{};
+    LitPlace place{}; ///< the last diffuse surface, where lights were sampled
   };
 
   /** Follows an eye ray through mirrors and glass: every branch while it is worth it, one by roulette after.
@@ -187,12 +192,13 @@ class PhotonMapping final : public Integrator {
         if (!intersect(scene, ray, hit, out.counts)) {
           if (!scene.environment().empty() && walk.lightCounts)
             out.add(classes.lightStart(), eye,
-                    throughput * environmentRadiance(scene, ray.direction, {}, settings.lightSamples));
+                    throughput *
+                        environmentRadiance(scene, lights, ray.direction, {}, settings.lightSamples));
           return;
         }
         if (hit.areaLight && walk.lightCounts)
           out.add(classes.lightStart(), eye,
-                  throughput * emittedRadiance(scene, hit, ray.direction, {}, settings.lightSamples));
+                  throughput * emittedRadiance(scene, lights, hit, ray.direction, {}, settings.lightSamples));
       }
       ray.width += ray.spread * hit.t;
       arena.reset();
@@ -212,9 +218,10 @@ class PhotonMapping final : public Integrator {
       if (scattering.hasDiffuse() && !classes.dead(eyeD)) {
         Walk diffuse = walk;
         diffuse.eye = eyeD;
+        if (settings.shadowRays) diffuse.place = litPlace(lights, hit.point, wi);
         if (settings.shadowRays)
-          addSampledLight(scene, scattering, hit, nesting, wi, throughput, eyeD, settings.lightSamples,
-                          DIFFUSE_LOBES, sampler, out);
+          addSampledLight(scene, lights, diffuse.place, scattering, hit, nesting, wi, throughput, eyeD,
+                          settings.lightSamples, DIFFUSE_LOBES, sampler, out);
         Search here = searchAt(field, hit.point, wi);
         // A surface that a gather ray finds close by is not seen through a map that is blurred over more than
         // the distance: it gathers for itself.
@@ -295,8 +302,8 @@ class PhotonMapping final : public Integrator {
     next.gatherDistance = 0;
     Hit hit;
     // Without shadow rays the photon map has direct light too, and the ray its share of that.
-    if (!meetSurface(scene, next, {from.point.position, s->pdf, settings.shadowRays},
-                     settings.shadowRays ? 1 : share, hit, out) ||
+    if (!meetSurface(scene, next, {walk.place, s->pdf, settings.shadowRays}, settings.shadowRays ? 1 : share,
+                     hit, out) ||
         share == 0)
       return;
     next.throughput *= share;
@@ -321,8 +328,8 @@ class PhotonMapping final : public Integrator {
     next.throughput *= share;
     next.gathers = next.lightCounts = false;
     Hit hit;
-    if (!meetSurface(scene, next, {from.point.position, s->pdf, settings.shadowRays},
-                     settings.shadowRays ? 1 : 0, hit, out))
+    if (!meetSurface(scene, next, {walk.place, s->pdf, settings.shadowRays}, settings.shadowRays ? 1 : 0, hit,
+                     out))
       return;
     next.gatherDistance = glm::length(hit.point.position - from.point.position);
     const float worth = maxComponent(next.throughput) * next.etaScale / (settings.weightLimit * share);
@@ -348,12 +355,13 @@ class PhotonMapping final : public Integrator {
       if (!intersect(scene, next.ray, hit, out.counts)) {
         if (!scene.environment().empty() && counts > 0)
           out.add(classes.lightStart(), next.eye,
-                  direct * environmentRadiance(scene, next.ray.direction, own, settings.lightSamples));
+                  direct *
+                      environmentRadiance(scene, lights, next.ray.direction, own, settings.lightSamples));
         return false;
       }
       if (hit.areaLight && counts > 0)
         out.add(classes.lightStart(), next.eye,
-                direct * emittedRadiance(scene, hit, next.ray.direction, own, settings.lightSamples));
+                direct * emittedRadiance(scene, lights, hit, next.ray.direction, own, settings.lightSamples));
       if (hit.material && hit.material->lobes() != NO_LOBE) return true;
       static_cast<Ray&>(next.ray) = spawn(hit.point, next.ray.direction); // a lamp without a body
     }
@@ -546,6 +554,7 @@ class PhotonMapping final : public Integrator {
   SearchField field, causticField; ///< from the first pass, for all
   float typicalRadius = 0;         ///< of the first pass
   EmissionGuide guide;             ///< learned before the first pass, for all
+  LightGuide lights;
   bool progressive = false;
   float scale = 1; ///< radius of this pass over that of the first
 };

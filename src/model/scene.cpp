@@ -30,12 +30,12 @@ void LightTable::build(const std::vector<const Light*>& all) {
   }
 }
 
-ChosenLight LightTable::chooseOfMany(float& u) const {
+size_t LightTable::chooseOfMany(float& u) const {
   const auto found = std::upper_bound(cumulative.begin(), cumulative.end() - 1, u);
   const auto i = static_cast<size_t>(found - cumulative.begin());
   const float below = i > 0 ? cumulative[i - 1] : 0;
   if (probabilities[i] > 0) u = std::clamp((u - below) / (cumulative[i] - below), 0.0f, ONE_MINUS_EPSILON);
-  return {lights[i], probabilities[i]};
+  return i;
 }
 
 void Scene::intersectBatch(std::span<const Ray> rays, Coherence, std::span<Hit> hits) const {

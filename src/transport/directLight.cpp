@@ -5,12 +5,13 @@
 
 namespace recurse {
 
-void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, const Hit& hit,
-                     const Nesting& nesting, const Vec3f& eye, const Rgb& throughput, EyeState eyeState,
-                     int samples, LobeSet allowed, Sampler& sampler, PathRadiance& out) {
+void addSampledLight(const Scene& scene, const LightGuide& guide, const LitPlace& place,
+                     const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
+                     const Vec3f& eye, const Rgb& throughput, EyeState eyeState, int samples, LobeSet allowed,
+                     Sampler& sampler, PathRadiance& out) {
   if (!lightIsSampled(scene, out.pathClasses(), eyeState)) return;
   for (int i = 0; i < samples; ++i) {
-    const LightChoice choice(scene.lights(), sampler);
+    const LightChoice choice(scene.lights(), guide, place, sampler);
     const std::optional<Illumination> light = choice.illuminate(hit.point.position);
     if (!light) continue;
     const Rgb radiance =
@@ -20,23 +21,24 @@ void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, cons
   }
 }
 
-Rgb emittedRadiance(const Scene& scene, const Hit& hit, const Vec3f& direction, const BsdfRay& ray,
-                    int lightSamples) {
+Rgb emittedRadiance(const Scene& scene, const LightGuide& guide, const Hit& hit, const Vec3f& direction,
+                    const BsdfRay& ray, int lightSamples) {
   const Rgb radiance = hit.areaLight->radiance(hit.point, -direction);
   if (!ray.weighted || isBlack(radiance)) return radiance;
-  const float lightPdf = scene.lights().probability(hit.lightIndex) *
-                         hit.areaLight->pdfIlluminate(ray.from, hit.primitive, hit.point);
+  const float lightPdf = guide.probability(scene.lights(), ray.from, hit.lightIndex) *
+                         hit.areaLight->pdfIlluminate(ray.from.position, hit.primitive, hit.point);
   return radiance * (1 - powerHeuristic(lightSamples, lightPdf, ray.pdf));
 }
 
-Rgb environmentRadiance(const Scene& scene, const Vec3f& direction, const BsdfRay& ray, int lightSamples) {
+Rgb environmentRadiance(const Scene& scene, const LightGuide& guide, const Vec3f& direction,
+                        const BsdfRay& ray, int lightSamples) {
   Rgb sum = BLACK;
   const auto& environment = scene.environment();
   for (size_t i = 0; i < environment.size(); ++i) {
     const Rgb radiance = environment[i]->radiance(direction);
     float weight = 1;
     if (ray.weighted) {
-      const float lightPdf = scene.lights().probability(scene.environmentIndices()[i]) *
+      const float lightPdf = guide.probability(scene.lights(), ray.from, scene.environmentIndices()[i]) *
                              environment[i]->pdfIlluminate(direction);
       weight = 1 - powerHeuristic(lightSamples, lightPdf, ray.pdf);
     }

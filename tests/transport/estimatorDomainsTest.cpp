@@ -240,12 +240,15 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
   for (const LitRoom& room : litRooms()) {
     const auto scene = sceneFrom(roomWith(room.lights));
     ASSERT_TRUE(scene);
+    LightGuide guide;
+    guide.learn(*scene);
     size_t tested = 0, wrong = 0;
     visitPoints(*scene, samples(4000),
-                [&](const ScatteringPoint&, const SurfacePoint& point, const Vec3f&, Sampler sampler) {
+                [&](const ScatteringPoint&, const SurfacePoint& point, const Vec3f& wi, Sampler sampler) {
                   float pick = sampler.next1D();
                   const Vec2f u = sampler.next2D();
-                  const ChosenLight chosen = scene->lights().choose(pick);
+                  const LitPlace place = litPlace(guide, point, wi);
+                  const ChosenLight chosen = guide.choose(scene->lights(), place, pick);
                   const auto light = chosen.light->illuminate(point.position, pick, u);
                   if (!light || light->delta || !(light->pdf > 0)) return;
                   Hit hit;
@@ -257,13 +260,14 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
                     for (size_t i = 0; i < scene->environment().size(); ++i)
                       if (scene->environment()[i] == chosen.light) {
                         density = double(scene->environment()[i]->pdfIlluminate(light->direction));
-                        chance = double(scene->lights().probability(scene->environmentIndices()[i]));
+                        chance =
+                            double(guide.probability(scene->lights(), place, scene->environmentIndices()[i]));
                       }
                   } else {
                     // The far side of the light, or another part of it, is another path.
                     if (glm::distance(hit.point.position, light->target) > 1e-4f) return;
                     density = double(hit.areaLight->pdfIlluminate(point.position, hit.primitive, hit.point));
-                    chance = double(scene->lights().probability(hit.lightIndex));
+                    chance = double(guide.probability(scene->lights(), place, hit.lightIndex));
                   }
                   // The ray is rounded; near a silhouette that moves the point, and the cosine with it.
                   const double cosine =
@@ -303,15 +307,16 @@ namespace {
  * sampler draws the numbers that addSampledLight draws, in the same order. `shared` counts the weights that
  * are neither nearly 0 nor nearly 1.
  */
-Rgb leftToShadowRays(const Scene& scene, const ScatteringPoint& scattering, const SurfacePoint& point,
-                     const Vec3f& wi, int n, LobeSet allowed, Sampler sampler, size_t& shared) {
+Rgb leftToShadowRays(const Scene& scene, const LightGuide& guide, const LitPlace& place,
+                     const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& wi, int n,
+                     LobeSet allowed, Sampler sampler, size_t& shared) {
   Rgb sum = BLACK;
   Hit at;
   at.point = point;
   for (int i = 0; i < n; ++i) {
     float pick = sampler.next1D();
     const Vec2f u = sampler.next2D();
-    const ChosenLight chosen = scene.lights().choose(pick);
+    const ChosenLight chosen = guide.choose(scene.lights(), place, pick);
     const auto light = chosen.light->illuminate(point.position, pick, u);
     if (!light || !(light->pdf > 0)) continue;
     TransportCounts counts;
@@ -325,11 +330,11 @@ Rgb leftToShadowRays(const Scene& scene, const ScatteringPoint& scattering, cons
     Hit hit;
     bool escaped = false;
     if (!findLight(scene, point, light->direction, *chosen.light, hit, escaped)) continue;
-    const BsdfRay ray{point.position, scattering.pdf(wi, light->direction, allowed), true};
-    const Rgb weighted = escaped ? environmentRadiance(scene, light->direction, ray, n)
-                                 : emittedRadiance(scene, hit, light->direction, ray, n),
-              plain = escaped ? environmentRadiance(scene, light->direction, {}, n)
-                              : emittedRadiance(scene, hit, light->direction, {}, n);
+    const BsdfRay ray{place, scattering.pdf(wi, light->direction, allowed), true};
+    const Rgb weighted = escaped ? environmentRadiance(scene, guide, light->direction, ray, n)
+                                 : emittedRadiance(scene, guide, hit, light->direction, ray, n),
+              plain = escaped ? environmentRadiance(scene, guide, light->direction, {}, n)
+                              : emittedRadiance(scene, guide, hit, light->direction, {}, n);
     // A colour at a time: the two skies have none in common.
     for (int c = 0; c < 3; ++c)
       if (alone[c] > 0) {
@@ -353,19 +358,23 @@ TEST(MultipleImportanceSampling, WeightsSumToOne) {
   for (const LitRoom& room : litRooms()) {
     const auto scene = sceneFrom(roomWith(room.lights));
     ASSERT_TRUE(scene);
+    LightGuide guide;
+    guide.learn(*scene);
     for (const int n : {1, 3})
       for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(DIFFUSE_LOBES)}) {
         size_t tested = 0, wrong = 0, shared = 0;
         visitPoints(*scene, samples(2000),
                     [&](const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& wi,
                         Sampler sampler) {
-                      const Rgb expected =
-                          leftToShadowRays(*scene, scattering, point, wi, n, allowed, sampler, shared);
+                      const LitPlace place = litPlace(guide, point, wi);
+                      const Rgb expected = leftToShadowRays(*scene, guide, place, scattering, point, wi, n,
+                                                            allowed, sampler, shared);
                       TransportCounts counts;
                       PathRadiance out(classes, counts);
                       Hit at;
                       at.point = point;
-                      addSampledLight(*scene, scattering, at, {}, wi, Rgb(1), eye, n, allowed, sampler, out);
+                      addSampledLight(*scene, guide, place, scattering, at, {}, wi, Rgb(1), eye, n, allowed,
+                                      sampler, out);
                       ++tested;
                       const Rgb difference = glm::abs(out.total() - expected);
                       if (maxComponent(difference - expected * float(SAME)) > 0) {

@@ -44,12 +44,14 @@ class LightTable {
   const Light& operator[](size_t i) const { return *lights[i]; }
   float probability(size_t i) const { return probabilities[i]; }
   /** u in [0,1) is used up and replaced by a fresh number in [0,1). Not to be called on an empty table. */
+  size_t chooseIndex(float& u) const { return lights.size() == 1 ? 0 : chooseOfMany(u); }
   ChosenLight choose(float& u) const {
-    return lights.size() == 1 ? ChosenLight{lights[0], probabilities[0]} : chooseOfMany(u);
+    const size_t i = chooseIndex(u);
+    return {lights[i], probabilities[i]};
   }
 
  private:
-  ChosenLight chooseOfMany(float& u) const;
+  size_t chooseOfMany(float& u) const;
 
   std::vector<const Light*> lights;
   std::vector<float> probabilities, cumulative;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "recurse/model/scatteringPoint.h"
+#include "recurse/transport/lightGuide.h"
 #include "recurse/transport/walk.h"
 
 namespace recurse {
@@ -14,6 +15,12 @@ namespace recurse {
  * q > 0. */
 inline float powerHeuristic(int n, float p, float q) {
   return 1 / (1 + square(q / (static_cast<float>(n) * p))); // no square that could overflow to a NaN
+}
+
+/** A surface point for a guide, seen from unit `eye`. */
+inline LitPlace litPlace(const LightGuide& guide, const SurfacePoint& point, const Vec3f& eye) {
+  const Vec3f& normal = point.geometricNormal;
+  return guide.at(point.position, glm::dot(normal, eye) < 0 ? -normal : normal);
 }
 
 /** Whether there are lights to be sampled, and paths from them in demand, at a vertex whose D `eyeState` has
@@ -28,8 +35,9 @@ struct LightChoice {
   float pick; ///< what the choice left over
   Vec2f u;
 
-  LightChoice(const LightTable& lights, Sampler& sampler) : pick(sampler.next1D()), u(sampler.next2D()) {
-    chosen = lights.choose(pick);
+  LightChoice(const LightTable& lights, const LightGuide& guide, const LitPlace& place, Sampler& sampler)
+      : pick(sampler.next1D()), u(sampler.next2D()) {
+    chosen = guide.choose(lights, place, pick);
   }
   std::optional<Illumination> illuminate(const Vec3f& point) const {
     if (chosen.probability > 0) return chosen.light->illuminate(point, pick, u);
@@ -53,24 +61,27 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& ey
 /**
  * Adds the light that `samples` shadow rays bring to a point with non-delta lobes, seen from unit `eye` with
  * `throughput`. `eyeState` has read the D at the point. `allowed` are the lobes that the BSDF's own ray is
- * chosen from, `nesting` is what the walk is inside of that came there.
+ * chosen from, `nesting` is what the walk is inside of that came there. `place` is the point as `guide` knows
+ * it.
  */
-void addSampledLight(const Scene& scene, const ScatteringPoint& scattering, const Hit& hit,
-                     const Nesting& nesting, const Vec3f& eye, const Rgb& throughput, EyeState eyeState,
-                     int samples, LobeSet allowed, Sampler& sampler, PathRadiance& out);
+void addSampledLight(const Scene& scene, const LightGuide& guide, const LitPlace& place,
+                     const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
+                     const Vec3f& eye, const Rgb& throughput, EyeState eyeState, int samples, LobeSet allowed,
+                     Sampler& sampler, PathRadiance& out);
 
 /** What a BSDF ray carries to find the weight of the light that it may meet. */
 struct BsdfRay {
-  Vec3f from{0};
+  LitPlace from;
   float pdf = 0;         ///< per solid angle; of a non-delta lobe
   bool weighted = false; ///< false after the eye and after delta lobes: no shadow ray could find this light
 };
 
 /** The radiance of an emitting surface that a ray of unit `direction` met, times its weight; black when it
  * emits nothing there. */
-Rgb emittedRadiance(const Scene& scene, const Hit& hit, const Vec3f& direction, const BsdfRay& ray,
-                    int lightSamples);
+Rgb emittedRadiance(const Scene& scene, const LightGuide& guide, const Hit& hit, const Vec3f& direction,
+                    const BsdfRay& ray, int lightSamples);
 /** The same for a ray that left the scene. */
-Rgb environmentRadiance(const Scene& scene, const Vec3f& direction, const BsdfRay& ray, int lightSamples);
+Rgb environmentRadiance(const Scene& scene, const LightGuide& guide, const Vec3f& direction,
+                        const BsdfRay& ray, int lightSamples);
 
 } // namespace recurse
