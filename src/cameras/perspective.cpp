@@ -12,7 +12,7 @@ class Perspective final : public Camera {
  public:
   Perspective(const Parameters& p, const CameraContext& c)
       : window(p, c), sceneFromCamera(c.sceneFromCamera), tangent(std::tan(glm::radians(p.real("fov")) / 2)),
-        eye(transformPoint(sceneFromCamera, Vec3d(0))) {}
+        pixel(window.pixelSize() * tangent), eye(transformPoint(sceneFromCamera, Vec3d(0))) {}
 
   EyeRay ray(const Vec2f& film) const override {
     const Vec2d s = window.at(film) * tangent;
@@ -20,7 +20,7 @@ class Perspective final : public Camera {
     r.origin = eye;
     r.direction = Vec3f(glm::normalize(transformVector(sceneFromCamera, Vec3d(s, 1))));
     // Away from the axis a pixel subtends less; the widest is what footprints need.
-    r.spread = static_cast<float>(window.pixelSize() * tangent / std::sqrt(1 + s.x * s.x + s.y * s.y));
+    r.spread = static_cast<float>(pixel / std::sqrt(1 + s.x * s.x + s.y * s.y));
     return r;
   }
 
@@ -28,6 +28,7 @@ class Perspective final : public Camera {
   ScreenWindow window;
   Mat4d sceneFromCamera;
   double tangent;
+  double pixel; ///< the larger side of one, at distance 1
   Vec3f eye;
 };
 

@@ -16,7 +16,8 @@ float solidAngleDensity(float areaDensity, const Vec3f& from, const SurfacePoint
   const double distance2 = glm::dot(way, way);
   const double across = std::abs(glm::dot(Vec3d(point.geometricNormal), way)); // distance times cosine
   if (!(across > 0)) return 0;
-  const auto density = static_cast<float>(double(areaDensity) * distance2 * std::sqrt(distance2) / across);
+  // A quotient that need not wait for the root.
+  const auto density = static_cast<float>(double(areaDensity) * distance2 / across * std::sqrt(distance2));
   return std::isfinite(density) ? density : 0;
 }
 

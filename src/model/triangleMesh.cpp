@@ -163,7 +163,7 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
   SurfacePoint s;
   // From edges, so that a coordinate shared by the vertices comes out exactly.
   s.position = Vec3f(p0 + e1 * b1 + e2 * b2);
-  Vec3f rounding = glm::abs(s.position);
+  Vec3f rounding = magnitude(s.position);
   for (int i = 0; i < 3; ++i)
     rounding[i] *=
         float(int(e1[i] != 0) | int(e2[i] != 0)); // else it is the vertices' own coordinate, exactly

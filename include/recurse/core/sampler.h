@@ -11,8 +11,10 @@
 
 namespace recurse {
 
-/** A 64-bit mixing function (the finaliser of splitmix64, Steele et al. 2014). */
-constexpr uint64_t mixBits(uint64_t v) {
+/** A 64-bit mixing function (the finaliser of splitmix64, Steele et al. 2014), of an unsigned number or of
+ * each of a vector's. */
+template <class T>
+requires(sizeof(T) >= sizeof(uint64_t)) constexpr T mixBits(T v) {
   v ^= v >> 30;
   v *= 0xbf58476d1ce4e5b9ull;
   v ^= v >> 27;
@@ -24,35 +26,12 @@ constexpr uint64_t hashCombine(uint64_t a, uint64_t b) { return mixBits(a * 0x9e
 /** A float in [0, 1) from the upper 24 bits. */
 constexpr float unitFloat(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
-namespace detail {
 constexpr uint32_t reverseBits(uint32_t v) {
   v = __builtin_bswap32(v);
   v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
   v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
   return ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
 }
-/** Owen scrambling of a number whose bits are reversed: each bit is flipped by a hash of the bits below it.
- */
-constexpr uint32_t scrambleReversed(uint32_t v, uint32_t seed) {
-  // Constants found by N. Vegdahl by optimisation for this permutation ("Building a Better LK Hash", 2021).
-  v ^= v * 0x3d20adeau;
-  v += seed;
-  v *= (seed >> 16) | 1u;
-  v ^= v * 0x05526c56u;
-  v ^= v * 0x53a22864u;
-  return v;
-}
-/** Bits of the second Sobol' dimension of a bit-reversed index: the Pascal matrix mod 2 by butterflies. */
-constexpr uint32_t sobolSecondReversed(uint32_t reversedIndex) {
-  uint32_t v = reversedIndex;
-  v ^= (v & 0x55555555u) << 1;
-  v ^= (v & 0x33333333u) << 2;
-  v ^= (v & 0x0f0f0f0fu) << 4;
-  v ^= (v & 0x00ff00ffu) << 8;
-  v ^= (v & 0x0000ffffu) << 16;
-  return v;
-}
-} // namespace detail
 
 /** The samples of one light or eye path: call next1D and next2D in an order fixed by the path. Cheap to copy.
  */
@@ -60,14 +39,14 @@ class Sampler {
  public:
   /** `stream` tells pixels, and photon passes, apart; `index` counts samples of that stream. */
   Sampler(uint64_t seed, uint64_t stream, uint32_t index)
-      : key(hashCombine(mixBits(seed), stream)), reversedIndex(detail::reverseBits(index)) {}
+      : key(hashCombine(mixBits(seed), stream)), reversedIndex(reverseBits(index)) {}
 
   /** In [0, 1). */
-  float next1D() { return first[next()]; }
+  float next1D() { return numbers[next()]; }
   /** In [0, 1)². */
   Vec2f next2D() {
     const unsigned i = next();
-    return {first[i], second[i]};
+    return {numbers[i], numbers[AT_ONCE + i]};
   }
   /** An independent sampler for a branch of the path. */
   Sampler fork(uint32_t branch) const {
@@ -78,7 +57,7 @@ class Sampler {
   }
 
  private:
-  /** Pairs of dimensions that are made together: the loops over them become vector instructions. */
+  /** Pairs of dimensions that are made together. */
   static constexpr unsigned AT_ONCE = 4;
 
   unsigned next() {
@@ -87,31 +66,12 @@ class Sampler {
     ++dimension;
     return i;
   }
-  void refill() {
-    // The index is shuffled within each pair of dimensions by an Owen scramble of its own.
-    uint32_t shuffle[AT_ONCE], bits[2 * AT_ONCE], seeds[2 * AT_ONCE];
-    for (unsigned i = 0; i < AT_ONCE; ++i) {
-      const uint64_t h = mixBits(key + 0x9e3779b97f4a7c15ull * (dimension + i + 1));
-      shuffle[i] = static_cast<uint32_t>(h);
-      seeds[i] = static_cast<uint32_t>(h >> 32);
-    }
-    for (unsigned i = 0; i < AT_ONCE; ++i) {
-      bits[i] = detail::scrambleReversed(reversedIndex, shuffle[i]);
-      bits[AT_ONCE + i] = detail::sobolSecondReversed(bits[i]);
-      seeds[AT_ONCE + i] = seeds[i] * 0x9e3779b9u + 0x7f4a7c15u;
-    }
-    for (unsigned i = 0; i < 2 * AT_ONCE; ++i)
-      bits[i] = detail::reverseBits(detail::scrambleReversed(detail::reverseBits(bits[i]), seeds[i]));
-    for (unsigned i = 0; i < AT_ONCE; ++i) {
-      first[i] = unitFloat(bits[i]);
-      second[i] = unitFloat(bits[AT_ONCE + i]);
-    }
-  }
+  void refill();
 
   uint64_t key;
   uint32_t reversedIndex;
   uint32_t dimension = 0;
-  float first[AT_ONCE], second[AT_ONCE]; ///< filled where dimension % AT_ONCE > 0
+  float numbers[2 * AT_ONCE]; ///< filled where dimension % AT_ONCE > 0
 };
 
 } // namespace recurse

@@ -49,6 +49,10 @@ inline float nextFloat(float x, float direction) {
 template <class T> constexpr T square(T x) { return x * x; }
 
 inline float lengthSquared(const Vec3f& v) { return glm::dot(v, v); }
+/** As glm::abs, which compares each with zero. */
+template <class T> inline glm::vec<3, T> magnitude(const glm::vec<3, T>& v) {
+  return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
 inline float absDot(const Vec3f& a, const Vec3f& b) { return std::abs(glm::dot(a, b)); }
 inline bool isFinite(const Vec3f& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);

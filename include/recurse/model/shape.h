@@ -42,7 +42,7 @@ struct SurfacePoint {
    * Humphreys, "Physically Based Rendering", section on robust spawned ray origins).
    */
   Vec3f rayOrigin(const Vec3f& direction) const {
-    const float distance = glm::dot(glm::abs(geometricNormal), error);
+    const float distance = glm::dot(magnitude(geometricNormal), error);
     const float side = glm::dot(direction, geometricNormal) < 0 ? -1.0f : 1.0f;
     Vec3f p = position + geometricNormal * (side * distance);
     for (int i = 0; i < 3; ++i) { // the sum is rounded: make sure that it is rounded away from the surface
@@ -117,7 +117,7 @@ inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const
                            double offset) {
   // The slack covers the float operations of SurfacePoint::rayOrigin.
   constexpr double UNIT = 0x1p-24, SLACK = 1 + 0x1p-20;
-  return Vec3f((UNIT * glm::abs(position) + exactError + offset * glm::abs(normal)) * SLACK);
+  return Vec3f((UNIT * magnitude(position) + exactError + offset * magnitude(normal)) * SLACK);
 }
 
 /**
@@ -127,10 +127,10 @@ inline Vec3f positionError(const Vec3d& position, const Vec3d& exactError, const
  * else in the same plane would be met.
  */
 inline double flatOffset(const Vec3d& extent, const Vec3d& position, const Vec3d& normal) {
-  const Vec3d n = glm::abs(normal);
+  const Vec3d n = magnitude(normal);
   const double largest = std::max(extent.x, std::max(extent.y, extent.z));
   return std::max(0x1p-22 * glm::dot(extent, n),
-                  0x1p-28 * largest - 0x1p-24 * glm::dot(glm::abs(position), n));
+                  0x1p-28 * largest - 0x1p-24 * glm::dot(magnitude(position), n));
 }
 
 /** The same for a point computed from floats, of which `rounding` are the magnitudes of those coordinates
@@ -138,7 +138,7 @@ inline double flatOffset(const Vec3d& extent, const Vec3d& position, const Vec3d
 inline Vec3f positionError(const Vec3f& rounding, const Vec3f& normal, float offset) {
   // The slack covers these and the float operations of SurfacePoint::rayOrigin.
   constexpr float UNIT = 0x1p-24f, SLACK = 1 + 0x1p-19f;
-  return (UNIT * rounding + offset * glm::abs(normal)) * SLACK;
+  return (UNIT * rounding + offset * magnitude(normal)) * SLACK;
 }
 
 } // namespace recurse

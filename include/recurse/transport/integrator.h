@@ -105,7 +105,7 @@ struct EyePath {
 
 /** How many eye paths are handed over at once: enough to keep the processor busy with independent work, few
  * enough for the cache next to it. */
-constexpr size_t EYE_BATCH = 64;
+constexpr size_t EYE_BATCH = 256;
 
 class Integrator {
  public:
