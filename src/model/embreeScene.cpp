@@ -260,7 +260,7 @@ const TriangleMesh* EmbreeScene::meshOf(const Met& met) const {
   return group->geometry(met.geometry).mesh;
 }
 
-void EmbreeScene::complete(const Met& met, Hit& hit) const {
+void EmbreeScene::complete(const Met& met, Wanted wanted, Hit& hit) const {
   const GeometryGroup* group = groups.front().get();
   const GeometryGroup::Instance* instance = nullptr;
   if (met.instance != RTC_INVALID_GEOMETRY_ID) {
@@ -268,7 +268,10 @@ void EmbreeScene::complete(const Met& met, Hit& hit) const {
     group = instance->group;
   }
   const SceneGeometry& g = group->geometry(met.geometry);
-  makeAt(hit.point, [&] { return g.shape->surfaceAt(met.primitive, met.parameters); });
+  if (wanted == Wanted::PLACE && !instance)
+    makeAt(hit.point, [&] { return g.shape->placeAt(met.primitive, met.parameters); });
+  else
+    makeAt(hit.point, [&] { return g.shape->surfaceAt(met.primitive, met.parameters); });
   if (instance) transformToScene(*instance, hit.point);
   hit.t = met.t;
   hit.primitive = met.primitive;
@@ -280,7 +283,14 @@ void EmbreeScene::complete(const Met& met, Hit& hit) const {
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
   const Met met = nearest(ray);
   if (met.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(met, hit);
+  complete(met, Wanted::SURFACE, hit);
+  return true;
+}
+
+bool EmbreeScene::meet(const Ray& ray, Hit& hit) const {
+  const Met met = nearest(ray);
+  if (met.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  complete(met, Wanted::PLACE, hit);
   return true;
 }
 
@@ -325,7 +335,7 @@ void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence,
       if (meshes[i]) meshes[i]->prefetchVertices(met[i].primitive);
     for (size_t i = 0; i < count; ++i)
       if (met[i].geometry != RTC_INVALID_GEOMETRY_ID)
-        complete(met[i], hits[i]);
+        complete(met[i], Wanted::SURFACE, hits[i]);
       else
         hits[i].t = INFINITE;
     rays = rays.subspan(count);

@@ -59,6 +59,7 @@ class EmbreeScene final : public Scene {
   ~EmbreeScene() override;
 
   bool intersect(const Ray& ray, Hit& hit) const override;
+  bool meet(const Ray& ray, Hit& hit) const override;
   bool occluded(const Ray& ray) const override;
   void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const override;
   void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const override;
@@ -76,8 +77,9 @@ class EmbreeScene final : public Scene {
   /** The same for up to GROUP rays. */
   void nearestOfEach(std::span<const Ray> rays, Coherence coherence, Met* met) const;
   const TriangleMesh* meshOf(const Met& met) const;
-  /** The surface at a meeting. */
-  void complete(const Met& met, Hit& hit) const;
+  /** The surface at a meeting; or only its place. */
+  enum class Wanted { SURFACE, PLACE };
+  void complete(const Met& met, Wanted wanted, Hit& hit) const;
 
   RTCDevice device;
   bool packets; ///< Embree has packets of rays on this processor

@@ -143,7 +143,7 @@ TriangleMesh::Plane TriangleMesh::planeOf(const glm::uvec3& t) const {
           static_cast<float>(embreePlaneError(extent, normal, normalLength))};
 }
 
-SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters) const {
+template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const Vec2f& parameters) const {
   const glm::uvec3& triangle = triangles[primitive];
   const Plane& plane = planes[primitive];
   // Rounding may put Embree's weights just outside.
@@ -180,6 +180,7 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
     }
   }
 
+  if constexpr (!ALL) return s;
   // Directions for shading: floats are enough, and every hit pays for them.
   const Vec3f& v0 = vertices[triangle.x];
   const Vec3f along1 = vertices[triangle.y] - v0, along2 = vertices[triangle.z] - v0;
@@ -202,6 +203,13 @@ SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters
   if (!tangents.empty())
     if (const Vec3d along = interpolated(tangents); along != Vec3d(0)) s.dpdu = Vec3f(along);
   return s;
+}
+
+SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters) const {
+  return pointAt<true>(primitive, parameters);
+}
+SurfacePoint TriangleMesh::placeAt(uint32_t primitive, const Vec2f& parameters) const {
+  return pointAt<false>(primitive, parameters);
 }
 
 void TriangleMesh::tabulateAreas() const {

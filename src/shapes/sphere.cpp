@@ -93,7 +93,8 @@ class Sphere final : public Shape {
  public:
   Sphere(double radius, const Sweep& sweep, const ShapeContext& context)
       : linear(Mat3d(context.sceneFromObject) * radius), inverse(glm::inverse(linear)),
-        center(context.sceneFromObject[3]), sweep(sweep), determinant(std::abs(glm::determinant(linear))),
+        center(context.sceneFromObject[3]), sweep(sweep), thetaLow(std::acos(sweep.zLow)),
+        thetaHigh(std::acos(sweep.zHigh)), determinant(std::abs(glm::determinant(linear))),
         side(context.reverseOrientation ? -1 : 1) {
     for (int i = 0; i < 3; ++i) {
       magnitude[i] = glm::abs(linear[i]);
@@ -169,6 +170,9 @@ class Sphere final : public Shape {
   SurfacePoint surfaceAt(uint32_t, const Vec2f& parameters) const override {
     return pointAt(decodeDirection(parameters));
   }
+  SurfacePoint placeAt(uint32_t, const Vec2f& parameters) const override {
+    return placeAt(decodeDirection(parameters));
+  }
 
   float area() const override {
     if (uniformRadius > 0) return static_cast<float>(sweep.solidAngle() * square(uniformRadius));
@@ -236,7 +240,7 @@ class Sphere final : public Shape {
     return static_cast<float>(1 / (2 * PI_D * oneMinusCosine(sin2Max)));
   }
 
-  SurfacePoint pointAt(const Vec3d& unit) const {
+  SurfacePoint placeAt(const Vec3d& unit) const {
     SurfacePoint s;
     const Vec3d position = center + linear * unit;
     const Vec3d gradient = glm::transpose(inverse) * unit;
@@ -247,11 +251,14 @@ class Sphere final : public Shape {
 
     const Vec3d exactError = 0x1p-50 * (magnitude * glm::abs(unit) + glm::abs(center));
     s.error = positionError(position, exactError, normal, unitError / steepness);
+    return s;
+  }
 
+  SurfacePoint pointAt(const Vec3d& unit) const {
+    SurfacePoint s = placeAt(unit);
     s.dpdu = Vec3f(linear * (Vec3d(-unit.y, unit.x, 0) * sweep.phiMax));
     // pbrt's coordinates: around in u, from zmin up to zmax in v.
     const double rho = std::hypot(unit.x, unit.y), theta = std::atan2(rho, unit.z);
-    const double thetaLow = std::acos(sweep.zLow), thetaHigh = std::acos(sweep.zHigh);
     s.uv = {static_cast<float>(std::min(azimuth(unit) / sweep.phiMax, 1.0)),
             static_cast<float>(std::clamp((theta - thetaLow) / (thetaHigh - thetaLow), 0.0, 1.0))};
     const Vec2d outwards = rho > 0 ? Vec2d(unit) / rho : Vec2d(1, 0);
@@ -277,6 +284,7 @@ class Sphere final : public Shape {
   Mat3d linear, inverse; ///< between the unit sphere and the scene
   Vec3d center;
   Sweep sweep;
+  double thetaLow, thetaHigh;        ///< of the sweep: angles from the z axis
   Mat3d magnitude, inverseMagnitude; ///< absolute values of the matrices
   double determinant;
   double side;              ///< -1 where the inside counts as outside

@@ -19,7 +19,7 @@ bool holdsPhotons(const Hit& hit) { return hit.material && (hit.material->lobes(
 bool meetDiffuse(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts) {
   constexpr int MOST_PASSED = 8;
   for (int i = 0; i < MOST_PASSED; ++i) {
-    if (!intersect(scene, ray, hit, counts)) return false;
+    if (!meet(scene, ray, hit, counts)) return false;
     if (holdsPhotons(hit)) return true;
     const float tMax = ray.tMax - hit.t;
     ray = spawn(hit.point, ray.direction);
@@ -30,7 +30,7 @@ bool meetDiffuse(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts)
 
 /** Whether a ray along the surface meets a wall; light may pass through glass, which is none. */
 bool meetWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit, TransportCounts& counts) {
-  return intersect(scene, ray, hit, counts) && hit.material &&
+  return meet(scene, ray, hit, counts) && hit.material &&
          (hit.material->lobes() & (DIFFUSE_LOBES | MIRROR)) && !(hit.material->lobes() & REFRACTION) &&
          std::abs(glm::dot(hit.point.geometricNormal, normal)) < WALL_COSINE;
 }

@@ -184,6 +184,10 @@ TEST(Shape, HitsLieInBoundsAndOnTheRay) {
         ++found;
         const SurfacePoint p = s.shape->surfaceAt(m.primitive, m.parameters);
         expectSound(p, s.name);
+        const SurfacePoint place = s.shape->placeAt(m.primitive, m.parameters);
+        EXPECT_EQ(place.position, p.position) << s.name;
+        EXPECT_EQ(place.error, p.error) << s.name;
+        EXPECT_EQ(place.geometricNormal, p.geometricNormal) << s.name;
         const Bounds3f b = s.shape->bounds(m.primitive);
         EXPECT_TRUE(b.contains(p.position)) << s.name;
         const Vec3d onRay = Vec3d(origin) + Vec3d(direction) * m.t;

@@ -51,6 +51,21 @@ std::vector<Ray> randomRays(size_t count) {
 
 } // namespace
 
+TEST(RayBatch, PlacesAreThoseOfHits) {
+  const auto scene = sceneFrom(ROOM);
+  for (const Ray& ray : randomRays(5000)) {
+    Hit hit, place;
+    ASSERT_EQ(scene->meet(ray, place), scene->intersect(ray, hit));
+    EXPECT_EQ(place.t, hit.t);
+    if (hit.t == 0) continue;
+    EXPECT_EQ(place.material, hit.material);
+    EXPECT_EQ(place.areaLight, hit.areaLight);
+    EXPECT_EQ(place.point.position, hit.point.position);
+    EXPECT_EQ(place.point.error, hit.point.error);
+    EXPECT_EQ(place.point.geometricNormal, hit.point.geometricNormal);
+  }
+}
+
 TEST(RayBatch, NearestHitsAreThoseOfSingleRays) {
   const auto scene = sceneFrom(ROOM);
   for (const size_t count :

@@ -70,6 +70,9 @@ class Scene {
 
   /** The nearest surface along the ray. */
   virtual bool intersect(const Ray& ray, Hit& hit) const = 0;
+  /** The same for rays that only ask where the surface is: of the hit's point nothing is set but position,
+   * error and geometric normal. */
+  virtual bool meet(const Ray& ray, Hit& hit) const { return intersect(ray, hit); }
   /** True when something scattering lies between the points' ends of the ray (t < ray.tMax). */
   virtual bool occluded(const Ray& ray) const = 0;
   /** How alike the rays of a batch are: ALIKE for those of neighbouring pixels. It changes only the speed. */

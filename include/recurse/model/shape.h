@@ -79,6 +79,10 @@ class Shape {
   /** The surface at a hit; for triangles the parameters are the barycentric weights of the second and third
    * vertex. */
   virtual SurfacePoint surfaceAt(uint32_t primitive, const Vec2f& parameters) const = 0;
+  /** Of the same only what says where the surface is: position, error and geometric normal. */
+  virtual SurfacePoint placeAt(uint32_t primitive, const Vec2f& parameters) const {
+    return surfaceAt(primitive, parameters);
+  }
 
   virtual float area() const = 0;
   /** A point of the whole shape; pdf per unit of area. `pick` chooses the primitive. */

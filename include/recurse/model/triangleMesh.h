@@ -35,6 +35,7 @@ class TriangleMesh final : public Shape {
   Bounds3f bounds(uint32_t primitive) const override;
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
   SurfacePoint surfaceAt(uint32_t primitive, const Vec2f& parameters) const override;
+  SurfacePoint placeAt(uint32_t primitive, const Vec2f& parameters) const override;
   /** Has what surfaceAt will read of a triangle brought into the cache: first this, then its vertices. */
   void prefetchTriangle(uint32_t primitive) const {
     __builtin_prefetch(&triangles[primitive]);
@@ -58,6 +59,7 @@ class TriangleMesh final : public Shape {
     float error;
   };
   Plane planeOf(const glm::uvec3& triangle) const;
+  template <bool ALL> SurfacePoint pointAt(uint32_t primitive, const Vec2f& parameters) const;
 
   std::vector<Vec3f> vertices, normals, tangents;
   std::vector<Vec2f> uvs;

@@ -44,6 +44,12 @@ inline bool intersect(const Scene& scene, const Ray& ray, Hit& hit, TransportCou
   return scene.intersect(ray, hit);
 }
 
+/** The same for rays that only ask where it is: see Scene::meet(). */
+inline bool meet(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
+  ++counts.rays;
+  return scene.meet(ray, hit);
+}
+
 /** What a sample stands for where an eye ray has arrived, its width included. */
 inline Footprint footprint(const EyeRay& ray) { return {ray.direction, ray.width * ray.sampleSpacing}; }
 
@@ -76,7 +82,7 @@ inline Ray shadowRay(const SurfacePoint& from, const Illumination& light) {
 inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
   if (scene.nestedIndices().empty()) return {};
   return Nesting::within([&](const auto& crosses) {
-    for (Hit hit; intersect(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
+    for (Hit hit; meet(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
       crosses(hit, ray.direction);
   });
 }
@@ -88,7 +94,7 @@ inline bool onlyHidden(const Scene& scene, Ray ray, const Hit& from, const Vec3f
   if (scene.nestedIndices().empty()) return false;
   nesting.scatters(from, wi, light.direction);
   Hit hit;
-  while (intersect(scene, ray, hit, counts)) {
+  while (meet(scene, ray, hit, counts)) {
     if (hit.material && !(isNested(hit) && !nesting.meets(scene, hit, light.direction))) return false;
     ray = shadowRay(hit.point, light);
     if (ray.direction == Vec3f(0)) break;
