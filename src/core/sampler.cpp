@@ -1,5 +1,6 @@
 /** @file
- * How samples are made: eight numbers at once, by vector instructions that compilers do not find by themselves.
+ * How samples are made: eight numbers at once, by vector instructions that compilers do not find by
+ * themselves.
  */
 #include "recurse/core/sampler.h"
 
@@ -18,8 +19,8 @@ using Longs = uint64_t __attribute__((vector_size(32)));
 Words reverseBits(Words v) {
   const __m256i bytes = _mm256_broadcastsi128_si256(
       _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3)); // of each word, reversed
-  const __m256i low = _mm256_broadcastsi128_si256(_mm_set_epi8(
-      15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // reversed in four bits
+  const __m256i low = _mm256_broadcastsi128_si256(
+      _mm_set_epi8(15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // reversed in four bits
   const __m256i high = _mm256_slli_epi16(low, 4), four = _mm256_set1_epi8(15);
   const __m256i swapped = _mm256_shuffle_epi8((__m256i)v, bytes);
   return (Words)_mm256_or_si256(

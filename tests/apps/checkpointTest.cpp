@@ -17,9 +17,10 @@ namespace {
 class Checkpoints : public Program {
  protected:
   /** The picture of a render that goes through at once. */
-  std::vector<float> whole(const std::vector<std::string>& settings) {
+  std::vector<float> whole(const std::vector<std::string>& settings, double* seconds = nullptr) {
     const Outcome o = render(settings, {"-o", "whole.exr"});
     EXPECT_EQ(o.status, 0) << o.err;
+    if (seconds) *seconds = o.seconds;
     return readImage(file("whole.exr")).pixels;
   }
   Outcome render(std::vector<std::string> settings, const std::vector<std::string>& more,
@@ -53,11 +54,13 @@ TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
   for (int round = 0; kills < wanted || round < int(all.size()); ++round) {
     ASSERT_LT(round, 40) << "renders end before they are killed";
     const std::vector<std::string>& settings = all[size_t(round) % all.size()];
-    const std::vector<float> truth = whole(settings);
+    double seconds = 0;
+    const std::vector<float> truth = whole(settings, &seconds);
     std::filesystem::remove(file("c.rck"));
-    // At first too short to get anywhere; longer and longer, so that it ends some time.
-    for (int longest = 40000;; longest = longest * 5 / 4) {
-      const auto delay = std::chrono::microseconds(std::uniform_int_distribution<>(1000, longest)(random));
+    // While it starts there is nothing to be lost. Longer and longer, so that it ends some time.
+    for (double longest = seconds;; longest *= 1.25) {
+      const std::chrono::duration<double> delay(
+          std::uniform_real_distribution<>(seconds / 3, longest)(random));
       const Outcome o = render(
           settings, {"--checkpoint", "c.rck", "--checkpoint-interval", "0.005s", "--resume", "-o", "r.exr"},
           [&](pid_t child) {
@@ -74,7 +77,8 @@ TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
 }
 
 TEST_F(Checkpoints, InterruptedRendersGoOn) {
-  const std::vector<std::string> settings = {"--integrator", "path", "--spp", "3000"};
+  const std::vector<std::string> settings = {"--integrator", "path", "--spp",
+                                             std::to_string(recurse::testing::samples(3000))};
   const std::vector<float> truth = whole(settings);
   const std::vector<std::string> kept = {"--checkpoint", "c.rck", "--resume", "-o", "r.exr"};
   std::vector<std::string> watched = {"render", "scene.pbrt", "--progress", "json"};

@@ -26,6 +26,7 @@ constexpr uint64_t hashCombine(uint64_t a, uint64_t b) { return mixBits(a * 0x9e
 /** A float in [0, 1) from the upper 24 bits. */
 constexpr float unitFloat(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
+/** The bits in the opposite order. */
 constexpr uint32_t reverseBits(uint32_t v) {
   v = __builtin_bswap32(v);
   v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
