@@ -97,8 +97,11 @@ class PhotonMapping final : public Integrator {
     if (pass.index == 0) {
       chooseRadius(scene, statistics);
       if (progressive || settings.edges) {
+        std::vector<SurfacePoint> seen; // dark places have hardly any photons that would tell of them
+        probe(scene, 64, 2, statistics.counts,
+              [&](const SurfacePoint& point, float) { seen.push_back(point); });
         for (const auto& [known, photons] : {std::pair(&field, &map), std::pair(&causticField, &caustics)})
-          known->build(scene, *photons, search.nearest, search.radius, search.flatness, search.kernel,
+          known->build(scene, *photons, seen, search.nearest, search.radius, search.flatness, search.kernel,
                        statistics.counts);
       }
     }
@@ -397,7 +400,7 @@ class PhotonMapping final : public Integrator {
   }
 
   /** The first surface along an eye ray that reads the photon map, by the strongest delta lobe; false when
-   * there is none. */
+   * there is none. Its geometric normal points to where it is seen from. */
   bool firstDiffuse(const Scene& scene, EyeRay ray, Sampler sampler, Hit& hit, TransportCounts& counts,
                     float& footprint) const {
     BsdfArena arena;
@@ -411,9 +414,14 @@ class PhotonMapping final : public Integrator {
         const ScatteringPoint scattering(*bsdf, hit.point);
         footprint = ray.width;
         if (scattering.hasDiffuse()) {
-          if (!settings.sharing.ever() || (scattering.lobes() & LAMBERTIAN)) return true;
-          const auto s = scattering.scatterDiffuse(-ray.direction, Transport::RADIANCE, sampler);
-          if (!s || settings.sharing.followed(s->pdf) < 0.5f) return true;
+          std::optional<Scatter> s;
+          if (settings.sharing.ever() && !(scattering.lobes() & LAMBERTIAN))
+            s = scattering.scatterDiffuse(-ray.direction, Transport::RADIANCE, sampler);
+          if (!s || settings.sharing.followed(s->pdf) < 0.5f) {
+            if (glm::dot(hit.point.geometricNormal, ray.direction) > 0)
+              hit.point.geometricNormal = -hit.point.geometricNormal;
+            return true;
+          }
           direction = s->direction;
         } else {
           std::array<Scatter, DeltaScatters::MOST> all;

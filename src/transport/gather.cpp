@@ -146,7 +146,13 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
     }
     region.radius = std::sqrt(radius2);
   };
+  const bool flat = surroundings && surroundings->known && surroundings->known->flat > surroundings->away;
+  if (flat) region.flatness = flatnessOfFlat(*surroundings, settings.flatness, glm::length(point.error));
   search();
+  if (flat && region.radius > surroundings->known->flat - surroundings->away) {
+    region.flatness = settings.flatness;
+    search();
+  }
   float part = 1;
   if (surroundings) {
     const auto fit = [&] {

@@ -32,27 +32,23 @@ bool surfaceOf(const Scene& scene, const Photon& photon, float near, SurfacePoin
 
 } // namespace
 
-void SearchField::build(const Scene& scene, const PhotonMap& first, int nearest, float limit, float flatness,
-                        Kernel kernel, TransportCounts& counts) {
+void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen,
+                        int nearest, float limit, float flatness, Kernel kernel, TransportCounts& counts) {
   this->limit = limit;
   lift = 2 * scene.bounds().radius;
   // A small picture does not look long enough at the places to be worth many.
   constexpr size_t EVERY = 4, LEAST = 1024, MOST = 65536, AT_ONCE = 64;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   const size_t every = std::max(EVERY, first.size() / std::clamp(4 * pixels, LEAST, MOST));
-  places.assign((first.size() + every - 1) / every, {});
+  const size_t ofPhotons = (first.size() + every - 1) / every;
+  places.assign(ofPhotons + (first.empty() ? 0 : seen.size()), {});
   std::vector<Photon> lifted(places.size());
   const size_t parts = (places.size() + AT_ONCE - 1) / AT_ONCE;
   std::vector<TransportCounts> partCounts(parts);
   parallelFor(parts, [&](size_t part) {
     PhotonScratch scratch;
     for (size_t i = part * AT_ONCE; i < std::min(places.size(), (part + 1) * AT_ONCE); ++i) {
-      Photon& photon = lifted[i];
-      photon.position = first.position(i * every);
-      photon.direction = first.packedDirection(i * every);
       GatherRegion region;
-      region.center = photon.position;
-      region.bothSides = true;
       const auto radius = [&] {
         region.radius = limit;
         if (nearest == 0) return limit;
@@ -60,21 +56,44 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, int nearest,
         return n.count == nearest ? std::sqrt(n.radius2) : limit;
       };
       SurfacePoint point;
-      if (!surfaceOf(scene, photon, radius(), point, partCounts[part])) continue;
+      if (i < ofPhotons) {
+        Photon& photon = lifted[i];
+        photon.position = region.center = first.position(i * every);
+        photon.direction = first.packedDirection(i * every);
+        region.bothSides = true;
+        if (!surfaceOf(scene, photon, radius(), point, partCounts[part])) continue;
+        region.bothSides = false;
+      } else {
+        point = seen[i - ofPhotons];
+      }
       region.center = point.position;
       region.normal = point.geometricNormal;
-      region.bothSides = false;
       region.flatness = flatness;
       Place& place = places[i];
       const float error = glm::length(point.error);
-      region.radius = radius();
       Surroundings surroundings{scene, Sampler(0, 0, static_cast<uint32_t>(i))};
-      fitToSurface(surroundings, error, kernel, region, partCounts[part]);
-      place = {point.position, point.geometricNormal, region.radius, {}};
-      photon.position = point.position + lift * point.geometricNormal;
-      constexpr float BEYOND = 2; // what searches near the place may need
-      region.radius *= BEYOND;
-      place.around = lookAround(scene, error, region, surroundings.sampler, partCounts[part]);
+      // What is known of the surface changes the radius, and with the radius what has to be known.
+      constexpr float BEYOND = 2.5f, ENOUGH = 1.5f; // searches near the place may need more than itself
+      constexpr int ROUNDS = 4;
+      region.radius = radius();
+      for (int round = 0; round < ROUNDS && ENOUGH * region.radius > place.around.reach; ++round) {
+        region.radius *= BEYOND;
+        place.around = lookAround(scene, error, region, surroundings.sampler, partCounts[part]);
+        surroundings.known = &place.around;
+        const auto fit = [&] { fitToSurface(surroundings, error, kernel, region, partCounts[part]); };
+        region.radius = radius();
+        region.flatness =
+            region.radius <= place.around.flat ? flatnessOfFlat(surroundings, flatness, error) : flatness;
+        fit();
+        if (region.clipCount > 0 || region.flatness < flatness) {
+          region.radius = radius();
+          fit();
+        }
+      }
+      place.position = point.position;
+      place.normal = point.geometricNormal;
+      place.radius = region.radius;
+      lifted[i].position = point.position + lift * point.geometricNormal;
     }
   });
   for (const TransportCounts& c : partCounts) counts.add(c);

@@ -71,10 +71,9 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
     if (glm::dot(normal, directions[i]) > 0) normal = -normal;
     const Vec3f place = hit.point.position + normal * margin;
     const bool known =
-        std::any_of(found.walls.begin(), found.walls.begin() + found.wallCount,
-                    [&](const Wall& w) { return glm::dot(place, w.normal) < w.offset + 2 * margin; });
-    if (!known && found.wallCount < Neighbourhood::MOST_WALLS)
-      found.walls[found.wallCount++] = {normal, glm::dot(hit.point.position, normal)};
+        std::any_of(found.borders.begin(), found.borders.begin() + found.borderCount,
+                    [&](const Border& b) { return glm::dot(place, b.normal) < b.offset + 2 * margin; });
+    if (!known) found.add({normal, glm::dot(hit.point.position, normal), Border::WALL});
   }
 }
 
@@ -110,30 +109,128 @@ float overDisc(Kernel kernel, const GatherRegion& region, const Vec2f& u, const 
   });
 }
 
+/** Looks down at the plane of a region for the region's surface. */
+class SurfaceProbe {
+ public:
+  SurfaceProbe(const Scene& scene, float error, const GatherRegion& region, TransportCounts& counts)
+      : scene(scene), error(error), region(region), counts(counts) {}
+
+  /** Whether the plane goes on at one of its places, so far from the region's centre. */
+  bool flat(const Vec3f& place, float distance) const {
+    constexpr float SAME_PLANE = 0.9998f;
+    return cosine(place, distance) >= SAME_PLANE;
+  }
+
+  /** The straight line at which the surface ends, or turns off, between the places `in` and `out`; none where
+   * it is not straight, or where the surface bends little by little. */
+  std::optional<Border> edge(Vec3f in, Vec3f out, float distance) const {
+    constexpr float CREASE = 0.99f;
+    const float tolerance = 1e-4f * distance + 2 * error;
+    if (!flat(in, distance)) return {};
+    const Vec3f outwards = glm::normalize(out - in), aside = glm::cross(region.normal, outwards);
+    for (float between = glm::distance(in, out); between > tolerance; between /= 2) {
+      const Vec3f middle = (in + out) * 0.5f;
+      (flat(middle, distance) ? in : out) = middle;
+    }
+    if (cosine(out, distance) > CREASE) return {};
+    // Where the edge leaves a small circle on either side.
+    const float circle = 0.2f * distance;
+    std::array<Vec3f, 2> ends;
+    for (const float side : {-1.0f, 1.0f}) {
+      const auto onCircle = [&](float angle) {
+        return in + (outwards * std::cos(angle) + aside * (side * std::sin(angle))) * circle;
+      };
+      float empty = 0, full = PI;
+      if (flat(onCircle(empty), distance) || !flat(onCircle(full), distance)) return {};
+      while ((full - empty) * circle > tolerance) {
+        const float middle = (full + empty) / 2;
+        (flat(onCircle(middle), distance) ? full : empty) = middle;
+      }
+      ends[side > 0] = onCircle(full);
+    }
+    Vec3f normal = glm::cross(region.normal, ends[1] - ends[0]);
+    if (!(lengthSquared(normal) > 0)) return {};
+    normal = glm::normalize(normal);
+    if (glm::dot(normal, outwards) > 0) normal = -normal;
+    const float offset = glm::dot(ends[0], normal);
+    if (std::abs(glm::dot(in, normal) - offset) > 4 * tolerance) return {}; // bent, or a corner
+    return Border{normal, std::min(offset, glm::dot(in, normal)) - tolerance, Border::EDGE};
+  }
+
+ private:
+  /** Between the surface's normal and the plane's; 0 where there is none. */
+  float cosine(const Vec3f& place, float distance) const {
+    Hit hit;
+    const float height = std::max(RISE * distance, 4 * error);
+    if (!meetDiffuse(scene, downThrough(place, region.normal, height), hit, counts)) return 0;
+    return std::abs(glm::dot(hit.point.geometricNormal, region.normal));
+  }
+
+  const Scene& scene;
+  float error;
+  const GatherRegion& region;
+  TransportCounts& counts;
+};
+
+/** The part of the kernel's weight that the region's half-spaces leave of a disc. What they leave is seen
+ * from the centre, up to the nearest of the planes in each direction. */
+float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
+  constexpr int ANGLES = 64;
+  struct Circle {
+    alignas(32) float cosine[ANGLES], sine[ANGLES];
+    Circle() {
+      for (int i = 0; i < ANGLES; ++i) {
+        cosine[i] = std::cos(2 * PI * static_cast<float>(i) / ANGLES);
+        sine[i] = std::sin(2 * PI * static_cast<float>(i) / ANGLES);
+      }
+    }
+  };
+  static const Circle circle;
+  const Frame frame(region.normal);
+  const float angle = 2 * PI * turn / ANGLES;
+  const Vec3f x = frame.x * std::cos(angle) + frame.y * std::sin(angle), y = glm::cross(region.normal, x);
+  return withKernel(kernel, [&](auto k) {
+    Float8 part(0);
+    for (int i = 0; i < ANGLES; i += 8) {
+      Float8 inverse(1); // of the distance in radii that is left
+      for (size_t j = 0; j < region.clipCount; ++j) {
+        const auto& clip = region.clips[j];
+        const float scale = region.radius / clip.limit;
+        inverse = max(inverse, Float8::load(circle.cosine + i) * Float8(glm::dot(clip.normal, x) * scale) +
+                                   Float8::load(circle.sine + i) * Float8(glm::dot(clip.normal, y) * scale));
+      }
+      part += kernelPart<decltype(k)::value>(Float8(1) / (inverse * inverse));
+    }
+    return sum(part) / ANGLES;
+  });
+}
+
 } // namespace
 
 Neighbourhood lookAround(const Scene& scene, float error, const GatherRegion& region, Sampler& sampler,
                          TransportCounts& counts) {
   constexpr int DIRECTIONS = 12;
-  constexpr float RINGS[] = {0.15f, 0.35f, 0.55f, 0.75f, 1};
-  constexpr float SAME_PLANE = 0.9995f;
+  constexpr float RINGS[] = {0.05f, 0.15f, 0.35f, 0.55f, 0.75f, 1};
   const auto rays = directions<DIRECTIONS>(region.normal, sampler.next1D());
   Neighbourhood found;
   found.reach = region.radius;
   std::array<float, DIRECTIONS> walls;
   findWalls(scene, error, region, rays, walls, found, counts);
+  const SurfaceProbe probe(scene, error, region, counts);
+  float before = 0;
   for (const float ring : RINGS) {
     const float distance = ring * region.radius;
-    const float height = std::max(RISE * distance, 4 * error);
     for (size_t i = 0; i < DIRECTIONS; ++i) {
       if (walls[i] <= distance) continue;
-      Hit hit;
-      if (!meetDiffuse(scene, downThrough(region.center + rays[i] * distance, region.normal, height), hit,
-                       counts) ||
-          std::abs(glm::dot(hit.point.geometricNormal, region.normal)) < SAME_PLANE)
-        return found;
+      const Vec3f place = region.center + rays[i] * distance;
+      if (!found.sees(place)) continue;
+      if (probe.flat(place, distance)) continue;
+      const auto edge = probe.edge(region.center + rays[i] * before, place, distance);
+      if (!edge || found.borderCount == Neighbourhood::MOST_BORDERS) return found;
+      found.add(*edge);
     }
     found.flat = distance * std::cos(PI / DIRECTIONS); // an edge may lie between two directions
+    before = distance;
   }
   return found;
 }
@@ -142,7 +239,7 @@ namespace {
 
 /** What a disc bears. */
 struct SurfaceInDisc {
-  float part = 1;   ///< see fitToSurface()
+  float part = 1;   ///< of the kernel's weight
   float cosine = 1; ///< mean cosine between the surface's normals and the disc's
 };
 
@@ -151,10 +248,6 @@ template <int N>
 SurfaceInDisc measure(Surroundings& surroundings, float error, Kernel kernel, const GatherRegion& region,
                       TransportCounts& counts) {
   const Vec2f u = surroundings.sampler.next2D();
-  if (region.radius <= surroundings.known->flat - surroundings.away) {
-    if (region.clipCount == 0) return {};
-    return {overDisc<48>(kernel, region, u, [](const Vec3f&, float q, auto shape) { return shape(q); }), 1};
-  }
   float cosines = 0;
   int met = 0;
   const float part = overDisc<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
@@ -193,24 +286,28 @@ float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, Gathe
   }
   const auto clip = [&] {
     region.clipCount = 0;
-    const float margin = wallMargin(region, error);
-    for (size_t i = 0; i < surroundings.known->wallCount; ++i) {
-      const Wall& wall = surroundings.known->walls[i];
-      const float distance = glm::dot(region.center, wall.normal) - wall.offset;
-      if (distance > 2 * margin && distance < region.radius)
-        region.clips[region.clipCount++] = {wall.normal, margin - distance};
+    for (size_t i = 0; i < surroundings.known->borderCount; ++i) {
+      const Border& border = surroundings.known->borders[i];
+      const float distance = glm::dot(region.center, border.normal) - border.offset;
+      if (distance < -2 * error || distance > region.radius) continue; // beyond it, or far from it
+      const float margin =
+          border.kind == Border::WALL ? std::min(wallMargin(region, error), distance / 2) : 0;
+      region.clips[region.clipCount++] = {border.normal, std::min(margin - distance, -error)};
     }
   };
   constexpr float LEAST_PART = 0.2f, LEAST_COSINE = 0.95f, STEP = 0.7f;
   constexpr int MOST_STEPS = 40, FEW = 8, MANY = 32;
-  clip();
-  SurfaceInDisc disc = measure<FEW>(surroundings, error, kernel, region, counts);
-  const auto fits = [&] { return disc.part >= LEAST_PART && disc.cosine >= LEAST_COSINE; };
-  if (fits()) return disc.part;
-  for (int i = 0; i < MOST_STEPS && !fits(); ++i) {
-    region.radius *= STEP;
+  SurfaceInDisc disc;
+  for (int step = 0; step < MOST_STEPS; ++step) {
     clip();
+    if (region.radius <= surroundings.known->flat - surroundings.away)
+      return region.clipCount == 0 ? 1 : unclippedPart(kernel, region, surroundings.sampler.next1D());
     disc = measure<FEW>(surroundings, error, kernel, region, counts);
+    if (disc.part >= LEAST_PART && disc.cosine >= LEAST_COSINE) {
+      if (step == 0) return disc.part;
+      break;
+    }
+    region.radius *= STEP;
   }
   // Once more, for what has stopped the search is likely to be too much.
   disc = measure<MANY>(surroundings, error, kernel, region, counts);

@@ -15,11 +15,11 @@ namespace {
 
 constexpr double IRRADIANCE = 3, ALBEDO = 0.5;
 
-std::string square(const std::string& corners) {
+std::string quad(const std::string& corners) {
   return "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ " + corners + " ]\n";
 }
-const std::string FLOOR = square("-1 -1 0  1 -1 0  1 1 0  -1 1 0"),
-                  WALL = square(".5 -1 -1  .5 1 -1  .5 1 1  .5 -1 1");
+const std::string FLOOR = quad("-1 -1 0  1 -1 0  1 1 0  -1 1 0"),
+                  WALL = quad(".5 -1 -1  .5 1 -1  .5 1 1  .5 -1 1");
 
 std::unique_ptr<Scene> sceneOf(const std::string& shapes) {
   // The scene's centre, to which positions are relative, is the origin for all of them.
@@ -39,11 +39,28 @@ std::vector<Photon> onFloor(uint64_t seed, int count) {
   return list;
 }
 
-/** The estimate at what a ray meets, over what it should be, as a mean over maps. */
-Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings& settings, int maps,
-                       const std::function<std::vector<Photon>(uint64_t)>& photons) {
+/** What is seen around what a ray meets. */
+Neighbourhood around(const Scene& scene, const Ray& ray, float radius) {
   Hit hit;
   EXPECT_TRUE(scene.intersect(ray, hit));
+  GatherRegion region;
+  region.center = hit.point.position;
+  region.normal = hit.point.geometricNormal;
+  region.radius = radius;
+  TransportCounts counts;
+  Sampler sampler(3, 0, 0);
+  return lookAround(scene, glm::length(hit.point.error), region, sampler, counts);
+}
+
+/** The estimate at what a ray meets, over what it should be, as a mean over maps. With `known`, from what is
+ * seen at a place near by. */
+Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings& settings, int maps,
+                       const std::function<std::vector<Photon>(uint64_t)>& photons, bool known = false) {
+  Hit hit;
+  EXPECT_TRUE(scene.intersect(ray, hit));
+  const Vec3f step(-0.02f, -0.01f, 0);
+  const Neighbourhood seen =
+      known ? around(scene, {ray.origin + step, ray.direction}, 2 * settings.radius) : Neighbourhood();
   BsdfArena arena;
   const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
   const PathClasses classes;
@@ -54,6 +71,10 @@ Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings&
     TransportCounts counts;
     PathRadiance out(classes, counts);
     Surroundings surroundings{scene, Sampler(5, 0, static_cast<uint32_t>(m))};
+    if (known) {
+      surroundings.known = &seen;
+      surroundings.away = glm::length(step);
+    }
     gather(map, settings, scattering, hit.point, -ray.direction, 0, Rgb(1),
            classes.step(classes.eyeStart(), PathEvent::D), out, &surroundings);
     ratios.push_back(double(out.total().g) / (ALBEDO * IRRADIANCE / M_PI));
@@ -135,31 +156,66 @@ TEST(Surroundings, CurvedSurfaces) {
 
 TEST(Surroundings, WhatIsSeenOfWallsAndEdges) {
   const auto scene = sceneOf(FLOOR + WALL);
-  const auto at = [&](float x, float y, float radius) {
-    Hit hit;
-    EXPECT_TRUE(scene->intersect(down(x, y), hit));
-    GatherRegion region;
-    region.center = hit.point.position;
-    region.normal = hit.point.geometricNormal;
-    region.radius = radius;
-    TransportCounts counts;
-    Sampler sampler(3, 0, 0);
-    return lookAround(*scene, glm::length(hit.point.error), region, sampler, counts);
-  };
   for (const float x : {-0.9f, -0.2f, 0.3f, 0.45f}) {
-    const Neighbourhood seen = at(x, 0.0f, 0.4f);
-    EXPECT_EQ(seen.wallCount, x > 0.1f ? 1u : 0u) << x;
-    if (seen.wallCount > 0) {
-      EXPECT_LT(seen.walls[0].normal.x, -0.9999f);
-      EXPECT_NEAR(seen.walls[0].offset, -0.5f, 1e-5f);
-      EXPECT_FALSE(seen.sees(Vec3f(0.6f, 0, 0)));
-      EXPECT_TRUE(seen.sees(Vec3f(x, 0, 0)));
-    }
-    const float edge = std::min(0.4f, x + 1);
-    EXPECT_LE(seen.flat, edge) << x;
-    EXPECT_GE(seen.flat, 0.5f * edge) << x;
+    const Neighbourhood seen = around(*scene, down(x, 0), 0.4f);
+    EXPECT_GE(seen.flat, 0.38f) << x;
+    EXPECT_TRUE(seen.sees(Vec3f(x, 0, 0)));
+    ASSERT_EQ(seen.borderCount, x == -0.2f ? 0u : 1u) << x;
+    if (seen.borderCount == 0) continue;
+    const Border& border = seen.borders[0];
+    EXPECT_EQ(border.kind, x > 0 ? Border::WALL : Border::EDGE) << x;
+    EXPECT_GT(std::abs(border.normal.x), 0.9999f) << x;
+    EXPECT_NEAR(border.offset, x > 0 ? -0.5f : -1.0f, 2e-4f) << x;
+    EXPECT_FALSE(seen.sees(x > 0 ? Vec3f(0.6f, 0, 0) : Vec3f(-1.1f, 0, 0))) << x;
   }
-  EXPECT_EQ(at(-0.2f, 0.0f, 0.1f).wallCount, 0u);
+  EXPECT_EQ(around(*scene, down(-0.2f, 0), 0.1f).borderCount, 0u);
+  EXPECT_EQ(around(*scene, down(-0.8f, -0.9f), 0.4f).borderCount, 2u) << "at a corner";
+}
+
+TEST(Surroundings, BentEdgesAndSurfacesAreNoStraightOnes) {
+  const auto flat = [](const std::string& shape, float x, float radius) {
+    return around(*sceneOf(shape), down(x, 0), radius);
+  };
+  const Neighbourhood rim = flat("Shape \"disk\" \"float radius\" .3\n", 0.1f, 0.4f);
+  EXPECT_EQ(rim.borderCount, 0u);
+  EXPECT_LE(rim.flat, 0.2f);
+  const std::string ball = "Translate 0 0 -1\nShape \"sphere\" \"float radius\" 1\n";
+  EXPECT_EQ(flat(ball, 0.1f, 0.4f).borderCount, 0u);
+  EXPECT_LE(flat(ball, 0.1f, 0.4f).flat, 0.05f);
+  // A roof's ridge is one, although rays down meet the other side as well.
+  const Neighbourhood roof =
+      flat(quad("-1 -1 0  .2 -1 0  .2 1 0  -1 1 0") + quad(".2 -1 0  1 -1 -.4  1 1 -.4  .2 1 0"), 0, 0.4f);
+  ASSERT_EQ(roof.borderCount, 1u);
+  EXPECT_NEAR(roof.borders[0].offset, -0.2f, 2e-4f);
+  EXPECT_GE(roof.flat, 0.38f);
+}
+
+TEST(Surroundings, KnownEdgesAndWhatLiesJustBelow) {
+  // A hundred times the floor's light on a ledge below its edge, in the height of the search region.
+  const auto scene = sceneOf(FLOOR + quad("1 -1 -.02  2 -1 -.02  2 1 -.02  1 1 -.02"));
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (int i = 0; i < 4000; ++i) {
+      Photon p = list[size_t(i)];
+      p.position += Vec3f(2, 0, -0.02f);
+      p.power *= 100;
+      list.push_back(p);
+    }
+    return list;
+  };
+  for (const Kernel kernel : ALL_KERNELS)
+    for (const auto& [nearest, radius] : std::vector<std::pair<int, float>>{{0, 0.2f}, {50, 1.0f}})
+      for (const Vec2f& place :
+           {Vec2f(0.3f, 0.2f), Vec2f(0.9f, 0.2f), Vec2f(0.99f, 0.2f), Vec2f(0.98f, 0.97f)}) {
+        GatherSettings settings;
+        settings.kernel = kernel;
+        settings.nearest = nearest;
+        settings.radius = radius;
+        const Mean m =
+            estimateOverTruth(*scene, down(place.x, place.y), settings, samples(100), photons, true);
+        EXPECT_NEAR(m.value, 1, 0.005 + 4 * m.error)
+            << kernelName(kernel) << " nearest " << nearest << " at " << place.x << " " << place.y;
+      }
 }
 
 TEST(Surroundings, APlaceBehindAWallTellsNothing) {
@@ -176,7 +232,7 @@ TEST(Surroundings, APlaceBehindAWallTellsNothing) {
   map.build(list);
   SearchField field;
   TransportCounts counts;
-  field.build(*scene, map, 20, 1, 0.2f, Kernel::EPANECHNIKOV, counts);
+  field.build(*scene, map, {}, 20, 1, 0.2f, Kernel::EPANECHNIKOV, counts);
   const SearchPlace before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
   const SearchPlace behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
   ASSERT_TRUE(behind.known);

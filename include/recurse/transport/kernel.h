@@ -39,6 +39,18 @@ template <Kernel KERNEL, class T> T kernelShape(const T& q) {
   }
 }
 
+/** The kernel's part on a narrow sector that ends at q = d²/r²: ∫ from 0 to q of π r² K dq. */
+template <Kernel KERNEL, class T> T kernelPart(const T& q) {
+  using std::sqrt;
+  if constexpr (KERNEL == Kernel::CONSTANT) {
+    return q;
+  } else if constexpr (KERNEL == Kernel::CONE) {
+    return q * (T(3) - T(2) * sqrt(q));
+  } else {
+    return q * (T(2) - q);
+  }
+}
+
 /** Calls f with the kernel as a std::integral_constant: the one switch over kernels. */
 template <class F> decltype(auto) withKernel(Kernel kernel, F&& f) {
   switch (kernel) {

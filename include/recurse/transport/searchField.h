@@ -26,10 +26,11 @@ struct SearchPlace {
 
 class SearchField {
  public:
-  /** Takes at places all over a first photon map the distance to the k-th photon, and at most `limit`, and
-   * what the surface is like around them. k = 0: `limit` everywhere. The map is not needed afterwards. */
-  void build(const Scene& scene, const PhotonMap& first, int nearest, float limit, float flatness,
-             Kernel kernel, TransportCounts& counts);
+  /** Takes at places all over a first photon map, and at points that are seen, the distance to the k-th
+   * photon, and at most `limit`, and what the surface is like around them. k = 0: `limit` everywhere. The
+   * geometric normals of `seen` point to where they are seen from. The map is not needed afterwards. */
+  void build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen, int nearest,
+             float limit, float flatness, Kernel kernel, TransportCounts& counts);
   /** About where a search for the k-th photon of the first map would have ended at a point with this
    * geometric normal: the distance known at the nearest of the places, and no less than the way there. */
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;

@@ -7,6 +7,7 @@
  * Here rays look at the surface itself: the part of the kernel's weight that it bears is the divisor, so that
  * uniform irradiance is estimated without bias at edges as well (the first-order edge correction of density
  * estimation, Diggle 1985, "A Kernel Method for Smoothing Point Process Data"). It depends on no photon.
+ * Where a surface ends along straight lines, as most do, these are found once and need no more rays.
  */
 #pragma once
 
@@ -16,24 +17,33 @@
 
 namespace recurse {
 
-/** The plane of a wall that rises from a surface: points p with p·normal = offset. */
-struct Wall {
-  Vec3f normal{0}; ///< unit, towards those who see it
+/** A plane beyond which there is nothing of a surface: points p with p·normal = offset. */
+struct Border {
+  enum Kind {
+    WALL, ///< that rises from the surface: what lies on it or behind it belongs to another
+    EDGE  ///< where the surface ends
+  };
+  Vec3f normal{0}; ///< unit, towards the surface
   float offset = 0;
+  Kind kind = WALL;
 };
 
 /** What is known of the surface around a place. */
 struct Neighbourhood {
-  static constexpr size_t MOST_WALLS = GatherRegion::MOST_CLIPS;
+  static constexpr size_t MOST_BORDERS = GatherRegion::MOST_CLIPS;
   float reach = 0; ///< the distance that was looked at
-  float flat = 0;  ///< within this distance the surface is whole and flat, but for what lies behind walls
-  size_t wallCount = 0;
-  std::array<Wall, MOST_WALLS> walls;
+  float flat = 0;  ///< within this distance the surface is whole and flat, but for what lies beyond borders
+  size_t borderCount = 0;
+  std::array<Border, MOST_BORDERS> borders;
 
-  /** Whether no wall hides the point. */
+  /** Whether the point is beyond no border. */
   bool sees(const Vec3f& position) const {
-    return std::all_of(walls.begin(), walls.begin() + wallCount,
-                       [&](const Wall& w) { return glm::dot(position, w.normal) > w.offset; });
+    return std::all_of(borders.begin(), borders.begin() + borderCount,
+                       [&](const Border& b) { return glm::dot(position, b.normal) > b.offset; });
+  }
+  /** Without effect where there is no more room. */
+  void add(const Border& border) {
+    if (borderCount < MOST_BORDERS) borders[borderCount++] = border;
   }
 };
 
@@ -53,12 +63,18 @@ struct Surroundings {
   Neighbourhood own = {};               ///< found out where nothing is known
 };
 
+/** Of a search region that is known to lie on a flat surface: what lies off it belongs to another surface,
+ * perhaps to the lit side of a wall. No more than `most`. */
+inline float flatnessOfFlat(const Surroundings& surroundings, float most, float error) {
+  return std::min(most, 0.05f + 16 * error / surroundings.known->reach);
+}
+
 /**
- * Clips the region at the walls around it, so that it leaves out what belongs to other surfaces or to another
- * room, and returns the part of the kernel's weight over the whole disc that then lies on a surface which can
- * hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A disc of which hardly
- * anything is surface, or whose surface bends away, is made smaller first. Where the part is not known it
- * goes by eight places: it is exact on a plane, and about .1 off elsewhere.
+ * Clips the region at the borders around it, so that it leaves out what belongs to other surfaces or to
+ * another room, and returns the part of the kernel's weight over the whole disc that then lies on a surface
+ * which can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A disc of
+ * which hardly anything is surface, or whose surface bends away, is made smaller first. Where the borders are
+ * not known the part goes by eight places: it is exact on a plane, and about .1 off elsewhere.
  */
 float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
                    TransportCounts& counts);
