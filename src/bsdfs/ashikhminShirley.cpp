@@ -22,7 +22,7 @@ class AshikhminShirleyGloss {
     const Vec3f h = halfVector(a, b);
     const float c = glm::dot(a, h), d = c * std::max(a.z, b.z);
     if (!(d > 0)) return BLACK;
-    const Rgb fresnel = specular + (1.0f - specular) * fifth(1 - c);
+    const Rgb fresnel = specular + (1.0f - specular) * fifth(std::max(0.0f, 1 - c)); // c may round above 1
     return fresnel * (halfDensity(h) / (4 * d));
   }
   float pdf(const Vec3f& a, const Vec3f& b) const {
