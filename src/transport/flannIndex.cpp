@@ -22,17 +22,17 @@ constexpr int FLANN_LEAF = 16;
  */
 float slackened(float distance2) { return distance2 * 1.0001f + std::numeric_limits<float>::min(); }
 
-struct Hit {
+struct FlannHit {
   float distance2;
   uint32_t slot;
-  bool operator<(const Hit& o) const {
+  bool operator<(const FlannHit& o) const {
     return distance2 < o.distance2 || (distance2 == o.distance2 && slot < o.slot);
   }
 };
 
 /** Gathers hits into blocks in order of slots. */
-void makeBlocks(std::vector<Hit>& hits, FoundPhotons& found) {
-  std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.slot < b.slot; });
+void makeBlocks(std::vector<FlannHit>& hits, FoundPhotons& found) {
+  std::sort(hits.begin(), hits.end(), [](const FlannHit& a, const FlannHit& b) { return a.slot < b.slot; });
   found.clear();
   for (size_t i = 0; i < hits.size();) {
     const uint32_t block = hits[i].slot / 8;
@@ -55,7 +55,7 @@ template <class Map, class Query> class RegionResult : public flann::ResultSet<f
   void addPoint(float, size_t index) override {
     const float d2 = query.distance2(map.position(index));
     if (!(d2 < query.radius2) || !query.selected(map.position(index), map.packedDirection(index))) return;
-    const Hit hit{d2, static_cast<uint32_t>(index)};
+    const FlannHit hit{d2, static_cast<uint32_t>(index)};
     if (most == 0) {
       hits.push_back(hit);
       return;
@@ -72,7 +72,7 @@ template <class Map, class Query> class RegionResult : public flann::ResultSet<f
   float worstDist() const override {
     return slackened(most != 0 && hits.size() == most ? hits.front().distance2 : query.radius2);
   }
-  std::vector<Hit> hits;
+  std::vector<FlannHit> hits;
 
  private:
   const Map& map;
