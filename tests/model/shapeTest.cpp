@@ -11,6 +11,7 @@
 #include "recurse/core/parallel.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/triangleMesh.h"
+#include "sanitized.h"
 
 namespace recurse {
 void registerSphere(PlugIns&);
@@ -325,7 +326,7 @@ TEST(Shape, SamplesByDirectionFollowTheirDensity) {
         return std::array<double, 3>{1, c * c, glm::dot(d, Vec3d(frame.x))};
       };
       std::array<double, 3> byDirections{}, bySamples{};
-      constexpr int DIRECTIONS = 40000, SAMPLES = 40000;
+      const int DIRECTIONS = recurse::testing::samples(40000), SAMPLES = DIRECTIONS;
       for (int i = 0; i < DIRECTIONS; ++i) {
         const double c = random.uniform(cosMax, 1), phi = random.uniform(0, 2 * PI_D),
                      r = std::sqrt(1 - c * c);

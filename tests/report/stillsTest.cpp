@@ -33,9 +33,11 @@ Film renderClasses(const std::string& sceneName, const std::string& integratorNa
   SceneOverrides overrides;
   overrides.width = overrides.height = size;
   const auto scene = buildScene(loadScene(file, diagnostics), overrides, diagnostics);
-  ParsedDirective directive;
-  directive.type = integratorName;
-  const auto integrator = plugIns().integrators.make(directive, {}, diagnostics);
+  std::string parameters; // few photons: what is looked at are sums
+  for (const ParameterSpec& p : plugIns().integrators.find(integratorName)->parameters)
+    if (p.name == "photons" && !p.ignored) parameters = "\"integer photons\" 20000";
+  const auto integrator =
+      plugIns().integrators.make(parseParameterText(integratorName, parameters), {}, diagnostics);
   diagnostics.throwIfErrors();
   const PathClasses classes(list);
   Film film(scene->film().crop, classes.layerCount());

@@ -9,9 +9,9 @@ using namespace recurse::testing;
 
 namespace {
 
-Rendered untilError(const Scene& scene, const char* integrator, double target, int samplesPerPixel = 0) {
+Rendered untilError(const Scene& scene, const Way& way, double target, int samplesPerPixel = 0) {
   const ThreadPool pool;
-  const auto made = integratorFrom(integrator, "");
+  const auto made = integratorFrom(way.integrator, way.parameters);
   const PathClasses classes;
   Rendered out{Film(scene.film().crop, 1), {}};
   RenderSettings settings;
@@ -62,12 +62,12 @@ TEST(ErrorEstimate, IsNearTheTrueError) {
 
 TEST(ErrorEstimate, EndsARender) {
   const auto scene = sceneFrom(litCorner(16));
-  for (const char* integrator : {"path", "photonmap"}) {
-    const Rendered r = untilError(*scene, integrator, 0.15);
-    EXPECT_EQ(r.statistics.stopReason, StopReason::ERROR) << integrator;
+  for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 20000"}}) {
+    const Rendered r = untilError(*scene, way, 0.15);
+    EXPECT_EQ(r.statistics.stopReason, StopReason::ERROR) << way.integrator;
     EXPECT_LE(r.statistics.error, 0.15);
     EXPECT_GT(r.statistics.error, 0.02) << "went on for too long";
     EXPECT_EQ(r.statistics.error, r.film.relativeError());
-    EXPECT_EQ(untilError(*scene, integrator, 1e-6, 9).statistics.stopReason, StopReason::SAMPLES);
+    EXPECT_EQ(untilError(*scene, way, 1e-6, 9).statistics.stopReason, StopReason::SAMPLES);
   }
 }
