@@ -98,10 +98,8 @@ class PhotonMapping final : public Integrator {
       chooseRadius(scene, statistics);
       if (progressive || settings.edges) {
         std::vector<SurfacePoint> seen; // dark places have hardly any photons that would tell of them
-        // Of a small picture there is no more to be seen than its pixels.
-        constexpr int MOST_PROBES = 64;
-        const auto across = static_cast<int>(std::sqrt(float(scene.film().crop.area())));
-        probe(scene, std::clamp(across, 1, MOST_PROBES), 2, statistics.counts,
+        const double across = std::sqrt(double(scene.film().crop.area())) / 4;
+        probe(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2, statistics.counts,
               [&](const SurfacePoint& point, float) { seen.push_back(point); });
         for (const auto& [known, photons] : {std::pair(&field, &map), std::pair(&causticField, &caustics)})
           known->build(scene, *photons, seen, search.nearest, search.radius, search.flatness, search.kernel,
