@@ -4,18 +4,22 @@
 #include "recurse/transport/lightGuide.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "recurse/core/parallel.h"
+#include "recurse/model/scatteringPoint.h"
 #include "recurse/transport/walk.h"
 
 namespace recurse {
 
 namespace {
 
-constexpr uint64_t STREAM = 0x4c4947485453ull; ///< tells these photons from all others
+/** Tell these samples from all others. */
+constexpr uint64_t PHOTON_STREAM = 0x4c4947485453ull, EYE_STREAM = 0x4c4f4f4b53ull,
+                   PLACE_STREAM = 0x504c41434553ull;
 /** Most photons of a cell, and how many the guess by power and distance is worth. */
 constexpr size_t CELL = 64;
-constexpr double PRIOR = 32;
+constexpr double PRIOR = 64;
 /** Levels of the tree that are tabulated. */
 constexpr int TABLE_DEPTH = 6;
 /** The part that all clusters share, so that rounding of sums does not make anyone's part 0. */
@@ -25,6 +29,14 @@ constexpr double EVEN_PART = 1e-3;
 int widest(const Vec3f& low, const Vec3f& high) {
   const Vec3f size = high - low;
   return size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+}
+
+/** What light brings to a surface, in its strongest colour; 0 where that cannot be told. */
+double irradiance(const Illumination& light, const Vec3f& normal, bool bothSides) {
+  const float cosine = glm::dot(light.direction, normal);
+  if (!(light.pdf > 0) || (!bothSides && cosine < 0)) return 0;
+  const double e = double(maxComponent(light.radiance)) * double(std::abs(cosine)) / double(light.pdf);
+  return std::isfinite(e) ? e : 0;
 }
 
 } // namespace
@@ -90,8 +102,15 @@ ChosenLight LightGuide::chooseLearned(const LightTable& lights, const LitPlace& 
   const float* const table = &tables[place.cell * clusters.size()];
   const auto c = static_cast<size_t>(std::upper_bound(table, table + clusters.size() - 1, u) - table);
   const float below = c > 0 ? table[c - 1] : 0;
-  double probability = double(table[c] - below), rest = double(u - below) / probability;
-  Descent way(*this, place.position, 0, clusters[c]);
+  const double part = double(table[c] - below);
+  const auto [light, probability] =
+      chooseBelow(clusters[c], place.position, double(u - below) / part, part, u);
+  return {&lights[order[light]], static_cast<float>(probability)};
+}
+
+LightGuide::Chosen LightGuide::chooseBelow(const Cluster& cluster, const Vec3f& position, double rest,
+                                           double probability, float& u) const {
+  Descent way(*this, position, 0, cluster);
   while (!way.atLight()) {
     const double left = way.left();
     const bool toTheLeft = rest < left;
@@ -101,7 +120,7 @@ ChosenLight LightGuide::chooseLearned(const LightTable& lights, const LitPlace& 
     way.go(toTheLeft);
   }
   u = std::min(static_cast<float>(rest), ONE_MINUS_EPSILON);
-  return {&lights[order[way.where().first]], static_cast<float>(probability)};
+  return {way.where().first, probability};
 }
 
 float LightGuide::probabilityLearned(const LitPlace& place, uint32_t light) const {
@@ -201,36 +220,155 @@ void LightGuide::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::ve
   cells[cell].other = static_cast<uint32_t>(leaves.size()); // table 0 is not a cell's
 }
 
-void LightGuide::buildTable(Arrivals arrivals, float* table) const {
+std::vector<double> LightGuide::irradiances(const LightTable& lights, Arrivals arrivals,
+                                            Sampler sampler) const {
+  constexpr size_t PLACES = 8;
+  std::vector<double> all(clusters.size(), 0);
+  const size_t every = (arrivals.size() + PLACES - 1) / PLACES;
+  for (size_t i = 0; i < arrivals.size(); i += every)
+    for (size_t c = 0; c < clusters.size(); ++c) {
+      float pick = sampler.next1D();
+      const Vec2f u = sampler.next2D();
+      const auto [light, probability] = chooseBelow(clusters[c], arrivals[i].position, double(pick), 1, pick);
+      if (const auto illumination = lights[order[light]].illuminate(arrivals[i].position, pick, u))
+        all[c] += irradiance(*illumination, arrivals[i].normal, false) / probability;
+    }
+  return all;
+}
+
+void LightGuide::buildTable(const LightTable& lights, Arrivals arrivals, Sampler sampler,
+                            float* table) const {
+  const size_t count = clusters.size();
   Vec3f low(INFINITE), high(-INFINITE);
   for (const Arrival& a : arrivals) {
     low = glm::min(low, a.position);
     high = glm::max(high, a.position);
   }
-  std::sort(arrivals.begin(), arrivals.end(),
-            [](const Arrival& a, const Arrival& b) { return a.light < b.light; });
-  double sum = 0;
-  size_t count = 0;
-  const auto visit = [&](const auto& self, Descent way, Arrivals photons, double probability) -> void {
-    if (count < clusters.size() && way.where().node == clusters[count].node) {
-      sum += (1 - EVEN_PART) * probability + EVEN_PART / double(clusters.size());
-      table[count++] = static_cast<float>(sum);
-      return;
-    }
-    const auto split = std::partition_point(photons.begin(), photons.end(),
-                                            [&](const Arrival& a) { return a.light < way.middle(); });
-    const auto onTheLeft = static_cast<size_t>(split - photons.begin());
-    const double left = (double(onTheLeft) + PRIOR * way.left()) / (double(photons.size()) + PRIOR);
-    Descent other = way;
-    way.go(true);
-    other.go(false);
-    self(self, way, photons.first(onTheLeft), probability * left);
-    self(self, other, photons.subspan(onTheLeft), probability * (1 - left));
+  // Deals out a part of 1 to each cluster from the root down.
+  const auto dealOut = [&](const auto& left, const auto& deal) {
+    const auto visit = [&](const auto& self, Descent way, double part) -> void {
+      const size_t c = clusterOf[way.where().first];
+      if (way.where().node == clusters[c].node) return deal(c, part);
+      const double toTheLeft = left(way);
+      Descent other = way;
+      way.go(true);
+      other.go(false);
+      self(self, way, part * toTheLeft);
+      self(self, other, part * (1 - toTheLeft));
+    };
+    visit(visit,
+          Descent(*this, (low + high) / 2.0f, lengthSquared((high - low) / 2.0f),
+                  {0, 0, static_cast<uint32_t>(order.size())}),
+          1);
   };
-  visit(visit,
-        Descent(*this, (low + high) / 2.0f, lengthSquared((high - low) / 2.0f),
-                {0, 0, static_cast<uint32_t>(order.size())}),
-        arrivals, 1);
+  // The guess is what the lights would bring if nothing was in their way; of this, a few samples may show
+  // nothing at all.
+  std::vector<double> guess = irradiances(lights, arrivals, sampler);
+  const double all = std::accumulate(guess.begin(), guess.end(), 0.0);
+  constexpr double BY_DISTANCE = 0.1;
+  dealOut([](const Descent& way) { return way.left(); },
+          [&](size_t c, double part) {
+            guess[c] = all > 0 ? BY_DISTANCE * part + (1 - BY_DISTANCE) * guess[c] / all : part;
+          });
+  std::vector<double> guesses(count + 1, 0), photons(count + 1, 0); // of all clusters before
+  for (const Arrival& a : arrivals) photons[clusterOf[a.light] + 1] += 1;
+  for (size_t c = 0; c < count; ++c) {
+    guesses[c + 1] = guesses[c] + guess[c];
+    photons[c + 1] += photons[c];
+  }
+  double sum = 0;
+  dealOut(
+      [&](const Descent& way) {
+        const size_t first = clusterOf[way.where().first], middle = clusterOf[way.middle()],
+                     end = clusterOf[way.where().end - 1] + 1;
+        const double guessed = guesses[end] - guesses[first];
+        const double part = guessed > 0 ? (guesses[middle] - guesses[first]) / guessed : way.left();
+        return (photons[middle] - photons[first] + PRIOR * part) / (photons[end] - photons[first] + PRIOR);
+      },
+      [&](size_t c, double part) {
+        sum += (1 - EVEN_PART) * part + EVEN_PART / double(count);
+        table[c] = static_cast<float>(sum);
+      });
+}
+
+void LightGuide::keep(const Hit& hit, const Vec3f& direction, uint32_t light, Found& found) const {
+  const Vec3f& normal = hit.point.geometricNormal;
+  const bool outside = glm::dot(normal, direction) < 0, both = hit.material->lobes() & TRANSMISSION;
+  if (outside || both) found[sideOf(normal)].push_back({hit.point.position, normal, light});
+  if (!outside || both) found[sideOf(-normal)].push_back({hit.point.position, -normal, light});
+}
+
+void LightGuide::shoot(const Scene& scene, uint32_t index, Found& found) const {
+  const LightTable& lights = scene.lights();
+  Sampler sampler(0, PHOTON_STREAM, index);
+  float pick = sampler.next1D();
+  const size_t light = lights.chooseIndex(pick);
+  const float part = sampler.next1D();
+  const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+  if (!(lights.probability(light) > 0)) return;
+  const std::optional<Emission> emission = lights[light].emit({part, place, direction});
+  if (!emission || isBlack(emission->flux)) return;
+  TransportCounts counts;
+  BsdfArena arena;
+  Ray ray{emission->origin, emission->direction, INFINITE};
+  Nesting nesting = nestingAt(scene, ray, counts);
+  for (Hit hit; intersect(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction)) {
+    arena.reset();
+    if (bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena))
+      return keep(hit, ray.direction, rank[light], found);
+  }
+}
+
+void LightGuide::look(const Scene& scene, uint32_t index, Found& found) const {
+  Sampler sampler(0, EYE_STREAM, index);
+  TransportCounts counts;
+  BsdfArena arena;
+  const Vec2f across(scene.film().width, scene.film().height);
+  Ray ray = scene.camera().ray(sampler.next2D() * across);
+  Nesting nesting = nestingAt(scene, ray, counts);
+  Hit hit;
+  for (int depth = 0; depth < LONG_WALK && intersect(scene, ray, hit, counts); ++depth) {
+    arena.reset();
+    const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
+    Vec3f direction = ray.direction;
+    if (bsdf) {
+      const ScatteringPoint scattering(*bsdf, hit.point);
+      if (scattering.hasDiffuse()) return lookForLight(scene, hit, ray.direction, nesting, sampler, found);
+      const auto s = scattering.scatter(-ray.direction, Transport::FLUX, sampler, DELTA_LOBES);
+      if (!s) return;
+      direction = s->direction;
+      nesting.scatters(hit, -ray.direction, direction);
+    }
+    ray = spawn(hit.point, direction);
+  }
+}
+
+void LightGuide::lookForLight(const Scene& scene, const Hit& hit, const Vec3f& direction,
+                              const Nesting& nesting, Sampler& sampler, Found& found) const {
+  constexpr int TRIALS = 6;
+  const LightTable& lights = scene.lights();
+  const Vec3f& n = hit.point.geometricNormal;
+  const Vec3f normal = glm::dot(n, direction) < 0 ? n : -n;
+  const bool both = hit.material->lobes() & TRANSMISSION;
+  // One of the trials, in proportion to what it would bring.
+  std::optional<Illumination> kept;
+  uint32_t keptLight = 0;
+  double sum = 0;
+  for (int i = 0; i < TRIALS; ++i) {
+    float pick = sampler.next1D();
+    const Vec2f u = sampler.next2D();
+    const double keeps = double(sampler.next1D());
+    const Cluster all{0, 0, static_cast<uint32_t>(order.size())};
+    const auto [light, probability] = chooseBelow(all, hit.point.position, double(pick), 1, pick);
+    const auto illumination = lights[order[light]].illuminate(hit.point.position, pick, u);
+    const double e = illumination ? irradiance(*illumination, normal, both) / probability : 0;
+    sum += e;
+    if (!(keeps * sum < e)) continue;
+    kept = illumination;
+    keptLight = light;
+  }
+  TransportCounts counts;
+  if (kept && visible(scene, hit, -direction, *kept, nesting, counts)) keep(hit, direction, keptLight, found);
 }
 
 void LightGuide::learn(const Scene& scene) {
@@ -240,49 +378,26 @@ void LightGuide::learn(const Scene& scene) {
   buildTree(lights);
   if (!active()) return;
   // More than what a picture of so many pixels takes a small part of the time for is not worth it.
-  constexpr size_t LEAST = 16384, MOST = 262144, BATCH = 2048;
+  constexpr size_t LEAST = 16384, MOST = 131072, BATCH = 2048, LOOKS = 4;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
-  const size_t batches = std::clamp(4 * pixels, LEAST, MOST) / BATCH;
-  std::vector<std::array<std::vector<Arrival>, SIDES>> found(batches);
+  const size_t batches = std::clamp(2 * pixels, LEAST, MOST) / BATCH;
+  std::vector<Found> found(batches);
   parallelFor(batches, [&](size_t b) {
-    TransportCounts counts;
-    BsdfArena arena;
-    for (size_t i = b * BATCH; i < (b + 1) * BATCH; ++i) {
-      Sampler sampler(0, STREAM, static_cast<uint32_t>(i));
-      float pick = sampler.next1D();
-      const auto light = static_cast<uint32_t>(lights.chooseIndex(pick));
-      const float part = sampler.next1D();
-      const Vec2f place = sampler.next2D(), direction = sampler.next2D();
-      if (!(lights.probability(light) > 0)) continue;
-      const std::optional<Emission> emission = lights[light].emit({part, place, direction});
-      if (!emission || isBlack(emission->flux)) continue;
-      Ray ray{emission->origin, emission->direction, INFINITE};
-      Nesting nesting = nestingAt(scene, ray, counts);
-      Hit hit;
-      while (intersect(scene, ray, hit, counts)) {
-        arena.reset();
-        if (!bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena)) {
-          ray = spawn(hit.point, ray.direction);
-          continue;
-        }
-        const Vec3f& normal = hit.point.geometricNormal;
-        const Arrival arrival{hit.point.position, rank[light]};
-        const bool outside = glm::dot(normal, ray.direction) < 0, both = hit.material->lobes() & TRANSMISSION;
-        if (outside || both) found[b][sideOf(normal)].push_back(arrival);
-        if (!outside || both) found[b][sideOf(-normal)].push_back(arrival);
-        break;
-      }
-    }
+    for (size_t i = b * BATCH; i < (b + 1) * BATCH; ++i) shoot(scene, static_cast<uint32_t>(i), found[b]);
+    for (size_t i = b * BATCH / LOOKS; i < (b + 1) * BATCH / LOOKS; ++i)
+      look(scene, static_cast<uint32_t>(i), found[b]);
   });
   std::array<std::vector<Arrival>, SIDES> all;
   std::vector<Arrivals> leaves;
   for (size_t side = 0; side < SIDES; ++side) {
-    for (const auto& f : found) all[side].insert(all[side].end(), f[side].begin(), f[side].end());
+    for (const Found& f : found) all[side].insert(all[side].end(), f[side].begin(), f[side].end());
     if (!all[side].empty()) buildCells(all[side], cells[side], leaves);
   }
   tables.resize((leaves.size() + 1) * clusters.size());
   parallelFor(leaves.size() + 1, [&](size_t i) {
-    if (i > 0) return buildTable(leaves[i - 1], &tables[i * clusters.size()]);
+    if (i > 0)
+      return buildTable(lights, leaves[i - 1], Sampler(0, PLACE_STREAM, static_cast<uint32_t>(i)),
+                        &tables[i * clusters.size()]);
     double sum = 0; // by power alone
     for (size_t c = 0; c < clusters.size(); ++c)
       tables[c] = static_cast<float>(sum += double(nodes[clusters[c].node].power));

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "recurse/transport/integrator.h"
+#include "recurse/transport/nesting.h"
 
 namespace recurse {
 
@@ -50,6 +50,8 @@ class LightGuide {
   }
 
  private:
+  /** Arrivals are kept by the signed axis that is nearest to the normal. */
+  static constexpr size_t SIDES = 6;
   /** Lights [first, end) in `order`. Its left child is the next in `nodes`, and since both halves differ by
    * one light at the most, the right one is found by counting. */
   struct Node {
@@ -67,32 +69,49 @@ class LightGuide {
     float at = 0;
     uint32_t other = 0; ///< the cell beyond `at`; the next one is below. Of leaves the table
   };
+  /** Light that came straight from a light to a surface, on the side of `normal`. */
   struct Arrival {
-    Vec3f position;
+    Vec3f position, normal;
     uint32_t light; ///< its place in `order`
   };
-  /** Photons that fell into one cell. */
+  /** Those of one cell. */
   using Arrivals = std::span<Arrival>;
+  using Found = std::array<std::vector<Arrival>, SIDES>;
   class Descent;
-  /** Photons are kept by the signed axis that is nearest to the normal of the side where they arrived. */
-  static constexpr size_t SIDES = 6;
   static size_t sideOf(const Vec3f& normal);
 
   ChosenLight chooseLearned(const LightTable& lights, const LitPlace& place, float& u) const;
+  struct Chosen {
+    uint32_t light; ///< its place in `order`
+    double probability;
+  };
+  /** A light of the cluster by power over distance², from `rest` in [0,1); its probability is a part of the
+   * one given. */
+  Chosen chooseBelow(const Cluster& cluster, const Vec3f& position, double rest, double probability,
+                     float& u) const;
   float probabilityLearned(const LitPlace& place, uint32_t light) const;
+  /** A photon, as far as the first surface. */
+  void shoot(const Scene& scene, uint32_t index, Found& found) const;
+  /** What the eye sees, and a light that reaches it. */
+  void look(const Scene& scene, uint32_t index, Found& found) const;
+  void lookForLight(const Scene& scene, const Hit& hit, const Vec3f& direction, const Nesting& nesting,
+                    Sampler& sampler, Found& found) const;
+  void keep(const Hit& hit, const Vec3f& direction, uint32_t light, Found& found) const;
   void buildTree(const LightTable& lights);
   void buildNode(std::span<const std::array<Vec3f, 2>> boxes, const LightTable& lights, size_t first,
                  size_t end, int depth);
   static void buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::vector<Arrivals>& leaves);
-  void buildTable(Arrivals arrivals, float* table) const;
+  /** What the clusters would bring to the place of the arrivals if nothing was in the way, to a factor. */
+  std::vector<double> irradiances(const LightTable& lights, Arrivals arrivals, Sampler sampler) const;
+  void buildTable(const LightTable& lights, Arrivals arrivals, Sampler sampler, float* table) const;
 
   std::vector<uint32_t> order, rank; ///< lights by place in the tree, and the other way round
   std::vector<Node> nodes;
   std::vector<Cluster> clusters;
   std::vector<uint32_t> clusterOf; ///< by place in the tree
   std::array<std::vector<Cell>, SIDES> cells;
-  std::vector<float>
-      tables; ///< probabilities of clusters, summed up; the first is for places without photons
+  /** Probabilities of clusters, summed up; the first is for places without photons. */
+  std::vector<float> tables;
 };
 
 } // namespace recurse
