@@ -73,11 +73,12 @@ class PhotonMapping final : public Integrator {
     shoot.maxDepth = settings.maxDepth;
     shoot.direct = !settings.shadowRays;
     if (pass.index == 0) {
-      guide = {};
+      guidance = {};
       if (settings.guided && settings.finalGather == 0) // what a final gather reads lies all over the scene
-        guide = learn(scene, classes, pass.seed, shoot, control, statistics);
+        guidance = learn(scene, classes, pass.seed, shoot, control, statistics);
     }
-    shoot.guide = &guide;
+    shoot.guide = &guidance.emission;
+    shoot.targets = guidance.targets;
     ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
     statistics.counts = shot.counts;
     statistics.photonsEmitted = shot.emitted;
@@ -456,20 +457,24 @@ class PhotonMapping final : public Integrator {
   }
 
   /** Where photons should start, so that they come down where the eye looks. */
-  EmissionGuide learn(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                      const ShootSettings& shoot, const ForwardControl& control,
-                      ForwardStatistics& statistics) const {
+  PhotonGuidance learn(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                       const ShootSettings& shoot, const ForwardControl& control,
+                       ForwardStatistics& statistics) const {
     constexpr int PROBES = 96;
     const float spacing = std::sqrt(float(scene.film().crop.area())) / PROBES;
     VisibleRegion region;
     probe(scene, PROBES, 1, statistics.counts, [&](const SurfacePoint& point, float footprint) {
       if (footprint > 0) region.add(point.position, footprint * std::max(spacing, 2.0f));
     });
-    EmissionGuide learned = learnEmission(scene, classes, seed, shoot, region, control, statistics.counts);
-    if (learned.active())
+    PhotonGuidance learned = learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts);
+    if (learned.emission.active())
       statistics.notes.push_back(
           text("photons: sent where the eye looks, each worth %.3g times what it is worth without",
-               learned.gain()));
+               learned.emission.gain()));
+    if (!learned.targets.empty())
+      statistics.notes.push_back(
+          text("photons: matt surfaces send more of them to %zu spheres where the eye looks",
+               learned.targets.size()));
     return learned;
   }
 
@@ -562,7 +567,7 @@ class PhotonMapping final : public Integrator {
   GatherSettings search;           ///< of the first pass
   SearchField field, causticField; ///< from the first pass, for all
   float typicalRadius = 0;         ///< of the first pass
-  EmissionGuide guide;             ///< learned before the first pass, for all
+  PhotonGuidance guidance;         ///< learned before the first pass, for all
   LightGuide lights;
   bool progressive = false;
   float scale = 1; ///< radius of this pass over that of the first

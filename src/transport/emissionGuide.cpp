@@ -30,22 +30,29 @@ uint64_t VisibleRegion::key(int level, const Vec3f& position) {
 }
 
 void VisibleRegion::add(const Vec3f& position, float size) {
+  places.push_back(position);
   int level = 0;
   std::frexp(2 * size, &level); // the cell's side is at least 2·size
   if (std::find(levels.begin(), levels.end(), level) == levels.end()) levels.push_back(level);
-  for (int corner = 0; corner < 8; ++corner) {
+  std::array<uint64_t, 8> keys;
+  for (size_t corner = 0; corner < 8; ++corner) {
     Vec3f p = position;
     for (int axis = 0; axis < 3; ++axis) p[axis] += corner >> axis & 1 ? size : -size;
-    cells.insert(key(level, p));
+    keys[corner] = key(level, p);
   }
+  std::sort(keys.begin(), keys.end());
+  const auto end = std::unique(keys.begin(), keys.end());
+  for (auto k = keys.begin(); k != end; ++k) cells[*k] += std::ldexp(1.0f, -2 * level);
 }
 
-bool VisibleRegion::contains(const Vec3f& position) const {
-  return std::any_of(levels.begin(), levels.end(),
-                     [&](int level) { return cells.contains(key(level, position)); });
+float VisibleRegion::importance(const Vec3f& position) const {
+  float sum = 0;
+  for (const int level : levels)
+    if (const auto found = cells.find(key(level, position)); found != cells.end()) sum += found->second;
+  return sum;
 }
 
-EmissionGuide::EmissionGuide(std::span<const Useful> useful, double trials) {
+EmissionGuide::EmissionGuide(std::span<const Useful> useful, double trials, size_t lights) : lights(lights) {
   std::vector<Useful> parts(useful.begin(), useful.end()); // which splits put in order
   Numbers low, high;
   low.fill(0);
@@ -107,6 +114,12 @@ void EmissionGuide::split(std::span<Useful> useful, const Numbers& low, const Nu
         at = low[d] + width * static_cast<float>(f);
       }
     }
+  // Each light may have a place of its own to shine at, which all together do not tell.
+  if (dimension == DIMENSIONS && depth < DEEPEST && count >= 16 &&
+      double(high[0] - low[0]) * double(lights) > 1) {
+    dimension = 0;
+    at = (low[0] + high[0]) / 2;
+  }
   if (dimension == DIMENSIONS || !(at > low[dimension] && at < high[dimension])) {
     leaves.push_back({low, high, std::sqrt(weight / trials / volumeOf(low, high)), 0});
     return;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <utility>
 
 #include "recurse/core/parallel.h"
 #include "recurse/model/scatteringPoint.h"
@@ -17,6 +18,8 @@ namespace {
 /** Tells photon samples from those of pixels. */
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull, TRIAL_STREAM = 0x545249414c53ull;
 constexpr uint64_t BATCH = 4096;
+/** Nearer than so many radii the target is too wide for a cone. */
+constexpr float NEAR = 1.5f;
 
 class PhotonWalk {
  public:
@@ -32,30 +35,54 @@ class PhotonWalk {
     auto& n = start.numbers;
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(n, sampler.next1D());
+    base = entered = 0;
     float pick = n[0];
     const ChosenLight chosen = scene.lights().choose(pick);
     if (!(chosen.probability > 0)) return start;
     const std::optional<Emission> emission = chosen.light->emit({n[1], {n[2], n[3]}, {n[4], n[5]}});
-    if (emission && !isBlack(emission->flux))
-      walk(*emission,
-           emission->flux * (start.weight / (chosen.probability * static_cast<float>(settings.photons))),
-           sampler);
-    return start;
-  }
-
- private:
-  void walk(const Emission& emission, Rgb flux, Sampler& sampler) {
+    if (!emission || isBlack(emission->flux)) return start;
+    const Rgb flux = emission->flux / (chosen.probability * static_cast<float>(settings.photons));
+    base = maxComponent(flux);
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
-      return;
+      return start;
     }
-    LightState state = classes.lightStart();
-    if (classes.dead(state)) return;
-    Ray ray{emission.origin, emission.direction, INFINITE};
-    Nesting nesting = nestingAt(scene, ray, counts);
-    Hit hit;
+    if (classes.dead(classes.lightStart())) return start;
+    const Ray ray{emission->origin, emission->direction, INFINITE};
+    walk({ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts)}, sampler);
+    while (!waiting.empty()) {
+      auto [flight, own] = waiting.back();
+      waiting.pop_back();
+      walk(std::move(flight), own);
+    }
+    return start;
+  }
+  /** Power of a photon that starts with weight 1, of the last one that was shot. */
+  float fullPower() const { return base; }
+  /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
+   * light. */
+  float enteredImportance() const { return entered; }
+
+  const VisibleRegion* region = nullptr; ///< of trial photons
+  uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
+
+ private:
+  /** A photon on its way. */
+  struct Flight {
+    Ray ray;
+    Rgb flux;
+    LightState state;
+    Nesting nesting;
+    int depth = 0;
     bool caustic = true;
-    for (int depth = 0;;) {
+    float lowered = 1; ///< power over that of the photon that was sent nowhere
+  };
+
+  void walk(Flight flight, Sampler& sampler) {
+    auto& [ray, flux, state, nesting, depth, caustic, lowered] = flight;
+    Hit hit;
+    bool toTarget = lowered < 1; // and has not come down yet
+    for (;;) {
       if (!intersect(scene, ray, hit, counts)) return;
       arena.reset();
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
@@ -67,6 +94,15 @@ class PhotonWalk {
         counts.weightCut += double(maxComponent(flux));
         return;
       }
+      if (region && depth == 0)
+        for (const PhotonTarget& t : settings.targets)
+          if (glm::distance(hit.point.position, t.center) < t.radius) entered += t.importance;
+      const bool outside = !settings.targets.empty() && findCones(hit.point.position);
+      if (std::exchange(toTarget, false) && region) arrived += region->contains(hit.point.position);
+      if (outside && lowered < 1) {
+        if (!survives(lowered, depth, sampler, flux)) return;
+        lowered = 1;
+      }
       const ScatteringPoint scattering(*bsdf, hit.point);
       const Vec3f wi = -ray.direction;
       const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
@@ -75,8 +111,10 @@ class PhotonWalk {
       ++depth;
       const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : DIFFUSE_LOBES) |
                                       (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
+      const bool sends = outside && (allowed & DIFFUSE_LOBES) && (scattering.lobes() & LAMBERTIAN);
+      if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);
       const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, sampler, allowed);
-      if (!s) return;
+      if (!s || (sends && !s->specular() && conesAround(s->direction) > 0)) return;
       const Rgb scattered = flux * s->weight;
       const float before = maxComponent(flux), after = maxComponent(scattered);
       flux = scattered;
@@ -85,6 +123,65 @@ class PhotonWalk {
       nesting.scatters(hit, wi, s->direction);
       caustic = caustic && s->specular();
       ray = spawn(hit.point, s->direction);
+    }
+  }
+
+  /** What is seen of a target from a place outside. */
+  struct Cone {
+    Vec3f axis;
+    float opening; ///< 1 - cosine of half the angle, without cancellation
+    float part;
+    bool contains(const Vec3f& direction) const { return lengthSquared(direction - axis) <= 2 * opening; }
+  };
+  /** The targets that photons are sent to from a place. True when it is outside of all. */
+  bool findCones(const Vec3f& from) {
+    cones.clear();
+    for (const PhotonTarget& t : settings.targets) {
+      const Vec3f way = t.center - from;
+      const float distance2 = lengthSquared(way), sine2 = square(t.radius) / distance2;
+      if (!(distance2 > square(NEAR * t.radius))) return false;
+      cones.push_back({way / std::sqrt(distance2), sine2 / (1 + std::sqrt(1 - sine2)), t.part});
+    }
+    return true;
+  }
+  std::ptrdiff_t conesAround(const Vec3f& direction) const {
+    return std::count_if(cones.begin(), cones.end(), [&](const Cone& c) { return c.contains(direction); });
+  }
+
+  /** Photons to the targets from where `from` has scattered. */
+  void sendToTargets(const Flight& from, const Hit& hit, const ScatteringPoint& scattering, LightState state,
+                     const Sampler& sampler) {
+    constexpr float LEAST = 0.01f, MOST = 16;
+    constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
+    const Vec3f wi = -from.ray.direction;
+    const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
+    const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
+    Sampler branch = sampler.fork(BRANCH);
+    for (const Cone& cone : cones) {
+      const float lifted = glm::dot(normal, cone.axis);
+      // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
+      if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
+      const float part = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
+      const float wanted = std::clamp(maxComponent(from.flux) * part / (base * cone.part), LEAST, MOST);
+      const int count = static_cast<int>(wanted + branch.next1D());
+      const Frame frame(cone.axis);
+      for (int i = 0; i < count; ++i) {
+        Sampler own = branch.fork(static_cast<uint32_t>(i));
+        const Vec3f direction = frame.toWorld(uniformCone(own.next2D(), cone.opening));
+        Flight sentOut = from;
+        const float density = wanted *
+                              static_cast<float>(std::max<std::ptrdiff_t>(1, conesAround(direction))) /
+                              (2 * PI * cone.opening);
+        sentOut.flux *= scattering.evaluateFlux(wi, direction) / density;
+        if (isBlack(sentOut.flux)) continue;
+        sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
+        sentOut.state = state;
+        sentOut.caustic = false;
+        sentOut.nesting.scatters(hit, wi, direction);
+        sentOut.ray = spawn(hit.point, direction);
+        waiting.emplace_back(std::move(sentOut), own);
+        ++sent;
+      }
     }
   }
 
@@ -117,6 +214,9 @@ class PhotonWalk {
   const ShootSettings& settings;
   TransportCounts& counts;
   std::vector<Photon>& out;
+  std::vector<std::pair<Flight, Sampler>> waiting;
+  std::vector<Cone> cones; ///< of the last surface
+  float base = 0, entered = 0;
   BsdfArena arena;
 };
 
@@ -156,41 +256,173 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   return shot;
 }
 
-EmissionGuide learnEmission(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                            const ShootSettings& settings, const VisibleRegion& region,
-                            const ForwardControl& control, TransportCounts& counts) {
-  constexpr uint64_t TRIALS = 8 * BATCH;
-  constexpr int ROUNDS = 5;
-  constexpr double WORTH_IT = 1.5;
-  EmissionGuide guide;
-  if (scene.lights().size() == 0 || region.empty()) return guide;
-  ShootSettings trial = settings;
-  // No more than a pass has: learning must not cost many times what it serves.
-  const uint64_t trials = trial.photons = std::min(TRIALS, settings.photons);
-  std::vector<EmissionGuide::Useful> useful;
-  for (int round = 0; round < ROUNDS && !control.stopped(); ++round) {
-    trial.guide = &guide;
-    std::array<std::vector<EmissionGuide::Useful>, TRIALS / BATCH> found;
-    std::array<TransportCounts, TRIALS / BATCH> batchCounts;
-    parallelFor(found.size(), [&](size_t b) {
-      std::vector<Photon> stored;
-      PhotonWalk walk(scene, classes, trial, batchCounts[b], stored);
-      for (uint64_t i = b * BATCH; i < std::min(trials, (b + 1) * BATCH); ++i) {
-        stored.clear();
-        const EmissionGuide::Useful start =
-            walk.shoot(Sampler(hashCombine(seed, uint64_t(round)), TRIAL_STREAM, static_cast<uint32_t>(i)));
-        if (std::any_of(stored.begin(), stored.end(),
-                        [&](const Photon& p) { return region.contains(p.position); }))
-          found[b].push_back(start);
-      }
+namespace {
+
+/** Spheres that cover what is seen, but for what would need wide ones or is hardly anything. */
+std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> seen,
+                                        std::span<const Vec3f> landed) {
+  constexpr float WIDEST = 0.2f; // of the scene
+  constexpr double LEAST = 0.02; // of what is seen
+  constexpr float SPARED = 8;    // as many photons as that are not needed
+  constexpr size_t MOST = 8;
+  struct Part {
+    std::span<Vec3f> places;
+    Vec3f low, high;
+    float radius() const { return glm::distance(low, high) / 2; }
+  };
+  const auto partOf = [](std::span<Vec3f> places) {
+    Part part{places, Vec3f(INFINITE), Vec3f(-INFINITE)};
+    for (const Vec3f& p : places) {
+      part.low = glm::min(part.low, p);
+      part.high = glm::max(part.high, p);
+    }
+    return part;
+  };
+  std::vector<Part> parts{partOf(seen)};
+  while (parts.size() < MOST) {
+    // The one is cut whose places would gain most.
+    const auto cut = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+      return square(a.radius()) * static_cast<float>(a.places.size()) <
+             square(b.radius()) * static_cast<float>(b.places.size());
     });
-    for (const auto& f : found) useful.insert(useful.end(), f.begin(), f.end());
-    for (const TransportCounts& c : batchCounts) counts.add(c);
-    guide = EmissionGuide(useful, double(trials) * (round + 1));
-    // Few hits say little yet; many of a density that is good already, that there is no more to gain.
-    if (useful.size() > trials / 4 && guide.gain() < WORTH_IT) break;
+    const Vec3f size = cut->high - cut->low;
+    const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+    const float at = (cut->low[axis] + cut->high[axis]) / 2;
+    const auto middle =
+        std::partition(cut->places.begin(), cut->places.end(), [&](const Vec3f& p) { return p[axis] < at; });
+    const auto left = static_cast<size_t>(middle - cut->places.begin());
+    if (left == 0 || left == cut->places.size()) break;
+    const Part right = partOf(cut->places.subspan(left));
+    *cut = partOf(cut->places.first(left));
+    parts.push_back(right);
   }
-  return guide.gain() < WORTH_IT ? EmissionGuide() : guide;
+  std::vector<PhotonTarget> targets;
+  for (const Part& part : parts) {
+    const float radius = part.radius();
+    const double share = double(part.places.size()) / double(seen.size());
+    if (share < LEAST || !(radius > 0 && radius < WIDEST * scene.bounds().radius)) continue;
+    const Vec3f center = (part.low + part.high) / 2.0f;
+    // What a grey surface sends there, typically.
+    std::vector<float> typical;
+    for (const Vec3f& p : landed)
+      if (const float q = square(radius) / lengthSquared(p - center); q < 1 / square(NEAR))
+        typical.push_back(0.5f * (1 - std::sqrt(1 - q)));
+    if (typical.empty()) continue;
+    const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
+    std::nth_element(typical.begin(), middle, typical.end());
+    targets.push_back({center, radius, SPARED * *middle / static_cast<float>(share),
+                       static_cast<float>(part.places.size()) / square(radius)});
+  }
+  return targets;
+}
+
+/** Trial photons, added up. */
+struct Trials {
+  std::vector<EmissionGuide::Useful> useful;
+  std::vector<Vec3f> landed; ///< a few of the places where photons were stored
+  uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
+  TransportCounts counts;
+
+  void add(const Trials& o) {
+    useful.insert(useful.end(), o.useful.begin(), o.useful.end());
+    landed.insert(landed.end(), o.landed.begin(), o.landed.end());
+    stored += o.stored;
+    inRegion += o.inRegion;
+    sent += o.sent;
+    arrived += o.arrived;
+    counts.add(o.counts);
+  }
+};
+
+Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                   const ShootSettings& settings, const VisibleRegion& region) {
+  const size_t batches = (settings.photons + BATCH - 1) / BATCH;
+  std::vector<Trials> parts(batches);
+  parallelFor(batches, [&](size_t b) {
+    Trials& part = parts[b];
+    std::vector<Photon> stored;
+    PhotonWalk walk(scene, classes, settings, part.counts, stored);
+    walk.region = &region;
+    for (uint64_t i = b * BATCH; i < std::min(settings.photons, (b + 1) * BATCH); ++i) {
+      stored.clear();
+      EmissionGuide::Useful start = walk.shoot(Sampler(seed, TRIAL_STREAM, static_cast<uint32_t>(i)));
+      // What is at full power in a target is a lot there, wherever it goes from now on.
+      auto squares = double(walk.enteredImportance());
+      for (const Photon& p : stored) {
+        const auto importance = double(region.importance(p.position));
+        if (importance == 0) continue;
+        ++part.inRegion;
+        squares +=
+            importance * square(double(maxComponent(p.power)) / double(walk.fullPower() * start.weight));
+      }
+      part.stored += stored.size();
+      if (!stored.empty() && i % 16 == 0) part.landed.push_back(stored[0].position);
+      start.weight *= static_cast<float>(squares);
+      if (start.weight > 0) part.useful.push_back(start);
+    }
+    part.sent = walk.sent;
+    part.arrived = walk.arrived;
+  });
+  Trials all;
+  for (const Trials& t : parts) all.add(t);
+  return all;
+}
+
+} // namespace
+
+PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                             const ShootSettings& settings, const VisibleRegion& region,
+                             const ForwardControl& control, TransportCounts& counts) {
+  constexpr uint64_t TRIALS = 8 * BATCH;
+  constexpr int ROUNDS = 5, MOST_ROUNDS = 16;
+  constexpr double RISES = 1.1, WORTH_IT = 1.5;
+  constexpr double FEW = 0.05, ENOUGH = 0.2; // of photons in the region, and of those sent there
+  PhotonGuidance guidance;
+  if (scene.lights().size() == 0 || region.empty()) return guidance;
+  EmissionGuide& guide = guidance.emission;
+  ShootSettings trial = settings;
+  trial.guide = &guide;
+  // No more than a pass has: learning must not cost many times what it serves.
+  trial.photons = std::min(TRIALS, settings.photons);
+  uint64_t shot = 0;
+  // Returns the last round.
+  const auto learn = [&] {
+    guide = {};
+    std::vector<EmissionGuide::Useful> useful;
+    for (int round = 1;; ++round) {
+      const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
+      counts.add(trials.counts);
+      if (!trial.targets.empty() && double(trials.arrived) < ENOUGH * double(trials.sent)) return trials;
+      useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
+      const double before = guide.gain();
+      guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
+      // Few hits say little yet; many of a density that is good already, that there is no more to gain.
+      double weight = 0, squared = 0;
+      for (const EmissionGuide::Useful& u : useful) {
+        weight += double(u.weight);
+        squared += square(double(u.weight));
+      }
+      const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
+      if (control.stopped() || (wellKnown && guide.gain() < WORTH_IT) || round == MOST_ROUNDS ||
+          (round >= ROUNDS && guide.gain() < RISES * before))
+        return trials;
+    }
+  };
+  const Trials plain = learn();
+  if (double(plain.inRegion) < FEW * double(plain.stored) && !control.stopped()) {
+    const EmissionGuide without = guide;
+    trial.targets = targetsAround(scene, region.all(), plain.landed);
+    if (!trial.targets.empty()) {
+      const Trials targeted = learn();
+      if (double(targeted.arrived) < ENOUGH * double(targeted.sent)) {
+        trial.targets.clear();
+        guide = without;
+      }
+    }
+  }
+  if (guide.gain() < WORTH_IT) guide = {};
+  guidance.targets = trial.targets;
+  return guidance;
 }
 
 } // namespace recurse

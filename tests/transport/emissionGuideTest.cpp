@@ -94,22 +94,35 @@ TEST(EmissionGuide, VisibleRegionHoldsWhatIsNear) {
   EXPECT_FALSE(region.contains({-1e4f + 60, 0, 0}));
 }
 
-TEST(EmissionGuide, ManyLampsInOtherRooms) {
-  const auto scene = sceneFrom(rooms(60));
-  const auto render = [&](const char* guided, uint64_t seed) {
-    return renderScene(
-        *scene, "photonmap",
-        std::string("\"string direct\" \"photons\" \"integer photons\" 30000 \"integer passes\" 2 "
-                    "\"float radius\" .08 \"bool guided\" ") +
-            guided,
-        2, seed);
-  };
-  const int runs = SANITIZED ? 3 : 6;
+TEST(EmissionGuide, LightsHaveTheirOwnDirections) {
+  // Each of 16 lights is useful in one of 16 directions, so that no one number alone tells anything.
+  std::mt19937 random(1);
+  std::vector<EmissionGuide::Useful> found;
+  constexpr int TRIALS = 100000;
+  for (int i = 0; i < TRIALS; ++i) {
+    const EmissionGuide::Numbers n = randomNumbers(random);
+    if (int(n[0] * 16) == int(n[4] * 16)) found.push_back({n, 1});
+  }
+  EXPECT_LT(EmissionGuide(found, TRIALS).gain(), 1.1);
+  EXPECT_GT(EmissionGuide(found, TRIALS, 16).gain(), 4);
+}
+
+namespace {
+
+/** The mean of the picture and the mean variance of its pixels over runs, without a guide and with one. */
+struct Compared {
   double mean[2] = {}, variance[2] = {};
-  for (const int guided : {0, 1}) {
+};
+Compared compareGuided(const Scene& scene, const std::string& parameters) {
+  const int runs = SANITIZED ? 3 : 6;
+  Compared result;
+  for (const size_t guided : {0, 1}) {
     std::vector<Rendered> pictures;
-    for (int i = 0; i < runs; ++i) pictures.push_back(render(guided ? "true" : "false", uint64_t(i)));
-    for (const Rendered& p : pictures) mean[guided] += p.mean() / runs;
+    for (int i = 0; i < runs; ++i)
+      pictures.push_back(renderScene(
+          scene, "photonmap", parameters + (guided ? " \"bool guided\" true" : " \"bool guided\" false"), 2,
+          uint64_t(i)));
+    for (const Rendered& p : pictures) result.mean[guided] += p.mean() / runs;
     for (size_t pixel = 0; pixel < pictures[0].pixels(); ++pixel) {
       double sum = 0, squares = 0;
       for (const Rendered& p : pictures) {
@@ -117,12 +130,47 @@ TEST(EmissionGuide, ManyLampsInOtherRooms) {
         sum += y / runs;
         squares += y * y / runs;
       }
-      variance[guided] += (squares - sum * sum) * runs / (runs - 1) / double(pictures[0].pixels());
+      result.variance[guided] += (squares - sum * sum) * runs / (runs - 1) / double(pictures[0].pixels());
     }
   }
+  return result;
+}
+
+} // namespace
+
+TEST(EmissionGuide, ManyLampsInOtherRooms) {
+  const auto scene = sceneFrom(rooms(60));
+  const Compared c = compareGuided(
+      *scene,
+      "\"string direct\" \"photons\" \"integer photons\" 30000 \"integer passes\" 2 \"float radius\" .08");
   // Photons of which one in sixty counts: the same picture, at least ten times nearer to it.
-  EXPECT_NEAR(mean[1] / mean[0], 1, 0.03);
-  EXPECT_LT(variance[1], variance[0] / 10);
+  EXPECT_NEAR(c.mean[1] / c.mean[0], 1, 0.03);
+  EXPECT_LT(c.variance[1], c.variance[0] / 10);
+}
+
+/** What light there is on a small table has come from walls far away, where a photon's start tells nothing.
+ */
+TEST(EmissionGuide, SmallTableInALargeHall) {
+  std::string text = view(16, "0 -.3 2.2  0 0 .8  0 0 1", 40) + R"(
+    Material "diffuse" "rgb reflectance" [.6 .6 .6]
+    Shape "bilinearmesh" "point3 P" [-9 -7 0 9 -7 0 -9 7 0 9 7 0] Shape "bilinearmesh" "point3 P" [-9 -7 6 9 -7 6 -9 7 6 9 7 6]
+    Shape "bilinearmesh" "point3 P" [-9 -7 0 9 -7 0 -9 -7 6 9 -7 6] Shape "bilinearmesh" "point3 P" [-9 7 0 9 7 0 -9 7 6 9 7 6]
+    Shape "bilinearmesh" "point3 P" [-9 -7 0 -9 7 0 -9 -7 6 -9 7 6] Shape "bilinearmesh" "point3 P" [9 -7 0 9 7 0 9 -7 6 9 7 6]
+    Shape "bilinearmesh" "point3 P" [-1 -1 .8 1 -1 .8 -1 1 .8 1 1 .8]
+  )";
+  for (int i = 0; i < 4; ++i)
+    text += "LightSource \"spot\" \"point3 from\" [" + std::to_string(4 * i - 6) + " 2 5] \"point3 to\" [" +
+            std::to_string(6 * i - 9) + " 0 9] \"rgb I\" [90 80 70] \"float coneangle\" 60\n";
+  const auto scene = sceneFrom(text);
+  const Compared c =
+      compareGuided(*scene, "\"integer photons\" 10000 \"integer passes\" 2 \"float radius\" .1");
+  EXPECT_LT(c.variance[1], c.variance[0] / 10);
+  const std::string few = "\"integer photons\" 5000 \"integer passes\" 2";
+  const Rendered one = renderScene(*scene, "photonmap", few, 2, 1, 1),
+                 three = renderScene(*scene, "photonmap", few, 2, 1, 3);
+  for (size_t i = 0; i < one.pixels(); ++i) ASSERT_EQ(one.value(i), three.value(i));
+  const Rendered truth = renderScene(*scene, "path", "", SANITIZED ? 256 : 1024);
+  EXPECT_NEAR(c.mean[1] / truth.mean(), 1, 0.02 + 4 * truth.standardError() / truth.mean());
 }
 
 TEST(EmissionGuide, WhereAllPhotonsCountNothingChanges) {

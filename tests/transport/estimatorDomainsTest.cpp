@@ -282,6 +282,22 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
   }
 }
 
+/** A photon that is sent in a direction carries what one that happens to go there does. */
+TEST(MultipleImportanceSampling, PhotonsKnowWhatADirectionIsWorth) {
+  const auto scene = sceneFrom(roomWith(litRooms().front().lights));
+  size_t tested = 0, wrong = 0;
+  visitPoints(*scene, samples(4000),
+              [&](const ScatteringPoint& scattering, const SurfacePoint&, const Vec3f& wi, Sampler sampler) {
+                const auto s = scattering.scatterDiffuse(wi, Transport::FLUX, sampler);
+                if (!s) return;
+                ++tested;
+                const Rgb expected = s->weight * s->pdf;
+                const Rgb difference = glm::abs(scattering.evaluateFlux(wi, s->direction) - expected);
+                if (maxComponent(difference) > float(SAME) * maxComponent(expected)) ++wrong;
+              });
+  expectFew(wrong, tested, "flux");
+}
+
 /** A shadow ray finds the density with which BSDF rays are sent, with the lobes of `path` and of `photonmap`.
  */
 TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfDirections) {

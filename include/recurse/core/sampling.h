@@ -31,6 +31,13 @@ inline Vec3f cosineHemisphere(const Vec2f& u) {
   return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
 }
 
+/** Uniform in a cone around +z; `opening` is 1 - the cosine of half its angle. The density is
+ * 1 / (2π opening). */
+inline Vec3f uniformCone(const Vec2f& u, float opening) {
+  const float below = u.x * opening, r = std::sqrt(below * (2 - below)), phi = 2 * PI * u.y;
+  return {r * std::cos(phi), r * std::sin(phi), 1 - below};
+}
+
 /** With density 1/(4π). */
 inline Vec3f uniformSphere(const Vec2f& u) {
   const float z = 1 - 2 * u.x;

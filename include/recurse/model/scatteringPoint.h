@@ -58,6 +58,12 @@ class ScatteringPoint {
     return value(eye, light) * absDot(light, frame.z);
   }
 
+  /** The non-delta BSDF times the cosine of `wo`, for a photon that came from `wi` and goes on to `wo`. */
+  Rgb evaluateFlux(const Vec3f& wi, const Vec3f& wo) const {
+    return value(wo, wi) *
+           (absDot(wo, frame.z) * shadingNormalFactor(wi, frame.toLocal(wi), wo, frame.toLocal(wo)));
+  }
+
   /** Density with which scatter chooses wo by a non-delta lobe [1/sr], for the same allowed lobes. */
   float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
     if (!(lobeSet & allowed & DELTA_LOBES)) return pdfDiffuse(wi, wo);

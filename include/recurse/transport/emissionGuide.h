@@ -6,7 +6,7 @@
 
 #include <array>
 #include <span>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 #include "recurse/core/vector.h"
@@ -18,13 +18,18 @@ class VisibleRegion {
  public:
   /** Everything within `size` > 0 of the position [scene units] belongs to it, and some more. */
   void add(const Vec3f& position, float size);
-  bool contains(const Vec3f& position) const;
+  bool contains(const Vec3f& position) const { return importance(position) > 0; }
+  /** How many of the added places lie there in so much of a surface; 0 outside. */
+  float importance(const Vec3f& position) const;
   bool empty() const { return cells.empty(); }
+  /** What was added. */
+  const std::vector<Vec3f>& all() const { return places; }
 
  private:
   static uint64_t key(int level, const Vec3f& position);
-  std::unordered_set<uint64_t> cells;
+  std::unordered_map<uint64_t, float> cells;
   std::vector<int> levels; ///< cells of side 2^level
+  std::vector<Vec3f> places;
 };
 
 /**
@@ -39,17 +44,17 @@ class EmissionGuide {
   using Numbers = std::array<float, DIMENSIONS>;
   struct Useful {
     Numbers numbers;
-    float weight; ///< 1 / the density that it was drawn with
+    float weight; ///< what it brings, squared, over the density that it was drawn with
   };
 
   /** No guide: density 1. */
   EmissionGuide() = default;
   /**
-   * From the useful ones of `trials` photons. Where the chance of being useful is p, the density that brings
-   * least variance is in proportion to √p; a tenth is left to the rest of the cube, of which too little is
-   * known to leave it out.
+   * From the useful ones of `trials` photons. Where the mean of what is brought, squared, is p, the density
+   * of least variance is in proportion to √p; a tenth is left to the rest of the cube, of which too little is
+   * known to leave it out. `lights` share the first dimension.
    */
-  EmissionGuide(std::span<const Useful> useful, double trials);
+  EmissionGuide(std::span<const Useful> useful, double trials, size_t lights = 1);
 
   /** How many times less variance a photon brings than without; 1 without a guide. */
   double gain() const { return expectedGain; }
@@ -74,6 +79,7 @@ class EmissionGuide {
 
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;
+  size_t lights = 1;
   double expectedGain = 1;
 };
 

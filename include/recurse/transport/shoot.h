@@ -11,12 +11,26 @@
 
 namespace recurse {
 
+/**
+ * A sphere that photons are sent to from every matt surface outside, by directions of their own: those that
+ * the surface's BSDF would send there are left out in return, so that nothing is counted twice (the DXTRAN
+ * spheres of neutron transport; X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9). They carry
+ * little each and are many; when they leave the sphere, roulette makes them few.
+ */
+struct PhotonTarget {
+  Vec3f center{0};
+  float radius = 0;
+  float part = 1;       ///< of a photon's power that one sent to the sphere should carry
+  float importance = 0; ///< how much of what is seen lies in so much of a surface
+};
+
 struct ShootSettings {
   uint64_t photons = 0; ///< emitted
   int maxDepth =
       -1; ///< most scattering events of a photon, the one where it is stored included; -1: no limit
   bool direct = true;                   ///< store photons that come straight from a light as well
   const EmissionGuide* guide = nullptr; ///< where photons are worth most; null: everywhere
+  std::vector<PhotonTarget> targets;
 };
 
 struct ShotPhotons {
@@ -33,12 +47,19 @@ struct ShotPhotons {
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
                          const ShootSettings& settings, const ForwardControl& control);
 
+/** How photons are sent where they are wanted. */
+struct PhotonGuidance {
+  EmissionGuide emission;
+  std::vector<PhotonTarget> targets;
+};
+
 /**
  * Learns from trial photons where those start that come down in the region: as few as will do, where most do
- * so anyway, and the guide is then not active. `counts` gets what the trials cost.
+ * so anyway, and the guide is then not active. The region becomes a target where few photons come down in it
+ * and many do that are sent there. `counts` gets what the trials cost.
  */
-EmissionGuide learnEmission(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                            const ShootSettings& settings, const VisibleRegion& region,
-                            const ForwardControl& control, TransportCounts& counts);
+PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                             const ShootSettings& settings, const VisibleRegion& region,
+                             const ForwardControl& control, TransportCounts& counts);
 
 } // namespace recurse
