@@ -15,10 +15,10 @@ namespace recurse {
 namespace {
 
 /** Tell these samples from all others. */
-constexpr uint64_t PHOTON_STREAM = 0x4c4947485453ull, EYE_STREAM = 0x4c4f4f4b53ull,
+constexpr uint64_t FIRST_LIGHT_STREAM = 0x4c4947485453ull, LOOK_STREAM = 0x4c4f4f4b53ull,
                    PLACE_STREAM = 0x504c41434553ull;
 /** Most photons of a cell, and how many the guess by power and distance is worth. */
-constexpr size_t CELL = 64;
+constexpr size_t MOST_ARRIVALS = 64;
 constexpr double PRIOR = 64;
 /** Levels of the tree that are tabulated. */
 constexpr int TABLE_DEPTH = 6;
@@ -198,7 +198,7 @@ void LightGuide::buildNode(std::span<const std::array<Vec3f, 2>> boxes, const Li
 void LightGuide::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::vector<Arrivals>& leaves) {
   const size_t cell = cells.size();
   cells.emplace_back();
-  if (arrivals.size() > CELL) {
+  if (arrivals.size() > MOST_ARRIVALS) {
     Vec3f low(INFINITE), high(-INFINITE);
     for (const Arrival& a : arrivals) {
       low = glm::min(low, a.position);
@@ -300,7 +300,7 @@ void LightGuide::keep(const Hit& hit, const Vec3f& direction, uint32_t light, Fo
 
 void LightGuide::shoot(const Scene& scene, uint32_t index, Found& found) const {
   const LightTable& lights = scene.lights();
-  Sampler sampler(0, PHOTON_STREAM, index);
+  Sampler sampler(0, FIRST_LIGHT_STREAM, index);
   float pick = sampler.next1D();
   const size_t light = lights.chooseIndex(pick);
   const float part = sampler.next1D();
@@ -320,7 +320,7 @@ void LightGuide::shoot(const Scene& scene, uint32_t index, Found& found) const {
 }
 
 void LightGuide::look(const Scene& scene, uint32_t index, Found& found) const {
-  Sampler sampler(0, EYE_STREAM, index);
+  Sampler sampler(0, LOOK_STREAM, index);
   TransportCounts counts;
   BsdfArena arena;
   const Vec2f across(scene.film().width, scene.film().height);
@@ -378,7 +378,7 @@ void LightGuide::learn(const Scene& scene) {
   buildTree(lights);
   if (!active()) return;
   // More than what a picture of so many pixels takes a small part of the time for is not worth it.
-  constexpr size_t LEAST = 16384, MOST = 131072, BATCH = 2048, LOOKS = 4;
+  constexpr size_t LEAST = 4096, MOST = 131072, BATCH = 1024, LOOKS = 4;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   const size_t batches = std::clamp(2 * pixels, LEAST, MOST) / BATCH;
   std::vector<Found> found(batches);

@@ -19,7 +19,7 @@ namespace {
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull, TRIAL_STREAM = 0x545249414c53ull;
 constexpr uint64_t BATCH = 4096;
 /** Nearer than so many radii the target is too wide for a cone. */
-constexpr float NEAR = 1.5f;
+constexpr float NEAR_TARGET = 1.5f;
 
 class PhotonWalk {
  public:
@@ -139,7 +139,7 @@ class PhotonWalk {
     for (const PhotonTarget& t : settings.targets) {
       const Vec3f way = t.center - from;
       const float distance2 = lengthSquared(way), sine2 = square(t.radius) / distance2;
-      if (!(distance2 > square(NEAR * t.radius))) return false;
+      if (!(distance2 > square(NEAR_TARGET * t.radius))) return false;
       cones.push_back({way / std::sqrt(distance2), sine2 / (1 + std::sqrt(1 - sine2)), t.part});
     }
     return true;
@@ -305,7 +305,7 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
     // What a grey surface sends there, typically.
     std::vector<float> typical;
     for (const Vec3f& p : landed)
-      if (const float q = square(radius) / lengthSquared(p - center); q < 1 / square(NEAR))
+      if (const float q = square(radius) / lengthSquared(p - center); q < 1 / square(NEAR_TARGET))
         typical.push_back(0.5f * (1 - std::sqrt(1 - q)));
     if (typical.empty()) continue;
     const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
