@@ -146,17 +146,17 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
     }
     region.radius = std::sqrt(radius2);
   };
-  const bool flat = surroundings && surroundings->known && surroundings->known->flat > surroundings->away;
-  if (flat) region.flatness = flatnessOfFlat(*surroundings, settings.flatness, glm::length(point.error));
+  const float error = glm::length(point.error), flat = surroundings ? surroundings->flat() : 0;
+  if (flat > 0) region.flatness = flatnessOfFlat(*surroundings, settings.flatness, error);
   search();
-  if (flat && region.radius > surroundings->known->flat - surroundings->away) {
+  if (flat > 0 && region.radius > flat) { // no telling what is flat so far away
     region.flatness = settings.flatness;
     search();
   }
   float part = 1;
   if (surroundings) {
     const auto fit = [&] {
-      part = fitToSurface(*surroundings, glm::length(point.error), settings.kernel, region, out.counts);
+      part = fitToSurface(*surroundings, error, settings.kernel, region, out.counts);
       const bool smaller = square(region.radius) < 0.99f * radius2;
       if (!smaller) return;
       radius2 = square(region.radius);

@@ -26,8 +26,8 @@ constexpr int TABLE_DEPTH = 6;
 constexpr double EVEN_PART = 1e-3;
 
 /** The longest side of the box. */
-int widest(const Vec3f& low, const Vec3f& high) {
-  const Vec3f size = high - low;
+int widest(const Bounds3f& box) {
+  const Vec3f size = box.diagonal();
   return size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
 }
 
@@ -142,21 +142,15 @@ float LightGuide::probabilityLearned(const LitPlace& place, uint32_t light) cons
 void LightGuide::buildTree(const LightTable& lights) {
   // Where photons start is all that is asked of a light; a box that is too small costs no more than noise.
   constexpr int STARTS = 4;
-  std::vector<std::array<Vec3f, 2>> boxes(lights.size());
+  std::vector<Bounds3f> boxes(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) {
     if (!(lights.probability(i) > 0)) continue; // no photon starts here
     order.push_back(static_cast<uint32_t>(i));
-    auto& [low, high] = boxes[i];
-    low = Vec3f(INFINITE);
-    high = Vec3f(-INFINITE);
     for (int k = 0; k < STARTS; ++k) {
       const float a = (static_cast<float>(k) + 0.5f) / STARTS, b = std::fmod(a + 0.5f, 1.0f);
-      const std::optional<Emission> e = lights[i].emit({a, {a, k % 2 ? 0.25f : 0.75f}, {b, a}});
-      if (!e) continue;
-      low = glm::min(low, e->origin);
-      high = glm::max(high, e->origin);
+      if (const auto e = lights[i].emit({a, {a, k % 2 ? 0.25f : 0.75f}, {b, a}})) boxes[i].add(e->origin);
     }
-    if (low.x > high.x) low = high = Vec3f(0);
+    if (boxes[i].empty()) boxes[i].add(Vec3f(0));
   }
   if (order.size() < 2) {
     order.clear();
@@ -170,22 +164,21 @@ void LightGuide::buildTree(const LightTable& lights) {
   for (size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<uint32_t>(i);
 }
 
-void LightGuide::buildNode(std::span<const std::array<Vec3f, 2>> boxes, const LightTable& lights,
-                           size_t first, size_t end, int depth) {
-  Vec3f low(INFINITE), high(-INFINITE);
+void LightGuide::buildNode(std::span<const Bounds3f> boxes, const LightTable& lights, size_t first,
+                           size_t end, int depth) {
+  Bounds3f box;
   double power = 0;
   for (size_t i = first; i < end; ++i) {
-    low = glm::min(low, boxes[order[i]][0]);
-    high = glm::max(high, boxes[order[i]][1]);
+    box.add(boxes[order[i]]);
     power += double(lights.probability(order[i]));
   }
   if (depth == TABLE_DEPTH || (depth < TABLE_DEPTH && end - first == 1))
     clusters.push_back(
         {static_cast<uint32_t>(nodes.size()), static_cast<uint32_t>(first), static_cast<uint32_t>(end)});
-  nodes.push_back({(low + high) / 2.0f, lengthSquared((high - low) / 2.0f), static_cast<float>(power)});
+  nodes.push_back({box.center(), lengthSquared(box.diagonal() / 2.0f), static_cast<float>(power)});
   if (end - first == 1) return;
-  const int axis = widest(low, high);
-  const auto place = [&](uint32_t light) { return boxes[light][0][axis] + boxes[light][1][axis]; };
+  const int axis = widest(box);
+  const auto place = [&](uint32_t light) { return boxes[light].lower[axis] + boxes[light].upper[axis]; };
   const size_t middle = first + (end - first) / 2;
   const auto at = [&](size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
   std::nth_element(at(first), at(middle), at(end), [&](uint32_t a, uint32_t b) {
@@ -199,17 +192,14 @@ void LightGuide::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::ve
   const size_t cell = cells.size();
   cells.emplace_back();
   if (arrivals.size() > MOST_ARRIVALS) {
-    Vec3f low(INFINITE), high(-INFINITE);
-    for (const Arrival& a : arrivals) {
-      low = glm::min(low, a.position);
-      high = glm::max(high, a.position);
-    }
-    const int axis = widest(low, high);
+    Bounds3f box;
+    for (const Arrival& a : arrivals) box.add(a.position);
+    const int axis = widest(box);
     const size_t half = arrivals.size() / 2;
     std::nth_element(arrivals.begin(), arrivals.begin() + static_cast<std::ptrdiff_t>(half), arrivals.end(),
                      [&](const Arrival& a, const Arrival& b) { return a.position[axis] < b.position[axis]; });
     const float at = arrivals[half].position[axis];
-    if (at > low[axis]) { // else all are at the same place
+    if (at > box.lower[axis]) { // else all are at the same place
       buildCells(arrivals.first(half), cells, leaves);
       cells[cell] = {static_cast<uint32_t>(axis), at, static_cast<uint32_t>(cells.size())};
       buildCells(arrivals.subspan(half), cells, leaves);
@@ -239,11 +229,8 @@ std::vector<double> LightGuide::irradiances(const LightTable& lights, Arrivals a
 void LightGuide::buildTable(const LightTable& lights, Arrivals arrivals, Sampler sampler,
                             float* table) const {
   const size_t count = clusters.size();
-  Vec3f low(INFINITE), high(-INFINITE);
-  for (const Arrival& a : arrivals) {
-    low = glm::min(low, a.position);
-    high = glm::max(high, a.position);
-  }
+  Bounds3f box;
+  for (const Arrival& a : arrivals) box.add(a.position);
   // Deals out a part of 1 to each cluster from the root down.
   const auto dealOut = [&](const auto& left, const auto& deal) {
     const auto visit = [&](const auto& self, Descent way, double part) -> void {
@@ -257,7 +244,7 @@ void LightGuide::buildTable(const LightTable& lights, Arrivals arrivals, Sampler
       self(self, other, part * (1 - toTheLeft));
     };
     visit(visit,
-          Descent(*this, (low + high) / 2.0f, lengthSquared((high - low) / 2.0f),
+          Descent(*this, box.center(), lengthSquared(box.diagonal() / 2.0f),
                   {0, 0, static_cast<uint32_t>(order.size())}),
           1);
   };

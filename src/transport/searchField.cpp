@@ -83,7 +83,7 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<co
         const auto fit = [&] { fitToSurface(surroundings, error, kernel, region, partCounts[part]); };
         region.radius = radius();
         region.flatness =
-            region.radius <= place.around.flat ? flatnessOfFlat(surroundings, flatness, error) : flatness;
+            region.radius <= surroundings.flat() ? flatnessOfFlat(surroundings, flatness, error) : flatness;
         fit();
         if (region.clipCount > 0 || region.flatness < flatness) {
           region.radius = radius();

@@ -267,15 +267,12 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
   constexpr size_t MOST = 8;
   struct Part {
     std::span<Vec3f> places;
-    Vec3f low, high;
-    float radius() const { return glm::distance(low, high) / 2; }
+    Bounds3f box;
+    float radius() const { return glm::length(box.diagonal()) / 2; }
   };
   const auto partOf = [](std::span<Vec3f> places) {
-    Part part{places, Vec3f(INFINITE), Vec3f(-INFINITE)};
-    for (const Vec3f& p : places) {
-      part.low = glm::min(part.low, p);
-      part.high = glm::max(part.high, p);
-    }
+    Part part{places, {}};
+    for (const Vec3f& p : places) part.box.add(p);
     return part;
   };
   std::vector<Part> parts{partOf(seen)};
@@ -285,9 +282,9 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
       return square(a.radius()) * static_cast<float>(a.places.size()) <
              square(b.radius()) * static_cast<float>(b.places.size());
     });
-    const Vec3f size = cut->high - cut->low;
+    const Vec3f size = cut->box.diagonal();
     const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
-    const float at = (cut->low[axis] + cut->high[axis]) / 2;
+    const float at = cut->box.center()[axis];
     const auto middle =
         std::partition(cut->places.begin(), cut->places.end(), [&](const Vec3f& p) { return p[axis] < at; });
     const auto left = static_cast<size_t>(middle - cut->places.begin());
@@ -301,7 +298,7 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
     const float radius = part.radius();
     const double share = double(part.places.size()) / double(seen.size());
     if (share < LEAST || !(radius > 0 && radius < WIDEST * scene.bounds().radius)) continue;
-    const Vec3f center = (part.low + part.high) / 2.0f;
+    const Vec3f center = part.box.center();
     // What a grey surface sends there, typically.
     std::vector<float> typical;
     for (const Vec3f& p : landed)
@@ -323,6 +320,11 @@ struct Trials {
   uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
   TransportCounts counts;
 
+  /** Whether targets are worth the photons that are sent there. */
+  bool arrive() const {
+    constexpr double ENOUGH = 0.2;
+    return double(arrived) >= ENOUGH * double(sent);
+  }
   void add(const Trials& o) {
     useful.insert(useful.end(), o.useful.begin(), o.useful.end());
     landed.insert(landed.end(), o.landed.begin(), o.landed.end());
@@ -376,7 +378,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   constexpr uint64_t TRIALS = 8 * BATCH;
   constexpr int ROUNDS = 5, MOST_ROUNDS = 16;
   constexpr double RISES = 1.1, WORTH_IT = 1.5;
-  constexpr double FEW = 0.05, ENOUGH = 0.2; // of photons in the region, and of those sent there
+  constexpr double FEW = 0.05; // of photons in the region
   PhotonGuidance guidance;
   if (scene.lights().size() == 0 || region.empty()) return guidance;
   EmissionGuide& guide = guidance.emission;
@@ -392,7 +394,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
     for (int round = 1;; ++round) {
       const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
       counts.add(trials.counts);
-      if (!trial.targets.empty() && double(trials.arrived) < ENOUGH * double(trials.sent)) return trials;
+      if (!trial.targets.empty() && !trials.arrive()) return trials;
       useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
       const double before = guide.gain();
       guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
@@ -413,8 +415,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
     const EmissionGuide without = guide;
     trial.targets = targetsAround(scene, region.all(), plain.landed);
     if (!trial.targets.empty()) {
-      const Trials targeted = learn();
-      if (double(targeted.arrived) < ENOUGH * double(targeted.sent)) {
+      if (!learn().arrive()) {
         trial.targets.clear();
         guide = without;
       }

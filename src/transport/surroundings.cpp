@@ -300,7 +300,7 @@ float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, Gathe
   SurfaceInDisc disc;
   for (int step = 0; step < MOST_STEPS; ++step) {
     clip();
-    if (region.radius <= surroundings.known->flat - surroundings.away)
+    if (region.radius <= surroundings.flat())
       return region.clipCount == 0 ? 1 : unclippedPart(kernel, region, surroundings.sampler.next1D());
     disc = measure<FEW>(surroundings, error, kernel, region, counts);
     if (disc.part >= LEAST_PART && disc.cosine >= LEAST_COSINE) {

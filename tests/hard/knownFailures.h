@@ -22,7 +22,7 @@ constexpr const char* FINE_DIRECTIONS =
 constexpr const char* THIN_FACES = "out of the axes the faces are 8 units of roundoff apart, and some rays "
                                    "that leave one start beyond the other";
 constexpr const char* BY_POWER =
-    "lights are chosen by power alone, wherever they can be seen: once in 1e40 rays";
+    "photons start by the power of lights, and lights with no photons are chosen by it too: once in 1e40";
 
 constexpr KnownFailure KNOWN_FAILURES[] = {
     {"sphere of radius 1e-4 seen from 1e4: pinhole across the axes", "*", FINE_DIRECTIONS},

@@ -30,7 +30,7 @@ struct GatherResult {
  * Adds the radiance towards unit `eye` from the photons near a point with non-delta lobes, times
  * `throughput`. `eyeState` has read the D at the point. A disc smaller than `footprint` (the pixel's width
  * there) is widened to it: detail below a pixel is only noise. With `surroundings` the area is that of the
- * surfaces in the disc, see clipAndMeasure(), and a disc of which too little is surface is made smaller.
+ * surfaces in the disc, see fitToSurface(), and a disc of which too little is surface is made smaller.
  */
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,

@@ -98,8 +98,8 @@ class LightGuide {
                     Sampler& sampler, Found& found) const;
   void keep(const Hit& hit, const Vec3f& direction, uint32_t light, Found& found) const;
   void buildTree(const LightTable& lights);
-  void buildNode(std::span<const std::array<Vec3f, 2>> boxes, const LightTable& lights, size_t first,
-                 size_t end, int depth);
+  void buildNode(std::span<const Bounds3f> boxes, const LightTable& lights, size_t first, size_t end,
+                 int depth);
   static void buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::vector<Arrivals>& leaves);
   /** What the clusters would bring to the place of the arrivals if nothing was in the way, to a factor. */
   std::vector<double> irradiances(const LightTable& lights, Arrivals arrivals, Sampler sampler) const;

@@ -61,6 +61,10 @@ struct Surroundings {
   const Neighbourhood* known = nullptr; ///< of a place near by; null: nothing is known
   float away = 0;                       ///< the distance to that place
   Neighbourhood own = {};               ///< found out where nothing is known
+
+  /** Within this distance of the point the surface is known to be flat, see Neighbourhood; else not above 0.
+   */
+  float flat() const { return known ? known->flat - away : 0; }
 };
 
 /** Of a search region that is known to lie on a flat surface: what lies off it belongs to another surface,
