@@ -187,8 +187,10 @@ struct Estimate {
 Total gatherOurs(const PhotonMap& map, const std::vector<Query>& queries, float radius, bool rejecting) {
   Total total;
   const float inverseRadius2 = 1 / (radius * radius);
+  GatherRegion region{Vec3f(0), Vec3f(0), radius, rejecting ? 0.3f : 1.0f, !rejecting};
   for (const Query& query : queries) {
-    const GatherRegion region{query.point, query.normal, radius, rejecting ? 0.3f : 1.0f, !rejecting};
+    region.center = query.point;
+    region.normal = query.normal;
     const Estimate estimate = map.accumulateWithin(
         region, Estimate(), [=](Estimate& e, const PhotonBlock& block) { e.add(block, inverseRadius2); });
     total.add(estimate.rgb(), estimate.count);

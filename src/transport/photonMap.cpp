@@ -456,7 +456,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
       if (!(start > 0 && start < limit)) start = limit;
       query.setRadius2(start);
       found.clear();
-      walk(query, [&](const Hits& hits) {
+      walk<false>(query, [&](const Hits& hits) {
         for (size_t i = 0; i < hits.count; ++i) {
           const Float8 d2 = hits.distance2[i];
           const uint32_t mask = hits.mask[i] & bits(less(d2, Float8(query.radius2)));

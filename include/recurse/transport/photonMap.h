@@ -205,7 +205,7 @@ struct PhotonPayload {
 /** Eight neighbouring slots, some of which a query found. */
 struct PhotonBlock {
   uint32_t first;               ///< slot of lane 0; a multiple of 8
-  uint32_t mask;                ///< bit i: lane i was found; not 0
+  uint32_t mask;                ///< bit i: lane i was found; not 0 unless said otherwise
   Float8 distance2;             ///< D² of GatherRegion; only lanes in the mask have a meaning
   const PhotonPayload* payload; ///< all eight lanes may be read
   const uint8_t* pathStates;    ///< eight of them
@@ -332,7 +332,8 @@ class PhotonMap {
   /**
    * The same for sums: calls add(state, const PhotonBlock&), which changes the state, and returns the last
    * state. Faster than a visitor with sums outside, which the compiler must keep in memory: the state is a
-   * copy that nobody else knows, so it lives in registers.
+   * copy that nobody else knows, so it lives in registers. For speed again, neighbouring blocks in which
+   * nothing was found may come as well, with an empty mask: `add` should need no branch for them.
    */
   template <class State, class Add>
   State accumulateWithin(const GatherRegion& region, State state, Add&& add) const;
@@ -382,7 +383,9 @@ class PhotonMap {
   template <bool FLAT, bool SIDED, bool CLIPPED> struct Query;
   template <class F> decltype(auto) withQuery(const GatherRegion& region, F&& f) const;
   struct Hits;
-  template <class Q, class Flush> void walk(const Q& query, Flush&& flush) const;
+  template <bool EMPTY_TOO, class Q, class Flush> void walk(const Q& query, Flush&& flush) const;
+  template <bool EMPTY_TOO, class State, class Add>
+  State accumulate(const GatherRegion& region, State state, Add&& add) const;
   template <class Visitor> void visit(const FoundPhotons& found, Visitor&& visitor) const;
   /** The first node of a level, as if all levels above were full: 1 + 8 + 64 + …. */
   static constexpr size_t levelBegin(int level) { return ((size_t(1) << 3 * level) - 1) / 7; }
@@ -512,15 +515,18 @@ struct PhotonMap::Hits {
  * query.radius2; hits that were found before then lie within the old one.
  *
  * Nodes, leaves and blocks are each put on a list for the next step, by code that always writes and then
- * advances by what counts: a mispredicted branch costs as much as the tests of two leaves.
+ * advances by what counts: a mispredicted branch costs as much as the tests of two leaves. To wait for what
+ * counts costs something as well: with EMPTY_TOO blocks may come that have an empty mask.
  */
-template <class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
+template <bool EMPTY_TOO, class Q, class Flush>
+void PhotonMap::walk(const Q& query, Flush&& flush) const {
   if (photonCount == 0) return;
   constexpr size_t MOST_LEAVES = 32;
   uint32_t nodeStack[7 * MAX_LEVELS + 2 * 8]; // eight may be written beyond the last
   uint32_t leafList[MOST_LEAVES + 2 * 8];
   size_t nodesLeft = 0, leavesFound = 0;
   Hits hits;
+  constexpr bool TAKE_ALL = EMPTY_TOO && !Q::SELECTIVE;
   const auto finish = [&] {
     if constexpr (Q::SELECTIVE) {
       size_t kept = 0;
@@ -550,7 +556,7 @@ template <class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flu
         hits.block[hits.count] = leafList[l] * LEAF_BLOCKS + i;
         hits.distance2[hits.count] = d2;
         hits.mask[hits.count] = mask;
-        hits.count += mask != 0;
+        hits.count += TAKE_ALL || mask != 0;
       }
     }
     leavesFound = 0;
@@ -589,8 +595,8 @@ template <class Visitor> void PhotonMap::visit(const FoundPhotons& found, Visito
   }
 }
 
-template <class State, class Add>
-State PhotonMap::accumulateWithin(const GatherRegion& region, State state, Add&& add) const {
+template <bool EMPTY_TOO, class State, class Add>
+State PhotonMap::accumulate(const GatherRegion& region, State state, Add&& add) const {
   if (indexKind == PhotonIndexKind::FLANN) {
     FoundPhotons found;
     findWithinFlann(region, found);
@@ -604,13 +610,18 @@ State PhotonMap::accumulateWithin(const GatherRegion& region, State state, Add&&
       add(local, makeBlock(hits.block[i], hits.mask[i], hits.distance2[i]));
     state = local;
   };
-  withQuery(region, [&](const auto& query) { walk(query, flush); });
+  withQuery(region, [&](const auto& query) { walk<EMPTY_TOO>(query, flush); });
   return state;
+}
+
+template <class State, class Add>
+State PhotonMap::accumulateWithin(const GatherRegion& region, State state, Add&& add) const {
+  return accumulate<true>(region, state, add);
 }
 
 template <class Visitor> void PhotonMap::visitWithin(const GatherRegion& region, Visitor&& visitor) const {
   struct Nothing {};
-  accumulateWithin(region, Nothing(), [&](Nothing&, const PhotonBlock& block) { visitor(block); });
+  accumulate<false>(region, Nothing(), [&](Nothing&, const PhotonBlock& block) { visitor(block); });
 }
 
 template <class Visitor> void PhotonMap::visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const {
