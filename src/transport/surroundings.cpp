@@ -13,6 +13,11 @@ constexpr float WALL_COSINE = 0.7f;
 /** Rays along a surface start so far above it, over the disc's radius: below the photons' search region. */
 constexpr float RISE = 0.02f;
 
+/** So far above it, over the disc's radius, others look for what ends that near to the surface without
+ * touching it, as a door below a ceiling does: light on one side of a narrow gap tells little of the other.
+ */
+constexpr float GAP = 0.2f;
+
 bool holdsPhotons(const Hit& hit) { return hit.material && (hit.material->lobes() & DIFFUSE_LOBES); }
 
 /** The first surface that can hold photons along the ray; false when there is none. */
@@ -54,27 +59,40 @@ template <int N> std::array<Vec3f, N> directions(const Vec3f& normal, float turn
   return all;
 }
 
-/** The walls that rays along the surface meet within the region's radius; `met` gets the distances, infinite
- * where there is none. */
+/** The walls that rays along the surface meet within the region's radius, rising from it or ending just above
+ * it; `met` gets the distances, infinite where there is none. */
 template <size_t N>
 void findWalls(const Scene& scene, float error, const GatherRegion& region,
                const std::array<Vec3f, N>& directions, std::array<float, N>& met, Neighbourhood& found,
                TransportCounts& counts) {
-  const Vec3f start = region.center + region.normal * std::max(RISE * region.radius, 2 * error);
+  met.fill(INFINITE);
   const float margin = wallMargin(region, error);
-  for (size_t i = 0; i < N; ++i) {
-    met[i] = INFINITE;
-    Hit hit;
-    if (!meetWall(scene, {start, directions[i], region.radius}, region.normal, hit, counts)) continue;
-    met[i] = hit.t;
-    Vec3f normal = hit.point.geometricNormal;
-    if (glm::dot(normal, directions[i]) > 0) normal = -normal;
-    const Vec3f place = hit.point.position + normal * margin;
-    const bool known =
-        std::any_of(found.borders.begin(), found.borders.begin() + found.borderCount,
-                    [&](const Border& b) { return glm::dot(place, b.normal) < b.offset + 2 * margin; });
-    if (!known) found.add({normal, glm::dot(hit.point.position, normal), Border::WALL});
+  const auto lookAlong = [&](float height) {
+    const Vec3f start = region.center + region.normal * height;
+    for (size_t i = 0; i < N; ++i) {
+      Hit hit;
+      if (!meetWall(scene, {start, directions[i], std::min(region.radius, met[i])}, region.normal, hit,
+                    counts))
+        continue;
+      met[i] = hit.t;
+      Vec3f normal = hit.point.geometricNormal;
+      if (glm::dot(normal, directions[i]) > 0) normal = -normal;
+      const Vec3f place = hit.point.position + normal * margin;
+      const bool known =
+          std::any_of(found.borders.begin(), found.borders.begin() + found.borderCount,
+                      [&](const Border& b) { return glm::dot(place, b.normal) < b.offset + 2 * margin; });
+      if (!known) found.add({normal, glm::dot(hit.point.position, normal), Border::WALL});
+    }
+  };
+  const float low = std::max(RISE * region.radius, 2 * error);
+  lookAlong(low);
+  float high = GAP * region.radius;
+  Hit above;
+  if (meet(scene, {region.center + region.normal * low, region.normal, 2 * high - low}, above, counts)) {
+    found.clearance = low + above.t;
+    high = found.clearance / 2;
   }
+  if (high > 2 * low) lookAlong(high);
 }
 
 /** Places of a disc by a sunflower's spiral, which covers it evenly: unit vectors of its plane. */
@@ -284,6 +302,9 @@ float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, Gathe
     surroundings.known = &surroundings.own;
     surroundings.away = 0;
   }
+  constexpr float MOST_CLEARANCES = 2; // in a gap light changes within its height
+  region.radius =
+      std::min(region.radius, MOST_CLEARANCES * surroundings.known->clearance + surroundings.away);
   const auto clip = [&] {
     region.clipCount = 0;
     for (size_t i = 0; i < surroundings.known->borderCount; ++i) {

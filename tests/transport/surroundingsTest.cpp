@@ -218,6 +218,46 @@ TEST(Surroundings, KnownEdgesAndWhatLiesJustBelow) {
       }
 }
 
+TEST(Surroundings, NarrowGaps) {
+  // A block hovers over the floor: .01 is a gap for a disc of .2, .1 is not.
+  const auto block = [](double below) {
+    const std::string z = std::to_string(below);
+    return sceneOf(FLOOR + quad(".5 -1 " + z + "  .5 1 " + z + "  .5 1 1  .5 -1 1") +
+                   quad(".5 -1 " + z + "  .5 1 " + z + "  1 1 " + z + "  1 -1 " + z));
+  };
+  const Ray beside{{.4f, .1f, .005f}, {0, 0, -1}}, under{{.7f, .1f, .005f}, {0, 0, -1}};
+  const auto narrow = block(.01), wide = block(.1);
+  const Neighbourhood divided = around(*narrow, beside, .2f);
+  EXPECT_TRUE(divided.sees({.49f, .1f, 0}));
+  EXPECT_FALSE(divided.sees({.51f, .1f, 0}));
+  EXPECT_EQ(divided.clearance, INFINITE);
+  EXPECT_TRUE(around(*wide, beside, .2f).sees({.51f, .1f, 0}));
+  EXPECT_NEAR(around(*narrow, under, .2f).clearance, .01f, 1e-5f);
+  EXPECT_EQ(around(*wide, under, .2f).clearance, INFINITE);
+
+  // Photons beside the block do not count in the gap, nor those in the gap beside it.
+  GatherSettings settings;
+  settings.radius = .2f;
+  settings.nearest = 0;
+  const auto onlyBeyond = [](uint64_t seed) {
+    std::vector<Photon> all = onFloor(seed, 20000), some;
+    for (const Photon& p : all)
+      if (p.position.x > .5f) some.push_back(p);
+    return some;
+  };
+  EXPECT_EQ(estimateOverTruth(*narrow, beside, settings, 4, onlyBeyond, true).value, 0);
+  EXPECT_GT(estimateOverTruth(*wide, beside, settings, 4, onlyBeyond, true).value, .05);
+  const auto onlyBeside = [](uint64_t seed) {
+    std::vector<Photon> all = onFloor(seed, 20000), some;
+    for (const Photon& p : all)
+      if (p.position.x < .5f) some.push_back(p);
+    return some;
+  };
+  const Ray inside{{.56f, .1f, .005f}, {0, 0, -1}};
+  EXPECT_EQ(estimateOverTruth(*narrow, inside, settings, 4, onlyBeside, true).value, 0);
+  EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onlyBeside, true).value, .05);
+}
+
 TEST(Surroundings, APlaceBehindAWallTellsNothing) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR + WALL);

@@ -518,8 +518,7 @@ struct PhotonMap::Hits {
  * advances by what counts: a mispredicted branch costs as much as the tests of two leaves. To wait for what
  * counts costs something as well: with EMPTY_TOO blocks may come that have an empty mask.
  */
-template <bool EMPTY_TOO, class Q, class Flush>
-void PhotonMap::walk(const Q& query, Flush&& flush) const {
+template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
   if (photonCount == 0) return;
   constexpr size_t MOST_LEAVES = 32;
   uint32_t nodeStack[7 * MAX_LEVELS + 2 * 8]; // eight may be written beyond the last

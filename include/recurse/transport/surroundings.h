@@ -20,7 +20,8 @@ namespace recurse {
 /** A plane beyond which there is nothing of a surface: points p with p·normal = offset. */
 struct Border {
   enum Kind {
-    WALL, ///< that rises from the surface: what lies on it or behind it belongs to another
+    WALL, ///< that rises from the surface, or ends just above it: what lies on it or behind it belongs to
+          ///< another
     EDGE  ///< where the surface ends
   };
   Vec3f normal{0}; ///< unit, towards the surface
@@ -33,6 +34,8 @@ struct Neighbourhood {
   static constexpr size_t MOST_BORDERS = GatherRegion::MOST_CLIPS;
   float reach = 0; ///< the distance that was looked at
   float flat = 0;  ///< within this distance the surface is whole and flat, but for what lies beyond borders
+  /** How far above the place something else is; infinite where that is more than .4 of the reach. */
+  float clearance = INFINITE;
   size_t borderCount = 0;
   std::array<Border, MOST_BORDERS> borders;
 
@@ -77,8 +80,9 @@ inline float flatnessOfFlat(const Surroundings& surroundings, float most, float 
  * Clips the region at the borders around it, so that it leaves out what belongs to other surfaces or to
  * another room, and returns the part of the kernel's weight over the whole disc that then lies on a surface
  * which can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A disc of
- * which hardly anything is surface, or whose surface bends away, is made smaller first. Where the borders are
- * not known the part goes by eight places: it is exact on a plane, and about .1 off elsewhere.
+ * which hardly anything is surface, whose surface bends away, or which lies in a gap of less than half its
+ * radius, is made smaller first. Where the borders are not known the part goes by eight places: it is exact
+ * on a plane, and about .1 off elsewhere.
  */
 float fitToSurface(Surroundings& surroundings, float error, Kernel kernel, GatherRegion& region,
                    TransportCounts& counts);
