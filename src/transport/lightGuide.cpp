@@ -89,7 +89,6 @@ size_t LightGuide::sideOf(const Vec3f& normal) {
 
 LitPlace LightGuide::at(const Vec3f& position, const Vec3f& normal) const {
   LitPlace place{position};
-  if (!active()) return place;
   const std::vector<Cell>& side = cells[sideOf(normal)];
   if (side.empty()) return place;
   size_t i = 0;

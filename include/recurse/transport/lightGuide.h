@@ -38,7 +38,7 @@ class LightGuide {
   void learn(const Scene& scene);
 
   bool active() const { return !order.empty(); }
-  /** `normal`: geometric, on the side that is looked at. */
+  /** `normal`: geometric, on the side that is looked at. Only for an active guide. */
   LitPlace at(const Vec3f& position, const Vec3f& normal) const;
   /** `lights` are those of the scene that it has learned. u in [0,1) is used up and replaced by a fresh
    * number in [0,1). Not to be called on an empty table. */
