@@ -102,9 +102,9 @@ class PhotonMapping final : public Integrator {
         const double across = std::sqrt(double(scene.film().crop.area())) / 4;
         probe(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2, statistics.counts,
               [&](const SurfacePoint& point, float) { seen.push_back(point); });
+        const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
         for (const auto& [known, photons] : {std::pair(&field, &map), std::pair(&causticField, &caustics)})
-          known->build(scene, *photons, seen, search.nearest, search.radius, search.flatness, search.kernel,
-                       statistics.counts);
+          known->build(scene, *photons, seen, search, judged ? settings.alpha : 0, statistics.counts);
       }
     }
     return statistics;
@@ -598,8 +598,9 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
       {integerParameter(
            "gatherphotons", "",
            "photons nearest to a point that an estimate uses, in the first pass where there are "
-           "many; by default 50 to 100 for one pass, 8 to 40 for many, by the width of a pixel; a "
-           "radius alone means all photons within it")
+           "many; by default 50 to 100 for one pass, by the width of a pixel; for many 8 to 40, and from "
+           "there more or fewer, place by place, as the photons tell of noise and blur; a radius alone "
+           "means all photons within it")
            .range(1, 1e6),
        realParameter("alpha", "0.666666667",
                      "how fast the radius of a progressive render shrinks from pass to pass: between 0, at "

@@ -272,10 +272,43 @@ TEST(Surroundings, APlaceBehindAWallTellsNothing) {
   map.build(list);
   SearchField field;
   TransportCounts counts;
-  field.build(*scene, map, {}, 20, 1, 0.2f, Kernel::EPANECHNIKOV, counts);
+  GatherSettings search;
+  search.nearest = 20;
+  search.radius = 1;
+  field.build(*scene, map, {}, search, 0, counts);
   const SearchPlace before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
   const SearchPlace behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
   ASSERT_TRUE(behind.known);
   EXPECT_LT(2 * behind.radius, before.radius);
   EXPECT_TRUE(!before.known || before.known->sees(Vec3f(0.48f, 0, 0)));
+}
+
+TEST(Surroundings, DiscsByNoiseAndBlur) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  // The radius found in the middle of the floor, over that of the nearest photons, where light comes in
+  // stripes.
+  const auto widening = [&](float stripe, int nearest) {
+    std::vector<Photon> list;
+    for (const Photon& p : onFloor(7, 40000))
+      if (std::fmod(p.position.x + 4, 2 * stripe) < stripe) list.push_back(p);
+    PhotonMap map;
+    map.build(list);
+    GatherSettings search;
+    search.nearest = nearest;
+    search.radius = 1;
+    const auto radius = [&](double alpha) {
+      SearchField field;
+      TransportCounts counts;
+      field.build(*scene, map, {}, search, alpha, counts);
+      double mean = 0;
+      for (int i = 0; i < 100; ++i)
+        mean += double(field.at(Vec3f(-0.2f + 0.004f * float(i), 0, 0), {0, 0, 1}).radius);
+      return mean / 100;
+    };
+    return radius(2.0 / 3) / radius(0);
+  };
+  EXPECT_GT(widening(4, 40), 1.3) << "even light bears large discs";
+  EXPECT_LT(widening(0.06f, 40), 1.05) << "stripes as wide as a disc do not";
+  EXPECT_LT(widening(0.12f, 150), 1.05) << "nor do wider ones that more photons tell of";
 }

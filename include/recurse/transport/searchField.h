@@ -5,7 +5,7 @@
  */
 #pragma once
 
-#include "recurse/transport/surroundings.h"
+#include "recurse/transport/gather.h"
 
 namespace recurse {
 
@@ -27,10 +27,12 @@ struct SearchPlace {
 class SearchField {
  public:
   /** Takes at places all over a first photon map, and at points that are seen, the distance to the k-th
-   * photon, and at most `limit`, and what the surface is like around them. k = 0: `limit` everywhere. The
-   * geometric normals of `seen` point to where they are seen from. The map is not needed afterwards. */
-  void build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen, int nearest,
-             float limit, float flatness, Kernel kernel, TransportCounts& counts);
+   * photon, and at most search.radius, and what the surface is like around them. k = search.nearest; 0:
+   * search.radius everywhere. With alpha > 0, that of radiusScale(), the distance is a first guess: where
+   * discs of another area promise less error over many passes, they are taken. The geometric normals of
+   * `seen` point to where they are seen from. The map is not needed afterwards. */
+  void build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen,
+             const GatherSettings& search, double alpha, TransportCounts& counts);
   /** About where a search for the k-th photon of the first map would have ended at a point with this
    * geometric normal: the distance known at the nearest of the places, and no less than the way there. */
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;
@@ -39,6 +41,7 @@ class SearchField {
  private:
   struct Place {
     Vec3f position{0}, normal{0};
+    float error = 0;  ///< of the position
     float radius = 0; ///< 0: no place
     Neighbourhood around;
   };
