@@ -98,7 +98,7 @@ void expectAgreement(const Scene& scene, const Way& way, const PathClasses& clas
 
 TEST(ClassAgreement, PhotonMapAndPathAgreeOnStills) {
   const ThreadPool pool;
-  const auto scene = sceneFrom(glassBox(64));
+  const auto scene = sceneFrom(glassBox(SANITIZED ? 44 : 64));
   const PathClasses classes(defaultStillClasses());
   const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(12), 16);
   const std::string photons =

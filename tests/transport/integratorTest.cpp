@@ -238,7 +238,8 @@ TEST(Integrators, AgreeOnGlassAndMirror) {
 }
 
 TEST(Integrators, ScaleAndPlaceOfTheSceneDoNotMatter) {
-  for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 200000"}}) {
+  const std::string photons = "\"integer photons\" " + std::to_string(samples(200000));
+  for (const Way& way : {Way{"path", ""}, Way{"photonmap", photons}}) {
     const int n = samples(way.integrator == "path" ? 512 : 16);
     const Rendered plain = renderText(glassAndLamp(1, 0), way.integrator, way.parameters, n);
     for (const auto& [scale, move] :
@@ -261,9 +262,10 @@ TEST(Integrators, ScaleAndPlaceOfTheSceneDoNotMatter) {
 
 TEST(Integrators, SameBitsForAnyNumberOfThreads) {
   const auto scene = sceneFrom(glassAndLamp(1, 0, SANITIZED ? 16 : 32));
-  std::vector<Way> ways = allWays("20000");
+  const std::string photons = std::to_string(samples(20000));
+  std::vector<Way> ways = allWays(photons);
   ways.push_back({"path", "\"integer lightsamples\" 3"});
-  ways.push_back({"photonmap", "\"integer photons\" 20000 \"string photonindex\" \"flann\""});
+  ways.push_back({"photonmap", "\"integer photons\" " + photons + " \"string photonindex\" \"flann\""});
   ways.push_back({"sppm", ""});
   for (const Way& way : ways) {
     const Rendered one = renderScene(*scene, way.integrator, way.parameters, 3, 7, 1);

@@ -116,7 +116,8 @@ TEST(Nesting, HiddenSurfacesThrowNoShadows) {
     const std::string weaker = sphere(0.6, R"("float eta" 1.2 "integer priority" 1)");
     const auto one = sceneFrom(between(glass + inside)), other = sceneFrom(between(glass + weaker + inside));
     ASSERT_TRUE(one && other);
-    for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 20000"}}) {
+    const std::string photons = "\"integer photons\" " + std::to_string(samples(20000));
+    for (const Way& way : {Way{"path", ""}, Way{"photonmap", photons}}) {
       const Rendered x = renderScene(*one, way.integrator, way.parameters, samples(64), 1);
       const Rendered y = renderScene(*other, way.integrator, way.parameters, samples(64), 2);
       EXPECT_NEAR(x.mean(), y.mean(), 4 * std::hypot(x.standardError(), y.standardError()) + 0.02 * x.mean())
