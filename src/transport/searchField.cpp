@@ -241,8 +241,9 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<co
   for (const DiscErrors& e : errors) mean += e.irradiance / static_cast<double>(errors.size());
   PhotonMap measured;
   measured.build(measuredAt);
-  // The means over many passes (Knaus and Zwicker 2011, equations 17 and 19) of what the first one has; for
-  // alpha = 2/3 they have the same order.
+  // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011) the mean has P^(alpha-1) / alpha
+  // of the first one's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors have the
+  // same order.
   const double biasWeight = (2 - alpha) / square(alpha);
   forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
     if (places[i].radius == 0) return;

@@ -239,23 +239,18 @@ TEST(Surroundings, NarrowGaps) {
   GatherSettings settings;
   settings.radius = .2f;
   settings.nearest = 0;
-  const auto onlyBeyond = [](uint64_t seed) {
-    std::vector<Photon> all = onFloor(seed, 20000), some;
-    for (const Photon& p : all)
-      if (p.position.x > .5f) some.push_back(p);
-    return some;
+  const auto onSide = [](bool beyond) {
+    return [beyond](uint64_t seed) {
+      std::vector<Photon> list = onFloor(seed, 20000);
+      std::erase_if(list, [&](const Photon& p) { return (p.position.x > .5f) != beyond; });
+      return list;
+    };
   };
-  EXPECT_EQ(estimateOverTruth(*narrow, beside, settings, 4, onlyBeyond, true).value, 0);
-  EXPECT_GT(estimateOverTruth(*wide, beside, settings, 4, onlyBeyond, true).value, .05);
-  const auto onlyBeside = [](uint64_t seed) {
-    std::vector<Photon> all = onFloor(seed, 20000), some;
-    for (const Photon& p : all)
-      if (p.position.x < .5f) some.push_back(p);
-    return some;
-  };
+  EXPECT_EQ(estimateOverTruth(*narrow, beside, settings, 4, onSide(true), true).value, 0);
+  EXPECT_GT(estimateOverTruth(*wide, beside, settings, 4, onSide(true), true).value, .05);
   const Ray inside{{.56f, .1f, .005f}, {0, 0, -1}};
-  EXPECT_EQ(estimateOverTruth(*narrow, inside, settings, 4, onlyBeside, true).value, 0);
-  EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onlyBeside, true).value, .05);
+  EXPECT_EQ(estimateOverTruth(*narrow, inside, settings, 4, onSide(false), true).value, 0);
+  EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onSide(false), true).value, .05);
 }
 
 TEST(Surroundings, APlaceBehindAWallTellsNothing) {

@@ -33,8 +33,8 @@ class SearchField {
    * `seen` point to where they are seen from. The map is not needed afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen,
              const GatherSettings& search, double alpha, TransportCounts& counts);
-  /** About where a search for the k-th photon of the first map would have ended at a point with this
-   * geometric normal: the distance known at the nearest of the places, and no less than the way there. */
+  /** How far to look at a point with this geometric normal: the radius of the nearest of the places, and no
+   * less than the way there. */
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;
   size_t memoryBytes() const { return index.memoryBytes() + places.capacity() * sizeof(Place); }
 
