@@ -1,5 +1,5 @@
 /** @file
- * Runs the built program as a person would, in a folder of its own.
+ * Runs the program as a person would, in a folder of its own.
  */
 #pragma once
 
@@ -15,8 +15,6 @@
 #include <thread>
 #include <vector>
 
-#include <fcntl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 namespace programTesting {
@@ -34,36 +32,9 @@ inline std::string contents(const std::string& name) {
   return text.str();
 }
 
-/** Starts RECURSE_PROGRAM; `meanwhile` gets its process number once it runs. */
-inline Outcome runIn(const std::string& folder, const std::vector<std::string>& arguments,
-                     const std::function<void(pid_t)>& meanwhile = {}) {
-  const auto start = std::chrono::steady_clock::now();
-  const std::string outName = folder + "/.stdout", errName = folder + "/.stderr";
-  std::vector<char*> argv = {const_cast<char*>(RECURSE_PROGRAM)};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const int out = ::open(outName.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    const int err = ::open(errName.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    ::dup2(out, 1);
-    ::dup2(err, 2);
-    if (::chdir(folder.c_str()) != 0) ::_exit(126);
-    ::execv(RECURSE_PROGRAM, argv.data());
-    ::_exit(127);
-  }
-  if (meanwhile) meanwhile(child);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  Outcome result;
-  result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  result.out = contents(outName);
-  result.err = contents(errName);
-  std::filesystem::remove(outName);
-  std::filesystem::remove(errName);
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  return result;
-}
+/** Runs the program in `folder`, in a process of its own; `meanwhile` gets the number of that process. */
+Outcome runIn(const std::string& folder, const std::vector<std::string>& arguments,
+              const std::function<void(pid_t)>& meanwhile = {});
 
 /** A fixture with a folder, and a small scene in it: a lit floor under a square lamp. */
 class Program : public testing::Test {

@@ -1,0 +1,134 @@
+/** @file
+ * The program `recurse`: finds the subcommand, and turns whatever goes wrong into a message and an exit
+ * status.
+ */
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include <unistd.h>
+
+#include "apps/commands.h"
+#include "apps/interrupt.h"
+#include "apps/program.h"
+#include "apps/renderOutput.h"
+#include "recurse/core/atomicFile.h"
+
+namespace recurse::apps {
+
+void print(const std::string& text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+    throw Error(std::string("standard output: ") + std::strerror(errno));
+}
+
+namespace {
+
+void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
+ExitStatus sayError(const std::string& message, ExitStatus status) {
+  say("recurse: " + message + (message.ends_with('\n') ? "" : "\n"));
+  return status;
+}
+
+ExitStatus sayScene(const SceneError& error) {
+  say(error.what());
+  const auto isError = [](const Diagnostic& d) { return d.severity == Severity::ERROR; };
+  const auto count = std::count_if(error.diagnostics().begin(), error.diagnostics().end(), isError);
+  if (count > 0) say(std::to_string(count) + (count == 1 ? " error\n" : " errors\n"));
+  return error.status();
+}
+
+/** For what escapes every handler, such as an exception in a destructor. */
+[[noreturn]] void lastWords() {
+  removeTemporaryFiles();
+  say("recurse: internal error; the program ends here\n");
+  ::_exit(static_cast<int>(ExitStatus::FAILED));
+}
+
+/** Lines of at most 100 columns; the descriptions of options go on below themselves. */
+std::string wrapped(const std::string& help) {
+  constexpr size_t WIDTH = 100, INDENT = 30; // as CLI11 places descriptions
+  std::string out;
+  size_t begin = 0;
+  while (begin < help.size()) {
+    const size_t end = std::min(help.find('\n', begin), help.size());
+    std::string line = help.substr(begin, end - begin);
+    begin = end + 1;
+    while (line.size() > WIDTH) {
+      const size_t blank = line.rfind(' ', WIDTH);
+      if (blank == std::string::npos || blank <= INDENT) break;
+      out += line.substr(0, blank) + "\n";
+      line = std::string(INDENT, ' ') + line.substr(blank + 1);
+    }
+    out += line + "\n";
+  }
+  return out;
+}
+
+ExitStatus run(int argc, char** argv) {
+  CLI::App app("Recurse: photon mapping and path tracing of scene files in the pbrt-v4 format.", "recurse");
+  app.set_version_flag("--version", std::string("Recurse ") + VERSION);
+  app.require_subcommand(1);
+  app.footer("Examples:\n"
+             "  recurse render scene.pbrt -o picture.exr -o picture.png\n"
+             "  recurse compare picture.exr reference.exr\n"
+             "  recurse render --help\n\n"
+             "Exit status: 0 done, 1 failed, 2 wrong usage, 3 wrong scene, 130 interrupted.");
+  Command chosen;
+  addRenderCommand(app, chosen);
+  addMergeCommand(app, chosen);
+  addStillsCommand(app, chosen);
+  addCompareCommand(app, chosen);
+  addConvergeCommand(app, chosen);
+  addInfoCommand(app, chosen);
+  addClassesCommand(app, chosen);
+  addExplainCommand(app, chosen);
+  addReferenceCommand(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    print(wrapped(app.help()));
+    return ExitStatus::DONE;
+  } catch (const CLI::CallForVersion& version) {
+    print(std::string(version.what()) + "\n");
+    return ExitStatus::DONE;
+  } catch (const CLI::ParseError& error) {
+    const CLI::App* at = &app;
+    while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
+    const std::string name = at == &app ? "recurse" : "recurse " + at->get_name();
+    return sayError(std::string(error.what()) + "\nRun '" + name + " --help' for more.",
+                    ExitStatus::BAD_USAGE);
+  }
+  return chosen();
+}
+
+ExitStatus runCaught(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const SceneError& error) {
+    return sayScene(error);
+  } catch (const Error& error) {
+    return sayError(error.what(), error.status());
+  } catch (const std::bad_alloc&) {
+    return sayError("out of memory: the scene, the picture or the number of photons is too large",
+                    ExitStatus::FAILED);
+  } catch (const std::exception& error) {
+    return sayError(std::string("internal error: ") + error.what(), ExitStatus::FAILED);
+  } catch (...) {
+    return sayError("internal error", ExitStatus::FAILED);
+  }
+}
+
+} // namespace
+
+int program(int argc, char** argv) {
+  std::set_terminate(lastWords);
+  installInterruptHandlers();
+  return static_cast<int>(runCaught(argc, argv));
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,11 @@
+/** @file
+ * The program as a function, for `main` and for the tests.
+ */
+#pragma once
+
+namespace recurse::apps {
+
+/** All that `recurse` does: once a process, and before it has threads. Returns the exit status. */
+int program(int argc, char** argv);
+
+} // namespace recurse::apps
