@@ -37,7 +37,7 @@ double decodeCoordinate(float stored, int& code) {
 
 Vec2f encodeDirection(const Vec3d& d) {
   const Vec3d a = glm::abs(d);
-  const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  const int axis = widestAxis(a);
   return {encodeCoordinate(d[(axis + 1) % 3] / a[axis], axis),
           encodeCoordinate(d[(axis + 2) % 3] / a[axis], d[axis] < 0 ? 1 : 0)};
 }

@@ -25,12 +25,6 @@ constexpr int TABLE_DEPTH = 6;
 /** The part that all clusters share, so that rounding of sums does not make anyone's part 0. */
 constexpr double EVEN_PART = 1e-3;
 
-/** The longest side of the box. */
-int widest(const Bounds3f& box) {
-  const Vec3f size = box.diagonal();
-  return size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
-}
-
 /** What light brings to a surface, in its strongest colour; 0 where that cannot be told. */
 double irradiance(const Illumination& light, const Vec3f& normal, bool bothSides) {
   const float cosine = glm::dot(light.direction, normal);
@@ -82,8 +76,7 @@ class LightGuide::Descent {
 };
 
 size_t LightGuide::sideOf(const Vec3f& normal) {
-  const Vec3f a = glm::abs(normal);
-  const int axis = a.x >= a.y ? (a.x >= a.z ? 0 : 2) : (a.y >= a.z ? 1 : 2);
+  const int axis = widestAxis(magnitude(normal));
   return size_t(2 * axis + (normal[axis] < 0));
 }
 
@@ -176,7 +169,7 @@ void LightGuide::buildNode(std::span<const Bounds3f> boxes, const LightTable& li
         {static_cast<uint32_t>(nodes.size()), static_cast<uint32_t>(first), static_cast<uint32_t>(end)});
   nodes.push_back({box.center(), lengthSquared(box.diagonal() / 2.0f), static_cast<float>(power)});
   if (end - first == 1) return;
-  const int axis = widest(box);
+  const int axis = widestAxis(box.diagonal());
   const auto place = [&](uint32_t light) { return boxes[light].lower[axis] + boxes[light].upper[axis]; };
   const size_t middle = first + (end - first) / 2;
   const auto at = [&](size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -193,7 +186,7 @@ void LightGuide::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::ve
   if (arrivals.size() > MOST_ARRIVALS) {
     Bounds3f box;
     for (const Arrival& a : arrivals) box.add(a.position);
-    const int axis = widest(box);
+    const int axis = widestAxis(box.diagonal());
     const size_t half = arrivals.size() / 2;
     std::nth_element(arrivals.begin(), arrivals.begin() + static_cast<std::ptrdiff_t>(half), arrivals.end(),
                      [&](const Arrival& a, const Arrival& b) { return a.position[axis] < b.position[axis]; });

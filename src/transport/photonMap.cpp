@@ -148,12 +148,6 @@ struct Keys {
   }
 };
 
-int widestAxis(const Bounds3f& box) {
-  const Vec3f size = box.diagonal();
-  if (size.x >= size.y && size.x >= size.z) return 0;
-  return size.y >= size.z ? 1 : 2;
-}
-
 bool isFinite(const Photon& p) { return recurse::isFinite(p.position) && recurse::isFinite(p.power); }
 
 } // namespace
@@ -204,7 +198,7 @@ struct PhotonMap::Builder {
     const size_t keyFirst = keyAt(begin + first * leavesPerChild);
     const size_t keyMiddle = keyAt(begin + middle * leavesPerChild);
     const size_t keyLast = keyAt(begin + last * leavesPerChild);
-    keys.select(keyFirst, keyMiddle, keyLast, widestAxis(box));
+    keys.select(keyFirst, keyMiddle, keyLast, widestAxis(box.diagonal()));
     const auto left = [&] { divide(level, node, first, middle, keys.bounds(keyFirst, keyMiddle)); };
     const auto right = [&] { divide(level, node, middle, last, keys.bounds(keyMiddle, keyLast)); };
     if (keyLast - keyFirst >= PARALLEL_KEYS) {
@@ -487,6 +481,63 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
   scratch.lastCount = k;
   scratch.lastRadius = found.count < wanted ? -1 : std::sqrt(result.radius2);
   return result;
+}
+
+/** A leaf close to the center: of each node the nearest child. */
+size_t PhotonMap::leafBeside(const Vec3f& center) const {
+  GatherRegion region;
+  region.center = center;
+  const Query<false, false, false> query(region);
+  size_t node = 0;
+  for (int level = 0; level < levelCount; ++level) {
+    const Float8 d2 = query.boxDistance2(nodes[levelBegin(level) + node]);
+    node = 8 * node + static_cast<size_t>(std::countr_zero(bits(equal(d2, Float8(least(d2))))));
+  }
+  return node;
+}
+
+size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const {
+  if (indexKind == PhotonIndexKind::FLANN) {
+    GatherRegion region;
+    region.center = center;
+    region.bothSides = true;
+    size_t slot = 0;
+    nearest(region, 1, scratch);
+    visitNearest(scratch, [&](const PhotonBlock& block) {
+      slot = block.first + static_cast<size_t>(std::countr_zero(block.mask));
+    });
+    return slot;
+  }
+  GatherRegion region;
+  region.center = center;
+  Query<false, false, false> query(region);
+  float nearest = INFINITE;
+  size_t slot = 0;
+  // Any photon bounds the distance: the one that the last query found, or those of a leaf close by.
+  constexpr float NEAR = 2;
+  if (scratch.lastSlot < photonCount) nearest = query.distance2(position(scratch.lastSlot));
+  if (!(nearest < square(NEAR * scratch.lastNearest))) {
+    const Leaf& leaf = leaves[leafBeside(center)];
+    Float8 all(nearest);
+    for (size_t i = 0; i < LEAF_SIZE; i += 8)
+      all = min(all, query.distance2(leaf.x + i, leaf.y + i, leaf.z + i));
+    nearest = least(all);
+  }
+  // Equally distant ones may come first. Denormals would count as zero.
+  query.setRadius2(std::max(std::nextafter(nearest, INFINITE), std::numeric_limits<float>::min()));
+  nearest = INFINITE;
+  walk<true>(query, [&](const Hits& hits) {
+    for (size_t i = 0; i < hits.count; ++i) {
+      const Float8 d2 = hits.distance2[i];
+      const float here = least(d2);
+      if (!(here < nearest)) continue;
+      nearest = here;
+      slot = size_t(hits.block[i]) * 8 + static_cast<size_t>(std::countr_zero(bits(equal(d2, Float8(here)))));
+    }
+  });
+  scratch.lastSlot = slot;
+  scratch.lastNearest = std::sqrt(nearest);
+  return slot;
 }
 
 } // namespace recurse

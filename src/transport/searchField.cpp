@@ -122,20 +122,103 @@ DiscErrors discErrors(const PhotonMap& photons, GatherRegion region, Kernel kern
   return e;
 }
 
-} // namespace
+using Place = SearchField::Place;
 
-void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen,
-                        const GatherSettings& search, double alpha, TransportCounts& counts) {
-  limit = search.radius;
-  lift = 2 * scene.bounds().radius;
-  // A small picture does not look long enough at the places to be worth many.
-  constexpr size_t EVERY = 4, LEAST = 1024, MOST = 65536, AT_ONCE = 64;
-  const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
-  const size_t every = std::max(EVERY, first.size() / std::clamp(4 * pixels, LEAST, MOST));
-  const size_t ofPhotons = (first.size() + every - 1) / every;
-  places.assign(ofPhotons + (first.empty() ? 0 : seen.size()), {});
-  std::vector<Photon> lifted(places.size());
-  const auto forAll = [&](size_t count, const auto& f) {
+/** Finds out how far to look at places, by the photons of a first map. */
+class PlaceFinder {
+ public:
+  PlaceFinder(const Scene& scene, const PhotonMap& first, const GatherSettings& search,
+              TransportCounts& counts)
+      : scene(scene), first(first), search(search), counts(counts) {}
+
+  /** Places at every `every`-th photon and at all points seen, with the distance to the k-th photon. Those of
+   * photons come first; their number goes to `ofPhotons`. */
+  std::vector<Place> find(size_t every, std::span<const SurfacePoint> seen, size_t& ofPhotons) {
+    std::vector<Place> places((first.size() + every - 1) / every);
+    const size_t tried = places.size();
+    places.resize(tried + seen.size());
+    forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
+      SurfacePoint point;
+      if (i < tried) {
+        const Photon photon{first.position(i * every), first.packedDirection(i * every), BLACK};
+        GatherRegion region;
+        region.center = photon.position;
+        region.bothSides = true;
+        if (!surfaceOf(scene, photon, kthDistance(region, scratch), point, partCounts)) return;
+      } else {
+        point = seen[i - tried];
+      }
+      Place& place = places[i];
+      place.position = point.position;
+      place.normal = point.geometricNormal;
+      place.error = glm::length(point.error);
+      settle(
+          place, i, [&](const GatherRegion& region) { return kthDistance(region, scratch); }, partCounts);
+    });
+    const auto none = [](const Place& place) { return place.radius == 0; };
+    ofPhotons =
+        tried - static_cast<size_t>(std::count_if(places.begin(), places.begin() + ptrdiff_t(tried), none));
+    std::erase_if(places, none);
+    return places;
+  }
+
+  /** Takes discs of other areas where those promise less error. `lifted`: see SearchField. */
+  void judge(std::vector<Place>& places, std::span<const Photon> lifted, size_t ofPhotons, double alpha) {
+    constexpr size_t MOST_MEASURED = 4096; // of either kind
+    std::vector<size_t> judged;
+    const auto judgeSome = [&](size_t from, size_t end) {
+      const size_t stride = (end - from + MOST_MEASURED - 1) / MOST_MEASURED;
+      for (size_t i = from; i < end; i += stride) judged.push_back(i);
+    };
+    judgeSome(0, ofPhotons);
+    judgeSome(ofPhotons, places.size());
+    std::vector<Photon> measuredAt(judged.size());
+    std::vector<DiscErrors> errors(judged.size());
+    forAll(judged.size(), [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
+      const size_t i = judged[m];
+      measuredAt[m] = lifted[i];
+      GatherRegion region = regionAt(places[i]);
+      Surroundings surroundings = surroundingsOf(places[i], i);
+      region.flatness = flatnessOf(places[i], surroundings, region.radius * ofArea(DiscErrors::AREAS - 1));
+      errors[m] = discErrors(first, region, search.kernel, places[i].error, surroundings, partCounts);
+    });
+    double mean = 0;
+    for (const DiscErrors& e : errors) mean += e.irradiance / static_cast<double>(errors.size());
+    PhotonMap measured;
+    measured.build(measuredAt);
+    // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011) the mean has P^(alpha-1) /
+    // alpha of the first one's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
+    // have the same order.
+    const double biasWeight = (2 - alpha) / square(alpha);
+    forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
+      constexpr int NEAREST = 16; // one place has hardly any evidence
+      constexpr double DARK = 0.3;
+      GatherRegion region;
+      region.center = lifted[i].position;
+      region.bothSides = true;
+      measured.nearest(region, NEAREST, scratch);
+      DiscErrors all;
+      measured.visitNearest(scratch, [&](const PhotonBlock& block) {
+        for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+          const size_t m = measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
+          if (!places[i].around.sees(places[judged[m]].position)) continue;
+          const DiscErrors& e = errors[m];
+          if (e.irradiance > 0) all.add(e, 1 / (square(e.irradiance) + square(DARK * mean)));
+        }
+      });
+      if (all.variance[0] == 0) return;
+      const size_t best = all.best(biasWeight);
+      if (best == DiscErrors::OWN) return;
+      const float radius = places[i].radius * ofArea(best);
+      settle(
+          places[i], i, [&](const GatherRegion&) { return radius; }, partCounts);
+    });
+  }
+
+ private:
+  /** Calls f(i, scratch, counts) for 0 <= i < count, side by side. */
+  template <class F> void forAll(size_t count, const F& f) {
+    constexpr size_t AT_ONCE = 64;
     const size_t parts = (count + AT_ONCE - 1) / AT_ONCE;
     std::vector<TransportCounts> partCounts(parts);
     parallelFor(parts, [&](size_t part) {
@@ -144,28 +227,37 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<co
         f(i, scratch, partCounts[part]);
     });
     for (const TransportCounts& c : partCounts) counts.add(c);
-  };
-  const auto regionAt = [&](const Place& place) {
+  }
+
+  float kthDistance(GatherRegion region, PhotonScratch& scratch) const {
+    region.radius = search.radius;
+    if (search.nearest == 0) return region.radius;
+    const NearestPhotons n = first.nearest(region, search.nearest, scratch);
+    return n.count == search.nearest ? std::sqrt(n.radius2) : region.radius;
+  }
+
+  GatherRegion regionAt(const Place& place) const {
     GatherRegion region;
     region.center = place.position;
     region.normal = place.normal;
     region.flatness = search.flatness;
     region.radius = place.radius;
     return region;
-  };
-  const auto surroundingsOf = [&](size_t i) {
-    const Neighbourhood& around = places[i].around;
-    return Surroundings{scene, Sampler(0, 0, static_cast<uint32_t>(i)), around.reach > 0 ? &around : nullptr};
-  };
-  const auto flatnessOf = [&](const Place& place, const Surroundings& surroundings, float radius) {
+  }
+  Surroundings surroundingsOf(const Place& place, size_t key) const {
+    const Neighbourhood& around = place.around;
+    return {scene, Sampler(0, 0, static_cast<uint32_t>(key)), around.reach > 0 ? &around : nullptr};
+  }
+  float flatnessOf(const Place& place, const Surroundings& surroundings, float radius) const {
     return radius <= surroundings.flat() ? flatnessOfFlat(surroundings, search.flatness, place.error)
                                          : search.flatness;
-  };
+  }
+
   /** Finds how far to look at a place that photons alone would have looked at as far as `radius(region)`. */
-  const auto settle = [&](size_t i, const auto& radius, TransportCounts& partCounts) {
-    Place& place = places[i];
+  template <class Radius>
+  void settle(Place& place, size_t key, const Radius& radius, TransportCounts& partCounts) const {
     GatherRegion region = regionAt(place);
-    Surroundings surroundings = surroundingsOf(i);
+    Surroundings surroundings = surroundingsOf(place, key);
     // What is known of the surface changes the radius, and with the radius what has to be known.
     constexpr float BEYOND = 2.5f, ENOUGH = 1.5f; // searches near the place may need more than itself
     constexpr int ROUNDS = 4;
@@ -188,111 +280,67 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<co
       }
     }
     place.radius = region.radius;
-  };
+  }
 
-  forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
-    const auto radius = [&](GatherRegion region) {
-      region.radius = limit;
-      if (search.nearest == 0) return limit;
-      const NearestPhotons n = first.nearest(region, search.nearest, scratch);
-      return n.count == search.nearest ? std::sqrt(n.radius2) : limit;
-    };
-    SurfacePoint point;
-    if (i < ofPhotons) {
-      Photon& photon = lifted[i];
-      GatherRegion region;
-      photon.position = region.center = first.position(i * every);
-      photon.direction = first.packedDirection(i * every);
-      region.bothSides = true;
-      if (!surfaceOf(scene, photon, radius(region), point, partCounts)) return;
-    } else {
-      point = seen[i - ofPhotons];
-    }
-    places[i].position = point.position;
-    places[i].normal = point.geometricNormal;
-    places[i].error = glm::length(point.error);
-    settle(i, radius, partCounts);
-    lifted[i].position = point.position + lift * point.geometricNormal;
-  });
+  const Scene& scene;
+  const PhotonMap& first;
+  const GatherSettings& search;
+  TransportCounts& counts;
+};
+
+} // namespace
+
+void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen,
+                        const GatherSettings& search, double alpha, TransportCounts& counts) {
+  limit = search.radius;
+  lift = 2 * scene.bounds().radius;
+  places.clear();
+  // A small picture does not look long enough at the places to be worth many.
+  constexpr size_t EVERY = 4, LEAST = 1024, MOST = 65536;
+  const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
+  PlaceFinder finder(scene, first, search, counts);
+  size_t ofPhotons = 0;
+  if (!first.empty())
+    places =
+        finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, LEAST, MOST)), seen, ofPhotons);
+  std::vector<Photon> lifted(places.size());
+  for (size_t i = 0; i < places.size(); ++i)
+    lifted[i].position = places[i].position + lift * places[i].normal;
+  if (alpha > 0 && search.nearest > 0 && !places.empty()) {
+    finder.judge(places, lifted, ofPhotons, alpha);
+    limit *= ofArea(DiscErrors::AREAS - 2);
+  }
   index.build(lifted);
-  if (alpha == 0 || search.nearest == 0 || first.empty()) return;
-
-  // Where there are photons enough for less noise, or too few for less blur, the discs become others.
-  constexpr size_t MOST_MEASURED = 4096; // of either kind
-  std::vector<size_t> judged;
-  const auto judgeSome = [&](size_t from, size_t end) {
-    const size_t stride = (end - from + MOST_MEASURED - 1) / MOST_MEASURED;
-    for (size_t i = from; i < end; i += stride) judged.push_back(i);
-  };
-  judgeSome(0, ofPhotons);
-  judgeSome(ofPhotons, places.size());
-  std::vector<Photon> measuredAt(judged.size());
-  std::vector<DiscErrors> errors(judged.size());
-  forAll(judged.size(), [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
-    const size_t i = judged[m];
-    measuredAt[m] = lifted[i];
-    if (places[i].radius == 0) return;
-    GatherRegion region = regionAt(places[i]);
-    Surroundings surroundings = surroundingsOf(i);
-    region.flatness = flatnessOf(places[i], surroundings, region.radius * ofArea(DiscErrors::AREAS - 1));
-    errors[m] = discErrors(first, region, search.kernel, places[i].error, surroundings, partCounts);
-  });
-  double mean = 0;
-  for (const DiscErrors& e : errors) mean += e.irradiance / static_cast<double>(errors.size());
-  PhotonMap measured;
-  measured.build(measuredAt);
-  // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011) the mean has P^(alpha-1) / alpha
-  // of the first one's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors have the
-  // same order.
-  const double biasWeight = (2 - alpha) / square(alpha);
-  forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
-    if (places[i].radius == 0) return;
-    constexpr int NEAREST = 16; // one place has hardly any evidence
-    constexpr double DARK = 0.3;
-    GatherRegion region;
-    region.center = lifted[i].position;
-    region.bothSides = true;
-    measured.nearest(region, NEAREST, scratch);
-    DiscErrors all;
-    measured.visitNearest(scratch, [&](const PhotonBlock& block) {
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-        const size_t m = measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
-        if (!places[i].around.sees(places[judged[m]].position)) continue;
-        const DiscErrors& e = errors[m];
-        if (e.irradiance > 0) all.add(e, 1 / (square(e.irradiance) + square(DARK * mean)));
-      }
-    });
-    if (all.variance[0] == 0) return;
-    const size_t best = all.best(biasWeight);
-    if (best == DiscErrors::OWN) return;
-    const float radius = places[i].radius * ofArea(best);
-    settle(
-        i, [&](const GatherRegion&) { return radius; }, partCounts);
-  });
-  limit *= ofArea(DiscErrors::AREAS - 2);
+  std::vector<Place> inOrder(places.size());
+  for (size_t slot = 0; slot < places.size(); ++slot) inOrder[slot] = places[index.emissionIndex(slot)];
+  places = std::move(inOrder);
 }
 
 SearchPlace SearchField::at(const Vec3f& position, const Vec3f& normal) const {
-  constexpr int NEAREST = 4;
+  constexpr int MOST = 4;
   thread_local PhotonScratch scratch;
+  SearchPlace best{limit, nullptr, INFINITE};
+  /** Whether there is no need for another one: a place on another side or behind a wall tells hardly
+   * anything. */
+  const auto take = [&](size_t slot) {
+    const Place& place = places[slot];
+    const float away = glm::distance(position, place.position);
+    constexpr float ALIKE = 0.9f;
+    const bool same = glm::dot(place.normal, normal) > ALIKE && place.around.sees(position);
+    if (same == (best.known != nullptr) ? away < best.away : same)
+      best = {place.radius, same ? &place.around : nullptr, away};
+    return same;
+  };
   GatherRegion region;
   region.center = position + lift * normal;
   region.bothSides = true;
-  index.nearest(region, NEAREST, scratch);
-  SearchPlace best{limit, nullptr, INFINITE};
-  index.visitNearest(scratch, [&](const PhotonBlock& block) {
-    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-      const size_t slot = block.first + static_cast<size_t>(std::countr_zero(rest));
-      const Place& place = places[index.emissionIndex(slot)];
-      const float away = glm::distance(position, place.position);
-      if (place.radius == 0) continue;
-      // A place on another side or behind a wall tells hardly anything.
-      constexpr float ALIKE = 0.9f;
-      const bool same = glm::dot(place.normal, normal) > ALIKE && place.around.sees(position);
-      if (same == (best.known != nullptr) ? away < best.away : same)
-        best = {place.radius, same ? &place.around : nullptr, away};
-    }
-  });
+  if (!index.empty() && !take(index.nearestSlot(region.center, scratch))) {
+    index.nearest(region, MOST, scratch);
+    index.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
+        take(block.first + static_cast<size_t>(std::countr_zero(rest)));
+    });
+  }
   // Where the place is far, there is no telling how far the k-th photon is; as far as the place, at least.
   best.radius = std::min(limit, std::max(best.radius, best.away));
   return best;

@@ -282,8 +282,7 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
       return square(a.radius()) * static_cast<float>(a.places.size()) <
              square(b.radius()) * static_cast<float>(b.places.size());
     });
-    const Vec3f size = cut->box.diagonal();
-    const int axis = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+    const int axis = widestAxis(cut->box.diagonal());
     const float at = cut->box.center()[axis];
     const auto middle =
         std::partition(cut->places.begin(), cut->places.end(), [&](const Vec3f& p) { return p[axis] < at; });

@@ -223,6 +223,28 @@ TEST_P(PhotonSets, nearestEqualsBruteForce) {
   }
 }
 
+TEST_P(PhotonSets, nearestSlotEqualsBruteForce) {
+  if (photons.empty()) return;
+  PhotonScratch scratch;
+  Random random(5);
+  for (const GatherRegion& r : regions) {
+    GatherRegion region;
+    region.center = r.center;
+    region.bothSides = true;
+    for (int step = 0; step < 3; ++step, region.center += uniformPoint(random, -1e-3f, 1e-3f)) {
+      const float expected = bruteForce(photons, region).front().distance2;
+      const auto distance2 = [&](const PhotonMap& map, size_t slot) {
+        return bruteForce({photons[map.emissionIndex(slot)]}, region).front().distance2;
+      };
+      const size_t slot = tree.nearestSlot(region.center, scratch);
+      ASSERT_EQ(distance2(tree, slot), expected);
+      PhotonScratch fresh;
+      ASSERT_EQ(tree.nearestSlot(region.center, fresh), slot) << "with nothing to start from";
+      ASSERT_EQ(distance2(flann, flann.nearestSlot(region.center, fresh)), expected);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, PhotonSets,
                          ::testing::Combine(::testing::Range<size_t>(0, 6),
                                             ::testing::Range<size_t>(0, std::size(SIZES))),

@@ -53,6 +53,10 @@ inline float lengthSquared(const Vec3f& v) { return glm::dot(v, v); }
 template <class T> inline glm::vec<3, T> magnitude(const glm::vec<3, T>& v) {
   return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
 }
+/** The axis, 0 to 2, along which a vector without negative components is longest; the first of equal ones. */
+template <class T> constexpr int widestAxis(const glm::vec<3, T>& v) {
+  return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
+}
 inline float absDot(const Vec3f& a, const Vec3f& b) { return std::abs(glm::dot(a, b)); }
 inline bool isFinite(const Vec3f& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);

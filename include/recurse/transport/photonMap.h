@@ -80,6 +80,11 @@ struct Float8 {
   friend Float8 equal(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ); }
   /** The sign bits as a mask. */
   friend uint32_t bits(Float8 a) { return static_cast<uint32_t>(_mm256_movemask_ps(a.v)); }
+  friend float least(Float8 a) {
+    const __m128 four = _mm_min_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
+    const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
+    return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
+  }
   /** The sum of the lanes, in a fixed order. */
   friend float sum(Float8 a) {
     const __m128 four = _mm_add_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
@@ -291,6 +296,8 @@ class PhotonScratch {
   Vec3f lastCenter{0};
   float lastRadius = -1; ///< negative: nothing to go by
   int lastCount = 0;
+  size_t lastSlot = 0; ///< that nearestSlot() found
+  float lastNearest = 0;
 };
 
 /** The outcome of a k-nearest query. */
@@ -343,6 +350,9 @@ class PhotonMap {
    * first. They stay in the scratch for visitNearest().
    */
   NearestPhotons nearest(const GatherRegion& region, int k, PhotonScratch& scratch) const;
+  /** The slot of the photon nearest to the centre, whatever side it arrived from; among equally distant ones
+   * the lowest. The map must not be empty. Much faster than nearest() for one photon. */
+  size_t nearestSlot(const Vec3f& center, PhotonScratch& scratch) const;
   /** Calls visitor(const PhotonBlock&) for what the last nearest() found, in increasing order of slots. */
   template <class Visitor> void visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const;
   /** Its counterpart for sums; see accumulateWithin(). */
@@ -394,6 +404,7 @@ class PhotonMap {
     return {block * 8, mask, d2, payload.data() + block, pathStates.data() + size_t(block) * 8};
   }
 
+  size_t leafBeside(const Vec3f& center) const;
   float densityBound(const Vec3f& center, int k) const;
   void keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const;
   void buildFlann();

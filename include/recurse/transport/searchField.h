@@ -38,14 +38,15 @@ class SearchField {
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;
   size_t memoryBytes() const { return index.memoryBytes() + places.capacity() * sizeof(Place); }
 
- private:
   struct Place {
     Vec3f position{0}, normal{0};
-    float error = 0;  ///< of the position
-    float radius = 0; ///< 0: no place
+    float error = 0; ///< of the position
+    float radius = 0;
     Neighbourhood around;
   };
-  std::vector<Place> places;
+
+ private:
+  std::vector<Place> places; ///< in the order of the index's slots
   /** The places, lifted off their surfaces by far more than the scene's width: so the nearest is one whose
    * surface faces the same way, and the two sides of a thin wall are far apart. */
   PhotonMap index;
