@@ -30,21 +30,38 @@ class Estimate {
     }
   }
 
+  /** The most common case, quick: a Lambertian BSDF, and paths of all classes alike. `sumUp(state, add)` is
+   * accumulateWithin() or accumulateNearest(), `shape` the kernel; returns how many photons are within the
+   * radius. */
+  bool oneSum() const { return lambertian && states == 1 && listed == 1; }
+  template <class Shape, class SumUp> int addAll(float radius2, const Shape& shape, const SumUp& sumUp) {
+    struct Sums {
+      Vec3f8 power{0, 0, 0};
+      int found = 0;
+    };
+    const Float8 limit(radius2), inverse(1 / radius2);
+    const bool leaks = bent;
+    const Vec3f side = shadingSide;
+    const Sums sums = sumUp(Sums(), [=](Sums& s, const PhotonBlock& block) {
+      const uint32_t mask = block.mask & bits(less(block.distance2, limit));
+      Float8 weight = shape(min(block.distance2 * inverse, Float8(1))) & Float8::lanes(mask);
+      if (leaks) weight = weight & arrivesOn(side, block);
+      s.power.x += block.red() * weight;
+      s.power.y += block.green() * weight;
+      s.power.z += block.blue() * weight;
+      s.found += std::popcount(mask);
+    });
+    lanes[0] = sums.power;
+    return sums.found;
+  }
+
   /** Adds the found photons of a block, with kernel shape values in `shape`. */
   void add(const PhotonBlock& block, Float8 shape) {
     Float8 weight = block.found(shape);
     if (lambertian) {
-      if (bent) { // light that arrives from behind the shading normal would leak
-        const Vec3f8 d = unpackOctahedron(block.payload->direction);
-        weight = weight & less(Float8(0), d.x * Float8(shadingSide.x) + d.y * Float8(shadingSide.y) +
-                                              d.z * Float8(shadingSide.z));
-      }
-      const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
-      if (states == 1) {
-        addLanes(0, power);
-        return;
-      }
+      if (bent) weight = weight & arrivesOn(shadingSide, block);
       if (states <= MOST_LISTED) {
+        const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
         // Every state's turn for every block: cheaper than a branch that depends on the photons.
         const __m256i eight =
             _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(block.pathStates)));
@@ -87,6 +104,12 @@ class Estimate {
     const Rgb f = scattering.value(eye, light);
     if (!sharing.ever() || isBlack(f)) return f;
     return f * sharing.gathered(scattering.pdfDiffuse(eye, light));
+  }
+
+  /** The lanes whose light does not come from behind the shading normal, whence it would leak. */
+  static Float8 arrivesOn(const Vec3f& side, const PhotonBlock& block) {
+    const Vec3f8 d = unpackOctahedron(block.payload->direction);
+    return less(Float8(0), d.x * Float8(side.x) + d.y * Float8(side.y) + d.z * Float8(side.z));
   }
 
   void addLanes(size_t i, const Vec3f8& power) {
@@ -170,19 +193,28 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   }
 
   Estimate estimate(scattering, point, eye, settings.sharing, out.pathClasses(), eyeState);
-  const auto addBlock = [&](PhotonBlock block) {
-    // A disc by the nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc]
-    // is the density.
-    if (byNearest) block.mask &= bits(less(block.distance2, Float8(radius2)));
-    if (block.mask == 0) return;
-    const Float8 q = min(block.distance2 / Float8(radius2), Float8(1));
-    result.found += std::popcount(block.mask);
-    withKernel(settings.kernel, [&](auto kernel) { estimate.add(block, kernelShape<kernel.value>(q)); });
-  };
-  if (byNearest)
-    map.visitNearest(scratch, addBlock);
-  else
-    map.visitWithin(region, addBlock);
+  // A disc by the nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc] is
+  // the density.
+  withKernel(settings.kernel, [&](auto kernel) {
+    const auto shape = [](Float8 q) { return kernelShape<decltype(kernel)::value>(q); };
+    if (estimate.oneSum()) {
+      result.found = estimate.addAll(radius2, shape, [&](auto state, const auto& add) {
+        return byNearest ? map.accumulateNearest(scratch, state, add)
+                         : map.accumulateWithin(region, state, add);
+      });
+      return;
+    }
+    const auto addBlock = [&](PhotonBlock block) {
+      block.mask &= bits(less(block.distance2, Float8(radius2)));
+      if (block.mask == 0) return;
+      result.found += std::popcount(block.mask);
+      estimate.add(block, shape(min(block.distance2 / Float8(radius2), Float8(1))));
+    };
+    if (byNearest)
+      map.visitNearest(scratch, addBlock);
+    else
+      map.visitWithin(region, addBlock);
+  });
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
   result.radius = region.radius;
   if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (radius2 * part)));
