@@ -30,29 +30,13 @@ class Estimate {
     }
   }
 
-  /** The most common case, quick: a Lambertian BSDF, and paths of all classes alike. `sumUp(state, add)` is
-   * accumulateWithin() or accumulateNearest(), `shape` the kernel; returns how many photons are within the
-   * radius. */
+  /** The most common case, quick: a Lambertian BSDF, and paths of all classes alike. */
   bool oneSum() const { return lambertian && states == 1 && listed == 1; }
-  template <class Shape, class SumUp> int addAll(float radius2, const Shape& shape, const SumUp& sumUp) {
-    struct Sums {
-      Vec3f8 power{0, 0, 0};
-      int found = 0;
+  void set(const Vec3f8& power) { lanes[0] = power; }
+  auto arrives() const {
+    return [leaks = bent, side = shadingSide](Float8 weight, const PhotonBlock& block) {
+      return leaks ? weight & arrivesOn(side, block) : weight;
     };
-    const Float8 limit(radius2), inverse(1 / radius2);
-    const bool leaks = bent;
-    const Vec3f side = shadingSide;
-    const Sums sums = sumUp(Sums(), [=](Sums& s, const PhotonBlock& block) {
-      const uint32_t mask = block.mask & bits(less(block.distance2, limit));
-      Float8 weight = shape(min(block.distance2 * inverse, Float8(1))) & Float8::lanes(mask);
-      if (leaks) weight = weight & arrivesOn(side, block);
-      s.power.x += block.red() * weight;
-      s.power.y += block.green() * weight;
-      s.power.z += block.blue() * weight;
-      s.found += std::popcount(mask);
-    });
-    lanes[0] = sums.power;
-    return sums.found;
   }
 
   /** Adds the found photons of a block, with kernel shape values in `shape`. */
@@ -133,6 +117,86 @@ class Estimate {
   std::array<Vec3f8, MOST_LISTED> lanes; ///< sums for the listed states, spread over eight
 };
 
+/** Where photons are added up, and what divides them. */
+struct Disc {
+  GatherRegion region;
+  float radius2 = 0;
+  float part = 1;         ///< of the kernel's weight that a surface bears
+  bool byNearest = false; ///< the photons are in the scratch
+};
+
+/** `region`: the place. A disc smaller than `least` is widened to it. `error` bounds that of the centre. */
+Disc findDisc(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region, float error,
+              float least, Surroundings* surroundings, PhotonScratch& scratch, TransportCounts& counts) {
+  Disc disc{region};
+  const auto search = [&] {
+    disc.region.radius = settings.radius;
+    disc.byNearest = false;
+    disc.radius2 = square(disc.region.radius);
+    if (settings.nearest > 0) {
+      const NearestPhotons nearest = map.nearest(disc.region, settings.nearest, scratch);
+      if (nearest.count == settings.nearest) {
+        disc.radius2 = nearest.radius2;
+        disc.byNearest = true;
+      }
+    }
+    if (disc.radius2 < square(least)) {
+      disc.radius2 = square(least);
+      disc.byNearest = false;
+    }
+    disc.region.radius = std::sqrt(disc.radius2);
+  };
+  const float flat = surroundings ? surroundings->flat() : 0;
+  disc.region.flatness =
+      flat > 0 ? flatnessOfFlat(*surroundings, settings.flatness, error) : settings.flatness;
+  search();
+  if (flat > 0 && disc.region.radius > flat) { // no telling what is flat so far away
+    disc.region.flatness = settings.flatness;
+    search();
+  }
+  if (!surroundings) return disc;
+  const auto fit = [&] {
+    disc.part = fitToSurface(*surroundings, error, settings.kernel, disc.region, counts);
+    const bool smaller = square(disc.region.radius) < 0.99f * disc.radius2;
+    if (!smaller) return;
+    disc.radius2 = square(disc.region.radius);
+    disc.byNearest = false;
+  };
+  fit();
+  if (disc.byNearest && disc.region.clipCount > 0) { // the nearest that are not clipped away
+    search();
+    fit();
+  }
+  return disc;
+}
+
+/** Sums of power times kernel shape over the photons of a disc, whatever the BSDF. */
+struct PowerSum {
+  Vec3f8 power{0, 0, 0};
+  int found = 0;
+};
+
+/** `arrives(block)`: the lanes whose light counts. A disc by the nearest ends at the k-th photon, which
+ * therefore does not count itself: E[(k - 1)/disc] is the density. */
+template <class Arrives>
+PowerSum sumPower(const PhotonMap& map, const Disc& disc, Kernel kernel, const PhotonScratch& scratch,
+                  const Arrives& arrives) {
+  return withKernel(kernel, [&](auto k) {
+    const Float8 limit(disc.radius2), inverse(1 / disc.radius2);
+    const auto add = [=](PowerSum& s, const PhotonBlock& block) {
+      const uint32_t mask = block.mask & bits(less(block.distance2, limit));
+      const Float8 shape = kernelShape<decltype(k)::value>(min(block.distance2 * inverse, Float8(1)));
+      const Float8 weight = arrives(shape & Float8::lanes(mask), block);
+      s.power.x += block.red() * weight;
+      s.power.y += block.green() * weight;
+      s.power.z += block.blue() * weight;
+      s.found += std::popcount(mask);
+    };
+    return disc.byNearest ? map.accumulateNearest(scratch, PowerSum(), add)
+                          : map.accumulateWithin(disc.region, PowerSum(), add);
+  });
+}
+
 } // namespace
 
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
@@ -141,84 +205,54 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   ++out.counts.gathers;
   GatherResult result;
   if (map.empty()) return result;
-  // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
-  const float least = footprint / 2;
-  GatherRegion region;
-  region.center = point.position;
-  region.normal = glm::dot(point.geometricNormal, eye) < 0 ? -point.geometricNormal : point.geometricNormal;
-  region.flatness = settings.flatness;
-  region.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
-
+  GatherRegion place;
+  place.center = point.position;
+  place.normal = glm::dot(point.geometricNormal, eye) < 0 ? -point.geometricNormal : point.geometricNormal;
+  place.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
   thread_local PhotonScratch scratch;
-  bool byNearest = false;
-  float radius2 = 0;
-  const auto search = [&] {
-    region.radius = settings.radius;
-    byNearest = false;
-    radius2 = square(region.radius);
-    if (settings.nearest > 0) {
-      const NearestPhotons nearest = map.nearest(region, settings.nearest, scratch);
-      if (nearest.count == settings.nearest) {
-        radius2 = nearest.radius2;
-        byNearest = true;
-      }
-    }
-    if (radius2 < square(least)) {
-      radius2 = square(least);
-      byNearest = false;
-    }
-    region.radius = std::sqrt(radius2);
-  };
-  const float error = glm::length(point.error), flat = surroundings ? surroundings->flat() : 0;
-  if (flat > 0) region.flatness = flatnessOfFlat(*surroundings, settings.flatness, error);
-  search();
-  if (flat > 0 && region.radius > flat) { // no telling what is flat so far away
-    region.flatness = settings.flatness;
-    search();
-  }
-  float part = 1;
-  if (surroundings) {
-    const auto fit = [&] {
-      part = fitToSurface(*surroundings, error, settings.kernel, region, out.counts);
-      const bool smaller = square(region.radius) < 0.99f * radius2;
-      if (!smaller) return;
-      radius2 = square(region.radius);
-      byNearest = false;
-    };
-    fit();
-    if (byNearest && region.clipCount > 0) { // the nearest that are not clipped away
-      search();
-      fit();
-    }
-  }
+  // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
+  const Disc disc = findDisc(map, settings, place, glm::length(point.error), footprint / 2, surroundings,
+                             scratch, out.counts);
 
   Estimate estimate(scattering, point, eye, settings.sharing, out.pathClasses(), eyeState);
-  // A disc by the nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc] is
-  // the density.
-  withKernel(settings.kernel, [&](auto kernel) {
-    const auto shape = [](Float8 q) { return kernelShape<decltype(kernel)::value>(q); };
-    if (estimate.oneSum()) {
-      result.found = estimate.addAll(radius2, shape, [&](auto state, const auto& add) {
-        return byNearest ? map.accumulateNearest(scratch, state, add)
-                         : map.accumulateWithin(region, state, add);
-      });
-      return;
-    }
-    const auto addBlock = [&](PhotonBlock block) {
-      block.mask &= bits(less(block.distance2, Float8(radius2)));
-      if (block.mask == 0) return;
-      result.found += std::popcount(block.mask);
-      estimate.add(block, shape(min(block.distance2 / Float8(radius2), Float8(1))));
-    };
-    if (byNearest)
-      map.visitNearest(scratch, addBlock);
-    else
-      map.visitWithin(region, addBlock);
-  });
+  if (estimate.oneSum()) {
+    const PowerSum sum = sumPower(map, disc, settings.kernel, scratch, estimate.arrives());
+    result.found = sum.found;
+    estimate.set(sum.power);
+  } else {
+    withKernel(settings.kernel, [&](auto kernel) {
+      const auto addBlock = [&](PhotonBlock block) {
+        block.mask &= bits(less(block.distance2, Float8(disc.radius2)));
+        if (block.mask == 0) return;
+        result.found += std::popcount(block.mask);
+        const Float8 q = min(block.distance2 / Float8(disc.radius2), Float8(1));
+        estimate.add(block, kernelShape<decltype(kernel)::value>(q));
+      };
+      if (disc.byNearest)
+        map.visitNearest(scratch, addBlock);
+      else
+        map.visitWithin(disc.region, addBlock);
+    });
+  }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
-  result.radius = region.radius;
-  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (radius2 * part)));
+  result.radius = disc.region.radius;
+  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (disc.radius2 * disc.part)));
   return result;
+}
+
+Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f& position,
+               const Vec3f& normal, float error, Surroundings* surroundings, TransportCounts& counts) {
+  ++counts.gathers;
+  if (map.empty()) return BLACK;
+  GatherRegion place;
+  place.center = position;
+  place.normal = normal;
+  thread_local PhotonScratch scratch;
+  const Disc disc = findDisc(map, settings, place, error, 0, surroundings, scratch, counts);
+  const PowerSum s =
+      sumPower(map, disc, settings.kernel, scratch, [](Float8 weight, const PhotonBlock&) { return weight; });
+  counts.photonsFound += static_cast<uint64_t>(s.found);
+  return Rgb(sum(s.power.x), sum(s.power.y), sum(s.power.z)) * (INV_PI / (disc.radius2 * disc.part));
 }
 
 } // namespace recurse

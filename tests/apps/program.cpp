@@ -1,7 +1,7 @@
 /** @file
- * Starting the program takes longer than most of what the tests ask of it, since OpenImageIO loads 250 libraries.
- * So a launcher forks off before the tests, and forks again for each run. That RECURSE_PROGRAM itself starts, and
- * returns its exit status, is seen by the tests that run it in a shell.
+ * Starting the program takes longer than most of what the tests ask of it, since OpenImageIO loads 250
+ * libraries. So a launcher forks off before the tests, and forks again for each run. That RECURSE_PROGRAM
+ * itself starts, and returns its exit status, is seen by the tests that run it in a shell.
  */
 #include "program.h"
 
@@ -28,8 +28,8 @@ int launcher = -1; // the socket to it
 [[noreturn]] void fail(const char* what) { throw std::system_error(errno, std::generic_category(), what); }
 
 /**
- * Libraries start threads as they are loaded (log4cplus does). They shall wait for work when the launcher forks: a
- * lock that one of them had would never open again.
+ * Libraries start threads as they are loaded (log4cplus does). They shall wait for work when the launcher
+ * forks: a lock that one of them had would never open again.
  */
 void awaitRest() {
   const std::string self = std::to_string(::getpid());
@@ -91,8 +91,7 @@ void startLauncher() {
   launcher = sockets[0];
 }
 
-template <class T>
-T answer() {
+template <class T> T answer() {
   T value{};
   if (::recv(launcher, &value, sizeof value, 0) != sizeof value) fail("the launcher does not answer");
   return value;

@@ -36,4 +36,9 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
                     EyeState eyeState, PathRadiance& out, Surroundings* surroundings = nullptr);
 
+/** Irradiance [W/m²] by the same estimate, from the side that the unit geometric normal points to. `error`
+ * bounds that of the position. */
+Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f& position,
+               const Vec3f& normal, float error, Surroundings* surroundings, TransportCounts& counts);
+
 } // namespace recurse
