@@ -10,6 +10,7 @@
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
 #include "recurse/transport/gather.h"
+#include "recurse/transport/placeIrradiance.h"
 #include "recurse/transport/searchField.h"
 #include "recurse/transport/shoot.h"
 
@@ -27,6 +28,7 @@ struct PhotonMappingSettings {
   bool shadowRays = true, guided = true;
   bool edges = true; ///< estimates know where surfaces end
   int lightSamples = 1;
+  bool shareIrradiance = true; ///< a final gather reads irradiance found out once near each place
   int finalGather = 0; ///< rays from the first diffuse surface of an eye path; 0: it reads the map itself
   float weightLimit = 0.03f;
   float flatness = 0.2f;
@@ -62,6 +64,7 @@ class PhotonMapping final : public Integrator {
                             const ForwardControl& control) override {
     ForwardStatistics statistics;
     progressive = !pass.only;
+    atPlaces = Sampler(pass.seed, pass.index, 0);
     scale = radiusScale(pass.index, settings.alpha);
     auto start = std::chrono::steady_clock::now();
     ShootSettings shoot;
@@ -107,6 +110,8 @@ class PhotonMapping final : public Integrator {
           known->build(scene, *photons, seen, search, judged ? settings.alpha : 0, statistics.counts);
       }
     }
+    const bool alike = classes.lightStateCount() == 1; // otherwise some photons count and some do not
+    shared.reset(settings.finalGather > 0 && settings.shareIrradiance && alike ? field.size() : 0);
     return statistics;
   }
 
@@ -243,7 +248,8 @@ class PhotonMapping final : public Integrator {
         } else {
           here.settings.sharing = settings.sharing;
           followLobe(scene, scattering, hit, diffuse, sampler, out);
-          estimate(scene, map, here, scattering, hit.point, diffuse, sampler, out);
+          if (!addShared(scene, here.place, scattering, hit.point, diffuse, out))
+            estimate(scene, map, here, scattering, hit.point, diffuse, sampler, out);
         }
       }
       eye = classes.step(eye, PathEvent::S);
@@ -384,12 +390,36 @@ class PhotonMapping final : public Integrator {
     if (!progressive && !settings.edges) return here;
     here.place = known.at(point.position, glm::dot(point.geometricNormal, wi) < 0 ? -point.geometricNormal
                                                                                   : point.geometricNormal);
-    if (progressive) {
-      here.settings.nearest = 0;
-      if (search.nearest > 0) here.settings.radius = here.place.radius;
-      here.settings.radius *= scale;
-    }
+    if (progressive) here.settings = shrunk(here.place.radius);
     return here;
+  }
+  GatherSettings shrunk(float radius) const {
+    GatherSettings now = search;
+    now.nearest = 0;
+    if (search.nearest > 0) now.radius = radius;
+    now.radius *= scale;
+    return now;
+  }
+  /** Adds what the photon map has at a place near by, of which many rays ask; false where there is none, or
+   * where the photons' directions make a difference. `walk` has read the D at the point. */
+  bool addShared(const Scene& scene, const SearchPlace& near, const ScatteringPoint& scattering,
+                 const SurfacePoint& point, const Walk& walk, PathRadiance& out) const {
+    constexpr float NEAR = 0.5f; // of the radius
+    if (shared.size() == 0 || walk.gathers || !near.known || near.away > NEAR * scale * near.radius)
+      return false;
+    if (!(scattering.lobes() & LAMBERTIAN) || (scattering.lobes() & TRANSMISSION)) return false;
+    if (point.shadingNormal != point.geometricNormal) return false;
+    const Rgb e = shared.at(near.index, out.counts, [&](TransportCounts& counts) {
+      const SearchField::Place& place = field.place(near.index);
+      Surroundings surroundings{scene, atPlaces.fork(static_cast<uint32_t>(near.index)), &place.around};
+      return irradiance(map, progressive ? shrunk(place.radius) : search, place.position, place.normal,
+                        place.error, settings.edges ? &surroundings : nullptr, counts);
+    });
+    const Vec3f wi = -walk.ray.direction;
+    const Vec3f side =
+        glm::dot(point.geometricNormal, wi) < 0 ? -point.geometricNormal : point.geometricNormal;
+    if (!isBlack(e)) out.add(LightState(0), walk.eye, walk.throughput * e * scattering.value(wi, side));
+    return true;
   }
   /** Adds what a photon map has at a point; `walk` has read the D there. */
   void estimate(const Scene& scene, const PhotonMap& photons, const Search& here,
@@ -569,7 +599,9 @@ class PhotonMapping final : public Integrator {
   float typicalRadius = 0;         ///< of the first pass
   PhotonGuidance guidance;         ///< learned before the first pass, for all
   LightGuide lights;
+  PlaceIrradiance shared; ///< at the places of `field`, of this pass; empty unless final gathers use it
   bool progressive = false;
+  Sampler atPlaces{0, 0, 0};
   float scale = 1; ///< radius of this pass over that of the first
 };
 
@@ -584,6 +616,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.guided = p.boolean("guided");
   s.edges = p.boolean("edges");
   s.finalGather = p.integer("finalgather");
+  s.shareIrradiance = p.boolean("shareirradiance");
   s.sharing = LobeSharing::belowRoughness(p.real("followroughness"));
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
@@ -642,6 +675,10 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
                         "photon map in its place; there it is only read for caustics. Slower, and free of "
                         "blotches with few photons; 0: none")
            .range(0, 1e5),
+       booleanParameter("shareirradiance", "true",
+                        "the rays of a final gather read irradiance that is found out once for many of them; "
+                        "false: each adds up photons where it ends. Where path classes are asked for, or "
+                        "surfaces are not matt and flat, each does so anyway"),
        stringParameter("kernel", "epanechnikov", "how photons count by distance")
            .oneOf({"constant", "cone", "epanechnikov"}),
        stringParameter("photonindex", "kdtree",

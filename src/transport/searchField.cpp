@@ -319,7 +319,7 @@ void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<co
 SearchPlace SearchField::at(const Vec3f& position, const Vec3f& normal) const {
   constexpr int MOST = 4;
   thread_local PhotonScratch scratch;
-  SearchPlace best{limit, nullptr, INFINITE};
+  SearchPlace best{limit, nullptr, INFINITE, 0};
   /** Whether there is no need for another one: a place on another side or behind a wall tells hardly
    * anything. */
   const auto take = [&](size_t slot) {
@@ -328,7 +328,7 @@ SearchPlace SearchField::at(const Vec3f& position, const Vec3f& normal) const {
     constexpr float ALIKE = 0.9f;
     const bool same = glm::dot(place.normal, normal) > ALIKE && place.around.sees(position);
     if (same == (best.known != nullptr) ? away < best.away : same)
-      best = {place.radius, same ? &place.around : nullptr, away};
+      best = {place.radius, same ? &place.around : nullptr, away, slot};
     return same;
   };
   GatherRegion region;

@@ -237,6 +237,21 @@ TEST(Integrators, AgreeOnGlassAndMirror) {
   }
 }
 
+TEST(Integrators, FinalGathersShareIrradiance) {
+  const auto scene = sceneFrom(glassAndLamp(1, 0));
+  for (const char* passes : {"1", "4"}) {
+    const std::string parameters =
+        "\"integer photons\" 50000 \"integer finalgather\" 16 \"integer passes\" " + std::string(passes) +
+        " \"bool shareirradiance\" ";
+    const Rendered own = renderScene(*scene, "photonmap", parameters + "false", 4);
+    const Rendered shared = renderScene(*scene, "photonmap", parameters + "true", 4);
+    // The same photons and the same rays: only the places differ where photons are added up.
+    EXPECT_NEAR(shared.mean(), own.mean(), 0.005 * own.mean());
+    EXPECT_NE(shared.mean(), own.mean());
+    EXPECT_LT(3 * shared.statistics.counts.gathers, 2 * own.statistics.counts.gathers);
+  }
+}
+
 TEST(Integrators, ScaleAndPlaceOfTheSceneDoNotMatter) {
   const std::string photons = "\"integer photons\" " + std::to_string(samples(200000));
   for (const Way& way : {Way{"path", ""}, Way{"photonmap", photons}}) {

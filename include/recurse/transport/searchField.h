@@ -22,6 +22,7 @@ struct SearchPlace {
   float radius = 0;                     ///< of the first pass
   const Neighbourhood* known = nullptr; ///< of a place near by; null where there is none
   float away = 0;                       ///< the distance to that place
+  size_t index = 0;                     ///< of that place
 };
 
 class SearchField {
@@ -38,12 +39,14 @@ class SearchField {
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;
   size_t memoryBytes() const { return index.memoryBytes() + places.capacity() * sizeof(Place); }
 
+  size_t size() const { return places.size(); }
   struct Place {
     Vec3f position{0}, normal{0};
     float error = 0; ///< of the position
     float radius = 0;
     Neighbourhood around;
   };
+  const Place& place(size_t i) const { return places[i]; }
 
  private:
   std::vector<Place> places; ///< in the order of the index's slots
