@@ -16,7 +16,7 @@ namespace {
 
 bool isSceneFile(const std::string& name) { return name.ends_with(".pbrt") || name.ends_with(".pbrt.gz"); }
 
-std::string padded(const std::string& text, size_t width) {
+std::string column(const std::string& text, size_t width) {
   return text.size() < width ? text + std::string(width - text.size(), ' ') : text + " ";
 }
 
@@ -35,10 +35,10 @@ std::string channelLine(const Image& image, size_t channel) {
     low = std::min(low, value);
     high = std::max(high, value);
   }
-  std::string out = "  " + padded(image.channels[channel], 12);
+  std::string out = "  " + column(image.channels[channel], 12);
   if (finite > 0)
-    out += "min " + padded(format("%.6g", low), 14) + "mean " +
-           padded(format("%.6g", sum / double(finite)), 14) + "max " + padded(format("%.6g", high), 14);
+    out += "min " + column(format("%.6g", low), 14) + "mean " +
+           column(format("%.6g", sum / double(finite)), 14) + "max " + column(format("%.6g", high), 14);
   out += std::to_string(bad) + " not finite\n";
   return out;
 }
@@ -57,17 +57,17 @@ std::string pixelReport(const std::string& fileName, const std::string& pixel) {
   std::string out;
   for (size_t channel = 0; channel < image.channels.size(); ++channel)
     out +=
-        padded(image.channels[channel], 26) + format("%.9g", double(image.at(at[0], at[1])[channel])) + "\n";
+        column(image.channels[channel], 26) + format("%.9g", double(image.at(at[0], at[1])[channel])) + "\n";
   return out;
 }
 
 std::string imageReport(const std::string& fileName) {
   const Image image = readImage(fileName);
-  std::string out = fileName + "\n  " + padded("size", 12) + std::to_string(image.width) + "x" +
+  std::string out = fileName + "\n  " + column("size", 12) + std::to_string(image.width) + "x" +
                     std::to_string(image.height) + " pixels, " + std::to_string(image.channels.size()) +
                     (image.channels.size() == 1 ? " channel\n" : " channels\n");
   for (size_t channel = 0; channel < image.channels.size(); ++channel) out += channelLine(image, channel);
-  for (const auto& [name, value] : image.metadata) out += "  " + padded(name, 22) + value + "\n";
+  for (const auto& [name, value] : image.metadata) out += "  " + column(name, 22) + value + "\n";
   return out;
 }
 
