@@ -217,9 +217,10 @@ TEST(Adaptive, GoesOnFromWhereverItWas) {
 
 TEST(Adaptive, MeansAgreeWithThoseOfEvenSamples) {
   const auto scene = sceneFrom(litCorner(20));
+  const int count = SANITIZED ? 100 : 200;
   for (const Way& way : WAYS) {
-    const Rendered a = renderWith(*scene, way, {.samples = 200, .seed = 1});
-    const Rendered b = renderWith(*scene, way, {.samples = 200, .seed = 2, .adaptive = false});
+    const Rendered a = renderWith(*scene, way, {.samples = count, .seed = 1});
+    const Rendered b = renderWith(*scene, way, {.samples = count, .seed = 2, .adaptive = false});
     const double maps = way.integrator == "path" ? 0 : 0.02 * b.mean(); // few photons: their noise is shared
     EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()) + maps)
         << way.integrator << way.parameters;

@@ -163,7 +163,7 @@ TEST(DirectLight, IrradianceInClosedForm) {
        M_PI * 5 * disk * disk / (height * height)}};
   for (const Case& c : cases) {
     const auto scene = sceneFrom(floorUnder("Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n" + c.light));
-    for (const Way& way : allWays("200000")) {
+    for (const Way& way : allWays(SANITIZED ? "100000" : "200000")) {
       // The disc of the photon search must lie within the part where the light is even.
       const std::string more = way.integrator == "path" ? "" : " \"float radius\" .1";
       const Rendered r = renderScene(*scene, way.integrator, way.parameters + more, samples(64));
@@ -228,7 +228,7 @@ TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
 TEST(Integrators, AgreeOnGlassAndMirror) {
   const auto scene = sceneFrom(glassAndLamp(1, 0));
   const Rendered truth = renderScene(*scene, "path", "", samples(1024));
-  for (const Way& way : allWays("400000")) {
+  for (const Way& way : allWays(SANITIZED ? "100000" : "400000")) {
     if (way.integrator == "path") continue;
     const Rendered r =
         renderScene(*scene, way.integrator, way.parameters, 16); // for sanitizers too: the lamp's edges
@@ -387,7 +387,7 @@ TEST(References, MeansAgree) {
     const char* name;
     int pathSamples; ///< 0: out of a path tracer's reach in a test
   };
-  for (const Case& c : {Case{"cornell", 8}, Case{"cornell-glass", 32}, Case{"hexroom-grey", 16},
+  for (const Case& c : {Case{"cornell", 4}, Case{"cornell-glass", 16}, Case{"hexroom-grey", 8},
                         Case{"sds", 0}, Case{"ajar", 0}}) {
     Diagnostics diagnostics;
     const SceneDescription description =
