@@ -56,7 +56,9 @@ inline Footprint footprint(const EyeRay& ray) { return {ray.direction, ray.width
 /** The BSDF of what a ray met, once the material has shaped the surface; null where rays pass through. */
 inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena) {
   if (!hit.material) return nullptr;
-  hit.point.footprint = footprint;
+  // One by one: to read at once what has just been written in parts takes long.
+  hit.point.footprint.direction = footprint.direction;
+  hit.point.footprint.width = footprint.width;
   if (hit.material->detail) hit.material->detail->apply(hit.point);
   return hit.material->bsdfAt(hit.point, arena);
 }
