@@ -90,8 +90,8 @@ ExitStatus compareFiles(const CompareOptions& o) {
     const bool good = limit.above ? value <= limit.value : value >= limit.value;
     if (good) continue;
     const std::string definition = metricDefinition(limit.metric);
-    fail(limit.metric + " is " + format("%.6g", value) + ", " + (limit.above ? "above " : "below ") +
-         format("%.6g", limit.value) + (definition.empty() ? "" : " (" + definition + ")"));
+    fail(limit.metric + " is " + formatted("%.6g", value) + ", " + (limit.above ? "above " : "below ") +
+         formatted("%.6g", limit.value) + (definition.empty() ? "" : " (" + definition + ")"));
   }
   if (!failures.empty()) throw Error(failures);
   return ExitStatus::DONE;

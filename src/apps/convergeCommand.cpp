@@ -65,7 +65,7 @@ Budgets budgetsOf(const ConvergeOptions& o) {
   } else {
     for (const std::string& text : split(o.times.value_or("1s,2s,4s,8s"), ',')) {
       const double seconds = parseDuration("--times", text);
-      add(seconds, format("%.6g", seconds) + "s");
+      add(seconds, formatted("%.6g", seconds) + "s");
     }
   }
   out.list = sorted.budgets;
@@ -234,8 +234,8 @@ std::optional<ConvergeCell> renderCell(LoadedScene& loaded, const Run& run, cons
 }
 
 std::string errorText(const ConvergeCell& cell) {
-  return std::isfinite(cell.relMseNoiseFree) ? "relMSE noise-free " + format("%.4g", cell.relMseNoiseFree)
-                                             : "relMSE " + format("%.4g", cell.relMse);
+  return std::isfinite(cell.relMseNoiseFree) ? "relMSE noise-free " + formatted("%.4g", cell.relMseNoiseFree)
+                                             : "relMSE " + formatted("%.4g", cell.relMse);
 }
 
 std::string leftText(double seconds) { return seconds > 0 ? "; " + durationText(seconds) + " left" : ""; }
@@ -284,7 +284,7 @@ ExitStatus converge(const ConvergeOptions& o) {
   if (o.render.cropWindow) part += " of the window " + *o.render.cropWindow;
   study.identity = {{"content of the scene", sceneHash},
                     {"reference", given.empty()
-                                      ? "made by path to relMSE " + format("%.4g", referencePlan.relMse)
+                                      ? "made by path to relMSE " + formatted("%.4g", referencePlan.relMse)
                                       : std::to_string(given.size()) + " given"},
                     {"picture", part},
                     {"threads", std::to_string(threadCount())},
@@ -348,8 +348,8 @@ ExitStatus converge(const ConvergeOptions& o) {
         study.cells.push_back(*cell);
         writeFileAtomically(file, studyJson(study));
         if (!o.render.quiet)
-          std::fputs((phase + ": " + format("%.3g s, ", cell->seconds) +
-                      format("%.4g", cell->samplesPerPixel) + " samples per pixel, " + errorText(*cell) +
+          std::fputs((phase + ": " + formatted("%.3g s, ", cell->seconds) +
+                      formatted("%.4g", cell->samplesPerPixel) + " samples per pixel, " + errorText(*cell) +
                       leftText(timeLeft.ofAll(wantedSeeds, wantedBudgets)) + "\n")
                          .c_str(),
                      stderr);

@@ -48,7 +48,7 @@ Image fileOf(const Halves& halves, const std::string& identity) {
   file.metadata = {{"recurse:reference", identity},
                    {"recurse:samples", std::to_string(halves.samples)},
                    {"recurse:batches", std::to_string(halves.batches)},
-                   {"recurse:seconds", format("%.3f", halves.seconds)}};
+                   {"recurse:seconds", formatted("%.3f", halves.seconds)}};
   return file;
 }
 
@@ -136,8 +136,8 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
       const auto retell = [&](RenderProgress& p) {
         p.phase =
             std::string("reference ") + (half == 0 ? "a" : "b") + ", " +
-            (error ? "relMSE " + format("%.2g", error->relMse.high) : std::to_string(batch) + " samples") +
-            ", wanted " + format("%.2g", plan.relMse);
+            (error ? "relMSE " + formatted("%.2g", error->relMse.high) : std::to_string(batch) + " samples") +
+            ", wanted " + formatted("%.2g", plan.relMse);
         p.secondsLeft = left < 0 ? -1 : std::max(0.0, left - (spent - spentBefore) - p.elapsed);
       };
       const Rendering rendering(loaded, PathClasses(), path.plan(), path, retell);
@@ -167,7 +167,7 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
                     "; light that path tracing has not found is in neither";
   if (timeUp)
     out.description +=
-        "; the wanted " + format("%.3g", plan.relMse) + " was not reached within --reference-time";
+        "; the wanted " + formatted("%.3g", plan.relMse) + " was not reached within --reference-time";
   return out;
 }
 

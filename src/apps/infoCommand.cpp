@@ -37,8 +37,8 @@ std::string channelLine(const Image& image, size_t channel) {
   }
   std::string out = "  " + column(image.channels[channel], 12);
   if (finite > 0)
-    out += "min " + column(format("%.6g", low), 14) + "mean " +
-           column(format("%.6g", sum / double(finite)), 14) + "max " + column(format("%.6g", high), 14);
+    out += "min " + column(formatted("%.6g", low), 14) + "mean " +
+           column(formatted("%.6g", sum / double(finite)), 14) + "max " + column(formatted("%.6g", high), 14);
   out += std::to_string(bad) + " not finite\n";
   return out;
 }
@@ -56,8 +56,8 @@ std::string pixelReport(const std::string& fileName, const std::string& pixel) {
   const std::array<int, 2> at = parsePixel(pixel, image);
   std::string out;
   for (size_t channel = 0; channel < image.channels.size(); ++channel)
-    out +=
-        column(image.channels[channel], 26) + format("%.9g", double(image.at(at[0], at[1])[channel])) + "\n";
+    out += column(image.channels[channel], 26) + formatted("%.9g", double(image.at(at[0], at[1])[channel])) +
+           "\n";
   return out;
 }
 

@@ -55,7 +55,7 @@ ParsedParameter valueOf(const ParameterSpec& spec, const std::string& option, co
 
 std::string valueText(const ParsedParameter& p) {
   std::vector<std::string> words = p.strings;
-  for (double number : p.numbers) words.push_back(format("%.9g", number));
+  for (double number : p.numbers) words.push_back(formatted("%.9g", number));
   for (bool b : p.booleans) words.emplace_back(b ? "true" : "false");
   return joined(words);
 }

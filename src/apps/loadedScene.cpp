@@ -115,7 +115,7 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
   if (film.crop.width() != film.width || film.crop.height() != film.height)
     size += ", of them " + std::to_string(film.crop.width()) + "x" + std::to_string(film.crop.height()) +
             " from column " + std::to_string(film.crop.x0) + ", row " + std::to_string(film.crop.y0);
-  if (film.imagingRatio != 1) size += ", scaled by " + format("%.6g", double(film.imagingRatio));
+  if (film.imagingRatio != 1) size += ", scaled by " + formatted("%.6g", double(film.imagingRatio));
   line("film", size + ", file " + film.fileName);
   line("camera", typeOf(loaded.description.camera, "perspective") + ", filter " +
                      typeOf(loaded.description.filter, "as default"));

@@ -49,7 +49,7 @@ ExitStatus mergeRenders(const MergeOptions& o) {
     sum.metadata.erase("recurse:seed");
     sum.metadata.erase("recurse:seconds");
   }
-  sum.metadata["recurse:samples"] = format("%.9g", samples);
+  sum.metadata["recurse:samples"] = formatted("%.9g", samples);
   sum.metadata["recurse:parts"] = partsText(sum);
   Image image = pictureOf(sum.film, sum.classes, sum.imagingRatio, o.extra);
   image.metadata = sum.metadata;
@@ -63,10 +63,10 @@ ExitStatus mergeRenders(const MergeOptions& o) {
     written += (written.empty() ? "" : ", ") + o.checkpoint;
   }
   if (!o.quiet)
-    std::fputs(
-        (partsText(sum) + "\n" + format("%.6g", samples) + " samples per pixel\nwritten: " + written + "\n")
-            .c_str(),
-        stderr);
+    std::fputs((partsText(sum) + "\n" + formatted("%.6g", samples) +
+                " samples per pixel\nwritten: " + written + "\n")
+                   .c_str(),
+               stderr);
   return ExitStatus::DONE;
 }
 

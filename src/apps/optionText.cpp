@@ -5,10 +5,10 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "recurse/core/error.h"
+#include "recurse/core/text.h"
 
 namespace recurse::apps {
 
@@ -133,14 +133,8 @@ double parseReal(const std::string& option, const std::string& text) {
   return *value;
 }
 
-std::string format(const char* pattern, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
-
 std::string durationText(double seconds) {
-  if (seconds < 60) return format(seconds < 10 ? "%.2fs" : "%.1fs", seconds);
+  if (seconds < 60) return formatted(seconds < 10 ? "%.2fs" : "%.1fs", seconds);
   const auto whole = static_cast<long long>(std::llround(seconds));
   const auto two = [](long long x) { return std::string(x < 10 ? "0" : "") + std::to_string(x); };
   if (whole < 3600) return std::to_string(whole / 60) + "m" + two(whole % 60) + "s";
@@ -150,14 +144,14 @@ std::string durationText(double seconds) {
 std::string countText(double count) {
   for (const auto& [unit, letter] : {std::pair{1e9, "G"}, {1e6, "M"}, {1e3, "k"}})
     if (count >= 10 * unit || (count >= unit && unit > 1e3))
-      return format(count >= 100 * unit ? "%.0f" : "%.3g", count / unit) + letter;
-  return format(count == std::floor(count) ? "%.0f" : "%.3g", count);
+      return formatted(count >= 100 * unit ? "%.0f" : "%.3g", count / unit) + letter;
+  return formatted(count == std::floor(count) ? "%.0f" : "%.3g", count);
 }
 
 std::string bytesText(double bytes) {
   for (const auto& [unit, name] : {std::pair{1e9, " GB"}, {1e6, " MB"}, {1e3, " kB"}})
-    if (bytes >= unit) return format(bytes >= 100 * unit ? "%.0f" : "%.3g", bytes / unit) + name;
-  return format("%.0f", bytes) + " bytes";
+    if (bytes >= unit) return formatted(bytes >= 100 * unit ? "%.0f" : "%.3g", bytes / unit) + name;
+  return formatted("%.0f", bytes) + " bytes";
 }
 
 std::string shellQuoted(const std::string& text) {

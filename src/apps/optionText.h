@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "recurse/core/text.h"
+
 namespace recurse::apps {
 
 [[noreturn]] void badUsage(const std::string& message);
@@ -34,8 +36,6 @@ std::string durationText(double seconds);
 /** "12.3M" with at most three digits before the letter. */
 std::string countText(double count);
 std::string bytesText(double bytes);
-/** printf of one number. */
-std::string format(const char* pattern, double value);
 /** As a shell would need it. */
 std::string shellQuoted(const std::string& text);
 

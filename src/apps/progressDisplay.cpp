@@ -33,15 +33,15 @@ size_t terminalWidth() {
 
 std::string figures(const RenderProgress& p) {
   std::string out;
-  if (p.samplesPerPixel > 0) out += format("  %.4g spp", p.samplesPerPixel);
-  if (p.raysPerSecond > 0) out += "  " + format("%.3g", p.raysPerSecond / 1e6) + " Mrays/s";
-  if (p.error >= 0) out += "  error " + format("%.3g", p.error);
+  if (p.samplesPerPixel > 0) out += formatted("  %.4g spp", p.samplesPerPixel);
+  if (p.raysPerSecond > 0) out += "  " + formatted("%.3g", p.raysPerSecond / 1e6) + " Mrays/s";
+  if (p.error >= 0) out += "  error " + formatted("%.3g", p.error);
   out += "  " + durationText(p.elapsed);
   if (p.secondsLeft >= 0) out += ", " + durationText(p.secondsLeft) + " left";
   return out;
 }
 
-std::string percent(double fraction) { return format("%3.0f%%", 100 * fraction); }
+std::string percent(double fraction) { return formatted("%3.0f%%", 100 * fraction); }
 
 } // namespace
 

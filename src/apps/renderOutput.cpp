@@ -52,8 +52,8 @@ std::map<std::string, std::string> metadataOf(const RenderReport& report) {
           {"recurse:scene", report.loaded.fileName},
           {"recurse:settings", report.commandLine},
           {"recurse:seed", std::to_string(report.seed)},
-          {"recurse:samples", format("%.9g", report.samplesPerPixel())},
-          {"recurse:seconds", format("%.3f", report.statistics.renderSeconds)},
+          {"recurse:samples", formatted("%.9g", report.samplesPerPixel())},
+          {"recurse:seconds", formatted("%.3f", report.statistics.renderSeconds)},
           {"recurse:classes", classesText(report.classes)},
           {"recurse:ended", report.stopReason()}};
 }
@@ -131,11 +131,11 @@ std::string statisticsJson(const RenderReport& report) {
 std::string renderSummary(const RenderReport& report, const std::vector<std::string>& outputs, bool notes) {
   const RenderStatistics& s = report.statistics;
   std::string out = std::to_string(report.width) + "x" + std::to_string(report.height) + " pixels, " +
-                    format("%.4g", report.samplesPerPixel()) +
+                    formatted("%.4g", report.samplesPerPixel()) +
                     (report.samplesPerPixel() == 1 ? " sample each, in " : " samples each, in ") +
                     durationText(s.renderSeconds) + " on " + std::to_string(s.threads) +
                     (s.threads == 1 ? " thread" : " threads") + " (" +
-                    format("%.2f", perSecond(s.processorSeconds, s.renderSeconds)) +
+                    formatted("%.2f", perSecond(s.processorSeconds, s.renderSeconds)) +
                     " cores busy); ended by ";
   out += s.stopReason == StopReason::SAMPLES ? "the number of samples"
          : s.stopReason == StopReason::TIME  ? "the time limit"
@@ -143,10 +143,11 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
                                              : "an interrupt";
   out += "\n";
   if (s.error >= 0)
-    out += "relative standard error of the picture (95th percentile of pixels): " + format("%.3g", s.error) +
-           (s.oneMap               ? "; what the one photon map adds, noise and bias, is not in it\n"
-            : s.photonsEmitted > 0 ? "; the bias of the photon map's radius is not in it\n"
-                                   : "\n");
+    out +=
+        "relative standard error of the picture (95th percentile of pixels): " + formatted("%.3g", s.error) +
+        (s.oneMap               ? "; what the one photon map adds, noise and bias, is not in it\n"
+         : s.photonsEmitted > 0 ? "; the bias of the photon map's radius is not in it\n"
+                                : "\n");
   if (s.least != s.most)
     out += "samples of a pixel: " + std::to_string(s.least) + " to " + std::to_string(s.most) +
            ", half of the pixels have at most " + std::to_string(s.median) + "\n";
@@ -161,9 +162,8 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
   if (notes)
     for (const std::string& note : s.notes) out += note + "\n";
   if (s.counts.weightCut > 0)
-    out +=
-        "weight cut by depth and weight limits: " + format("%.3g", s.counts.weightCut / double(s.samples)) +
-        " per sample\n";
+    out += "weight cut by depth and weight limits: " +
+           formatted("%.3g", s.counts.weightCut / double(s.samples)) + " per sample\n";
   if (s.counts.nonFinite > 0)
     out += "warning: " + std::to_string(s.counts.nonFinite) +
            " contributions were not finite and were left out; this is a fault of the program\n";

@@ -63,7 +63,7 @@ ExitStatus renderStills(const StillsOptions& o) {
   Stills stills = makeStills(rendering.film(), stillsPlan, loaded.scene->film().imagingRatio);
   stills.image.metadata = metadataOf(report);
   stills.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
-  stills.label = loaded.integratorDirective.type + ", " + format("%.4g", report.samplesPerPixel()) +
+  stills.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
                  " samples per pixel";
   if (rendering.interrupted()) stills.label += ", interrupted";
   describeStills(stills);

@@ -5,12 +5,12 @@
  */
 #include <algorithm>
 #include <chrono>
-#include <cstdio>
 
+#include "recurse/core/text.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
-#include "recurse/transport/gather.h"
 #include "recurse/transport/placeIrradiance.h"
+#include "recurse/transport/searchChoice.h"
 #include "recurse/transport/searchField.h"
 #include "recurse/transport/shoot.h"
 
@@ -36,12 +36,6 @@ struct PhotonMappingSettings {
   Kernel kernel = Kernel::EPANECHNIKOV;
   PhotonIndexKind index = PhotonIndexKind::KDTREE;
 };
-
-std::string text(const char* format, auto... values) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, values...);
-  return buffer;
-}
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -99,15 +93,19 @@ class PhotonMapping final : public Integrator {
     statistics.balanceSeconds = secondsSince(start);
     statistics.mapBytes = map.memoryBytes() + caustics.memoryBytes();
     if (pass.index == 0) {
-      chooseRadius(scene, statistics);
+      const GatherSettings wished{
+          settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
+      choice = chooseSearch(scene, map, probeEye(scene, 24, 0, settings.sharing, statistics.counts), wished,
+                            progressive, !settings.shadowRays, statistics);
       if (progressive || settings.edges) {
-        std::vector<SurfacePoint> seen; // dark places have hardly any photons that would tell of them
+        // Dark places have hardly any photons that would tell of them.
         const double across = std::sqrt(double(scene.film().crop.area())) / 4;
-        probe(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2, statistics.counts,
-              [&](const SurfacePoint& point, float) { seen.push_back(point); });
+        const std::vector<SeenPlace> seen = probeEye(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)),
+                                                     2, settings.sharing, statistics.counts);
         const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
         for (const auto& [known, photons] : {std::pair(&field, &map), std::pair(&causticField, &caustics)})
-          known->build(scene, *photons, seen, search, judged ? settings.alpha : 0, statistics.counts);
+          known->build(scene, *photons, seen, choice.settings, judged ? settings.alpha : 0,
+                       statistics.counts);
       }
     }
     const bool alike = classes.lightStateCount() == 1; // otherwise some photons count and some do not
@@ -162,14 +160,6 @@ class PhotonMapping final : public Integrator {
   // One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly
   // many.
   static constexpr uint64_t ONE_MAP_PHOTONS = 1000000, LEAST_PROGRESSIVE_PHOTONS = 65536;
-  /** How many photons a search looks for: so many that the disc is `width` pixels in radius, if the photons
-   * allow. Fewer are noise, and a wider disc is a blur, which many passes take long to sharpen. */
-  struct Nearest {
-    int least, most;
-    double width;
-  };
-  static constexpr Nearest ONE_MAP_NEAREST{50, 100, 16}, PROGRESSIVE_NEAREST{8, 40, 8};
-
   /** An eye path on its way. */
   struct Walk {
     EyeRay ray;
@@ -236,7 +226,7 @@ class PhotonMapping final : public Integrator {
         // A surface that a gather ray finds close by is not seen through a map that is blurred over more than
         // the distance: it gathers for itself.
         const bool close = !walk.gathers && walk.gatherDistance > 0 &&
-                           walk.gatherDistance < (progressive ? here.settings.radius : typicalRadius);
+                           walk.gatherDistance < (progressive ? here.settings.radius : choice.typicalRadius);
         if (settings.finalGather > 0 && (walk.gathers || close)) {
           const int rays = walk.gathers ? settings.finalGather : 1;
           for (int i = 0; i < rays; ++i) {
@@ -386,7 +376,7 @@ class PhotonMapping final : public Integrator {
   /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
    * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
   Search searchAt(const SearchField& known, const SurfacePoint& point, const Vec3f& wi) const {
-    Search here{search, {}};
+    Search here{choice.settings, {}};
     if (!progressive && !settings.edges) return here;
     here.place = known.at(point.position, glm::dot(point.geometricNormal, wi) < 0 ? -point.geometricNormal
                                                                                   : point.geometricNormal);
@@ -394,9 +384,9 @@ class PhotonMapping final : public Integrator {
     return here;
   }
   GatherSettings shrunk(float radius) const {
-    GatherSettings now = search;
+    GatherSettings now = choice.settings;
     now.nearest = 0;
-    if (search.nearest > 0) now.radius = radius;
+    if (choice.settings.nearest > 0) now.radius = radius;
     now.radius *= scale;
     return now;
   }
@@ -412,8 +402,8 @@ class PhotonMapping final : public Integrator {
     const Rgb e = shared.at(near.index, out.counts, [&](TransportCounts& counts) {
       const SearchField::Place& place = field.place(near.index);
       Surroundings surroundings{scene, atPlaces.fork(static_cast<uint32_t>(near.index)), &place.around};
-      return irradiance(map, progressive ? shrunk(place.radius) : search, place.position, place.normal,
-                        place.error, settings.edges ? &surroundings : nullptr, counts);
+      return irradiance(map, progressive ? shrunk(place.radius) : choice.settings, place.position,
+                        place.normal, place.error, settings.edges ? &surroundings : nullptr, counts);
     });
     const Vec3f wi = -walk.ray.direction;
     const Vec3f side =
@@ -431,61 +421,6 @@ class PhotonMapping final : public Integrator {
            walk.throughput, walk.eye, out, settings.edges ? &surroundings : nullptr);
   }
 
-  /** The first surface along an eye ray that reads the photon map, by the strongest delta lobe; false when
-   * there is none. Its geometric normal points to where it is seen from. */
-  bool firstDiffuse(const Scene& scene, EyeRay ray, Sampler sampler, Hit& hit, TransportCounts& counts,
-                    float& footprint) const {
-    BsdfArena arena;
-    for (int depth = 0; depth < LONG_WALK; ++depth) {
-      if (!intersect(scene, ray, hit, counts)) return false;
-      ray.width += ray.spread * hit.t;
-      arena.reset();
-      const Bsdf* bsdf = bsdfAt(hit, Footprint(), arena);
-      Vec3f direction = ray.direction;
-      if (bsdf) {
-        const ScatteringPoint scattering(*bsdf, hit.point);
-        footprint = ray.width;
-        if (scattering.hasDiffuse()) {
-          std::optional<Scatter> s;
-          if (settings.sharing.ever() && !(scattering.lobes() & LAMBERTIAN))
-            s = scattering.scatterDiffuse(-ray.direction, Transport::RADIANCE, sampler);
-          if (!s || settings.sharing.followed(s->pdf) < 0.5f) {
-            if (glm::dot(hit.point.geometricNormal, ray.direction) > 0)
-              hit.point.geometricNormal = -hit.point.geometricNormal;
-            return true;
-          }
-          direction = s->direction;
-        } else {
-          std::array<Scatter, DeltaScatters::MOST> all;
-          const int count = scattering.deltaScatters(-ray.direction, Transport::FLUX, all);
-          if (count == 0) return false;
-          direction =
-              std::max_element(all.begin(), all.begin() + count, [](const Scatter& a, const Scatter& b) {
-                return maxComponent(a.weight) < maxComponent(b.weight);
-              })->direction;
-        }
-      }
-      static_cast<Ray&>(ray) = spawn(hit.point, direction);
-    }
-    return false;
-  }
-
-  /** Calls `use(point, footprint)` for what a grid of `across`² eye rays reads the photon map at. */
-  template <class Use>
-  void probe(const Scene& scene, int across, uint64_t seed, TransportCounts& counts, const Use& use) const {
-    const PixelBounds& crop = scene.film().crop;
-    for (int y = 0; y < across; ++y)
-      for (int x = 0; x < across; ++x) {
-        const Vec2f film(float(crop.x0) + (float(x) + 0.5f) / float(across) * float(crop.width()),
-                         float(crop.y0) + (float(y) + 0.5f) / float(across) * float(crop.height()));
-        Hit hit;
-        float footprint = 0;
-        const Sampler sampler(seed, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
-        if (firstDiffuse(scene, scene.camera().ray(film), sampler, hit, counts, footprint))
-          use(hit.point, footprint);
-      }
-  }
-
   /** Where photons should start, so that they come down where the eye looks. */
   PhotonGuidance learn(const Scene& scene, const PathClasses& classes, uint64_t seed,
                        const ShootSettings& shoot, const ForwardControl& control,
@@ -493,110 +428,24 @@ class PhotonMapping final : public Integrator {
     constexpr int PROBES = 96;
     const float spacing = std::sqrt(float(scene.film().crop.area())) / PROBES;
     VisibleRegion region;
-    probe(scene, PROBES, 1, statistics.counts, [&](const SurfacePoint& point, float footprint) {
-      if (footprint > 0) region.add(point.position, footprint * std::max(spacing, 2.0f));
-    });
+    for (const SeenPlace& place : probeEye(scene, PROBES, 1, settings.sharing, statistics.counts))
+      if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
     PhotonGuidance learned = learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts);
     if (learned.emission.active())
       statistics.notes.push_back(
-          text("photons: sent where the eye looks, each worth %.3g times what it is worth without",
-               learned.emission.gain()));
+          formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",
+                    learned.emission.gain()));
     if (!learned.targets.empty())
       statistics.notes.push_back(
-          text("photons: matt surfaces send more of them to %zu spheres where the eye looks",
-               learned.targets.size()));
+          formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
+                    learned.targets.size()));
     return learned;
-  }
-
-  /**
-   * Looks at the photons where the eye does, and settles the search: the k nearest photons, within a limit
-   * that keeps dark corners from smearing over the whole scene; or all within the radius that was asked for.
-   */
-  void chooseRadius(const Scene& scene, ForwardStatistics& statistics) {
-    search.kernel = settings.kernel;
-    search.flatness = settings.flatness;
-    const Nearest range = progressive ? PROGRESSIVE_NEAREST : ONE_MAP_NEAREST;
-    search.nearest = settings.nearest > 0 || settings.radius > 0 ? settings.nearest : range.least;
-    search.radius = static_cast<float>(settings.radius);
-    std::vector<double> radii, found, widths;
-    PhotonScratch scratch;
-    probe(scene, 24, 0, statistics.counts, [&](const SurfacePoint& point, float footprint) {
-      widths.push_back(double(footprint));
-      GatherRegion region;
-      region.center = point.position;
-      region.normal = point.geometricNormal;
-      region.bothSides = true;
-      region.flatness = search.flatness;
-      region.radius = settings.radius == 0 ? 2 * scene.bounds().radius : search.radius;
-      if (search.nearest > 0) {
-        const NearestPhotons n = map.nearest(region, search.nearest, scratch);
-        found.push_back(n.count);
-        if (n.count == search.nearest) radii.push_back(double(std::sqrt(n.radius2)));
-      } else {
-        int n = 0;
-        map.visitWithin(region, [&](const PhotonBlock& b) { n += std::popcount(b.mask); });
-        found.push_back(n);
-      }
-    });
-    if (found.empty()) {
-      statistics.notes.push_back("the eye sees no diffuse surface: no photons are gathered");
-      if (search.radius == 0) search.radius = 2 * scene.bounds().radius;
-      return;
-    }
-    const auto part = [](std::vector<double>& v, double p) {
-      const auto i = static_cast<std::ptrdiff_t>(p * double(v.size() - 1));
-      std::nth_element(v.begin(), v.begin() + i, v.end());
-      return v[size_t(i)];
-    };
-    if (search.nearest > 0 && settings.nearest == 0 && !radii.empty()) {
-      const double widening = range.width * part(widths, 0.5) / part(radii, 0.5);
-      search.nearest = static_cast<int>(
-          std::clamp(range.least * widening * widening, double(range.least), double(range.most)));
-      for (double& r : radii) r *= std::sqrt(double(search.nearest) / range.least);
-    }
-    const double across = double(scene.bounds().radius);
-    double typical = settings.radius;
-    if (search.nearest > 0) {
-      if (!radii.empty()) {
-        typical = part(radii, 0.5);
-        if (settings.radius == 0) search.radius = static_cast<float>(2 * part(radii, 0.95));
-      } else if (settings.radius == 0) {
-        search.radius = static_cast<float>(0.1 * across);
-      }
-      if (!radii.empty())
-        statistics.notes.push_back(text(
-            "search: the %d nearest photons, typically within %.3g, at most %.3g; the scene is %.3g across",
-            search.nearest, typical, double(search.radius), 2 * across));
-    } else {
-      statistics.notes.push_back(
-          text("search: all photons within %.3g, typically %.0f; the scene is %.3g across", typical,
-               part(found, 0.5), 2 * across));
-    }
-    if (map.empty()) {
-      if (settings.shadowRays)
-        statistics.notes.push_back("no photon was stored: all light is direct, or there is none");
-      else
-        statistics.warnings.push_back(
-            "no photon was stored: the picture will show nothing but emitted light");
-    } else if (const double typicalFound = part(found, 0.5); typicalFound < 25 && !progressive) {
-      statistics.warnings.push_back(
-          text("the picture will be blotchy: an estimate typically finds %.0f photons; shoot more "
-               "(--photons) or widen the search (--radius)",
-               typicalFound));
-    }
-    typicalRadius = static_cast<float>(typical);
-    if (!map.empty() && typical > 0.05 * across && !progressive)
-      statistics.warnings.push_back(
-          text("the picture will be smeared: light is averaged over discs of radius %.3g in a scene %.3g "
-               "across; shoot more photons (--photons) or narrow the search (--radius, --gather-photons)",
-               typical, 2 * across));
   }
 
   PhotonMappingSettings settings;
   PhotonMap map, caustics;         ///< caustics: only with final gathering
-  GatherSettings search;           ///< of the first pass
+  SearchChoice choice;             ///< from the first pass
   SearchField field, causticField; ///< from the first pass, for all
-  float typicalRadius = 0;         ///< of the first pass
   PhotonGuidance guidance;         ///< learned before the first pass, for all
   LightGuide lights;
   PlaceIrradiance shared; ///< at the places of `field`, of this pass; empty unless final gathers use it

@@ -1,23 +1,19 @@
 /** @file
  * Error measures in words, as JSON and by name.
  */
-#include <cstdio>
 #include <functional>
 
 #include <nlohmann/json.hpp>
 
 #include "recurse/core/error.h"
+#include "recurse/core/text.h"
 #include "recurse/report/compare.h"
 
 namespace recurse {
 
 namespace {
 
-std::string number(double value, int digits = 6) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
+std::string number(double value, int digits = 6) { return formatted("%.*g", digits, value); }
 
 struct Metric {
   const char* name;  ///< JSON key; with _rgb for the three channels

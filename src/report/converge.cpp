@@ -9,6 +9,7 @@
 
 #include "recurse/core/error.h"
 #include "recurse/core/hash.h"
+#include "recurse/core/text.h"
 
 namespace recurse {
 
@@ -31,11 +32,7 @@ void requireFinite(const Image& image, const std::string& name) {
 
 double relativeWeight(double reference) { return 1 / (reference * reference + REL_MSE_EPSILON); }
 
-std::string shortNumber(double value, int digits = 3) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
+std::string shortNumber(double value, int digits = 3) { return formatted("%.*g", digits, value); }
 
 std::string secondsText(double seconds) { return shortNumber(seconds) + " s"; }
 

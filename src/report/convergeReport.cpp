@@ -3,7 +3,6 @@
  */
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include <fcntl.h>
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "recurse/core/error.h"
+#include "recurse/core/text.h"
 #include "recurse/report/converge.h"
 #include "recurse/report/stills.h"
 #include "report/htmlPage.h"
@@ -34,11 +34,7 @@ constexpr ExpectedSlope EXPECTED[] = {
     {-2.0 / 3, "t^-2/3",
      "progressive photon mapping at its best (Knaus and Zwicker 2011): bias and variance"}};
 
-std::string rounded(double value, int digits = 3) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
+std::string rounded(double value, int digits = 3) { return formatted("%.*g", digits, value); }
 
 /** By its width on a terminal; texts may hold bytes of UTF-8. */
 std::string column(const std::string& text, size_t width) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "recurse/core/error.h"
+#include "recurse/core/text.h"
 #include "recurse/report/converge.h"
 
 namespace recurse {
@@ -50,12 +51,7 @@ constexpr SplitField SPLIT_FIELDS[] = {{"variance", &ErrorSplit::variance},
 Json numberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 double numberOf(const Json& json) { return json.is_null() ? UNKNOWN : json.get<double>(); }
 
-std::string csvNumber(double value) {
-  if (!std::isfinite(value)) return "";
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string csvNumber(double value) { return std::isfinite(value) ? formatted("%.9g", value) : ""; }
 
 /** The errors of points come from the first measure, which plots and tables begin with. */
 double shownError(const ConvergeCell& cell, bool independent) {

@@ -5,12 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/error.h"
+#include "recurse/core/text.h"
 #include "recurse/transport/classesReport.h"
 
 namespace recurse {
@@ -261,12 +261,10 @@ std::string stillsTable(const Stills& stills) {
   for (const StillLayer& layer : stills.layers) {
     std::string expression = layer.expression;
     if (expression.size() > WIDEST) expression = expression.substr(0, WIDEST - 3) + "...";
-    char line[256];
-    std::snprintf(line, sizeof line, "%-*s  %-*s  %7.2f %%   mean %.4g %.4g %.4g   exposure %+.2f\n",
-                  static_cast<int>(nameWidth), layer.name.c_str(), static_cast<int>(expressionWidth),
-                  expression.c_str(), layer.share * 100, double(layer.mean.r), double(layer.mean.g),
-                  double(layer.mean.b), double(layer.exposure));
-    out += line;
+    out += formatted("%-*s  %-*s  %7.2f %%   mean %.4g %.4g %.4g   exposure %+.2f\n",
+                     static_cast<int>(nameWidth), layer.name.c_str(), static_cast<int>(expressionWidth),
+                     expression.c_str(), layer.share * 100, double(layer.mean.r), double(layer.mean.g),
+                     double(layer.mean.b), double(layer.exposure));
   }
   for (const std::string& remark : stills.remarks) out += "note: " + remark + "\n";
   return out;

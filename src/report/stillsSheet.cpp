@@ -3,8 +3,8 @@
  */
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "recurse/core/text.h"
 #include "recurse/report/stills.h"
 #include "report/bitmapFont.h"
 
@@ -27,12 +27,6 @@ void fill(Image& image, int x, int y, int width, int height, const Rgb& colour) 
   for (int j = y; j < y + height; ++j)
     for (int i = x; i < x + width; ++i)
       for (int c = 0; c < 3; ++c) image.at(i, j)[c] = colour[c];
-}
-
-std::string number(const char* pattern, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
 }
 
 size_t lettersIn(int width, int size) {
@@ -127,10 +121,10 @@ Image contactSheet(const Stills& stills) {
     drawPicture(sheet, left, top, picture, s, stills.commonExposure());
     drawPicture(sheet, right, top, picture, s, layer.exposure);
     top += s.pictureHeight + PADDING;
-    drawText(sheet, left, top, number("common %+.1f", double(stills.commonExposure())), DIM, TEXT_SIZE);
-    drawText(sheet, right, top, number("own %+.1f", double(layer.exposure)), DIM, TEXT_SIZE);
+    drawText(sheet, left, top, formatted("common %+.1f", double(stills.commonExposure())), DIM, TEXT_SIZE);
+    drawText(sheet, right, top, formatted("own %+.1f", double(layer.exposure)), DIM, TEXT_SIZE);
     top += LINE;
-    const std::string share = number("%.2f %%", layer.share * 100);
+    const std::string share = formatted("%.2f %%", layer.share * 100);
     const int shareWidth = static_cast<int>(share.size()) * LETTER_STEP * TEXT_SIZE;
     drawText(sheet, left, top, cut(layer.name, lettersIn(inner - shareWidth - PADDING, TEXT_SIZE)), BRIGHT,
              TEXT_SIZE);
@@ -138,8 +132,9 @@ Image contactSheet(const Stills& stills) {
     top += LINE;
     drawExpression(sheet, left, top, inner, layer.expression);
     top += EXPRESSION_LINES * LINE;
-    const std::string mean = number("mean %.3g", double(layer.mean.r)) +
-                             number(" %.3g", double(layer.mean.g)) + number(" %.3g", double(layer.mean.b));
+    const std::string mean = formatted("mean %.3g", double(layer.mean.r)) +
+                             formatted(" %.3g", double(layer.mean.g)) +
+                             formatted(" %.3g", double(layer.mean.b));
     drawText(sheet, left, top, cut(mean, lettersIn(inner, TEXT_SIZE)), DIM, TEXT_SIZE);
   }
   return sheet;

@@ -133,7 +133,7 @@ class PlaceFinder {
 
   /** Places at every `every`-th photon and at all points seen, with the distance to the k-th photon. Those of
    * photons come first; their number goes to `ofPhotons`. */
-  std::vector<Place> find(size_t every, std::span<const SurfacePoint> seen, size_t& ofPhotons) {
+  std::vector<Place> find(size_t every, std::span<const SeenPlace> seen, size_t& ofPhotons) {
     std::vector<Place> places((first.size() + every - 1) / every);
     const size_t tried = places.size();
     places.resize(tried + seen.size());
@@ -146,7 +146,7 @@ class PlaceFinder {
         region.bothSides = true;
         if (!surfaceOf(scene, photon, kthDistance(region, scratch), point, partCounts)) return;
       } else {
-        point = seen[i - tried];
+        point = seen[i - tried].point;
       }
       Place& place = places[i];
       place.position = point.position;
@@ -290,7 +290,7 @@ class PlaceFinder {
 
 } // namespace
 
-void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen,
+void SearchField::build(const Scene& scene, const PhotonMap& first, std::span<const SeenPlace> seen,
                         const GatherSettings& search, double alpha, TransportCounts& counts) {
   limit = search.radius;
   lift = 2 * scene.bounds().radius;

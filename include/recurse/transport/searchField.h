@@ -5,6 +5,7 @@
  */
 #pragma once
 
+#include "recurse/transport/eyeProbe.h"
 #include "recurse/transport/gather.h"
 
 namespace recurse {
@@ -27,12 +28,12 @@ struct SearchPlace {
 
 class SearchField {
  public:
-  /** Takes at places all over a first photon map, and at points that are seen, the distance to the k-th
+  /** Takes at places all over a first photon map, and at places that are seen, the distance to the k-th
    * photon, and at most search.radius, and what the surface is like around them. k = search.nearest; 0:
    * search.radius everywhere. With alpha > 0, that of radiusScale(), the distance is a first guess: where
    * discs of another area promise less error over many passes, they are taken. The geometric normals of
    * `seen` point to where they are seen from. The map is not needed afterwards. */
-  void build(const Scene& scene, const PhotonMap& first, std::span<const SurfacePoint> seen,
+  void build(const Scene& scene, const PhotonMap& first, std::span<const SeenPlace> seen,
              const GatherSettings& search, double alpha, TransportCounts& counts);
   /** How far to look at a point with this geometric normal: the radius of the nearest of the places, and no
    * less than the way there. */
