@@ -72,18 +72,17 @@ SearchChoice chooseSearch(const Scene& scene, const PhotonMap& map, std::span<co
     if (!radii.empty()) {
       typical = part(radii, 0.5);
       if (anyRadius) search.radius = static_cast<float>(2 * part(radii, 0.95));
-      statistics.notes.push_back(
-          formatted("search: %sthe %d nearest photons, typically within %.3g, at most %.3g; the scene is %.3g "
-                    "across",
-                    progressive ? "at first " : "", search.nearest, typical, double(search.radius),
-                    2 * across));
+      statistics.notes.push_back(formatted(
+          "search: %sthe %d nearest photons, typically within %.3g, at most %.3g; the scene is %.3g "
+          "across",
+          progressive ? "at first " : "", search.nearest, typical, double(search.radius), 2 * across));
     } else if (anyRadius) {
       search.radius = static_cast<float>(0.1 * across);
     }
   } else {
     statistics.notes.push_back(
         formatted("search: all photons within %.3g, typically %.0f; the scene is %.3g across", typical,
-               part(found, 0.5), 2 * across));
+                  part(found, 0.5), 2 * across));
   }
   choice.typicalRadius = static_cast<float>(typical);
   if (map.empty()) {
@@ -97,13 +96,13 @@ SearchChoice chooseSearch(const Scene& scene, const PhotonMap& map, std::span<co
   if (const double typicalFound = part(found, 0.5); typicalFound < 25)
     statistics.warnings.push_back(
         formatted("the picture will be blotchy: an estimate typically finds %.0f photons; shoot more "
-               "(--photons) or widen the search (--radius)",
-               typicalFound));
+                  "(--photons) or widen the search (--radius)",
+                  typicalFound));
   if (typical > 0.05 * across)
     statistics.warnings.push_back(
         formatted("the picture will be smeared: light is averaged over discs of radius %.3g in a scene %.3g "
-               "across; shoot more photons (--photons) or narrow the search (--radius, --gather-photons)",
-               typical, 2 * across));
+                  "across; shoot more photons (--photons) or narrow the search (--radius, --gather-photons)",
+                  typical, 2 * across));
   return choice;
 }
 
