@@ -378,8 +378,7 @@ class PhotonMapping final : public Integrator {
   Search searchAt(const SearchField& known, const SurfacePoint& point, const Vec3f& wi) const {
     Search here{choice.settings, {}};
     if (!progressive && !settings.edges) return here;
-    here.place = known.at(point.position, glm::dot(point.geometricNormal, wi) < 0 ? -point.geometricNormal
-                                                                                  : point.geometricNormal);
+    here.place = known.at(point.position, point.normalTowards(wi));
     if (progressive) here.settings = shrunk(here.place.radius);
     return here;
   }
@@ -406,9 +405,8 @@ class PhotonMapping final : public Integrator {
                         place.normal, place.error, settings.edges ? &surroundings : nullptr, counts);
     });
     const Vec3f wi = -walk.ray.direction;
-    const Vec3f side =
-        glm::dot(point.geometricNormal, wi) < 0 ? -point.geometricNormal : point.geometricNormal;
-    if (!isBlack(e)) out.add(LightState(0), walk.eye, walk.throughput * e * scattering.value(wi, side));
+    if (!isBlack(e))
+      out.add(LightState(0), walk.eye, walk.throughput * e * scattering.value(wi, point.normalTowards(wi)));
     return true;
   }
   /** Adds what a photon map has at a point; `walk` has read the D there. */

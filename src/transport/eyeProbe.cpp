@@ -30,8 +30,7 @@ std::optional<SeenPlace> firstDiffuse(const Scene& scene, EyeRay ray, Sampler sa
         if (sharing.ever() && !(scattering.lobes() & LAMBERTIAN))
           s = scattering.scatterDiffuse(-ray.direction, Transport::RADIANCE, sampler);
         if (!s || sharing.followed(s->pdf) < 0.5f) {
-          if (glm::dot(hit.point.geometricNormal, ray.direction) > 0)
-            hit.point.geometricNormal = -hit.point.geometricNormal;
+          hit.point.geometricNormal = hit.point.normalTowards(-ray.direction);
           return SeenPlace{hit.point, ray.width};
         }
         direction = s->direction;

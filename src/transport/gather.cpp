@@ -176,8 +176,8 @@ struct PowerSum {
   int found = 0;
 };
 
-/** `arrives(block)`: the lanes whose light counts. A disc by the nearest ends at the k-th photon, which
- * therefore does not count itself: E[(k - 1)/disc] is the density. */
+/** `arrives(weight, block)`: the weight in the lanes whose light counts, 0 in the others. A disc by the
+ * nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc] is the density. */
 template <class Arrives>
 PowerSum sumPower(const PhotonMap& map, const Disc& disc, Kernel kernel, const PhotonScratch& scratch,
                   const Arrives& arrives) {
@@ -207,7 +207,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   if (map.empty()) return result;
   GatherRegion place;
   place.center = point.position;
-  place.normal = glm::dot(point.geometricNormal, eye) < 0 ? -point.geometricNormal : point.geometricNormal;
+  place.normal = point.normalTowards(eye);
   place.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
   thread_local PhotonScratch scratch;
   // Detail below a pixel is only noise: the disc is at least as wide as the pixel.

@@ -483,11 +483,8 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
   return result;
 }
 
-/** A leaf close to the center: of each node the nearest child. */
-size_t PhotonMap::leafBeside(const Vec3f& center) const {
-  GatherRegion region;
-  region.center = center;
-  const Query<false, false, false> query(region);
+/** A leaf close to the centre: of each node the nearest child. */
+size_t PhotonMap::leafBeside(const Query<false, false, false>& query) const {
   size_t node = 0;
   for (int level = 0; level < levelCount; ++level) {
     const Float8 d2 = query.boxDistance2(nodes[levelBegin(level) + node]);
@@ -497,27 +494,24 @@ size_t PhotonMap::leafBeside(const Vec3f& center) const {
 }
 
 size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const {
+  GatherRegion region;
+  region.center = center;
+  region.bothSides = true;
+  size_t slot = 0;
   if (indexKind == PhotonIndexKind::FLANN) {
-    GatherRegion region;
-    region.center = center;
-    region.bothSides = true;
-    size_t slot = 0;
     nearest(region, 1, scratch);
     visitNearest(scratch, [&](const PhotonBlock& block) {
       slot = block.first + static_cast<size_t>(std::countr_zero(block.mask));
     });
     return slot;
   }
-  GatherRegion region;
-  region.center = center;
   Query<false, false, false> query(region);
   float nearest = INFINITE;
-  size_t slot = 0;
   // Any photon bounds the distance: the one that the last query found, or those of a leaf close by.
   constexpr float NEAR = 2;
   if (scratch.lastSlot < photonCount) nearest = query.distance2(position(scratch.lastSlot));
   if (!(nearest < square(NEAR * scratch.lastNearest))) {
-    const Leaf& leaf = leaves[leafBeside(center)];
+    const Leaf& leaf = leaves[leafBeside(query)];
     Float8 all(nearest);
     for (size_t i = 0; i < LEAF_SIZE; i += 8)
       all = min(all, query.distance2(leaf.x + i, leaf.y + i, leaf.z + i));

@@ -26,7 +26,7 @@ bool surfaceOf(const Scene& scene, const Photon& photon, float near, SurfacePoin
   if (!intersect(scene, {photon.position + direction * start, -direction, 2 * start}, hit, counts))
     return false;
   point = hit.point;
-  if (glm::dot(point.geometricNormal, direction) < 0) point.geometricNormal = -point.geometricNormal;
+  point.geometricNormal = point.normalTowards(direction);
   return true;
 }
 

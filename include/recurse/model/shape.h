@@ -36,6 +36,10 @@ struct SurfacePoint {
   Footprint footprint;
   float indexOutside = 1; ///< refractive index on the outer side; of nested dielectrics only
 
+  /** The geometric normal on the side that `direction` points to. */
+  Vec3f normalTowards(const Vec3f& direction) const {
+    return glm::dot(geometricNormal, direction) < 0 ? -geometricNormal : geometricNormal;
+  }
   /**
    * Where a ray that leaves in `direction` starts: beyond the error of the position along the geometric
    * normal, on the side of the direction, so that it does not meet its own surface (after Pharr, Jakob,

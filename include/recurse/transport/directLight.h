@@ -20,8 +20,7 @@ inline float powerHeuristic(int n, float p, float q) {
 /** A surface point for a guide, seen from unit `eye`. */
 inline LitPlace litPlace(const LightGuide& guide, const SurfacePoint& point, const Vec3f& eye) {
   if (!guide.active()) return {point.position};
-  const Vec3f& normal = point.geometricNormal;
-  return guide.at(point.position, glm::dot(normal, eye) < 0 ? -normal : normal);
+  return guide.at(point.position, point.normalTowards(eye));
 }
 
 /** Whether there are lights to be sampled, and paths from them in demand, at a vertex whose D `eyeState` has

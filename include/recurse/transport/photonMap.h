@@ -404,7 +404,7 @@ class PhotonMap {
     return {block * 8, mask, d2, payload.data() + block, pathStates.data() + size_t(block) * 8};
   }
 
-  size_t leafBeside(const Vec3f& center) const;
+  size_t leafBeside(const Query<false, false, false>& query) const;
   float densityBound(const Vec3f& center, int k) const;
   void keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const;
   void buildFlann();

@@ -31,7 +31,6 @@ class PlaceIrradiance {
     return found;
   }
   size_t size() const { return count; }
-  size_t memoryBytes() const { return count * sizeof(Place); }
 
  private:
   /** A thread may see some of the parts before the others: it is known when none is NaN. */

@@ -38,7 +38,6 @@ class SearchField {
   /** How far to look at a point with this geometric normal: the radius of the nearest of the places, and no
    * less than the way there. */
   SearchPlace at(const Vec3f& position, const Vec3f& normal) const;
-  size_t memoryBytes() const { return index.memoryBytes() + places.capacity() * sizeof(Place); }
 
   size_t size() const { return places.size(); }
   struct Place {
