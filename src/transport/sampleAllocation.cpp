@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <numeric>
 
 #include "recurse/core/parallel.h"
 #include "recurse/core/sampler.h"
@@ -14,18 +14,21 @@ namespace recurse {
 
 namespace {
 
-/** The pixels around one that say how much it varies: a square of (2 NEAR + 1)², without itself. */
-constexpr int NEAR = 2;
+/** Of the pixels around one, these say how much it varies, in two squares of (2 n + 1)² without itself that
+ * count alike. */
+constexpr int NEAREST = 1, NEAR = 2;
 /** Those that tell the photons' part from the eye paths'. */
 constexpr int PAIRS = 4;
 /** And those over which rare bright samples are spread. */
 constexpr int WIDE = 12;
-/** One pixel around may not count for more than so many times what is usual there. */
-constexpr double CLIP = 10;
-/** Of the samples of a pixel. */
-constexpr double ROUND_NUMBER = 4;
+/** They decide where nothing else does. */
+constexpr double RARE_WEIGHT = 0.01;
 /** The mean of squares over the square of the mean up to which values are no more than unequal. */
 constexpr double EVEN_SPREAD = 2;
+/** Classes of pixels that are told apart by what their surroundings say. */
+constexpr size_t MOST_CLASSES = 64;
+/** The samples of a pixel are a multiple of it. */
+constexpr double ROUND_NUMBER = 4;
 
 /** [first, end) of places; of those within `reach` of `at`, of `count`. */
 struct Range {
@@ -35,6 +38,14 @@ struct Range {
   Range within(const Range& o) const { return {std::max(first, o.first), std::min(end, o.end)}; }
   size_t size() const { return end - first; }
   size_t first, end;
+};
+
+/** The square of pixels around one. */
+struct Surroundings {
+  Surroundings(size_t pixel, int reach, size_t width, size_t height)
+      : x(pixel % width, reach, width), y(pixel / width, reach, height) {}
+  double others() const { return double(x.size() * y.size()) - 1; }
+  Range x, y;
 };
 
 /** Sums over rectangles in constant time (Crow 1984, "Summed-Area Tables for Texture Mapping"). */
@@ -54,11 +65,37 @@ class AreaSums {
     return sums[y.end * stride + x.end] - sums[y.end * stride + x.first] - sums[y.first * stride + x.end] +
            sums[y.first * stride + x.first];
   }
+  /** The mean over the pixels around one whose own value this is. */
+  double meanAround(const Surroundings& s, double own) const {
+    return s.others() > 0 ? std::max(0.0, sum(s.x, s.y) - own) / s.others() : 0;
+  }
 
  private:
   size_t stride;
   std::vector<double> sums;
 };
+
+/** Puts pixels that are close in the order of `key` into classes, none smaller than `leastClass`, and gives
+ * each the mean of `value` over its class. Equal keys are in the same class. */
+std::vector<double> meansOfClasses(const std::vector<double>& key, const std::vector<double>& value,
+                                   size_t leastClass) {
+  std::vector<uint32_t> order(key.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return key[a] != key[b] ? key[a] < key[b] : a < b; // one order, so that sums are the same
+  });
+  const size_t size = std::max(leastClass, (key.size() + MOST_CLASSES - 1) / MOST_CLASSES);
+  std::vector<double> mean(key.size());
+  for (size_t first = 0, end = 0; first < order.size(); first = end) {
+    end = order.size() - first < 2 * size ? order.size() : first + size;
+    while (end < order.size() && key[order[end]] == key[order[end - 1]]) ++end;
+    if (order.size() - end < size) end = order.size();
+    double sum = 0;
+    for (size_t k = first; k < end; ++k) sum += value[order[k]];
+    for (size_t k = first; k < end; ++k) mean[order[k]] = sum / double(end - first);
+  }
+  return mean;
+}
 
 } // namespace
 
@@ -73,9 +110,15 @@ uint64_t SampleAllocation::hashOf(size_t pixel) const {
   return hashCombine(hashCombine(stage.seed, uint64_t(stage.first)), pixel);
 }
 
+int64_t SampleAllocation::pilotsUpTo(int64_t sample) const {
+  if (mapPerSample) return EVEN + (sample - EVEN) / PILOT_PERIOD;
+  return std::max(EVEN, sample / PILOT_PERIOD / (2 * BLOCK) * 2 * BLOCK); // in whole pairs of blocks
+}
+
 int64_t SampleAllocation::pilots(int64_t from, int64_t sample) const {
   if (stage.first == 0) return sample - from;
-  const auto before = [&](int64_t s) { return (s - stage.first + PILOT_PERIOD - 1) / PILOT_PERIOD; };
+  const int64_t length = stage.end - stage.first, all = pilotsUpTo(stage.end) - pilotsUpTo(stage.first);
+  const auto before = [&](int64_t s) { return ((s - stage.first) * all + length - 1) / length; };
   return before(sample) - before(from);
 }
 
@@ -107,13 +150,12 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed, const F
   }
   if (sample == 0 || !(left > 0)) return;
 
-  const std::vector<Told> pixelsTold = told();
+  const std::vector<Need> need = needs();
   const double pilotsNow = double(pilots(sample, end)), most = MOST * double(end);
   const double maps = mapPerSample ? double(end) : 0;
   const auto extraOf = [&](size_t i, double scale) {
     const double has = double(pixels[i].before) + pilotsNow;
-    const double wanted =
-        std::max(scale * pixelsTold[i].eyeDeviation, std::min(scale * pixelsTold[i].deviation, maps));
+    const double wanted = std::max(scale * need[i].eye, std::min(scale * need[i].all, maps));
     return std::clamp(wanted - has, 0.0, std::max(0.0, most - has));
   };
   // Sums by rows, so that they do not depend on the number of threads.
@@ -128,10 +170,10 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed, const F
     return sum;
   };
   double largest = 0, least = INFINITY;
-  for (const Told& t : pixelsTold)
-    if (t.eyeDeviation > 0) {
-      largest = std::max(largest, t.deviation);
-      least = std::min(least, t.eyeDeviation);
+  for (const Need& n : need)
+    if (n.eye > 0) {
+      largest = std::max(largest, n.all);
+      least = std::min(least, n.eye);
     }
   double scale = 0;
   if (largest > 0) {
@@ -161,87 +203,87 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed, const F
   }
 }
 
-std::vector<SampleAllocation::Told> SampleAllocation::told() const {
-  const double n = double(stage.pilots);
-  const double floor2 = dark * dark;
-  std::vector<double> variance(pixels.size()), deviation(pixels.size()), scale2(pixels.size());
+std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
+  const double n = double(stage.pilots), paired = std::floor(n / (2 * BLOCK)) * 2 * BLOCK;
+  // All relative to the brightness: of samples, its root, and of what blocks of them bring.
+  std::vector<double> brightness(pixels.size()), variance(pixels.size()), deviation(pixels.size()),
+      blockVariance(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     const Pixel& p = pixels[i];
     const double luminance = p.luminance / n;
-    scale2[i] = luminance * luminance + floor2;
-    if (!(scale2[i] > 0)) continue;
-    variance[i] = std::max(0.0, (p.luminanceSquared - p.luminance * luminance) / (n - 1)) / scale2[i];
+    brightness[i] = luminance * luminance + dark * dark;
+    if (!(brightness[i] > 0)) continue;
+    variance[i] = std::max(0.0, (p.luminanceSquared - p.luminance * luminance) / (n - 1)) / brightness[i];
     deviation[i] = std::sqrt(variance[i]);
+    blockVariance[i] = p.differencesSquared / paired / brightness[i];
   }
-  const AreaSums variances(variance, width, height), deviations(deviation, width, height);
-  std::optional<AreaSums> pairVariances, pairDifferences;
-  if (mapPerSample) {
-    // Of pairs: the mean of both variances, and half the variance of the difference, which both pixels get.
-    std::vector<double> both(pixels.size()), difference(pixels.size());
-    for (size_t i = 0; i + 1 < pixels.size(); ++i) {
-      if (i % width % 2 != 0 || i % width + 1 == width) continue;
-      const Pixel &p = pixels[i], &q = pixels[i + 1];
-      const double scale = (scale2[i] + scale2[i + 1]) / 2;
-      if (!(scale > 0)) continue;
-      const double shared = (q.pair - p.luminance * q.luminance / n) / (n - 1) / scale;
-      both[i] = both[i + 1] = (variance[i] * scale2[i] + variance[i + 1] * scale2[i + 1]) / 2 / scale;
-      difference[i] = difference[i + 1] = std::max(0.0, both[i] - shared);
-    }
-    pairVariances.emplace(both, width, height);
-    pairDifferences.emplace(difference, width, height);
+  std::vector<double> surroundings(pixels.size());
+  {
+    const AreaSums variances(variance, width, height), deviations(deviation, width, height);
+    parallelFor(height, [&](size_t y) {
+      for (size_t i = y * width; i < (y + 1) * width; ++i) {
+        // Means of deviations, so that a single bright sample does not get far.
+        const auto usual = [&](int reach) {
+          return deviations.meanAround({i, reach, width, height}, deviation[i]);
+        };
+        const double near = square((usual(NEAREST) + usual(NEAR)) / 2);
+        // Where bright samples are rare, that some have been met here and none there says nothing: all around
+        // expect their share of them.
+        const double rare = std::max(0.0, variances.meanAround({i, WIDE, width, height}, variance[i]) -
+                                              EVEN_SPREAD * square(usual(WIDE)));
+        surroundings[i] = near + RARE_WEIGHT * rare;
+      }
+    });
   }
-  std::vector<Told> out(pixels.size());
+  const std::vector<double> expected =
+      meansOfClasses(surroundings, mapPerSample ? variance : blockVariance, LEAST_CLASS);
+  std::vector<Need> out(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i)
+    out[i].all = out[i].eye = std::pow(expected[i], mapPerSample ? 0.5 : 1 / (1 + FALL));
+  if (mapPerSample) tellMapsApart(out, variance, brightness);
+  return out;
+}
+
+void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
+                                     const std::vector<double>& brightness) const {
+  const double n = double(stage.pilots);
+  // Of pairs: the mean of both variances, and half the variance of the difference, which both pixels get.
+  std::vector<double> both(pixels.size()), difference(pixels.size());
+  for (size_t i = 0; i + 1 < pixels.size(); ++i) {
+    if (i % width % 2 != 0 || i % width + 1 == width) continue;
+    const Pixel &p = pixels[i], &q = pixels[i + 1];
+    const double scale = (brightness[i] + brightness[i + 1]) / 2;
+    if (!(scale > 0)) continue;
+    const double shared = (q.pair - p.luminance * q.luminance / n) / (n - 1) / scale;
+    both[i] = both[i + 1] = (variance[i] * brightness[i] + variance[i + 1] * brightness[i + 1]) / 2 / scale;
+    difference[i] = difference[i + 1] = std::max(0.0, both[i] - shared);
+  }
+  const AreaSums pairVariances(both, width, height), pairDifferences(difference, width, height);
   parallelFor(height, [&](size_t y) {
     for (size_t x = 0; x < width; ++x) {
-      const size_t i = y * width + x;
-      // What the pixels nearby have in common. A single bright sample there does not get far.
-      const Range nearX(x, NEAR, width), nearY(y, NEAR, height);
-      const double others = double(nearX.size() * nearY.size()) - 1;
-      if (others == 0) continue; // a picture of one pixel
-      double usual = -deviation[i];
-      for (size_t v = nearY.first; v < nearY.end; ++v)
-        for (size_t u = nearX.first; u < nearX.end; ++u) usual += deviation[v * width + u];
-      usual = std::max(0.0, usual / others);
-      const double clip = CLIP * usual * usual;
-      double near = -std::min(variance[i], clip);
-      for (size_t v = nearY.first; v < nearY.end; ++v)
-        for (size_t u = nearX.first; u < nearX.end; ++u) near += std::min(variance[v * width + u], clip);
-      near = std::max(0.0, near / others);
-      // Where bright samples are rare, that some have been met here and none there says nothing: all around
-      // expect their share of them.
-      const Range wideX(x, WIDE, width), wideY(y, WIDE, height);
-      const double all = double(wideX.size() * wideY.size()) - 1;
-      const double squares = variances.sum(wideX, wideY) - variance[i],
-                   means = deviations.sum(wideX, wideY) - deviation[i];
-      const double rare = std::max(0.0, squares / all - EVEN_SPREAD * means * means / (all * all));
-      out[i].deviation = out[i].eyeDeviation = std::sqrt(near + rare);
-      if (!mapPerSample) continue;
+      const size_t i = y * width + x, left = x / 2 * 2;
       // Without the pair that the pixel is in.
-      const Range pairsX(x, PAIRS, width), pairsY(y, PAIRS, height);
-      const size_t left = x / 2 * 2;
+      const Surroundings around(i, PAIRS, width, height);
       const Range ownX(left, std::min(left + 2, width)), ownY(y, y + 1);
       const auto partOf = [&](const AreaSums& sums) {
-        return std::max(0.0, sums.sum(pairsX, pairsY) - sums.sum(ownX.within(pairsX), ownY));
+        return std::max(0.0, sums.sum(around.x, around.y) - sums.sum(ownX.within(around.x), ownY));
       };
-      const double whole = partOf(*pairVariances);
-      if (whole > 0) out[i].eyeDeviation *= std::sqrt(std::min(1.0, partOf(*pairDifferences) / whole));
+      const double whole = partOf(pairVariances);
+      if (whole > 0) needs[i].eye *= std::sqrt(std::min(1.0, partOf(pairDifferences) / whole));
     }
   });
-  if (mapPerSample) {
-    // Neighbours see the same photons, so that what few passes say of a place is far off all around it: the
-    // mean over the picture counts.
-    double photons = 0;
-    for (const Told& t : out) photons += square(t.deviation) - square(t.eyeDeviation);
-    photons = std::max(0.0, photons / double(out.size()));
-    // Eye paths are stratified, and what is left of e after n samples is less than e / n. As if the error
-    // fell as n^-1.5, which it does at edges: too little of e costs less than too few maps.
-    const double stratified = 1 / std::sqrt(double(stage.end));
-    for (Told& t : out) {
-      t.eyeDeviation *= std::sqrt(stratified);
-      t.deviation = std::sqrt(square(t.eyeDeviation) + photons);
-    }
+  // Neighbours see the same photons, so that what few passes say of a place is far off all around it: the
+  // mean over the picture counts.
+  double photons = 0;
+  for (const Need& need : needs) photons += square(need.all) - square(need.eye);
+  photons = std::max(0.0, photons / double(needs.size()));
+  // Eye paths are stratified, and what is left of e after n samples is less than e / n. As if the error fell
+  // as n^-1.5, which it does at edges: too little of e costs less than too few maps.
+  const double stratified = 1 / std::sqrt(double(stage.end));
+  for (Need& need : needs) {
+    need.eye *= std::sqrt(stratified);
+    need.all = std::sqrt(square(need.eye) + photons);
   }
-  return out;
 }
 
 } // namespace recurse

@@ -2,10 +2,12 @@
  * Adaptive samples: how many samples each pixel of a picture gets, so that the error of the whole becomes
  * least.
  *
- * By Neyman's rule (Neyman 1934, "On the Two Different Aspects of the Representative Method"): samples in
- * proportion to the deviation of a pixel's samples, relative to its brightness, s = sqrt(variance /
- * (luminance² + 0.1²)), with luminance as in the picture. That makes least what `recurse compare` calls
- * relMSE.
+ * By Neyman's rule (Neyman 1934, "On the Two Different Aspects of the Representative Method"): where the
+ * error of n samples is v / n, samples in proportion to the root of v make the error of the whole least. v is
+ * relative to the pixel's brightness, variance / (luminance² + 0.1²) with luminance as in the picture, so
+ * that it is what `recurse compare` calls relMSE. Samples of a pixel are stratified, and their error falls
+ * faster: v is what blocks of BLOCK samples bring, and as v / n^FALL asks for, the number goes with v^(1 / (1
+ * + FALL)).
  *
  * Progressive photon mapping makes a map for each sample of the average pixel. The variance has two parts
  * then: what the photons bring, m, and what the eye paths bring, e. A pixel with n samples from P maps has
@@ -13,19 +15,26 @@
  * sqrt(m + e) up to P, and sqrt(e) beyond it. The parts are told apart by pairs of pixels side by side, which
  * see the same photons: the difference of two samples of the same pass has none of m, and 2 e.
  *
- * What s is for a pixel is told by pilot samples of the pixels around it, never by its own. Deciding by its
- * own would bias it: where early samples miss a rare bright path the pixel would be left dark, and where they
- * meet it the pixel would be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling
- * Techniques for Image Synthesis"). Pilot samples are the first EVEN samples of each pixel, and then one for
- * each PILOT_PERIOD that the average pixel gets: their number is the same for all pixels, so that it carries
- * no values from pixel to pixel. What holds:
+ * What v is for a pixel is told by others, never by its own samples. Deciding by those would bias it: where
+ * early samples miss a rare bright path the pixel would be left dark, and where they meet it the pixel would
+ * be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling Techniques for Image
+ * Synthesis"). It is told in two steps. How much the pixels around vary puts all pixels in an order. Then v
+ * of a pixel is the mean over those that come close to it in that order, LEAST_CLASS at least and wherever
+ * they are, of what their samples say. So nothing has to be known of how far neighbours can be trusted: where
+ * edges are thin, or bright samples rare, quiet surroundings say little, and the mean over pixels in such
+ * surroundings says how much happens there all the same.
+ *
+ * Pilot samples tell: the first EVEN samples of each pixel, then so many that they are one for each
+ * PILOT_PERIOD that the average pixel gets. Their number is the same for all pixels, so that it carries no
+ * values from pixel to pixel. What holds:
  * - Where the samples of different pixels are independent (path tracing; one photon map, once it has been
- * shot) a pixel's count depends on its own samples only through one number in which all pixels count alike:
- * the scale that makes the counts add up. The expected value of the pixel is right, up to what one pixel
- * among all can do to the scale.
+ * shot) a pixel's count depends on its own samples only through two numbers in which many pixels count alike:
+ * the mean v, and the scale that makes the counts add up. The expected value of the pixel is right, up to
+ * what one pixel can do to those.
  * - In progressive photon mapping neighbours see the same photons, and the counts depend on them a little.
  * That is consistent: it vanishes, like the bias of the map itself, with the number of passes.
- * - A pixel that is unlike all around it gets what those need. That is never wrong, only slow.
+ * - A pixel that is unlike all around it gets what pixels in such surroundings need. That is never wrong,
+ * only slow.
  * - Every pixel gets at least one PILOT_PERIOD-th of the average, and not much more than MOST times as much.
  */
 #pragma once
@@ -48,9 +57,13 @@ class SampleAllocation {
   };
   struct Pixel {
     double luminance = 0, luminanceSquared = 0; ///< of pilot samples
+    double difference =
+        0; ///< in the latest pair of blocks: those of the first block less those of the second
+    double differencesSquared = 0; ///< over pairs that are complete
     /** With a map for each pass: in columns of even number the latest pilot sample, in those after them the
      * sum of products of both's. */
     double pair = 0;
+    uint32_t pilots = 0;
     uint32_t before = 0; ///< samples when the stage began
     uint32_t extra = 0;  ///< samples in the stage beside pilot samples
   };
@@ -60,6 +73,11 @@ class SampleAllocation {
   static constexpr int64_t EVEN = int64_t(Film::LEAST_SAMPLES);
   static constexpr int64_t PILOT_PERIOD = 4;
   static constexpr double MOST = 8;
+  /** Pilot samples that are taken together. */
+  static constexpr int64_t BLOCK = 4;
+  /** Between that of noise, 1, and that of edges, 1.5. */
+  static constexpr double FALL = 1.4;
+  static constexpr size_t LEAST_CLASS = 64;
   /** Samples of each pixel on average from one look at the errors to the next, at most; before that it is as
    * many as there have been. */
   static constexpr int64_t LONGEST_STAGE = 64;
@@ -85,6 +103,11 @@ class SampleAllocation {
     Pixel& p = pixels[pixel];
     p.luminance += luminance;
     p.luminanceSquared += luminance * luminance;
+    p.difference += p.pilots / BLOCK % 2 == 0 ? luminance : -luminance;
+    if (++p.pilots % (2 * BLOCK) == 0) {
+      p.differencesSquared += p.difference * p.difference;
+      p.difference = 0;
+    }
     if (mapPerSample)
       p.pair = pixel % width % 2 == 0 ? luminance : p.pair + pixels[pixel - 1].pair * luminance;
   }
@@ -97,12 +120,15 @@ class SampleAllocation {
   }
 
  private:
-  /** What a pixel's neighbours tell of it. */
-  struct Told {
-    double deviation = 0;    ///< s
-    double eyeDeviation = 0; ///< the part of the eye paths
+  /** What a pixel gets samples in proportion to. */
+  struct Need {
+    double all = 0;
+    double eye = 0; ///< the part of the eye paths; the same without a map for each sample
   };
-  std::vector<Told> told() const;
+  int64_t pilotsUpTo(int64_t sample) const;
+  std::vector<Need> needs() const;
+  void tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
+                     const std::vector<double>& brightness) const;
   uint64_t hashOf(size_t pixel) const;
 
   size_t width, height;
