@@ -31,9 +31,18 @@ struct Patch {
     // The line is looked at from near the patch, so that distance costs no digits.
     const Vec3d middle = corner + offset(0.5, 0.5);
     const double tNear = glm::dot(middle - origin, direction) / glm::dot(direction, direction);
-    const Vec3d q00 = corner - (origin + direction * tNear), q10 = q00 + alongU, edge1 = alongV + twist;
+    const Vec3d q00 = corner - (origin + direction * tNear), across00 = glm::cross(q00, direction);
+    if (isParallelogram()) {
+      const Vec3d normal = across(0, 0);
+      const double slope = glm::dot(normal, direction);
+      const double u = glm::dot(across00, alongV) / slope, v = -glm::dot(across00, alongU) / slope;
+      if (u >= -beyond && u <= 1 + beyond && v >= -beyond && v <= 1 + beyond)
+        visit(glm::dot(normal, corner - origin) / slope, std::clamp(u, 0.0, 1.0), std::clamp(v, 0.0, 1.0));
+      return;
+    }
+    const Vec3d q10 = q00 + alongU, edge1 = alongV + twist;
     // The line crosses the patch's line of constant u where this is zero: a + b u + c u²
-    const double a = glm::dot(glm::cross(q00, direction), alongV);
+    const double a = glm::dot(across00, alongV);
     const double c = glm::dot(glm::cross(twist, alongU), direction);
     const double b = glm::dot(glm::cross(q10, direction), edge1) - a - c;
     const double discriminant = b * b - 4 * a * c;
