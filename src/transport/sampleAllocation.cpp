@@ -23,6 +23,8 @@ constexpr int PAIRS = 4;
 constexpr int WIDE = 12;
 /** They decide where nothing else does. */
 constexpr double RARE_WEIGHT = 0.01;
+/** Sums over rectangles leave rounding behind, which must not tell of the pixel's own value. */
+constexpr double LEAST_STEP = 1e-10;
 /** The mean of squares over the square of the mean up to which values are no more than unequal. */
 constexpr double EVEN_SPREAD = 2;
 /** Classes of pixels that are told apart by what their surroundings say. */
@@ -231,7 +233,7 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
         // expect their share of them.
         const double rare = std::max(0.0, variances.meanAround({i, WIDE, width, height}, variance[i]) -
                                               EVEN_SPREAD * square(usual(WIDE)));
-        surroundings[i] = near + RARE_WEIGHT * rare;
+        surroundings[i] = std::round((near + RARE_WEIGHT * rare) / LEAST_STEP) * LEAST_STEP;
       }
     });
   }
