@@ -43,8 +43,8 @@ struct Range {
 };
 
 /** The square of pixels around one. */
-struct Surroundings {
-  Surroundings(size_t pixel, int reach, size_t width, size_t height)
+struct PixelSquare {
+  PixelSquare(size_t pixel, int reach, size_t width, size_t height)
       : x(pixel % width, reach, width), y(pixel / width, reach, height) {}
   double others() const { return double(x.size() * y.size()) - 1; }
   Range x, y;
@@ -68,7 +68,7 @@ class AreaSums {
            sums[y.first * stride + x.first];
   }
   /** The mean over the pixels around one whose own value this is. */
-  double meanAround(const Surroundings& s, double own) const {
+  double meanAround(const PixelSquare& s, double own) const {
     return s.others() > 0 ? std::max(0.0, sum(s.x, s.y) - own) / s.others() : 0;
   }
 
@@ -265,7 +265,7 @@ void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector
     for (size_t x = 0; x < width; ++x) {
       const size_t i = y * width + x, left = x / 2 * 2;
       // Without the pair that the pixel is in.
-      const Surroundings around(i, PAIRS, width, height);
+      const PixelSquare around(i, PAIRS, width, height);
       const Range ownX(left, std::min(left + 2, width)), ownY(y, y + 1);
       const auto partOf = [&](const AreaSums& sums) {
         return std::max(0.0, sums.sum(around.x, around.y) - sums.sum(ownX.within(around.x), ownY));
