@@ -32,7 +32,7 @@ struct Patch {
     const Vec3d middle = corner + offset(0.5, 0.5);
     const double tNear = glm::dot(middle - origin, direction) / glm::dot(direction, direction);
     const Vec3d q00 = corner - (origin + direction * tNear), across00 = glm::cross(q00, direction);
-    if (isParallelogram()) {
+    if (isParallelogram()) { // u and v are linear
       const Vec3d normal = across(0, 0);
       const double slope = glm::dot(normal, direction);
       const double u = glm::dot(across00, alongV) / slope, v = -glm::dot(across00, alongU) / slope;

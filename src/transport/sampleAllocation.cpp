@@ -77,19 +77,18 @@ class AreaSums {
   std::vector<double> sums;
 };
 
-/** Puts pixels that are close in the order of `key` into classes, none smaller than `leastClass`, and gives
- * each the mean of `value` over its class. Equal keys are in the same class. */
-std::vector<double> meansOfClasses(const std::vector<double>& key, const std::vector<double>& value,
-                                   size_t leastClass) {
+/** Puts pixels that are close in the order of `key` into classes of at least LEAST_CLASS, and gives each the
+ * mean of `value` over its class. Equal keys are in the same class. */
+std::vector<double> meansOfClasses(const std::vector<double>& key, const std::vector<double>& value) {
   std::vector<uint32_t> order(key.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return key[a] != key[b] ? key[a] < key[b] : a < b; // one order, so that sums are the same
   });
-  const size_t size = std::max(leastClass, (key.size() + MOST_CLASSES - 1) / MOST_CLASSES);
+  const size_t size = std::max(SampleAllocation::LEAST_CLASS, (key.size() + MOST_CLASSES - 1) / MOST_CLASSES);
   std::vector<double> mean(key.size());
   for (size_t first = 0, end = 0; first < order.size(); first = end) {
-    end = order.size() - first < 2 * size ? order.size() : first + size;
+    end = std::min(first + size, order.size());
     while (end < order.size() && key[order[end]] == key[order[end - 1]]) ++end;
     if (order.size() - end < size) end = order.size();
     double sum = 0;
@@ -113,12 +112,12 @@ uint64_t SampleAllocation::hashOf(size_t pixel) const {
 }
 
 int64_t SampleAllocation::pilotsUpTo(int64_t sample) const {
+  if (sample <= EVEN) return sample;
   if (mapPerSample) return EVEN + (sample - EVEN) / PILOT_PERIOD;
   return std::max(EVEN, sample / PILOT_PERIOD / (2 * BLOCK) * 2 * BLOCK); // in whole pairs of blocks
 }
 
 int64_t SampleAllocation::pilots(int64_t from, int64_t sample) const {
-  if (stage.first == 0) return sample - from;
   const int64_t length = stage.end - stage.first, all = pilotsUpTo(stage.end) - pilotsUpTo(stage.first);
   const auto before = [&](int64_t s) { return ((s - stage.first) * all + length - 1) / length; };
   return before(sample) - before(from);
@@ -142,8 +141,7 @@ uint64_t SampleAllocation::due(size_t pixel, int64_t sample) const {
 
 void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed, const Film& film) {
   if (stage.end == end) return; // an interrupted one
-  const int64_t pilotsBefore = stage.pilots + (stage.end > 0 ? pilots(stage.first, stage.end) : 0);
-  stage = {sample, end, pilotsBefore, seed};
+  stage = {sample, end, seed};
   double left = double(end) * double(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
     pixels[i].before = static_cast<uint32_t>(film.samples(i));
@@ -206,7 +204,8 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed, const F
 }
 
 std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
-  const double n = double(stage.pilots), paired = std::floor(n / (2 * BLOCK)) * 2 * BLOCK;
+  const uint64_t pilots = pixels[0].pilots; // as many of each
+  const double n = double(pilots), paired = double(pilots / (2 * BLOCK) * (2 * BLOCK));
   // All relative to the brightness: of samples, its root, and of what blocks of them bring.
   std::vector<double> brightness(pixels.size()), variance(pixels.size()), deviation(pixels.size()),
       blockVariance(pixels.size());
@@ -237,8 +236,7 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
       }
     });
   }
-  const std::vector<double> expected =
-      meansOfClasses(surroundings, mapPerSample ? variance : blockVariance, LEAST_CLASS);
+  const std::vector<double> expected = meansOfClasses(surroundings, mapPerSample ? variance : blockVariance);
   std::vector<Need> out(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i)
     out[i].all = out[i].eye = std::pow(expected[i], mapPerSample ? 0.5 : 1 / (1 + FALL));
@@ -248,7 +246,7 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
 
 void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
                                      const std::vector<double>& brightness) const {
-  const double n = double(stage.pilots);
+  const double n = double(pixels[0].pilots);
   // Of pairs: the mean of both variances, and half the variance of the difference, which both pixels get.
   std::vector<double> both(pixels.size()), difference(pixels.size());
   for (size_t i = 0; i + 1 < pixels.size(); ++i) {

@@ -6,8 +6,8 @@
  * error of n samples is v / n, samples in proportion to the root of v make the error of the whole least. v is
  * relative to the pixel's brightness, variance / (luminance² + 0.1²) with luminance as in the picture, so
  * that it is what `recurse compare` calls relMSE. Samples of a pixel are stratified, and their error falls
- * faster: v is what blocks of BLOCK samples bring, and as v / n^FALL asks for, the number goes with v^(1 / (1
- * + FALL)).
+ * faster. So v is what blocks of BLOCK samples bring, and the error taken to be v / n^FALL, for which numbers
+ * in proportion to v^(1 / (1 + FALL)) are best.
  *
  * Progressive photon mapping makes a map for each sample of the average pixel. The variance has two parts
  * then: what the photons bring, m, and what the eye paths bring, e. A pixel with n samples from P maps has
@@ -15,9 +15,9 @@
  * sqrt(m + e) up to P, and sqrt(e) beyond it. The parts are told apart by pairs of pixels side by side, which
  * see the same photons: the difference of two samples of the same pass has none of m, and 2 e.
  *
- * What v is for a pixel is told by others, never by its own samples. Deciding by those would bias it: where
- * early samples miss a rare bright path the pixel would be left dark, and where they meet it the pixel would
- * be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling Techniques for Image
+ * What v is for a pixel is told by many, never by its own samples alone. Deciding by those would bias it:
+ * where early samples miss a rare bright path the pixel would be left dark, and where they meet it the pixel
+ * would be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling Techniques for Image
  * Synthesis"). It is told in two steps. How much the pixels around vary puts all pixels in an order. Then v
  * of a pixel is the mean over those that come close to it in that order, LEAST_CLASS at least and wherever
  * they are, of what their samples say. So nothing has to be known of how far neighbours can be trusted: where
@@ -52,18 +52,17 @@ namespace recurse {
 class SampleAllocation {
   struct Stage {
     int64_t first = 0, end = 0; ///< samples of the average pixel
-    int64_t pilots = 0;         ///< pilot samples of each pixel before the stage
     uint64_t seed = 0;
   };
   struct Pixel {
     double luminance = 0, luminanceSquared = 0; ///< of pilot samples
-    double difference =
-        0; ///< in the latest pair of blocks: those of the first block less those of the second
-    double differencesSquared = 0; ///< over pairs that are complete
+    /** Of a pair of blocks, the sum of the first less that of the second: so far in the latest, and its
+     * square over all that are complete. */
+    double difference = 0, differencesSquared = 0;
     /** With a map for each pass: in columns of even number the latest pilot sample, in those after them the
      * sum of products of both's. */
     double pair = 0;
-    uint32_t pilots = 0;
+    uint64_t pilots = 0;
     uint32_t before = 0; ///< samples when the stage began
     uint32_t extra = 0;  ///< samples in the stage beside pilot samples
   };
@@ -125,6 +124,7 @@ class SampleAllocation {
     double all = 0;
     double eye = 0; ///< the part of the eye paths; the same without a map for each sample
   };
+  /** Pilot samples of each pixel when the average one has `sample`, at the end of a stage. */
   int64_t pilotsUpTo(int64_t sample) const;
   std::vector<Need> needs() const;
   void tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
