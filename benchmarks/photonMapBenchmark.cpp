@@ -91,6 +91,7 @@ std::vector<Photon> makePhotons(size_t n) {
     }
     const Vec3f jitter(random.uniform(-0.5f, 0.5f), random.uniform(-0.5f, 0.5f), random.uniform(-0.5f, 0.5f));
     photon.direction = packDirection(glm::normalize(normal + jitter));
+    photon.normal = packDirection(normal);
     photon.power = Rgb(random.uniform(0, 2), random.uniform(0, 2), random.uniform(0, 2));
   }
   return photons;

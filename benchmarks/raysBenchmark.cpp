@@ -183,13 +183,13 @@ double compare(size_t triangles) {
   const PathClasses classes;
   const auto render = [&](const Scene& s) {
     TransportCounts counts;
-    std::vector<PathRadiance> radiance(EYE_BATCH, PathRadiance(classes, counts));
-    std::vector<EyePath> paths;
-    paths.reserve(EYE_BATCH);
+    std::vector<PathRadiance> radiance(CAMERA_BATCH, PathRadiance(classes, counts));
+    std::vector<CameraPath> paths;
+    paths.reserve(CAMERA_BATCH);
     double sum = 0;
     const auto walk = [&] {
       integrator->backwardBatch(s, paths);
-      for (const EyePath& p : paths) sum += double(p.out->total().r);
+      for (const CameraPath& p : paths) sum += double(p.out->total().r);
       paths.clear();
     };
     const FilmSettings& film = scene->film();
@@ -198,10 +198,10 @@ double compare(size_t triangles) {
         for (uint32_t i = 0; i < 8; ++i) {
           PathRadiance& out = radiance[paths.size()];
           out.reset();
-          EyePath& path = paths.emplace_back(Sampler(1, uint64_t(y) << 32 | uint32_t(x), i), out);
+          CameraPath& path = paths.emplace_back(Sampler(1, uint64_t(y) << 32 | uint32_t(x), i), out);
           const Vec2f place = Vec2f(float(x), float(y)) + path.sampler.next2D();
-          path.ray = scene->camera().ray(place);
-          if (paths.size() == EYE_BATCH) walk();
+          path.ray = *scene->camera().sampleRay({place});
+          if (paths.size() == CAMERA_BATCH) walk();
         }
     walk();
     if (!(sum > 0)) throw Error("the picture is black");

@@ -91,7 +91,7 @@ int main(int count, char** arguments) {
   const auto scene = load(file.c_str(), 200);
   const PathClasses plain, eight = eightClasses(), narrow(std::vector<PathClass>{{"caustic", "LS+DE"}});
   std::printf("eight classes: %zu states on the light side, %zu on the side of the eye\n",
-              eight.lightStateCount(), eight.eyeStateCount());
+              eight.lightStateCount(), eight.cameraStateCount());
   struct Way {
     const char* name;
     const char* integrator;

@@ -52,3 +52,16 @@ if(RECURSE_FLANN_INCLUDE AND RECURSE_LZ4_LIBRARY)
     endif()
 endif()
 recurse_need(RECURSE_FLANN_FOUND FLANN libflann-dev)
+
+# The fast Fourier transforms of bloom.
+find_path(RECURSE_FFTW_INCLUDE fftw3.h)
+find_library(RECURSE_FFTW_LIBRARY fftw3)
+if(RECURSE_FFTW_INCLUDE AND RECURSE_FFTW_LIBRARY)
+    set(RECURSE_FFTW_FOUND TRUE)
+    if(NOT TARGET RecurseFftw::fftw)
+        add_library(RecurseFftw::fftw INTERFACE IMPORTED)
+        set_target_properties(RecurseFftw::fftw PROPERTIES
+            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_FFTW_INCLUDE}" INTERFACE_LINK_LIBRARIES "${RECURSE_FFTW_LIBRARY}")
+    endif()
+endif()
+recurse_need(RECURSE_FFTW_FOUND FFTW libfftw3-dev)

@@ -16,6 +16,7 @@ using Command = std::function<ExitStatus()>;
 
 void addRenderCommand(CLI::App& app, Command& chosen);
 void addMergeCommand(CLI::App& app, Command& chosen);
+void addDevelopCommand(CLI::App& app, Command& chosen);
 void addStillsCommand(CLI::App& app, Command& chosen);
 void addCompareCommand(CLI::App& app, Command& chosen);
 void addConvergeCommand(CLI::App& app, Command& chosen);

@@ -119,7 +119,8 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
   command->add_flag(
       "--json", o.json,
       "Print JSON: mse relmse relmse_trimmed mape smape psnr max mean_ratio ..., each over all channels "
-      "and as NAME_rgb; flip hdrflip; with two references mse_noise_free relmse_noise_free");
+      "and as NAME_rgb; flip hdrflip; relmse_at_8 after averaging 8x8 pixels; with two references "
+      "mse_noise_free relmse_noise_free relmse_noise_free_at_8");
   command->add_option("-o,--output", o.output, "Write a false-colour picture of the error")
       ->type_name("FILE");
   command
@@ -146,7 +147,8 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
       "  recurse compare picture.exr a.exr b.exr\n"
       "  recurse compare picture.exr best.exr --noise-free a.exr b.exr\n"
       "  recurse compare picture.exr reference.exr --fail-above relmse=0.01 --fail-below "
-      "mean_ratio=0.99\n\n"
+      "mean_ratio=0.99\n"
+      "  recurse compare picture.exr a.exr b.exr --fail-above relmse_noise_free_at_8=0.001\n\n"
       "With two references whose noise is independent, the error mean((x-a)(x-b)/(r^2+0.01)) is free of\n"
       "that noise; r is their mean, or REFERENCE with --noise-free. FLIP, the difference that is seen when\n"
       "the pictures alternate, is for a display 0.7 m and 3840 pixels wide at 0.7 m. Pixels where a\n"

@@ -283,9 +283,8 @@ ExitStatus converge(const ConvergeOptions& o) {
   std::string part = std::to_string(crop.width()) + "x" + std::to_string(crop.height()) + " pixels";
   if (o.render.cropWindow) part += " of the window " + *o.render.cropWindow;
   study.identity = {{"content of the scene", sceneHash},
-                    {"reference", given.empty()
-                                      ? "made by path to relMSE " + formatted("%.4g", referencePlan.relMse)
-                                      : std::to_string(given.size()) + " given"},
+                    {"reference", given.empty() ? "made to relMSE " + formatted("%.4g", referencePlan.relMse)
+                                                : std::to_string(given.size()) + " given"},
                     {"picture", part},
                     {"threads", std::to_string(threadCount())},
                     {"program", std::string("Recurse ") + VERSION}};
@@ -401,7 +400,7 @@ void addConvergeCommand(CLI::App& app, Command& chosen) {
       ->add_option(
           "--reference", o.references,
           "What the picture should be: one; two whose noise is independent; or the best one and two that "
-          "are independent (default: two are made by the integrator path)")
+          "are independent (default: two are made by path, or by sppm where path cannot find all light)")
       ->expected(1, 3)
       ->type_name("REF [A] [B]");
   command

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "apps/missedLight.h"
 #include "apps/optionText.h"
 
 namespace recurse::apps {
@@ -86,14 +87,19 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
   RenderOptions path = options;
   path.adaptive = false;
   path.verbose = false;
-  path.integrator.setIntegrator("path");
-  Diagnostics diagnostics;
-  loaded.integratorDirective = path.integrator.directive(loaded.description.integrator);
-  loaded.integrator = makeIntegrator(loaded.integratorDirective, path.lenient, diagnostics);
-  diagnostics.throwIfErrors();
+  const auto use = [&](const char* name) {
+    path.integrator.setIntegrator(name);
+    Diagnostics diagnostics;
+    loaded.integratorDirective = path.integrator.directive(loaded.description.integrator);
+    loaded.integrator = makeIntegrator(loaded.integratorDirective, path.lenient, diagnostics);
+    diagnostics.throwIfErrors();
+  };
+  use("path");
+  const std::string missed = missedPaths(loaded, PathClasses().classes());
+  if (!missed.empty()) use("sppm");
   const uint64_t seed = path.plan().settings(*loaded.scene).seed;
   const PixelBounds& crop = loaded.scene->film().crop;
-  std::string identity = "path";
+  std::string identity = loaded.integratorDirective.type;
   for (const std::string& setting : settingsOf(loaded.integratorDirective)) identity += ", " + setting;
   identity += "; seed " + std::to_string(seed) + "; scene " + sceneHash + "; " + std::to_string(crop.x0) +
               " " + std::to_string(crop.y0) + " " + std::to_string(crop.width()) + "x" +
@@ -162,9 +168,12 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
     error = referenceError(halves.a, halves.b);
   }
   References out = makeReferences({halves.a, halves.b}, {"a", "b"});
-  out.description = "r is the mean of two made by path tracing, " + std::to_string(halves.samples) +
-                    " samples per pixel each; " + error->text() +
-                    "; light that path tracing has not found is in neither";
+  out.description = std::string("r is the mean of two made by ") +
+                    (missed.empty() ? "path tracing, " : "progressive photon mapping, ") +
+                    std::to_string(halves.samples) + " samples per pixel each; " + error->text() + "; " +
+                    (missed.empty() ? "light that path tracing has not found is in neither"
+                                    : "path tracing never finds " + missed +
+                                          " of this scene, and the blur of photon maps is in both");
   if (timeUp)
     out.description +=
         "; the wanted " + formatted("%.3g", plan.relMse) + " was not reached within --reference-time";

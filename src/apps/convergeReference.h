@@ -16,7 +16,8 @@ struct ReferencePlan {
 };
 
 /**
- * Two independent references by the integrator `path`, with the options that are for all runs. They are kept
+ * Two independent references by the integrator `path`, or by `sppm` where the scene has light that path never
+ * finds, with the options that are for all runs. They are kept
  * in the folder as reference.exr, the mean with layers a and b, and gone on with where they are not good
  * enough yet. Throws Error (INTERRUPTED) when Ctrl-C ends it, and Error (BAD_USAGE) where the folder has
  * references of something else. The scene's integrator is another one afterwards.

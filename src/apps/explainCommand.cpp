@@ -18,15 +18,7 @@ struct ExplainOptions {
 ExitStatus explain(const ExplainOptions& o) {
   Diagnostics diagnostics;
   ParsedDirective fromFile;
-  if (!o.scene.empty()) {
-    try {
-      fromFile = loadScene(o.scene, diagnostics).integrator;
-    } catch (const SceneError&) {
-      throw;
-    } catch (const Error& error) {
-      throw Error(error.what(), ExitStatus::BAD_SCENE);
-    }
-  }
+  if (!o.scene.empty()) fromFile = loadScene(o.scene, diagnostics).integrator;
   const ParsedDirective directive = o.integrator.directive(fromFile);
   const std::unique_ptr<Integrator> integrator = makeIntegrator(directive, false, diagnostics);
   diagnostics.throwIfErrors();
@@ -34,15 +26,22 @@ ExitStatus explain(const ExplainOptions& o) {
   for (const std::string& setting : settingsOf(directive)) text += "\n  " + setting;
   const std::vector<EstimatorDomain> domains = integrator->domains();
   text += "\n\n" + formatDomains(domains);
-  const DomainReport atSurfaces = checkDomains(domains, "surface"), everywhere = checkDomains(domains);
+  const std::string claims = integrator->claims();
+  const DomainReport atSurfaces = checkDomains(domains, claims.empty() ? "surface" : claims),
+                     everywhere = checkDomains(domains);
   text += "\n";
   if (everywhere.sound())
     text += "Every path is estimated once.\n";
+  else if (atSurfaces.sound() && !claims.empty())
+    text += "The paths " + claims + " are estimated once; the method leaves out all others.\n";
   else if (atSurfaces.sound() && everywhere.overlaps.empty())
     text += "Every path is estimated once, except those that a medium scatters: they are not estimated.\n";
   else
     text += atSurfaces.text();
   if (!text.ends_with('\n')) text += "\n";
+  if (const std::string missed = missedOfDeltaLights(domains); !missed.empty())
+    text += "Of point, spot and distant lights no estimator finds " + missed +
+            ", but for what goes straight through thin panes.\n";
   print(text);
   return atSurfaces.sound() ? ExitStatus::DONE : ExitStatus::FAILED;
 }

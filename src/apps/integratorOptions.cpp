@@ -77,7 +77,7 @@ void IntegratorOptions::addTo(CLI::App& command) {
   earlier.insert(earlier.end(), settings.begin(), settings.end());
   settings.clear();
   const std::vector<std::pair<const char*, const char*>> descriptions = {
-      {"N", "Photons emitted; 1M and 1e6 are taken too"},
+      {"N", "Photons emitted in each pass; 1M and 1e6 are taken too"},
       {"K", "Photons of a density estimate, where the radius is chosen by itself"},
       {"R", "Radius of the density estimates [scene units] (default: chosen from the photons' density)"},
       {"N", "Most scattering events of a path; -1: no limit"},
@@ -142,6 +142,16 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
                   [&](const ParsedParameter& p) { return !findSpec(entry->parameters, p.name); });
   for (const Value& value : values)
     if (value.text) replace(out, entry->parameters, value.option, value.parameter, *value.text);
+  // Who asks for a number of photons here means those of a pass.
+  const auto names = [&](const char* parameter) {
+    return std::any_of(out.parameters.begin(), out.parameters.end(),
+                       [&](const ParsedParameter& p) { return p.name == parameter; });
+  };
+  const auto photons = std::find_if(values.begin(), values.end(), [](const Value& value) {
+    return value.parameter == std::string("photons");
+  });
+  if (photons != values.end() && photons->text && findSpec(entry->parameters, "passes") && !names("passes"))
+    replace(out, entry->parameters, photons->option, "passes", "0");
   std::vector<std::string> all = earlier;
   all.insert(all.end(), settings.begin(), settings.end());
   for (const std::string& setting : all) {

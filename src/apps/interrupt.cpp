@@ -49,6 +49,8 @@ void installInterruptHandlers() {
     ::sigaction(SIGHUP, &action, nullptr);
 }
 
+void requestStop() { stopRequested = true; }
+
 GracefulStop::GracefulStop() { ++graceful; }
 GracefulStop::~GracefulStop() { --graceful; }
 const std::atomic<bool>& GracefulStop::flag() const { return stopRequested; }

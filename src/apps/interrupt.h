@@ -11,6 +11,9 @@ namespace recurse::apps {
  * at once, with exit status 130 and without temporary files left behind. */
 void installInterruptHandlers();
 
+/** Does what the first signal does where a GracefulStop lives. */
+void requestStop();
+
 /** While one lives, the first signal only sets the flag. */
 class GracefulStop {
  public:

@@ -46,13 +46,7 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   out.fileName = fileName;
   Diagnostics diagnostics;
   const auto loadStart = std::chrono::steady_clock::now();
-  try {
-    out.description = loadScene(fileName, diagnostics);
-  } catch (const SceneError&) {
-    throw;
-  } catch (const Error& error) {
-    throw Error(error.what(), ExitStatus::BAD_SCENE);
-  }
+  out.description = loadScene(fileName, diagnostics);
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
   out.integratorDirective = options.directive(out.description.integrator);
@@ -146,6 +140,11 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
   line("memory", "geometry " + bytesText(double(scene.memoryBytes())) + ", film " + bytesText(filmBytes));
   line("time",
        "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));
+  line("in short", loaded.warnings == 0
+                       ? std::string("rendered as the file says")
+                       : "rendered, but for " +
+                             counted(loaded.warnings, "thing that a warning", "things that warnings") +
+                             " above tell of");
   return out;
 }
 

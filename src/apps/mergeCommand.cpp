@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "apps/commands.h"
+#include "apps/developOptions.h"
 #include "apps/optionText.h"
 #include "apps/renderOutput.h"
 #include "recurse/core/atomicFile.h"
@@ -15,7 +16,7 @@ namespace {
 
 struct MergeOptions {
   std::vector<std::string> inputs, outputs;
-  std::optional<std::string> exposure;
+  DevelopOptions develop;
   std::string checkpoint;
   ExtraLayers extra;
   bool quiet = false;
@@ -32,8 +33,7 @@ std::string partsText(const Checkpoint& c) {
 ExitStatus mergeRenders(const MergeOptions& o) {
   if (o.outputs.empty() && o.checkpoint.empty())
     throw Error("merge: nothing to write; -o FILE or --checkpoint FILE", ExitStatus::BAD_USAGE);
-  ImageWriteOptions write;
-  if (o.exposure) write.exposure = static_cast<float>(parseReal("--exposure", *o.exposure));
+  PictureWriter writer(o.develop);
   for (const std::string& name : o.outputs) checkImageWritable(name);
   if (!o.checkpoint.empty()) checkFileWritable(o.checkpoint);
 
@@ -55,7 +55,7 @@ ExitStatus mergeRenders(const MergeOptions& o) {
   image.metadata = sum.metadata;
   std::string written;
   for (const std::string& name : o.outputs) {
-    writeImage(name, image, write);
+    writer.write(name, image);
     written += (written.empty() ? "" : ", ") + name;
   }
   if (!o.checkpoint.empty()) {
@@ -64,7 +64,7 @@ ExitStatus mergeRenders(const MergeOptions& o) {
   }
   if (!o.quiet)
     std::fputs((partsText(sum) + "\n" + formatted("%.6g", samples) +
-                " samples per pixel\nwritten: " + written + "\n")
+                " samples per pixel\nwritten: " + written + "\n" + writer.remark())
                    .c_str(),
                stderr);
   return ExitStatus::DONE;
@@ -86,8 +86,7 @@ void addMergeCommand(CLI::App& app, Command& chosen) {
       ->take_all();
   command->add_option("--checkpoint", o.checkpoint, "Write the sum as a checkpoint, to be merged again")
       ->type_name("FILE");
-  command->add_option("--exposure", o.exposure, "Brightness of .png .jpg .tif in powers of two (default: 0)")
-      ->type_name("STOPS");
+  o.develop.addTo(*command);
   command->add_flag("--error-layer", o.extra.error,
                     "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
   command->add_flag("--samples-layer", o.extra.samples,

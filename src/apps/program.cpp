@@ -9,6 +9,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <vector>
 
 #include <unistd.h>
 
@@ -38,7 +39,7 @@ ExitStatus sayScene(const SceneError& error) {
   say(error.what());
   const auto isError = [](const Diagnostic& d) { return d.severity == Severity::ERROR; };
   const auto count = std::count_if(error.diagnostics().begin(), error.diagnostics().end(), isError);
-  if (count > 0) say(std::to_string(count) + (count == 1 ? " error\n" : " errors\n"));
+  if (count > 0) say("refused: " + std::to_string(count) + (count == 1 ? " error\n" : " errors\n"));
   return error.status();
 }
 
@@ -69,6 +70,22 @@ std::string wrapped(const std::string& help) {
   return out;
 }
 
+/** "; did you mean --spp?" for the first of the words that looks like an option of the command and is none.
+ */
+std::string nearestOptions(const CLI::App& command, const std::vector<std::string>& words) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  for (const std::string& given : words) {
+    const std::string word = given.substr(0, given.find('='));
+    if (!word.starts_with("--") || std::find(names.begin(), names.end(), word) != names.end()) continue;
+    std::string list;
+    for (const std::string& name : nearestNames(word, names)) list += (list.empty() ? "" : " or ") + name;
+    return list.empty() ? "" : "; did you mean " + list + "?";
+  }
+  return {};
+}
+
 ExitStatus run(int argc, char** argv) {
   CLI::App app("Recurse: photon mapping and path tracing of scene files in the pbrt-v4 format.", "recurse");
   app.set_version_flag("--version", std::string("Recurse ") + VERSION);
@@ -81,6 +98,7 @@ ExitStatus run(int argc, char** argv) {
   Command chosen;
   addRenderCommand(app, chosen);
   addMergeCommand(app, chosen);
+  addDevelopCommand(app, chosen);
   addStillsCommand(app, chosen);
   addCompareCommand(app, chosen);
   addConvergeCommand(app, chosen);
@@ -100,8 +118,8 @@ ExitStatus run(int argc, char** argv) {
     const CLI::App* at = &app;
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &app ? "recurse" : "recurse " + at->get_name();
-    return sayError(std::string(error.what()) + "\nRun '" + name + " --help' for more.",
-                    ExitStatus::BAD_USAGE);
+    const std::string near = nearestOptions(*at, std::vector<std::string>(argv + 1, argv + argc));
+    return sayError(error.what() + near + "\nRun '" + name + " --help' for more.", ExitStatus::BAD_USAGE);
   }
   return chosen();
 }

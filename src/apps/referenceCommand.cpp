@@ -31,11 +31,14 @@ template <class Visitor> void forEachRegistry(const Visitor& visit) {
   visit(all.textures);
   visit(all.lights);
   visit(all.areaLights);
+  visit(all.toneMaps);
 }
 
 std::string markdownPage() {
-  std::string out = "# Scene files: directives, plug-ins and parameters\n\n"
-                    "Made by `recurse reference --markdown` from the program's own tables.\n\n";
+  std::string out =
+      "# Scene files: directives, plug-ins and parameters\n\n"
+      "Made by `recurse reference --markdown` from the program's own tables. Tone operators, at the end,\n"
+      "are for the option `--tonemap`.\n\n";
   out += directiveReference();
   forEachRegistry([&out](const auto& registry) { out += "\n" + registryReference(registry); });
   return out;
@@ -95,8 +98,8 @@ std::string plainPage(const std::vector<std::string>& names) {
 
 void addReferenceCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<ReferenceOptions>();
-  CLI::App* command =
-      app.add_subcommand("reference", "Print every directive, plug-in and parameter of scene files");
+  CLI::App* command = app.add_subcommand(
+      "reference", "Print every directive, plug-in and parameter of scene files, and tone operators");
   CLI::Option* names =
       command->add_option("names", options->names, "Only these directives or plug-ins (default: all)")
           ->type_name("NAME...");

@@ -1,15 +1,19 @@
 /** @file
  * `recurse render`: a scene file in, pictures out.
  */
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <set>
 
 #include "apps/commands.h"
+#include "apps/developOptions.h"
+#include "apps/filmViewers.h"
 #include "apps/optionText.h"
 #include "apps/renderOptions.h"
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/parallel.h"
+#include "recurse/transport/featureLayers.h"
 
 namespace recurse::apps {
 
@@ -18,10 +22,11 @@ namespace {
 struct RenderCommandOptions {
   RenderOptions render;
   std::vector<std::string> outputs;
-  std::optional<std::string> exposure;
+  DevelopOptions develop;
   std::optional<std::string> sampleRange, checkpointInterval;
-  std::string paths, checkpoint;
-  bool resume = false;
+  std::string paths, checkpoint, layers;
+  ViewerOptions viewers;
+  bool resume = false, throughSpecular = false;
   ExtraLayers extra;
   bool check = false;
 };
@@ -32,6 +37,8 @@ void checkOutputs(const RenderCommandOptions& o, const std::vector<std::string>&
     checkImageWritable(name);
     if (!names.insert(name).second) throw Error("-o: " + name + " is given twice", ExitStatus::BAD_USAGE);
   }
+  o.viewers.check();
+  if (names.contains(o.viewers.preview)) badUsage("--preview: " + o.viewers.preview + " is what -o writes");
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
   if (o.checkpoint.empty()) return;
   if (!o.resume && std::filesystem::exists(o.checkpoint))
@@ -71,6 +78,35 @@ RenderPlan planOf(const RenderCommandOptions& o) {
   return plan;
 }
 
+/** Checks --layers before the render. */
+FeatureSettings featuresOf(const RenderCommandOptions& o, const std::vector<std::string>& outputs) {
+  FeatureSettings out;
+  if (o.layers.empty()) {
+    if (o.throughSpecular) badUsage("--layers-through: needs --layers");
+    return out;
+  }
+  out.layers = split(o.layers, ',');
+  out.throughSpecular = o.throughSpecular;
+  requireFeatureLayers(out.layers);
+  if (std::none_of(outputs.begin(), outputs.end(), [](const auto& name) { return name.ends_with(".exr"); }))
+    badUsage("--layers: only .exr can hold them; add -o FILE.exr");
+  return out;
+}
+
+/** The picture with the channels of another one after its own. */
+Image withLayers(const Image& picture, const Image& more) {
+  std::vector<std::string> channels = picture.channels;
+  channels.insert(channels.end(), more.channels.begin(), more.channels.end());
+  Image out(picture.width, picture.height, channels);
+  out.metadata = picture.metadata;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      float* const rest = std::copy_n(picture.at(x, y), picture.channels.size(), out.at(x, y));
+      std::copy_n(more.at(x, y), more.channels.size(), rest);
+    }
+  return out;
+}
+
 /** The film's file name, in the current folder as pbrt has it; a picture with everything where it says
  * nothing. */
 std::string defaultOutput(const LoadedScene& loaded) {
@@ -81,9 +117,8 @@ std::string defaultOutput(const LoadedScene& loaded) {
 }
 
 ExitStatus renderScene(const RenderCommandOptions& o) {
-  const RenderPlan plan = planOf(o);
-  ImageWriteOptions write;
-  if (o.exposure) write.exposure = static_cast<float>(parseReal("--exposure", *o.exposure));
+  RenderPlan plan = planOf(o);
+  PictureWriter writer(o.develop);
   const PathClasses classes =
       o.paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{o.paths, o.paths}});
   checkOutputs(o, o.outputs);
@@ -95,12 +130,24 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
   }
   const std::vector<std::string> outputs = o.outputs.empty() ? std::vector{defaultOutput(loaded)} : o.outputs;
   checkOutputs(o, outputs);
+  const FeatureSettings features = featuresOf(o, outputs);
 
-  const Rendering rendering(loaded, classes, plan, o.render);
+  FilmViewers viewers(o.viewers, o.develop, std::filesystem::path(o.render.scene).filename().string(),
+                      requestStop);
+  if (!viewers.url().empty())
+    std::fputs(("the picture as it grows: " + viewers.url() + "\n").c_str(), stderr);
+  if (o.viewers.any())
+    plan.look = [&](const Film& film, const std::function<void(const std::string&)>& say) {
+      const float imagingRatio = loaded.scene->film().imagingRatio;
+      return viewers.look([&] { return pictureOf(film, classes.classes(), imagingRatio, {}); }, say);
+    };
+  const Rendering rendering(loaded, classes, plan, o.render,
+                            [&](const RenderProgress& progress) { viewers.show(progress); });
   RenderReport report =
       rendering.report("recurse render", o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths));
   report.extra = o.extra;
-  const Image image = pictureOf(rendering.film(), report);
+  Image image = pictureOf(rendering.film(), report);
+  if (!features.layers.empty()) image = withLayers(image, renderFeatures(*loaded.scene, features));
   std::vector<std::string> written = outputs;
   // One output that fails must not take the others along.
   std::string failures;
@@ -114,11 +161,16 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
     }
   };
   std::erase_if(written,
-                [&](const std::string& name) { return !attempt([&] { writeImage(name, image, write); }); });
+                [&](const std::string& name) { return !attempt([&] { writer.write(name, image); }); });
+  viewers.finish(image);
+  if (const std::string& preview = o.viewers.preview;
+      !preview.empty() && attempt([&] { writer.write(preview, image); }))
+    written.push_back(preview);
   if (!o.render.statistics.empty() &&
       attempt([&] { writeFileAtomically(o.render.statistics, statisticsJson(report)); }))
     written.push_back(o.render.statistics);
-  if (!o.render.quiet) std::fputs(renderSummary(report, written, !o.render.verbose).c_str(), stderr);
+  if (!o.render.quiet)
+    std::fputs((renderSummary(report, written, !o.render.verbose) + writer.remark()).c_str(), stderr);
   if (!rendering.checkpointFailure().empty()) attempt([&] { throw Error(rendering.checkpointFailure()); });
   if (!failures.empty()) throw Error(failures);
   return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
@@ -144,8 +196,7 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       ->add_option("--paths", o.paths,
                    "Only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
       ->type_name("EXPR");
-  command->add_option("--exposure", o.exposure, "Brightness of .png .jpg .tif in powers of two (default: 0)")
-      ->type_name("STOPS");
+  o.develop.addTo(*command);
   command
       ->add_option("--checkpoint", o.checkpoint,
                    "Keep the render in this file, every now and then and at its end or interruption")
@@ -160,10 +211,19 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
           "--sample-range", o.sampleRange,
           "Only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds renders up")
       ->type_name("FIRST:END");
+  o.viewers.addTo(*command);
   command->add_flag("--error-layer", o.extra.error,
                     "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
   command->add_flag("--samples-layer", o.extra.samples,
                     "Add the number of samples of each pixel to .exr, as channel samples.N");
+  command
+      ->add_option(
+          "--layers", o.layers,
+          "Add features of what the pixels see to .exr: albedo, normal (shading, towards the viewer), "
+          "geonormal (of the surface itself), depth (distance), position (in world space)")
+      ->type_name("NAME,NAME...");
+  command->add_flag("--layers-through", o.throughSpecular,
+                    "For --layers: of what is seen in mirrors and through smooth glass");
   command->add_flag("--check", o.check, "Load the scene, report what it contains and needs, do not render");
   command->footer(
       "Examples:\n"
@@ -174,8 +234,13 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       "  recurse render scene.pbrt -o even.exr --integrator path --spp 256 --adaptive --samples-layer\n"
       "  recurse render scene.pbrt -o fine.exr --photons 10M --spp 64 --stats fine.json\n"
       "  recurse render scene.pbrt -o caustics.exr --paths 'LS+DE'\n"
+      "  recurse render scene.pbrt -o bright.png --exposure auto+1 --tonemap reinhard\n"
+      "  recurse render scene.pbrt -o plain.png --exposure 0 --tonemap none\n"
       "  recurse render scene.pbrt -o long.exr --spp 4096 --checkpoint long.rck --resume\n"
       "  recurse render scene.pbrt -o half.exr --spp 512 --sample-range 0:256 --checkpoint a.rck\n"
+      "  recurse render scene.pbrt -o layers.exr --layers albedo,normal,depth\n"
+      "  recurse render scene.pbrt -o long.exr --spp 4096 --live\n"
+      "  recurse render scene.pbrt -o long.exr --spp 4096 --preview look.png --every 30s\n"
       "  recurse render scene.pbrt --check\n\n"
       "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
       "complete one.");

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "apps/missedLight.h"
 #include "apps/optionText.h"
 #include "apps/progressDisplay.h"
 
@@ -42,7 +43,8 @@ void RenderOptions::addTo(CLI::App& command) {
       "Samples go where the error is: pixels get between a quarter of --spp and eight times as many, "
       "as the first samples of the pixels around them tell; a crop is a picture of its own then");
   add("--time-limit", timeLimit, "TIME",
-      "Longest time for photons and picture: 30s, 2m, 1h30m; each pixel gets at least one sample");
+      "Longest time for photons and picture: 30s, 2m, 1h30m; the first sample of each pixel may take 10s "
+      "more");
   add("--error-target", errorTarget, "E",
       "Stop when the picture's relative standard error, the 95th percentile over pixels, is E, such as 0.05; "
       "the bias of a photon map is not in it");
@@ -146,6 +148,7 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
     display.update(progress);
   };
   if (!plan.checkpoint.empty()) {
+    lock.emplace(plan.checkpoint);
     kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
     if (plan.resume && std::filesystem::exists(plan.checkpoint)) {
       Checkpoint before = Checkpoint::read(plan.checkpoint);
@@ -178,11 +181,24 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
       }
     };
   }
+  if (plan.look) {
+    settings.look = [&] { return plan.look(kept.film, log); };
+    settings.lookAfter = plan.lookAfter;
+  }
   settings.allocation = kept.allocation ? &*kept.allocation : nullptr;
+  std::string missed = missedPaths(loaded, kept.classes);
+  if (!missed.empty()) {
+    missed = "light of point, spot and distant lights by way of mirrors or glass (" + missed +
+             "), but for what goes straight through thin panes, is missing: '" +
+             loaded.integratorDirective.type + "' does not find it, 'photonmap' does";
+    log("warning: " + missed);
+  }
   figures =
       render(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful.flag(), show, log);
+  if (!missed.empty()) figures.warnings.push_back(missed);
   if (interrupted() && figures.samples == 0)
     throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
+  if (figures.samples == 0) throw Error("no sample was ready in time: nothing is written");
 }
 
 RenderReport Rendering::report(const std::string& command, const std::string& rest) const {

@@ -11,6 +11,7 @@
 #include "apps/interrupt.h"
 #include "apps/loadedScene.h"
 #include "apps/renderOutput.h"
+#include "recurse/core/fileLock.h"
 #include "recurse/report/checkpoint.h"
 #include "recurse/transport/render.h"
 
@@ -28,6 +29,9 @@ struct RenderPlan {
   double checkpointInterval = 60;         ///< seconds
   bool resume = false;                    ///< from that file, where it exists
   bool adaptive = false;                  ///< see SampleAllocation
+  /** Sees the film while it grows; see RenderSettings::look. Messages go to `say`. */
+  std::function<double(const Film&, const std::function<void(const std::string&)>& say)> look;
+  double lookAfter = 0;
 
   /** With what the scene says where the options do not. */
   RenderSettings settings(const Scene& scene) const;
@@ -78,6 +82,7 @@ class Rendering {
   const RenderOptions& options;
   RenderSettings settings;
   const GracefulStop graceful;
+  std::optional<FileLock> lock; ///< of the checkpoint, which no other process may replace meanwhile
   Checkpoint kept;
   RenderStatistics figures;
   std::string failure;

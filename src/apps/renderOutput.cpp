@@ -121,7 +121,8 @@ std::string statisticsJson(const RenderReport& report) {
       {"gathers", s.counts.gathers},
       {"photons_found", s.counts.photonsFound},
       {"non_finite", s.counts.nonFinite},
-      {"weight_cut", s.counts.weightCut},
+      {"splats_saturated", s.splatsSaturated},
+      {"weight_cut", s.counts.truncatedThroughput},
       {"peak_memory_bytes", peakMemoryBytes()},
       {"notes", s.notes},
       {"warnings", s.warnings}};
@@ -161,12 +162,15 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
          bytesText(double(peakMemoryBytes())) + "\n";
   if (notes)
     for (const std::string& note : s.notes) out += note + "\n";
-  if (s.counts.weightCut > 0)
+  if (s.counts.truncatedThroughput > 0)
     out += "weight cut by depth and weight limits: " +
-           formatted("%.3g", s.counts.weightCut / double(s.samples)) + " per sample\n";
+           formatted("%.3g", s.counts.truncatedThroughput / double(s.samples)) + " per sample\n";
   if (s.counts.nonFinite > 0)
     out += "warning: " + std::to_string(s.counts.nonFinite) +
            " contributions were not finite and were left out; this is a fault of the program\n";
+  if (s.splatsSaturated > 0)
+    out += "warning: " + std::to_string(s.splatsSaturated) +
+           " contributions of light paths were too bright to be added up; light is missing there\n";
   std::string list;
   for (const std::string& file : outputs) list += (list.empty() ? "" : ", ") + file;
   if (!list.empty()) out += "written: " + list + "\n";

@@ -26,7 +26,7 @@ class RoughDielectricBsdf : public Bsdf {
  public:
   explicit RoughDielectricBsdf(const DielectricInterface& surface) : surface(surface) {}
   LobeSet lobes() const override {
-    return surface.facets.anisotropic() ? DIFFUSE_LOBES | ANISOTROPIC : DIFFUSE_LOBES;
+    return surface.facets.anisotropic() ? NON_DELTA_LOBES | ANISOTROPIC : NON_DELTA_LOBES;
   }
   Rgb value(const Vec3f& wi, const Vec3f& wo) const override { return Rgb(surface.value(wi, wo)); }
   float pdf(const Vec3f& wi, const Vec3f& wo) const override { return surface.pdf(wi, wo); }
@@ -138,7 +138,7 @@ class Dielectric final : public Material {
     const bool always = rank == 0 && eta != 1;
     return LobeSet(
         (always && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
-        ((rank == 0 && eta == 1) || roughness.alwaysSmooth() ? NO_LOBE : DIFFUSE_LOBES | ANISOTROPIC));
+        ((rank == 0 && eta == 1) || roughness.alwaysSmooth() ? NO_LOBE : NON_DELTA_LOBES | ANISOTROPIC));
   }
   int priority() const override { return rank; }
   float indexInside() const override { return eta; }

@@ -15,7 +15,7 @@ class DiffuseTransmissionBsdf final : public Bsdf {
     const float r = maxComponent(reflectance), t = maxComponent(transmittance);
     reflected = r + t > 0 ? r / (r + t) : 0;
   }
-  LobeSet lobes() const override { return DIFFUSE_LOBES; }
+  LobeSet lobes() const override { return NON_DELTA_LOBES; }
   Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
     const float product = wi.z * wo.z;
     return product > 0 ? reflectance * INV_PI : product < 0 ? transmittance * INV_PI : BLACK;
@@ -47,7 +47,7 @@ class DiffuseTransmission final : public Material {
     return arena.make<DiffuseTransmissionBsdf>(reflectance.at(point) * scale,
                                                transmittance.at(point) * scale);
   }
-  LobeSet lobes() const override { return DIFFUSE_LOBES; }
+  LobeSet lobes() const override { return NON_DELTA_LOBES; }
 
  private:
   TexturedRgb reflectance, transmittance;

@@ -67,9 +67,9 @@ Parts namedParts(const Parameters& p, const MaterialContext& c) {
       p.fail("materials", "\"" + name + "\" does not scatter and cannot be part of a sum");
   }
   // One place is for the mirror direction, which all share.
-  if (refractionsOf(parts) > DeltaScatters::MOST - 1)
+  if (refractionsOf(parts) > DeltaScatters::MAX_COUNT - 1)
     p.fail("materials", "more materials with smooth refraction than a sum can have",
-           "at most " + std::to_string(DeltaScatters::MOST - 1));
+           "at most " + std::to_string(DeltaScatters::MAX_COUNT - 1));
   return parts;
 }
 
@@ -113,8 +113,8 @@ void registerMix(PlugIns& plugIns) {
            weights.emplace_back(w);
            total += w;
          }
-         if (parts.empty() || parts.size() > BsdfSum::MOST)
-           p.fail("materials", "a compound has 1 to " + std::to_string(BsdfSum::MOST) + " materials");
+         if (parts.empty() || parts.size() > BsdfSum::MAX_COUNT)
+           p.fail("materials", "a compound has 1 to " + std::to_string(BsdfSum::MAX_COUNT) + " materials");
          if (weights.size() != parts.size())
            p.fail("weights",
                   "there are " + std::to_string(weights.size()) + " weights for " +

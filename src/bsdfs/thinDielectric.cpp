@@ -11,7 +11,7 @@ namespace {
 class ThinDielectricBsdf final : public Bsdf {
  public:
   explicit ThinDielectricBsdf(float eta) : eta(eta) {}
-  LobeSet lobes() const override { return MIRROR | REFRACTION; }
+  LobeSet lobes() const override { return MIRROR | REFRACTION | STRAIGHT; }
   void deltas(const Vec3f& wi, DeltaScatters& out) const override {
     const float r = dielectricFresnel(std::min(std::abs(wi.z), 1.0f), eta).reflectance;
     // The geometric series over internal reflections: R + T² R / (1 − R²) = 2 R / (1 + R).
@@ -31,7 +31,7 @@ class ThinDielectric final : public Material {
   const Bsdf* bsdfAt(const SurfacePoint&, BsdfArena& arena) const override {
     return arena.make<ThinDielectricBsdf>(eta);
   }
-  LobeSet lobes() const override { return MIRROR | REFRACTION; }
+  LobeSet lobes() const override { return MIRROR | REFRACTION | STRAIGHT; }
 
  private:
   float eta;

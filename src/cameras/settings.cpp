@@ -1,9 +1,45 @@
 /** @file
  * The directives that only set numbers: Film, Sampler and Accelerator.
  */
+#include <cmath>
+
 #include "recurse/model/plugIns.h"
+#include "recurse/scene/spectrum.h"
 
 namespace recurse {
+
+namespace {
+
+/** Those of pbrt-v4. */
+const std::vector<std::string>& sensorNames() {
+  static const std::vector<std::string> NAMES = {
+      "cie1931",       "canon_eos_100d",     "canon_eos_1dx_mkii", "canon_eos_200d",    "canon_eos_200d_mkii",
+      "canon_eos_5d",  "canon_eos_5d_mkii",  "canon_eos_5d_mkiii", "canon_eos_5d_mkiv", "canon_eos_5ds",
+      "canon_eos_m",   "hasselblad_l1d_20c", "nikon_d810",         "nikon_d850",        "sony_ilce_6400",
+      "sony_ilce_7m3", "sony_ilce_7rm3",     "sony_ilce_9"};
+  return NAMES;
+}
+
+void setColours(const Parameters& p, FilmSettings& film) {
+  double white = p.real("whitebalance");
+  constexpr double COOLEST = 1000; // colder bodies have no colour in these primaries
+  if (white > 0 && white < COOLEST)
+    p.fail("whitebalance", "there is no white of " + std::to_string(white) + " K", "0, or 1000 to 1000000");
+  if (p.string("sensor") != "cie1931") {
+    p.warn("sensor", "the response of \"" + p.string("sensor") +
+                         "\" is not known here: colours are those of the CIE 1931 matching functions");
+    if (white == 0) white = 6500; // as pbrt has it for cameras
+  }
+  if (white > 0) film.whiteBalance = Mat3f(whiteBalance(white));
+  if (p.has("maxcomponentvalue")) {
+    film.maxComponent = static_cast<float>(p.real("maxcomponentvalue"));
+    p.warn("maxcomponentvalue",
+           "samples that are brighter are dimmed, as asked: the picture is darker than the "
+           "light in the scene");
+  }
+}
+
+} // namespace
 
 void registerRgbFilm(PlugIns& plugIns) {
   plugIns.films.add(
@@ -22,18 +58,26 @@ void registerRgbFilm(PlugIns& plugIns) {
              realParameter("iso", "100", "sensitivity; the picture is scaled by exposuretime iso / 100")
                  .positive(),
              realParameter("exposuretime", "1", "[s]").positive(),
-             ignoredParameter(ParameterType::REAL, "diagonal",
-                              "only lens simulations need the size of the film"),
+             realParameter("diagonal", "35", "of the film in a lens system, the camera \"realistic\" [mm]")
+                 .positive(),
              ignoredParameter(ParameterType::BOOLEAN, "savefp16", "pictures are written with full floats"),
-             realParameter("whitebalance", "0", "colour temperature to adapt to; only 0, none, is taken")
-                 .range(0, 0),
-             stringParameter("sensor", "cie1931", "response; the matching functions only").oneOf({"cie1931"}),
-             realParameter("maxcomponentvalue", "", "not taken: it would clamp radiance")},
-        .examples = {"\"integer xresolution\" 64 \"integer yresolution\" 48"}},
+             realParameter(
+                 "whitebalance", "0",
+                 "colour temperature that becomes white [K]; 0: none, or 6500 with a camera's sensor")
+                 .range(0, 1e6),
+             stringParameter("sensor", "cie1931",
+                             "response; the matching functions stand in for that of a camera")
+                 .oneOf(sensorNames()),
+             realParameter(
+                 "maxcomponentvalue", "",
+                 "the largest X, Y or Z of a sample after exposure; brighter ones are dimmed to it, "
+                 "which darkens the picture")
+                 .positive()},
+        .examples = {"\"integer xresolution\" 64 \"integer yresolution\" 48",
+                     "\"float whitebalance\" 4000 \"float maxcomponentvalue\" 10"}},
        [](const Parameters& p, const NoContext&) {
-         if (p.has("maxcomponentvalue"))
-           p.fail("maxcomponentvalue", "clamping is not supported: it would darken the picture");
          auto film = std::make_unique<FilmSettings>();
+         setColours(p, *film);
          film->width = p.integer("xresolution");
          film->height = p.integer("yresolution");
          film->crop = {0, 0, film->width, film->height};
@@ -55,9 +99,24 @@ void registerRgbFilm(PlugIns& plugIns) {
              p.fail("cropwindow", "no pixel lies in the window");
          }
          film->fileName = p.string("filename");
+         film->diagonal = p.real("diagonal") / 1000;
          film->imagingRatio = static_cast<float>(p.real("exposuretime") * p.real("iso") / 100);
+         if (!std::isnormal(film->imagingRatio))
+           p.fail("iso", "exposuretime iso / 100 is too large or too small for single precision",
+                  "a product from 1e-37 to 1e38");
          return film;
        }});
+  PlugIn<FilmSettings, NoContext> layered = *plugIns.films.find("rgb");
+  layered.name = "gbuffer";
+  layered.summary = "rgb by the parameters of pbrt's film with layers; only its picture is written.";
+  layered.parameters.push_back(
+      ignoredParameter(ParameterType::STRING, "coordinatesystem", "of layers that are not written"));
+  layered.make = [make = layered.make](const Parameters& p, const NoContext& none) {
+    p.warn("",
+           "only the picture of a \"gbuffer\" film is written, without layers of normals, depth or albedo");
+    return make(p, none);
+  };
+  plugIns.films.add(layered);
 }
 
 void registerSamplers(PlugIns& plugIns) {

@@ -4,7 +4,9 @@
 #include "recurse/core/error.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 namespace recurse {
 
@@ -60,6 +62,27 @@ size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+/** Names in a scene may be as long as the file; a person reads a few lines [characters]. */
+constexpr size_t MAX_MESSAGE = 600, MAX_LIST = 4000;
+
+/** A text without its middle, where it is very long: what is wrong and where stands at its ends. */
+std::string abbreviated(const std::string& text, size_t most) {
+  if (text.size() <= most) return text;
+  return text.substr(0, most / 2) + "[...]" + text.substr(text.size() - most / 2);
+}
+
+/** Where the second and those after it are, as far as a person would read on. */
+std::string placesOf(const std::vector<const Diagnostic*>& same) {
+  constexpr size_t MAX_COUNT = 8;
+  std::string out;
+  for (size_t i = 1; i < same.size() && i <= MAX_COUNT; ++i) {
+    const SourceLocation& where = same[i]->location;
+    if (where.source)
+      out += (out.empty() ? "" : ", ") + where.source->name + ":" + std::to_string(where.line);
+  }
+  return out + (same.size() - 1 > MAX_COUNT ? ", ..." : "");
+}
+
 } // namespace
 
 std::string Diagnostic::format() const {
@@ -78,18 +101,28 @@ std::string Diagnostic::format() const {
 
 void Diagnostics::error(const SourceLocation& where, const std::string& message,
                         const std::string& accepted) {
-  list.push_back({Severity::ERROR, where, message, accepted});
+  list.push_back(
+      {Severity::ERROR, where, abbreviated(message, MAX_MESSAGE), abbreviated(accepted, MAX_LIST)});
   ++errorCount;
 }
 
 void Diagnostics::warning(const SourceLocation& where, const std::string& message,
                           const std::string& accepted) {
-  list.push_back({Severity::WARNING, where, message, accepted});
+  list.push_back(
+      {Severity::WARNING, where, abbreviated(message, MAX_MESSAGE), abbreviated(accepted, MAX_LIST)});
 }
 
 std::string Diagnostics::format() const {
+  std::map<std::tuple<Severity, std::string, std::string>, std::vector<const Diagnostic*>> same;
+  for (const Diagnostic& d : list) same[{d.severity, d.message, d.accepted}].push_back(&d);
   std::string out;
-  for (const Diagnostic& d : list) out += d.format();
+  for (const Diagnostic& d : list) {
+    const std::vector<const Diagnostic*>& all = same[{d.severity, d.message, d.accepted}];
+    if (all.front() != &d) continue;
+    out += d.format();
+    if (all.size() > 1)
+      out += "    and " + std::to_string(all.size() - 1) + " more like it: " + placesOf(all) + "\n";
+  }
   return out;
 }
 

@@ -18,6 +18,7 @@
 #include "core/imageInput.h"
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/error.h"
+#include "recurse/core/memory.h"
 
 namespace recurse {
 
@@ -47,15 +48,9 @@ Content contentByExtension(const std::string& fileName) {
               ExitStatus::BAD_USAGE);
 }
 
-/** The transfer functions of IEC 61966-2-1. */
-float srgbFromLinear(float x) {
-  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
-}
-
-uint8_t displayByte(float linear, float scale) {
-  const float x = linear * scale;
-  if (!(x > 0)) return 0; // NaN as well: there is no colour for it
-  return static_cast<uint8_t>(std::lround(255 * srgbFromLinear(std::min(x, 1.0f))));
+/** NaN as well becomes black: there is no colour for it. */
+uint8_t byteOf(float encoded) {
+  return encoded > 0 ? static_cast<uint8_t>(std::lround(255 * std::min(encoded, 1.0f))) : 0;
 }
 
 /** R, G, B of each pixel; one channel stands for all three, as two channels stand for nothing. */
@@ -139,7 +134,9 @@ std::vector<unsigned char> encodeImage(const std::string& fileName, const Image&
   }
   std::vector<uint8_t> bytes(rgb.size());
   const float scale = std::exp2(options.exposure);
-  std::transform(rgb.begin(), rgb.end(), bytes.begin(), [&](float x) { return displayByte(x, scale); });
+  std::transform(rgb.begin(), rgb.end(), bytes.begin(), [&](float x) {
+    return byteOf(options.encoded ? x : srgbFromLinear(std::min(x * scale, 1.0f)));
+  });
   OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
   const std::string format = extensionOf(fileName);
   if (format == ".jpg" || format == ".jpeg") {
@@ -154,6 +151,10 @@ std::vector<unsigned char> encodeImage(const std::string& fileName, const Image&
 
 } // namespace
 
+// The transfer functions of IEC 61966-2-1.
+float srgbFromLinear(float x) {
+  return x <= 0.0031308f ? 12.92f * x : 1.055f * std::pow(x, 1 / 2.4f) - 0.055f;
+}
 float linearFromSrgb(float x) { return x <= 0.04045f ? x / 12.92f : std::pow((x + 0.055f) / 1.055f, 2.4f); }
 
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names) {
@@ -189,6 +190,10 @@ std::vector<int> channelOrder(const std::string& fileName, const std::vector<std
   return order;
 }
 
+bool isDisplayFormat(const std::string& fileName) {
+  return contentByExtension(fileName) == Content::DISPLAY_RGB;
+}
+
 int Image::channel(const std::string& name) const {
   const auto found = std::find(channels.begin(), channels.end(), name);
   return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());
@@ -208,6 +213,10 @@ std::unique_ptr<OIIO::ImageInput> openImage(const std::string& fileName) {
   const OIIO::ImageSpec& spec = input->spec();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
     throw Error(fileName + ": cannot be read: not a picture of two dimensions");
+  const double values = double(spec.width) * double(spec.height) * double(spec.nchannels);
+  requireMemory(fileName + ": a picture of " + std::to_string(spec.width) + "x" +
+                    std::to_string(spec.height) + " pixels",
+                values * double(spec.format.size()));
   return input;
 }
 

@@ -32,10 +32,19 @@ class TabulatedAxis {
     const double x = (2 * (double(cell) + std::clamp(within, 0.0, 1.0)) / CELLS - 1) * double(radius);
     return {Vec2f(static_cast<float>(x), 0), negative[cell] ? -magnitude : magnitude};
   }
+  float value(float x) const {
+    const float place = (x / radius + 1) * (0.5f * CELLS);
+    if (!(place >= 0 && place < CELLS)) return 0;
+    const auto cell = static_cast<size_t>(place);
+    const double part = cumulative[cell] - (cell > 0 ? cumulative[cell - 1] : 0);
+    const float density = static_cast<float>(part) * (0.5f * CELLS) / radius;
+    return negative[cell] ? -magnitude * density : magnitude * density;
+  }
+  const float radius;
 
  private:
   static constexpr int CELLS = 512;
-  float radius, magnitude = 1;
+  float magnitude = 1;
   std::array<double, CELLS> cumulative{};
   std::array<bool, CELLS> negative{};
 };
@@ -47,6 +56,8 @@ class TabulatedFilter final : public Filter {
     const Sample a = x.sample(u.x), b = y.sample(u.y);
     return {{a.offset.x, b.offset.x}, a.weight * b.weight};
   }
+  float value(const Vec2f& offset) const override { return x.value(offset.x) * y.value(offset.y); }
+  Vec2f radius() const override { return {x.radius, y.radius}; }
 
  private:
   TabulatedAxis x, y;
@@ -54,21 +65,32 @@ class TabulatedFilter final : public Filter {
 
 class Box final : public Filter {
  public:
-  explicit Box(const Vec2f& radius) : radius(radius) {}
-  Sample sample(const Vec2f& u) const override { return {(u * 2.0f - 1.0f) * radius, 1}; }
+  explicit Box(const Vec2f& radius) : half(radius) {}
+  Sample sample(const Vec2f& u) const override { return {(u * 2.0f - 1.0f) * half, 1}; }
+  float value(const Vec2f& offset) const override {
+    // A border between two pixels belongs to one of them.
+    const bool inside = offset.x >= -half.x && offset.x < half.x && offset.y >= -half.y && offset.y < half.y;
+    return inside ? 1 / (4 * half.x * half.y) : 0;
+  }
+  Vec2f radius() const override { return half; }
 
  private:
-  Vec2f radius;
+  Vec2f half;
 };
 
 class Triangle final : public Filter {
  public:
-  explicit Triangle(const Vec2f& radius) : radius(radius) {}
-  Sample sample(const Vec2f& u) const override { return {Vec2f(tent(u.x), tent(u.y)) * radius, 1}; }
+  explicit Triangle(const Vec2f& radius) : half(radius) {}
+  Sample sample(const Vec2f& u) const override { return {Vec2f(tent(u.x), tent(u.y)) * half, 1}; }
+  float value(const Vec2f& offset) const override {
+    const Vec2f height = glm::max(1.0f - glm::abs(offset) / half, 0.0f) / half;
+    return height.x * height.y;
+  }
+  Vec2f radius() const override { return half; }
 
  private:
   static float tent(float u) { return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 * (1 - u)); }
-  Vec2f radius;
+  Vec2f half;
 };
 
 std::vector<ParameterSpec> radiusParameters(const std::string& radius, std::vector<ParameterSpec> more = {}) {

@@ -2,6 +2,8 @@
  * The unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It
  * is the truth that the photon map is compared with.
  */
+#include <utility>
+
 #include "recurse/core/inPlace.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
@@ -12,11 +14,11 @@ namespace {
 
 /** An eye path under way. */
 struct Walk {
-  EyePath* path;
+  CameraPath* path;
   Rgb throughput;
   float etaScale; ///< undoes the 1/η² inside glass, which is no reason to end a walk
   int depth;
-  EyeState eye;
+  CameraState eye;
   float width, spread; ///< of the ray's footprint
   Nesting nesting;
   BsdfRay last;
@@ -28,16 +30,16 @@ struct Vertex {
   const Hit* hit;
   Vec3f wi;
   std::optional<ScatteringPoint> scattering;
-  EyeState eyeD, eyeS;
+  CameraState cameraD, cameraS;
   LobeSet allowed;
   bool sampleLight;
-  LitPlace place; ///< of the lights, where they are sampled
+  LightSampleContext place; ///< of the lights, where they are sampled
 };
 
 /** A shadow ray under way. */
 struct Shadow {
   const Vertex* vertex;
-  const Illumination* light;
+  const LiSample* light;
   Rgb radiance;
 };
 
@@ -49,25 +51,32 @@ template <class T> class Raw {
 
  private:
   static_assert(std::is_trivially_destructible_v<T>);
-  alignas(T) std::byte bytes[EYE_BATCH * sizeof(T)];
+  alignas(T) std::byte bytes[CAMERA_BATCH * sizeof(T)];
 };
 
 class Path final : public Integrator {
  public:
   Path(int maxDepth, int lightSamples) : maxDepth(maxDepth), lightSamples(lightSamples) {}
 
-  void prepare(const Scene& scene, const PathClasses&) override { guide.learn(scene); }
+  void prepare(const Scene& scene, const PathClasses&) override { learned = guide.learn(scene); }
 
-  void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
-    EyePath one(sampler, out);
+  ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) override {
+    ForwardStatistics statistics;
+    statistics.counts = std::exchange(learned, {});
+    return statistics;
+  }
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    CameraPath one(sampler, out);
     one.ray = ray;
     backwardBatch(scene, {&one, 1});
     sampler = one.sampler;
   }
 
-  void backwardBatch(const Scene& scene, std::span<EyePath> paths) const override {
+  void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
     while (!paths.empty()) {
-      const size_t count = std::min(paths.size(), EYE_BATCH);
+      const size_t count = std::min(paths.size(), CAMERA_BATCH);
       Batch batch(*this, scene, paths.first(count));
       batch.run();
       paths = paths.subspan(count);
@@ -75,11 +84,14 @@ class Path final : public Integrator {
   }
 
   std::vector<EstimatorDomain> domains() const override {
-    return {{"emission", "LS*E", "none: met by eye rays through mirrors and glass", ""},
-            {"emission after scattering", "LS+D(S|D)*E", "none: met by the rays that go on", ""},
+    return {{"emission", "LS*E", "none: met by eye rays through mirrors and glass", "", true},
+            {"emission after scattering", "LS+D(S|D)*E", "none: met by the rays that go on",
+             "direct light through panes", true},
+            {"shadow rays through panes", "LS+D(S|D)*E", "none: the same, straight through thin panes",
+             "direct light through panes", false, true},
             {"shadow rays", "LD(S|D)*E", std::to_string(lightSamples) + " for each diffuse vertex",
              "direct light"},
-            {"BSDF rays", "LD(S|D)*E", "none: the rays that go on", "direct light"}};
+            {"BSDF rays", "LD(S|D)*E", "none: the rays that go on", "direct light", true}};
   }
 
  private:
@@ -89,7 +101,7 @@ class Path final : public Integrator {
    */
   class Batch {
    public:
-    Batch(const Path& path, const Scene& scene, std::span<EyePath> paths)
+    Batch(const Path& path, const Scene& scene, std::span<CameraPath> paths)
         : settings(path), scene(scene), classes(paths[0].out->pathClasses()), counts(paths[0].out->counts),
           alive(paths.size()) {
       for (size_t i = 0; i < alive; ++i) {
@@ -98,7 +110,7 @@ class Path final : public Integrator {
         w.throughput = Rgb(1);
         w.etaScale = 1;
         w.depth = 0;
-        w.eye = classes.eyeStart();
+        w.eye = classes.cameraStart();
         w.width = paths[i].ray.width;
         w.spread = paths[i].ray.spread;
         w.last.weighted = false;
@@ -109,11 +121,12 @@ class Path final : public Integrator {
     }
 
     void run() {
-      for (auto coherence = Scene::Coherence::ALIKE; alive > 0; coherence = Scene::Coherence::NONE) {
+      const PathRadiance& any = *walks[0].path->out; // all are abandoned together
+      for (auto coherence = Scene::Coherence::COHERENT; alive > 0; coherence = Scene::Coherence::NONE) {
         counts.rays += alive;
         scene.intersectBatch({rays.data(), alive}, coherence, {hits.data(), alive});
         arrive();
-        for (int i = 0; i < settings.lightSamples; ++i) sampleLights();
+        for (int i = 0; i < settings.lightSamples && !any.abandoned(); ++i) sampleLights();
         goOn();
       }
     }
@@ -148,7 +161,7 @@ class Path final : public Integrator {
           continue;
         }
         if (w.depth == settings.maxDepth) {
-          counts.weightCut += double(maxComponent(w.throughput));
+          counts.truncatedThroughput += double(maxComponent(w.throughput));
           continue;
         }
         ++w.depth;
@@ -157,13 +170,13 @@ class Path final : public Integrator {
         v.hit = &hit;
         v.wi = -direction;
         makeAt(v.scattering, [&] { return std::optional<ScatteringPoint>(std::in_place, *bsdf, hit.point); });
-        v.eyeD = classes.step(w.eye, PathEvent::D);
-        v.eyeS = classes.step(w.eye, PathEvent::S);
-        v.allowed = LobeSet((classes.dead(v.eyeD) ? NO_LOBE : DIFFUSE_LOBES) |
-                            (classes.dead(v.eyeS) ? NO_LOBE : DELTA_LOBES));
-        v.sampleLight = (v.scattering->lobes() & v.allowed & DIFFUSE_LOBES) != 0 &&
-                        lightIsSampled(scene, classes, v.eyeD);
-        v.place = v.sampleLight ? litPlace(settings.guide, hit.point, v.wi) : LitPlace();
+        v.cameraD = classes.step(w.eye, PathEvent::D);
+        v.cameraS = classes.step(w.eye, PathEvent::S);
+        v.allowed = LobeSet((classes.dead(v.cameraD) ? NO_LOBE : NON_DELTA_LOBES) |
+                            (classes.dead(v.cameraS) ? NO_LOBE : DELTA_LOBES));
+        v.sampleLight = (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES) != 0 &&
+                        lightIsSampled(scene, classes, v.cameraD);
+        v.place = v.sampleLight ? lightSampleContext(settings.guide, hit.point, v.wi) : LightSampleContext();
       }
       alive = passed;
     }
@@ -177,10 +190,10 @@ class Path final : public Integrator {
       for (size_t i = 0; i < lit; ++i)
         makeAt(choices[i], [&] {
           const Vertex& v = *shadows[i].vertex;
-          return LightChoice(table, settings.guide, v.place, v.walk->path->sampler);
+          return SampledLight(table, settings.guide, v.place, v.walk->path->sampler);
         });
       for (size_t i = 0; i < lit; ++i)
-        makeAt(lights[i], [&] { return choices[i].illuminate(shadows[i].vertex->hit->point.position); });
+        makeAt(lights[i], [&] { return choices[i].sampleLi(shadows[i].vertex->hit->point); });
       size_t count = 0;
       for (size_t i = 0; i < lit; ++i) {
         if (!lights[i]) continue;
@@ -192,7 +205,7 @@ class Path final : public Integrator {
         ++counts.rays;
         makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
         if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
-          v.walk->path->out->add(classes.lightStart(), v.eyeD, radiance);
+          v.walk->path->out->add(classes.lightStart(), v.cameraD, radiance);
           continue;
         }
         shadows[count].vertex = &v;
@@ -203,9 +216,16 @@ class Path final : public Integrator {
       scene.occludedBatch({shadowRays.data(), count}, {blocked.data(), count});
       for (size_t i = 0; i < count; ++i) {
         const Vertex& v = *shadows[i].vertex;
-        if (!blocked[i] ||
-            onlyHidden(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.walk->nesting, counts))
-          v.walk->path->out->add(classes.lightStart(), v.eyeD, shadows[i].radiance);
+        if (!blocked[i]) {
+          v.walk->path->out->add(classes.lightStart(), v.cameraD, shadows[i].radiance);
+          continue;
+        }
+        const Transmittance free =
+            throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.walk->nesting,
+                         panesLeft(settings.maxDepth, v.walk->depth), counts);
+        if (!isBlack(free.value))
+          v.walk->path->out->add(afterPanes(classes, free.panes), v.cameraD,
+                                 shadows[i].radiance * free.value);
       }
     }
 
@@ -224,14 +244,16 @@ class Path final : public Integrator {
         Walk& w = *v.walk;
         w.throughput *= s.weight;
         if (isBlack(w.throughput)) continue;
-        w.eye = s.specular() ? v.eyeS : v.eyeD;
+        w.eye = s.specular() ? v.cameraS : v.cameraD;
         w.etaScale *= square(s.eta);
         if (w.depth > ROULETTE_FREE_DEPTH &&
-            !survives(maxComponent(w.throughput) * w.etaScale, w.depth, w.path->sampler, w.throughput))
+            !russianRoulette(maxComponent(w.throughput) * w.etaScale, w.depth, w.path->sampler, w.throughput))
           continue;
-        w.last.from = v.place;
-        w.last.pdf = s.pdf;
-        w.last.weighted = !s.specular();
+        if (!passesPane(scene, *v.scattering, s)) {
+          w.last.from = v.place;
+          w.last.pdf = s.pdf;
+          w.last.weighted = !s.specular();
+        }
         w.nesting.scatters(*v.hit, v.wi, s.direction);
         if (!s.specular()) w.width = w.spread = 0; // what a pixel sees from here on is not known
         active[alive] = &w;
@@ -250,8 +272,8 @@ class Path final : public Integrator {
     Raw<Ray> rays;
     Raw<Hit> hits;
     Raw<Vertex> vertices;
-    Raw<LightChoice> choices;
-    Raw<std::optional<Illumination>> lights;
+    Raw<SampledLight> choices;
+    Raw<std::optional<LiSample>> lights;
     Raw<Shadow> shadows;
     Raw<Ray> shadowRays;
     Raw<uint8_t> blocked;
@@ -262,12 +284,14 @@ class Path final : public Integrator {
   static constexpr int ROULETTE_FREE_DEPTH = 2;
   int maxDepth;
   int lightSamples;
-  LightGuide guide;
+  LightSampler guide;
+  TransportCounts learned; ///< what the guide took, until it has been told
 };
 
 } // namespace
 
 void registerPath(PlugIns& plugIns) {
+  static const std::string SAME_PICTURE = "the picture is the same in the end, what is hard to find is not";
   const auto add = [&](const char* name, const char* summary, std::vector<ParameterSpec> more) {
     more.insert(
         more.begin(),
@@ -275,7 +299,8 @@ void registerPath(PlugIns& plugIns) {
          integerParameter("lightsamples", "1", "shadow rays at each diffuse vertex").range(1, 1e6)});
     plugIns.integrators.add(
         {{.name = name, .summary = summary, .parameters = std::move(more), .examples = {""}},
-         [](const Parameters& p, const NoContext&) {
+         [isOther = std::string(name) != "path"](const Parameters& p, const NoContext&) {
+           if (isOther) p.warn("", "\"" + p.plugInName() + "\" is rendered by \"path\": " + SAME_PICTURE);
            return std::make_unique<Path>(p.integer("maxdepth"), p.integer("lightsamples"));
          }});
   };
@@ -294,12 +319,9 @@ void registerPath(PlugIns& plugIns) {
   add("path", "The unbiased path tracer with shadow rays and multiple importance sampling.",
       {real("rrthreshold"), boolean("regularize"), lights});
   add("volpath", other, {real("rrthreshold"), boolean("regularize"), lights});
-  add("simplepath", other, {boolean("samplebsdf"), boolean("samplelights")});
-  add("bdpt", other, {boolean("regularize"), boolean("visualizestrategies"), boolean("visualizeweights")});
   add("mlt", other,
       {integer("bootstrapsamples"), integer("chains"), integer("mutationsperpixel"),
        real("largestepprobability"), real("sigma"), boolean("regularize")});
-  add("lightpath", other, {});
 }
 
 } // namespace recurse

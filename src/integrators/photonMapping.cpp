@@ -1,462 +1,402 @@
 /** @file
- * Recurse's estimate of radiance: emitted light, plus the photon map's estimate at diffuse surfaces, plus
- * mirror and refracted light, recursively. Direct light comes from shadow rays, or from the map like
- * everything else. Sharp rough lobes are followed too, and share the light with the map (lobeSharing.h).
+ * Recurse's estimate of radiance: emitted light, plus the photon maps' estimate at non-delta surfaces, plus
+ * mirror and refracted light, recursively. Direct light comes from shadow rays, or from photons like all
+ * other light. Where the map of indirect light would show its noise, the path goes on and reads it at the
+ * next surface.
  */
 #include <algorithm>
-#include <chrono>
+#include <utility>
 
-#include "recurse/core/text.h"
 #include "recurse/model/plugIns.h"
+#include "recurse/transport/causticWeights.h"
 #include "recurse/transport/directLight.h"
-#include "recurse/transport/placeIrradiance.h"
-#include "recurse/transport/searchChoice.h"
-#include "recurse/transport/searchField.h"
-#include "recurse/transport/shoot.h"
+#include "recurse/transport/gatherShare.h"
+#include "recurse/transport/irradianceCache.h"
+#include "recurse/transport/photonPass.h"
 
 namespace recurse {
 
 namespace {
 
-struct PhotonMappingSettings {
-  uint64_t photons = 0; ///< in each pass; 0: chosen
-  int passes = 0;       ///< see Integrator::passes; -1: left to the number of samples
-  double alpha = 0;     ///< see radiusScale
-  int nearest = 0;      ///< 0: all photons within the radius, or chosen where there is none
-  double radius = 0;    ///< 0: found out from the photons' density
-  int maxDepth = -1;
-  bool shadowRays = true, guided = true;
-  bool edges = true; ///< estimates know where surfaces end
+struct PhotonMappingSettings : PhotonPassSettings {
+  int passes = 0; ///< see Integrator::passes
   int lightSamples = 1;
-  bool shareIrradiance = true; ///< a final gather reads irradiance found out once near each place
-  int finalGather = 0; ///< rays from the first diffuse surface of an eye path; 0: it reads the map itself
+  bool shareIrradiance = true; ///< the rays of final gathers read irradiance found out once near each place
+  int finalGather = -1;        ///< rays from the first non-delta surface of a path; -1: one, where that pays
   float weightLimit = 0.03f;
-  float flatness = 0.2f;
-  LobeSharing sharing;
-  Kernel kernel = Kernel::EPANECHNIKOV;
-  PhotonIndexKind index = PhotonIndexKind::KDTREE;
 };
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
+/** A camera path on its way. */
+struct PathState {
+  CameraRay ray;
+  CameraState camera;
+  Nesting nesting;
+  Rgb throughput{1};
+  float etaScale = 1; ///< undoes the 1/η² inside glass
+  int depth = 0;      ///< scattering events so far
+  int nonDelta = 0;   ///< those by non-delta lobes
+  // Since the last of these:
+  float distance = 0;   ///< travelled [scene units]
+  bool delta = false;   ///< by mirrors and glass
+  float share = 1;      ///< of the indirect light there that is for this path to find
+  BsdfRay bsdfRay;      ///< weighs light that is met at once against shadow rays
+  MergeRatio merge;     ///< weighs light that is met by mirrors and glass against caustic photons
+  float lightShare = 1; ///< of emission that is met, where photons bring all light
+
+  /** The path after a scattering event. */
+  PathState after(const Hit& hit, const Scatter& s) const {
+    PathState next = *this;
+    next.nesting.scatters(hit, -ray.direction, s.direction);
+    next.throughput *= s.weight;
+    next.etaScale *= square(s.eta);
+    static_cast<Ray&>(next.ray) = spawn(hit.point, s.direction);
+    if (s.specular()) {
+      next.delta = true;
+      next.merge.leave(s.direction, hit.point);
+    }
+    return next;
+  }
+};
 
 class PhotonMapping final : public Integrator {
  public:
-  explicit PhotonMapping(const PhotonMappingSettings& settings) : settings(settings) {}
+  explicit PhotonMapping(const PhotonMappingSettings& settings) : settings(settings), photons(settings) {}
 
-  int passes(int samplesPerPixel) const override {
-    if (settings.passes >= 0) return settings.passes;
-    return samplesPerPixel > 0 ? 1 : 0;
-  }
+  int passes(int /*samplesPerPixel*/) const override { return settings.passes; }
+
+  bool passHasOneTime() const override { return true; }
 
   void prepare(const Scene& scene, const PathClasses&) override {
-    if (settings.shadowRays) lights.learn(scene);
+    learned = {};
+    if (!settings.directLight) learned = lights.learn(scene);
   }
 
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
-    ForwardStatistics statistics;
-    progressive = !pass.only;
-    atPlaces = Sampler(pass.seed, pass.index, 0);
-    scale = radiusScale(pass.index, settings.alpha);
-    auto start = std::chrono::steady_clock::now();
-    ShootSettings shoot;
-    shoot.photons = settings.photons;
-    if (shoot.photons == 0)
-      shoot.photons = progressive ? std::max(uint64_t(scene.film().width) * uint64_t(scene.film().height),
-                                             LEAST_PROGRESSIVE_PHOTONS)
-                                  : ONE_MAP_PHOTONS;
-    shoot.maxDepth = settings.maxDepth;
-    shoot.direct = !settings.shadowRays;
+    ForwardStatistics statistics = photons.run(scene, classes, pass, control);
+    statistics.counts.add(std::exchange(learned, {}));
+    recordSampler = Sampler(pass.seed, pass.index, 0);
+    const bool oneClass = classes.lightStateCount() == 1; // else some photons count and some do not
+    const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;
+    irradiances.reset(shared ? photons.indirect().cache.size() : 0);
+    causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);
     if (pass.index == 0) {
-      guidance = {};
-      if (settings.guided && settings.finalGather == 0) // what a final gather reads lies all over the scene
-        guidance = learn(scene, classes, pass.seed, shoot, control, statistics);
+      shares.readAll();
+      if (mayGoOn() && settings.nearest == 0 && settings.radius == 0 && !photons.useless())
+        shares.learn(photons.indirect().cache, irradianceSampler(scene, classes), statistics.counts);
     }
-    shoot.guide = &guidance.emission;
-    shoot.targets = guidance.targets;
-    ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
-    statistics.counts = shot.counts;
-    statistics.photonsEmitted = shot.emitted;
-    statistics.photonsStored = shot.stored.size();
-    statistics.shootSeconds = secondsSince(start);
-    start = std::chrono::steady_clock::now();
-    map.build(shot.stored, settings.index);
-    if (settings.finalGather > 0) {
-      std::vector<Photon> some;
-      std::copy_if(shot.stored.begin(), shot.stored.end(), std::back_inserter(some),
-                   [](const Photon& p) { return p.caustic; });
-      caustics.build(some, settings.index);
-    }
-    statistics.photonsRefused = map.refused();
-    statistics.balanceSeconds = secondsSince(start);
-    statistics.mapBytes = map.memoryBytes() + caustics.memoryBytes();
-    if (pass.index == 0) {
-      const GatherSettings wished{
-          settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
-      choice = chooseSearch(scene, map, probeEye(scene, 24, 0, settings.sharing, statistics.counts), wished,
-                            progressive, !settings.shadowRays, statistics);
-      if (progressive || settings.edges) {
-        // Dark places have hardly any photons that would tell of them.
-        const double across = std::sqrt(double(scene.film().crop.area())) / 4;
-        const std::vector<SeenPlace> seen = probeEye(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)),
-                                                     2, settings.sharing, statistics.counts);
-        const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
-        for (const auto& [known, photons] : {std::pair(&field, &map), std::pair(&causticField, &caustics)})
-          known->build(scene, *photons, seen, choice.settings, judged ? settings.alpha : 0,
-                       statistics.counts);
-      }
-    }
-    const bool alike = classes.lightStateCount() == 1; // otherwise some photons count and some do not
-    shared.reset(settings.finalGather > 0 && settings.shareIrradiance && alike ? field.size() : 0);
     return statistics;
   }
 
-  void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
-    trace(scene,
-          {.ray = ray,
-           .throughput = Rgb(1),
-           .etaScale = 1,
-           .eye = out.pathClasses().eyeStart(),
-           .depth = 0,
-           .nesting = nestingAt(scene, ray, out.counts)},
-          nullptr, sampler, out);
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    PathState path;
+    path.ray = ray;
+    path.camera = out.pathClasses().cameraStart();
+    path.nesting = nestingAt(scene, ray, out.counts);
+    trace(scene, path, sampler, out);
   }
 
-  std::vector<EstimatorDomain> domains() const override {
-    const std::string rays = std::to_string(settings.lightSamples);
-    const bool gathers = settings.finalGather > 0;
-    std::vector<EstimatorDomain> all = {
-        {"emission", "LS*E", "none: met by eye rays through mirrors and glass", ""}};
-    if (settings.shadowRays) {
-      all.push_back(
-          {"shadow rays", "LDS*E", rays + " for each diffuse surface an eye ray meets", "direct light"});
-      all.push_back({"BSDF rays", "LDS*E",
-                     gathers ? "those of the final gather" : "one for each diffuse surface an eye ray meets",
-                     "direct light"});
-    }
-    if (gathers) {
-      all.push_back({"caustic photons", settings.shadowRays ? "LS+DS*E" : "LS*DS*E",
-                     "one estimate for each diffuse surface an eye ray meets", ""});
-      all.push_back({"final gather", "L(S|D)*DS*DS*E",
-                     std::to_string(settings.finalGather) +
-                         " rays for each diffuse surface an eye ray meets; what they meet is estimated by "
-                         "shadow rays and photon map",
-                     ""});
-      return all;
-    }
-    const std::string indirect = settings.shadowRays ? "L(S|D)+DS*E" : "L(S|D)*DS*E";
-    const std::string group = settings.sharing.ever() ? "rough lobes" : "";
-    all.push_back({"photon map", indirect, "one estimate for each diffuse surface an eye ray meets", group});
-    if (settings.sharing.ever())
-      all.push_back({"followed lobes", indirect,
-                     "the BSDF ray goes on where a lobe is sharp; what arrives is estimated by all of these",
-                     group});
-    return all;
-  }
+  std::vector<EstimatorDomain> domains() const override;
 
  private:
-  // One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly
-  // many.
-  static constexpr uint64_t ONE_MAP_PHOTONS = 1000000, LEAST_PROGRESSIVE_PHOTONS = 65536;
-  /** An eye path on its way. */
-  struct Walk {
-    EyeRay ray;
-    Rgb throughput;
-    float etaScale; ///< undoes the 1/η² inside glass
-    EyeState eye;
-    int depth;                ///< scattering events so far
-    bool gathers = true;      ///< the first diffuse surface may send a final gather
-    bool lightCounts = true;  ///< emission that is met; false where photons bring it
-    float gatherDistance = 0; ///< of the final gather's ray, to its first surface
-    Nesting nesting{};
-    LitPlace place{}; ///< the last diffuse surface, where lights were sampled
-  };
+  /** Whether paths decide by themselves where to read the map of indirect light. */
+  bool mayGoOn() const { return settings.finalGather < 0 && photons.isProgressive(); }
 
-  /** Follows an eye ray through mirrors and glass: every branch while it is worth it, one by roulette after.
-   * `met` is what the ray is known to meet, whose emission has been dealt with; or null. */
-  void trace(const Scene& scene, Walk walk, const Hit* met, Sampler& sampler, PathRadiance& out) const {
-    const PathClasses& classes = out.pathClasses();
-    Hit hit;
+  /** Follows a path to the end: emitted light, and at each surface what its lobes bring. */
+  void trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const {
     BsdfArena arena;
-    for (;; met = nullptr) {
-      EyeRay& ray = walk.ray;
-      Rgb& throughput = walk.throughput;
-      EyeState& eye = walk.eye;
-      int& depth = walk.depth;
-      Nesting& nesting = walk.nesting;
-      if (met) {
-        hit = *met;
-      } else {
-        if (!intersect(scene, ray, hit, out.counts)) {
-          if (!scene.environment().empty() && walk.lightCounts)
-            out.add(classes.lightStart(), eye,
-                    throughput *
-                        environmentRadiance(scene, lights, ray.direction, {}, settings.lightSamples));
-          return;
-        }
-        if (hit.areaLight && walk.lightCounts)
-          out.add(classes.lightStart(), eye,
-                  throughput * emittedRadiance(scene, lights, hit, ray.direction, {}, settings.lightSamples));
-      }
-      ray.width += ray.spread * hit.t;
-      arena.reset();
-      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, footprint(ray), nesting, arena);
-      if (!bsdf) {
-        static_cast<Ray&>(ray) = spawn(hit.point, ray.direction);
-        continue;
-      }
-      if (depth == settings.maxDepth) {
-        out.counts.weightCut += double(maxComponent(throughput));
+    Hit hit;
+    for (;;) {
+      if (!intersect(scene, path.ray, hit, out.counts)) {
+        addEnvironment(scene, path, out);
         return;
       }
-      ++depth;
+      path.ray.width += path.ray.spread * hit.t;
+      path.distance += hit.t;
+      if (hit.areaLight) addEmission(scene, path, hit, out);
+      if (path.share == 0 && hit.material && !(hit.material->lobes() & DELTA_LOBES)) return;
+      arena.reset();
+      const Bsdf* bsdf = bsdfAt(scene, hit, path.ray.direction, footprint(path.ray), path.nesting, arena);
+      if (!bsdf) {
+        static_cast<Ray&>(path.ray) = spawn(hit.point, path.ray.direction);
+        continue;
+      }
+      if (path.depth == settings.maxDepth) {
+        out.counts.truncatedThroughput += double(maxComponent(path.throughput));
+        return;
+      }
+      ++path.depth;
       const ScatteringPoint scattering(*bsdf, hit.point);
-      const Vec3f wi = -ray.direction;
-      const EyeState eyeD = classes.step(eye, PathEvent::D);
-      if (scattering.hasDiffuse() && !classes.dead(eyeD)) {
-        Walk diffuse = walk;
-        diffuse.eye = eyeD;
-        if (settings.shadowRays) diffuse.place = litPlace(lights, hit.point, wi);
-        if (settings.shadowRays)
-          addSampledLight(scene, lights, diffuse.place, scattering, hit, nesting, wi, throughput, eyeD,
-                          settings.lightSamples, DIFFUSE_LOBES, sampler, out);
-        Search here = searchAt(field, hit.point, wi);
-        // A surface that a gather ray finds close by is not seen through a map that is blurred over more than
-        // the distance: it gathers for itself.
-        const bool close = !walk.gathers && walk.gatherDistance > 0 &&
-                           walk.gatherDistance < (progressive ? here.settings.radius : choice.typicalRadius);
-        if (settings.finalGather > 0 && (walk.gathers || close)) {
-          const int rays = walk.gathers ? settings.finalGather : 1;
-          for (int i = 0; i < rays; ++i) {
-            Sampler branch = sampler.fork(DeltaScatters::MOST + 2 + static_cast<uint32_t>(i));
-            gatherRay(scene, scattering, hit, diffuse, 1 / static_cast<float>(rays), branch, out);
-          }
-          estimate(scene, caustics, searchAt(causticField, hit.point, wi), scattering, hit.point, diffuse,
-                   sampler, out);
-        } else {
-          here.settings.sharing = settings.sharing;
-          followLobe(scene, scattering, hit, diffuse, sampler, out);
-          if (!addShared(scene, here.place, scattering, hit.point, diffuse, out))
-            estimate(scene, map, here, scattering, hit.point, diffuse, sampler, out);
-        }
-      }
-      eye = classes.step(eye, PathEvent::S);
-      if (!scattering.hasDelta() || classes.dead(eye)) return;
-
-      std::array<Scatter, DeltaScatters::MOST> all;
-      const int count = scattering.deltaScatters(wi, Transport::RADIANCE, all);
-      float worth[DeltaScatters::MOST], total = 0, least = INFINITE;
-      for (int i = 0; i < count; ++i) {
-        const Scatter& s = all[size_t(i)];
-        worth[i] = maxComponent(throughput * s.weight) * square(s.eta) * walk.etaScale;
-        total += worth[i];
-        if (worth[i] > 0) least = std::min(least, worth[i]);
-      }
-      if (!(total > 0)) return;
-      int next = 0;
-      if (least >= settings.weightLimit && depth <= LONG_WALK) {
-        for (int i = 1; i < count; ++i) {
-          Sampler branch = sampler.fork(static_cast<uint32_t>(i));
-          trace(scene, after(walk, hit, all[size_t(i)]), nullptr, branch, out);
-        }
-      } else {
-        float u = count > 1 ? sampler.next1D() * total : 0;
-        while (next + 1 < count && u >= worth[next]) u -= worth[next++];
-        if (!(worth[next] > 0)) return;
-        throughput *= total / worth[next];
-        // A long walk by its full weight: it may be thousands of events from falling below the limit.
-        const float chance = depth > LONG_WALK ? total : total / settings.weightLimit;
-        if (!survives(std::min(1.0f, chance), depth, sampler, throughput)) return;
-      }
-      walk = after(walk, hit, all[size_t(next)]);
+      if (scattering.hasNonDelta()) addNonDelta(scene, path, hit, scattering, sampler, out);
+      if (!followDelta(scene, path, hit, scattering, sampler, out)) return;
     }
   }
 
-  static Walk after(Walk walk, const Hit& hit, const Scatter& s) {
-    walk.nesting.scatters(hit, -walk.ray.direction, s.direction);
-    walk.throughput *= s.weight;
-    walk.etaScale *= square(s.eta);
-    static_cast<Ray&>(walk.ray) = spawn(hit.point, s.direction);
-    return walk;
+  // ------------------------------------------------------------------------------------------ emitted light
+
+  void addEmission(const Scene& scene, const PathState& path, const Hit& hit, PathRadiance& out) const {
+    const Vec3f& direction = path.ray.direction;
+    Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
+    if (path.nonDelta > 0 && path.delta && !settings.directLight && !isBlack(radiance)) {
+      MergeRatio merge = path.merge;
+      merge.arrive(direction, hit.point);
+      radiance *= merge.cameraWeight(
+          hit.areaLight->pdfLe({hit.point.position, -direction, hit.point.geometricNormal, hit.primitive}),
+          scene.lights().probability(hit.lightIndex));
+    }
+    addLight(path, radiance, out);
   }
 
-  /**
-   * One ray by the non-delta lobes of a point. It may meet a light, which shadow rays look for as well
-   * (LDS*E, with the weight that they leave). Where the lobe is sharp the walk goes on from what the ray
-   * meets, with the weight that the photon map leaves at the point; `walk` has read the D there.
-   */
-  void followLobe(const Scene& scene, const ScatteringPoint& scattering, const Hit& from, const Walk& walk,
-                  Sampler& sampler, PathRadiance& out) const {
-    const bool looksForLight = settings.shadowRays && mayMeetLight(scene, walk.eye, out);
-    const bool mayFollow = settings.sharing.ever() && !(scattering.lobes() & LAMBERTIAN);
-    if (!looksForLight && !mayFollow) return;
-    const std::optional<Scatter> s =
-        scattering.scatterDiffuse(-walk.ray.direction, Transport::RADIANCE, sampler);
-    if (!s) return;
-    const float share = mayFollow ? settings.sharing.followed(s->pdf) : 0;
-    if (!looksForLight && share == 0) return;
-    Walk next = after(walk, from, *s);
-    next.gathers = false;
-    next.lightCounts = true;
-    next.gatherDistance = 0;
-    Hit hit;
-    // Without shadow rays the photon map has direct light too, and the ray its share of that.
-    if (!meetSurface(scene, next, {walk.place, s->pdf, settings.shadowRays}, settings.shadowRays ? 1 : share,
-                     hit, out) ||
-        share == 0)
+  void addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
+    if (scene.environment().empty()) return;
+    const Vec3f& direction = path.ray.direction;
+    if (path.nonDelta == 0 || !path.delta || settings.directLight) {
+      addLight(path,
+               environmentRadiance(scene, lights, direction, directWeights(path), settings.lightSamples),
+               out);
       return;
-    next.throughput *= share;
-    if (!survives(std::min(1.0f, maxComponent(next.throughput) * next.etaScale / settings.weightLimit),
-                  next.depth, sampler, next.throughput))
-      return;
-    Sampler branch = sampler.fork(DeltaScatters::MOST);
-    trace(scene, next, &hit, branch, out);
-  }
-
-  /**
-   * A ray of a final gather, with the part `share` of all there are at the point. It brings light of at least
-   * two diffuse surfaces (L(S|D)*DS*DS*E) and, together with shadow rays, direct light; what comes from a
-   * light by mirrors and glass is for the caustic photons.
-   */
-  void gatherRay(const Scene& scene, const ScatteringPoint& scattering, const Hit& from, const Walk& walk,
-                 float share, Sampler& sampler, PathRadiance& out) const {
-    const std::optional<Scatter> s =
-        scattering.scatterDiffuse(-walk.ray.direction, Transport::RADIANCE, sampler);
-    if (!s) return;
-    Walk next = after(walk, from, *s);
-    next.throughput *= share;
-    next.gathers = next.lightCounts = false;
-    Hit hit;
-    if (!meetSurface(scene, next, {walk.place, s->pdf, settings.shadowRays}, settings.shadowRays ? 1 : 0, hit,
-                     out))
-      return;
-    next.gatherDistance = glm::length(hit.point.position - from.point.position);
-    const float worth = maxComponent(next.throughput) * next.etaScale / (settings.weightLimit * share);
-    if (next.depth > LONG_WALK || worth < 1)
-      if (!survives(std::min(1.0f, worth), next.depth, sampler, next.throughput)) return;
-    trace(scene, next, &hit, sampler, out);
-  }
-
-  bool mayMeetLight(const Scene& scene, EyeState eye, const PathRadiance& out) const {
-    const PathClasses& classes = out.pathClasses();
-    return scene.contents().areaLights + scene.contents().environmentLights > 0 &&
-           classes.join(classes.lightStart(), eye) != 0;
-  }
-
-  /** Follows the ray of `next` to a surface that scatters; false where there is none. Adds the part `counts`
-   * of the light met on the way, with the weight that shadow rays leave to the ray. */
-  bool meetSurface(const Scene& scene, Walk& next, const BsdfRay& own, float counts, Hit& hit,
-                   PathRadiance& out) const {
-    const PathClasses& classes = out.pathClasses();
-    const Rgb direct = next.throughput * counts;
-    next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
-    for (;;) {
-      if (!intersect(scene, next.ray, hit, out.counts)) {
-        if (!scene.environment().empty() && counts > 0)
-          out.add(classes.lightStart(), next.eye,
-                  direct *
-                      environmentRadiance(scene, lights, next.ray.direction, own, settings.lightSamples));
-        return false;
-      }
-      if (hit.areaLight && counts > 0)
-        out.add(classes.lightStart(), next.eye,
-                direct * emittedRadiance(scene, lights, hit, next.ray.direction, own, settings.lightSamples));
-      if (hit.material && hit.material->lobes() != NO_LOBE) return true;
-      static_cast<Ray&>(next.ray) = spawn(hit.point, next.ray.direction); // a lamp without a body
+    }
+    for (size_t i = 0; i < scene.environment().size(); ++i) {
+      const EnvironmentLight& light = *scene.environment()[i];
+      const float weight = path.merge.cameraWeight(light.pdfLe({path.ray.origin, -direction, Vec3f(0), 0}),
+                                                   scene.lights().probability(scene.environmentIndices()[i]));
+      addLight(path, light.radiance(direction) * weight, out);
     }
   }
 
-  /** How photons are searched at a point. */
-  struct Search {
-    GatherSettings settings;
-    SearchPlace place;
-  };
-  /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
-   * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
-  Search searchAt(const SearchField& known, const SurfacePoint& point, const Vec3f& wi) const {
-    Search here{choice.settings, {}};
-    if (!progressive && !settings.edges) return here;
-    here.place = known.at(point.position, point.normalTowards(wi));
-    if (progressive) here.settings = shrunk(here.place.radius);
-    return here;
+  /** What light that is met shares with shadow rays: nothing from the camera on or after mirrors and glass.
+   */
+  BsdfRay directWeights(const PathState& path) const {
+    return path.nonDelta == 0 || path.delta || settings.directLight ? BsdfRay() : path.bsdfRay;
   }
-  GatherSettings shrunk(float radius) const {
-    GatherSettings now = choice.settings;
-    now.nearest = 0;
-    if (choice.settings.nearest > 0) now.radius = radius;
-    now.radius *= scale;
-    return now;
+
+  void addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
+    const float share = settings.directLight ? path.lightShare : 1;
+    if (share > 0 && !isBlack(radiance))
+      out.add(out.pathClasses().lightStart(), path.camera, path.throughput * radiance * share);
   }
-  /** Adds what the photon map has at a place near by, of which many rays ask; false where there is none, or
-   * where the photons' directions make a difference. `walk` has read the D at the point. */
-  bool addShared(const Scene& scene, const SearchPlace& near, const ScatteringPoint& scattering,
-                 const SurfacePoint& point, const Walk& walk, PathRadiance& out) const {
-    constexpr float NEAR = 0.5f; // of the radius
-    if (shared.size() == 0 || walk.gathers || !near.known || near.away > NEAR * scale * near.radius)
-      return false;
-    if (!(scattering.lobes() & LAMBERTIAN) || (scattering.lobes() & TRANSMISSION)) return false;
-    if (point.shadingNormal != point.geometricNormal) return false;
-    const Rgb e = shared.at(near.index, out.counts, [&](TransportCounts& counts) {
-      const SearchField::Place& place = field.place(near.index);
-      Surroundings surroundings{scene, atPlaces.fork(static_cast<uint32_t>(near.index)), &place.around};
-      return irradiance(map, progressive ? shrunk(place.radius) : choice.settings, place.position,
-                        place.normal, place.error, settings.edges ? &surroundings : nullptr, counts);
-    });
-    const Vec3f wi = -walk.ray.direction;
-    if (!isBlack(e))
-      out.add(LightState(0), walk.eye, walk.throughput * e * scattering.value(wi, point.normalTowards(wi)));
+
+  // ---------------------------------------------------------------------------------------- mirrors, glass
+
+  /** Goes on by the delta lobes: every branch of a path from the camera while it is worth it, one by roulette
+   * after. False where the path ends. */
+  bool followDelta(const Scene& scene, PathState& path, const Hit& hit, const ScatteringPoint& scattering,
+                   Sampler& sampler, PathRadiance& out) const {
+    path.camera = out.pathClasses().step(path.camera, PathEvent::S);
+    if (!scattering.hasDelta() || out.pathClasses().dead(path.camera)) return false;
+    path.merge.arrive(path.ray.direction, hit.point);
+    std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+    const int count = scattering.deltaScatters(-path.ray.direction, Transport::RADIANCE, all);
+    float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
+    for (int i = 0; i < count; ++i) {
+      const Scatter& s = all[size_t(i)];
+      worth[i] = maxComponent(path.throughput * s.weight) * square(s.eta) * path.etaScale;
+      total += worth[i];
+      if (worth[i] > 0) least = std::min(least, worth[i]);
+    }
+    if (!(total > 0)) return false;
+    int next = 0;
+    if (path.nonDelta == 0 && least >= settings.weightLimit && path.depth <= LONG_WALK) {
+      for (int i = 1; i < count; ++i) {
+        Sampler branch = sampler.fork(static_cast<uint32_t>(i));
+        trace(scene, path.after(hit, all[size_t(i)]), branch, out);
+      }
+    } else {
+      float u = count > 1 ? sampler.next1D() * total : 0;
+      while (next + 1 < count && u >= worth[next]) u -= worth[next++];
+      if (!(worth[next] > 0)) return false;
+      path.throughput *= total / worth[next];
+      // A long walk by its full weight: it may be thousands of events from falling below the limit.
+      const float chance = path.depth > LONG_WALK ? total : total / settings.weightLimit;
+      if (!russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return false;
+    }
+    path = path.after(hit, all[size_t(next)]);
     return true;
   }
-  /** Adds what a photon map has at a point; `walk` has read the D there. */
-  void estimate(const Scene& scene, const PhotonMap& photons, const Search& here,
-                const ScatteringPoint& scattering, const SurfacePoint& point, const Walk& walk,
-                const Sampler& sampler, PathRadiance& out) const {
-    Surroundings surroundings{scene, sampler.fork(DeltaScatters::MOST + 1), here.place.known,
-                              here.place.away};
-    gather(photons, here.settings, scattering, point, -walk.ray.direction, walk.ray.width * scale,
-           walk.throughput, walk.eye, out, settings.edges ? &surroundings : nullptr);
+
+  // -------------------------------------------------------------------------------------- non-delta lobes
+
+  /** Light that non-delta lobes send along the path: direct, by photons, and by a ray that goes on. */
+  void addNonDelta(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
+                   Sampler& sampler, PathRadiance& out) const {
+    path.camera = out.pathClasses().step(path.camera, PathEvent::D);
+    path.throughput *= std::exchange(path.share, 1);
+    if (out.pathClasses().dead(path.camera) || !goesOn(path, sampler)) return;
+    const Vec3f wi = -path.ray.direction;
+    LightSampleContext context;
+    if (!settings.directLight) {
+      context = lightSampleContext(lights, hit.point, wi);
+      addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi, path.throughput, path.camera,
+                      settings.lightSamples, NON_DELTA_LOBES, NO_PANES, sampler, out);
+    }
+    const PhotonLayer& caustics = photons.caustics();
+    const float merging =
+        addPhotons(scene, caustics, causticIrradiances, photons.query(caustics, hit.point, wi), scattering,
+                   hit.point, path, sampler, out);
+    PhotonQuery indirect = photons.query(photons.indirect(), hit.point, wi);
+    indirect.settings.share = gatherShare(path, indirect);
+    if (indirect.settings.share > 0)
+      addPhotons(scene, photons.indirect(), irradiances, indirect, scattering, hit.point, path, sampler, out);
+
+    const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
+    ++path.nonDelta;
+    path.throughput /= static_cast<float>(rays);
+    for (int i = 0; i < rays && !out.abandoned(); ++i) {
+      Sampler branch = sampler.fork(DeltaScatters::MAX_COUNT + 2 + static_cast<uint32_t>(i));
+      const std::optional<Scatter> s = scattering.scatterNonDelta(wi, Transport::RADIANCE, branch);
+      if (!s) continue;
+      PathState next = path.after(hit, *s);
+      next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
+      next.distance = 0;
+      next.delta = false;
+      // Photons around a Lambertian surface are all added up.
+      next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
+      next.share = 1 - indirect.settings.share * (1 - next.lightShare);
+      next.bsdfRay = {context, s->pdf, true};
+      next.merge = MergeRatio(merging, s->pdf, s->direction, hit.point);
+      if (next.share > 0 || mayMeetLight(scene)) trace(scene, next, branch, out);
+    }
   }
 
-  /** Where photons should start, so that they come down where the eye looks. */
-  PhotonGuidance learn(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                       const ShootSettings& shoot, const ForwardControl& control,
-                       ForwardStatistics& statistics) const {
-    constexpr int PROBES = 96;
-    const float spacing = std::sqrt(float(scene.film().crop.area())) / PROBES;
-    VisibleRegion region;
-    for (const SeenPlace& place : probeEye(scene, PROBES, 1, settings.sharing, statistics.counts))
-      if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
-    PhotonGuidance learned = learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts);
-    if (learned.emission.active())
-      statistics.notes.push_back(
-          formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",
-                    learned.emission.gain()));
-    if (!learned.targets.empty())
-      statistics.notes.push_back(
-          formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
-                    learned.targets.size()));
-    return learned;
+  /** Roulette at a non-delta surface, with the part of the light that is left to the path. */
+  bool goesOn(PathState& path, Sampler& sampler) const {
+    constexpr int FREE = 2; // surfaces before which most of the light is found
+    const float worth = maxComponent(path.throughput) * path.etaScale;
+    const float chance = path.nonDelta >= FREE ? worth : worth / settings.weightLimit;
+    return russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput);
+  }
+
+  bool mayMeetLight(const Scene& scene) const {
+    return !settings.directLight && scene.contents().areaLights + scene.contents().environmentLights > 0;
+  }
+
+  /** The part of the indirect light at the end of the path that is read from the map. */
+  float gatherShare(const PathState& path, const PhotonQuery& query) const {
+    if (mayGoOn() && photons.useless()) return 0;
+    if (path.nonDelta == 0) return settings.finalGather > 0 ? 0 : mayGoOn() ? shares.at(query.place) : 1;
+    // A map that is blurred over more than the distance is not to be seen by a surface close by.
+    const float blur =
+        photons.isProgressive() ? query.settings.radius : photons.indirect().choice.typicalRadius;
+    return path.distance < blur ? 0 : 1;
+  }
+
+  // ---------------------------------------------------------------------------------------------- photons
+
+  /** Adds what photons of a layer bring at a point. Returns their weight against rays that find the same
+   * light. */
+  float addPhotons(const Scene& scene, const PhotonLayer& layer, const IrradianceCache& cache,
+                   const PhotonQuery& query, const ScatteringPoint& scattering, const SurfacePoint& point,
+                   const PathState& path, const Sampler& sampler, PathRadiance& out) const {
+    const Vec3f wi = -path.ray.direction;
+    if (isShared(cache, query, scattering, point, path)) {
+      const GatherSettings search = atRecord(layer, query);
+      const Rgb e = cache.at(query.place.index, out.counts, [&](TransportCounts& counts) {
+        const RadiusCache::Place& place = layer.cache.place(query.place.index);
+        BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.place.index)),
+                                    &place.around};
+        return irradiance(layer.map, search, place.position, place.normal, place.error,
+                          settings.edges ? &boundary : nullptr, counts);
+      });
+      if (!isBlack(e))
+        out.add(LightState(0), path.camera,
+                path.throughput * e * scattering.value(wi, point.normalTowards(wi)));
+      return search.merging * PI * square(search.radius);
+    }
+    BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
+                                query.place.away};
+    return gather(layer.map, query.settings, scattering, point, wi, path.ray.width * photons.scale(),
+                  path.throughput, path.camera, out, settings.edges ? &boundary : nullptr)
+        .merging;
+  }
+
+  /** Whether many rays ask for the irradiance at the record near by, and the photons' directions make no
+   * difference. */
+  bool isShared(const IrradianceCache& cache, const PhotonQuery& query, const ScatteringPoint& scattering,
+                const SurfacePoint& point, const PathState& path) const {
+    constexpr float NEAR = 0.5f; // of the radius
+    const CachedRadius& near = query.place;
+    return cache.size() > 0 && path.nonDelta > 0 && near.known &&
+           near.away <= NEAR * photons.scale() * near.radius && (scattering.lobes() & LAMBERTIAN) &&
+           !(scattering.lobes() & TRANSMISSION) && point.shadingNormal == point.geometricNormal;
+  }
+
+  /** How photons are searched at the record itself. */
+  GatherSettings atRecord(const PhotonLayer& layer, const PhotonQuery& query) const {
+    GatherSettings search = photons.searchWithin(layer, layer.cache.place(query.place.index).radius);
+    search.weighedAgainstRays = query.settings.weighedAgainstRays;
+    search.merging = query.settings.merging;
+    return search;
+  }
+
+  /** Paths from records, as those that go on from there. */
+  GatherShare::SampleIrradiance irradianceSampler(const Scene& scene, const PathClasses& classes) const {
+    return [&](const RadiusCache::Place& place, Sampler& sampler, TransportCounts& counts) {
+      SurfacePoint point;
+      point.position = place.position;
+      point.error = Vec3f(place.error);
+      point.geometricNormal = place.normal;
+      PathState path;
+      path.camera = classes.step(classes.cameraStart(), PathEvent::D);
+      path.nonDelta = 1;
+      path.throughput = Rgb(PI);
+      static_cast<Ray&>(path.ray) =
+          spawn(point, Frame(place.normal).toWorld(cosineHemisphere(sampler.next2D())));
+      PathRadiance sum(classes, counts);
+      Hit hit;
+      if (intersectPosition(scene, path.ray, hit, counts) && !hit.areaLight) trace(scene, path, sampler, sum);
+      return sum.total().r + sum.total().g + sum.total().b;
+    };
   }
 
   PhotonMappingSettings settings;
-  PhotonMap map, caustics;         ///< caustics: only with final gathering
-  SearchChoice choice;             ///< from the first pass
-  SearchField field, causticField; ///< from the first pass, for all
-  PhotonGuidance guidance;         ///< learned before the first pass, for all
-  LightGuide lights;
-  PlaceIrradiance shared; ///< at the places of `field`, of this pass; empty unless final gathers use it
-  bool progressive = false;
-  Sampler atPlaces{0, 0, 0};
-  float scale = 1; ///< radius of this pass over that of the first
+  PhotonPass photons;
+  LightSampler lights;
+  TransportCounts learned; ///< what that took, until it has been told
+  GatherShare shares;      ///< at the records of the indirect layer's cache, from the first pass
+  /** At the records of the layers, of this pass; empty where no rays go on. */
+  IrradianceCache irradiances, causticIrradiances;
+  Sampler recordSampler{0, 0, 0};
 };
+
+std::vector<EstimatorDomain> PhotonMapping::domains() const {
+  const std::string each = "one for each non-delta surface a path meets";
+  std::vector<EstimatorDomain> all = {
+      {"emission", "LS*E", "none: met by rays through mirrors and glass", "", true}};
+  const std::string caustics = settings.directLight ? "LS*DS*E" : "LS+DS*E", indirect = "L(S|D)*DS*DS*E";
+  if (!settings.directLight) {
+    all.push_back({"shadow rays", "LDS*E",
+                   std::to_string(settings.lightSamples) + " for each non-delta surface a path meets",
+                   "direct light"});
+    all.push_back({"BSDF rays", "LDS*E", each, "direct light", true});
+  }
+  const bool rays = !settings.directLight || settings.weighting.ever();
+  all.push_back({"caustic photons", caustics, "one estimate for each non-delta surface a path meets",
+                 rays ? "caustics" : ""});
+  if (rays)
+    all.push_back({"BSDF rays by mirrors and glass", caustics, "none: the BSDF rays", "caustics", true});
+  const bool reads = settings.finalGather <= 0;
+  const bool goOn = !reads || settings.weighting.ever() || (settings.finalGather < 0 && settings.passes != 1);
+  const char* group = reads && goOn ? "indirect light" : "";
+  if (reads) all.push_back({"photon map", indirect, "one estimate for the first non-delta surface", group});
+  if (goOn)
+    all.push_back(
+        {"paths that go on", indirect,
+         (reads ? "one" : std::to_string(settings.finalGather)) +
+             std::string(" from the first non-delta surface; what arrives is estimated by all of these"),
+         group});
+  return all;
+}
+
+/** Rays that look for the rim of a surface start so far from it, and must fit single precision with scenes of
+ * any size. */
+constexpr double MAX_RADIUS = 1e17;
 
 PhotonMappingSettings common(const Parameters& p) {
   PhotonMappingSettings s;
   s.radius = p.hasValue("radius") ? p.real("radius") : 0;
   s.maxDepth = p.integer("maxdepth");
-  s.shadowRays = p.string("direct") == "shadowrays";
+  s.directLight = p.string("direct") == "photons";
   s.lightSamples = p.integer("lightsamples");
   s.weightLimit = static_cast<float>(p.real("weightlimit"));
   s.flatness = static_cast<float>(p.real("flatness"));
@@ -464,7 +404,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.edges = p.boolean("edges");
   s.finalGather = p.integer("finalgather");
   s.shareIrradiance = p.boolean("shareirradiance");
-  s.sharing = LobeSharing::belowRoughness(p.real("followroughness"));
+  s.weighting = GatherWeighting::belowRoughness(p.real("followroughness"));
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
   s.alpha = p.real("alpha");
@@ -489,6 +429,7 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
            .range(0.01, 1),
        realParameter("radius", "",
                      "radius of the search [scene units]; by default found out from the photons")
+           .range(0, MAX_RADIUS)
            .positive(),
        integerParameter("maxdepth", "-1",
                         "most scattering events of an eye path, and of a photon; -1: no limit")
@@ -517,11 +458,11 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
                      "mirrors are, though they are D in path classes; broader ones read the photon map; near "
                      "it both share, with weights that add up to one; 0: all read the map")
            .range(0, 10),
-       integerParameter("finalgather", "0",
-                        "rays that the first diffuse surface of an eye path sends to others, which read the "
-                        "photon map in its place; there it is only read for caustics. Slower, and free of "
-                        "blotches with few photons; 0: none")
-           .range(0, 1e5),
+       integerParameter("finalgather", "-1",
+                        "rays that the first non-delta surface of a path sends to others, which read the "
+                        "photon map in its place; there it is only read for caustics. 0: none; -1: a "
+                        "progressive render sends one where that errs less than the map")
+           .range(-1, 1e5),
        booleanParameter("shareirradiance", "true",
                         "the rays of a final gather read irradiance that is found out once for many of them; "
                         "false: each adds up photons where it ends. Where path classes are asked for, or "
@@ -542,21 +483,27 @@ void registerPhotonMapping(PlugIns& plugIns) {
         .summary = "Recurse's estimate: emitted light, the photon map at diffuse surfaces, mirror and "
                    "refracted light recursively.",
         .parameters = parameters(
-            {integerParameter(
-                 "photons", "",
-                 "photons emitted in each pass; by default 1000000 for one pass, one for each pixel for many")
+            {integerParameter("photons", "",
+                              "photons emitted in each pass, if `passes` is given too; by default 1000000 "
+                              "for one pass, and for "
+                              "many one for each pixel, from 65536 to 262144. Alone it is the size of one "
+                              "classic map, which a "
+                              "progressive render does not go by")
                  .range(1, 2e9),
              integerParameter(
                  "passes", "",
                  "photon maps, each with new photons, smaller radius and its share of the samples; 0: "
-                 "one for each sample (default: 1, or with a time limit alone 0)")
+                 "one for each sample, the default; 1: the classic method with one map")
                  .range(0, 1e9)}),
-        .examples = {"", "\"integer photons\" 20000 \"string direct\" \"photons\" \"float radius\" .1",
-                     "\"integer photons\" 20000 \"integer finalgather\" 4"}},
+        .examples = {"",
+                     "\"integer passes\" 1 \"integer photons\" 20000 \"string direct\" \"photons\" \"float "
+                     "radius\" .1",
+                     "\"integer passes\" 1 \"integer photons\" 20000 \"integer finalgather\" 4"}},
        [](const Parameters& p, const NoContext&) {
          PhotonMappingSettings s = common(p);
-         if (p.hasValue("photons")) s.photons = static_cast<uint64_t>(p.integer("photons"));
-         s.passes = p.hasValue("passes") ? p.integer("passes") : -1;
+         s.passes = p.hasValue("passes") ? p.integer("passes") : 0;
+         if (p.hasValue("photons") && p.hasValue("passes"))
+           s.photons = static_cast<uint64_t>(p.integer("photons"));
          return std::make_unique<PhotonMapping>(s);
        }});
   plugIns.integrators.add(
@@ -565,7 +512,7 @@ void registerPhotonMapping(PlugIns& plugIns) {
             "photonmap by the parameters that pbrt files give to sppm: progressive, a pass for each sample.",
         .parameters = parameters(
             {integerParameter("photonsperiteration", "-1",
-                              "photons emitted in each pass; -1: one for each pixel, at least 65536")
+                              "photons emitted in each pass; -1: one for each pixel, from 65536 to 262144")
                  .range(-1, 2e9),
              integerParameter("photons", "", "the same by photonmap's name").range(1, 2e9),
              ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed counts"),

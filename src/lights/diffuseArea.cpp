@@ -1,23 +1,60 @@
 /** @file
- * A surface that emits the same radiance in all directions, from one side or both.
+ * A surface that emits the same radiance in all directions, from one side or both: of one colour, or a
+ * picture.
  */
 #include "recurse/core/sampling.h"
+#include "recurse/model/lightProbe.h"
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
 
 namespace {
 
+/** A picture over (u, v), with v going up. */
+class Slide {
+ public:
+  explicit Slide(Image picture) : image(std::move(picture)) {}
+
+  /** Between pixels; beyond the edges that of the edge. */
+  Rgb at(const Vec2f& uv) const {
+    const float x = clamped(uv.x) * static_cast<float>(image.width) - 0.5f,
+                y = clamped(1 - uv.y) * static_cast<float>(image.height) - 0.5f;
+    const float left = std::floor(x), top = std::floor(y), s = x - left, t = y - top;
+    const auto pixel = [&](int dx, int dy) {
+      return image.rgb(std::clamp(static_cast<int>(left) + dx, 0, image.width - 1),
+                       std::clamp(static_cast<int>(top) + dy, 0, image.height - 1));
+    };
+    return (pixel(0, 0) * (1 - s) + pixel(1, 0) * s) * (1 - t) +
+           (pixel(0, 1) * (1 - s) + pixel(1, 1) * s) * t;
+  }
+  Rgbd mean() const {
+    Rgbd sum(0);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) sum += Rgbd(image.rgb(x, y));
+    return sum / (double(image.width) * image.height);
+  }
+
+ private:
+  static float clamped(float x) { return x > 0 ? std::min(x, 1.0f) : 0; }
+  Image image;
+};
+
 class DiffuseArea final : public AreaLight {
  public:
-  DiffuseArea(const Shape& shape, const Rgb& radiance, bool twoSided)
-      : AreaLight(shape), constant(radiance), twoSided(twoSided) {}
-
-  Rgb power() const override { return constant * (PI * shape().area() * (twoSided ? 2.0f : 1.0f)); }
-  Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const override {
-    return twoSided || glm::dot(point.geometricNormal, direction) > 0 ? constant : BLACK;
+  /** With a picture the radiance is a factor on it. */
+  DiffuseArea(const Shape& shape, const Rgb& radiance, bool twoSided, std::optional<Slide> picture)
+      : AreaLight(shape), constant(radiance), twoSided(twoSided), picture(std::move(picture)) {
+    if (this->picture) mean = meanOverShape();
   }
-  std::optional<Emission> emit(const EmissionSample& sample) const override {
+
+  Rgb power() const override {
+    const Rgb flux = constant * (PI * shape().area() * (twoSided ? 2.0f : 1.0f));
+    return picture ? flux * mean : flux;
+  }
+  Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const override {
+    return twoSided || glm::dot(point.geometricNormal, direction) > 0 ? emitted(point) : BLACK;
+  }
+  std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
     const ShapeSample s = shape().sampleArea(sample.pick, sample.place);
     if (!(s.pdf > 0)) return {};
     Vec3f normal = s.point.geometricNormal;
@@ -28,33 +65,90 @@ class DiffuseArea final : public AreaLight {
       u.x = 2 * u.x - (u.x < 0.5f ? 0.0f : 1.0f);
       sides = 2;
     }
-    const Vec3f direction = Frame(normal).toWorld(cosineHemisphere(u));
-    return Emission{s.point.rayOrigin(direction), direction,
-                    constant * (opacity(s.point) * PI * sides / s.pdf)};
+    const Vec3f local = cosineHemisphere(u), direction = Frame(normal).toWorld(local);
+    const Rgb l = emitted(s.point);
+    return LeSample{{s.point.rayOrigin(direction), direction, normal, s.primitive},
+                    l * opacity(s.point),
+                    s.pdf,
+                    local.z * INV_PI / sides,
+                    l * (opacity(s.point) * PI * sides / s.pdf)};
   }
-  std::optional<Illumination> illuminate(const Vec3f& point, float pick, const Vec2f& u) const override {
-    std::optional<Illumination> light;
+  LePdf pdfLe(const LeRay& ray) const override {
+    SurfacePoint point;
+    point.position = ray.origin;
+    point.geometricNormal = ray.normal;
+    const float cosine = glm::dot(ray.normal, ray.direction);
+    return {shape().pdfArea(ray.primitive, point),
+            twoSided ? std::abs(cosine) * INV_PI / 2 : std::max(cosine, 0.0f) * INV_PI};
+  }
+  std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const override {
+    std::optional<LiSample> light;
     const std::optional<ShapeSample> s = shape().sampleDirection(point, pick, u);
     if (!s) return light;
     const Vec3f towards = s->point.position - point;
     const float distance = glm::length(towards);
     if (!(distance > 0)) return light;
     const Vec3f direction = towards / distance;
-    if (isBlack(DiffuseArea::radiance(s->point, -direction))) return light;
+    const Rgb l = DiffuseArea::radiance(s->point, -direction);
+    if (isBlack(l)) return light;
     light.emplace();
     light->direction = direction;
     light->target = s->point.rayOrigin(-direction);
     light->distance = distance;
-    light->radiance = constant * opacity(s->point);
+    light->radiance = l * opacity(s->point);
     light->pdf = s->pdf;
     light->delta = isUnseen();
+    light->normal = s->point.geometricNormal;
+    light->primitive = s->primitive;
     return light;
   }
 
  private:
+  Rgb emitted(const SurfacePoint& point) const {
+    return picture ? constant * picture->at(point.uv) : constant;
+  }
+
+  /** Of the picture, as far as it is seen on the shape. */
+  Rgb meanOverShape() const {
+    constexpr uint32_t POINTS = 16384;
+    Rgbd sum(0);
+    double weights = 0;
+    for (uint32_t i = 0; i < POINTS; ++i) {
+      Sampler sampler(0, 0, i);
+      const float pick = sampler.next1D();
+      const ShapeSample s = shape().sampleArea(pick, sampler.next2D());
+      if (!(s.pdf > 0)) continue;
+      sum += Rgbd(picture->at(s.point.uv)) / double(s.pdf);
+      weights += 1 / double(s.pdf);
+    }
+    return weights > 0 ? Rgb(sum / weights) : BLACK;
+  }
+
   Rgb constant;
   bool twoSided;
+  std::optional<Slide> picture;
+  Rgb mean{1};
 };
+
+std::unique_ptr<AreaLight> makeDiffuseArea(const Parameters& p, const AreaLightContext& c) {
+  const bool twoSided = p.boolean("twosided");
+  double scale = p.real("scale");
+  std::optional<Slide> picture;
+  Rgbd colour(1);
+  double mean = 1;
+  if (p.has("filename")) {
+    if (p.has("L"))
+      p.fail("L", "the light has a picture, and \"L\" as well", "\"filename\" or \"L\"; \"scale\" for both");
+    picture.emplace(readLightPicture(p));
+    mean = double(luminance(Rgb(picture->mean())));
+    if (p.hasValue("power") && !(mean > 0)) p.fail("power", "a black picture cannot be scaled", "\"scale\"");
+  } else {
+    colour = p.spectrum("L");
+  }
+  if (p.hasValue("power"))
+    scale *= p.real("power") / (double(PI) * double(c.shape.area()) * (twoSided ? 2 : 1) * mean);
+  return std::make_unique<DiffuseArea>(c.shape, Rgb(colour * scale), twoSided, std::move(picture));
+}
 
 } // namespace
 
@@ -64,19 +158,18 @@ void registerDiffuseArea(PlugIns& plugIns) {
         .summary =
             "A surface that emits the same radiance in all directions; it also reflects with its material.",
         .parameters = {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "emitted radiance [W/(m² sr)]"),
-                       realParameter("scale", "1", "factor on L").range(0, 1e30),
-                       realParameter("power", "", "total power [W] that L is scaled to").positive(),
+                       realParameter("scale", "1", "factor on L or on the picture").range(0, 1e30),
+                       realParameter("power", "",
+                                     "total power [W] that L is scaled to; of a picture, that its "
+                                     "mean is scaled to")
+                           .positive(),
                        booleanParameter("twosided", "false", "emits from the back as well"),
-                       stringParameter("filename", "", "a picture that the surface shows; not rendered yet")},
-        .examples = {"\"rgb L\" [4 3 2]", "\"float power\" 10 \"bool twosided\" true"}},
-       [](const Parameters& p, const AreaLightContext& c) {
-         if (p.has("filename"))
-           p.fail("filename", "emitting pictures are not rendered yet", "a constant \"L\"");
-         double scale = p.real("scale");
-         if (p.hasValue("power"))
-           scale *= p.real("power") / (double(PI) * double(c.shape.area()) * (p.boolean("twosided") ? 2 : 1));
-         return std::make_unique<DiffuseArea>(c.shape, Rgb(p.spectrum("L") * scale), p.boolean("twosided"));
-       }});
+                       stringParameter(
+                           "filename", "",
+                           "a picture of the emitted radiance, its lower left corner at (u, v) = (0, 0)")},
+        .examples = {"\"rgb L\" [4 3 2]", "\"float power\" 10 \"bool twosided\" true",
+                     "\"string filename\" \"scenes/textures/evening.hdr\" \"bool twosided\" true"}},
+       makeDiffuseArea});
 }
 
 } // namespace recurse

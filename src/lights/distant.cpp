@@ -11,17 +11,21 @@ namespace {
 class Distant final : public Light {
  public:
   Distant(const Vec3f& towardsLight, const Rgb& irradiance) : frame(towardsLight), irradiance(irradiance) {}
+  LightKind kind() const override { return LightKind::DISTANT; }
   void prepare(const SceneBounds& b) override { bounds = b; }
   Rgb power() const override { return irradiance * (PI * square(bounds.radius)); }
-  std::optional<Emission> emit(const EmissionSample& sample) const override {
+  std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
     const Vec2f d = uniformDisk(sample.place) * bounds.radius;
-    return Emission{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z,
+    return LeSample{{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z},
+                    irradiance,
+                    bounds.pdfDisc(),
+                    1,
                     power()};
   }
-  std::optional<Illumination> illuminate(const Vec3f&, float, const Vec2f&) const override {
-    return Illumination{frame.z, Vec3f(0), INFINITE, irradiance, 1, true};
+  LePdf pdfLe(const LeRay&) const override { return {bounds.pdfDisc(), 0, false, true}; }
+  std::optional<LiSample> sampleLi(const Vec3f& point, float, const Vec2f&) const override {
+    return LiSample{frame.z, point, INFINITE, irradiance, 1, true};
   }
-  bool isDelta() const override { return true; }
 
  private:
   Frame frame;

@@ -11,20 +11,22 @@ namespace {
 class Point final : public Light {
  public:
   Point(const Vec3f& position, const Rgb& intensity) : position(position), intensity(intensity) {}
+  LightKind kind() const override { return LightKind::POINT; }
   Rgb power() const override { return intensity * (4 * PI); }
-  std::optional<Emission> emit(const EmissionSample& sample) const override {
-    return Emission{position, uniformSphere(sample.direction), power()};
+  std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
+    return LeSample{{position, uniformSphere(sample.direction)}, intensity, 1, UNIFORM, power()};
   }
-  std::optional<Illumination> illuminate(const Vec3f& point, float, const Vec2f&) const override {
+  LePdf pdfLe(const LeRay&) const override { return {0, UNIFORM, true}; }
+  std::optional<LiSample> sampleLi(const Vec3f& point, float, const Vec2f&) const override {
     const Vec3f towards = position - point;
     const float distance2 = lengthSquared(towards);
     if (distance2 == 0) return {};
     const float distance = std::sqrt(distance2);
-    return Illumination{towards / distance, position, distance, intensity / distance2, 1, true};
+    return LiSample{towards / distance, position, distance, intensity / distance2, 1, true};
   }
-  bool isDelta() const override { return true; }
 
  private:
+  static constexpr float UNIFORM = 1 / (4 * PI);
   Vec3f position;
   Rgb intensity;
 };

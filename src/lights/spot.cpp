@@ -11,15 +11,17 @@ namespace {
 class Spot final : public Light {
  public:
   Spot(const Vec3f& position, const Vec3f& axis, const Rgb& intensity, double cosEdge, double cosFull)
-      : position(position), frame(axis), intensity(intensity), cosEdge(cosEdge), cosFull(cosFull) {}
+      : position(position), frame(axis), intensity(intensity), cosEdge(cosEdge), cosFull(cosFull),
+        pdfInside(static_cast<float>(1 / solidAngle(cosEdge, cosFull))) {}
 
   /** ∫ falloff dω over 2π: the full cone, and half of the soft ring, since smoothstep has mean 1/2. */
   static double solidAngle(double cosEdge, double cosFull) {
     return 2 * double(PI) * ((1 - cosFull) + (cosFull - cosEdge) / 2);
   }
+  LightKind kind() const override { return LightKind::POINT; }
   Rgb power() const override { return intensity * static_cast<float>(solidAngle(cosEdge, cosFull)); }
 
-  std::optional<Emission> emit(const EmissionSample& sample) const override {
+  std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
     // Directions in proportion to the falloff, so that every photon has the same flux.
     const double full = 1 - cosFull, ring = (cosFull - cosEdge) / 2;
     const Vec2f& u = sample.direction;
@@ -29,26 +31,31 @@ class Spot final : public Light {
     const float phi = 2 * PI * u.y;
     const Vec3f local(static_cast<float>(s) * std::cos(phi), static_cast<float>(s) * std::sin(phi),
                       static_cast<float>(c));
-    return Emission{position, frame.toWorld(local), power()};
+    const float part = falloff(c);
+    return LeSample{{position, frame.toWorld(local)}, intensity * part, 1, part * pdfInside, power()};
   }
-  std::optional<Illumination> illuminate(const Vec3f& point, float, const Vec2f&) const override {
+  LePdf pdfLe(const LeRay& ray) const override {
+    return {0, falloff(double(glm::dot(ray.direction, frame.z))) * pdfInside, true};
+  }
+  std::optional<LiSample> sampleLi(const Vec3f& point, float, const Vec2f&) const override {
     const Vec3f towards = position - point;
     const float distance2 = lengthSquared(towards);
     if (distance2 == 0) return {};
     const float distance = std::sqrt(distance2);
     const Vec3f direction = towards / distance;
-    const double c = -glm::dot(direction, frame.z);
-    if (c <= cosEdge) return {};
-    float falloff = 1;
-    if (c < cosFull) {
-      const auto x = static_cast<float>((c - cosEdge) / (cosFull - cosEdge));
-      falloff = x * x * (3 - 2 * x);
-    }
-    return Illumination{direction, position, distance, intensity * (falloff / distance2), 1, true};
+    const float part = falloff(-glm::dot(direction, frame.z));
+    if (!(part > 0)) return {};
+    return LiSample{direction, position, distance, intensity * (part / distance2), 1, true};
   }
-  bool isDelta() const override { return true; }
 
  private:
+  /** Intensity over that of the full cone, at an angle of cosine c to the axis. */
+  float falloff(double c) const {
+    if (c <= cosEdge) return 0;
+    if (c >= cosFull) return 1;
+    const auto x = static_cast<float>((c - cosEdge) / (cosFull - cosEdge));
+    return x * x * (3 - 2 * x);
+  }
   /** x in [0,1] with ∫₀ˣ smoothstep = u/2, that is 2x³ − x⁴ = u, by bisection and Newton's steps. */
   static double inverseSmoothStep(double u) {
     double low = 0, high = 1, x = 0.5;
@@ -67,6 +74,7 @@ class Spot final : public Light {
   Frame frame;
   Rgb intensity;
   double cosEdge, cosFull;
+  float pdfInside; ///< of directions in the full cone [1/sr]
 };
 
 } // namespace

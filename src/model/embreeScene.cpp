@@ -9,6 +9,7 @@
 
 #include "recurse/core/inPlace.h"
 #include "recurse/core/sampler.h"
+#include "recurse/model/curveShape.h"
 #include "recurse/model/triangleMesh.h"
 
 namespace recurse {
@@ -28,21 +29,32 @@ void boundsCallback(const RTCBoundsFunctionArguments* a) {
   *a->bounds_o = {b.lower.x, b.lower.y, b.lower.z, 0, b.upper.x, b.upper.y, b.upper.z, 0};
 }
 
-void transformToScene(const GeometryGroup::Instance& instance, SurfacePoint& p);
+void transformToScene(const GeometryGroup::Instance& instance, float time, SurfacePoint& p);
+
+HitParameters parametersOf(const RTCHit& h) { return {{h.u, h.v}, {h.Ng_x, h.Ng_y, h.Ng_z}}; }
+
+void setParameters(RTCHitN* hits, unsigned count, unsigned i, const HitParameters& p) {
+  RTCHitN_u(hits, count, i) = p.uv.x;
+  RTCHitN_v(hits, count, i) = p.uv.y;
+  RTCHitN_Ng_x(hits, count, i) = p.normal.x;
+  RTCHitN_Ng_y(hits, count, i) = p.normal.y;
+  RTCHitN_Ng_z(hits, count, i) = p.normal.z;
+}
 
 /**
  * Whether a ray passes through a surface with alpha, by a number that is hashed from the ray and the place:
  * the same whoever asks, and independent for each surface along the ray.
  */
-bool passes(const SceneGeometry& g, unsigned primitive, const Vec2f& parameters, const Vec3f& origin,
-            const Vec3f& direction, unsigned instance) {
+bool passes(const SceneGeometry& g, unsigned primitive, const HitParameters& parameters, const Vec3f& origin,
+            const Vec3f& direction, float time, unsigned instance) {
   SurfacePoint point = g.shape->surfaceAt(primitive, parameters);
-  if (instance != RTC_INVALID_GEOMETRY_ID) transformToScene(g.top->instance(instance), point);
+  if (instance != RTC_INVALID_GEOMETRY_ID) transformToScene(g.top->instance(instance), time, point);
+  point.time = time;
   const float alpha = g.shape->alpha->at(point).r;
   if (alpha >= 1) return false;
   if (alpha <= 0) return true;
   uint64_t h = hashCombine(primitive, instance);
-  for (const Vec3f& v : {origin, direction, Vec3f(parameters, 0)})
+  for (const Vec3f& v : {origin, direction, parameters.point()})
     for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(v[i]));
   return unitFloat(static_cast<uint32_t>(h >> 32)) >= alpha;
 }
@@ -54,14 +66,35 @@ void filterCallback(const RTCFilterFunctionNArguments* a) {
     if (!a->valid[i]) continue;
     const RTCRay ray = rtcGetRayFromRayN(a->ray, a->N, i);
     const RTCHit hit = rtcGetHitFromHitN(a->hit, a->N, i);
-    if (passes(g, hit.primID, {hit.u, hit.v}, {ray.org_x, ray.org_y, ray.org_z},
-               {ray.dir_x, ray.dir_y, ray.dir_z}, hit.instID[0]))
+    if (passes(g, hit.primID, parametersOf(hit), {ray.org_x, ray.org_y, ray.org_z},
+               {ray.dir_x, ray.dir_y, ray.dir_z}, ray.time, hit.instID[0]))
       a->valid[i] = 0;
   }
 }
 
-std::optional<PrimitiveHit> meet(const SceneGeometry& g, unsigned primitive, const RTCRay& ray,
-                                 unsigned instance) {
+/** Embree halves flat curves into so many straight pieces. */
+constexpr float FLAT_CURVE_PIECES = 16;
+
+/** For curves: Embree's hit does not tell how the curve is turned to the ray, nor from which side it is met.
+ */
+void curveFilterCallback(const RTCFilterFunctionNArguments* a) {
+  const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
+  for (unsigned i = 0; i < a->N; ++i) {
+    if (!a->valid[i]) continue;
+    const RTCRay ray = rtcGetRayFromRayN(a->ray, a->N, i);
+    const RTCHit hit = rtcGetHitFromHitN(a->hit, a->N, i);
+    const Vec3f origin(ray.org_x, ray.org_y, ray.org_z), direction(ray.dir_x, ray.dir_y, ray.dir_z);
+    const std::optional<HitParameters> p =
+        g.curve->parametersOf(hit.primID, hit.u, origin, direction, ray.tfar);
+    if (!p || (g.curve->alpha && passes(g, hit.primID, *p, origin, direction, ray.time, hit.instID[0])))
+      a->valid[i] = 0;
+    else
+      setParameters(a->hit, a->N, i, *p);
+  }
+}
+
+std::optional<PrimitiveHit> intersectPosition(const SceneGeometry& g, unsigned primitive, const RTCRay& ray,
+                                              unsigned instance) {
   const Vec3f origin(ray.org_x, ray.org_y, ray.org_z);
   Vec3f direction(ray.dir_x, ray.dir_y, ray.dir_z);
   // Inside a scaled instance the direction is not of unit length; shapes want it so. A unit vector is left as
@@ -74,7 +107,7 @@ std::optional<PrimitiveHit> meet(const SceneGeometry& g, unsigned primitive, con
   std::optional<PrimitiveHit> hit =
       g.shape->intersect(primitive, origin, direction, ray.tnear * length, ray.tfar * length);
   if (g.shape->alpha)
-    while (hit && passes(g, primitive, hit->parameters, origin, direction, instance))
+    while (hit && passes(g, primitive, hit->parameters, origin, direction, ray.time, instance))
       hit = g.shape->intersect(primitive, origin, direction, hit->t, ray.tfar * length);
   if (hit) {
     hit->t /= length;
@@ -90,11 +123,10 @@ void intersectCallback(const RTCIntersectFunctionNArguments* a) {
   for (unsigned i = 0; i < a->N; ++i) {
     if (!a->valid[i]) continue;
     const std::optional<PrimitiveHit> hit =
-        meet(g, a->primID, rtcGetRayFromRayN(rays, a->N, i), a->context->instID[0]);
+        intersectPosition(g, a->primID, rtcGetRayFromRayN(rays, a->N, i), a->context->instID[0]);
     if (!hit) continue;
     RTCRayN_tfar(rays, a->N, i) = hit->t;
-    RTCHitN_u(hits, a->N, i) = hit->parameters.x;
-    RTCHitN_v(hits, a->N, i) = hit->parameters.y;
+    setParameters(hits, a->N, i, hit->parameters);
     RTCHitN_geomID(hits, a->N, i) = a->geomID;
     RTCHitN_primID(hits, a->N, i) = a->primID;
     RTCHitN_instID(hits, a->N, i, 0) = a->context->instID[0];
@@ -104,7 +136,8 @@ void intersectCallback(const RTCIntersectFunctionNArguments* a) {
 void occludedCallback(const RTCOccludedFunctionNArguments* a) {
   const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
   for (unsigned i = 0; i < a->N; ++i)
-    if (a->valid[i] && meet(g, a->primID, rtcGetRayFromRayN(a->ray, a->N, i), a->context->instID[0]))
+    if (a->valid[i] &&
+        intersectPosition(g, a->primID, rtcGetRayFromRayN(a->ray, a->N, i), a->context->instID[0]))
       RTCRayN_tfar(a->ray, a->N, i) = -INFINITE;
 }
 
@@ -116,7 +149,7 @@ void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
   r.dir_x = ray.direction.x;
   r.dir_y = ray.direction.y;
   r.dir_z = ray.direction.z;
-  r.time = 0;
+  r.time = ray.time;
   r.tfar = ray.tMax;
   r.mask = mask;
   r.id = 0;
@@ -132,7 +165,7 @@ template <class Packet> void setRay(Packet& r, size_t i, const Ray& ray, unsigne
   r.dir_x[i] = ray.direction.x;
   r.dir_y[i] = ray.direction.y;
   r.dir_z[i] = ray.direction.z;
-  r.time[i] = 0;
+  r.time[i] = ray.time;
   r.tfar[i] = ray.tMax;
   r.mask[i] = mask;
   r.id[i] = 0;
@@ -140,8 +173,9 @@ template <class Packet> void setRay(Packet& r, size_t i, const Ray& ray, unsigne
 }
 
 /** A point of an object definition, seen from the scene. */
-void transformToScene(const GeometryGroup::Instance& instance, SurfacePoint& p) {
-  const Mat4d& m = instance.sceneFromGroup;
+void transformToScene(const GeometryGroup::Instance& instance, float time, SurfacePoint& p) {
+  if (instance.sceneFromGroup.moves()) return placeByMotion(instance.sceneFromGroup.at(time), p);
+  const Mat4d& m = instance.sceneFromGroup.first();
   const Vec3d local = p.position;
   const Vec3d position = transformPoint(m, local);
   const Mat3d linear(m);
@@ -179,51 +213,87 @@ GeometryGroup::GeometryGroup(RTCDevice device) : device(device), tree(rtcNewScen
 
 GeometryGroup::~GeometryGroup() { rtcReleaseScene(tree); }
 
+RTCGeometry GeometryGroup::newTriangles(const TriangleMesh& mesh, SceneGeometry& stored) const {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  const auto& positions = mesh.positions();
+  const auto& indices = mesh.indices();
+  // Embree reads 16 bytes a vertex, so the last one must not end at the end of our array: let it own a copy.
+  void* vertices = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
+                                           positions.size());
+  std::copy(positions.begin(), positions.end(), static_cast<Vec3f*>(vertices));
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
+                             sizeof(glm::uvec3), indices.size());
+  if (mesh.alpha) {
+    rtcSetGeometryUserData(g, &stored);
+    rtcSetGeometryIntersectFilterFunction(g, filterCallback);
+    rtcSetGeometryOccludedFilterFunction(g, filterCallback);
+  }
+  return g;
+}
+
+RTCGeometry GeometryGroup::newCurve(const CurveShape& curve, SceneGeometry& stored) const {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE);
+  const auto copy = [&](RTCBufferType type, RTCFormat format, const auto& values) {
+    using Value = typename std::decay_t<decltype(values)>::value_type;
+    std::copy(values.begin(), values.end(),
+              static_cast<Value*>(rtcSetNewGeometryBuffer(g, type, 0, format, sizeof(Value), values.size())));
+  };
+  copy(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, curve.controls());
+  std::vector<uint32_t> first(curve.primitiveCount());
+  for (uint32_t i = 0; i < first.size(); ++i) first[i] = 4 * i;
+  copy(RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, first);
+  rtcSetGeometryTessellationRate(g, FLAT_CURVE_PIECES);
+  rtcSetGeometryUserData(g, &stored);
+  rtcSetGeometryIntersectFilterFunction(g, curveFilterCallback);
+  if (curve.alpha || curve.kind() == CurveShape::Kind::RIBBON)
+    rtcSetGeometryOccludedFilterFunction(g, curveFilterCallback);
+  return g;
+}
+
+RTCGeometry GeometryGroup::newUserGeometry(SceneGeometry& stored) const {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(g, stored.shape->primitiveCount());
+  rtcSetGeometryUserData(g, &stored);
+  rtcSetGeometryBoundsFunction(
+      g, [](const RTCBoundsFunctionArguments* a) { boundsCallback(a); }, nullptr);
+  rtcSetGeometryIntersectFunction(g, intersectCallback);
+  rtcSetGeometryOccludedFunction(g, occludedCallback);
+  return g;
+}
+
 void GeometryGroup::add(const SceneGeometry& added) {
   geometries.push_back(added);
   SceneGeometry& stored = geometries.back();
-  const TriangleMesh* mesh = stored.mesh = stored.shape->triangleMesh();
-  RTCGeometry g = rtcNewGeometry(device, mesh ? RTC_GEOMETRY_TYPE_TRIANGLE : RTC_GEOMETRY_TYPE_USER);
-  if (mesh) {
-    const auto& positions = mesh->positions();
-    const auto& indices = mesh->indices();
-    // Embree reads 16 bytes a vertex, so the last one must not end at the end of our array: let it own a
-    // copy.
-    void* vertices = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
-                                             positions.size());
-    std::copy(positions.begin(), positions.end(), static_cast<Vec3f*>(vertices));
-    rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
-                               sizeof(glm::uvec3), indices.size());
-    if (mesh->alpha) {
-      rtcSetGeometryUserData(g, &stored);
-      rtcSetGeometryIntersectFilterFunction(g, filterCallback);
-      rtcSetGeometryOccludedFilterFunction(g, filterCallback);
-    }
-  } else {
-    rtcSetGeometryUserPrimitiveCount(g, stored.shape->primitiveCount());
-    rtcSetGeometryUserData(g, &stored);
-    rtcSetGeometryBoundsFunction(
-        g, [](const RTCBoundsFunctionArguments* a) { boundsCallback(a); }, nullptr);
-    rtcSetGeometryIntersectFunction(g, intersectCallback);
-    rtcSetGeometryOccludedFunction(g, occludedCallback);
-  }
-  const bool scatters = stored.material && stored.material->lobes() != NO_LOBE;
+  stored.mesh = stored.shape->triangleMesh();
+  stored.curve = dynamic_cast<const CurveShape*>(stored.shape);
+  RTCGeometry g = stored.mesh    ? newTriangles(*stored.mesh, stored)
+                  : stored.curve ? newCurve(*stored.curve, stored)
+                                 : newUserGeometry(stored);
+  const std::vector<const Material*> components = stored.shape->componentMaterials();
+  stored.compound = !components.empty();
+  const auto isSeen = [](const Material* m) { return m && m->lobes() != NO_LOBE; };
+  const bool scatters =
+      stored.compound ? std::any_of(components.begin(), components.end(), isSeen) : isSeen(stored.material);
   rtcSetGeometryMask(g, scatters ? SEEN | CASTS_SHADOW : SEEN);
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() - 1));
   rtcReleaseGeometry(g);
 }
 
-void GeometryGroup::addInstance(const GeometryGroup& group, const Mat4d& sceneFromGroup) {
+void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup) {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(g, group.tree);
-  const glm::mat4 transform(sceneFromGroup);
-  rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &transform[0][0]);
+  const auto steps = static_cast<unsigned>(sceneFromGroup.steps().size());
+  rtcSetGeometryTimeStepCount(g, steps);
+  for (unsigned i = 0; i < steps; ++i) {
+    const glm::mat4 transform(sceneFromGroup.steps()[i]);
+    rtcSetGeometryTransform(g, i, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &transform[0][0]);
+  }
   rtcSetGeometryMask(g, SEEN | CASTS_SHADOW);
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() + instances.size()));
   rtcReleaseGeometry(g);
-  instances.push_back({&group, sceneFromGroup, glm::transpose(glm::inverse(Mat3d(sceneFromGroup)))});
+  instances.push_back({&group, sceneFromGroup, glm::transpose(glm::inverse(Mat3d(sceneFromGroup.first())))});
 }
 
 EmbreeScene::EmbreeScene()
@@ -243,24 +313,24 @@ EmbreeScene::~EmbreeScene() {
   rtcReleaseDevice(device);
 }
 
-EmbreeScene::Met EmbreeScene::nearest(const Ray& ray) const {
+EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray) const {
   RTCRayHit rayHit;
   setRay(rayHit.ray, ray, SEEN);
   rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   embree::intersect(groups.front()->scene(), rayHit);
   const RTCHit& h = rayHit.hit;
-  return {rayHit.ray.tfar, {h.u, h.v}, h.geomID, h.primID, h.instID[0]};
+  return {rayHit.ray.tfar, parametersOf(h), h.geomID, h.primID, h.instID[0]};
 }
 
-const TriangleMesh* EmbreeScene::meshOf(const Met& met) const {
+const TriangleMesh* EmbreeScene::meshOf(const PositionHit& met) const {
   if (met.geometry == RTC_INVALID_GEOMETRY_ID) return nullptr;
   const GeometryGroup* group = groups.front().get();
   if (met.instance != RTC_INVALID_GEOMETRY_ID) group = group->instance(met.instance).group;
   return group->geometry(met.geometry).mesh;
 }
 
-void EmbreeScene::complete(const Met& met, Wanted wanted, Hit& hit) const {
+void EmbreeScene::complete(const PositionHit& met, float time, Wanted wanted, Hit& hit) const {
   const GeometryGroup* group = groups.front().get();
   const GeometryGroup::Instance* instance = nullptr;
   if (met.instance != RTC_INVALID_GEOMETRY_ID) {
@@ -272,29 +342,30 @@ void EmbreeScene::complete(const Met& met, Wanted wanted, Hit& hit) const {
     makeAt(hit.point, [&] { return g.shape->placeAt(met.primitive, met.parameters); });
   else
     makeAt(hit.point, [&] { return g.shape->surfaceAt(met.primitive, met.parameters); });
-  if (instance) transformToScene(*instance, hit.point);
+  if (instance) transformToScene(*instance, time, hit.point);
+  hit.point.time = time;
   hit.t = met.t;
   hit.primitive = met.primitive;
-  hit.material = g.material;
+  hit.material = g.compound ? g.shape->materialAt(met.parameters) : g.material;
   hit.areaLight = g.light;
   hit.lightIndex = g.lightIndex;
 }
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
-  const Met met = nearest(ray);
+  const PositionHit met = nearest(ray);
   if (met.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(met, Wanted::SURFACE, hit);
+  complete(met, ray.time, Wanted::SURFACE, hit);
   return true;
 }
 
-bool EmbreeScene::meet(const Ray& ray, Hit& hit) const {
-  const Met met = nearest(ray);
+bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
+  const PositionHit met = nearest(ray);
   if (met.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(met, Wanted::PLACE, hit);
+  complete(met, ray.time, Wanted::PLACE, hit);
   return true;
 }
 
-void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, Met* met) const {
+void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* met) const {
   size_t done = 0;
   if (packets && rays.size() > FEW) {
     RTCRayHit8 packet[GROUP / embree::PACKET];
@@ -309,10 +380,10 @@ void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, 
     }
     for (RTCRayHit8* p = packet; done < rays.size(); ++p) {
       const embree::Lanes lanes(rays.size() - done);
-      embree::intersect(groups.front()->scene(), lanes, *p, coherence == Coherence::ALIKE);
+      embree::intersect(groups.front()->scene(), lanes, *p, coherence == Coherence::COHERENT);
       for (size_t i = 0; i < embree::PACKET && done < rays.size(); ++i)
         met[done++] = {p->ray.tfar[i],
-                       {p->hit.u[i], p->hit.v[i]},
+                       {{p->hit.u[i], p->hit.v[i]}, {p->hit.Ng_x[i], p->hit.Ng_y[i], p->hit.Ng_z[i]}},
                        p->hit.geomID[i],
                        p->hit.primID[i],
                        p->hit.instID[0][i]};
@@ -322,7 +393,7 @@ void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, 
 }
 
 void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const {
-  Met met[GROUP];
+  PositionHit met[GROUP];
   const TriangleMesh* meshes[GROUP];
   while (!rays.empty()) {
     const size_t count = std::min(GROUP, rays.size());
@@ -335,7 +406,7 @@ void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence,
       if (meshes[i]) meshes[i]->prefetchVertices(met[i].primitive);
     for (size_t i = 0; i < count; ++i)
       if (met[i].geometry != RTC_INVALID_GEOMETRY_ID)
-        complete(met[i], Wanted::SURFACE, hits[i]);
+        complete(met[i], rays[i].time, Wanted::SURFACE, hits[i]);
       else
         hits[i].t = INFINITE;
     rays = rays.subspan(count);

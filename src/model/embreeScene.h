@@ -7,11 +7,13 @@
 #include <atomic>
 
 #include "model/embree.h"
+#include "recurse/model/moving.h"
 #include "recurse/model/scene.h"
 
 namespace recurse {
 
 class GeometryGroup;
+class CurveShape;
 
 /** One shape in a tree, with what hits on it mean. */
 struct SceneGeometry {
@@ -21,6 +23,8 @@ struct SceneGeometry {
   uint32_t lightIndex = 0;
   const GeometryGroup* top = nullptr; ///< where the instances are that alpha's points are seen through
   const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
+  const CurveShape* curve = nullptr;  ///< the same
+  bool compound = false;              ///< the shape's components have materials of their own
 };
 
 /** Shapes with a tree of their own: the top level, or one object definition. */
@@ -34,19 +38,24 @@ class GeometryGroup {
   /** Reserves the places of `count` geometries; they must not move once they are attached. */
   void reserve(size_t count) { geometries.reserve(count); }
   void add(const SceneGeometry& geometry);
-  void addInstance(const GeometryGroup& group, const Mat4d& sceneFromGroup);
+  void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup);
   void commit() { rtcCommitScene(tree); }
 
   struct Instance {
     const GeometryGroup* group;
-    Mat4d sceneFromGroup;
-    glm::dmat3 normalFromGroup; ///< inverse transpose
+    MatrixTrack sceneFromGroup;
+    glm::dmat3 normalFromGroup; ///< inverse transpose, of an instance that does not move
   };
   const SceneGeometry& geometry(uint32_t id) const { return geometries[id]; }
   const Instance& instance(uint32_t id) const { return instances[id - geometries.size()]; }
   RTCScene scene() const { return tree; }
 
  private:
+  /** What Embree is to know of the shape. */
+  RTCGeometry newTriangles(const TriangleMesh& mesh, SceneGeometry& stored) const;
+  RTCGeometry newCurve(const CurveShape& curve, SceneGeometry& stored) const;
+  RTCGeometry newUserGeometry(SceneGeometry& stored) const;
+
   RTCDevice device;
   RTCScene tree;
   std::vector<SceneGeometry> geometries; ///< by Embree's geometry id
@@ -59,7 +68,7 @@ class EmbreeScene final : public Scene {
   ~EmbreeScene() override;
 
   bool intersect(const Ray& ray, Hit& hit) const override;
-  bool meet(const Ray& ray, Hit& hit) const override;
+  bool intersectPosition(const Ray& ray, Hit& hit) const override;
   bool occluded(const Ray& ray) const override;
   void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const override;
   void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const override;
@@ -68,18 +77,18 @@ class EmbreeScene final : public Scene {
  private:
   friend class SceneBuilder;
   /** What Embree says of a ray's nearest surface. */
-  struct Met {
+  struct PositionHit {
     float t;
-    Vec2f parameters;
+    HitParameters parameters;
     unsigned geometry, primitive, instance;
   };
-  Met nearest(const Ray& ray) const;
+  PositionHit nearest(const Ray& ray) const;
   /** The same for up to GROUP rays. */
-  void nearestOfEach(std::span<const Ray> rays, Coherence coherence, Met* met) const;
-  const TriangleMesh* meshOf(const Met& met) const;
-  /** The surface at a meeting; or only its place. */
+  void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* met) const;
+  const TriangleMesh* meshOf(const PositionHit& met) const;
+  /** The surface at a meeting of a ray of that time; or only its place. */
   enum class Wanted { SURFACE, PLACE };
-  void complete(const Met& met, Wanted wanted, Hit& hit) const;
+  void complete(const PositionHit& met, float time, Wanted wanted, Hit& hit) const;
 
   RTCDevice device;
   bool packets; ///< Embree has packets of rays on this processor

@@ -17,12 +17,15 @@ void Film::add(const Film& other) {
     pixels[i].luminanceSquared += p.luminanceSquared;
     pixels[i].samples += p.samples;
   }
+  if (!other.splatPlane) return;
+  enableSplats(other.splatPlane->unit());
+  splatPlane->add(*other.splatPlane);
 }
 
 double Film::relativeError() const {
   double sum = 0;
   for (const Pixel& p : pixels) {
-    if (p.samples < LEAST_SAMPLES) return std::numeric_limits<double>::infinity();
+    if (p.samples < MIN_SAMPLES) return std::numeric_limits<double>::infinity();
     sum += p.luminance / double(p.samples);
   }
   const double floor = 0.1 * sum / double(pixels.size());

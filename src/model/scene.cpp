@@ -8,21 +8,23 @@
 #include <map>
 
 #include "model/embreeScene.h"
+#include "recurse/model/moving.h"
 #include "recurse/model/triangleMesh.h"
 
 namespace recurse {
 
 void LightTable::build(const std::vector<const Light*>& all) {
+  std::vector<double> powers;
+  for (const Light* light : all) powers.push_back(double(maxComponent(light->power())));
+  build(all, powers);
+}
+
+void LightTable::build(const std::vector<const Light*>& all, const std::vector<double>& powers) {
   lights = all;
   probabilities.assign(all.size(), 0);
   cumulative.assign(all.size(), 0);
-  std::vector<double> powers;
-  double total = 0;
-  for (const Light* light : all) {
-    powers.push_back(double(maxComponent(light->power())));
-    total += powers.back();
-  }
-  double sum = 0;
+  double total = 0, sum = 0;
+  for (const double power : powers) total += power;
   for (size_t i = 0; i < all.size(); ++i) {
     sum += powers[i];
     probabilities[i] = total > 0 ? static_cast<float>(powers[i] / total) : 0;
@@ -48,7 +50,7 @@ void Scene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked)
 }
 
 /** The work of buildScene, with what it has to remember meanwhile. */
-class SceneBuilder final : public TextureLookup {
+class SceneBuilder final : public TextureLookup, public ShapeLookup {
  public:
   SceneBuilder(const SceneDescription& description, const SceneOverrides& overrides, Diagnostics& diagnostics)
       : description(description), overrides(overrides), diagnostics(diagnostics),
@@ -57,9 +59,10 @@ class SceneBuilder final : public TextureLookup {
   std::unique_ptr<Scene> build() {
     scene->sceneOrigin = guessOrigin();
     buildFilm();
-    if (!buildShapes()) return nullptr;
+    const bool complete = buildShapes();
     buildCamera();
     buildLights();
+    if (!complete) return nullptr;
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
     return std::move(scene);
@@ -84,14 +87,20 @@ class SceneBuilder final : public TextureLookup {
     std::vector<Placed> placed;
   };
 
+  /** A group in the scene: world from instance space, and that from the space of a shape that moves. */
+  struct GroupInstance {
+    size_t group;
+    AnimatedTransform instance, shape;
+  };
+
   /** Squares of coordinates must fit single precision. */
   static constexpr float LARGEST_COORDINATE = 1e18f;
-  static constexpr size_t MOST_ERRORS = 50;
+  static constexpr size_t MAX_ERRORS = 50;
   static constexpr const char* LATER_MEDIA = "participating media are not rendered yet";
 
   /** True after so many errors that more would only bury the first ones; says so once. */
   bool enoughErrors() {
-    if (diagnostics.errors() < MOST_ERRORS) return false;
+    if (diagnostics.errors() < MAX_ERRORS) return false;
     if (!saidEnough) diagnostics.warning({}, "further errors are not shown");
     saidEnough = true;
     return true;
@@ -102,12 +111,28 @@ class SceneBuilder final : public TextureLookup {
         glm::lessThanEqual(glm::abs(p), Vec3f(LARGEST_COORDINATE))); // false for what is no number
   }
 
+  static std::string quotedList(const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& n : names) list += (list.empty() ? "\"" : ", \"") + n + "\"";
+    return list;
+  }
+
+  std::vector<std::string> objectNames() const {
+    std::vector<std::string> names;
+    for (const auto& object : description.objects) names.push_back(object.first);
+    return names;
+  }
+
   static bool isUnit(const Vec3f& v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
 
   Mat4d recentred(const Mat4d& worldFromObject, const Vec3d& origin) const {
     Mat4d m = worldFromObject;
     m[3] -= Vec4d(origin, 0);
     return m;
+  }
+
+  AnimatedTransform recentred(const AnimatedTransform& m) const {
+    return m.after(translation(-scene->sceneOrigin));
   }
 
   static Mat4d translation(const Vec3d& by) {
@@ -119,8 +144,7 @@ class SceneBuilder final : public TextureLookup {
   // ---- where the scene is
 
   /** Adds what the description alone tells about a shape's place. */
-  static void addPlace(const ShapeDescription& s, const Mat4d& parent, Bounds3d& bounds) {
-    const Mat4d m = parent * s.worldFromObject;
+  static void addPlace(const ShapeDescription& s, const Mat4d& m, Bounds3d& bounds) {
     for (const ParsedParameter& p : s.shape.parameters)
       if (p.name == "P" && p.numbers.size() >= 3) {
         for (size_t i = 0; i + 2 < p.numbers.size(); i += 3)
@@ -141,7 +165,7 @@ class SceneBuilder final : public TextureLookup {
 
   Vec3d guessOrigin() const {
     Bounds3d b;
-    for (const ShapeDescription& s : description.shapes) addPlace(s, Mat4d(1), b);
+    for (const ShapeDescription& s : description.shapes) addPlace(s, s.worldFromObject, b);
     for (const InstanceDescription& i : description.instances) b.add(Vec3d(i.worldFromInstance[3]));
     return originOf(b);
   }
@@ -181,17 +205,22 @@ class SceneBuilder final : public TextureLookup {
 
   void buildCamera() {
     CameraContext context;
-    context.sceneFromCamera = recentred(description.worldFromCamera, scene->sceneOrigin);
+    context.sceneFromCamera = recentred(AnimatedTransform(
+        description.worldFromCamera, description.worldFromCameraLast.value_or(description.worldFromCamera)));
+    context.startTime = description.startTime;
+    context.endTime = description.endTime;
     context.width = scene->filmSettings.width;
     context.height = scene->filmSettings.height;
+    context.diagonal = scene->filmSettings.diagonal;
     scene->sceneCamera = plugIns().cameras.make(orDefault(description.camera, "perspective"), context,
                                                 diagnostics, overrides.lenient);
     if (!scene->sceneCamera) return;
+    scene->filmSettings.imagingRatio *= scene->sceneCamera->exposureTime();
     const FilmSettings& f = scene->filmSettings;
     for (const Vec2f& corner : {Vec2f(0), Vec2f(f.width, 0), Vec2f(0, f.height), Vec2f(f.width, f.height)}) {
-      const EyeRay ray = scene->sceneCamera->ray(corner);
+      const std::optional<CameraRay> ray = scene->sceneCamera->sampleRay({corner});
       // A ray from too far away, or of a direction that has come to nothing, meets anything or nothing.
-      if (representable(ray.origin) && isUnit(ray.direction)) continue;
+      if (!ray || (representable(ray->origin) && isUnit(ray->direction))) continue;
       diagnostics.error(description.camera.location,
                         "the camera's rays cannot be told in single precision: it is "
                         "too far from the scene, or its window is too large");
@@ -238,12 +267,9 @@ class SceneBuilder final : public TextureLookup {
       texturesByName[key] = {pointer, false};
       return textured(pointer);
     }
-    std::string list;
-    for (const std::string& n : nearestNames(texture, names))
-      list += (list.empty() ? "\"" : ", \"") + n + "\"";
     p.fail(name,
            "there is no " + std::string(spectrum ? "spectrum" : "float") + " texture \"" + texture + "\"",
-           list);
+           quotedList(nearestNames(texture, names)));
   }
 
   const Material* makeMaterial(const ParsedDirective& d) {
@@ -261,9 +287,9 @@ class SceneBuilder final : public TextureLookup {
     std::unique_ptr<Material> m = plugIns().materials.make(d, context, diagnostics, overrides.lenient);
     if (!m) return nullptr;
     if (m->priority() > 0) {
-      if (sameNested(*m) == nested.size() && ++nestedKinds > Scene::MOST_NESTED)
+      if (sameNested(*m) == nested.size() && ++nestedKinds > Scene::MAX_NESTED)
         diagnostics.error(d.location,
-                          "there are more than " + std::to_string(Scene::MOST_NESTED) +
+                          "there are more than " + std::to_string(Scene::MAX_NESTED) +
                               " dielectrics with a priority that differ",
                           "a priority and eta that another has too");
       nested.push_back(m.get());
@@ -282,10 +308,8 @@ class SceneBuilder final : public TextureLookup {
     if (found == description.namedMaterials.end()) {
       std::vector<std::string> names;
       for (const auto& entry : description.namedMaterials) names.push_back(entry.first);
-      std::string list;
-      for (const std::string& n : nearestNames(name, names))
-        list += (list.empty() ? "\"" : ", \"") + n + "\"";
-      diagnostics.error(where, "there is no material named \"" + name + "\"", list);
+      diagnostics.error(where, "there is no material named \"" + name + "\"",
+                        quotedList(nearestNames(name, names)));
       materialsByName[name] = {};
       return nullptr;
     }
@@ -313,24 +337,24 @@ class SceneBuilder final : public TextureLookup {
   // ---- shapes
 
   /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
-  void addShape(const ShapeDescription& s, const Mat4d& parent, Group& group) {
+  void addShape(const ShapeDescription& s, const Mat4d& placement, Group& group) {
     if (enoughErrors()) return;
     if (!s.medium.inside.empty() || !s.medium.outside.empty()) {
       diagnostics.error(s.shape.location, LATER_MEDIA);
       return;
     }
     const Material* m = material(s.material);
-    if (s.areaLight < 0 && (!m || m->lobes() == NO_LOBE)) return;
-    const Mat4d sceneFromObject = recentred(parent * s.worldFromObject, group.origin);
+    const Mat4d sceneFromObject = recentred(placement, group.origin);
     const double determinant = glm::determinant(Mat3d(sceneFromObject));
     if (!std::isfinite(determinant) || determinant == 0) {
       diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
       return;
     }
-    const ShapeContext context{sceneFromObject, s.reverseOrientation, this};
+    const ShapeContext context{sceneFromObject, s.reverseOrientation, this, this, m};
     std::unique_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, diagnostics, overrides.lenient);
-    if (!shape) return;
-    if (shape->primitiveCount() == 0) return;
+    if (!shape || shape->primitiveCount() == 0) return;
+    const bool scatters = (m && m->lobes() != NO_LOBE) || !shape->componentMaterials().empty();
+    if (s.areaLight < 0 && !scatters) return;
     const Bounds3f bounds = shape->bounds();
     if (!representable(bounds.lower) || !representable(bounds.upper)) {
       diagnostics.error(s.shape.location,
@@ -340,6 +364,39 @@ class SceneBuilder final : public TextureLookup {
     }
     group.placed.push_back({shape.get(), m, &s});
     scene->shapes.push_back(std::move(shape));
+  }
+
+  std::vector<ComponentShape> object(const Parameters& p, const std::string& parameter,
+                                     const std::string& name, const ShapeContext& context) override {
+    const auto found = description.objects.find(name);
+    if (found == description.objects.end()) {
+      const std::vector<std::string> names = objectNames();
+      p.fail(parameter, "there is no object named \"" + name + "\"",
+             names.empty() ? "the name of an ObjectBegin" : quotedList(nearestNames(name, names)));
+    }
+    if (std::find(objectsUnderWay.begin(), objectsUnderWay.end(), name) != objectsUnderWay.end())
+      p.fail(parameter, "object \"" + name + "\" is made of itself");
+    objectsUnderWay.push_back(name);
+    std::vector<ComponentShape> made;
+    for (const ShapeDescription& s : found->second.shapes) {
+      if (enoughErrors()) break;
+      const Material* m = material(s.material);
+      const ShapeContext inner{context.sceneFromObject * s.worldFromObject, s.reverseOrientation, this, this,
+                               m};
+      const double determinant = glm::determinant(Mat3d(inner.sceneFromObject));
+      if (s.worldFromObjectLast)
+        diagnostics.error(s.shape.location, "a part of another shape does not move by itself",
+                          "the whole's Shape under the motion");
+      else if (s.areaLight >= 0)
+        diagnostics.error(s.shape.location, "a part of another shape does not emit by itself",
+                          "the AreaLightSource at the shape that it is a part of");
+      else if (!std::isfinite(determinant) || determinant == 0)
+        diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+      else if (auto shape = plugIns().shapes.make(s.shape, inner, diagnostics, overrides.lenient))
+        made.push_back({std::move(shape), m, s.shape.location});
+    }
+    objectsUnderWay.pop_back();
+    return made;
   }
 
   static Bounds3d boundsOf(const Group& g) {
@@ -371,13 +428,15 @@ class SceneBuilder final : public TextureLookup {
     top.origin = scene->sceneOrigin;
     std::map<std::string, size_t> groupOf;
     fillGroup(top, [&] {
-      for (const ShapeDescription& s : description.shapes) addShape(s, Mat4d(1), top);
+      for (const ShapeDescription& s : description.shapes)
+        if (!s.worldFromObjectLast) addShape(s, s.worldFromObject, top);
       // Emitting shapes of an object are baked, one for each instance: a light has one place.
       for (const InstanceDescription& i : description.instances) {
         const auto object = description.objects.find(i.object);
         if (object == description.objects.end()) continue;
         for (const ShapeDescription& s : object->second.shapes)
-          if (s.areaLight >= 0) addShape(s, i.worldFromInstance, top);
+          if (s.areaLight >= 0 && !movesAlone(s, i))
+            addShape(s, i.worldFromInstance * s.worldFromObject, top);
       }
     });
     scene->sceneOrigin = groups.front().origin;
@@ -385,11 +444,8 @@ class SceneBuilder final : public TextureLookup {
       if (enoughErrors()) break;
       const auto object = description.objects.find(i.object);
       if (object == description.objects.end()) {
-        std::vector<std::string> names;
-        for (const auto& o : description.objects) names.push_back(o.first);
-        std::string list;
-        for (const std::string& n : names) list += (list.empty() ? "\"" : ", \"") + n + "\"";
-        diagnostics.error(i.location, "there is no object named \"" + i.object + "\"", list);
+        diagnostics.error(i.location, "there is no object named \"" + i.object + "\"",
+                          quotedList(objectNames()));
         continue;
       }
       const double determinant = glm::determinant(Mat3d(i.worldFromInstance));
@@ -401,22 +457,73 @@ class SceneBuilder final : public TextureLookup {
         groupOf[i.object] = groups.size();
         Group& g = groups.emplace_back();
         Bounds3d place;
-        for (const ShapeDescription& s : object->second.shapes) addPlace(s, Mat4d(1), place);
+        for (const ShapeDescription& s : object->second.shapes) addPlace(s, s.worldFromObject, place);
         g.origin = originOf(place);
         fillGroup(g, [&] {
           for (const ShapeDescription& s : object->second.shapes)
-            if (s.areaLight < 0) addShape(s, Mat4d(1), g);
+            if (s.areaLight < 0 && !s.worldFromObjectLast) addShape(s, s.worldFromObject, g);
         });
       }
-      if (!groups[groupOf[i.object]].placed.empty()) instances.push_back({groupOf[i.object], &i});
+      if (!groups[groupOf[i.object]].placed.empty())
+        instances.push_back({groupOf[i.object], motionOf(i), {}});
+      for (const ShapeDescription& s : object->second.shapes)
+        if (movesAlone(s, i)) addMoving(s, motionOf(i), i.location);
     }
+    for (const ShapeDescription& s : description.shapes)
+      if (s.worldFromObjectLast) addMoving(s, {}, s.shape.location);
     if (diagnostics.hasErrors()) return false;
     measure();
     return true;
   }
 
-  Mat4d sceneFromGroup(const Group& g, const InstanceDescription& i) const {
-    return recentred(i.worldFromInstance, scene->sceneOrigin) * translation(g.origin);
+  // ---- motion
+
+  static AnimatedTransform motionOf(const ShapeDescription& s) {
+    return {s.worldFromObject, s.worldFromObjectLast.value_or(s.worldFromObject)};
+  }
+  static AnimatedTransform motionOf(const InstanceDescription& i) {
+    return {i.worldFromInstance, i.worldFromInstanceLast.value_or(i.worldFromInstance)};
+  }
+  /** Whether a shape of an object definition moves otherwise than the rest of it, or is a lamp that moves: it
+   * is a group of its own then. */
+  static bool movesAlone(const ShapeDescription& s, const InstanceDescription& i) {
+    return s.worldFromObjectLast || (s.areaLight >= 0 && i.worldFromInstanceLast);
+  }
+
+  /** A moving shape as a group of its own, as it is at the start. */
+  void addMoving(const ShapeDescription& s, const AnimatedTransform& instance, const SourceLocation& where) {
+    if (enoughErrors()) return;
+    const AnimatedTransform motion = motionOf(s);
+    const auto volume = [&](const Mat4d& a, const Mat4d& b) { return glm::determinant(Mat3d(a) * Mat3d(b)); };
+    const double first = volume(instance.start(), motion.start()),
+                 last = volume(instance.end(), motion.end());
+    if (!std::isfinite(first) || !std::isfinite(last) || !(first * last > 0)) {
+      diagnostics.error(where, "a transform of the motion flattens the shape or turns it inside out");
+      return;
+    }
+    const size_t index = groups.size();
+    Group& g = groups.emplace_back();
+    Bounds3d place;
+    addPlace(s, s.worldFromObject, place);
+    g.origin = originOf(place);
+    fillGroup(g, [&] { addShape(s, s.worldFromObject, g); });
+    if (!g.placed.empty()) instances.push_back({index, instance, motion});
+  }
+
+  MatrixTrack sceneFromGroup(const GroupInstance& i) const {
+    const Mat4d fromStart = glm::inverse(i.shape.start()) * translation(groups[i.group].origin);
+    const auto at = [&](double time) {
+      return recentred(i.instance.at(time) * i.shape.at(time), scene->sceneOrigin) * fromStart;
+    };
+    if (!i.instance.moves() && !i.shape.moves()) return at(0);
+    // The product of two motions is curved even where neither turns.
+    constexpr int CURVED = 16, MAX_PARTS = 128; // Embree has no more
+    const int parts = i.instance.moves() && i.shape.moves()
+                          ? std::min(CURVED + i.instance.linearParts() + i.shape.linearParts(), MAX_PARTS)
+                          : std::max(i.instance.linearParts(), i.shape.linearParts());
+    std::vector<Mat4d> steps;
+    for (int k = 0; k <= parts; ++k) steps.push_back(at(double(k) / parts));
+    return MatrixTrack(steps);
   }
 
   /** The scene's bounds, and what it contains. */
@@ -427,14 +534,16 @@ class SceneBuilder final : public TextureLookup {
       b.add(Vec3d(s.lower));
       b.add(Vec3d(s.upper));
     }
-    for (const auto& [index, instance] : instances) {
-      const Group& g = groups[index];
-      const Mat4d m = recentred(instance->worldFromInstance, scene->sceneOrigin);
-      const Bounds3d local = boundsOf(g);
-      for (int corner = 0; corner < 8; ++corner)
-        b.add(transformPoint(m, {corner & 1 ? local.upper.x : local.lower.x,
-                                 corner & 2 ? local.upper.y : local.lower.y,
-                                 corner & 4 ? local.upper.z : local.lower.z}));
+    for (const GroupInstance& i : instances) {
+      const Bounds3d local = boundsOf(groups[i.group]);
+      const MatrixTrack track = sceneFromGroup(i);
+      for (const Mat4d& step : track.steps()) {
+        const Mat4d m = step * translation(-groups[i.group].origin);
+        for (int corner = 0; corner < 8; ++corner)
+          b.add(transformPoint(m, {corner & 1 ? local.upper.x : local.lower.x,
+                                   corner & 2 ? local.upper.y : local.lower.y,
+                                   corner & 4 ? local.upper.z : local.lower.z}));
+      }
     }
     if (!b.empty()) {
       scene->sceneBounds.center = Vec3f(b.center());
@@ -445,6 +554,8 @@ class SceneBuilder final : public TextureLookup {
       for (const Placed& p : g.placed) {
         ++c.shapes;
         (p.shape->triangleMesh() ? c.triangles : c.otherPrimitives) += p.shape->primitiveCount();
+        for (const Material* m : p.shape->componentMaterials())
+          if (m) c.lobes |= m->lobes();
         if (p.material) c.lobes |= p.material->lobes();
       }
     c.instances = instances.size();
@@ -467,9 +578,10 @@ class SceneBuilder final : public TextureLookup {
   void buildLights() {
     std::vector<const Light*> table;
     const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
+      if (diagnostics.hasErrors()) return; // where the scene ends may not be known
       light->prepare(scene->sceneBounds);
       // A light is where its photons start.
-      const std::optional<Emission> emission = light->emit({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
+      const std::optional<LeSample> emission = light->sampleLe({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
       if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
         diagnostics.error(where, "the light's power is too large for single precision");
       else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))
@@ -478,17 +590,27 @@ class SceneBuilder final : public TextureLookup {
       table.push_back(light.get());
       scene->ownLights.push_back(std::move(light));
     };
-    for (const Placed& p : groups.front().placed) {
-      if (p.from->areaLight < 0) continue;
-      if (enoughErrors()) return;
+    const auto addAreaLight = [&](const Placed& p, const MatrixTrack& track) {
+      if (p.from->areaLight < 0 || enoughErrors()) return;
       const ParsedDirective& d = description.areaLights[static_cast<size_t>(p.from->areaLight)];
+      if (!p.shape->canBeSampled()) {
+        diagnostics.error(p.from->shape.location,
+                          "shape \"" + p.from->shape.type +
+                              "\" cannot be a lamp: no points are sampled on it",
+                          "another shape after the AreaLightSource");
+        return;
+      }
       std::unique_ptr<AreaLight> light =
           plugIns().areaLights.make(d, {*p.shape}, diagnostics, overrides.lenient);
-      if (!light) continue;
+      if (!light) return;
+      if (track.moves()) light = std::make_unique<MovingAreaLight>(std::move(light), track);
       lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
       ++scene->sceneContents.areaLights;
       keep(std::move(light), d.location);
-    }
+    };
+    for (const Placed& p : groups.front().placed) addAreaLight(p, Mat4d(1));
+    for (const GroupInstance& i : instances)
+      for (const Placed& p : groups[i.group].placed) addAreaLight(p, sceneFromGroup(i));
     for (const LightDescription& l : description.lights) {
       if (enoughErrors()) return;
       if (!l.medium.empty()) {
@@ -496,7 +618,8 @@ class SceneBuilder final : public TextureLookup {
         continue;
       }
       std::unique_ptr<Light> light = plugIns().lights.make(
-          l.light, {recentred(l.worldFromLight, scene->sceneOrigin)}, diagnostics, overrides.lenient);
+          l.light, {recentred(l.worldFromLight, scene->sceneOrigin), scene->sceneOrigin}, diagnostics,
+          overrides.lenient);
       if (!light) continue;
       if (const auto* e = dynamic_cast<const EnvironmentLight*>(light.get())) {
         scene->environmentLights.push_back(e);
@@ -524,8 +647,11 @@ class SceneBuilder final : public TextureLookup {
       }
       if (i > 0) made->commit();
     }
-    for (const auto& [index, instance] : instances)
-      scene->groups.front()->addInstance(*scene->groups[index], sceneFromGroup(groups[index], *instance));
+    for (const GroupInstance& i : instances) {
+      const MatrixTrack track = sceneFromGroup(i);
+      scene->shapesMove = scene->shapesMove || track.moves();
+      scene->groups.front()->addInstance(*scene->groups[i.group], track);
+    }
     scene->groups.front()->commit();
   }
 
@@ -546,10 +672,11 @@ class SceneBuilder final : public TextureLookup {
   mutable std::map<std::pair<std::string, bool>, NamedTexture> texturesByName;
   std::map<std::string, Named> materialsByName;
   std::vector<std::pair<bool, const Material*>> materialsByIndex;
-  std::vector<Material*> nested; ///< those with a priority, in the order of their use
-  size_t nestedKinds = 0;        ///< of those, the ones that are not the same matter as another
-  std::deque<Group> groups;      ///< [0] is the top level; addresses stay
-  std::vector<std::pair<size_t, const InstanceDescription*>> instances;
+  std::vector<Material*> nested;            ///< those with a priority, in the order of their use
+  std::vector<std::string> objectsUnderWay; ///< whose shapes are being made into others
+  size_t nestedKinds = 0;                   ///< of those, the ones that are not the same matter as another
+  std::deque<Group> groups;                 ///< [0] is the top level; addresses stay
+  std::vector<GroupInstance> instances;
   std::map<const Shape*, std::pair<const AreaLight*, uint32_t>> lightOf;
 };
 

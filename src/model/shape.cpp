@@ -36,6 +36,8 @@ float Shape::pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePo
   return solidAngleDensity(pdfArea(primitive, point), from, point);
 }
 
+std::unique_ptr<Solid> Shape::asSolid() const { throw Error("it is not a closed surface"); }
+
 Bounds3f Shape::bounds() const {
   Bounds3f all;
   for (uint32_t i = 0; i < primitiveCount(); ++i) all.add(bounds(i));

@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "model/meshSolid.h"
+
 namespace recurse {
 
 namespace {
@@ -205,12 +207,14 @@ template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const
   return s;
 }
 
-SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const Vec2f& parameters) const {
-  return pointAt<true>(primitive, parameters);
+SurfacePoint TriangleMesh::surfaceAt(uint32_t primitive, const HitParameters& parameters) const {
+  return pointAt<true>(primitive, parameters.uv);
 }
-SurfacePoint TriangleMesh::placeAt(uint32_t primitive, const Vec2f& parameters) const {
-  return pointAt<false>(primitive, parameters);
+SurfacePoint TriangleMesh::placeAt(uint32_t primitive, const HitParameters& parameters) const {
+  return pointAt<false>(primitive, parameters.uv);
 }
+
+std::unique_ptr<Solid> TriangleMesh::asSolid() const { return makeMeshSolid(*this); }
 
 void TriangleMesh::tabulateAreas() const {
   cumulativeArea.reserve(triangles.size());
@@ -241,8 +245,8 @@ ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
   const float half = std::min(within.x, within.y) * 0.5f;
   const bool above = within.y > within.x;
   return {surfaceAt(static_cast<uint32_t>(i),
-                    Vec2f(above ? half : within.x - half, above ? within.y - half : half)),
-          1 / totalArea};
+                    HitParameters(Vec2f(above ? half : within.x - half, above ? within.y - half : half))),
+          1 / totalArea, static_cast<uint32_t>(i)};
 }
 
 } // namespace recurse

@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
 
-const std::string MAGIC = "Recurse checkpoint 1\n";
+const std::string MAGIC = "Recurse checkpoint 2\n";
 /** Larger headers are damaged. */
 constexpr uint64_t MAX_HEADER = 1 << 24;
 
@@ -53,7 +53,7 @@ template <class Position, class Use> void forEachFigure(Position& p, const Use& 
   use("map_bytes", s.mapBytes);
   use("rays", s.counts.rays);
   use("non_finite", s.counts.nonFinite);
-  use("weight_cut", s.counts.weightCut);
+  use("weight_cut", s.counts.truncatedThroughput);
   use("gathers", s.counts.gathers);
   use("photons_found", s.counts.photonsFound);
   use("passes", s.passes);
@@ -86,6 +86,7 @@ void writeCheckpoint(const std::string& fileName, Checkpoint& c) {
                      {"parts", parts},
                      {"position", toJson(c.position)},
                      {"adaptive", c.allocation.has_value()},
+                     {"splat_unit", c.film.splats() ? c.film.splats()->unit() : 0},
                      {"film", {b.x0, b.y0, b.x1, b.y1}}};
   const std::string header = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   const uint64_t size = header.size();
@@ -135,8 +136,11 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
     const double pixelBytes = double(sizeof(Rgbd)) * double(classes.size()) + 32;
     const double pixels = double(bounds.width()) * double(bounds.height());
     const bool adaptive = json.at("adaptive");
+    const double splatUnit = json.at("splat_unit");
     if (bounds.x1 <= bounds.x0 || bounds.y1 <= bounds.y0 || classes.empty() ||
-        pixels * pixelBytes + (adaptive ? SampleAllocation::bytes(pixels) : 0) + sizeof sum != double(left))
+        pixels * pixelBytes + (adaptive ? SampleAllocation::bytes(pixels) : 0) +
+                (splatUnit > 0 ? SplatPlane::bytes(pixels, double(classes.size())) : 0) + sizeof sum !=
+            double(left))
       fail("the checkpoint is damaged or cut off");
     Checkpoint c{json.at("identity"),
                  json.at("metadata"),
@@ -147,6 +151,7 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
                  Film(bounds, classes.size()),
                  {}};
     if (adaptive) c.allocation.emplace(bounds, c.imagingRatio);
+    if (splatUnit > 0) c.film.enableSplats(splatUnit);
     for (const Json& p : json.at("parts")) c.parts.push_back({p.at(0), p.at(1), p.at(2)});
     if (c.parts.empty()) fail("the checkpoint is damaged");
     for (const std::span<std::byte> part : numbersOf(c)) take(part);
@@ -180,6 +185,8 @@ void merge(Checkpoint& into, const Checkpoint& other, const std::string& fileNam
         throw Error(fileName + ": samples " + std::to_string(std::max(p.first, q.first)) + " to " +
                     std::to_string(std::min(p.end, q.end) - 1) + " of seed " + std::to_string(p.seed) +
                     " are there already; they would count twice");
+  if (into.film.splats() && other.film.splats() && into.film.splats()->unit() != other.film.splats()->unit())
+    throw Error(fileName + ": its splats are counted in another unit");
   into.film.add(other.film);
   into.allocation.reset();
   into.parts.insert(into.parts.end(), other.parts.begin(), other.parts.end());

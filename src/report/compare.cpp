@@ -105,7 +105,9 @@ Comparison compare(const Image& image, const ComparedTo& references) {
   if (out.noiseFree) {
     out.mseNoiseFree = squaredFree.mean(out.pixels);
     out.relMseNoiseFree = relativeFree.mean(out.pixels);
+    out.relMseNoiseFreeByScale = errorByScale(image, *references.a, *references.b, reference);
   }
+  out.relMseByScale = errorByScale(image, reference, reference, reference);
   out.maximum[ALL_CHANNELS] = std::max({out.maximum[0], out.maximum[1], out.maximum[2]});
   peak[ALL_CHANNELS] = std::max({peak[0], peak[1], peak[2]});
   for (size_t c = 0; c < 4; ++c) {

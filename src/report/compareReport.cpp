@@ -1,6 +1,7 @@
 /** @file
  * Error measures in words, as JSON and by name.
  */
+#include <cmath>
 #include <functional>
 
 #include <nlohmann/json.hpp>
@@ -62,6 +63,19 @@ const std::vector<WholeMetric>& wholeMetrics() {
   return ALL;
 }
 
+/** A measure after averaging blocks of pixels; with their side appended to its name where one is named. */
+struct ScaleMetric {
+  const char *name, *title;
+  const ByScale Comparison::*values;
+  bool noiseFree = false;
+
+  std::string nameAt(size_t scale) const { return name + ("_at_" + std::to_string(ERROR_SCALES[scale])); }
+};
+
+constexpr ScaleMetric SCALE_METRICS[] = {
+    {"relmse", "relMSE", &Comparison::relMseByScale},
+    {"relmse_noise_free", "relMSE, noise-free", &Comparison::relMseNoiseFreeByScale, true}};
+
 /** Pads to a width counted in characters; titles and definitions may hold bytes of UTF-8. */
 std::string padded(const std::string& text, size_t width) {
   size_t shown = 0;
@@ -81,6 +95,8 @@ std::vector<std::string> metricNames() {
   std::vector<std::string> names;
   for (const Metric& metric : metrics()) names.emplace_back(metric.name);
   for (const WholeMetric& metric : wholeMetrics()) names.emplace_back(metric.name);
+  for (const ScaleMetric& metric : SCALE_METRICS)
+    for (size_t scale = 0; scale < ERROR_SCALES.size(); ++scale) names.push_back(metric.nameAt(scale));
   names.insert(names.end(), {"non_finite", "non_finite_reference"});
   return names;
 }
@@ -97,6 +113,13 @@ double metricByName(const Comparison& comparison, const std::string& name) {
     if (!(comparison.*metric.value)) throw Error(name + " was not measured", ExitStatus::BAD_USAGE);
     return (comparison.*metric.value)->mean;
   }
+  for (const ScaleMetric& metric : SCALE_METRICS)
+    for (size_t scale = 0; scale < ERROR_SCALES.size(); ++scale) {
+      if (name != metric.nameAt(scale)) continue;
+      if (metric.noiseFree && !comparison.noiseFree)
+        throw Error(name + " needs two independent references", ExitStatus::BAD_USAGE);
+      return (comparison.*metric.values)[scale];
+    }
   if (name == "non_finite") return double(comparison.nonFinite);
   if (name == "non_finite_reference") return double(comparison.nonFiniteReference);
   std::string message = "no error measure '" + name + "'; there are:";
@@ -113,7 +136,7 @@ std::string metricDefinition(const std::string& name) {
 }
 
 std::string comparisonTable(const Comparison& c) {
-  constexpr size_t TITLE = 20, COLUMN = 13;
+  constexpr size_t TITLE = 20, COLUMN = 13, SCALE_COLUMN = 11;
   std::string out = padded("", TITLE);
   for (const char* name : {"all", "R", "G", "B"}) out += rightAligned(name, COLUMN);
   out += "\n";
@@ -130,6 +153,17 @@ std::string comparisonTable(const Comparison& c) {
     if (!(c.*metric.value)) continue;
     out += padded(metric.title, TITLE) + rightAligned(number((c.*metric.value)->mean), COLUMN);
     out.append(3 * COLUMN + 2, ' ').append(metric.definition).append("\n");
+  }
+  out += "\n" + padded("averaged over", TITLE);
+  for (int side : ERROR_SCALES)
+    out += rightAligned(std::to_string(side) + "x" + std::to_string(side), SCALE_COLUMN);
+  out += "  pixels; independent noise falls to a quarter from one to the next, stains do not\n";
+  for (const ScaleMetric& metric : SCALE_METRICS) {
+    if (metric.noiseFree && !c.noiseFree) continue;
+    out += padded(metric.title, TITLE);
+    for (double value : c.*metric.values)
+      out += rightAligned(std::isfinite(value) ? number(value, 4) : "-", SCALE_COLUMN);
+    out += "  ε " + number(REL_MSE_EPSILON) + ", denominator reference²+ε over 7x7 pixels, no trim\n";
   }
   out.append("\n").append(std::to_string(c.pixels));
   out += std::string(" pixels compared, ") + std::to_string(c.trimmedPixels) + " trimmed\n";
@@ -164,6 +198,10 @@ std::string comparisonJson(const Comparison& c) {
     json["hdrflip_exposures"] = c.hdrFlip->exposures;
     json["flip_pixels_per_degree"] = FLIP_PIXELS_PER_DEGREE;
   }
+  for (const ScaleMetric& metric : SCALE_METRICS)
+    if (!metric.noiseFree || c.noiseFree)
+      for (size_t scale = 0; scale < ERROR_SCALES.size(); ++scale)
+        json[metric.nameAt(scale)] = (c.*metric.values)[scale];
   json["non_finite"] = c.nonFinite;
   json["non_finite_reference"] = c.nonFiniteReference;
   json["pixels"] = c.pixels;

@@ -186,6 +186,7 @@ ConvergeCell measureCell(const Image& picture, const References& references) {
   out.relMseTrimmed = c.relMseTrimmed[ALL_CHANNELS];
   out.mseNoiseFree = c.noiseFree ? c.mseNoiseFree[ALL_CHANNELS] : NONE;
   out.relMseNoiseFree = c.noiseFree ? c.relMseNoiseFree[ALL_CHANNELS] : NONE;
+  out.relMseByScale = c.noiseFree ? c.relMseNoiseFreeByScale : c.relMseByScale;
   out.meanRatio = c.meanRatio[ALL_CHANNELS];
   out.nonFinite = c.nonFinite;
   return out;

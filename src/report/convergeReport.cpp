@@ -155,6 +155,24 @@ bool runGnuplot(const std::string& folder, const std::string& output) {
 
 } // namespace
 
+namespace {
+
+/** The error after averaging blocks of pixels, a line for each point. */
+std::string scaleTable(const StudyReport& report, size_t width) {
+  std::string out = column("averaged", width) + column("budget", 10);
+  for (int side : ERROR_SCALES) out += column(std::to_string(side) + "x" + std::to_string(side), 10);
+  out += "\n";
+  for (const ConvergePoint& p : report.points) {
+    out += column(p.run, width) + column(p.budget, 10);
+    for (double error : p.mean.relMseByScale) out += column(std::isfinite(error) ? rounded(error) : "-", 10);
+    out += "\n";
+  }
+  return out +
+         "relMSE of means over blocks of pixels; independent noise falls to a quarter from one to the next\n";
+}
+
+} // namespace
+
 std::string studyTable(const StudyReport& report) {
   const std::vector<ErrorMeasure> measures = errorMeasures(report);
   const ErrorMeasure& measure = measures.front();
@@ -177,6 +195,7 @@ std::string studyTable(const StudyReport& report) {
   out += std::string("\n") + measure.title + ": " + measure.definition +
          "\nvariance and bias²: of the same error, over r²+ε\nreference: " + report.references.description +
          "\n\n";
+  out += scaleTable(report, width) + "\n";
   const std::vector<Curve> curves = curvesOf(report, measure);
   out += column("time to", width);
   for (double target : targetErrors(curves)) out += column(rounded(target), 16);

@@ -38,6 +38,8 @@ constexpr CellField CELL_FIELDS[] = {{"seconds", &ConvergeCell::seconds},
                                      {"relmse_noise_free", &ConvergeCell::relMseNoiseFree},
                                      {"mean_ratio", &ConvergeCell::meanRatio}};
 
+std::string scaleField(size_t scale) { return "relmse_at_" + std::to_string(ERROR_SCALES[scale]); }
+
 struct SplitField {
   const char* name;
   Estimate ErrorSplit::*value;
@@ -133,6 +135,7 @@ std::string studyJson(const Study& study) {
   for (const ConvergeCell& cell : study.cells) {
     Json one = {{"run", cell.run}, {"budget", cell.budget}, {"seed", cell.seed}};
     for (const CellField& field : CELL_FIELDS) one[field.name] = numberJson(cell.*field.value);
+    for (size_t i = 0; i < ERROR_SCALES.size(); ++i) one[scaleField(i)] = numberJson(cell.relMseByScale[i]);
     one["non_finite"] = cell.nonFinite;
     json["cells"].push_back(std::move(one));
   }
@@ -161,6 +164,8 @@ Study readStudy(const std::string& fileName) {
       cell.budget = one.at("budget");
       cell.seed = one.at("seed");
       for (const CellField& field : CELL_FIELDS) cell.*field.value = numberOf(one.at(field.name));
+      for (size_t i = 0; i < ERROR_SCALES.size(); ++i)
+        cell.relMseByScale[i] = one.contains(scaleField(i)) ? numberOf(one[scaleField(i)]) : UNKNOWN;
       cell.nonFinite = one.at("non_finite");
       study.cells.push_back(cell);
     }
@@ -188,6 +193,8 @@ StudyReport reportOf(const Study& study, const References& references, const std
       for (const ConvergeCell* cell : cells) {
         for (const CellField& field : CELL_FIELDS)
           point.mean.*field.value += cell->*field.value / double(cells.size());
+        for (size_t i = 0; i < ERROR_SCALES.size(); ++i)
+          point.mean.relMseByScale[i] += cell->relMseByScale[i] / double(cells.size());
         point.mean.nonFinite += cell->nonFinite;
         point.smallest = std::min(point.smallest, shownError(*cell, references.independent));
         point.largest = std::max(point.largest, shownError(*cell, references.independent));
@@ -198,6 +205,16 @@ StudyReport reportOf(const Study& study, const References& references, const std
     }
   return report;
 }
+
+namespace {
+
+template <size_t SCALE> ErrorMeasure measureAtScale(const char* key, const char* title) {
+  return {key, title,
+          "relMSE of means over square blocks of pixels, with r over 7x7 pixels in the denominator",
+          [](const ConvergePoint& p) { return p.mean.relMseByScale[SCALE]; }};
+}
+
+} // namespace
 
 std::vector<ErrorMeasure> errorMeasures(const StudyReport& report) {
   static_assert(REL_MSE_EPSILON == 0.01 && TRIMMED_FRACTION == 0.001, "the definitions below say so");
@@ -212,6 +229,15 @@ std::vector<ErrorMeasure> errorMeasures(const StudyReport& report) {
                  "mean of (x−r)²/(r²+ε), ε 0.01, without the worst 0.1% of the pixels",
                  [](const ConvergePoint& p) { return p.mean.relMseTrimmed; }});
   out.push_back({"mse", "MSE", "mean of (x−r)²", [](const ConvergePoint& p) { return p.mean.mse; }});
+  const ErrorMeasure scales[] = {measureAtScale<1>("relmse_at_2", "relMSE, 2x2 pixels averaged"),
+                                 measureAtScale<2>("relmse_at_4", "relMSE, 4x4 pixels averaged"),
+                                 measureAtScale<3>("relmse_at_8", "relMSE, 8x8 pixels averaged"),
+                                 measureAtScale<4>("relmse_at_16", "relMSE, 16x16 pixels averaged"),
+                                 measureAtScale<5>("relmse_at_32", "relMSE, 32x32 pixels averaged")};
+  for (const ErrorMeasure& measure : scales) // none where the picture is smaller
+    if (std::any_of(report.points.begin(), report.points.end(),
+                    [&](const ConvergePoint& p) { return std::isfinite(measure.of(p)); }))
+      out.push_back(measure);
   const bool split = std::any_of(report.points.begin(), report.points.end(),
                                  [](const ConvergePoint& p) { return p.split.has_value(); });
   if (split) {
@@ -236,10 +262,12 @@ Curve curveOf(const StudyReport& report, const std::string& run, const ErrorMeas
 std::string cellsCsv(const StudyReport& report) {
   std::string out = "run,budget,seed";
   for (const CellField& field : CELL_FIELDS) out += std::string(",") + field.name;
+  for (size_t i = 0; i < ERROR_SCALES.size(); ++i) out += "," + scaleField(i);
   out += ",non_finite\n";
   for (const ConvergeCell& cell : report.study.cells) {
     out += cell.run + "," + cell.budget + "," + std::to_string(cell.seed);
     for (const CellField& field : CELL_FIELDS) out += "," + csvNumber(cell.*field.value);
+    for (double value : cell.relMseByScale) out += "," + csvNumber(value);
     out += "," + std::to_string(cell.nonFinite) + "\n";
   }
   return out;
@@ -248,12 +276,14 @@ std::string cellsCsv(const StudyReport& report) {
 std::string pointsCsv(const StudyReport& report) {
   std::string out = "run,budget,seeds";
   for (const CellField& field : CELL_FIELDS) out += std::string(",") + field.name;
+  for (size_t i = 0; i < ERROR_SCALES.size(); ++i) out += "," + scaleField(i);
   for (const SplitField& field : SPLIT_FIELDS)
     for (const char* part : {"", "_low", "_high"}) out += std::string(",") + field.name + part;
   out += "\n";
   for (const ConvergePoint& point : report.points) {
     out += point.run + "," + point.budget + "," + std::to_string(point.seeds);
     for (const CellField& field : CELL_FIELDS) out += "," + csvNumber(point.mean.*field.value);
+    for (double value : point.mean.relMseByScale) out += "," + csvNumber(value);
     for (const SplitField& field : SPLIT_FIELDS) {
       const Estimate estimate = point.split ? *point.split.*field.value : Estimate{UNKNOWN, UNKNOWN, UNKNOWN};
       for (double value : {estimate.value, estimate.low, estimate.high}) out += "," + csvNumber(value);

@@ -38,9 +38,12 @@ void SceneParser::takeSetting(const Token& directive, ParsedDirective& slot) {
 
 void SceneParser::camera(const Token& t) {
   takeSetting(t, scene.camera);
-  scene.worldFromCamera = glm::inverse(currentTransform(scene.camera.location));
+  scene.worldFromCamera = glm::inverse(firstTransform(scene.camera.location));
+  scene.worldFromCameraLast.reset();
+  if (const auto last = lastTransform()) scene.worldFromCameraLast = glm::inverse(*last);
   scene.cameraMedium = state.medium.outside;
   Transforms& world = coordinateSystems["camera"];
+  world.fault = state.transforms.fault;
   for (size_t i = 0; i < 2; ++i) world.at[i] = glm::inverse(state.transforms.at[i]);
 }
 

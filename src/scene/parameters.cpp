@@ -244,4 +244,9 @@ void Parameters::fail(const std::string& wanted, const std::string& message,
   throw SceneError(wanted.empty() ? place : location(wanted), message, accepted);
 }
 
+void Parameters::warn(const std::string& wanted, const std::string& message,
+                      const std::string& accepted) const {
+  told->warning(wanted.empty() ? place : location(wanted), message, accepted);
+}
+
 } // namespace recurse

@@ -3,9 +3,40 @@
  */
 #include "recurse/scene/registry.h"
 
+#include <map>
+#include <set>
+
 #include "scene/pbrt3.h"
 
 namespace recurse {
+
+namespace {
+
+/** Why a name that pbrt-v4 has is not taken; empty for others. */
+std::string pbrt4Reason(const std::string& kind, const std::string& name) {
+  static const std::map<std::string, std::string> REASONS = {
+      {"Film spectral", "is not there: light is red, green and blue here; the film \"rgb\" has the picture"},
+      {"Texture ptex", "is not there: Ptex files are not read"},
+  };
+  static const std::set<std::string> NOT_YET = {"Camera realistic",
+                                                "Camera spherical",
+                                                "LightSource goniometric",
+                                                "LightSource projection",
+                                                "Material hair",
+                                                "Material subsurface",
+                                                "Shape curve",
+                                                "Shape cylinder",
+                                                "Shape loopsubdiv",
+                                                "Integrator ambientocclusion",
+                                                "Integrator function",
+                                                "Integrator randomwalk",
+                                                "Integrator simplevolpath"};
+  const auto found = REASONS.find(kind + " " + name);
+  if (found != REASONS.end()) return found->second;
+  return NOT_YET.count(kind + " " + name) > 0 ? "of pbrt-v4 is not rendered here" : "";
+}
+
+} // namespace
 
 void reportUnknownPlugIn(const std::string& kind, const ParsedDirective& directive,
                          const std::vector<std::string>& names, Diagnostics& diagnostics) {
@@ -13,6 +44,8 @@ void reportUnknownPlugIn(const std::string& kind, const ParsedDirective& directi
   const auto near = nearestNames(directive.type, names);
   for (size_t i = 0; i < near.size(); ++i) message += (i ? " or \"" : "; did you mean \"") + near[i] + "\"";
   if (!near.empty()) message += "?";
+  if (const std::string reason = pbrt4Reason(kind, directive.type); !reason.empty())
+    message = kind + " \"" + directive.type + "\" " + reason;
   if (sceneFile::pbrt3::isPlugIn(kind, directive.type)) message += " (pbrt-v3 had it)";
   std::string accepted;
   for (const std::string& name : names) accepted += (accepted.empty() ? "\"" : " \"") + name + "\"";

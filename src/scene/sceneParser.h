@@ -7,6 +7,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@ namespace recurse::sceneFile {
 /** The current transform at the start and at the end of the exposure. */
 struct Transforms {
   std::array<Mat4d, 2> at{Mat4d(1), Mat4d(1)};
+  /** Why it cannot place anything, and which directive made it so; null where it can. */
+  std::array<std::shared_ptr<const Diagnostic>, 2> fault;
   bool moving() const { return at[0] != at[1]; }
 };
 
@@ -76,7 +79,16 @@ class SceneParser {
   Mat4d takeMatrix(const Token& directive);
   void concatenate(const Mat4d& m, const SourceLocation& where);
   void setTransform(size_t i, const Mat4d& m, const SourceLocation& where);
-  Mat4d currentTransform(const SourceLocation& where);
+  /** The current transform at the start; the identity, with an error, where it cannot place anything. */
+  Mat4d firstTransform(const SourceLocation& where);
+  /** The same for what cannot move: a warning where it does. */
+  Mat4d restingTransform(const SourceLocation& where, const char* what);
+  /** That of the end of the motion, where it differs from the start's. */
+  std::optional<Mat4d> lastTransform() const {
+    const bool usable = state.transforms.moving() && !state.transforms.fault[1];
+    return usable ? std::optional(state.transforms.at[1]) : std::nullopt;
+  }
+  void reportFault(const std::shared_ptr<const Diagnostic>& fault, const SourceLocation& usedAt);
   void identity(const Token&);
   void translate(const Token&);
   void scale(const Token&);
@@ -137,6 +149,7 @@ class SceneParser {
   std::vector<OpenBlock> blocks;
   size_t firstBlock = 0; ///< blocks below belong to the file that imports this one
   std::map<std::string, Transforms> coordinateSystems;
+  std::set<std::shared_ptr<const Diagnostic>> faultsReported;
   std::map<std::pair<bool, std::string>, SourceLocation> textureNames;
   ObjectDescription* object = nullptr; ///< being defined
   ObjectDescription discarded;         ///< stands for an object that cannot be defined

@@ -104,6 +104,35 @@ Rgbd rgbOfXyz(const Vec3d& xyz) {
   return FROM_XYZ * xyz;
 }
 
+Vec3d xyzOfRgb(const Rgbd& rgb) {
+  static const Mat3d TO_XYZ =
+      glm::inverse(Mat3d(rgbOfXyz({1, 0, 0}), rgbOfXyz({0, 1, 0}), rgbOfXyz({0, 0, 1})));
+  return TO_XYZ * rgb;
+}
+
+Mat3d whiteBalance(double kelvin) {
+  // Chromaticity of daylight by temperature (CIE 15:2004, section 3.1).
+  Vec3d source;
+  if (kelvin < 4000) {
+    source = xyzOfRgb(rgbOfBlackbody(kelvin, SpectrumKind::ILLUMINANT));
+  } else {
+    const double t = 1 / kelvin, x = kelvin <= 7000
+                                         ? ((-4.6070e9 * t + 2.9678e6) * t + 0.09911e3) * t + 0.244063
+                                         : ((-2.0064e9 * t + 1.9018e6) * t + 0.24748e3) * t + 0.237040;
+    const double y = (-3 * x + 2.870) * x - 0.275;
+    source = Vec3d(x / y, 1, (1 - x - y) / y);
+  }
+  // Rows of Bradford's matrix (Lam 1985), from XYZ to cones.
+  const Mat3d cones = glm::transpose(
+      Mat3d(Vec3d(0.8951, 0.2664, -0.1614), Vec3d(-0.7502, 1.7135, 0.0367), Vec3d(0.0389, -0.0685, 1.0296)));
+  const Vec3d from = cones * (source / source.y), to = cones * xyzOfRgb(Rgbd(1));
+  Mat3d scale(1);
+  for (int i = 0; i < 3; ++i) scale[i][i] = to[i] / from[i];
+  const Mat3d adapt = glm::inverse(cones) * scale * cones;
+  const auto column = [&](const Rgbd& c) { return rgbOfXyz(adapt * xyzOfRgb(c)); };
+  return {column({1, 0, 0}), column({0, 1, 0}), column({0, 0, 1})};
+}
+
 double SampledSpectrum::at(double wavelength) const {
   if (wavelengths.empty()) return 0;
   const auto above = std::upper_bound(wavelengths.begin(), wavelengths.end(), wavelength);

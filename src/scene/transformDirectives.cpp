@@ -3,6 +3,8 @@
  */
 #include <cmath>
 
+#include <glm/gtc/matrix_access.hpp>
+
 #include "scene/sceneParser.h"
 
 namespace recurse::sceneFile {
@@ -26,6 +28,39 @@ bool isInvertible(const Mat4d& m) {
   }
   // Below this the columns agree in all digits that a file could have.
   return std::abs(glm::determinant(linear)) > 1e-14;
+}
+
+/** True for a matrix that does more than an affine one. Exporters write the last row with rounding errors of
+ * the other numbers. */
+bool isProjection(const Mat4d& m) {
+  if (glm::row(m, 3) == Vec4d(0, 0, 0, 1)) return false;
+  double largest = 0;
+  for (int i = 0; i < 16; ++i) largest = std::max(largest, std::abs(m[i / 4][i % 4]));
+  const double rounding = 1e-6 * largest;
+  return std::abs(m[0][3]) > rounding || std::abs(m[1][3]) > rounding || std::abs(m[2][3]) > rounding ||
+         !(std::abs(m[3][3]) > rounding);
+}
+
+/** An affine matrix without what rounding left in its last row. */
+Mat4d withoutProjection(Mat4d m) {
+  m /= m[3][3];
+  m[0][3] = m[1][3] = m[2][3] = 0;
+  m[3][3] = 1;
+  return m;
+}
+
+/** What keeps a transform from placing anything; empty where nothing does. */
+Diagnostic faultOf(const Mat4d& m, const SourceLocation& where) {
+  Diagnostic fault{Severity::ERROR, where, {}, {}};
+  if (!isFiniteMatrix(m)) {
+    fault.message = "the current transform overflows";
+  } else if (isProjection(m)) {
+    fault.message = "the current transform becomes a projection, which cannot place anything";
+    fault.accepted = "numbers 4, 8 and 12 zero, and number 16 not: matrices are written column by column";
+  } else if (!isInvertible(m)) {
+    fault.message = "the current transform becomes flat: it cannot be inverted any more";
+  }
+  return fault;
 }
 
 Mat4d translation(const Vec3d& by) {
@@ -76,28 +111,23 @@ std::vector<double> SceneParser::takeNumbers(const Token& directive, size_t coun
 Mat4d SceneParser::takeMatrix(const Token& directive) {
   const std::vector<double> v = takeNumbers(directive, 16, "a matrix column by column");
   Mat4d m;
-  double largest = 0;
-  for (int i = 0; i < 16; ++i) {
-    m[i / 4][i % 4] = v[static_cast<size_t>(i)];
-    largest = std::max(largest, std::abs(v[static_cast<size_t>(i)]));
-  }
-  // Exporters write the last row with rounding errors of the other numbers; more than that is a projection.
-  const double rounding = 1e-6 * largest;
-  if (std::abs(m[0][3]) > rounding || std::abs(m[1][3]) > rounding || std::abs(m[2][3]) > rounding ||
-      !(std::abs(m[3][3]) > rounding))
-    throw SceneError(directive.location(), "this matrix is a projection, which cannot place anything",
-                     "numbers 4, 8 and 12 zero, and number 16 not: it is written column by column");
-  m /= m[3][3];
-  m[0][3] = m[1][3] = m[2][3] = 0;
-  m[3][3] = 1;
-  return m;
+  for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = v[static_cast<size_t>(i)];
+  return isFiniteMatrix(m) && !isProjection(m) ? withoutProjection(m) : m;
 }
 
 void SceneParser::setTransform(size_t i, const Mat4d& m, const SourceLocation& where) {
-  if (!isFiniteMatrix(m)) throw SceneError(where, "the current transform overflows");
-  if (!isInvertible(m))
-    throw SceneError(where, "the current transform becomes flat: it cannot be inverted any more");
-  state.transforms.at[i] = m;
+  Diagnostic fault = faultOf(m, where);
+  std::shared_ptr<const Diagnostic>& now = state.transforms.fault[i];
+  state.transforms.at[i] = fault.message.empty() ? withoutProjection(m) : m;
+  if (fault.message.empty())
+    now = nullptr;
+  else if (!now) // else the first directive that did it
+    now = std::make_shared<const Diagnostic>(std::move(fault));
+}
+
+void SceneParser::reportFault(const std::shared_ptr<const Diagnostic>& fault, const SourceLocation& usedAt) {
+  if (!fault || !faultsReported.insert(fault).second) return;
+  log.error(fault->location, fault->message + "; used at " + placeName(usedAt), fault->accepted);
 }
 
 void SceneParser::concatenate(const Mat4d& m, const SourceLocation& where) {
@@ -105,15 +135,21 @@ void SceneParser::concatenate(const Mat4d& m, const SourceLocation& where) {
     if (state.active[i]) setTransform(i, state.transforms.at[i] * m, where);
 }
 
-Mat4d SceneParser::currentTransform(const SourceLocation& where) {
+Mat4d SceneParser::restingTransform(const SourceLocation& where, const char* what) {
   if (state.transforms.moving())
-    log.error(where, "motion blur is not supported: the transforms of StartTime and EndTime differ here");
-  return state.transforms.at[0];
+    log.warning(where, std::string(what) +
+                           " does not move: of the transforms of StartTime and EndTime it has the first");
+  return firstTransform(where);
+}
+
+Mat4d SceneParser::firstTransform(const SourceLocation& where) {
+  for (const auto& fault : state.transforms.fault) reportFault(fault, where);
+  return state.transforms.fault[0] ? Mat4d(1) : state.transforms.at[0];
 }
 
 void SceneParser::identity(const Token&) {
   for (size_t i = 0; i < 2; ++i)
-    if (state.active[i]) state.transforms.at[i] = Mat4d(1);
+    if (state.active[i]) setTransform(i, Mat4d(1), {});
 }
 
 void SceneParser::translate(const Token& t) {
@@ -123,8 +159,6 @@ void SceneParser::translate(const Token& t) {
 
 void SceneParser::scale(const Token& t) {
   const auto v = takeNumbers(t, 3, "three factors");
-  if (v[0] == 0 || v[1] == 0 || v[2] == 0)
-    throw SceneError(t.location(), "Scale by zero cannot be inverted", "factors that are not zero");
   Mat4d m(1);
   for (int i = 0; i < 3; ++i) m[i][i] = v[static_cast<size_t>(i)];
   concatenate(m, t.location());
@@ -158,8 +192,11 @@ void SceneParser::lookAt(const Token& t) {
 
 void SceneParser::transform(const Token& t) {
   const Mat4d m = takeMatrix(t);
-  for (size_t i = 0; i < 2; ++i)
-    if (state.active[i]) setTransform(i, m, t.location());
+  for (size_t i = 0; i < 2; ++i) {
+    if (!state.active[i]) continue;
+    state.transforms.fault[i] = nullptr;
+    setTransform(i, m, t.location());
+  }
 }
 
 void SceneParser::concatTransform(const Token& t) { concatenate(takeMatrix(t), t.location()); }
@@ -196,8 +233,10 @@ void SceneParser::activeTransform(const Token& t) {
 }
 
 void SceneParser::transformTimes(const Token& t) {
-  // Without motion blur the times say nothing; what moves is reported where it is used.
-  takeNumbers(t, 2, "start and end");
+  const auto v = takeNumbers(t, 2, "start and end");
+  if (!(v[0] < v[1])) throw SceneError(t.location(), "the motion ends before it has begun", "start < end");
+  scene.startTime = v[0];
+  scene.endTime = v[1];
 }
 
 } // namespace recurse::sceneFile

@@ -1,6 +1,8 @@
 /** @file
  * Directives of the world: blocks, materials, textures, shapes, lights, media, objects, imports.
  */
+#include <algorithm>
+
 #include "scene/parameterParser.h"
 #include "scene/sceneParser.h"
 
@@ -19,6 +21,16 @@ constexpr const char* ATTRIBUTE_TARGET_NAMES[ATTRIBUTE_TARGETS] = {"shape", "lig
 /** Names that stand for a surface that does not scatter. */
 bool isInterface(const std::string& material) {
   return material.empty() || material == "none" || material == "interface";
+}
+
+/** True for light that is the same from all directions, whatever the transform. */
+bool isTheSameFromEverywhere(const ParsedDirective& light) {
+  const auto depends = [](const std::vector<ParsedParameter>& parameters) {
+    return std::any_of(parameters.begin(), parameters.end(),
+                       [](const ParsedParameter& p) { return p.name == "filename" || p.name == "portal"; });
+  };
+  return light.type == "infinite" && !depends(light.parameters) &&
+         !(light.attributes && depends(*light.attributes));
 }
 
 } // namespace
@@ -129,7 +141,7 @@ void SceneParser::texture(const Token& t) {
   if (kind.text == "color") looksOld(kind.location());
   if (!texture.spectrum && kind.text != "float")
     throw SceneError(kind.location(), "unknown type of texture " + kind.shown(), "\"float\" \"spectrum\"");
-  texture.worldFromTexture = currentTransform(nameToken.location());
+  texture.worldFromTexture = restingTransform(nameToken.location(), "a texture");
   const auto [old, isNew] =
       textureNames.emplace(std::pair(texture.spectrum, texture.name), nameToken.location());
   if (!isNew) {
@@ -143,7 +155,8 @@ void SceneParser::texture(const Token& t) {
 void SceneParser::shape(const Token& t) {
   ShapeDescription s;
   s.shape = takePlugIn(t, AttributeTarget::SHAPE);
-  s.worldFromObject = currentTransform(s.shape.location);
+  s.worldFromObject = firstTransform(s.shape.location);
+  s.worldFromObjectLast = lastTransform();
   s.reverseOrientation = state.reverseOrientation;
   s.material = state.material;
   s.areaLight = state.areaLight;
@@ -154,7 +167,8 @@ void SceneParser::shape(const Token& t) {
 void SceneParser::lightSource(const Token& t) {
   LightDescription l;
   l.light = takePlugIn(t, AttributeTarget::LIGHT);
-  l.worldFromLight = currentTransform(l.light.location);
+  if (!isTheSameFromEverywhere(l.light))
+    l.worldFromLight = restingTransform(l.light.location, "a LightSource");
   l.medium = state.medium.outside;
   scene.lights.push_back(std::move(l));
 }
@@ -178,7 +192,7 @@ void SceneParser::makeNamedMedium(const Token& t) {
   const std::string name = d.type;
   const SourceLocation where = d.location;
   moveTypeOut(d, "medium");
-  const Mat4d worldFromMedium = currentTransform(where);
+  const Mat4d worldFromMedium = restingTransform(where, "a medium");
   const auto [old, isNew] = scene.media.emplace(name, std::move(d));
   if (!isNew)
     log.error(where, "medium \"" + name + "\" is defined already, at " + placeName(old->second.location));
@@ -227,7 +241,8 @@ void SceneParser::objectInstance(const Token& t) {
   InstanceDescription instance;
   instance.object = name.value();
   instance.location = name.location();
-  instance.worldFromInstance = currentTransform(name.location());
+  instance.worldFromInstance = firstTransform(name.location());
+  instance.worldFromInstanceLast = lastTransform();
   scene.instances.push_back(std::move(instance));
 }
 

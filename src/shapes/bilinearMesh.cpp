@@ -27,7 +27,8 @@ struct Patch {
    * `beyond` it.
    */
   template <class Visit>
-  void meet(const Vec3d& origin, const Vec3d& direction, double beyond, const Visit& visit) const {
+  void intersectPosition(const Vec3d& origin, const Vec3d& direction, double beyond,
+                         const Visit& visit) const {
     // The line is looked at from near the patch, so that distance costs no digits.
     const Vec3d middle = corner + offset(0.5, 0.5);
     const double tNear = glm::dot(middle - origin, direction) / glm::dot(direction, direction);
@@ -175,19 +176,18 @@ class BilinearMesh final : public Shape {
     nearest.t = tMax;
     // Neighbours share edges: rounding must not open them.
     constexpr double EDGE_ROUNDING = 1e-13;
-    patch(primitive).meet(origin, direction, EDGE_ROUNDING, [&](double t, double u, double v) {
+    patch(primitive).intersectPosition(origin, direction, EDGE_ROUNDING, [&](double t, double u, double v) {
       const auto rounded = static_cast<float>(t);
-      if (rounded > tMin && rounded < nearest.t)
-        nearest = {rounded, {static_cast<float>(u - 0.5), static_cast<float>(v - 0.5)}};
+      if (rounded > tMin && rounded < nearest.t) nearest = {rounded, HitParameters(Vec2f(u - 0.5, v - 0.5))};
     });
     if (!(nearest.t < tMax)) return {};
     return nearest;
   }
 
   /** The parameters are u and v from the middle, where large patches then have the most digits. */
-  SurfacePoint surfaceAt(uint32_t primitive, const Vec2f& parameters) const override {
-    return pointAt(primitive, patch(primitive), std::clamp(double(parameters.x) + 0.5, 0.0, 1.0),
-                   std::clamp(double(parameters.y) + 0.5, 0.0, 1.0));
+  SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const override {
+    return pointAt(primitive, patch(primitive), std::clamp(double(parameters.uv.x) + 0.5, 0.0, 1.0),
+                   std::clamp(double(parameters.uv.y) + 0.5, 0.0, 1.0));
   }
 
   float area() const override {
@@ -202,6 +202,7 @@ class BilinearMesh final : public Shape {
     if (found == cumulativeArea.end())
       found = std::lower_bound(cumulativeArea.begin(), cumulativeArea.end(), cumulativeArea.back());
     const auto primitive = static_cast<uint32_t>(found - cumulativeArea.begin());
+    s.primitive = primitive;
     const Patch p = patch(primitive);
     if (p.isParallelogram()) {
       s.point = pointAt(primitive, p, double(u.x), double(u.y));
@@ -219,7 +220,7 @@ class BilinearMesh final : public Shape {
     if (p.isParallelogram()) return 1 / area();
     // Which (u, v) is it? The patch is met close by along the normal, a little beyond the edges by rounding.
     double nearest = std::numeric_limits<double>::infinity(), atU = 0.5, atV = 0.5;
-    p.meet(point.position, point.geometricNormal, 0.01, [&](double t, double u, double v) {
+    p.intersectPosition(point.position, point.geometricNormal, 0.01, [&](double t, double u, double v) {
       if (std::abs(t) >= nearest) return;
       nearest = std::abs(t);
       atU = u;

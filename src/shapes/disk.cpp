@@ -46,12 +46,12 @@ class Disk final : public Shape {
     const double x = glm::dot(coordinateX, p), y = glm::dot(coordinateY, p), r2 = x * x + y * y;
     if (r2 > 1 || r2 < square(inner)) return {};
     if (phiMax < TWO_PI && azimuth(x, y) > phiMax) return {};
-    return PrimitiveHit{rounded, {static_cast<float>(x), static_cast<float>(y)}};
+    return PrimitiveHit{rounded, HitParameters(Vec2f(x, y))};
   }
 
   /** The parameters are the place on the unit disc. */
-  SurfacePoint surfaceAt(uint32_t, const Vec2f& parameters) const override {
-    double x = double(parameters.x), y = double(parameters.y);
+  SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
+    double x = double(parameters.uv.x), y = double(parameters.uv.y);
     double r = std::hypot(x, y);
     if (r > 1) { // by rounding
       x /= r;
@@ -84,7 +84,7 @@ class Disk final : public Shape {
                    phi = phiMax * double(u.y);
       p = {static_cast<float>(r * std::cos(phi)), static_cast<float>(r * std::sin(phi))};
     }
-    s.point = surfaceAt(0, p);
+    s.point = surfaceAt(0, HitParameters(p));
     s.pdf = 1 / totalArea;
     return s;
   }

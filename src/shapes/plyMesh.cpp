@@ -144,6 +144,9 @@ class PlyReader {
  public:
   explicit PlyReader(const std::string& path) : in(path) {}
 
+  /** How many normals of the file are no numbers. */
+  uint64_t normalsLeftOut() const { return badNormals; }
+
   MeshData read() {
     readHeader();
     findVertexProperties();
@@ -170,12 +173,12 @@ class PlyReader {
   // ---- header
 
   std::string headerLine() {
-    constexpr size_t MOST = 1 << 16;
+    constexpr size_t MAX_DIGITS = 1 << 16;
     reportedLine = in.lineNumber();
     std::string text;
     for (int c = in.get(); c != '\n'; c = in.get()) {
       if (c < 0) fail("the file ends within the header");
-      if (text.size() == MOST) fail("this is no PLY header: the line is too long");
+      if (text.size() == MAX_DIGITS) fail("this is no PLY header: the line is too long");
       text += static_cast<char>(c);
     }
     if (!text.empty() && text.back() == '\r') text.pop_back();
@@ -311,12 +314,12 @@ class PlyReader {
 
   /** A word of a text file. */
   void readWord() {
-    constexpr size_t MOST = 400; // digits of a number, with a margin
+    constexpr size_t MAX_DIGITS = 400; // digits of a number, with a margin
     while (isBlank(in.peek())) in.get();
     reportedLine = in.lineNumber();
     word.clear();
     for (int c = in.peek(); c >= 0 && !isBlank(c); c = in.peek()) {
-      if (word.size() == MOST) fail("\"" + printable(word) + "\" is no number");
+      if (word.size() == MAX_DIGITS) fail("\"" + printable(word) + "\" is no number");
       word += static_cast<char>(in.get());
     }
     if (word.empty()) failAtEnd();
@@ -400,10 +403,14 @@ class PlyReader {
   }
 
   template <class V>
-  V pickVector(const std::vector<double>& values, const std::vector<int>& places, const char* what) const {
+  V pickVector(const std::vector<double>& values, const std::vector<int>& places, const char* what) {
     V v;
     for (int i = 0; i < V::length(); ++i) {
       v[i] = values[size_t(places[size_t(i)])];
+      if (!std::isfinite(v[i]) && places == normalPlaces) {
+        ++badNormals;
+        return V(0); // stands for none: the face's own counts
+      }
       if (!std::isfinite(v[i]))
         fail("vertex " + std::to_string(index) + " has a " + what + " that is not finite");
     }
@@ -476,6 +483,7 @@ class PlyReader {
   std::vector<int> positionPlaces, normalPlaces, uvPlaces; ///< among the vertex's properties
   int indexPlace = -1;                                     ///< among the face's
   MeshData mesh;
+  uint64_t badNormals = 0; ///< that are not finite
 
   // Where we are, for messages.
   bool inHeader = true;
@@ -490,7 +498,12 @@ std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& cont
     if (p.has(name)) p.fail(name, "displacement of meshes is not rendered yet", "a mesh without it");
   const std::string path = p.filePath("filename");
   try {
-    return std::make_unique<TriangleMesh>(PlyReader(path).read(), context);
+    PlyReader reader(path);
+    MeshData mesh = reader.read();
+    if (reader.normalsLeftOut() > 0)
+      p.warn("filename", path + ": " + std::to_string(reader.normalsLeftOut()) +
+                             " vertices have normals that are not finite; faces are shaded without them");
+    return std::make_unique<TriangleMesh>(std::move(mesh), context);
   } catch (const SceneError&) {
     throw;
   } catch (const Error& e) {

@@ -4,6 +4,7 @@
  */
 #include <mutex>
 
+#include "recurse/core/integrate.h"
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
@@ -11,71 +12,6 @@ namespace recurse {
 namespace {
 
 constexpr double PI_D = 3.14159265358979323846;
-
-/**
- * A direction in two floats: the face of the cube that it meets, and the two coordinates there. The face
- * hides in the exponents, so that the coordinates keep all their digits: near the six axes a point is known
- * as well as float positions are, even on a sphere as large as a planet.
- */
-constexpr int CODE_SHIFT = 41;
-constexpr double SMALLEST_COORDINATE = 0x1p-40; ///< anything less stands for 0
-
-float encodeCoordinate(double c, int code) {
-  if (std::abs(c) < SMALLEST_COORDINATE) c = SMALLEST_COORDINATE;
-  return static_cast<float>(std::ldexp(c, code * CODE_SHIFT));
-}
-
-double decodeCoordinate(float stored, int& code) {
-  code = 0;
-  double c = double(stored);
-  while (std::abs(c) > 1 && code < 2) {
-    c = std::ldexp(c, -CODE_SHIFT);
-    ++code;
-  }
-  return std::abs(c) <= SMALLEST_COORDINATE ? 0 : c;
-}
-
-Vec2f encodeDirection(const Vec3d& d) {
-  const Vec3d a = glm::abs(d);
-  const int axis = widestAxis(a);
-  return {encodeCoordinate(d[(axis + 1) % 3] / a[axis], axis),
-          encodeCoordinate(d[(axis + 2) % 3] / a[axis], d[axis] < 0 ? 1 : 0)};
-}
-
-Vec3d decodeDirection(const Vec2f& stored) {
-  int axis, negative;
-  const double b = decodeCoordinate(stored.x, axis), c = decodeCoordinate(stored.y, negative);
-  Vec3d d;
-  d[axis] = negative ? -1 : 1;
-  d[(axis + 1) % 3] = b;
-  d[(axis + 2) % 3] = c;
-  return glm::normalize(d);
-}
-
-/** Gauss' rule of seven points on [a, b]. */
-template <class F> double gauss7(const F& f, double a, double b) {
-  constexpr double NODE[] = {0, 0.4058451513773972, 0.7415311855993945, 0.9491079123427585},
-                   WEIGHT[] = {0.4179591836734694, 0.3818300505051189, 0.2797053914892766,
-                               0.1294849661688697};
-  const double centre = 0.5 * (a + b), half = 0.5 * (b - a);
-  double sum = WEIGHT[0] * f(centre);
-  for (int i = 1; i < 4; ++i) sum += WEIGHT[i] * (f(centre - half * NODE[i]) + f(centre + half * NODE[i]));
-  return sum * half;
-}
-
-/** Halves the interval until both halves agree with the whole to `tolerance`. */
-template <class F>
-double integrate(const F& f, double a, double b, double tolerance, double whole, int depth) {
-  const double middle = 0.5 * (a + b);
-  const double left = gauss7(f, a, middle), right = gauss7(f, middle, b);
-  if (depth == 0 || std::abs(left + right - whole) <= tolerance) return left + right;
-  return integrate(f, a, middle, 0.5 * tolerance, left, depth - 1) +
-         integrate(f, middle, b, 0.5 * tolerance, right, depth - 1);
-}
-template <class F> double integrate(const F& f, double a, double b, double relativeTolerance) {
-  const double whole = gauss7(f, a, b);
-  return integrate(f, a, b, relativeTolerance * std::abs(whole), whole, 30);
-}
 
 /** The part of the unit sphere that is there. */
 struct Sweep {
@@ -144,34 +80,24 @@ class Sphere final : public Shape {
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f& origin, const Vec3f& direction, float tMin,
                                         float tMax) const override {
     const Vec3d o = inverse * (Vec3d(origin) - center), d = inverse * Vec3d(direction);
-    const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
-    if (!(a > 0)) return {};
-    // The discriminant from the point of the ray that is nearest to the centre, which keeps its digits when
-    // the sphere is small and far (Haines et al., "Precision Improvements for Ray/Sphere Intersection",
-    // 2019).
-    const Vec3d nearest = o - d * (b / a);
-    double discriminant = 1 - glm::dot(nearest, nearest);
-    if (c < 0) discriminant = std::max(discriminant, 0.0);
-    if (!(discriminant >= 0)) return {};
-    const double root = std::sqrt(discriminant * a);
-    const double q = b < 0 ? root - b : -b - root;
-    double t0 = q / a, t1 = q != 0 ? c / q : 0;
-    if (t0 > t1) std::swap(t0, t1);
-    for (const double t : {t0, t1}) {
+    double ts[2];
+    if (!meet(o, d, ts)) return {};
+    for (const double t : ts) {
       const auto rounded = static_cast<float>(t);
       if (!(rounded > tMin && rounded < tMax)) continue;
       const Vec3d p = glm::normalize(o + d * t);
       if (!sweep.whole() && (p.z < sweep.zLow || p.z > sweep.zHigh || azimuth(p) > sweep.phiMax)) continue;
-      return PrimitiveHit{rounded, encodeDirection(p)};
+      return PrimitiveHit{rounded, HitParameters(Vec3f(p))};
     }
     return {};
   }
 
-  SurfacePoint surfaceAt(uint32_t, const Vec2f& parameters) const override {
-    return pointAt(decodeDirection(parameters));
+  /** The parameters are the point of the unit sphere. */
+  SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
+    return pointAt(glm::normalize(Vec3d(parameters.point())));
   }
-  SurfacePoint placeAt(uint32_t, const Vec2f& parameters) const override {
-    return placeAt(decodeDirection(parameters));
+  SurfacePoint placeAt(uint32_t, const HitParameters& parameters) const override {
+    return placeAt(glm::normalize(Vec3d(parameters.point())));
   }
 
   float area() const override {
@@ -179,6 +105,11 @@ class Sphere final : public Shape {
     // Takes a while, and only the power of lights wants it.
     std::call_once(areaKnown, [this] { ellipsoidArea = stretchedArea(); });
     return static_cast<float>(ellipsoidArea);
+  }
+
+  std::unique_ptr<Solid> asSolid() const override {
+    if (!sweep.whole()) throw Error("it is a part of a sphere only (zmin, zmax or phimax)");
+    return std::make_unique<WholeSphere>(*this);
   }
 
   ShapeSample sampleArea(float, const Vec2f& u) const override {
@@ -229,6 +160,41 @@ class Sphere final : public Shape {
   }
 
  private:
+  /** Where a line meets the unit sphere, the nearer place first. */
+  static bool meet(const Vec3d& o, const Vec3d& d, double (&t)[2]) {
+    const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
+    if (!(a > 0)) return false;
+    // The discriminant from the point of the ray that is nearest to the centre, which keeps its digits when
+    // the sphere is small and far (Haines et al., "Precision Improvements for Ray/Sphere Intersection",
+    // 2019).
+    const Vec3d nearest = o - d * (b / a);
+    double discriminant = 1 - glm::dot(nearest, nearest);
+    if (c < 0) discriminant = std::max(discriminant, 0.0);
+    if (!(discriminant >= 0)) return false;
+    const double root = std::sqrt(discriminant * a);
+    const double q = b < 0 ? root - b : -b - root;
+    t[0] = q / a;
+    t[1] = q != 0 ? c / q : 0;
+    if (t[0] > t[1]) std::swap(t[0], t[1]);
+    return true;
+  }
+
+  class WholeSphere final : public Solid {
+   public:
+    explicit WholeSphere(const Sphere& sphere) : sphere(sphere) {}
+    void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
+      const Vec3d o = sphere.inverse * (origin - sphere.center), d = sphere.inverse * direction;
+      double t[2];
+      if (!meet(o, d, t)) return;
+      for (int i = 0; i < 2; ++i)
+        found.push_back({t[i], i == 0, 0, HitParameters(Vec3f(glm::normalize(o + d * t[i])))});
+    }
+    bool normalsPointIn() const override { return sphere.side < 0; }
+
+   private:
+    const Sphere& sphere;
+  };
+
   /** From clearly outside. A point of the sphere itself is rounded to either side of it, and is no such
    * place. */
   bool coneIsSeen(const Vec3f& from, double distance2) const {

@@ -46,7 +46,7 @@ ClassesReport analyseClasses(const std::vector<PathClass>& classes, size_t maxEv
   try {
     const PathClasses joint(classes);
     renderable = "rendered at once with " + std::to_string(joint.lightStateCount()) +
-                 " states on the side of the light and " + std::to_string(joint.eyeStateCount()) +
+                 " states on the side of the light and " + std::to_string(joint.cameraStateCount()) +
                  " on the side of the eye";
   } catch (const Error& e) {
     renderable = std::string("not to be rendered: ") + e.what();

@@ -5,32 +5,34 @@
 
 namespace recurse {
 
-void addSampledLight(const Scene& scene, const LightGuide& guide, const LitPlace& place,
+void addSampledLight(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
-                     const Vec3f& eye, const Rgb& throughput, EyeState eyeState, int samples, LobeSet allowed,
-                     Sampler& sampler, PathRadiance& out) {
-  if (!lightIsSampled(scene, out.pathClasses(), eyeState)) return;
-  for (int i = 0; i < samples; ++i) {
-    const LightChoice choice(scene.lights(), guide, place, sampler);
-    const std::optional<Illumination> light = choice.illuminate(hit.point.position);
+                     const Vec3f& eye, const Rgb& throughput, CameraState cameraState, int samples,
+                     LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out) {
+  if (!lightIsSampled(scene, out.pathClasses(), cameraState)) return;
+  for (int i = 0; i < samples && !out.abandoned(); ++i) {
+    const SampledLight choice(scene.lights(), guide, place, sampler);
+    const std::optional<LiSample> light = choice.sampleLi(hit.point);
     if (!light) continue;
     const Rgb radiance =
         unshadowedRadiance(scattering, eye, throughput, *light, choice.chosen.probability, samples, allowed);
-    if (!isBlack(radiance) && visible(scene, hit, eye, *light, nesting, out.counts))
-      out.add(out.pathClasses().lightStart(), eyeState, radiance);
+    if (isBlack(radiance)) continue;
+    const Transmittance free = transmittance(scene, hit, eye, *light, nesting, maxPanes, out.counts);
+    if (!isBlack(free.value))
+      out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value);
   }
 }
 
-Rgb emittedRadiance(const Scene& scene, const LightGuide& guide, const Hit& hit, const Vec3f& direction,
+Rgb emittedRadiance(const Scene& scene, const LightSampler& guide, const Hit& hit, const Vec3f& direction,
                     const BsdfRay& ray, int lightSamples) {
   const Rgb radiance = hit.areaLight->radiance(hit.point, -direction);
   if (!ray.weighted || isBlack(radiance)) return radiance;
   const float lightPdf = guide.probability(scene.lights(), ray.from, hit.lightIndex) *
-                         hit.areaLight->pdfIlluminate(ray.from.position, hit.primitive, hit.point);
+                         hit.areaLight->pdfLi(ray.from.position, hit.primitive, hit.point);
   return radiance * (1 - powerHeuristic(lightSamples, lightPdf, ray.pdf));
 }
 
-Rgb environmentRadiance(const Scene& scene, const LightGuide& guide, const Vec3f& direction,
+Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, const Vec3f& direction,
                         const BsdfRay& ray, int lightSamples) {
   Rgb sum = BLACK;
   const auto& environment = scene.environment();
@@ -39,7 +41,7 @@ Rgb environmentRadiance(const Scene& scene, const LightGuide& guide, const Vec3f
     float weight = 1;
     if (ray.weighted) {
       const float lightPdf = guide.probability(scene.lights(), ray.from, scene.environmentIndices()[i]) *
-                             environment[i]->pdfIlluminate(direction);
+                             environment[i]->pdfLi(ray.from.position, direction);
       weight = 1 - powerHeuristic(lightSamples, lightPdf, ray.pdf);
     }
     sum += radiance * weight;

@@ -52,8 +52,9 @@ float VisibleRegion::importance(const Vec3f& position) const {
   return sum;
 }
 
-EmissionGuide::EmissionGuide(std::span<const Useful> useful, double trials, size_t lights) : lights(lights) {
-  std::vector<Useful> parts(useful.begin(), useful.end()); // which splits put in order
+EmissionGuide::EmissionGuide(std::span<const TrainingSample> useful, double trials, size_t lights)
+    : lights(lights) {
+  std::vector<TrainingSample> parts(useful.begin(), useful.end()); // which splits put in order
   Numbers low, high;
   low.fill(0);
   high.fill(1);
@@ -79,12 +80,12 @@ EmissionGuide::EmissionGuide(std::span<const Useful> useful, double trials, size
   expectedGain = plain / variance;
 }
 
-void EmissionGuide::split(std::span<Useful> useful, const Numbers& low, const Numbers& high, double trials,
-                          int depth) {
+void EmissionGuide::split(std::span<TrainingSample> useful, const Numbers& low, const Numbers& high,
+                          double trials, int depth) {
   const auto node = nodes.size();
   nodes.push_back({-1, 0, static_cast<uint32_t>(leaves.size())});
   double weight = 0, squared = 0;
-  for (const Useful& u : useful) {
+  for (const TrainingSample& u : useful) {
     weight += double(u.weight);
     squared += square(double(u.weight));
   }
@@ -99,7 +100,7 @@ void EmissionGuide::split(std::span<Useful> useful, const Numbers& low, const Nu
     for (size_t d = 0; d < DIMENSIONS; ++d) {
       std::array<double, 4> quarters{};
       const float width = high[d] - low[d];
-      for (const Useful& u : useful)
+      for (const TrainingSample& u : useful)
         quarters[std::min<size_t>(3, static_cast<size_t>(4 * (u.numbers[d] - low[d]) / width))] +=
             double(u.weight);
       double left = 0;
@@ -125,7 +126,7 @@ void EmissionGuide::split(std::span<Useful> useful, const Numbers& low, const Nu
     return;
   }
   const auto middle = std::partition(useful.begin(), useful.end(),
-                                     [&](const Useful& u) { return u.numbers[dimension] < at; });
+                                     [&](const TrainingSample& u) { return u.numbers[dimension] < at; });
   const auto leftCount = static_cast<size_t>(middle - useful.begin());
   Numbers lowRight = low, highLeft = high;
   lowRight[dimension] = highLeft[dimension] = at;

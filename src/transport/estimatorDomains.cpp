@@ -46,6 +46,15 @@ std::string DomainReport::text() const {
   return out + "\n";
 }
 
+std::string missedOfDeltaLights(const std::vector<EstimatorDomain>& estimators) {
+  std::vector<EstimatorDomain> finding;
+  for (const EstimatorDomain& e : estimators)
+    if (!e.meetsLights && !e.onlyPanes) finding.push_back(e);
+  const DomainReport report = checkDomains(finding, "surface - LS*E");
+  return report.uncovered.empty() || !report.uncoveredExpression.empty() ? report.uncoveredExpression
+                                                                         : report.uncovered.front();
+}
+
 std::string formatDomains(const std::vector<EstimatorDomain>& estimators) {
   std::vector<std::array<std::string, 3>> rows = {{"estimator", "paths", "cost"}};
   for (const EstimatorDomain& e : estimators)

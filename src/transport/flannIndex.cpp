@@ -54,7 +54,7 @@ template <class Map, class Query> class RegionResult : public flann::ResultSet<f
   bool full() const override { return true; }
   void addPoint(float, size_t index) override {
     const float d2 = query.distance2(map.position(index));
-    if (!(d2 < query.radius2) || !query.selected(map.position(index), map.packedDirection(index))) return;
+    if (!(d2 < query.radius2) || !query.selected(map.position(index), map.packedNormal(index))) return;
     const FlannHit hit{d2, static_cast<uint32_t>(index)};
     if (most == 0) {
       hits.push_back(hit);

@@ -3,6 +3,8 @@
  */
 #include "recurse/transport/gather.h"
 
+#include "recurse/transport/causticWeights.h"
+
 #include <bit>
 
 namespace recurse {
@@ -13,15 +15,15 @@ namespace {
 class Estimate {
  public:
   Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
-           const LobeSharing& sharing, const PathClasses& classes, EyeState eyeState)
-      : scattering(scattering), eye(eye), sharing(sharing), eyeState(eyeState),
-        states(classes.lightStateCount()),
-        lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
+           const GatherSettings& settings, float merging, const PathClasses& classes, CameraState cameraState)
+      : scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
+        states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(merging),
+        lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION) && !weighed),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal) {
-    if (lambertian && states <= MOST_LISTED) {
+    if (lambertian && states <= MAX_LISTED) {
       for (size_t i = 0; i < states; ++i)
-        if (classes.join(LightState(static_cast<uint8_t>(i)), eyeState) != 0) {
+        if (classes.join(LightState(static_cast<uint8_t>(i)), cameraState) != 0) {
           lanes[listed] = {Float8(0), Float8(0), Float8(0)};
           list[listed++] = static_cast<uint8_t>(i);
         }
@@ -44,7 +46,7 @@ class Estimate {
     Float8 weight = block.found(shape);
     if (lambertian) {
       if (bent) weight = weight & arrivesOn(shadingSide, block);
-      if (states <= MOST_LISTED) {
+      if (states <= MAX_LISTED) {
         const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
         // Every state's turn for every block: cheaper than a branch that depends on the photons.
         const __m256i eight =
@@ -61,7 +63,10 @@ class Estimate {
     for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
       const int lane = std::countr_zero(rest);
       const Rgb power = block.power(lane) * w[lane];
-      sums[block.pathStates[lane]] += lambertian ? power : power * value(block.direction(lane));
+      sums[block.pathStates[lane]] +=
+          lambertian
+              ? power
+              : power * value(block.direction(lane), block.reverseRatios ? block.reverseRatios[lane] : 0);
     }
   }
 
@@ -69,9 +74,9 @@ class Estimate {
     // A Lambertian BSDF is the same for all photons: one evaluation straight out of the surface.
     const Rgb factor = lambertian ? scale * scattering.value(eye, shadingSide) : scale;
     const auto addState = [&](size_t state, const Rgb& power) {
-      if (!isBlack(power)) out.add(LightState(static_cast<uint8_t>(state)), eyeState, power * factor);
+      if (!isBlack(power)) out.add(LightState(static_cast<uint8_t>(state)), cameraState, power * factor);
     };
-    if (lambertian && states <= MOST_LISTED) {
+    if (lambertian && states <= MAX_LISTED) {
       for (size_t i = 0; i < listed; ++i)
         addState(list[i], Rgb(sum(lanes[i].x), sum(lanes[i].y), sum(lanes[i].z)));
     } else {
@@ -81,13 +86,14 @@ class Estimate {
 
  private:
   /** More states than this are added up photon by photon. */
-  static constexpr size_t MOST_LISTED = 12;
+  static constexpr size_t MAX_LISTED = 12;
 
   /** The BSDF for light from a photon's direction, as far as no ray follows it. */
-  Rgb value(const Vec3f& light) const {
+  Rgb value(const Vec3f& light, float reverseRatio) const {
     const Rgb f = scattering.value(eye, light);
-    if (!sharing.ever() || isBlack(f)) return f;
-    return f * sharing.gathered(scattering.pdfDiffuse(eye, light));
+    if (isBlack(f) || !(weighed || weighting.ever())) return f;
+    const float pdf = scattering.pdfNonDelta(eye, light);
+    return f * (weighed ? photonWeight(reverseRatio, merging, pdf) : weighting.gathered(pdf));
   }
 
   /** The lanes whose light does not come from behind the shading normal, whence it would leak. */
@@ -105,20 +111,22 @@ class Estimate {
 
   const ScatteringPoint& scattering;
   Vec3f eye;
-  LobeSharing sharing;
-  EyeState eyeState;
+  GatherWeighting weighting;
+  CameraState cameraState;
   size_t states;
-  bool lambertian;
+  bool weighed;
+  float merging;
+  bool lambertian; ///< and all photons count alike
   Vec3f shadingSide;
   bool bent;
   std::array<Rgb, 256> sums;
   size_t listed = 0; ///< states that make an accepted path here
-  std::array<uint8_t, MOST_LISTED> list;
-  std::array<Vec3f8, MOST_LISTED> lanes; ///< sums for the listed states, spread over eight
+  std::array<uint8_t, MAX_LISTED> list;
+  std::array<Vec3f8, MAX_LISTED> lanes; ///< sums for the listed states, spread over eight
 };
 
 /** Where photons are added up, and what divides them. */
-struct Disc {
+struct Support {
   GatherRegion region;
   float radius2 = 0;
   float part = 1;         ///< of the kernel's weight that a surface bears
@@ -126,9 +134,10 @@ struct Disc {
 };
 
 /** `region`: the place. A disc smaller than `least` is widened to it. `error` bounds that of the centre. */
-Disc findDisc(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region, float error,
-              float least, Surroundings* surroundings, PhotonScratch& scratch, TransportCounts& counts) {
-  Disc disc{region};
+Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region,
+                          float error, float least, BoundaryCorrection* boundary, PhotonScratch& scratch,
+                          TransportCounts& counts) {
+  Support disc{region};
   const auto search = [&] {
     disc.region.radius = settings.radius;
     disc.byNearest = false;
@@ -146,17 +155,16 @@ Disc findDisc(const PhotonMap& map, const GatherSettings& settings, const Gather
     }
     disc.region.radius = std::sqrt(disc.radius2);
   };
-  const float flat = surroundings ? surroundings->flat() : 0;
-  disc.region.flatness =
-      flat > 0 ? flatnessOfFlat(*surroundings, settings.flatness, error) : settings.flatness;
+  const float flat = boundary ? boundary->flat() : 0;
+  disc.region.flatness = flat > 0 ? flatnessOfFlat(*boundary, settings.flatness, error) : settings.flatness;
   search();
   if (flat > 0 && disc.region.radius > flat) { // no telling what is flat so far away
     disc.region.flatness = settings.flatness;
     search();
   }
-  if (!surroundings) return disc;
+  if (!boundary) return disc;
   const auto fit = [&] {
-    disc.part = fitToSurface(*surroundings, error, settings.kernel, disc.region, counts);
+    disc.part = coveredFraction(*boundary, error, settings.kernel, disc.region, counts);
     const bool smaller = square(disc.region.radius) < 0.99f * disc.radius2;
     if (!smaller) return;
     disc.radius2 = square(disc.region.radius);
@@ -179,7 +187,7 @@ struct PowerSum {
 /** `arrives(weight, block)`: the weight in the lanes whose light counts, 0 in the others. A disc by the
  * nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc] is the density. */
 template <class Arrives>
-PowerSum sumPower(const PhotonMap& map, const Disc& disc, Kernel kernel, const PhotonScratch& scratch,
+PowerSum sumPower(const PhotonMap& map, const Support& disc, Kernel kernel, const PhotonScratch& scratch,
                   const Arrives& arrives) {
   return withKernel(kernel, [&](auto k) {
     const Float8 limit(disc.radius2), inverse(1 / disc.radius2);
@@ -201,7 +209,7 @@ PowerSum sumPower(const PhotonMap& map, const Disc& disc, Kernel kernel, const P
 
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
-                    EyeState eyeState, PathRadiance& out, Surroundings* surroundings) {
+                    CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary) {
   ++out.counts.gathers;
   GatherResult result;
   if (map.empty()) return result;
@@ -211,10 +219,11 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   place.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
   thread_local PhotonScratch scratch;
   // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
-  const Disc disc = findDisc(map, settings, place, glm::length(point.error), footprint / 2, surroundings,
-                             scratch, out.counts);
+  const Support disc = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
+                                         boundary, scratch, out.counts);
 
-  Estimate estimate(scattering, point, eye, settings.sharing, out.pathClasses(), eyeState);
+  result.merging = settings.merging * PI * disc.radius2;
+  Estimate estimate(scattering, point, eye, settings, result.merging, out.pathClasses(), cameraState);
   if (estimate.oneSum()) {
     const PowerSum sum = sumPower(map, disc, settings.kernel, scratch, estimate.arrives());
     result.found = sum.found;
@@ -236,21 +245,30 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
   result.radius = disc.region.radius;
-  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (disc.radius2 * disc.part)));
+  if (result.found > 0)
+    estimate.addTo(out, throughput * (settings.share * INV_PI / (disc.radius2 * disc.part)));
   return result;
 }
 
 Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f& position,
-               const Vec3f& normal, float error, Surroundings* surroundings, TransportCounts& counts) {
+               const Vec3f& normal, float error, BoundaryCorrection* boundary, TransportCounts& counts) {
   ++counts.gathers;
   if (map.empty()) return BLACK;
   GatherRegion place;
   place.center = position;
   place.normal = normal;
   thread_local PhotonScratch scratch;
-  const Disc disc = findDisc(map, settings, place, error, 0, surroundings, scratch, counts);
+  const Support disc = findKernelSupport(map, settings, place, error, 0, boundary, scratch, counts);
+  const float merging = settings.merging * PI * square(settings.radius);
   const PowerSum s =
-      sumPower(map, disc, settings.kernel, scratch, [](Float8 weight, const PhotonBlock&) { return weight; });
+      sumPower(map, disc, settings.kernel, scratch, [&](Float8 weight, const PhotonBlock& block) {
+        if (!settings.weighedAgainstRays || !block.reverseRatios) return weight;
+        alignas(32) float shares[8];
+        for (int lane = 0; lane < 8; ++lane)
+          shares[lane] = photonWeight(block.reverseRatios[lane], merging,
+                                      absDot(block.direction(lane), normal) * INV_PI);
+        return weight * Float8::load(shares);
+      });
   counts.photonsFound += static_cast<uint64_t>(s.found);
   return Rgb(sum(s.power.x), sum(s.power.y), sum(s.power.z)) * (INV_PI / (disc.radius2 * disc.part));
 }

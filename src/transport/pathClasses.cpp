@@ -139,25 +139,25 @@ PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classe
     }
     return static_cast<uint16_t>(at->second);
   };
-  eyeStartState = EyeState(visit(outputs));
+  cameraStartState = CameraState(visit(outputs));
   for (size_t w = 0; w < rows.size(); ++w)
     for (size_t e = 0; e < PATH_EVENTS; ++e) {
       Row row(lightStates);
       for (size_t q = 0; q < lightStates; ++q) row[q] = (*rows[w])[lightNext[q * PATH_EVENTS + e]];
-      eyeNext.push_back(visit(std::move(row)));
+      cameraNext.push_back(visit(std::move(row)));
     }
 
   // The rows hold the answer for every pair, so what is dead shows in them too.
   lightDead.assign(lightStates, 1);
   for (const Row* row : rows) {
     joined.insert(joined.end(), row->begin(), row->end());
-    bool eyeIsDead = true;
+    bool cameraIsDead = true;
     for (size_t q = 0; q < lightStates; ++q)
       if ((*row)[q] != 0) {
-        eyeIsDead = false;
+        cameraIsDead = false;
         lightDead[q] = 0;
       }
-    eyeDead.push_back(eyeIsDead);
+    cameraDead.push_back(cameraIsDead);
   }
 }
 

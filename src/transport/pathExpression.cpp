@@ -181,10 +181,10 @@ std::string PathAutomaton::shortestWord() const {
 
 std::string PathAutomaton::describe() const {
   if (isEmpty()) return "  no path\n";
-  constexpr uint32_t MOST = 40;
+  constexpr uint32_t MAX_COUNT = 40;
   std::string out;
   for (uint32_t s = 0; s < dfa->size(); ++s) {
-    if (s >= MOST) return out + "  ... (" + std::to_string(dfa->size()) + " states)\n";
+    if (s >= MAX_COUNT) return out + "  ... (" + std::to_string(dfa->size()) + " states)\n";
     if (dfa->dead(s) || dfa->accepting[s]) continue; // acceptance has no way on: E ends a path
     // Letters with the same target are told together, in the order of the letters.
     std::string line;

@@ -99,8 +99,8 @@ struct Keys {
    * more.
    */
   void select(size_t first, size_t middle, size_t last, int axis) const {
-    constexpr size_t SMALL = 24, MOST = 512;
-    float sample[MOST];
+    constexpr size_t SMALL = 24, MAX_COUNT = 512;
+    float sample[MAX_COUNT];
     bool high = true;
     while (first < middle && middle < last) {
       const size_t n = last - first;
@@ -109,7 +109,7 @@ struct Keys {
         return;
       }
       // About n^(2/3), so that the sample's own order statistics cost little.
-      const size_t wanted = n >= 32768 ? MOST : n >= 4096 ? 191 : n >= 1024 ? 95 : n >= 256 ? 35 : 15;
+      const size_t wanted = n >= 32768 ? MAX_COUNT : n >= 4096 ? 191 : n >= 1024 ? 95 : n >= 256 ? 35 : 15;
       const size_t step = n / wanted;
       for (size_t i = 0; i < wanted; ++i) sample[i] = coordinate(first + i * step + step / 2, axis);
       const double rank = static_cast<double>(middle - first) / static_cast<double>(n);
@@ -247,13 +247,15 @@ struct PhotonMap::Builder {
     }
     for (size_t i = 0; i < LEAF_SIZE; ++i) {
       const size_t slot = leaf * LEAF_SIZE + i;
-      const Photon photon = i < n ? photons[index[i]] : Photon{Vec3f(0), {}, BLACK, 0};
+      const Photon photon = i < n ? photons[index[i]] : Photon();
       PhotonPayload& p = map.payload[slot / 8];
       p.red[slot % 8] = photon.power.r;
       p.green[slot % 8] = photon.power.g;
       p.blue[slot % 8] = photon.power.b;
       p.direction[slot % 8] = photon.direction.bits;
+      l.normal[i] = photon.normal.bits;
       map.pathStates[slot] = photon.pathState;
+      if (map.hasReverseRatios) map.reverseRatios[slot] = photon.reverseRatio;
       map.emission[slot] = i < n ? index[i] : 0;
     }
   }
@@ -271,6 +273,9 @@ void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
   leafCount = (photonCount + LEAF_SIZE - 1) / LEAF_SIZE;
   leaves.reserve(leafCount);
   pathStates.reserve(leafCount * LEAF_SIZE);
+  hasReverseRatios =
+      std::any_of(photons.begin(), photons.end(), [](const Photon& p) { return p.reverseRatio != 0; });
+  if (hasReverseRatios) reverseRatios.reserve(leafCount * LEAF_SIZE);
   emission.reserve(leafCount * LEAF_SIZE);
   box = builder.keys.bounds(0, photonCount);
 
@@ -293,8 +298,8 @@ void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
 }
 
 size_t PhotonMap::memoryBytes() const {
-  return nodes.bytes() + leaves.bytes() + payload.bytes() + pathStates.bytes() + emission.bytes() +
-         flannBytes();
+  return nodes.bytes() + leaves.bytes() + payload.bytes() + pathStates.bytes() + reverseRatios.bytes() +
+         emission.bytes() + flannBytes();
 }
 
 // --------------------------------------------------------------------------------------------- k nearest

@@ -6,11 +6,16 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <condition_variable>
 #include <ctime>
 #include <mutex>
+#include <numeric>
+#include <thread>
 
 #include "recurse/core/inPlace.h"
 #include "recurse/core/parallel.h"
+#include "recurse/core/text.h"
+#include "recurse/scene/spectrum.h"
 
 namespace recurse {
 
@@ -21,15 +26,28 @@ using Clock = std::chrono::steady_clock;
 constexpr int TILE = 16;
 /** Samples of one round at the most: a round is the unit in which all pixels are equal. */
 constexpr int LARGEST_ROUND = 64;
+/** Tells the times of passes from other samples. */
+constexpr uint64_t TIME_STREAM = 0x54494d4553ull;
+
+/**
+ * The unit of splats: 2^-28 of the radiance that the lights' flux would give if it left the scene's bounding
+ * sphere evenly. 2^35 times that is the largest sum: of 10,000 passes a mean of three million.
+ */
+double splatUnit(const Scene& scene) {
+  double flux = 0;
+  for (size_t i = 0; i < scene.lights().size(); ++i) flux += double(maxComponent(scene.lights()[i].power()));
+  const double even = flux / square(2 * M_PI * double(scene.bounds().radius));
+  return std::isnormal(even) ? std::exp2(std::ilogb(even) - 28) : 0x1p-28;
+}
 
 double seconds(Clock::duration d) { return std::chrono::duration<double>(d).count(); }
 /** What the threads of the process have worked so far. */
 double processorSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
 /** Tells the progress display at most ten times a second, from one thread at a time. */
-class Teller {
+class ProgressReporter {
  public:
-  Teller(const std::function<void(const RenderProgress&)>& tell, Clock::time_point start)
+  ProgressReporter(const std::function<void(const RenderProgress&)>& tell, Clock::time_point start)
       : tell(tell), start(start) {}
   std::atomic<double> error{-1}; ///< as RenderProgress has it
 
@@ -57,53 +75,135 @@ class Teller {
   std::mutex one;
 };
 
+/** What the samples of a round share. */
+struct Round {
+  uint64_t seed;
+  float sampleSpacing;
+  std::optional<float> time; ///< of all camera rays; none: each draws its own
+};
+
+/** Looks at the clock, and whether the render is to stop, while samples are under way that may take long. */
+class Watchdog {
+ public:
+  explicit Watchdog(std::function<void()> look)
+      : look(std::move(look)), thread([this](std::stop_token done) { watch(done); }) {}
+
+ private:
+  void watch(const std::stop_token& done) {
+    std::mutex own;
+    std::unique_lock<std::mutex> lock(own);
+    std::condition_variable_any sleep;
+    while (!done.stop_requested()) {
+      look();
+      sleep.wait_for(lock, done, std::chrono::milliseconds(20), [] { return false; });
+    }
+  }
+  std::function<void()> look;
+  std::jthread thread;
+};
+
+/** An order of tiles without rows or columns, so that a round which is broken off leaves no band. */
+class ScatteredOrder {
+ public:
+  explicit ScatteredOrder(size_t count) : count(count), step(std::max<size_t>(1, count * 5 / 8)) {
+    while (std::gcd(step, count) != 1) ++step;
+  }
+  size_t operator[](size_t i) const { return i * step % count; }
+
+ private:
+  size_t count, step;
+};
+
+/** What the film makes of a sample before it counts. */
+void expose(const FilmSettings& film, PathRadiance& sample) {
+  if (film.maxComponent < INFINITE) {
+    const Vec3d xyz = xyzOfRgb(Rgbd(sample.total())) * double(film.imagingRatio);
+    const double largest = std::max({xyz.x, xyz.y, xyz.z});
+    if (largest > double(film.maxComponent))
+      sample.scale(static_cast<float>(double(film.maxComponent) / largest));
+  }
+  if (film.whiteBalance) sample.transform([&](const Rgb& c) { return *film.whiteBalance * c; });
+}
+
 /** Collects eye paths, has them walked together, and puts what they bring into the film in the same order. */
 class EyeBatch {
  public:
   EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
-           TransportCounts& counts, Film& film, SampleAllocation* allocation)
-      : scene(scene), integrator(integrator), film(film), allocation(allocation),
-        radiance(EYE_BATCH, PathRadiance(classes, counts)) {
-    paths.reserve(EYE_BATCH);
+           TransportCounts& counts, const Round& round, Film& film, Splatter* splatter,
+           SampleAllocation* allocation, const std::atomic<bool>* abandon)
+      : scene(scene), integrator(integrator), round(round), film(film), allocation(allocation),
+        usesLens(scene.camera().usesLens()), nothing(classes, counts),
+        radiance(CAMERA_BATCH, PathRadiance(classes, counts)) {
+    paths.reserve(CAMERA_BATCH);
+    for (PathRadiance& r : radiance) {
+      r.splatter = splatter;
+      r.abandon = abandon;
+    }
   }
   /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: the allocation
    * is told of it. */
-  void add(uint64_t seed, uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner,
-           float sampleSpacing, bool pilot) {
-    Place& place = places[paths.size()];
-    EyePath& path = paths.emplace_back(Sampler(seed, stream, index), radiance[paths.size()]);
+  void add(uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner, bool pilot) {
+    if (abandoned) return;
+    Place& place = places[count++];
+    CameraPath& path = paths.emplace_back(Sampler(round.seed, stream, index), radiance[paths.size()]);
     const Filter::Sample f = scene.filter().sample(path.sampler.next2D());
-    makeAt(path.ray, [&] { return scene.camera().ray(corner + 0.5f + f.offset); });
-    path.ray.sampleSpacing = sampleSpacing;
+    CameraSample sample{corner + 0.5f + f.offset};
+    if (usesLens) sample.lens = path.sampler.next2D();
+    sample.time = round.time ? *round.time : scene.camera().timeAt(path.sampler.next1D());
+    const std::optional<CameraRay> ray = scene.camera().validRay(sample);
     path.out->reset();
     place.pixel = pixel;
     place.weight = f.weight;
     place.pilot = pilot;
-    if (paths.size() == EYE_BATCH) flush();
+    place.seesNothing = !ray;
+    if (ray) {
+      path.ray = *ray;
+      path.ray.sampleSpacing = round.sampleSpacing;
+    } else {
+      paths.pop_back();
+    }
+    if (count == CAMERA_BATCH) flush();
   }
   void flush() {
-    if (paths.empty()) return;
-    integrator.backwardBatch(scene, paths);
-    for (size_t i = 0; i < paths.size(); ++i) {
-      film.add(places[i].pixel, places[i].weight, radiance[i].values(), radiance[i].total());
-      if (places[i].pilot) allocation->addPilot(places[i].pixel, double(luminance(radiance[i].total())));
+    if (!paths.empty()) integrator.backwardBatch(scene, paths);
+    abandoned = abandoned || radiance[0].abandoned();
+    for (size_t i = 0, path = 0; i < count && !abandoned; ++i) {
+      const Place& place = places[i];
+      PathRadiance& seen = place.seesNothing ? nothing : radiance[path];
+      if (!place.seesNothing && paths[path].ray.weight != 1) seen.scale(paths[path].ray.weight);
+      path += !place.seesNothing;
+      expose(scene.film(), seen);
+      film.add(place.pixel, place.weight, seen.values(), seen.total());
+      if (place.pilot) allocation->addPilot(place.pixel, double(luminance(seen.total())));
+      ++samplesTaken;
     }
     paths.clear();
+    count = 0;
   }
+  /** How many samples have reached the film. */
+  uint64_t taken() const { return samplesTaken; }
+  /** True when samples were broken off: none of them, and none after, has reached the film. */
+  bool isAbandoned() const { return abandoned; }
 
  private:
   struct Place {
     size_t pixel;
     float weight;
-    bool pilot;
+    bool pilot, seesNothing;
   };
   const Scene& scene;
   const Integrator& integrator;
+  const Round& round;
   Film& film;
   SampleAllocation* allocation;
+  bool usesLens;
+  PathRadiance nothing; ///< stays black
   std::vector<PathRadiance> radiance;
-  std::vector<EyePath> paths;
-  std::array<Place, EYE_BATCH> places;
+  std::vector<CameraPath> paths; ///< of the places that see something
+  std::array<Place, CAMERA_BATCH> places;
+  size_t count = 0; ///< of places
+  uint64_t samplesTaken = 0;
+  bool abandoned = false;
 };
 
 } // namespace
@@ -118,7 +218,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       now - std::chrono::duration_cast<Clock::duration>(
                 std::chrono::duration<double>(settings.from.statistics.renderSeconds));
   const double processorStart = processorSeconds() - settings.from.statistics.processorSeconds;
-  Teller teller(progress, start);
+  ProgressReporter reporter(progress, start);
   RenderStatistics statistics = settings.from.statistics;
   statistics.threads = threadCount();
   integrator.prepare(scene, classes);
@@ -127,15 +227,41 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   control.stop = &stop;
   control.progress = [&](double fraction) {
     const double elapsed = seconds(Clock::now() - start);
-    teller.say("photons", fraction, fraction > 0.02 ? elapsed / fraction - elapsed : -1, 0, 0);
+    reporter.say("photons", fraction, fraction > 0.02 ? elapsed / fraction - elapsed : -1, 0, 0);
   };
   const int passes = integrator.passes(settings.samplesPerPixel);
   double forwardSeconds = 0; ///< of the `shots` that were made here
   int shots = 0;
-  const auto shootPass = [&](uint32_t index) {
+  // Splats of a pass that is broken off do not reach the film: it is shot again when the render goes on.
+  std::optional<SplatPlane> passSplats;
+  std::optional<Splatter> passSplatter, sampleSplatter;
+  if (integrator.splats()) {
+    film.enableSplats(splatUnit(scene));
+    passSplats.emplace(film.bounds(), film.layerCount(), film.splats()->unit());
+    passSplatter.emplace(classes, scene.filter(), *passSplats);
+    sampleSplatter.emplace(classes, scene.filter(), *film.splats());
+    passSplatter->whiteBalance = sampleSplatter->whiteBalance = scene.film().whiteBalance;
+  }
+  const bool moves = scene.moves();
+  const auto timeOf = [&](uint32_t pass) {
+    return scene.camera().timeAt(moves ? Sampler(settings.seed, TIME_STREAM, pass).next1D() : 0);
+  };
+  if (moves && integrator.passHasOneTime() && passes == 1) {
+    statistics.warnings.emplace_back(
+        "one photon map is of one moment: nothing is blurred by its motion; more "
+        "passes (\"integer passes\") are of as many");
+    if (log) log("warning: " + statistics.warnings.back());
+  }
+  const auto shootPass = [&](uint32_t index, bool splats) {
     const Clock::time_point passStart = Clock::now();
+    control.splatter = splats && passSplatter ? &*passSplatter : nullptr;
     const ForwardStatistics forward =
-        integrator.forward(scene, classes, {settings.seed, index, passes == 1}, control);
+        integrator.forward(scene, classes, {settings.seed, index, passes == 1, timeOf(index)}, control);
+    if (control.splatter && !stop) {
+      film.splats()->add(*passSplats);
+      film.splats()->setNextPass(index + uint64_t(1));
+      passSplats->clear();
+    }
     forwardSeconds += seconds(Clock::now() - passStart);
     ++shots;
     statistics.photonSeconds += forward.shootSeconds;
@@ -152,7 +278,6 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       for (const std::string& note : forward.notes) log(note);
       for (const std::string& warning : forward.warnings) log("warning: " + warning);
     }
-    statistics.oneMap = passes == 1 && forward.photonsEmitted > 0;
   };
 
   const PixelBounds& bounds = film.bounds();
@@ -186,14 +311,20 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     errorLooked = Clock::now();
     errorSeconds = seconds(errorLooked - now);
     if (!std::isfinite(error)) return;
-    teller.error = statistics.error = error;
+    reporter.error = statistics.error = error;
     errorTime = seconds(errorLooked - pictureStart);
     errorReached = settings.errorTarget > 0 && error <= settings.errorTarget;
   };
 
   int64_t sample = std::max(first, settings.from.sample), pass = 0;
   const auto passEnd = [&] { return passes == 0 ? pass + 1 : (pass + 1) * wanted / passes; };
+  const auto passStart = [&] { return passes == 0 ? pass : pass * wanted / passes; };
   while (passEnd() <= sample && sample < last) ++pass;
+  // Of parts that share a pass one has its splats; but none is without any.
+  const auto isSplatted = [&] {
+    return film.splats() && (film.splats()->nextPass() > uint64_t(pass) ||
+                             (film.splats()->paths() > 0 && sample != passStart()));
+  };
 
   Clock::time_point saved = Clock::now();
   std::atomic<bool> saveDue{false};
@@ -209,6 +340,25 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     saveDue = false;
   };
 
+  Clock::time_point looked = Clock::now();
+  double lookAfter = settings.lookAfter;
+  std::atomic<bool> lookDue{false};
+  const auto look = [&] {
+    lookAfter = settings.look();
+    looked = Clock::now();
+    lookDue = false;
+  };
+
+  std::atomic<bool> abandon{false};
+  // Every pixel is to have a sample: the first round may take longer.
+  std::atomic<double> endOfTime{sample == first ? double(INFINITY) : settings.timeLimit};
+  const Watchdog watchdog([&] {
+    if (settings.timeLimit > 0 && seconds(Clock::now() - start) > endOfTime) timeUp = true;
+    if (stop || timeUp) abandon = true;
+  });
+  double sampleSeconds = 0; ///< that one sample of each pixel took last
+  const ScatteredOrder scattered(tiles);
+
   if (samplesBefore > 0) lookAtError(true);
   bool ready = false; // has the photons of `pass`
   while (sample < last && !stop && !timeUp && !errorReached) {
@@ -218,15 +368,24 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       if (shots > 0 && settings.timeLimit > 0 &&
           seconds(Clock::now() - start) + forwardSeconds / shots > settings.timeLimit)
         break;
-      if (!ready && pass > 0) shootPass(0); // which the later ones look back at
-      shootPass(uint32_t(pass));
+      if (!ready && pass > 0) shootPass(0, false); // which the later ones look back at
+      shootPass(uint32_t(pass), !isSplatted());
       if (stop) break;
       // From the second pass on the photons' progress is a part of the picture's.
       control.progress = [](double) {};
       if (!ready) pictureStart = Clock::now();
       ready = true;
+      if (sample == first)
+        endOfTime = std::max(settings.timeLimit, seconds(Clock::now() - start)) + settings.firstSampleTime;
     }
-    const int64_t round = std::clamp<int64_t>(sample - first, 1, LARGEST_ROUND);
+    int64_t round = std::clamp<int64_t>(sample - first, 1, LARGEST_ROUND);
+    if (settings.timeLimit > 0 && sampleSeconds > 0) {
+      // Rounds come to their end within the time, so that all pixels are equal.
+      const double left = settings.timeLimit - seconds(Clock::now() - start);
+      if (left < sampleSeconds) break;
+      round = std::clamp<int64_t>(int64_t(left / sampleSeconds / 2), 1, round);
+    }
+    const Clock::time_point roundStart = Clock::now();
     const int64_t stageEnd = allocation ? std::min(SampleAllocation::stageEnd(sample), last) : last;
     if (allocation) allocation->begin(sample, stageEnd, settings.seed, film);
     const int64_t end = std::min({passEnd(), sample + round, stageEnd});
@@ -234,15 +393,18 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     const auto due = [&](size_t pixel) {
       return allocation ? allocation->due(pixel, end) : uint64_t(end - first);
     };
-    const int64_t pilots = allocation ? allocation->pilots(sample, end) : 0;
+    Round shared{settings.seed, sampleSpacing, {}};
+    if (!moves || integrator.passHasOneTime()) shared.time = timeOf(uint32_t(pass));
     std::atomic<size_t> tilesDone{0};
-    parallelFor(tiles, [&](size_t tile) {
-      if (stop || timeUp || saveDue) return;
+    parallelFor(tiles, [&](size_t number) {
+      if (stop || timeUp || saveDue || lookDue) return;
+      const size_t tile = settings.timeLimit > 0 ? scattered[number] : number;
       const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
       const int x1 = std::min(x0 + TILE, bounds.width()), y1 = std::min(y0 + TILE, bounds.height());
       TransportCounts counts;
-      EyeBatch batch(scene, integrator, classes, counts, film, allocation);
-      uint64_t taken = 0;
+      EyeBatch batch(scene, integrator, classes, counts, shared, film,
+                     sampleSplatter ? &*sampleSplatter : nullptr, allocation,
+                     sampleSplatter ? nullptr : &abandon); // splats cannot be taken back
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
           const size_t pixel = size_t(y) * size_t(bounds.width()) + size_t(x);
@@ -251,45 +413,52 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
           const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
           // None is left where the tile was done before the round was interrupted.
           const uint64_t before = film.samples(pixel), after = std::max(before, due(pixel));
+          const uint64_t pilots = allocation ? allocation->pilotsLeft(pixel, end) : 0;
           for (uint64_t n = before; n < after; ++n)
-            batch.add(settings.seed, stream, static_cast<uint32_t>(uint64_t(first) + n), pixel, corner,
-                      sampleSpacing, n - before < uint64_t(pilots));
-          taken += after - before;
+            batch.add(stream, static_cast<uint32_t>(uint64_t(first) + n), pixel, corner, n - before < pilots);
         }
       batch.flush();
-      ++tilesDone;
-      if (taken == 0) return;
+      if (!batch.isAbandoned()) ++tilesDone;
+      const uint64_t taken = batch.taken();
       tileCounts[tile].add(counts);
+      if (taken == 0) return;
       const uint64_t samples = samplesDone += taken;
       const uint64_t rays = raysDone += counts.rays;
       const double elapsed = seconds(Clock::now() - start), inPicture = seconds(Clock::now() - pictureStart);
-      // The first round is always finished: every pixel gets a sample.
-      if (settings.timeLimit > 0 && sample > first && elapsed > settings.timeLimit) timeUp = true;
       if (settings.save && seconds(Clock::now() - saved) > settings.saveInterval) saveDue = true;
+      if (settings.look && seconds(Clock::now() - looked) > lookAfter) lookDue = true;
       const double perPixel = double(samples) / double(bounds.area());
       double left = INFINITY;
       if (settings.samplesPerPixel > 0) {
         const double all = double(last - first) * double(bounds.area());
         left = inPicture * (all - double(samples)) / double(samples - samplesBefore);
       }
-      if (settings.errorTarget > 0 && teller.error > 0) // the error falls as one over the root of time
-        left = std::min(left, errorTime * square(teller.error / settings.errorTarget) - inPicture);
+      if (settings.errorTarget > 0 && reporter.error > 0) // the error falls as one over the root of time
+        left = std::min(left, errorTime * square(reporter.error / settings.errorTarget) - inPicture);
       if (settings.timeLimit > 0) left = std::min(left, settings.timeLimit - elapsed);
       left = std::max(left, 0.0);
-      teller.say("picture", inPicture / (inPicture + left), left, perPixel, double(rays) / inPicture);
+      reporter.say("picture", inPicture / (inPicture + left), left, perPixel, double(rays) / inPicture);
     });
-    if (settings.timeLimit > 0 && seconds(Clock::now() - start) > settings.timeLimit) timeUp = true;
-    if (tilesDone == tiles) {
+    const bool isComplete = tilesDone == tiles;
+    if (settings.timeLimit > 0 && (isComplete || sample > first) &&
+        seconds(Clock::now() - start) > settings.timeLimit)
+      timeUp = true;
+    if (isComplete) {
+      sampleSeconds = seconds(Clock::now() - roundStart) / double(end - sample);
       sample = end;
+      endOfTime = settings.timeLimit;
       ++statistics.passes;
       lookAtError(settings.errorTarget > 0 && passes == 1);
     }
     if (saveDue) save();
+    if (lookDue) look();
   }
   lookAtError(true);
   if (settings.save) save();
 
+  statistics.oneMap = passes == 1 && statistics.photonsEmitted > 0;
   for (const TransportCounts& c : tileCounts) statistics.counts.add(c);
+  if (film.splats()) statistics.splatsSaturated = film.splats()->saturated();
   statistics.samples = film.totalSamples();
   std::vector<uint64_t> counts(bounds.area());
   for (size_t i = 0; i < counts.size(); ++i) counts[i] = film.samples(i);
@@ -299,6 +468,12 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   const auto [least, most] = std::minmax_element(counts.begin(), counts.end());
   statistics.least = *least;
   statistics.most = *most;
+  if (const auto without = std::count(counts.begin(), counts.end(), 0u);
+      without > 0 && statistics.samples > 0) {
+    statistics.warnings.push_back(
+        formatted("%td of %zu pixels have no sample, and are black", without, counts.size()));
+    if (log) log("warning: " + statistics.warnings.back());
+  }
   statistics.renderSeconds = seconds(Clock::now() - start);
   statistics.processorSeconds = processorSeconds() - processorStart;
   statistics.gatherSeconds = statistics.renderSeconds - statistics.photonSeconds - statistics.balanceSeconds;
@@ -308,8 +483,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     statistics.stopReason = StopReason::ERROR;
   else if (sample < last)
     statistics.stopReason = StopReason::TIME;
-  teller.say("picture", 1, 0, double(statistics.samples) / double(bounds.area()),
-             double(raysDone) / std::max(statistics.gatherSeconds, 1e-9), true);
+  reporter.say("picture", 1, 0, double(statistics.samples) / double(bounds.area()),
+               double(raysDone) / std::max(statistics.gatherSeconds, 1e-9), true);
   return statistics;
 }
 

@@ -24,11 +24,11 @@ constexpr int WIDE = 12;
 /** They decide where nothing else does. */
 constexpr double RARE_WEIGHT = 0.01;
 /** Sums over rectangles leave rounding behind, which must not tell of the pixel's own value. */
-constexpr double LEAST_STEP = 1e-10;
+constexpr double MIN_STEP = 1e-10;
 /** The mean of squares over the square of the mean up to which values are no more than unequal. */
 constexpr double EVEN_SPREAD = 2;
 /** Classes of pixels that are told apart by what their surroundings say. */
-constexpr size_t MOST_CLASSES = 64;
+constexpr size_t MAX_CLASSES = 64;
 /** The samples of a pixel are a multiple of it. */
 constexpr double ROUND_NUMBER = 4;
 
@@ -77,7 +77,7 @@ class AreaSums {
   std::vector<double> sums;
 };
 
-/** Puts pixels that are close in the order of `key` into classes of at least LEAST_CLASS, and gives each the
+/** Puts pixels that are close in the order of `key` into classes of at least MIN_CLASS, and gives each the
  * mean of `value` over its class. Equal keys are in the same class. */
 std::vector<double> meansOfClasses(const std::vector<double>& key, const std::vector<double>& value) {
   std::vector<uint32_t> order(key.size());
@@ -85,7 +85,7 @@ std::vector<double> meansOfClasses(const std::vector<double>& key, const std::ve
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
     return key[a] != key[b] ? key[a] < key[b] : a < b; // one order, so that sums are the same
   });
-  const size_t size = std::max(SampleAllocation::LEAST_CLASS, (key.size() + MOST_CLASSES - 1) / MOST_CLASSES);
+  const size_t size = std::max(SampleAllocation::MIN_CLASS, (key.size() + MAX_CLASSES - 1) / MAX_CLASSES);
   std::vector<double> mean(key.size());
   for (size_t first = 0, end = 0; first < order.size(); first = end) {
     end = std::min(first + size, order.size());
@@ -123,6 +123,11 @@ int64_t SampleAllocation::pilots(int64_t from, int64_t sample) const {
   return before(sample) - before(from);
 }
 
+uint64_t SampleAllocation::pilotsLeft(size_t pixel, int64_t sample) const {
+  const auto wanted = uint64_t(pilotsUpTo(stage.first) + pilots(stage.first, sample));
+  return wanted - std::min(wanted, pixels[pixel].pilots);
+}
+
 uint64_t SampleAllocation::due(size_t pixel, int64_t sample) const {
   const Pixel& p = pixels[pixel];
   const auto done = uint64_t(sample - stage.first), all = uint64_t(stage.end - stage.first),
@@ -151,7 +156,7 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed, const F
   if (sample == 0 || !(left > 0)) return;
 
   const std::vector<Need> need = needs();
-  const double pilotsNow = double(pilots(sample, end)), most = MOST * double(end);
+  const double pilotsNow = double(pilots(sample, end)), most = MAX_SHARE * double(end);
   const double maps = mapPerSample ? double(end) : 0;
   const auto extraOf = [&](size_t i, double scale) {
     const double has = double(pixels[i].before) + pilotsNow;
@@ -218,7 +223,7 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
     deviation[i] = std::sqrt(variance[i]);
     blockVariance[i] = p.differencesSquared / paired / brightness[i];
   }
-  std::vector<double> surroundings(pixels.size());
+  std::vector<double> boundary(pixels.size());
   {
     const AreaSums variances(variance, width, height), deviations(deviation, width, height);
     parallelFor(height, [&](size_t y) {
@@ -232,11 +237,11 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
         // expect their share of them.
         const double rare = std::max(0.0, variances.meanAround({i, WIDE, width, height}, variance[i]) -
                                               EVEN_SPREAD * square(usual(WIDE)));
-        surroundings[i] = std::round((near + RARE_WEIGHT * rare) / LEAST_STEP) * LEAST_STEP;
+        boundary[i] = std::round((near + RARE_WEIGHT * rare) / MIN_STEP) * MIN_STEP;
       }
     });
   }
-  const std::vector<double> expected = meansOfClasses(surroundings, mapPerSample ? variance : blockVariance);
+  const std::vector<double> expected = meansOfClasses(boundary, mapPerSample ? variance : blockVariance);
   std::vector<Need> out(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i)
     out[i].all = out[i].eye = std::pow(expected[i], mapPerSample ? 0.5 : 1 / (1 + FALL));

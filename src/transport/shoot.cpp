@@ -7,8 +7,11 @@
 #include <mutex>
 #include <utility>
 
+#include "recurse/core/memory.h"
 #include "recurse/core/parallel.h"
+#include "recurse/core/text.h"
 #include "recurse/model/scatteringPoint.h"
+#include "recurse/transport/causticWeights.h"
 #include "recurse/transport/walk.h"
 
 namespace recurse {
@@ -18,6 +21,10 @@ namespace {
 /** Tells photon samples from those of pixels. */
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull, TRIAL_STREAM = 0x545249414c53ull;
 constexpr uint64_t BATCH = 4096;
+/** Enough of them to keep threads busy and to count what is stored. */
+constexpr size_t FIRST_BATCHES = 64;
+/** Photons are stored in the order of their emission, then in that of the tree. */
+constexpr double MAP_COPIES = 2;
 /** Nearer than so many radii the target is too wide for a cone. */
 constexpr float NEAR_TARGET = 1.5f;
 
@@ -28,28 +35,35 @@ class PhotonWalk {
       : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
 
   /** Returns what the photon started by, and one over its density. */
-  EmissionGuide::Useful shoot(Sampler sampler) {
+  EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
     const float light = sampler.next1D(), part = sampler.next1D();
     const Vec2f place = sampler.next2D(), direction = sampler.next2D();
-    EmissionGuide::Useful start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
+    EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
     auto& n = start.numbers;
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(n, sampler.next1D());
     base = entered = 0;
     float pick = n[0];
-    const ChosenLight chosen = scene.lights().choose(pick);
-    if (!(chosen.probability > 0)) return start;
-    const std::optional<Emission> emission = chosen.light->emit({n[1], {n[2], n[3]}, {n[4], n[5]}});
+    const LightTable& lights = settings.lights ? *settings.lights : scene.lights();
+    const size_t index = lights.chooseIndex(pick);
+    const Light& source = lights[index];
+    if (!(lights.probability(index) > 0)) return start;
+    std::optional<LeSample> emission = source.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
     if (!emission || isBlack(emission->flux)) return start;
-    const Rgb flux = emission->flux / (chosen.probability * static_cast<float>(settings.photons));
+    const LePdf pdf = source.pdfLe(*emission);
+    const bool infinite = source.kind() == LightKind::DISTANT || source.kind() == LightKind::ENVIRONMENT;
+    if (infinite && settings.portals && settings.portals->active())
+      settings.portals->redirect(*emission, n[1], {n[2], n[3]});
+    const Rgb flux = emission->flux / (lights.probability(index) * static_cast<float>(settings.photons));
+    const ReverseRatio ratio = ReverseRatio::atLight(*emission, pdf, scene.lights().probability(index));
     base = maxComponent(flux);
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
       return start;
     }
     if (classes.dead(classes.lightStart())) return start;
-    const Ray ray{emission->origin, emission->direction, INFINITE};
-    walk({ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts)}, sampler);
+    const Ray ray{emission->origin, emission->direction, INFINITE, time};
+    walk({ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio}, sampler);
     while (!waiting.empty()) {
       auto [flight, own] = waiting.back();
       waiting.pop_back();
@@ -73,13 +87,14 @@ class PhotonWalk {
     Rgb flux;
     LightState state;
     Nesting nesting;
+    ReverseRatio ratio; ///< while it is caustic
     int depth = 0;
     bool caustic = true;
     float lowered = 1; ///< power over that of the photon that was sent nowhere
   };
 
   void walk(Flight flight, Sampler& sampler) {
-    auto& [ray, flux, state, nesting, depth, caustic, lowered] = flight;
+    auto& [ray, flux, state, nesting, ratio, depth, caustic, lowered] = flight;
     Hit hit;
     bool toTarget = lowered < 1; // and has not come down yet
     for (;;) {
@@ -91,37 +106,39 @@ class PhotonWalk {
         continue;
       }
       if (depth == settings.maxDepth) {
-        counts.weightCut += double(maxComponent(flux));
+        counts.truncatedThroughput += double(maxComponent(flux));
         return;
       }
       if (region && depth == 0)
-        for (const PhotonTarget& t : settings.targets)
+        for (const DxtranSphere& t : settings.targets)
           if (glm::distance(hit.point.position, t.center) < t.radius) entered += t.importance;
       const bool outside = !settings.targets.empty() && findCones(hit.point.position);
       if (std::exchange(toTarget, false) && region) arrived += region->contains(hit.point.position);
       if (outside && lowered < 1) {
-        if (!survives(lowered, depth, sampler, flux)) return;
+        if (!russianRoulette(lowered, depth, sampler, flux)) return;
         lowered = 1;
       }
       const ScatteringPoint scattering(*bsdf, hit.point);
       const Vec3f wi = -ray.direction;
+      ratio.arrive(ray.direction, hit.point);
       const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
-      if (scattering.hasDiffuse() && !classes.dead(stateD) && (depth > 0 || settings.direct))
-        store(hit.point, scattering, wi, flux, state, caustic);
+      if (scattering.hasNonDelta() && !classes.dead(stateD) && (depth > 0 || settings.direct))
+        store(hit.point, scattering, wi, flux, state, caustic, ratio);
       ++depth;
-      const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : DIFFUSE_LOBES) |
+      const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : NON_DELTA_LOBES) |
                                       (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
-      const bool sends = outside && (allowed & DIFFUSE_LOBES) && (scattering.lobes() & LAMBERTIAN);
+      const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
       if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);
       const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, sampler, allowed);
       if (!s || (sends && !s->specular() && conesAround(s->direction) > 0)) return;
       const Rgb scattered = flux * s->weight;
       const float before = maxComponent(flux), after = maxComponent(scattered);
       flux = scattered;
-      if (!survives(std::min(1.0f, after / before), depth, sampler, flux)) return;
+      if (!russianRoulette(std::min(1.0f, after / before), depth, sampler, flux)) return;
       state = s->specular() ? stateS : stateD;
       nesting.scatters(hit, wi, s->direction);
       caustic = caustic && s->specular();
+      ratio.leave(s->direction, hit.point);
       ray = spawn(hit.point, s->direction);
     }
   }
@@ -136,7 +153,7 @@ class PhotonWalk {
   /** The targets that photons are sent to from a place. True when it is outside of all. */
   bool findCones(const Vec3f& from) {
     cones.clear();
-    for (const PhotonTarget& t : settings.targets) {
+    for (const DxtranSphere& t : settings.targets) {
       const Vec3f way = t.center - from;
       const float distance2 = lengthSquared(way), sine2 = square(t.radius) / distance2;
       if (!(distance2 > square(NEAR_TARGET * t.radius))) return false;
@@ -151,7 +168,7 @@ class PhotonWalk {
   /** Photons to the targets from where `from` has scattered. */
   void sendToTargets(const Flight& from, const Hit& hit, const ScatteringPoint& scattering, LightState state,
                      const Sampler& sampler) {
-    constexpr float LEAST = 0.01f, MOST = 16;
+    constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
     constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
     const Vec3f wi = -from.ray.direction;
     const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
@@ -162,7 +179,8 @@ class PhotonWalk {
       // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
       if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
       const float part = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
-      const float wanted = std::clamp(maxComponent(from.flux) * part / (base * cone.part), LEAST, MOST);
+      const float wanted =
+          std::clamp(maxComponent(from.flux) * part / (base * cone.part), MIN_COUNT, MAX_COUNT);
       const int count = static_cast<int>(wanted + branch.next1D());
       const Frame frame(cone.axis);
       for (int i = 0; i < count; ++i) {
@@ -197,15 +215,17 @@ class PhotonWalk {
   }
 
   void store(const SurfacePoint& point, const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& flux,
-             LightState state, bool caustic) {
+             LightState state, bool caustic, const ReverseRatio& ratio) {
     const float geometric = absDot(wi, point.geometricNormal);
     if (geometric == 0) return; // in the plane of the surface: brings no flux
     Photon p;
     p.position = point.position;
     p.direction = packOnSide(wi, point.geometricNormal);
+    p.normal = packDirection(point.normalTowards(wi));
     p.power = flux * (absDot(wi, scattering.normal()) / geometric);
     p.pathState = state.byte;
     p.caustic = caustic;
+    if (caustic) p.reverseRatio = ratio.value();
     out.push_back(p);
   }
 
@@ -231,20 +251,29 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   std::vector<TransportCounts> counts(batches);
   std::atomic<size_t> done{0};
   std::mutex telling;
-  parallelFor(batches, [&](size_t b) {
+  const auto shootBatch = [&](size_t b) {
     if (control.stopped()) return;
     PhotonWalk walk(scene, classes, settings, counts[b], stored[b]);
     const uint64_t end = std::min(settings.photons, (b + 1) * BATCH);
     for (uint64_t i = b * BATCH; i < end; ++i)
       walk.shoot(
-          Sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM + (i >> 32), static_cast<uint32_t>(i)));
+          Sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM + (i >> 32), static_cast<uint32_t>(i)),
+          pass.time);
     const size_t n = ++done;
     if (telling.try_lock()) {
       control.progress(static_cast<double>(n) / static_cast<double>(batches));
       telling.unlock();
     }
-  });
+  };
+  // The first batches tell how many photons will be stored.
+  const size_t first = std::min(batches, FIRST_BATCHES);
+  parallelFor(first, shootBatch);
   size_t total = 0;
+  for (const auto& s : stored) total += s.size();
+  const double expected = double(total) * double(batches) / double(first);
+  requireMemory(formatted("a map of %.3g photons", expected), MAP_COPIES * sizeof(Photon) * expected);
+  parallelFor(batches - first, [&](size_t b) { shootBatch(first + b); });
+  total = 0;
   for (const auto& s : stored) total += s.size();
   shot.stored.reserve(total);
   for (auto& s : stored) {
@@ -259,12 +288,12 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
 namespace {
 
 /** Spheres that cover what is seen, but for what would need wide ones or is hardly anything. */
-std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> seen,
-                                        std::span<const Vec3f> landed) {
-  constexpr float WIDEST = 0.2f; // of the scene
-  constexpr double LEAST = 0.02; // of what is seen
-  constexpr float SPARED = 8;    // as many photons as that are not needed
-  constexpr size_t MOST = 8;
+std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Vec3f> seen,
+                                              std::span<const Vec3f> landed) {
+  constexpr float WIDEST = 0.2f;     // of the scene
+  constexpr double MIN_COUNT = 0.02; // of what is seen
+  constexpr float SPARED = 8;        // as many photons as that are not needed
+  constexpr size_t MAX_COUNT = 8;
   struct Part {
     std::span<Vec3f> places;
     Bounds3f box;
@@ -276,7 +305,7 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
     return part;
   };
   std::vector<Part> parts{partOf(seen)};
-  while (parts.size() < MOST) {
+  while (parts.size() < MAX_COUNT) {
     // The one is cut whose places would gain most.
     const auto cut = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
       return square(a.radius()) * static_cast<float>(a.places.size()) <
@@ -292,11 +321,11 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
     *cut = partOf(cut->places.first(left));
     parts.push_back(right);
   }
-  std::vector<PhotonTarget> targets;
+  std::vector<DxtranSphere> targets;
   for (const Part& part : parts) {
     const float radius = part.radius();
     const double share = double(part.places.size()) / double(seen.size());
-    if (share < LEAST || !(radius > 0 && radius < WIDEST * scene.bounds().radius)) continue;
+    if (share < MIN_COUNT || !(radius > 0 && radius < WIDEST * scene.bounds().radius)) continue;
     const Vec3f center = part.box.center();
     // What a grey surface sends there, typically.
     std::vector<float> typical;
@@ -314,7 +343,7 @@ std::vector<PhotonTarget> targetsAround(const Scene& scene, std::vector<Vec3f> s
 
 /** Trial photons, added up. */
 struct Trials {
-  std::vector<EmissionGuide::Useful> useful;
+  std::vector<EmissionGuide::TrainingSample> useful;
   std::vector<Vec3f> landed; ///< a few of the places where photons were stored
   uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
   TransportCounts counts;
@@ -346,15 +375,19 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
     walk.region = &region;
     for (uint64_t i = b * BATCH; i < std::min(settings.photons, (b + 1) * BATCH); ++i) {
       stored.clear();
-      EmissionGuide::Useful start = walk.shoot(Sampler(seed, TRIAL_STREAM, static_cast<uint32_t>(i)));
+      Sampler sampler(seed, TRIAL_STREAM, static_cast<uint32_t>(i));
+      const float time =
+          scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0; // the guide is for all times
+      EmissionGuide::TrainingSample start = walk.shoot(sampler, time);
       // What is at full power in a target is a lot there, wherever it goes from now on.
-      auto squares = double(walk.enteredImportance());
+      const double perPhoton = double(settings.photons) / double(start.weight);
+      auto squares =
+          double(walk.enteredImportance()) * square(double(walk.fullPower()) * double(settings.photons));
       for (const Photon& p : stored) {
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
         ++part.inRegion;
-        squares +=
-            importance * square(double(maxComponent(p.power)) / double(walk.fullPower() * start.weight));
+        squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
       part.stored += stored.size();
       if (!stored.empty() && i % 16 == 0) part.landed.push_back(stored[0].position);
@@ -375,7 +408,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts) {
   constexpr uint64_t TRIALS = 8 * BATCH;
-  constexpr int ROUNDS = 5, MOST_ROUNDS = 16;
+  constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
   constexpr double RISES = 1.1, WORTH_IT = 1.5;
   constexpr double FEW = 0.05; // of photons in the region
   PhotonGuidance guidance;
@@ -389,7 +422,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   // Returns the last round.
   const auto learn = [&] {
     guide = {};
-    std::vector<EmissionGuide::Useful> useful;
+    std::vector<EmissionGuide::TrainingSample> useful;
     for (int round = 1;; ++round) {
       const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
       counts.add(trials.counts);
@@ -399,12 +432,12 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
       guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
       // Few hits say little yet; many of a density that is good already, that there is no more to gain.
       double weight = 0, squared = 0;
-      for (const EmissionGuide::Useful& u : useful) {
+      for (const EmissionGuide::TrainingSample& u : useful) {
         weight += double(u.weight);
         squared += square(double(u.weight));
       }
       const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
-      if (control.stopped() || (wellKnown && guide.gain() < WORTH_IT) || round == MOST_ROUNDS ||
+      if (control.stopped() || (wellKnown && guide.gain() < WORTH_IT) || round == MAX_ROUNDS ||
           (round >= ROUNDS && guide.gain() < RISES * before))
         return trials;
     }
@@ -412,7 +445,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   const Trials plain = learn();
   if (double(plain.inRegion) < FEW * double(plain.stored) && !control.stopped()) {
     const EmissionGuide without = guide;
-    trial.targets = targetsAround(scene, region.all(), plain.landed);
+    trial.targets = dxtranSpheresAround(scene, region.all(), plain.landed);
     if (!trial.targets.empty()) {
       if (!learn().arrive()) {
         trial.targets.clear();

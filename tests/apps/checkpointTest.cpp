@@ -7,6 +7,7 @@
 #include <random>
 
 #include "recurse/core/error.h"
+#include "recurse/core/fileLock.h"
 #include "recurse/core/image.h"
 #include "recurse/report/checkpoint.h"
 #include "sanitized.h"
@@ -38,6 +39,8 @@ class Checkpoints : public Program {
 };
 
 const std::vector<std::string> PATH = {"--integrator", "path", "--spp", "64"};
+/** Light paths splat to the pixels of others. */
+const std::vector<std::string> BDPT = {"--integrator", "bdpt", "--spp", "24"};
 const std::vector<std::string> SPPM = {"--integrator", "sppm", "--spp", "24", "--photons", "2000"};
 
 std::vector<std::string> adaptive(std::vector<std::string> settings) {
@@ -51,7 +54,7 @@ TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
   const int wanted = recurse::testing::samples(50);
   std::mt19937 random(3);
   int kills = 0;
-  const std::vector<std::vector<std::string>> all = {PATH, adaptive(SPPM), adaptive(PATH), SPPM};
+  const std::vector<std::vector<std::string>> all = {PATH, adaptive(SPPM), BDPT, adaptive(PATH), SPPM};
   for (int round = 0; kills < wanted || round < int(all.size()); ++round) {
     ASSERT_LT(round, 40) << "renders end before they are killed";
     const std::vector<std::string>& settings = all[size_t(round) % all.size()];
@@ -95,7 +98,7 @@ TEST_F(Checkpoints, InterruptedRendersGoOn) {
 }
 
 TEST_F(Checkpoints, PartsAddUpToTheWhole) {
-  for (const std::vector<std::string>& settings : {PATH, SPPM}) {
+  for (const std::vector<std::string>& settings : {PATH, SPPM, BDPT}) {
     const std::vector<float> truth = whole(settings);
     const std::string last = settings[3];
     for (const auto& [name, range] : std::vector<std::pair<std::string, std::string>>{
@@ -208,4 +211,19 @@ TEST_F(Checkpoints, WhatDoesNotFitIsRefusedWithTheReason) {
   expectError(render({"--integrator", "path"}, {"--sample-range", "0:4"}), "--spp");
   expectError(render(adaptive(PATH), {"--sample-range", "0:4"}), "--adaptive");
   expectError(render(PATH, {"--resume"}), "--checkpoint");
+}
+
+TEST_F(Checkpoints, OneProcessAtATime) {
+  const std::vector<std::string> more = {"-o", "a.exr", "--checkpoint", "c.rck", "--resume"};
+  {
+    const recurse::FileLock held(file("c.rck"));
+    EXPECT_TRUE(exists("c.rck.lock"));
+    expectError(render(PATH, more), "another process is working with it");
+    EXPECT_FALSE(exists("a.exr"));
+  }
+  EXPECT_FALSE(exists("c.rck.lock"));
+  const Outcome o = render(PATH, more);
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(exists("c.rck"));
+  EXPECT_FALSE(exists("c.rck.lock"));
 }

@@ -29,7 +29,7 @@ class ConvergeProgram : public Program {
 };
 
 const std::string PATHS = "path=--integrator path",
-                  PHOTONS = "pm=--integrator photonmap --photons 2k --radius 0.4";
+                  PHOTONS = "pm=--integrator photonmap --set passes=1 --photons 2k --radius 0.4";
 
 } // namespace
 
@@ -110,7 +110,7 @@ TEST_F(ConvergeProgram, RefusesWhatDoesNotBelong) {
 TEST_F(ConvergeProgram, PhotonBudgets) {
   makeReference("a.exr", "100");
   const Outcome o = run({"converge", "scene.pbrt", "-o", "study", "--reference", "a.exr", "--photons",
-                         "1k,4k", "--seeds", "1", "--run", "pm=--radius 0.4 --spp 2", "-q"});
+                         "1k,4k", "--seeds", "1", "--run", "pm=--set passes=1 --radius 0.4 --spp 2", "-q"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_FALSE(has(o.err, "picture 1 of") || has(o.err, "written:")) << o.err;
   EXPECT_TRUE(has(o.out, "its own noise is in every error")) << o.out;

@@ -125,8 +125,8 @@ TEST_F(ProgramRender, CheckReportsWithoutRendering) {
 }
 
 TEST_F(ProgramRender, StatisticsHaveTheirKeys) {
-  const Outcome o = run({"render", "scene.pbrt", "--integrator", "photonmap", "--photons", "3000", "--stats",
-                         "s.json", "-o", "a.exr"});
+  const Outcome o = run({"render", "scene.pbrt", "--integrator", "photonmap", "--photons", "3000", "--set",
+                         "passes=1", "--stats", "s.json", "-o", "a.exr"});
   ASSERT_EQ(o.status, 0) << o.err;
   const nlohmann::json json = nlohmann::json::parse(contents(file("s.json")));
   for (const char* key : {"render_seconds",
@@ -259,4 +259,32 @@ TEST_F(ProgramRender, OneUnwritableOutputKeepsTheOthers) {
   EXPECT_EQ(o.status, 1);
   EXPECT_TRUE(has(o.err, "gone/a.exr")) << o.err;
   EXPECT_TRUE(exists("b.exr"));
+}
+
+TEST_F(ProgramRender, TheFilmLimitsSamplesAndBalancesWhite) {
+  const auto mean = [&](const std::string& film, const char* name, size_t channel) {
+    write("film.pbrt",
+          scene("Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 " + film + "\n"));
+    const Outcome o = run({"render", "film.pbrt", "--integrator", "path", "--spp", "64", "-o", name});
+    EXPECT_EQ(o.status, 0) << o.err;
+    const recurse::Image image = recurse::readImage(file(name));
+    double sum = 0, largest = 0;
+    for (size_t i = channel; i < image.pixels.size(); i += image.channels.size()) {
+      sum += double(image.pixels[i]);
+      largest = std::max(largest, double(image.pixels[i]));
+    }
+    return std::pair(sum, largest);
+  };
+  // White light: X, Y and Z are .9505, 1 and 1.089 of its brightness.
+  EXPECT_GT(mean("", "a.exr", 0).second, 0.3);
+  EXPECT_LE(mean("\"float maxcomponentvalue\" 0.1", "b.exr", 0).second, 0.1 / 1.089 * 1.01);
+  // What was white is blue once the light of a candle counts as white, and red for that of the sky.
+  const double red = mean("", "r.exr", 0).first, blue = mean("", "r.exr", 2).first;
+  EXPECT_NEAR(red, blue, 1e-3 * red);
+  EXPECT_GT(mean("\"float whitebalance\" 2500", "c.exr", 2).first,
+            2 * mean("\"float whitebalance\" 2500", "c.exr", 0).first);
+  EXPECT_LT(mean("\"float whitebalance\" 15000", "d.exr", 2).first,
+            0.8 * mean("\"float whitebalance\" 15000", "d.exr", 0).first);
+  // That of D65 stays.
+  EXPECT_NEAR(mean("\"float whitebalance\" 6504", "e.exr", 2).first, blue, 0.01 * blue);
 }

@@ -83,7 +83,7 @@ TEST_F(StillsCommand, ErrorsSayWhatIsWrong) {
   const Outcome notFolder = run({"stills", "scene.pbrt", "-o", "file"});
   EXPECT_EQ(notFolder.status, 1);
   EXPECT_TRUE(has(notFolder.err, "file")) << notFolder.err;
-  EXPECT_EQ(run({"stills", "nowhere.pbrt", "-o", "s"}).status, 3);
+  EXPECT_EQ(run({"stills", "nowhere.pbrt", "-o", "s"}).status, 1);
 }
 
 TEST_F(StillsCommand, HelpHasExamples) {

@@ -3,6 +3,8 @@
  */
 #include "program.h"
 
+#include "sanitized.h"
+
 using namespace programTesting;
 
 namespace {
@@ -35,6 +37,8 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
       {{"render", "scene.pbrt", "--spp", "0"}, "whole number from 1"},
       {{"render", "scene.pbrt", "--spp", "2.5"}, "whole number"},
       {{"render", "scene.pbrt", "--no-such-option"}, "--no-such-option"},
+      {{"render", "scene.pbrt", "--sp", "4"}, "did you mean --spp"},
+      {{"compare", "a.exr", "b.exr", "--fail-abve=relmse=1"}, "did you mean --fail-above?"},
       {{"render", "scene.pbrt", "-o", "a.bmp2"}, ".exr .hdr .pfm .png"},
       {{"render", "scene.pbrt", "-o", "a.exr", "-o", "a.exr"}, "twice"},
       {{"render", "scene.pbrt", "--integrator", "phtonmap"}, "did you mean photonmap"},
@@ -72,11 +76,13 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
 }
 
 TEST_F(ProgramUsage, BadScenesAreStatus3WithPlaceAndCount) {
-  Outcome o = run({"render", "nothing.pbrt"});
-  EXPECT_EQ(o.status, 3);
-  EXPECT_TRUE(has(o.err, "nothing.pbrt")) << o.err;
-  EXPECT_TRUE(has(o.err, "No such file")) << o.err;
-
+  for (const char* command : {"render", "explain", "info"}) {
+    const Outcome o = run({command, "nothing.pbrt"});
+    EXPECT_EQ(o.status, 1) << command;
+    EXPECT_TRUE(has(o.err, "nothing.pbrt")) << o.err;
+    EXPECT_TRUE(has(o.err, "o such file")) << o.err;
+  }
+  Outcome o;
   write("bad.pbrt", scene("", "Shape \"sphere\" \"float radus\" 1\nShape \"spheer\"\n"));
   for (const char* mode : {"--check", "--quiet"}) {
     o = run({"render", "bad.pbrt", mode});
@@ -145,4 +151,116 @@ TEST_F(ProgramUsage, ReferenceClassesAndExplain) {
     EXPECT_TRUE(has(o.out, "LS*E")) << o.out;
     EXPECT_TRUE(has(o.out, "Every path is estimated once")) << o.out;
   }
+}
+
+TEST_F(ProgramUsage, ErrorsOfAllPartsOfASceneAreToldAtOnce) {
+  write("bad.pbrt", "Camera \"perspective\" \"float fov\" 500\n"
+                    "WorldBegin\n"
+                    "LightSource \"point\" \"rgb I\" [ 1 1 ]\n"
+                    "Material \"nonsense\"\n"
+                    "Shape \"sphere\" \"float radus\" 1\n"
+                    "Shape \"spheer\"\n"
+                    "NamedMaterial \"nope\"\n"
+                    "Shape \"disk\" \"float radus\" 1\n");
+  const Outcome o = run({"render", "bad.pbrt"});
+  EXPECT_EQ(o.status, 3);
+  for (const char* line : {":1:", ":3:", ":4:", ":5:", ":6:", ":7:", ":8:"})
+    EXPECT_TRUE(has(o.err, "bad.pbrt" + std::string(line))) << line << o.err;
+}
+
+TEST_F(ProgramUsage, NumbersThatOverflowAreErrorsOfTheScene) {
+  write("bright.pbrt", "Film \"rgb\" \"float iso\" 1e38 \"float exposuretime\" 1e38\nWorldBegin\n");
+  const Outcome o = run({"render", "bright.pbrt"});
+  EXPECT_EQ(o.status, 3);
+  EXPECT_TRUE(has(o.err, "too large")) << o.err;
+  EXPECT_EQ(run({"render", "scene.pbrt", "--radius", "1e19", "-q"}).status, 2);
+  EXPECT_EQ(run({"render", "scene.pbrt", "--radius", "1e17", "--photons", "1k", "-q"}).status, 0);
+}
+
+TEST_F(ProgramUsage, WhatDoesNotFitInMemoryIsToldBeforeItIsTaken) {
+  if (recurse::testing::SANITIZED) GTEST_SKIP() << "sanitizers take the addresses that are left";
+  const std::string command = std::string("ulimit -v 4000000; cd '") + folder + "' && timeout 60 '" +
+                              RECURSE_PROGRAM +
+                              "' render scene.pbrt --photons 2e9 --direct photons -q 2> memory.txt";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_TRUE(has(contents(file("memory.txt")), "photons needs about")) << contents(file("memory.txt"));
+}
+
+TEST_F(ProgramUsage, LongNamesAreNotPrintedBack) {
+  write("long.pbrt", scene("", "NamedMaterial \"" + std::string(1000000, 'a') + "\"\nShape \"sphere\"\n"));
+  const Outcome o = run({"render", "long.pbrt"});
+  EXPECT_EQ(o.status, 3);
+  EXPECT_TRUE(has(o.err, "there is no material named \"aaaa")) << o.err.substr(0, 1000);
+  EXPECT_LT(o.err.size(), 2000u);
+}
+
+TEST_F(ProgramUsage, LightThatAnIntegratorCannotFindIsTold) {
+  write("glass.pbrt",
+        scene("", "LightSource \"point\" \"point3 from\" [ 0 3 0 ]\n"
+                  "Material \"dielectric\"\nTranslate 0 .5 0\nShape \"sphere\" \"float radius\" .2\n"));
+  const auto warned = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"render", "glass.pbrt", "-q", "--spp", "1", "-o", "a.exr"});
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.status, 0) << o.err;
+    return has(o.err, "is missing");
+  };
+  EXPECT_TRUE(warned({"--integrator", "path"}));
+  EXPECT_FALSE(warned({"--integrator", "path", "--paths", "LDE"}));
+  EXPECT_FALSE(warned({"--integrator", "photonmap", "--photons", "1k"}));
+  EXPECT_TRUE(has(run({"explain", "--integrator", "path"}).out, "no estimator finds LS+D"));
+  EXPECT_FALSE(has(run({"explain", "--integrator", "photonmap"}).out, "no estimator finds"));
+  // References come from an integrator that finds it.
+  const Outcome study = run({"converge", "glass.pbrt", "-o", "study", "--samples", "1", "--seeds", "2",
+                             "--reference-error", "10", "--run", "p=--integrator path"});
+  EXPECT_TRUE(has(study.err, "made by progressive photon mapping")) << study.err;
+}
+
+TEST_F(ProgramUsage, IntegratorsThatStandForOthersSaySo) {
+  write("mlt.pbrt", scene("Integrator \"mlt\" \"integer chains\" 10\n"));
+  const Outcome o = run({"render", "mlt.pbrt", "-q", "-o", "mlt.exr"});
+  EXPECT_EQ(o.status, 0);
+  EXPECT_TRUE(has(o.err, "mlt.pbrt:5:12: warning: \"mlt\" is rendered by \"path\"")) << o.err;
+}
+
+TEST_F(ProgramUsage, ErrorsThatRepeatAreToldOnceWithTheirPlaces) {
+  std::string shapes;
+  for (int i = 0; i < 5; ++i) shapes += "Shape \"sphere\" \"float radus\" 1\n";
+  write("many.pbrt", scene("", shapes));
+  const Outcome o = run({"render", "many.pbrt", "--check"});
+  EXPECT_EQ(o.status, 3);
+  EXPECT_EQ(o.err.find("has no parameter"), o.err.rfind("has no parameter")) << o.err;
+  EXPECT_TRUE(has(o.err, "and 4 more like it: many.pbrt:15, many.pbrt:16, many.pbrt:17, many.pbrt:18"))
+      << o.err;
+  EXPECT_TRUE(has(o.err, "refused: 5 errors\n")) << o.err;
+}
+
+TEST_F(ProgramUsage, WhatOfPbrtIsApproximatedOrRefusedIsSaid) {
+  write("spectral.pbrt", "Film \"spectral\"\nWorldBegin\n");
+  Outcome o = run({"render", "spectral.pbrt", "--check"});
+  EXPECT_EQ(o.status, 3);
+  EXPECT_TRUE(has(o.err, "light is red, green and blue here")) << o.err;
+
+  for (const char* film : {"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"", "Film \"gbuffer\""}) {
+    write("film.pbrt", scene(film + std::string("\n")));
+    o = run({"render", "film.pbrt", "--check"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_TRUE(has(o.err, "warning: ")) << o.err;
+    EXPECT_TRUE(has(o.out, "in short")) << o.out;
+    EXPECT_TRUE(has(o.out, "warning")) << o.out;
+  }
+  o = run({"render", "scene.pbrt", "--check"});
+  EXPECT_TRUE(o.out.ends_with("rendered as the file says\n")) << o.out;
+}
+
+TEST_F(ProgramUsage, NormalsThatAreNoNumbersAreLeftOut) {
+  write("mesh.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float nx\nproperty float ny\nproperty float nz\nelement face 1\n"
+        "property list uchar int vertex_indices\nend_header\n"
+        "0 0 0 nan nan nan\n1 0 0 nan nan nan\n0 1 0 nan nan nan\n3 0 1 2\n");
+  write("ply.pbrt", scene("", "Shape \"plymesh\" \"string filename\" \"mesh.ply\"\n"));
+  const Outcome o = run({"render", "ply.pbrt", "-q", "-o", "ply.exr"});
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(has(o.err, "3 vertices have normals that are not finite")) << o.err;
 }

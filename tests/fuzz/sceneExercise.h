@@ -66,11 +66,15 @@ inline void exerciseScene(const std::string& text, const std::string& directory)
   for (const ParsedDirective* d : {&scene.film, &scene.camera, &scene.integrator})
     if (d->given()) exerciseDirective(*d);
   // A few of each kind: more would only make the fuzzer slow.
-  constexpr size_t MOST = 4;
-  for (size_t i = 0; i < std::min(MOST, scene.shapes.size()); ++i) exerciseDirective(scene.shapes[i].shape);
-  for (size_t i = 0; i < std::min(MOST, scene.lights.size()); ++i) exerciseDirective(scene.lights[i].light);
-  for (size_t i = 1; i < std::min(MOST, scene.materials.size()); ++i) exerciseDirective(scene.materials[i]);
-  for (size_t i = 0; i < std::min(MOST, scene.areaLights.size()); ++i) exerciseDirective(scene.areaLights[i]);
+  constexpr size_t MAX_COUNT = 4;
+  for (size_t i = 0; i < std::min(MAX_COUNT, scene.shapes.size()); ++i)
+    exerciseDirective(scene.shapes[i].shape);
+  for (size_t i = 0; i < std::min(MAX_COUNT, scene.lights.size()); ++i)
+    exerciseDirective(scene.lights[i].light);
+  for (size_t i = 1; i < std::min(MAX_COUNT, scene.materials.size()); ++i)
+    exerciseDirective(scene.materials[i]);
+  for (size_t i = 0; i < std::min(MAX_COUNT, scene.areaLights.size()); ++i)
+    exerciseDirective(scene.areaLights[i]);
 }
 
 } // namespace recurse

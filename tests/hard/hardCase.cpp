@@ -42,6 +42,8 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     diagnostics.throwIfErrors();
     const Integrator& integrator = *made;
     if (!seen.insert(typeid(integrator)).second) continue;
+    // Of splats a picture does not tell how much is noise.
+    if (integrator.splats()) continue;
     const auto parameter = [&](const char* name) -> const ParameterSpec* {
       for (const ParameterSpec& p : entry.parameters)
         if (p.name == name && !p.ignored) return &p;
@@ -51,7 +53,8 @@ std::vector<Way> allWays(double photons, const std::string& more) {
       ways.push_back({entry.name, "", entry.name, false, false});
       continue;
     }
-    const std::string base = "\"integer photons\" " +
+    const std::string base = std::string(parameter("passes") ? "\"integer passes\" 1 " : "") +
+                             "\"integer photons\" " +
                              shown("%.0f", SANITIZED ? std::max(photons / 16, 1.0) : photons) + " " + more;
     const ParameterSpec* direct = parameter("direct");
     if (!direct) {

@@ -68,15 +68,15 @@ void slivers(const Report& report) {
                 "Rotate 20 .3 1 .2\n" + strips(1e-7),
             0.5, even());
   // One sliver that fills the picture: 1 long, 1e-7 wide.
-  Budget eyeOnly = even();
+  Budget cameraOnly = even();
   // Of all photons of the sky not one meets an area of 5e-8.
-  eyeOnly.only = [](const Way& w) { return !w.directPhotons; };
+  cameraOnly.only = [](const Way& w) { return !w.directPhotons; };
   checkMean(report, "one sliver of 1:1e7 from near",
             view(8, 8, "0 0 1  0 0 0  0 1 0",
                  "Camera \"orthographic\" \"float screenwindow\" [ -.4 0 -4e-9 4e-9 ]") +
                 constantLight(1) + diffuse(0.5) +
                 "Shape \"trianglemesh\" \"point3 P\" [ -.5 -5e-8 0  .5 0 0  -.5 5e-8 0 ]\n",
-            0.5, eyeOnly);
+            0.5, cameraOnly);
   // As a lamp.
   const double height = 1, power = 3;
   Budget lamp;

@@ -39,7 +39,7 @@ double gathered(const std::vector<Photon>& photons, const GatherSettings& settin
   TransportCounts counts;
   PathRadiance out(classes, counts);
   gather(map, settings, scattering, point, {0, 0, 1}, footprint, Rgb(1),
-         classes.step(classes.eyeStart(), PathEvent::D), out);
+         classes.step(classes.cameraStart(), PathEvent::D), out);
   if (counts.nonFinite > 0) problem = "the estimate is not finite";
   return double(out.total().g);
 }
@@ -47,7 +47,7 @@ double gathered(const std::vector<Photon>& photons, const GatherSettings& settin
 Photon photonAt(float x, float y, float power) {
   Photon p;
   p.position = {x, y, 0};
-  p.direction = packDirection({0, 0, 1});
+  p.direction = p.normal = packDirection({0, 0, 1});
   p.power = Rgb(power);
   return p;
 }

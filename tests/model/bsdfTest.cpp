@@ -141,7 +141,7 @@ class CellTree {
   int roots[2] = {-1, -1};
 };
 
-constexpr int MOST_DEPTH = 12;
+constexpr int MAX_DEPTH = 12;
 
 /** The integral of a density over a cell, or a part of one: from 16 parts of 9 points each up. */
 template <class F>
@@ -179,7 +179,7 @@ double integrate(const F& density, const Map& map, const CellTree::Cell& cell, c
     part(i, a, b);
     sum += parts[i] = rule(a, b);
   }
-  if (depth <= 0 || (depth <= MOST_DEPTH - 1 && std::abs(sum - coarse) <= error)) return sum;
+  if (depth <= 0 || (depth <= MAX_DEPTH - 1 && std::abs(sum - coarse) <= error)) return sum;
   sum = 0;
   for (int i = 0; i < 4; ++i) {
     Vec2d a, b;
@@ -206,7 +206,7 @@ double narrowest(const Vec3f& wi, const std::vector<Vec3f>& samples) {
   return width;
 }
 
-bool hasDiffuse(const Bsdf& bsdf) { return (bsdf.lobes() & DIFFUSE_LOBES) != 0; }
+bool hasNonDelta(const Bsdf& bsdf) { return (bsdf.lobes() & NON_DELTA_LOBES) != 0; }
 
 /** Refractive index on the side of w. */
 float indexAt(const Bsdf& bsdf, const Vec3f& w) { return w.z > 0 ? 1 : bsdf.eta(); }
@@ -217,7 +217,7 @@ struct Albedo {
 };
 Albedo scatteredFlux(const Bsdf& bsdf, const Vec3f& wi, int n, uint32_t seed) {
   Albedo out;
-  if (hasDiffuse(bsdf)) {
+  if (hasNonDelta(bsdf)) {
     TestRandom random(seed);
     Rgbd sum(0), sum2(0);
     for (int i = 0; i < n; ++i) {
@@ -246,7 +246,7 @@ TEST(BsdfSampling, FollowsTheDensity) {
   const int N = samples(6000);
   constexpr size_t IN_A_CELL = 156;
   forEachBsdf([&](const Bsdf& bsdf) {
-    if (!hasDiffuse(bsdf)) return;
+    if (!hasNonDelta(bsdf)) return;
     for (const Vec3f& wi : incidentDirections()) {
       TestRandom random(7);
       const Map map(wi);
@@ -274,7 +274,7 @@ TEST(BsdfSampling, FollowsTheDensity) {
       int cells = 0;
       for (const CellTree::Cell& cell : tree.cells) {
         const double mass = integrate([&](const Vec3f& wo) { return double(bsdf.pdf(wi, wo)); }, map, cell,
-                                      cell.low, cell.high, 1e-5, MOST_DEPTH, -1);
+                                      cell.low, cell.high, 1e-5, MAX_DEPTH, -1);
         total += mass;
         if (mass * N < 5) continue;
         chi2 += square(cell.found - mass * N) / (mass * N);
@@ -305,7 +305,7 @@ TEST(BsdfEnergy, NoMoreThanArrives) {
 
 TEST(BsdfEnergy, AlbedoSteersTheChoice) {
   forEachBsdf([](const Bsdf& bsdf) {
-    if (!hasDiffuse(bsdf)) return;
+    if (!hasNonDelta(bsdf)) return;
     for (const Vec3f& wi : incidentDirections()) {
       DeltaScatters deltas;
       bsdf.deltas(wi, deltas);
@@ -359,9 +359,9 @@ TEST(BsdfDelta, RoughnessGoesOverIntoTheMirrorWithoutAStep) {
     bsdf.deltas(wi, deltas);
     double sum = 0, sum2 = 0, delta = 0;
     for (const DeltaScatter& d : deltas) delta += double(d.weight.g) * light(d.wo);
-    const int n = hasDiffuse(bsdf) ? samples(8000) : 1;
+    const int n = hasNonDelta(bsdf) ? samples(8000) : 1;
     TestRandom random(17);
-    for (int i = 0; i < n && hasDiffuse(bsdf); ++i) {
+    for (int i = 0; i < n && hasNonDelta(bsdf); ++i) {
       const Vec2f u = random.next2();
       const auto wo = bsdf.sample(wi, u, random.next());
       if (!wo) continue;
@@ -411,7 +411,7 @@ TEST(BsdfDelta, RoughnessGoesOverIntoTheMirrorWithoutAStep) {
 
 TEST(BsdfReciprocity, ValuesAndDensities) {
   forEachBsdf([](const Bsdf& bsdf) {
-    if (!hasDiffuse(bsdf)) return;
+    if (!hasNonDelta(bsdf)) return;
     TestRandom random(5);
     const auto check = [&](const Vec3f& a, const Vec3f& b) {
       const double na = double(indexAt(bsdf, a)), nb = double(indexAt(bsdf, b));
@@ -436,15 +436,15 @@ TEST(BsdfReciprocity, ValuesAndDensities) {
 
 TEST(BsdfPasses, WeightsAreValueTimesCosineOverDensity) {
   forEachBsdf([](const Bsdf& bsdf) {
-    if (!hasDiffuse(bsdf)) return;
+    if (!hasNonDelta(bsdf)) return;
     const SurfacePoint point = flatPoint();
     const ScatteringPoint s(bsdf, point);
     for (const Vec3f& wi : incidentDirections())
       for (uint32_t i = 0; i < 20; ++i) {
         Sampler sampler(1, 2, i);
-        const auto eye = s.scatterDiffuse(wi, Transport::RADIANCE, sampler);
+        const auto eye = s.scatterNonDelta(wi, Transport::RADIANCE, sampler);
         if (!eye) continue;
-        EXPECT_NEAR(s.pdfDiffuse(wi, eye->direction), eye->pdf, 1e-4f * eye->pdf);
+        EXPECT_NEAR(s.pdfNonDelta(wi, eye->direction), eye->pdf, 1e-4f * eye->pdf);
         const Rgb f = s.evaluate(wi, eye->direction) / eye->pdf;
         Sampler again(1, 2, i);
         const auto photon = s.diffuseForwardScatter(wi, again);
@@ -464,7 +464,7 @@ TEST(BsdfPasses, NamedOperationsAreViewsOfTheSameDeltas) {
     const SurfacePoint point = flatPoint();
     const ScatteringPoint s(bsdf, point);
     for (const Vec3f& wi : incidentDirections()) {
-      std::array<Scatter, DeltaScatters::MOST> flux, radiance;
+      std::array<Scatter, DeltaScatters::MAX_COUNT> flux, radiance;
       const int n = s.deltaScatters(wi, Transport::FLUX, flux);
       ASSERT_EQ(n, s.deltaScatters(wi, Transport::RADIANCE, radiance));
       for (int i = 0; i < n; ++i) {
@@ -472,11 +472,18 @@ TEST(BsdfPasses, NamedOperationsAreViewsOfTheSameDeltas) {
         for (int k = 0; k < 3; ++k)
           EXPECT_NEAR(radiance[size_t(i)].weight[k], expected[k], 1e-5f * (1 + expected[k]));
       }
-      if (const auto mirror = s.specularReflectionBackwardScatter(wi)) {
-        EXPECT_EQ(mirror->lobe, MIRROR);
-      }
-      if (const auto refracted = s.specularRefractionBackwardScatter(wi)) {
-        EXPECT_EQ(refracted->lobe, REFRACTION);
+      // Each is the first of the radiance's steps by its lobe, in direction and in value.
+      for (const auto& [lobe, named] : {std::pair(MIRROR, s.specularReflectionBackwardScatter(wi)),
+                                        std::pair(REFRACTION, s.specularRefractionBackwardScatter(wi))}) {
+        const auto first = std::find_if(radiance.begin(), radiance.begin() + n,
+                                        [lobe = lobe](const Scatter& r) { return r.lobe == lobe; });
+        ASSERT_EQ(named.has_value(), first != radiance.begin() + n);
+        if (!named) continue;
+        EXPECT_EQ(named->lobe, lobe);
+        EXPECT_EQ(named->direction, first->direction);
+        EXPECT_EQ(named->weight, first->weight);
+        EXPECT_EQ(named->eta, first->eta);
+        EXPECT_EQ(glm::dot(named->direction, s.normal()) * glm::dot(wi, s.normal()) > 0, lobe == MIRROR);
       }
     }
   });
@@ -673,7 +680,7 @@ TEST(BsdfCorners, NothingButFiniteNumbers) {
                                                     << " to " << wo.x << " " << wo.y << " " << wo.z;
         ASSERT_TRUE(good(bsdf->albedo(wi)));
         const Vec2f u(cornerNumber(random), cornerNumber(random));
-        if (!hasDiffuse(*bsdf)) continue;
+        if (!hasNonDelta(*bsdf)) continue;
         if (const auto to = bsdf->sample(wi, u, cornerNumber(random))) {
           ASSERT_NEAR(glm::length(*to), 1, 1e-4);
           const float p = bsdf->pdf(wi, *to);

@@ -2,8 +2,10 @@
  * What holds for every registered plug-in, whatever its kind; and pixel filters.
  */
 #include "model/bsdfTesting.h"
+#include "model/shapeTesting.h"
 
 using namespace recurse;
+using namespace recurse::testing;
 
 TEST(PlugIns, EveryExampleCanBeMade) {
   const auto check = [](const auto& registry, const auto& context) {
@@ -24,13 +26,14 @@ TEST(PlugIns, EveryExampleCanBeMade) {
   check(all.materials, named.context());
   CameraContext camera;
   camera.width = camera.height = 16;
-  check(all.shapes, ShapeContext{});
+  check(all.shapes, ShapeContext{.shapes = testObjects()});
   check(all.lights, LightContext{});
   check(all.cameras, camera);
   check(all.filters, NoContext{});
   check(all.films, NoContext{});
   check(all.samplers, NoContext{});
   check(all.accelerators, NoContext{});
+  check(all.toneMaps, NoContext{});
   Diagnostics diagnostics;
   const auto sphere = all.shapes.make(parseParameterText("sphere", ""), {}, diagnostics);
   check(all.areaLights, AreaLightContext{*sphere});

@@ -172,7 +172,7 @@ TEST_F(PlyMesh, EveryEncodingReadsTheSame) {
         const std::vector<glm::uvec3> expected = {{0, 1, 2}, {3, 2, 1}, {3, 1, 0},
                                                   {5, 4, 3}, {5, 3, 2}, {5, 2, 1}};
         EXPECT_EQ(mesh->indices(), expected);
-        const SurfacePoint p = mesh->surfaceAt(3, {0, 0});
+        const SurfacePoint p = mesh->surfaceAt(3, HitParameters(Vec2f(0, 0)));
         EXPECT_EQ(p.uv, Vec2f(0.625f, 1));
         EXPECT_NEAR(glm::dot(p.shadingNormal, Vec3f(0, 0.6f, 0.8f)), 1, 1e-6);
       }
@@ -189,7 +189,7 @@ TEST_F(PlyMesh, TextureCoordinatesByAnyName) {
     write(text + "0 0 0 .1 .2\n1 0 0 .3 .4\n0 1 0 .5 .6\n3 0 1 2");
     const TriangleMesh* mesh = loadMesh();
     ASSERT_TRUE(mesh);
-    EXPECT_EQ(mesh->surfaceAt(0, {0, 1}).uv, Vec2f(0.5f, 0.6f)) << u;
+    EXPECT_EQ(mesh->surfaceAt(0, HitParameters(Vec2f(0, 1))).uv, Vec2f(0.5f, 0.6f)) << u;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "model/bsdfTesting.h"
+#include "model/shapeTesting.h"
 #include "model/textureTesting.h"
 #include "recurse/model/surfaceDetail.h"
 #include "recurse/model/triangleMesh.h"
@@ -22,9 +23,10 @@ template <class F> void atPointsOfShapes(const F& test) {
   for (const auto& entry : plugIns().shapes.entries())
     for (const std::string& example : entry.examples) {
       Diagnostics diagnostics;
-      const auto shape =
-          plugIns().shapes.make(parseParameterText(entry.name, example), {m, false}, diagnostics);
+      const auto shape = plugIns().shapes.make(parseParameterText(entry.name, example),
+                                               {m, false, nullptr, testObjects()}, diagnostics);
       ASSERT_TRUE(shape) << diagnostics.format();
+      if (!shape->canBeSampled()) continue;
       for (uint32_t i = 0; i < 200; ++i) {
         Sampler sampler(1, 2, i);
         const float pick = sampler.next1D();

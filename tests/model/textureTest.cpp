@@ -3,6 +3,7 @@
  */
 #include "model/textureTesting.h"
 
+#include <numbers>
 #include <random>
 
 #include "recurse/model/noise.h"
@@ -12,7 +13,7 @@ using namespace recurse::testing;
 
 namespace {
 
-constexpr double PI_D = 3.14159265358979323846;
+using std::numbers::pi;
 
 Rgb at(const Texture& t, double u, double v) { return t.value(flatPoint(u, v)); }
 
@@ -164,9 +165,9 @@ TEST(TextureMapping, FollowsItsFormulas) {
              {.3f, .4f, 0}, 1e-6);
   const double r = std::sqrt(14.), theta = std::acos(-3 / r), phi = std::atan2(2., 1.);
   expectNear(shown("\"string mapping\" \"spherical\"")->value(pointAt(p)),
-             Rgb(float(theta / PI_D), float(phi / (2 * PI_D)), 0), 1e-6);
+             Rgb(float(theta / pi), float(phi / (2 * pi)), 0), 1e-6);
   expectNear(shown("\"string mapping\" \"cylindrical\"")->value(pointAt(p)),
-             Rgb(float((PI_D + phi) / (2 * PI_D)), -3, 0), 1e-6);
+             Rgb(float((pi + phi) / (2 * pi)), -3, 0), 1e-6);
   // In the space of the transform at the Texture directive.
   Mat4d moved(2);
   moved[3] = Vec4d(1, 2, -13, 1);
@@ -297,8 +298,8 @@ TEST(Noise, WindyAndMarble) {
   EXPECT_NEAR(windy->value(pointAt(Vec3f(p))).r, std::abs(fractal(.1 * q, 3)) * fractal(q, 6), 1e-6);
   // Without noise, marble has layers: the ends of the spline at the extremes of the sine.
   const auto marble = makeTexture("marble", "\"float variation\" 0 \"float scale\" 2");
-  expectNear(marble->value(pointAt({3, float(PI_D / 4), 1})), Rgb(.58f, .58f, .6f) * 1.5f, 1e-3);
-  expectNear(marble->value(pointAt({3, -float(PI_D / 4), 1})), Rgb(.58f, .58f, .6f) * 1.5f, 1e-3);
+  expectNear(marble->value(pointAt({3, float(pi / 4), 1})), Rgb(.58f, .58f, .6f) * 1.5f, 1e-3);
+  expectNear(marble->value(pointAt({3, -float(pi / 4), 1})), Rgb(.58f, .58f, .6f) * 1.5f, 1e-3);
   // Half way, three of six segments: a Bézier curve begins at its first point.
   expectNear(marble->value(pointAt({3, 0, 1})), Rgb(.5f, .5f, .5f) * 1.5f, 1e-3);
 }
@@ -322,7 +323,7 @@ TEST(Texture, DotsAreDiscsInSomeCells) {
         continue;
       }
       ++full;
-      EXPECT_NEAR(area, PI_D * .35 * .35, .02) << "a whole disc lies in its cell";
+      EXPECT_NEAR(area, pi * .35 * .35, .02) << "a whole disc lies in its cell";
     }
   EXPECT_GT(full, CELLS * CELLS / 4);
   EXPECT_GT(empty, CELLS * CELLS / 4);

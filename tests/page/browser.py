@@ -108,12 +108,15 @@ class Browser:
         return result["result"].get("value")
 
     def open(self, file, readyWhen, seconds=60):
+        self.openUrl("file://" + os.path.abspath(file), readyWhen, seconds)
+
+    def openUrl(self, url, readyWhen, seconds=60):
         self.complaints, self.requests = [], []
-        self.call("Page.navigate", url="file://" + os.path.abspath(file))
+        self.call("Page.navigate", url=url)
         end = time.monotonic() + seconds
         while not self.evaluate(f"document.readyState === 'complete' && !!({readyWhen})"):
             if time.monotonic() > end:
-                raise BrowserError(f"{file} does not get ready: {self.complaints}")
+                raise BrowserError(f"{url} does not get ready: {self.complaints}")
             time.sleep(0.05)
 
     def settle(self):

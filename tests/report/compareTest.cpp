@@ -177,7 +177,7 @@ TEST(Compare, EveryRelativeErrorSaysHowItIsMade) {
     EXPECT_NE(line.find("²+ε"), std::string::npos) << line;
     EXPECT_TRUE(line.find("trim") != std::string::npos) << line;
   }
-  EXPECT_EQ(lines, 3);
+  EXPECT_EQ(lines, 5);
 }
 
 TEST(Compare, ErrorMaps) {
@@ -202,4 +202,32 @@ TEST(Compare, ErrorMaps) {
   EXPECT_LT(sign.rgb(2, 0).r, sign.rgb(2, 0).b); // too dark: blue
   x.at(0, 0)[0] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(errorMap(x, r, ErrorMap::RELATIVE).rgb(0, 0), Rgb(1, 0, 1));
+}
+
+TEST(ErrorByScale, IndependentNoiseFallsToAQuarterAndAStainStays) {
+  const Image truth = constant(128, 96, {0.5f, 0.5f, 0.5f});
+  const Image a = noisy(truth, 0.05, 1), b = noisy(truth, 0.05, 2);
+  const ByScale noise = compareImages(noisy(truth, 0.1, 3), a, b).relMseNoiseFreeByScale;
+  for (size_t i = 1; i < 4; ++i) EXPECT_NEAR(noise[i - 1] / noise[i], 4, 0.8) << i;
+  EXPECT_NEAR(noise[0], 0.01 / 0.26, 0.1 * 0.01 / 0.26);
+  Image stained = truth; // squares of 32 pixels, a tenth too bright or too dark in turn
+  for (int y = 0; y < truth.height; ++y)
+    for (int x = 0; x < truth.width; ++x)
+      for (int c = 0; c < 3; ++c) stained.at(x, y)[c] *= (x / 32 + y / 32) % 2 ? 1.1f : 0.9f;
+  for (double error : compareImages(stained, truth).relMseByScale) EXPECT_NEAR(error, 0.0025 / 0.26, 1e-6);
+  EXPECT_TRUE(
+      std::isnan(compareImages(constant(20, 9, {1, 1, 1}), constant(20, 9, {1, 1, 1})).relMseByScale[4]));
+}
+
+TEST(ErrorByScale, NoiseOfTheReferenceDoesNotWeighDarkPixelsUp) {
+  const Image truth = constant(64, 64, {0.2f, 0.2f, 0.2f});
+  const Image a = noisy(truth, 0.15, 1), b = noisy(truth, 0.15, 2);
+  const double known = 0.01 / (0.04 + REL_MSE_EPSILON);
+  const Comparison c = compareImages(constant(64, 64, {0.3f, 0.3f, 0.3f}), a, b);
+  EXPECT_NEAR(c.relMseNoiseFreeByScale[0], known, 0.08 * known);
+  EXPECT_NEAR(c.relMseNoiseFreeByScale[3], known, 0.08 * known);
+  EXPECT_GT(c.relMseNoiseFree[ALL_CHANNELS], 1.1 * known); // as it is without smoothing
+  EXPECT_EQ(metricByName(c, "relmse_noise_free_at_8"), c.relMseNoiseFreeByScale[3]);
+  EXPECT_NE(comparisonTable(c).find("8x8"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(comparisonJson(c))["relmse_noise_free_at_8"], c.relMseNoiseFreeByScale[3]);
 }

@@ -34,8 +34,10 @@ Film renderClasses(const std::string& sceneName, const std::string& integratorNa
   overrides.width = overrides.height = size;
   const auto scene = buildScene(loadScene(file, diagnostics), overrides, diagnostics);
   std::string parameters; // few photons: what is looked at are sums
-  for (const ParameterSpec& p : plugIns().integrators.find(integratorName)->parameters)
-    if (p.name == "photons" && !p.ignored) parameters = "\"integer photons\" 20000";
+  for (const ParameterSpec& p : plugIns().integrators.find(integratorName)->parameters) {
+    if (!p.ignored && p.name == "passes") parameters += " \"integer passes\" 1";
+    if (!p.ignored && p.name == "photons") parameters += " \"integer photons\" 20000";
+  }
   const auto integrator =
       plugIns().integrators.make(parseParameterText(integratorName, parameters), {}, diagnostics);
   diagnostics.throwIfErrors();

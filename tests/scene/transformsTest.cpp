@@ -87,23 +87,51 @@ TEST(Transforms, BlocksRestore) {
 
 TEST(Transforms, MotionBlurIsRefusedWhereItIsUsed) {
   const char* const moving = "TransformTimes 0 1 WorldBegin ActiveTransform EndTime Translate 1 0 0 ";
-  EXPECT_CONTAINS(messages(std::string(moving) + "Shape \"sphere\""), "motion blur is not supported");
+  const SceneDescription s = parseGood(std::string(moving) + "Shape \"sphere\"");
+  expectPoint(s.shapes.at(0).worldFromObject, {0, 0, 0}, {0, 0, 0});
+  ASSERT_TRUE(s.shapes.at(0).worldFromObjectLast);
+  expectPoint(*s.shapes.at(0).worldFromObjectLast, {0, 0, 0}, {1, 0, 0});
   EXPECT_EQ(messages(std::string(moving) + "Identity Shape \"sphere\""), "");
   EXPECT_EQ(messages(std::string(moving) + "ActiveTransform StartTime Translate 1 0 0 Shape \"sphere\""), "");
   EXPECT_EQ(messages(std::string(moving) + "ActiveTransform All"), "");
-  EXPECT_CONTAINS(messages(std::string(moving) + "ObjectBegin \"o\" ObjectEnd ObjectInstance \"o\""),
-                  "motion blur");
+  EXPECT_TRUE(parseGood(std::string(moving) + "ObjectBegin \"o\" ObjectEnd ObjectInstance \"o\"")
+                  .instances.at(0)
+                  .worldFromInstanceLast);
+  EXPECT_CONTAINS(messages(std::string(moving) + "LightSource \"point\""), "a LightSource does not move");
+  EXPECT_CONTAINS(messages("TransformTimes 1 1"), "start < end");
 }
 
 TEST(Transforms, WhatCannotBeInvertedIsAnError) {
-  EXPECT_CONTAINS(messages("Scale 1 0 1 WorldBegin"), "Scale by zero");
+  EXPECT_CONTAINS(messages("Scale 1 0 1 Camera \"perspective\" WorldBegin"), "flat");
   EXPECT_CONTAINS(messages("Rotate 90 0 0 0 WorldBegin"), "axis");
   EXPECT_CONTAINS(messages("LookAt 0 0 0 0 0 0 0 1 0 WorldBegin"), "target other than the eye");
   EXPECT_CONTAINS(messages("LookAt 0 0 0 0 1 0 0 1 0 WorldBegin"), "up vector");
-  EXPECT_CONTAINS(messages("Transform [1 0 0 0 2 0 0 0 0 0 1 0 0 0 0 1] WorldBegin"), "flat");
-  EXPECT_CONTAINS(messages("Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1] WorldBegin"), "projection");
-  EXPECT_CONTAINS(messages("Scale 1e300 1 1 Scale 1e300 1 1 WorldBegin"), "overflows");
+  EXPECT_CONTAINS(messages("Transform [1 0 0 0 2 0 0 0 0 0 1 0 0 0 0 1] Camera \"perspective\" WorldBegin"),
+                  "flat");
+  EXPECT_CONTAINS(messages("WorldBegin Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1] LightSource \"point\""),
+                  "projection");
+  EXPECT_CONTAINS(messages("WorldBegin Scale 1e300 1 1 Scale 1e300 1 1 Shape \"sphere\""), "overflows");
   EXPECT_CONTAINS(messages("Translate 1 2 WorldBegin"), "3 numbers");
   EXPECT_CONTAINS(messages("Translate 1 2 3 4 WorldBegin"), "takes 3 numbers");
   EXPECT_EQ(messages("Scale 1e-30 1e-30 1e-30 WorldBegin"), "");
+}
+
+TEST(Transforms, WhatPlacesNothingMayBeSingularOrProject) {
+  const std::string flat = "WorldBegin AttributeBegin Scale 0 0 0 ",
+                    projected = "WorldBegin AttributeBegin Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1] ";
+  for (const std::string& begin : {flat, projected}) {
+    EXPECT_EQ(messages(begin + "Material \"diffuse\" AttributeEnd Shape \"sphere\""), "");
+    EXPECT_EQ(messages(begin + "Identity Shape \"sphere\" AttributeEnd"), "");
+    EXPECT_EQ(messages(begin + "LightSource \"infinite\" AttributeEnd"), "");
+    EXPECT_NE(messages(begin + "LightSource \"infinite\" \"string filename\" \"a.exr\" AttributeEnd"), "");
+    EXPECT_NE(messages(begin + "Texture \"t\" \"float\" \"constant\" Shape \"sphere\" AttributeEnd"), "");
+  }
+  EXPECT_EQ(messages("Scale 0 0 0 WorldBegin Shape \"sphere\""), "");
+}
+
+TEST(Transforms, WhatMadeThemSingularIsToldOnceAndByItsPlace) {
+  const std::string text =
+      messages("WorldBegin\nTranslate 1 0 0\nScale 1 0 1\nTranslate 1 0 0\nShape \"sphere\"\nShape \"disk\"");
+  EXPECT_CONTAINS(text, ":3:1: error: the current transform becomes flat");
+  EXPECT_EQ(text.find("flat"), text.rfind("flat")) << text;
 }

@@ -17,8 +17,8 @@ class Formula final : public Integrator {
  public:
   using Radiance = std::function<float(const Vec3f& direction, Sampler& sampler)>;
   explicit Formula(Radiance radiance) : radiance(std::move(radiance)) {}
-  void backward(const Scene&, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const override {
-    out.add(out.pathClasses().lightStart(), out.pathClasses().eyeStart(),
+  void backward(const Scene&, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override {
+    out.add(out.pathClasses().lightStart(), out.pathClasses().cameraStart(),
             Rgb(radiance(ray.direction, sampler)));
   }
   std::vector<EstimatorDomain> domains() const override { return {}; }
@@ -98,7 +98,7 @@ bool same(const Rendered& a, const Rendered& b) {
 }
 
 const std::vector<Way> WAYS = {{"path", ""},
-                               {"photonmap", "\"integer photons\" 3000"},
+                               {"photonmap", "\"integer passes\" 1 \"integer photons\" 3000"},
                                {"photonmap", "\"integer photons\" 1000 \"integer passes\" 5"},
                                {"sppm", "\"integer photons\" 1000"}};
 

@@ -66,13 +66,14 @@ TEST(Alpha, TexturedHolesAreHoles) {
 }
 
 TEST(Alpha, PhotonsMeetTheSameHoles) {
-  const std::string parameters =
-      "\"integer photons\" 60000 \"string direct\" \"photons\" \"float radius\" .15 \"integer maxdepth\" 3";
+  const std::string parameters = "\"integer passes\" 1 \"integer photons\" 60000 \"string direct\" "
+                                 "\"photons\" \"float radius\" .15 \"integer maxdepth\" 3";
   const Rendered truth = renderText(screenScene(GEOMETRY), "photonmap", parameters, 4);
   const Rendered cut = renderText(screenScene(TEXTURED), "photonmap", parameters, 4, 2);
   EXPECT_NEAR(cut.mean(), truth.mean(), .02 * truth.mean());
-  const Rendered shadowRays = renderText(screenScene(TEXTURED_TRIANGLES), "photonmap",
-                                         "\"integer photons\" 60000 \"integer maxdepth\" 3", 16, 3);
+  const Rendered shadowRays =
+      renderText(screenScene(TEXTURED_TRIANGLES), "photonmap",
+                 "\"integer passes\" 1 \"integer photons\" 60000 \"integer maxdepth\" 3", 16, 3);
   const Rendered path = renderText(screenScene(GEOMETRY), "path", "\"integer maxdepth\" 3", samples(64));
   EXPECT_NEAR(shadowRays.mean(), path.mean(), .02 * path.mean());
 }
@@ -104,7 +105,8 @@ Shape "bilinearmesh" "point3 P" [-5 -5 0  5 -5 0  -5 5 0  5 5 0]
 Material "diffuse" "rgb reflectance" [0 0 0]
 Shape "disk" "float radius" 9 "float height" 3 "float alpha" .3
 )";
-  for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 1000"}}) {
+  for (const Way& way :
+       {Way{"path", ""}, Way{"photonmap", "\"integer passes\" 1 \"integer photons\" 1000"}}) {
     const Rendered r = renderText(scene, way.integrator, way.parameters, samples(512));
     EXPECT_NEAR(r.mean(), .7 * 2 * .5 / M_PI, 5 * r.standardError()) << way.integrator;
   }
@@ -187,8 +189,9 @@ Material "conductor"
 AttributeBegin Translate 1 0 .6 Shape "sphere" "float radius" .6 AttributeEnd
 )";
   const Rendered path = renderText(scene, "path", "", samples(256));
-  for (const Way& way : {Way{"photonmap", "\"integer photons\" 100000"},
-                         Way{"photonmap", "\"integer photons\" 100000 \"string direct\" \"photons\""}}) {
+  for (const Way& way :
+       {Way{"photonmap", "\"integer passes\" 1 \"integer photons\" 100000"},
+        Way{"photonmap", "\"integer passes\" 1 \"integer photons\" 100000 \"string direct\" \"photons\""}}) {
     const Rendered r = renderText(scene, way.integrator, way.parameters, samples(32), 2);
     EXPECT_NEAR(r.mean(), path.mean(), .02 * path.mean() + 4 * path.standardError()) << way.parameters;
   }

@@ -96,15 +96,16 @@ void expectAgreement(const Scene& scene, const Way& way, const PathClasses& clas
 
 } // namespace
 
-TEST(ClassAgreement, PhotonMapAndPathAgreeOnStills) {
+TEST(ClassAgreement, PhotonMapVcmAndPathAgreeOnStills) {
   const ThreadPool pool;
   const auto scene = sceneFrom(glassBox(SANITIZED ? 44 : 64));
   const PathClasses classes(defaultStillClasses());
   const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(12), 16);
   const std::string photons =
-      "\"integer photons\" " + std::to_string(samples(50000)) + " \"float radius\" .03";
+      "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(50000)) + " \"float radius\" .03";
   for (const char* direct : {"shadowrays", "photons"})
     expectAgreement(*scene, {"photonmap", photons + " \"string direct\" \"" + direct + "\""}, classes, truth);
+  expectAgreement(*scene, {"vcm", ""}, classes, truth);
 }
 
 /** Rough lobes are D, read the map, are followed, or both; near the threshold with weights between 0 and 1.
@@ -117,7 +118,7 @@ TEST(ClassAgreement, RoughLobesAgreeWhoeverTakesThem) {
   const PathClasses classes({{"direct", "LDE"}, {"two", "LDDE"}, {"three", "LDDDE"}, {"more", "LDDDD+E"}});
   const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(16), 16);
   const std::string photons =
-      "\"integer photons\" " + std::to_string(samples(25000)) + " \"float radius\" .03";
+      "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(25000)) + " \"float radius\" .03";
   for (const char* follow : {"0", ".2", "1"})
     for (const char* direct : {"shadowrays", "photons"})
       expectAgreement(*scene,
@@ -177,7 +178,7 @@ TEST(ClassAgreement, AClassAloneIsTheSameAsInCompany) {
                                       {"lamps", "LS*E"},
                                       {"caustics mirrored", "LS+DS+E"},
                                       {"direct", "LDE"}};
-  const std::string photons = "\"integer photons\" " + std::to_string(samples(20000));
+  const std::string photons = "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(20000));
   for (const Way& way : {Way{"path", ""}, Way{"photonmap", photons},
                          Way{"photonmap", photons + " \"string direct\" \"photons\""}}) {
     // The same search for both: by itself it would widen where a class has fewer photons.

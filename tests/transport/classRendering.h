@@ -117,9 +117,11 @@ inline std::vector<Way> waysThatShareOutDifferently() {
 inline Way withPhotons(Way way, int photons) {
   const auto* entry = plugIns().integrators.find(way.integrator);
   if (entry)
-    for (const ParameterSpec& p : entry->parameters)
+    for (const ParameterSpec& p : entry->parameters) {
+      if (p.name == "passes" && !p.ignored) way.parameters += " \"integer passes\" 1";
       if (p.name == "photons" && !p.ignored)
         way.parameters += " \"integer photons\" " + std::to_string(photons);
+    }
   return way;
 }
 

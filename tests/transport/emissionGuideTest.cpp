@@ -24,7 +24,7 @@ bool useful(const EmissionGuide::Numbers& n) {
 
 EmissionGuide learned(int trials) {
   std::mt19937 random(1);
-  std::vector<EmissionGuide::Useful> found;
+  std::vector<EmissionGuide::TrainingSample> found;
   for (int i = 0; i < trials; ++i)
     if (const EmissionGuide::Numbers n = randomNumbers(random); useful(n)) found.push_back({n, 1});
   return EmissionGuide(found, trials);
@@ -78,7 +78,7 @@ TEST(EmissionGuide, NothingToLearnNoGuide) {
   EXPECT_FALSE(EmissionGuide().active());
   EXPECT_FALSE(EmissionGuide({}, 1000).active());
   std::mt19937 random(1);
-  std::vector<EmissionGuide::Useful> all;
+  std::vector<EmissionGuide::TrainingSample> all;
   for (int i = 0; i < 20000; ++i) all.push_back({randomNumbers(random), 1});
   EXPECT_LT(EmissionGuide(all, 20000).gain(), 1.1);
 }
@@ -97,7 +97,7 @@ TEST(EmissionGuide, VisibleRegionHoldsWhatIsNear) {
 TEST(EmissionGuide, LightsHaveTheirOwnDirections) {
   // Each of 16 lights is useful in one of 16 directions, so that no one number alone tells anything.
   std::mt19937 random(1);
-  std::vector<EmissionGuide::Useful> found;
+  std::vector<EmissionGuide::TrainingSample> found;
   constexpr int TRIALS = 100000;
   for (int i = 0; i < TRIALS; ++i) {
     const EmissionGuide::Numbers n = randomNumbers(random);
@@ -176,8 +176,9 @@ TEST(EmissionGuide, SmallTableInALargeHall) {
 TEST(EmissionGuide, WhereAllPhotonsCountNothingChanges) {
   const auto scene = sceneFrom(rooms(1));
   const auto picture = [&](const char* guided) {
-    return renderScene(*scene, "photonmap",
-                       std::string("\"integer photons\" 20000 \"bool guided\" ") + guided, 2);
+    return renderScene(
+        *scene, "photonmap",
+        std::string("\"integer passes\" 1 \"integer photons\" 20000 \"bool guided\" ") + guided, 2);
   };
   const Rendered a = picture("true"), b = picture("false");
   for (size_t i = 0; i < a.pixels(); ++i) ASSERT_EQ(a.value(i), b.value(i));

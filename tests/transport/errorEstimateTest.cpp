@@ -62,7 +62,8 @@ TEST(ErrorEstimate, IsNearTheTrueError) {
 
 TEST(ErrorEstimate, EndsARender) {
   const auto scene = sceneFrom(litCorner(16));
-  for (const Way& way : {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 20000"}}) {
+  for (const Way& way :
+       {Way{"path", ""}, Way{"photonmap", "\"integer passes\" 1 \"integer photons\" 20000"}}) {
     const Rendered r = untilError(*scene, way, 0.15);
     EXPECT_EQ(r.statistics.stopReason, StopReason::ERROR) << way.integrator;
     EXPECT_LE(r.statistics.error, 0.15);

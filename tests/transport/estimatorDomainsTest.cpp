@@ -6,15 +6,17 @@
 
 #include "recurse/transport/directLight.h"
 #include "recurse/transport/estimatorDomains.h"
-#include "recurse/transport/lobeSharing.h"
+#include "recurse/transport/gatherWeighting.h"
 
 using namespace recurse;
 using namespace recurse::testing;
 
 namespace {
 
-/** Paths in a medium are to be covered as soon as an integrator estimates any of them. */
-std::string whatToCover(const std::vector<EstimatorDomain>& domains) {
+/** What the integrator claims; paths in a medium as soon as it estimates any of them. */
+std::string whatToCover(const Integrator& integrator) {
+  if (const std::string claims = integrator.claims(); !claims.empty()) return claims;
+  const std::vector<EstimatorDomain> domains = integrator.domains();
   const PathAutomaton surface = PathAutomaton::compile("surface");
   for (const EstimatorDomain& d : domains)
     if (!PathAutomaton::compile(d.expression).subsetOf(surface)) return "all";
@@ -28,8 +30,8 @@ std::string nameOf(const Way& way) { return way.integrator + way.parameters; }
 TEST(EstimatorDomains, AreDisjointAndCoverAllPathsWhateverTheOptions) {
   size_t combinations = 0;
   for (const Way& way : everyWay()) {
-    const std::vector<EstimatorDomain> domains = integratorFrom(way.integrator, way.parameters)->domains();
-    const DomainReport report = checkDomains(domains, whatToCover(domains));
+    const auto integrator = integratorFrom(way.integrator, way.parameters);
+    const DomainReport report = checkDomains(integrator->domains(), whatToCover(*integrator));
     EXPECT_TRUE(report.sound()) << nameOf(way) << "\n" << report.text();
     ++combinations;
   }
@@ -38,20 +40,21 @@ TEST(EstimatorDomains, AreDisjointAndCoverAllPathsWhateverTheOptions) {
 }
 
 TEST(EstimatorDomains, LobesAreSharedOnlyWhereTheyAreFollowed) {
-  const auto shared = integratorFrom("photonmap", "")->domains();
-  const auto alone = integratorFrom("photonmap", "\"float followroughness\" 0")->domains();
-  EXPECT_EQ(shared.back().estimator, "followed lobes");
+  const auto shared = integratorFrom("photonmap", "\"integer passes\" 1")->domains();
+  const auto alone =
+      integratorFrom("photonmap", "\"integer passes\" 1 \"float followroughness\" 0")->domains();
+  EXPECT_EQ(shared.back().estimator, "paths that go on");
   EXPECT_EQ(shared.size(), alone.size() + 1);
   EXPECT_EQ(shared.back().expression, alone.back().expression); // what the map leaves, a part of its paths
   EXPECT_TRUE(alone.back().sharedGroup.empty());
   EXPECT_TRUE(checkDomains(alone, "surface").sound());
 }
 
-TEST(LobeSharing, WeightsAddUpToOneAndChangeWithoutSteps) {
-  EXPECT_FALSE(LobeSharing::belowRoughness(0).ever());
-  EXPECT_EQ(LobeSharing().followed(1e30f), 0);
+TEST(GatherWeighting, WeightsAddUpToOneAndChangeWithoutSteps) {
+  EXPECT_FALSE(GatherWeighting::belowRoughness(0).ever());
+  EXPECT_EQ(GatherWeighting().followed(1e30f), 0);
   for (const double alpha : {1e-3, 0.2, 1.0}) {
-    const LobeSharing s = LobeSharing::belowRoughness(alpha);
+    const GatherWeighting s = GatherWeighting::belowRoughness(alpha);
     // The metal's lobe of this roughness seen from the normal: D / 4 in its middle.
     EXPECT_NEAR(s.density * 4 * M_PI * alpha * alpha, 1, 1e-5);
     EXPECT_NEAR(s.followed(s.density), 0.5, 1e-6);
@@ -75,7 +78,8 @@ TEST(LobeSharing, WeightsAddUpToOneAndChangeWithoutSteps) {
 /** The same by set algebra on the automata, without the code that explains the findings. */
 TEST(EstimatorDomains, PartitionByAutomata) {
   for (const Way& way : everyWay()) {
-    const std::vector<EstimatorDomain> domains = integratorFrom(way.integrator, way.parameters)->domains();
+    const auto integrator = integratorFrom(way.integrator, way.parameters);
+    const std::vector<EstimatorDomain> domains = integrator->domains();
     PathAutomaton covered = PathAutomaton::compile("S", PathAutomaton::Empty::ALLOWED);
     ASSERT_TRUE(covered.isEmpty());
     for (size_t i = 0; i < domains.size(); ++i) {
@@ -87,15 +91,16 @@ TEST(EstimatorDomains, PartitionByAutomata) {
       }
       covered = covered.unite(paths);
     }
-    EXPECT_TRUE(PathAutomaton::compile(whatToCover(domains)).subsetOf(covered)) << nameOf(way);
+    EXPECT_TRUE(PathAutomaton::compile(whatToCover(*integrator)).subsetOf(covered)) << nameOf(way);
   }
 }
 
 /** Soundness is no accident of a check that sees nothing: every single spoilt list is found out. */
 TEST(EstimatorDomains, SpoiltListsAreFoundOut) {
   for (const Way& way : everyWay()) {
-    const std::vector<EstimatorDomain> domains = integratorFrom(way.integrator, way.parameters)->domains();
-    const std::string covers = whatToCover(domains);
+    const auto integrator = integratorFrom(way.integrator, way.parameters);
+    const std::vector<EstimatorDomain> domains = integrator->domains();
+    const std::string covers = whatToCover(*integrator);
     for (size_t i = 0; i < domains.size(); ++i) {
       std::vector<EstimatorDomain> twice = domains;
       twice.push_back(domains[i]);
@@ -210,14 +215,14 @@ template <class Visit> void visitPoints(const Scene& scene, int walks, Visit&& v
   BsdfArena arena;
   for (int i = 0; i < walks; ++i) {
     Sampler sampler(17, 3, static_cast<uint32_t>(i));
-    Ray ray = scene.camera().ray(sampler.next2D() * 16.0f);
+    Ray ray = *scene.camera().sampleRay({sampler.next2D() * 16.0f});
     Hit hit;
     for (int depth = 0; depth < 3 && scene.intersect(ray, hit); ++depth) {
       arena.reset();
       const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
       if (!bsdf) break;
       const ScatteringPoint scattering(*bsdf, hit.point);
-      if (scattering.hasDiffuse()) visit(scattering, hit.point, -ray.direction, sampler);
+      if (scattering.hasNonDelta()) visit(scattering, hit.point, -ray.direction, sampler);
       const std::optional<Scatter> s = scattering.scatter(-ray.direction, Transport::RADIANCE, sampler);
       if (!s) break;
       ray = {hit.point.rayOrigin(s->direction), s->direction, INFINITE};
@@ -240,16 +245,16 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
   for (const LitRoom& room : litRooms()) {
     const auto scene = sceneFrom(roomWith(room.lights));
     ASSERT_TRUE(scene);
-    LightGuide guide;
+    LightSampler guide;
     guide.learn(*scene);
     size_t tested = 0, wrong = 0;
     visitPoints(*scene, samples(4000),
                 [&](const ScatteringPoint&, const SurfacePoint& point, const Vec3f& wi, Sampler sampler) {
                   float pick = sampler.next1D();
                   const Vec2f u = sampler.next2D();
-                  const LitPlace place = litPlace(guide, point, wi);
+                  const LightSampleContext place = lightSampleContext(guide, point, wi);
                   const ChosenLight chosen = guide.choose(scene->lights(), place, pick);
-                  const auto light = chosen.light->illuminate(point.position, pick, u);
+                  const auto light = chosen.light->sampleLi(point.position, pick, u);
                   if (!light || light->delta || !(light->pdf > 0)) return;
                   Hit hit;
                   bool escaped = false;
@@ -259,14 +264,14 @@ TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfLights) {
                     if (light->distance != INFINITE) return; // slipped past the rim
                     for (size_t i = 0; i < scene->environment().size(); ++i)
                       if (scene->environment()[i] == chosen.light) {
-                        density = double(scene->environment()[i]->pdfIlluminate(light->direction));
+                        density = double(scene->environment()[i]->pdfLi(point.position, light->direction));
                         chance =
                             double(guide.probability(scene->lights(), place, scene->environmentIndices()[i]));
                       }
                   } else {
                     // The far side of the light, or another part of it, is another path.
                     if (glm::distance(hit.point.position, light->target) > 1e-4f) return;
-                    density = double(hit.areaLight->pdfIlluminate(point.position, hit.primitive, hit.point));
+                    density = double(hit.areaLight->pdfLi(point.position, hit.primitive, hit.point));
                     chance = double(guide.probability(scene->lights(), place, hit.lightIndex));
                   }
                   // The ray is rounded; near a silhouette that moves the point, and the cosine with it.
@@ -288,7 +293,7 @@ TEST(MultipleImportanceSampling, PhotonsKnowWhatADirectionIsWorth) {
   size_t tested = 0, wrong = 0;
   visitPoints(*scene, samples(4000),
               [&](const ScatteringPoint& scattering, const SurfacePoint&, const Vec3f& wi, Sampler sampler) {
-                const auto s = scattering.scatterDiffuse(wi, Transport::FLUX, sampler);
+                const auto s = scattering.scatterNonDelta(wi, Transport::FLUX, sampler);
                 if (!s) return;
                 ++tested;
                 const Rgb expected = s->weight * s->pdf;
@@ -302,7 +307,7 @@ TEST(MultipleImportanceSampling, PhotonsKnowWhatADirectionIsWorth) {
  */
 TEST(MultipleImportanceSampling, BothSidesKnowTheDensityOfDirections) {
   const auto scene = sceneFrom(roomWith(litRooms().front().lights));
-  for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(DIFFUSE_LOBES)}) {
+  for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(NON_DELTA_LOBES)}) {
     size_t tested = 0, wrong = 0;
     visitPoints(
         *scene, samples(4000),
@@ -323,7 +328,7 @@ namespace {
  * sampler draws the numbers that addSampledLight draws, in the same order. `shared` counts the weights that
  * are neither nearly 0 nor nearly 1.
  */
-Rgb leftToShadowRays(const Scene& scene, const LightGuide& guide, const LitPlace& place,
+Rgb leftToShadowRays(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
                      const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& wi, int n,
                      LobeSet allowed, Sampler sampler, size_t& shared) {
   Rgb sum = BLACK;
@@ -333,7 +338,7 @@ Rgb leftToShadowRays(const Scene& scene, const LightGuide& guide, const LitPlace
     float pick = sampler.next1D();
     const Vec2f u = sampler.next2D();
     const ChosenLight chosen = guide.choose(scene.lights(), place, pick);
-    const auto light = chosen.light->illuminate(point.position, pick, u);
+    const auto light = chosen.light->sampleLi(point.position, pick, u);
     if (!light || !(light->pdf > 0)) continue;
     TransportCounts counts;
     const Rgb alone = scattering.evaluate(wi, light->direction) * light->radiance /
@@ -370,19 +375,19 @@ Rgb leftToShadowRays(const Scene& scene, const LightGuide& guide, const LitPlace
  */
 TEST(MultipleImportanceSampling, WeightsSumToOne) {
   const PathClasses classes;
-  const EyeState eye = classes.step(classes.eyeStart(), PathEvent::D);
+  const CameraState eye = classes.step(classes.cameraStart(), PathEvent::D);
   for (const LitRoom& room : litRooms()) {
     const auto scene = sceneFrom(roomWith(room.lights));
     ASSERT_TRUE(scene);
-    LightGuide guide;
+    LightSampler guide;
     guide.learn(*scene);
     for (const int n : {1, 3})
-      for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(DIFFUSE_LOBES)}) {
+      for (const LobeSet allowed : {LobeSet(ALL_LOBES), LobeSet(NON_DELTA_LOBES)}) {
         size_t tested = 0, wrong = 0, shared = 0;
         visitPoints(*scene, samples(2000),
                     [&](const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& wi,
                         Sampler sampler) {
-                      const LitPlace place = litPlace(guide, point, wi);
+                      const LightSampleContext place = lightSampleContext(guide, point, wi);
                       const Rgb expected = leftToShadowRays(*scene, guide, place, scattering, point, wi, n,
                                                             allowed, sampler, shared);
                       TransportCounts counts;
@@ -390,7 +395,7 @@ TEST(MultipleImportanceSampling, WeightsSumToOne) {
                       Hit at;
                       at.point = point;
                       addSampledLight(*scene, guide, place, scattering, at, {}, wi, Rgb(1), eye, n, allowed,
-                                      sampler, out);
+                                      0, sampler, out);
                       ++tested;
                       const Rgb difference = glm::abs(out.total() - expected);
                       if (maxComponent(difference - expected * float(SAME)) > 0) {
@@ -400,5 +405,33 @@ TEST(MultipleImportanceSampling, WeightsSumToOne) {
         expectFew(wrong, tested, room.name + ", " + std::to_string(n) + " shadow rays");
         EXPECT_GT(shared, size_t(samples(100))) << room.name;
       }
+  }
+}
+
+/** What no estimator finds of light from a point: by each integrator's own word. */
+TEST(EstimatorDomains, KnowWhatOfDeltaLightsTheyMiss) {
+  EXPECT_EQ(missedOfDeltaLights(integratorFrom("photonmap", "")->domains()), "");
+  EXPECT_EQ(missedOfDeltaLights(integratorFrom("photonmap", "\"string direct\" \"photons\"")->domains()), "");
+  for (const char* name : {"path", "simplepath"})
+    EXPECT_TRUE(PathAutomaton::compile(missedOfDeltaLights(integratorFrom(name, "")->domains()))
+                    .equivalent(PathAutomaton::compile("LS+D(S|D)*E")))
+        << name;
+}
+
+/** The rays that learning takes are in the counts. */
+TEST(Counts, IncludeLearning) {
+  std::string lamps;
+  for (int i = 0; i < 4; ++i)
+    lamps += "LightSource \"point\" \"point3 from\" [ " + std::to_string(i) + " .5 .5 ]\n";
+  const auto scene = sceneFrom(roomWith(lamps));
+  LightSampler guide;
+  const uint64_t learning = guide.learn(*scene).rays;
+  EXPECT_GT(learning, 1000u);
+  for (const char* name : {"path", "photonmap"}) {
+    const auto integrator =
+        integratorFrom(name, name == std::string("path") ? "" : "\"integer photons\" 1000");
+    const PathClasses classes;
+    integrator->prepare(*scene, classes);
+    EXPECT_GE(integrator->forward(*scene, classes, {1, 0, true}, {}).counts.rays, learning) << name;
   }
 }

@@ -3,6 +3,8 @@
  */
 #include "rendering.h"
 
+#include "recurse/transport/cameraProbe.h"
+
 using namespace recurse;
 using namespace recurse::testing;
 
@@ -116,7 +118,7 @@ TEST(Nesting, HiddenSurfacesThrowNoShadows) {
     const std::string weaker = sphere(0.6, R"("float eta" 1.2 "integer priority" 1)");
     const auto one = sceneFrom(between(glass + inside)), other = sceneFrom(between(glass + weaker + inside));
     ASSERT_TRUE(one && other);
-    const std::string photons = "\"integer photons\" " + std::to_string(samples(20000));
+    const std::string photons = "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(20000));
     for (const Way& way : {Way{"path", ""}, Way{"photonmap", photons}}) {
       const Rendered x = renderScene(*one, way.integrator, way.parameters, samples(64), 1);
       const Rendered y = renderScene(*other, way.integrator, way.parameters, samples(64), 2);
@@ -156,7 +158,7 @@ AttributeEnd
 
 TEST(Nesting, TooManyAreRefusedAtTheirPlace) {
   std::string solids;
-  for (size_t i = 0; i <= Scene::MOST_NESTED; ++i) {
+  for (size_t i = 0; i <= Scene::MAX_NESTED; ++i) {
     solids += sphere(1, "\"float eta\" 1.5 \"integer priority\" 1"); // all one matter
     if (i > 0) solids += sphere(1, "\"integer priority\" " + std::to_string(1 + i));
   }
@@ -165,4 +167,22 @@ TEST(Nesting, TooManyAreRefusedAtTheirPlace) {
   EXPECT_FALSE(buildScene(description, {}, diagnostics));
   EXPECT_NE(diagnostics.format().find("more than 32 dielectrics with a priority that differ"),
             std::string::npos);
+}
+
+/** Probes see past a surface that a stronger solid around it hides. */
+TEST(Nesting, ProbesOfTheCameraPassHiddenSurfaces) {
+  const std::string glass = sphere(1, "\"float eta\" 1.5 \"integer priority\" 2"),
+                    hidden = sphere(0.6, "\"float eta\" 3 \"integer priority\" 1");
+  const std::string wall =
+      "Material \"diffuse\"\nShape \"bilinearmesh\" \"point3 P\" [ -9 -9 4  9 -9 4  -9 9 4 "
+      " 9 9 4 ]\n";
+  const auto plain = sceneFrom(between(glass + wall)), nested = sceneFrom(between(glass + hidden + wall));
+  ASSERT_TRUE(plain && nested);
+  TransportCounts counts;
+  const GatherWeighting none = GatherWeighting::belowRoughness(0);
+  const auto a = probeCamera(*plain, 12, 0, none, counts), b = probeCamera(*nested, 12, 0, none, counts);
+  ASSERT_EQ(a.size(), b.size());
+  ASSERT_GT(a.size(), 100u);
+  for (size_t i = 0; i < a.size(); ++i)
+    EXPECT_LT(glm::distance(a[i].point.position, b[i].point.position), 1e-3f) << i;
 }

@@ -43,7 +43,7 @@ PathEvent eventOf(char c) { return static_cast<PathEvent>(EVENTS.find(c)); }
 bool joinsGive(const PathClasses& classes, const std::string& events, LayerMask expected) {
   std::vector<LightState> light = {classes.lightStart()};
   for (const char c : events) light.push_back(classes.step(light.back(), eventOf(c)));
-  EyeState eye = classes.eyeStart();
+  CameraState eye = classes.cameraStart();
   for (size_t cut = events.size();; --cut) {
     if (classes.join(light[cut], eye) != expected) return false;
     if (expected != 0 && (classes.dead(light[cut]) || classes.dead(eye))) return false;
@@ -491,9 +491,9 @@ TEST(PathClasses, TheDefaultIsEveryPathInOneState) {
   ASSERT_EQ(all.layerCount(), 1u);
   EXPECT_EQ(all.classes()[0].name, "all");
   EXPECT_EQ(all.lightStateCount(), 1u);
-  EXPECT_EQ(all.eyeStateCount(), 1u);
+  EXPECT_EQ(all.cameraStateCount(), 1u);
   EXPECT_FALSE(all.dead(all.lightStart()));
-  EXPECT_FALSE(all.dead(all.eyeStart()));
+  EXPECT_FALSE(all.dead(all.cameraStart()));
   forAllWords(4, [&](const std::string& events) { EXPECT_TRUE(joinsGive(all, events, 1)) << events; });
 }
 
@@ -504,8 +504,8 @@ TEST(PathClasses, WalksThatCannotCompleteAreDead) {
   EXPECT_FALSE(classes.dead(sd));
   EXPECT_TRUE(classes.dead(classes.step(sd, PathEvent::D)));
   EXPECT_TRUE(classes.dead(classes.step(classes.lightStart(), PathEvent::D)));
-  EXPECT_TRUE(classes.dead(classes.step(classes.eyeStart(), PathEvent::S)));
-  const EyeState d = classes.step(classes.eyeStart(), PathEvent::D);
+  EXPECT_TRUE(classes.dead(classes.step(classes.cameraStart(), PathEvent::S)));
+  const CameraState d = classes.step(classes.cameraStart(), PathEvent::D);
   EXPECT_FALSE(classes.dead(d));
   EXPECT_TRUE(classes.dead(classes.step(d, PathEvent::V)));
   EXPECT_EQ(classes.join(s, d), 1u);
@@ -516,7 +516,7 @@ TEST(PathClasses, EquivalentStatesAreMerged) {
   // Both classes alone need to count; their union does not.
   EXPECT_EQ(onlyClass("L.{0,30}E | L.{31,}E").lightStateCount(), 1u);
   EXPECT_EQ(onlyClass("L(.{3})*E").lightStateCount(), 3u);
-  EXPECT_EQ(onlyClass("L(.{3})*E").eyeStateCount(), 3u);
+  EXPECT_EQ(onlyClass("L(.{3})*E").cameraStateCount(), 3u);
 }
 
 TEST(PathClasses, LimitsAreErrorsThatSayWhatToDo) {
@@ -548,7 +548,7 @@ TEST(PathClasses, DefaultStillsAreDisjointAndComplete) {
   forAllWords(6, [&](const std::string& events) {
     LightState s = classes.lightStart();
     for (const char c : events) s = classes.step(s, eventOf(c));
-    const LayerMask mask = classes.join(s, classes.eyeStart());
+    const LayerMask mask = classes.join(s, classes.cameraStart());
     EXPECT_TRUE(mask != 0 && (mask & (mask - 1)) == 0) << events;
   });
 }

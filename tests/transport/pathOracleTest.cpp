@@ -15,9 +15,9 @@ using namespace recurse::testing;
 namespace {
 
 /** Longer paths are left out, on both sides of the comparison. */
-constexpr int MOST_EVENTS = 6;
+constexpr int MAX_EVENTS = 6;
 /** A path by its events from the eye on, a bit each (1: D), below a leading 1. */
-constexpr size_t WORDS = size_t(1) << (MOST_EVENTS + 1);
+constexpr size_t WORDS = size_t(1) << (MAX_EVENTS + 1);
 
 /** As in path expressions, from the light to the eye: the last event of the eye walk comes first. */
 std::string wordText(size_t word) {
@@ -45,12 +45,12 @@ void tracePath(const Scene& scene, Ray ray, std::mt19937_64& random, WordSums& s
     arena.reset();
     const Bsdf* bsdf = hit.material ? hit.material->bsdfAt(hit.point, arena) : nullptr;
     if (bsdf) {
-      if (events++ == MOST_EVENTS) return;
+      if (events++ == MAX_EVENTS) return;
       const Frame frame(hit.point.shadingNormal);
       const Vec3f wi = frame.toLocal(-ray.direction);
       DeltaScatters deltas;
       bsdf->deltas(wi, deltas);
-      const int diffuse = (bsdf->lobes() & DIFFUSE_LOBES) ? 1 : 0, lobes = diffuse + deltas.count;
+      const int diffuse = (bsdf->lobes() & NON_DELTA_LOBES) ? 1 : 0, lobes = diffuse + deltas.count;
       if (lobes == 0) return;
       const int lobe = std::min(int(number() * float(lobes)), lobes - 1);
       throughput *= lobes;
@@ -139,7 +139,7 @@ const std::vector<OracleClass>& oracleClasses() {
 
 PathClasses compiledClasses() {
   std::vector<PathClass> classes;
-  const std::string shortPaths = "L[SD]{0," + std::to_string(MOST_EVENTS) + "}E";
+  const std::string shortPaths = "L[SD]{0," + std::to_string(MAX_EVENTS) + "}E";
   for (const OracleClass& c : oracleClasses())
     classes.push_back({c.expression, "(" + c.expression + ") & " + shortPaths});
   return PathClasses(classes);
@@ -160,7 +160,7 @@ BatchMeans askOracle(const Scene& scene, int batches, int pathsPerBatch) {
     WordSums sums{};
     for (int i = 0; i < pathsPerBatch; ++i) {
       const float x = number() * float(scene.film().width), y = number() * float(scene.film().height);
-      tracePath(scene, scene.camera().ray({x, y}), random, sums);
+      tracePath(scene, *scene.camera().sampleRay({{x, y}}), random, sums);
     }
     for (const std::vector<size_t>& members : words) {
       Rgbd sum(0);
@@ -289,7 +289,7 @@ TEST_P(PathOracle, ClassesOfEveryIntegratorAgree) {
   const BatchMeans truth = askOracle(*scene, 64, samples(16384));
 
   const std::string photons =
-      "\"integer photons\" " + std::to_string(samples(50000)) + " \"float radius\" .03";
+      "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(50000)) + " \"float radius\" .03";
   struct Run {
     Way way;
     int samplesPerPixel, seeds;

@@ -66,6 +66,7 @@ std::vector<Photon> makePhotons(const Distribution& distribution, size_t n) {
   for (size_t i = 0; i < n; ++i) {
     photons[i].position = distribution.position(random, i);
     photons[i].direction = packDirection(uniformDirection(random));
+    photons[i].normal = packDirection(uniformDirection(random));
     photons[i].power = uniformPoint(random, 0, 1);
     photons[i].pathState = static_cast<uint8_t>(random() % 200);
   }
@@ -96,8 +97,7 @@ FoundList bruteForce(const std::vector<Photon>& photons, const GatherRegion& reg
       d2 = d2 + w * (h * h);
     }
     if (!(d2 < region.radius * region.radius)) continue;
-    const Vec3f d = unpackDirection(photons[i].direction);
-    if (!region.bothSides && !(glm::dot(d, n) > 0)) continue;
+    if (!region.bothSides && !(glm::dot(unpackDirection(photons[i].normal), n) > 0.5f)) continue;
     bool clipped = false;
     for (size_t c = 0; c < region.clipCount; ++c) {
       const Vec3f& m = region.clips[c].normal;
@@ -155,7 +155,7 @@ std::vector<GatherRegion> makeRegions(const std::vector<Photon>& photons, size_t
     if (i % 5 == 0) region.radius = 0.25f; // the lattice's spacing: on the border
     region.flatness = i % 2 ? 1 : uniform(random, 0.01f, 1.5f);
     region.bothSides = (i / 2) % 2;
-    for (size_t clips = i % 7 == 3 ? 1 + i % GatherRegion::MOST_CLIPS : 0; region.clipCount < clips;)
+    for (size_t clips = i % 7 == 3 ? 1 + i % GatherRegion::MAX_CLIPS : 0; region.clipCount < clips;)
       region.clips[region.clipCount++] = {uniformDirection(random),
                                           uniform(random, -1, 0.1f) * region.radius};
     regions.push_back(region);
@@ -189,6 +189,7 @@ TEST_P(PhotonSets, keepsEveryPhoton) {
       ASSERT_EQ(map->position(slot), photons[index].position);
       ASSERT_EQ(map->power(slot), photons[index].power);
       ASSERT_EQ(map->packedDirection(slot).bits, photons[index].direction.bits);
+      ASSERT_EQ(map->packedNormal(slot).bits, photons[index].normal.bits);
       ASSERT_EQ(map->pathState(slot), photons[index].pathState);
       ASSERT_TRUE(map->bounds().contains(map->position(slot)));
     }
@@ -336,6 +337,7 @@ TEST(PhotonMap, photonsOfTheFarSideNeverCount) {
     const bool above = i % 20 == 0;
     p.position = Vec3f(uniform(random, -1, 1), uniform(random, -1, 1), above ? 1e-4f : -1e-4f);
     p.direction = packDirection(Vec3f(0.3f, 0.1f, above ? 0.9f : -0.9f) / std::sqrt(0.91f));
+    p.normal = packDirection({0, 0, above ? 1.0f : -1.0f});
     p.power = above ? Rgb(1, 0, 0) : Rgb(0, 1, 0);
     photons.push_back(p);
   }
@@ -465,7 +467,7 @@ TEST(Kernel, uniformFieldIsEstimatedWithoutBias) {
   std::vector<Photon> photons(400000);
   for (Photon& p : photons) {
     p.position = uniformPoint(random, -1, 1) * Vec3f(1, 1, 0);
-    p.direction = packDirection(Vec3f(0, 0, 1));
+    p.direction = p.normal = packDirection(Vec3f(0, 0, 1));
     p.power = Rgb(1);
   }
   PhotonMap map;

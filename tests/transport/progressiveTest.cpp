@@ -4,7 +4,7 @@
  */
 #include "rendering.h"
 
-#include "recurse/transport/searchField.h"
+#include "recurse/transport/radiusCache.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -41,7 +41,7 @@ std::vector<Rgb> radiances(const Scene& scene, const Integrator& integrator) {
   for (uint32_t i = 0; i < 64; ++i) {
     Sampler sampler(3, 4, i);
     radiance.reset();
-    integrator.backward(scene, scene.camera().ray(sampler.next2D() * 16.0f), sampler, radiance);
+    integrator.backward(scene, *scene.camera().sampleRay({sampler.next2D() * 16.0f}), sampler, radiance);
     out.push_back(radiance.total());
   }
   return out;

@@ -55,7 +55,7 @@ TEST(RayBatch, PlacesAreThoseOfHits) {
   const auto scene = sceneFrom(ROOM);
   for (const Ray& ray : randomRays(5000)) {
     Hit hit, place;
-    ASSERT_EQ(scene->meet(ray, place), scene->intersect(ray, hit));
+    ASSERT_EQ(scene->intersectPosition(ray, place), scene->intersect(ray, hit));
     EXPECT_EQ(place.t, hit.t);
     if (hit.t == 0) continue;
     EXPECT_EQ(place.material, hit.material);
@@ -71,7 +71,7 @@ TEST(RayBatch, NearestHitsAreThoseOfSingleRays) {
   for (const size_t count :
        {size_t(1), size_t(2), size_t(7), size_t(8), size_t(64), size_t(65), size_t(5000)}) {
     const std::vector<Ray> rays = randomRays(count);
-    for (const auto coherence : {Scene::Coherence::NONE, Scene::Coherence::ALIKE}) {
+    for (const auto coherence : {Scene::Coherence::NONE, Scene::Coherence::COHERENT}) {
       std::vector<Hit> hits(count);
       scene->intersectBatch(rays, coherence, hits);
       size_t met = 0;
@@ -122,18 +122,18 @@ TEST(RayBatch, WalksDoNotTouchEachOther) {
   TransportCounts counts;
   constexpr size_t COUNT = 300; // more than a batch
   std::vector<PathRadiance> together(COUNT, PathRadiance(classes, counts));
-  std::vector<EyePath> paths;
+  std::vector<CameraPath> paths;
   size_t differing = 0, lit = 0;
   const auto path = [&](size_t i, PathRadiance& out) {
-    EyePath p(Sampler(7, i / 4, static_cast<uint32_t>(i % 4)), out);
-    p.ray = scene->camera().ray(Vec2f(float(i % 16), float(i / 16 % 16)) + p.sampler.next2D());
+    CameraPath p(Sampler(7, i / 4, static_cast<uint32_t>(i % 4)), out);
+    p.ray = *scene->camera().sampleRay({Vec2f(float(i % 16), float(i / 16 % 16)) + p.sampler.next2D()});
     return p;
   };
   for (size_t i = 0; i < COUNT; ++i) paths.push_back(path(i, together[i]));
   integrator->backwardBatch(*scene, paths);
   for (size_t i = 0; i < COUNT; ++i) {
     PathRadiance alone(classes, counts);
-    EyePath p = path(i, alone);
+    CameraPath p = path(i, alone);
     integrator->backward(*scene, p.ray, p.sampler, alone);
     const float a = luminance(alone.total()), b = luminance(together[i].total());
     lit += a > 0;

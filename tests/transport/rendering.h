@@ -107,7 +107,7 @@ struct Way {
   std::string integrator, parameters;
 };
 inline std::vector<Way> allWays(const std::string& photons) {
-  const std::string p = "\"integer photons\" " + photons;
+  const std::string p = "\"integer passes\" 1 \"integer photons\" " + photons;
   return {{"path", ""},
           {"photonmap", p},
           {"photonmap", p + " \"string direct\" \"photons\""},

@@ -40,14 +40,21 @@ std::vector<int> channelOrder(const std::string& fileName, const std::vector<std
 
 /** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */
 float linearFromSrgb(float encoded);
+/** The reverse. */
+float srgbFromLinear(float linear);
 
 /** Reads any format that OpenImageIO knows; 8- and 16-bit sRGB pictures become linear. Throws Error naming
  * the file and the reason. */
 Image readImage(const std::string& fileName);
 
 struct ImageWriteOptions {
-  float exposure = 0; ///< stops, for the formats that are tone-mapped
+  float exposure = 0;   ///< stops, for the formats of displays
+  bool encoded = false; ///< the values are in [0, 1] and for a display already; only for those formats
 };
+
+/** True for the formats of 8 bits for displays: .png .jpg .jpeg .tif .tiff. Throws Error for an unknown one.
+ */
+bool isDisplayFormat(const std::string& fileName);
 
 /**
  * Writes by extension: .exr (float, all channels), .hdr .pfm (linear RGB), .png .jpg .jpeg .tif .tiff (8 bit

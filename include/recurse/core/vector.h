@@ -20,6 +20,7 @@ using Vec2d = glm::dvec2;
 using Vec3d = glm::dvec3;
 using Vec4d = glm::dvec4;
 using Mat3d = glm::dmat3;
+using Mat3f = glm::mat3;
 /** Column major, applied from the left: m[column][row]. */
 using Mat4d = glm::dmat4;
 

@@ -29,14 +29,16 @@ enum Lobe : uint8_t {
   TRANSMISSION = 2, ///< non-delta, to the other side
   MIRROR = 4,       ///< delta reflection
   REFRACTION = 8,   ///< delta transmission, with or without bending
-  DIFFUSE_LOBES = REFLECTION | TRANSMISSION,
+  NON_DELTA_LOBES = REFLECTION | TRANSMISSION,
   DELTA_LOBES = MIRROR | REFRACTION,
-  ALL_LOBES = DIFFUSE_LOBES | DELTA_LOBES,
+  ALL_LOBES = NON_DELTA_LOBES | DELTA_LOBES,
   /** Besides REFLECTION, and without TRANSMISSION: value() is albedo/π on either side and sample() follows
    * the cosine, so that the constant may be factored out. */
   LAMBERTIAN = 16,
   /** Besides others: the x axis of the local frame lies along the surface's dpdu. */
   ANISOTROPIC = 32,
+  /** Besides REFRACTION: it goes straight on, as through a thin pane, and shadow rays with it. */
+  STRAIGHT = 64,
 };
 using LobeSet = uint8_t;
 
@@ -50,11 +52,11 @@ struct DeltaScatter {
 
 /** The delta lobes for a given wi: a mirror direction and one refracted direction for each interface. */
 struct DeltaScatters {
-  static constexpr int MOST = 4; ///< makers of materials see to it that there are no more
-  std::array<DeltaScatter, MOST> entries;
+  static constexpr int MAX_COUNT = 4; ///< makers of materials see to it that there are no more
+  std::array<DeltaScatter, MAX_COUNT> entries;
   int count = 0;
   void add(const DeltaScatter& d) {
-    if (count < MOST) entries[static_cast<size_t>(count++)] = d;
+    if (count < MAX_COUNT) entries[static_cast<size_t>(count++)] = d;
   }
   const DeltaScatter* begin() const { return entries.data(); }
   const DeltaScatter* end() const { return entries.data() + count; }

@@ -7,16 +7,20 @@
 
 namespace recurse {
 
-/** Lobes of a sum; Lambertian where every part that scatters diffusely is. */
+/** Lobes of a sum; Lambertian where every part that scatters diffusely is, straight where every part that
+ * refracts is. */
 inline LobeSet lobesOfSum(LobeSet a, LobeSet b) {
-  const LobeSet both = a | b;
-  const auto constant = [](LobeSet l) { return !(l & DIFFUSE_LOBES) || (l & LAMBERTIAN); };
-  return constant(a) && constant(b) ? both : LobeSet(both & ~LAMBERTIAN);
+  LobeSet both = a | b;
+  const auto constant = [](LobeSet l) { return !(l & NON_DELTA_LOBES) || (l & LAMBERTIAN); };
+  const auto straight = [](LobeSet l) { return !(l & REFRACTION) || (l & STRAIGHT); };
+  if (!constant(a) || !constant(b)) both &= ~LAMBERTIAN;
+  if (!straight(a) || !straight(b)) both &= ~STRAIGHT;
+  return both;
 }
 
 class BsdfSum final : public Bsdf {
  public:
-  static constexpr int MOST = 8;
+  static constexpr int MAX_COUNT = 8;
   /** Weights in [0, 1] that add up to at most 1. Null parts and black weights are left out. */
   void add(const Bsdf* part, const Rgb& weight) {
     if (!part || isBlack(weight)) return;
@@ -33,7 +37,7 @@ class BsdfSum final : public Bsdf {
     return sum;
   }
   float pdf(const Vec3f& wi, const Vec3f& wo) const override {
-    std::array<float, MOST> chances;
+    std::array<float, MAX_COUNT> chances;
     const float total = shares(wi, chances);
     float sum = 0;
     for (int i = 0; i < count; ++i)
@@ -42,7 +46,7 @@ class BsdfSum final : public Bsdf {
   }
   std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
     // A Lambertian sum gets no third number; its parts have the same density, so that any will do.
-    std::array<float, MOST> chances;
+    std::array<float, MAX_COUNT> chances;
     float rest = pick * shares(wi, chances);
     int chosen = -1;
     for (int i = 0; i < count; ++i) {
@@ -96,17 +100,17 @@ class BsdfSum final : public Bsdf {
     out.add(d);
   }
   /** What each part's non-delta lobes scatter of wi; returns the sum. */
-  float shares(const Vec3f& wi, std::array<float, MOST>& out) const {
+  float shares(const Vec3f& wi, std::array<float, MAX_COUNT>& out) const {
     float total = 0;
     for (int i = 0; i < count; ++i) {
-      const bool scatters = (parts[i]->lobes() & DIFFUSE_LOBES) != 0;
+      const bool scatters = (parts[i]->lobes() & NON_DELTA_LOBES) != 0;
       total += out[size_t(i)] = scatters ? maxComponent(parts[i]->albedo(wi) * weights[i]) : 0;
     }
     return total;
   }
 
-  const Bsdf* parts[MOST] = {};
-  Rgb weights[MOST];
+  const Bsdf* parts[MAX_COUNT] = {};
+  Rgb weights[MAX_COUNT];
   int count = 0;
   LobeSet lobeSet = NO_LOBE;
 };

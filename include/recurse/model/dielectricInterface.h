@@ -35,25 +35,27 @@ struct DielectricInterface {
   }
 
   /** Density of sample() for the same lobes [1/sr]. */
-  float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet lobes = DIFFUSE_LOBES) const {
+  float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet lobes = NON_DELTA_LOBES) const {
     const bool reflection = wi.z * wo.z > 0;
     if (!(lobes & (reflection ? REFLECTION : TRANSMISSION))) return 0;
     Facet f;
     if (!facet(wi, wo, f)) return 0;
-    const float chance = (lobes & DIFFUSE_LOBES) == DIFFUSE_LOBES ? f.fresnel : f.fresnel > 0 ? 1.0f : 0.0f;
+    const float chance = (lobes & NON_DELTA_LOBES) == NON_DELTA_LOBES ? f.fresnel
+                         : f.fresnel > 0                              ? 1.0f
+                                                                      : 0.0f;
     if (reflection) return chance * facets.reflectionPdf(wi, f.m);
     return chance * facets.visibleDensity(wi, f.m) * f.jacobian;
   }
 
   /** Chooses wo; `pick` decides between reflection and transmission where both are allowed. */
   std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick,
-                              LobeSet lobes = DIFFUSE_LOBES) const {
+                              LobeSet lobes = NON_DELTA_LOBES) const {
     const float side = wi.z > 0 ? 1.0f : -1.0f;
     Vec3f m = facets.sampleVisible({wi.x * side, wi.y * side, wi.z * side}, u) * side;
     const float c = glm::dot(wi, m), rel = relative(wi);
     if (!(c > 0)) return {};
     const DielectricFresnel f = dielectricFresnel(std::min(c, 1.0f), rel);
-    const bool both = (lobes & DIFFUSE_LOBES) == DIFFUSE_LOBES;
+    const bool both = (lobes & NON_DELTA_LOBES) == NON_DELTA_LOBES;
     Vec3f wo;
     if (both ? pick < f.reflectance : (lobes & REFLECTION) != 0) {
       wo = mirrored(wi, m);

@@ -20,7 +20,7 @@ class FacetLosses {
   template <class F> FacetLosses(const Roughness& roughness, const F& albedo) {
     if (roughness.textured()) {
       over = Over::ROUGHNESS;
-      table = AlbedoTable(Microfacets::SMOOTH_BELOW, MOST_ROUGH,
+      table = AlbedoTable(Microfacets::SMOOTH_BELOW, MAX_ROUGH,
                           [&](const Vec3f& wi, float alpha, const Vec2f& u) {
                             return albedo(wi, Microfacets(roughness.kind, Vec2f(alpha)), u);
                           });
@@ -51,18 +51,19 @@ class FacetLosses {
       const float across2 = square(w.x) + square(w.y);
       row = across2 > 0 ? square(w.y) / across2 : 0;
     }
-    return std::max(1 - table.at(std::abs(w.z), row), LEAST);
+    return std::max(1 - table.at(std::abs(w.z), row), MIN_COUNT);
   }
   /** Its mean over all directions, weighted by the cosine. */
   float meanLost(const Microfacets& facets) const {
     const float mean = over == Over::AZIMUTH ? meanOverAzimuth : table.mean(facets.meanRoughness());
-    return std::max(1 - mean, LEAST);
+    return std::max(1 - mean, MIN_COUNT);
   }
 
  private:
   enum class Over { NOTHING, ROUGHNESS, AZIMUTH }; ///< what the table's rows are, besides the cosine
-  static constexpr float MOST_ROUGH = 3.2f;        ///< the root of the largest roughness that is taken
-  static constexpr float LEAST = 1e-6f; ///< so that quotients mean something where all but nothing is lost
+  static constexpr float MAX_ROUGH = 3.2f;         ///< the root of the largest roughness that is taken
+  static constexpr float MIN_COUNT =
+      1e-6f; ///< so that quotients mean something where all but nothing is lost
 
   Over over = Over::NOTHING;
   AlbedoTable table;

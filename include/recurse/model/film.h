@@ -1,6 +1,7 @@
 /** @file
  * The film: for each pixel and layer the sum of its samples in double precision, and what the error estimate
- * needs. Integrators do not see it; they fill a PathRadiance, which knows the layers.
+ * needs; and what light paths have splatted. Integrators do not see it; they fill a PathRadiance, or a
+ * Splatter, which know the layers.
  */
 #pragma once
 
@@ -8,11 +9,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "recurse/core/rgb.h"
 #include "recurse/model/camera.h"
+#include "recurse/model/splatPlane.h"
 
 namespace recurse {
 
@@ -37,17 +40,34 @@ class Film {
     ++p.samples;
   }
 
-  /** Adds all samples of another film of the same pixels and layers. */
+  /** Makes room for splats, unless it is there, in fixed-point numbers of this unit, a power of two. */
+  void enableSplats(double unit) {
+    if (!splatPlane) splatPlane.emplace(pixelBounds, layers, unit);
+  }
+  /** What was splatted, to be added to the samples' mean; null unless enabled. */
+  SplatPlane* splats() { return splatPlane ? &*splatPlane : nullptr; }
+  const SplatPlane* splats() const { return splatPlane ? &*splatPlane : nullptr; }
+  /** Adds a contribution around any place of the film to the layers of a bit set: SplatPlane::add(). */
+  void splat(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value) {
+    splatPlane->add(film, filter, layerSet, value);
+  }
+
+  /** Adds all samples and splats of another film of the same pixels and layers. */
   void add(const Film& other);
   /** The numbers that the film consists of, as they lie in memory, to be kept and put back. */
-  std::array<std::span<std::byte>, 2> state() {
-    return {std::as_writable_bytes(std::span(sums)), std::as_writable_bytes(std::span(pixels))};
+  std::vector<std::span<std::byte>> state() {
+    std::vector<std::span<std::byte>> parts{std::as_writable_bytes(std::span(sums)),
+                                            std::as_writable_bytes(std::span(pixels))};
+    if (splatPlane)
+      for (const std::span<std::byte> part : splatPlane->state()) parts.push_back(part);
+    return parts;
   }
 
   /** The pixel's value in a layer; black before the first sample. */
   Rgb value(size_t pixel, size_t layer) const {
     const double weight = pixels[pixel].weight;
-    return weight != 0 ? Rgb(sums[pixel * layers + layer] / weight) : BLACK;
+    const Rgb mean = weight != 0 ? Rgb(sums[pixel * layers + layer] / weight) : BLACK;
+    return splatPlane ? mean + splatPlane->value(pixel, layer) : mean;
   }
   uint64_t samples(size_t pixel) const { return pixels[pixel].samples; }
   uint64_t totalSamples() const {
@@ -72,11 +92,11 @@ class Film {
   /**
    * One number for the picture: the 95th percentile over pixels of standard error divided by luminance, where
    * the luminance counts as no less than a tenth of the picture's mean, for in black corners a relative error
-   * says nothing that the eye could see. Infinite while a pixel has fewer than LEAST_SAMPLES samples, from
+   * says nothing that the eye could see. Infinite while a pixel has fewer than MIN_SAMPLES samples, from
    * which no spread can be told.
    */
   double relativeError() const;
-  static constexpr uint64_t LEAST_SAMPLES = 8;
+  static constexpr uint64_t MIN_SAMPLES = 8;
 
  private:
   struct Pixel {
@@ -87,6 +107,7 @@ class Film {
   size_t layers;
   std::vector<Rgbd> sums;
   std::vector<Pixel> pixels;
+  std::optional<SplatPlane> splatPlane;
 };
 
 } // namespace recurse

@@ -8,6 +8,7 @@
 #include "recurse/model/light.h"
 #include "recurse/model/shape.h"
 #include "recurse/model/texture.h"
+#include "recurse/model/toneMap.h"
 #include "recurse/scene/registry.h"
 
 namespace recurse {
@@ -29,6 +30,7 @@ struct PlugIns {
   Registry<SamplerSettings, NoContext> samplers{"Sampler"};
   Registry<AcceleratorSettings, NoContext> accelerators{"Accelerator"};
   Registry<Integrator, NoContext> integrators{"Integrator"};
+  Registry<ToneMap, NoContext> toneMaps{"ToneMap"}; ///< of the option --tonemap
 };
 
 /** Every plug-in of this build. */

@@ -41,7 +41,7 @@ class ScatteringPoint {
   }
 
   LobeSet lobes() const { return lobeSet; }
-  bool hasDiffuse() const { return (lobeSet & DIFFUSE_LOBES) != 0; }
+  bool hasNonDelta() const { return (lobeSet & NON_DELTA_LOBES) != 0; }
   bool hasDelta() const { return (lobeSet & DELTA_LOBES) != 0; }
 
   /** The non-delta BSDF alone [1/sr] for radiance that arrives from wo and leaves towards wi: what a photon's
@@ -66,13 +66,13 @@ class ScatteringPoint {
 
   /** Density with which scatter chooses wo by a non-delta lobe [1/sr], for the same allowed lobes. */
   float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
-    if (!(lobeSet & allowed & DELTA_LOBES)) return pdfDiffuse(wi, wo);
+    if (!(lobeSet & allowed & DELTA_LOBES)) return pdfNonDelta(wi, wo);
     const Vec3f local = frame.toLocal(wi);
     const float p = bsdf.pdf(local, frame.toLocal(wo));
-    return p * diffuseChance(local);
+    return p * nonDeltaProbability(local);
   }
-  /** The same when only the non-delta lobes are sampled (scatterDiffuse). */
-  float pdfDiffuse(const Vec3f& wi, const Vec3f& wo) const {
+  /** The same when only the non-delta lobes are sampled (scatterNonDelta). */
+  float pdfNonDelta(const Vec3f& wi, const Vec3f& wo) const {
     if (lobeSet & LAMBERTIAN) {
       const float cosI = glm::dot(wi, frame.z), cosO = glm::dot(wo, frame.z);
       return cosI * cosO > 0 ? std::abs(cosO) * INV_PI : 0;
@@ -85,19 +85,19 @@ class ScatteringPoint {
                                  LobeSet allowed = ALL_LOBES) const {
     allowed &= lobeSet;
     if (!(allowed & DELTA_LOBES)) {
-      if (!(allowed & DIFFUSE_LOBES)) return {};
-      return scatterDiffuse(wi, transport, sampler);
+      if (!(allowed & NON_DELTA_LOBES)) return {};
+      return scatterNonDelta(wi, transport, sampler);
     }
     const Vec3f local = frame.toLocal(wi);
     DeltaScatters found;
     bsdf.deltas(local, found);
-    const float diffuse = (allowed & DIFFUSE_LOBES) ? maxComponent(bsdf.albedo(local)) : 0;
+    const float diffuse = (allowed & NON_DELTA_LOBES) ? maxComponent(bsdf.albedo(local)) : 0;
     float total = diffuse;
     for (const DeltaScatter& d : found) total += maxComponent(d.weight);
     if (!(total > 0)) return {};
     float u = sampler.next1D() * total;
     if (u < diffuse) {
-      std::optional<Scatter> s = scatterDiffuse(wi, transport, sampler);
+      std::optional<Scatter> s = scatterNonDelta(wi, transport, sampler);
       if (s) {
         s->weight *= total / diffuse;
         s->pdf *= diffuse / total;
@@ -122,7 +122,7 @@ class ScatteringPoint {
   }
 
   /** One step by the non-delta lobes only. */
-  std::optional<Scatter> scatterDiffuse(const Vec3f& wi, Transport transport, Sampler& sampler) const {
+  std::optional<Scatter> scatterNonDelta(const Vec3f& wi, Transport transport, Sampler& sampler) const {
     const Vec2f u = sampler.next2D();
     if (lobeSet & LAMBERTIAN) return scatterLambertian(wi, transport, u);
     const Vec3f local = frame.toLocal(wi);
@@ -143,7 +143,7 @@ class ScatteringPoint {
 
   /** Every delta step, to follow all of them; the weights are those of the steps, not divided by a chance. */
   int deltaScatters(const Vec3f& wi, Transport transport,
-                    std::array<Scatter, DeltaScatters::MOST>& out) const {
+                    std::array<Scatter, DeltaScatters::MAX_COUNT>& out) const {
     const Vec3f local = frame.toLocal(wi);
     DeltaScatters found;
     bsdf.deltas(local, found);
@@ -158,7 +158,7 @@ class ScatteringPoint {
 
   /** A photon's next step by the diffuse lobes: flux towards a random direction. */
   std::optional<Scatter> diffuseForwardScatter(const Vec3f& wi, Sampler& sampler) const {
-    return scatterDiffuse(wi, Transport::FLUX, sampler);
+    return scatterNonDelta(wi, Transport::FLUX, sampler);
   }
   /** The mirror direction of an eye ray, with all mirror lobes' weights together. */
   std::optional<Scatter> specularReflectionBackwardScatter(const Vec3f& wi) const {
@@ -196,7 +196,7 @@ class ScatteringPoint {
     return sameGeometric != sameShading;
   }
 
-  float diffuseChance(const Vec3f& local) const {
+  float nonDeltaProbability(const Vec3f& local) const {
     DeltaScatters found;
     bsdf.deltas(local, found);
     const float diffuse = maxComponent(bsdf.albedo(local));
@@ -231,7 +231,7 @@ class ScatteringPoint {
   }
 
   std::optional<Scatter> firstDelta(const Vec3f& wi, Lobe lobe) const {
-    std::array<Scatter, DeltaScatters::MOST> all;
+    std::array<Scatter, DeltaScatters::MAX_COUNT> all;
     const int n = deltaScatters(wi, Transport::RADIANCE, all);
     for (int i = 0; i < n; ++i)
       if (all[static_cast<size_t>(i)].lobe == lobe) return all[static_cast<size_t>(i)];

@@ -34,12 +34,15 @@ struct Hit {
 struct ChosenLight {
   const Light* light = nullptr;
   float probability = 0;
+  uint32_t index = 0; ///< in the table
 };
 
 /** The lights with probabilities in proportion to their power. */
 class LightTable {
  public:
   void build(const std::vector<const Light*>& lights);
+  /** The same with probabilities in proportion to other numbers than their power. */
+  void build(const std::vector<const Light*>& lights, const std::vector<double>& weights);
   size_t size() const { return lights.size(); }
   const Light& operator[](size_t i) const { return *lights[i]; }
   float probability(size_t i) const { return probabilities[i]; }
@@ -47,7 +50,7 @@ class LightTable {
   size_t chooseIndex(float& u) const { return lights.size() == 1 ? 0 : chooseOfMany(u); }
   ChosenLight choose(float& u) const {
     const size_t i = chooseIndex(u);
-    return {lights[i], probabilities[i]};
+    return {lights[i], probabilities[i], static_cast<uint32_t>(i)};
   }
 
  private:
@@ -72,11 +75,12 @@ class Scene {
   virtual bool intersect(const Ray& ray, Hit& hit) const = 0;
   /** The same for rays that only ask where the surface is: of the hit's point nothing is set but position,
    * error and geometric normal. */
-  virtual bool meet(const Ray& ray, Hit& hit) const { return intersect(ray, hit); }
+  virtual bool intersectPosition(const Ray& ray, Hit& hit) const { return intersect(ray, hit); }
   /** True when something scattering lies between the points' ends of the ray (t < ray.tMax). */
   virtual bool occluded(const Ray& ray) const = 0;
-  /** How alike the rays of a batch are: ALIKE for those of neighbouring pixels. It changes only the speed. */
-  enum class Coherence { NONE, ALIKE };
+  /** How alike the rays of a batch are: COHERENT for those of neighbouring pixels. It changes only the speed.
+   */
+  enum class Coherence { NONE, COHERENT };
   /**
    * intersect() for many rays at once, which is faster. hits[i].t is infinite where ray i meets nothing. The
    * parameters of a hit may differ from those of a single ray by rounding, and of two surfaces at the same
@@ -94,10 +98,15 @@ class Scene {
   const Vec3d& origin() const { return sceneOrigin; }
   const SceneContents& contents() const { return sceneContents; }
   /** Dielectrics with priority that a scene may have, those of the same matter counted once. */
-  static constexpr size_t MOST_NESTED = 32;
+  static constexpr size_t MAX_NESTED = 32;
   /** Their refractive indices, the strongest first. */
   const std::vector<float>& nestedIndices() const { return nestedDielectrics; }
   const Camera& camera() const { return *sceneCamera; }
+  /** Whether rays of different times may see something else, the camera's shutter being open for long enough.
+   */
+  bool moves() const {
+    return (shapesMove || sceneCamera->usesTime()) && sceneCamera->timeAt(0) < sceneCamera->timeAt(1);
+  }
   const Filter& filter() const { return *pixelFilter; }
   const FilmSettings& film() const { return filmSettings; }
   const SamplerSettings& sampler() const { return samplerSettings; }
@@ -113,6 +122,7 @@ class Scene {
   SceneContents sceneContents;
   std::vector<float> nestedDielectrics;
   std::unique_ptr<Camera> sceneCamera;
+  bool shapesMove = false;
   std::unique_ptr<Filter> pixelFilter;
   FilmSettings filmSettings;
   SamplerSettings samplerSettings;

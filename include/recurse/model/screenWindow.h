@@ -7,17 +7,15 @@
 
 namespace recurse {
 
-/** Parameters that every camera takes. */
+/** Parameters of cameras with an image plane. */
 inline std::vector<ParameterSpec> screenParameters() {
-  return {arrayParameter(ParameterType::REAL, "screenwindow", 4, "",
-                         "x0 x1 y0 y1 of the image plane; by default the shorter axis spans -1 to 1"),
-          realParameter("frameaspectratio", "", "width over height of the image plane; by default the film's")
-              .positive(),
-          realParameter("lensradius", "0", "radius of the lens; only 0, a pinhole, is rendered today")
-              .range(0, 1e30),
-          ignoredParameter(ParameterType::REAL, "focaldistance", "without a lens everything is in focus"),
-          ignoredParameter(ParameterType::REAL, "shutteropen", "nothing moves"),
-          ignoredParameter(ParameterType::REAL, "shutterclose", "nothing moves")};
+  std::vector<ParameterSpec> all = {
+      arrayParameter(ParameterType::REAL, "screenwindow", 4, "",
+                     "x0 x1 y0 y1 of the image plane; by default the shorter axis spans -1 to 1"),
+      realParameter("frameaspectratio", "", "width over height of the image plane; by default the film's")
+          .positive()};
+  for (const ParameterSpec& p : shutterParameters()) all.push_back(p);
+  return all;
 }
 
 /** Maps film positions to the image plane at distance 1 from the eye. */
@@ -26,7 +24,6 @@ struct ScreenWindow {
   double width, height; ///< of the film, in pixels
 
   ScreenWindow(const Parameters& p, const CameraContext& c) : width(c.width), height(c.height) {
-    if (p.real("lensradius") != 0) p.fail("lensradius", "depth of field is not rendered yet", "0");
     const double aspect = p.hasValue("frameaspectratio") ? p.real("frameaspectratio") : width / height;
     if (aspect > 1) {
       x0 = -aspect;
@@ -47,6 +44,12 @@ struct ScreenWindow {
   Vec2d at(const Vec2f& film) const {
     return {x0 + (x1 - x0) * double(film.x) / width, y1 - (y1 - y0) * double(film.y) / height};
   }
+  /** The place of the film, in pixels, that shows a place of the image plane. */
+  Vec2d filmAt(const Vec2d& image) const {
+    return {(image.x - x0) / (x1 - x0) * width, (y1 - image.y) / (y1 - y0) * height};
+  }
+  double area() const { return (x1 - x0) * (y1 - y0); }
+  double pixels() const { return width * height; }
   /** The larger side of a pixel on the image plane. */
   double pixelSize() const { return std::max((x1 - x0) / width, (y1 - y0) / height); }
 };

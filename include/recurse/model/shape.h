@@ -4,9 +4,13 @@
  */
 #pragma once
 
+#include <bit>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "recurse/core/ray.h"
 #include "recurse/core/vector.h"
@@ -14,6 +18,8 @@
 
 namespace recurse {
 
+class Material;
+class Solid;
 class TriangleMesh;
 class TextureLookup;
 struct TexturedRgb;
@@ -35,6 +41,7 @@ struct SurfacePoint {
   Vec2f uv;
   Footprint footprint;
   float indexOutside = 1; ///< refractive index on the outer side; of nested dielectrics only
+  float time = 0;         ///< of the ray that came, and of those that leave; see Ray::time
 
   /** The geometric normal on the side that `direction` points to. */
   Vec3f normalTowards(const Vec3f& direction) const {
@@ -57,16 +64,38 @@ struct SurfacePoint {
   }
 };
 
-/** Where a ray meets a primitive. `parameters` name the point on the primitive for Shape::surfaceAt. */
+/**
+ * Names a point of a primitive for Shape::surfaceAt. Embree carries it from the one to the other in the five
+ * numbers of its hits, which are u, v and the normal where it intersects by itself. Other shapes keep a point
+ * in a space of their own, the number of a part of the primitive, and that of a component of a compound.
+ */
+struct HitParameters {
+  Vec2f uv{0};
+  Vec3f normal{0};
+
+  HitParameters() = default;
+  explicit HitParameters(const Vec2f& uv) : uv(uv) {}
+  HitParameters(const Vec2f& uv, const Vec3f& normal) : uv(uv), normal(normal) {}
+  explicit HitParameters(const Vec3f& point, uint32_t part = 0)
+      : uv(point), normal(point.z, std::bit_cast<float>(part), 0) {}
+
+  Vec3f point() const { return {uv, normal.x}; }
+  uint32_t part() const { return std::bit_cast<uint32_t>(normal.y); }
+  uint32_t component() const { return std::bit_cast<uint32_t>(normal.z); }
+  void setComponent(uint32_t component) { normal.z = std::bit_cast<float>(component); }
+};
+
+/** Where a ray meets a primitive. */
 struct PrimitiveHit {
   float t = 0;
-  Vec2f parameters{0};
+  HitParameters parameters;
 };
 
 /** A point chosen on a surface. */
 struct ShapeSample {
   SurfacePoint point;
   float pdf = 0; ///< density, a unit of area [1/length²] or of solid angle [1/sr]; says the function
+  uint32_t primitive = 0;
 };
 
 /** Made with the transforms baked in: everything is in the space of the scene (or of its instance). */
@@ -80,14 +109,17 @@ class Shape {
   /** The nearest meeting with tMin < t < tMax. Not called for triangle meshes, which Embree intersects. */
   virtual std::optional<PrimitiveHit> intersect(uint32_t primitive, const Vec3f& origin,
                                                 const Vec3f& direction, float tMin, float tMax) const = 0;
-  /** The surface at a hit; for triangles the parameters are the barycentric weights of the second and third
+  /** The surface at a hit; for triangles u and v are the barycentric weights of the second and third
    * vertex. */
-  virtual SurfacePoint surfaceAt(uint32_t primitive, const Vec2f& parameters) const = 0;
+  virtual SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const = 0;
   /** Of the same only what says where the surface is: position, error and geometric normal. */
-  virtual SurfacePoint placeAt(uint32_t primitive, const Vec2f& parameters) const {
+  virtual SurfacePoint placeAt(uint32_t primitive, const HitParameters& parameters) const {
     return surfaceAt(primitive, parameters);
   }
 
+  /** False for surfaces that no points can be chosen on: they cannot be lamps, and the functions that follow
+   * are not called. */
+  virtual bool canBeSampled() const { return true; }
   virtual float area() const = 0;
   /** A point of the whole shape; pdf per unit of area. `pick` chooses the primitive. */
   virtual ShapeSample sampleArea(float pick, const Vec2f& u) const = 0;
@@ -102,8 +134,50 @@ class Shape {
   virtual const TriangleMesh* triangleMesh() const { return nullptr; }
   Bounds3f bounds() const;
 
+  /** The shape as a closed solid. Throws Error with the reason where it does not enclose a volume. */
+  virtual std::unique_ptr<Solid> asSolid() const;
+  /** The materials of a compound's components; empty: the whole has that of the Shape directive. */
+  virtual std::vector<const Material*> componentMaterials() const { return {}; }
+  /** Of such a compound, the material at a hit. */
+  virtual const Material* materialAt(const HitParameters&) const { return nullptr; }
+
   /** Opacity, by which rays meet the surface or pass through; null: 1. Set once the shape is made. */
   std::shared_ptr<const TexturedRgb> alpha;
+};
+
+/** A closed shape, which a line crosses in and out again. Lives no longer than its shape. */
+class Solid {
+ public:
+  struct Crossing {
+    double t = 0;
+    bool entering = false;
+    uint32_t primitive = 0;
+    HitParameters parameters; ///< for Shape::surfaceAt
+  };
+  virtual ~Solid() = default;
+  /** Appends where the whole line origin + t·direction, with t of either sign, goes in and out; in any order.
+   */
+  virtual void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const = 0;
+  /** True where the shape's geometric normals point into the solid. */
+  virtual bool normalsPointIn() const { return false; }
+};
+
+struct ShapeContext;
+
+/** A shape that another is made of. */
+struct ComponentShape {
+  std::unique_ptr<Shape> shape;
+  const Material* material = nullptr;
+  SourceLocation location; ///< of the Shape directive
+};
+
+/** Finds shapes by the name of their ObjectBegin. */
+class ShapeLookup {
+ public:
+  virtual ~ShapeLookup() = default;
+  /** Makes the shapes of the object in the space of `context`; fails at the parameter that names it. */
+  virtual std::vector<ComponentShape> object(const Parameters& p, const std::string& parameter,
+                                             const std::string& name, const ShapeContext& context) = 0;
 };
 
 /** What makers of shapes are given besides parameters. */
@@ -111,6 +185,8 @@ struct ShapeContext {
   Mat4d sceneFromObject{1}; ///< the file's transform, then the scene's recentring
   bool reverseOrientation = false;
   const TextureLookup* textures = nullptr; ///< null: no texture can be named
+  ShapeLookup* shapes = nullptr;           ///< null: no object can be named
+  const Material* material = nullptr;      ///< of the Shape directive; null: it does not scatter
 };
 
 // Tools for shapes that compute in double precision.

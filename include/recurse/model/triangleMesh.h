@@ -34,8 +34,8 @@ class TriangleMesh final : public Shape {
   uint32_t primitiveCount() const override { return static_cast<uint32_t>(triangles.size()); }
   Bounds3f bounds(uint32_t primitive) const override;
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
-  SurfacePoint surfaceAt(uint32_t primitive, const Vec2f& parameters) const override;
-  SurfacePoint placeAt(uint32_t primitive, const Vec2f& parameters) const override;
+  SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const override;
+  SurfacePoint placeAt(uint32_t primitive, const HitParameters& parameters) const override;
   /** Has what surfaceAt will read of a triangle brought into the cache: first this, then its vertices. */
   void prefetchTriangle(uint32_t primitive) const {
     __builtin_prefetch(&triangles[primitive]);
@@ -47,6 +47,7 @@ class TriangleMesh final : public Shape {
   float area() const override { return totalArea; }
   ShapeSample sampleArea(float pick, const Vec2f& u) const override;
   const TriangleMesh* triangleMesh() const override { return this; }
+  std::unique_ptr<Solid> asSolid() const override;
 
  private:
   /** The winding rule's normal in double precision, not normalised; zero for a triangle without area. */

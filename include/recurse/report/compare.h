@@ -24,6 +24,11 @@ constexpr double TRIMMED_FRACTION = 0.001;
 using PerChannel = std::array<double, 4>;
 constexpr size_t ALL_CHANNELS = 3;
 
+/** Sides of the blocks of pixels over which the error by scale averages. */
+constexpr std::array<int, 6> ERROR_SCALES = {1, 2, 4, 8, 16, 32};
+/** A value for each; NaN where the picture is smaller than the block. */
+using ByScale = std::array<double, ERROR_SCALES.size()>;
+
 /**
  * The measures of x against a reference r, over R, G and B. Pixels where r is not finite are left out.
  * Pixels where only x is not finite are left out as well, and counted: a picture with any of them has failed.
@@ -48,6 +53,13 @@ struct Comparison {
   bool noiseFree = false;
   PerChannel mseNoiseFree{}, relMseNoiseFree{};
 
+  /**
+   * relMSE after x and r were averaged over blocks of 1, 2, 4, ... 32 pixels a side: independent noise falls
+   * to a quarter from one to the next, stains and bias do not. Over r² + ε as well, but with r smoothed over
+   * 7x7 pixels first, so that a reference's noise does not weigh its dark pixels up.
+   */
+  ByScale relMseByScale{}, relMseNoiseFreeByScale{};
+
   /** Where addFlip() was called. Over whole pictures: NaN when any pixel is not finite. */
   std::optional<Flip> flip, hdrFlip;
 
@@ -66,6 +78,10 @@ Comparison compareImages(const Image& image, const Image& reference);
  * noise stays in the denominator of the relative error. */
 Comparison compareImages(const Image& image, const Image& a, const Image& b,
                          const Image* reference = nullptr);
+
+/** The error by scale: mean of (x − a)(x − b) / (r² + ε). Blocks that the border cuts do not count, nor do
+ * pixels where any picture is not finite. */
+ByScale errorByScale(const Image& x, const Image& a, const Image& b, const Image& r);
 
 /** Adds LDR-FLIP and HDR-FLIP, which take longer than all other measures together. */
 void addFlip(Comparison& comparison, const Image& image, const Image& reference);

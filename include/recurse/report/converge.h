@@ -83,6 +83,7 @@ struct ConvergeCell {
   double mse = 0, relMse = 0, relMseTrimmed = 0;
   double mseNoiseFree = 0, relMseNoiseFree = 0; ///< NaN without independent references
   double meanRatio = 0;
+  ByScale relMseByScale{}; ///< free of the references' noise where those are independent
   size_t nonFinite = 0;
 };
 

@@ -165,6 +165,10 @@ class Parameters {
   SourceLocation location(const std::string& name) const;
   [[noreturn]] void fail(const std::string& name, const std::string& message,
                          const std::string& accepted = {}) const;
+  /** Tells something about a parameter that does not keep the plug-in from being made. */
+  void warn(const std::string& name, const std::string& message, const std::string& accepted = {}) const;
+  /** What was told so. */
+  const Diagnostics& warnings() const { return *told; }
 
  private:
   friend Parameters bindParameters(const ParsedDirective&, const std::vector<ParameterSpec>&, Diagnostics&,
@@ -185,6 +189,7 @@ class Parameters {
   std::vector<Bound> bound;
   std::string name, baseDirectory, topDirectory;
   SourceLocation place;
+  std::shared_ptr<Diagnostics> told = std::make_shared<Diagnostics>();
 };
 
 /**

@@ -94,7 +94,10 @@ std::unique_ptr<I> Registry<I, Context>::make(const ParsedDirective& directive, 
                                   : diagnostics.warning(d.location, d.message, d.accepted);
   if (own.hasErrors()) return nullptr;
   try {
-    return entry->make(parameters, context);
+    std::unique_ptr<I> made = entry->make(parameters, context);
+    for (const Diagnostic& d : parameters.warnings().all())
+      diagnostics.warning(d.location, d.message, d.accepted);
+    return made;
   } catch (const SceneError& e) {
     for (const Diagnostic& d : e.diagnostics()) diagnostics.error(d.location, d.message, d.accepted);
     if (e.diagnostics().empty()) diagnostics.error(directive.location, e.what());

@@ -28,7 +28,8 @@ struct MediumReference {
 
 struct ShapeDescription {
   ParsedDirective shape;
-  Mat4d worldFromObject{1}; ///< inside an object definition: instance space from object
+  Mat4d worldFromObject{1};                 ///< inside an object definition: instance space from object
+  std::optional<Mat4d> worldFromObjectLast; ///< of EndTime, where it differs
   bool reverseOrientation = false;
   MaterialReference material;
   int areaLight = -1; ///< into areaLights; -1: does not emit
@@ -50,6 +51,7 @@ struct ObjectDescription {
 struct InstanceDescription {
   std::string object;
   Mat4d worldFromInstance{1};
+  std::optional<Mat4d> worldFromInstanceLast; ///< of EndTime, where it differs
   SourceLocation location;
 };
 
@@ -65,6 +67,8 @@ struct SceneDescription {
   std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and what it includes
   ParsedDirective film, camera, filter, sampler, integrator, accelerator;
   Mat4d worldFromCamera{1};
+  std::optional<Mat4d> worldFromCameraLast; ///< of EndTime, where it differs
+  double startTime = 0, endTime = 1;        ///< when the transforms of StartTime and EndTime hold
   std::map<std::string, ParsedParameter> options;
   std::vector<ParsedDirective> materials; ///< [0] is the default material, diffuse
   std::map<std::string, ParsedDirective> namedMaterials;

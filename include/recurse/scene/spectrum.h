@@ -35,6 +35,11 @@ const std::vector<std::string>& namedSpectra();
 SampledSpectrum spectrumFromPairs(const std::vector<double>& pairs);
 /** Reads two columns: wavelength in nm and value; '#' begins a comment. Throws Error. */
 SampledSpectrum readSpectrumFile(const std::string& path);
+/** What turns the white of a phase of daylight, below 4000 K of a black body, into that of Rec. 709: von
+ * Kries adaptation of linear Rec. 709 colours in Bradford's cone space, as in pbrt. */
+Mat3d whiteBalance(double kelvin);
+/** CIE XYZ (2°) of linear Rec. 709. */
+Vec3d xyzOfRgb(const Rgbd& rgb);
 /** Linear Rec. 709 of CIE XYZ (2°), white D65. */
 Rgbd rgbOfXyz(const Vec3d& xyz);
 

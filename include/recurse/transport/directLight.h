@@ -6,7 +6,7 @@
 #pragma once
 
 #include "recurse/model/scatteringPoint.h"
-#include "recurse/transport/lightGuide.h"
+#include "recurse/transport/lightSampler.h"
 #include "recurse/transport/walk.h"
 
 namespace recurse {
@@ -18,29 +18,44 @@ inline float powerHeuristic(int n, float p, float q) {
 }
 
 /** A surface point for a guide, seen from unit `eye`. */
-inline LitPlace litPlace(const LightGuide& guide, const SurfacePoint& point, const Vec3f& eye) {
+inline LightSampleContext lightSampleContext(const LightSampler& guide, const SurfacePoint& point,
+                                             const Vec3f& eye) {
   if (!guide.active()) return {point.position};
   return guide.at(point.position, point.normalTowards(eye));
 }
 
-/** Whether there are lights to be sampled, and paths from them in demand, at a vertex whose D `eyeState` has
- * read. */
-inline bool lightIsSampled(const Scene& scene, const PathClasses& classes, EyeState eyeState) {
-  return scene.lights().size() > 0 && classes.join(classes.lightStart(), eyeState) != 0;
+/** What the light's side of a path has read behind so many thin panes. */
+inline LightState afterPanes(const PathClasses& classes, int panes) {
+  LightState state = classes.lightStart();
+  for (; panes > 0; --panes) state = classes.step(state, PathEvent::S);
+  return state;
+}
+
+/** Whether there are lights to be sampled, and paths from them in demand, at a vertex whose D `cameraState`
+ * has read. */
+inline bool lightIsSampled(const Scene& scene, const PathClasses& classes, CameraState cameraState) {
+  if (scene.lights().size() == 0) return false;
+  // After as many steps as there are states nothing new comes.
+  const int panes = hasPanes(scene) ? static_cast<int>(classes.lightStateCount()) : 0;
+  LightState state = classes.lightStart();
+  for (int i = 0; i <= panes; ++i, state = classes.step(state, PathEvent::S))
+    if (classes.join(state, cameraState) != 0) return true;
+  return false;
 }
 
 /** The numbers of one shadow ray, and the light that they choose. */
-struct LightChoice {
+struct SampledLight {
   ChosenLight chosen;
   float pick; ///< what the choice left over
   Vec2f u;
 
-  LightChoice(const LightTable& lights, const LightGuide& guide, const LitPlace& place, Sampler& sampler)
+  SampledLight(const LightTable& lights, const LightSampler& guide, const LightSampleContext& place,
+               Sampler& sampler)
       : pick(sampler.next1D()), u(sampler.next2D()) {
     chosen = guide.choose(lights, place, pick);
   }
-  std::optional<Illumination> illuminate(const Vec3f& point) const {
-    if (chosen.probability > 0) return chosen.light->illuminate(point, pick, u);
+  std::optional<LiSample> sampleLi(const SurfacePoint& point) const {
+    if (chosen.probability > 0) return chosen.light->sampleLiAt(point.time, point.position, pick, u);
     return {};
   }
 };
@@ -48,7 +63,7 @@ struct LightChoice {
 /** What one of `samples` shadow rays brings along unit `eye`, times `throughput`, if nothing is in its way.
  * Black: it need not be traced. */
 inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& eye, const Rgb& throughput,
-                              const Illumination& light, float probability, int samples, LobeSet allowed) {
+                              const LiSample& light, float probability, int samples, LobeSet allowed) {
   if (!(light.pdf > 0)) return BLACK;
   const Rgb f = scattering.evaluate(eye, light.direction);
   if (isBlack(f)) return BLACK;
@@ -59,29 +74,31 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& ey
 }
 
 /**
- * Adds the light that `samples` shadow rays bring to a point with non-delta lobes, seen from unit `eye` with
- * `throughput`. `eyeState` has read the D at the point. `allowed` are the lobes that the BSDF's own ray is
- * chosen from, `nesting` is what the walk is inside of that came there. `place` is the point as `guide` knows
- * it.
+ * Adds the light that `samples` shadow rays bring to a point with non-delta lobes, past at most `maxPanes`
+ * thin panes, seen from unit `eye` with `throughput`. `cameraState` has read the D at the point. `allowed`
+ * are the lobes that the BSDF's own ray is chosen from, `nesting` is what the walk is inside of that came
+ * there. `place` is the point as `guide` knows it.
  */
-void addSampledLight(const Scene& scene, const LightGuide& guide, const LitPlace& place,
+void addSampledLight(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
-                     const Vec3f& eye, const Rgb& throughput, EyeState eyeState, int samples, LobeSet allowed,
-                     Sampler& sampler, PathRadiance& out);
+                     const Vec3f& eye, const Rgb& throughput, CameraState cameraState, int samples,
+                     LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out);
 
-/** What a BSDF ray carries to find the weight of the light that it may meet. */
+/** What a BSDF ray carries to find the weight of the light that it may meet, at once or straight through thin
+ * panes. */
 struct BsdfRay {
-  LitPlace from;
+  LightSampleContext from;
   float pdf = 0;         ///< per solid angle; of a non-delta lobe
-  bool weighted = false; ///< false after the eye and after delta lobes: no shadow ray could find this light
+  bool weighted = false; ///< false after the eye and after delta lobes other than panes: no shadow ray could
+                         ///< find this light
 };
 
 /** The radiance of an emitting surface that a ray of unit `direction` met, times its weight; black when it
  * emits nothing there. */
-Rgb emittedRadiance(const Scene& scene, const LightGuide& guide, const Hit& hit, const Vec3f& direction,
+Rgb emittedRadiance(const Scene& scene, const LightSampler& guide, const Hit& hit, const Vec3f& direction,
                     const BsdfRay& ray, int lightSamples);
 /** The same for a ray that left the scene. */
-Rgb environmentRadiance(const Scene& scene, const LightGuide& guide, const Vec3f& direction,
+Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, const Vec3f& direction,
                         const BsdfRay& ray, int lightSamples);
 
 } // namespace recurse

@@ -42,7 +42,7 @@ class EmissionGuide {
   /** The light; the part of the light; the place (2); the direction (2). */
   static constexpr size_t DIMENSIONS = 6;
   using Numbers = std::array<float, DIMENSIONS>;
-  struct Useful {
+  struct TrainingSample {
     Numbers numbers;
     float weight; ///< what it brings, squared, over the density that it was drawn with
   };
@@ -54,7 +54,7 @@ class EmissionGuide {
    * of least variance is in proportion to √p; a tenth is left to the rest of the cube, of which too little is
    * known to leave it out. `lights` share the first dimension.
    */
-  EmissionGuide(std::span<const Useful> useful, double trials, size_t lights = 1);
+  EmissionGuide(std::span<const TrainingSample> useful, double trials, size_t lights = 1);
 
   /** How many times less variance a photon brings than without; 1 without a guide. */
   double gain() const { return expectedGain; }
@@ -75,7 +75,8 @@ class EmissionGuide {
     double density; ///< uniform part included
     double chance;  ///< of the guided part: this leaf and all before it
   };
-  void split(std::span<Useful> useful, const Numbers& low, const Numbers& high, double trials, int depth);
+  void split(std::span<TrainingSample> useful, const Numbers& low, const Numbers& high, double trials,
+             int depth);
 
   std::vector<Node> nodes;
   std::vector<Leaf> leaves;

@@ -17,6 +17,8 @@ struct EstimatorDomain {
   std::string cost;       ///< what it does and what that costs, in a few words
   std::string
       sharedGroup; ///< estimators of one group may share paths: their weights add up to one. Else empty
+  bool meetsLights = false; ///< by rays that happen to meet a light: none ever meets a delta light
+  bool onlyPanes = false;   ///< finds, of these paths, those that go straight through thin panes
 };
 
 /** What is wrong with a list of estimators; nothing when `sound()`. */
@@ -37,6 +39,11 @@ struct DomainReport {
 /** Compares the estimators with each other and with the paths that they should cover together. Throws Error
  * for an expression that does not compile, with the name of the estimator. */
 DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const std::string& covers = "all");
+
+/** The paths from lights at a point or in one direction that no estimator finds, but straight through thin
+ * panes, as an expression; empty where there are none. Such lights cannot be seen, at once or in mirrors:
+ * LS*E has no light of theirs. */
+std::string missedOfDeltaLights(const std::vector<EstimatorDomain>& estimators);
 
 /** The estimators as a table for a terminal, a line each. */
 std::string formatDomains(const std::vector<EstimatorDomain>& estimators);

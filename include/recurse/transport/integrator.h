@@ -12,6 +12,7 @@
 #include "recurse/core/ray.h"
 #include "recurse/core/sampler.h"
 #include "recurse/model/scene.h"
+#include "recurse/model/splatPlane.h"
 #include "recurse/transport/estimatorDomains.h"
 #include "recurse/transport/pathClasses.h"
 
@@ -22,22 +23,51 @@ struct Pass {
   uint64_t seed = 0;
   uint32_t index = 0;
   bool only = true; ///< there is no other
+  float time = 0;   ///< Ray::time of its photons and, where Integrator::passHasOneTime(), of its camera rays
 };
 
 /** What happened while rendering; counted per thread and added up. */
 struct TransportCounts {
-  uint64_t rays = 0;         ///< intersection and occlusion queries
-  uint64_t nonFinite = 0;    ///< contributions dropped because they were not finite; must be 0
-  double weightCut = 0;      ///< throughput lost to depth and weight limits, summed over eye paths
-  uint64_t gathers = 0;      ///< density estimates
-  uint64_t photonsFound = 0; ///< over all gathers
+  uint64_t rays = 0;              ///< intersection and occlusion queries
+  uint64_t nonFinite = 0;         ///< contributions dropped because they were not finite; must be 0
+  double truncatedThroughput = 0; ///< throughput lost to depth and weight limits, summed over eye paths
+  uint64_t gathers = 0;           ///< density estimates
+  uint64_t photonsFound = 0;      ///< over all gathers
   void add(const TransportCounts& o) {
     rays += o.rays;
     nonFinite += o.nonFinite;
-    weightCut += o.weightCut;
+    truncatedThroughput += o.truncatedThroughput;
     gathers += o.gathers;
     photonsFound += o.photonsFound;
   }
+};
+
+/** What light paths bring straight to the eye, sorted into film layers; for any thread. A path's contribution
+ * is its flux, as if it were the only one, times its scattering and the camera's importance over its density
+ * (WiSample), times its weight among other techniques; the sum is divided by the number of paths. */
+class Splatter {
+ public:
+  Splatter(const PathClasses& classes, const Filter& filter, SplatPlane& plane)
+      : classes(classes), filter(filter), plane(plane) {}
+  /** Adds a contribution that came along the path whose halves these are, around a place of the film. Not
+   * finite: dropped and counted. */
+  void add(LightState light, CameraState eye, const Vec2f& film, const Rgb& contribution,
+           TransportCounts& counts) {
+    const LayerMask mask = classes.join(light, eye);
+    if (mask == 0 || isBlack(contribution)) return;
+    if (isFinite(contribution))
+      plane.add(film, filter, mask, whiteBalance ? *whiteBalance * contribution : contribution);
+    else
+      ++counts.nonFinite;
+  }
+  std::optional<Mat3f> whiteBalance; ///< of the film
+  /** Counts light paths, all of them. */
+  void addPaths(uint64_t count) { plane.addPaths(count); }
+
+ private:
+  const PathClasses& classes;
+  const Filter& filter;
+  SplatPlane& plane;
 };
 
 /**
@@ -53,8 +83,18 @@ class PathRadiance {
     std::fill(layers.begin(), layers.end(), BLACK);
     sum = BLACK;
   }
+  /** Puts `change(colour)` in the place of all that was added; must be linear. */
+  template <class Change> void transform(const Change& change) {
+    for (Rgb& layer : layers) layer = change(layer);
+    sum = change(sum);
+  }
+  /** Multiplies all that was added. */
+  void scale(float factor) {
+    for (Rgb& layer : layers) layer *= factor;
+    sum *= factor;
+  }
   /** Adds radiance that came along the path whose halves these are. Not finite: dropped and counted. */
-  void add(LightState light, EyeState eye, const Rgb& radiance) {
+  void add(LightState light, CameraState eye, const Rgb& radiance) {
     const LayerMask mask = classes.join(light, eye);
     if (mask == 0) return;
     if (!isFinite(radiance)) {
@@ -69,8 +109,13 @@ class PathRadiance {
   /** Everything that is in at least one layer, once. */
   const Rgb& total() const { return sum; }
   const PathClasses& pathClasses() const { return classes; }
+  /** Asked in loops that may be long: the sample is not wanted any more, and what was added does not count.
+   */
+  bool abandoned() const { return abandon && abandon->load(std::memory_order_relaxed); }
 
   TransportCounts& counts;
+  const std::atomic<bool>* abandon = nullptr; ///< see abandoned(); null: never
+  Splatter* splatter = nullptr; ///< for light paths that belong to this eye path, where Integrator::splats()
 
  private:
   const PathClasses& classes;
@@ -92,20 +137,22 @@ struct ForwardStatistics {
 struct ForwardControl {
   std::function<void(double fraction)> progress = [](double) {};
   const std::atomic<bool>* stop = nullptr;
+  /** Where Integrator::splats(): for this pass's light paths; null for a pass whose splats are there. */
+  Splatter* splatter = nullptr;
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 };
 
 /** An eye path to be walked: where it starts, its samples, and where its radiance goes. */
-struct EyePath {
-  EyePath(const Sampler& sampler, PathRadiance& out) : sampler(sampler), out(&out) {}
-  EyeRay ray;
+struct CameraPath {
+  CameraPath(const Sampler& sampler, PathRadiance& out) : sampler(sampler), out(&out) {}
+  CameraRay ray;
   Sampler sampler;
   PathRadiance* out;
 };
 
 /** How many eye paths are handed over at once: enough to keep the processor busy with independent work, few
  * enough for the cache next to it. */
-constexpr size_t EYE_BATCH = 256;
+constexpr size_t CAMERA_BATCH = 256;
 
 class Integrator {
  public:
@@ -115,19 +162,27 @@ class Integrator {
   /** How many times forward() is called for so many samples a pixel (0: no end is known): 1, once for all
    * samples; n, the samples are dealt out to n passes; 0, once for each sample. */
   virtual int passes(int /*samplesPerPixel*/) const { return 1; }
+  /** Whether light paths bring something to pixels by themselves, through a Splatter: in forward(), or in
+   * backward() those that belong to one eye path. */
+  virtual bool splats() const { return false; }
+  /** Whether a pass's camera rays have the time of its photons, so that no estimate mixes times. */
+  virtual bool passHasOneTime() const { return false; }
   /** Shoots what the pass needs. Passes depend on no other but the first, which is always done. */
   virtual ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) {
     return {};
   }
   /** Estimates the radiance along an eye ray. May be called from any thread for any pixel. */
-  virtual void backward(const Scene& scene, const EyeRay& ray, Sampler& sampler, PathRadiance& out) const = 0;
+  virtual void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                        PathRadiance& out) const = 0;
   /** The same for several eye paths, which must share their classes; each gets the radiance that it would get
    * alone. */
-  virtual void backwardBatch(const Scene& scene, std::span<EyePath> paths) const {
-    for (EyePath& p : paths) backward(scene, p.ray, p.sampler, *p.out);
+  virtual void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const {
+    for (CameraPath& p : paths) backward(scene, p.ray, p.sampler, *p.out);
   }
   /** The estimators and the paths that each one takes into account. */
   virtual std::vector<EstimatorDomain> domains() const = 0;
+  /** The paths that the method claims, where it leaves out others by its nature; empty: all at surfaces. */
+  virtual std::string claims() const { return {}; }
 };
 
 } // namespace recurse

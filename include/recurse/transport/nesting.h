@@ -42,7 +42,7 @@ class Nesting {
   /** For a walk that begins at a point, by all that a ray from there meets: solids are closed, so it leaves
    * once more than it enters what the point is inside of. `surfaces(f)` calls f(hit, direction) for each. */
   template <class Surfaces> static Nesting within(const Surfaces& surfaces) {
-    std::array<int, Scene::MOST_NESTED> left{};
+    std::array<int, Scene::MAX_NESTED> left{};
     surfaces([&](const Hit& hit, const Vec3f& direction) {
       if (isNested(hit))
         left[static_cast<size_t>(hit.material->nesting)] +=
@@ -69,7 +69,7 @@ class Nesting {
       --d;
   }
 
-  std::array<uint8_t, Scene::MOST_NESTED> depth{}; ///< how many shapes of each it is inside of
+  std::array<uint8_t, Scene::MAX_NESTED> depth{}; ///< how many shapes of each it is inside of
 };
 
 } // namespace recurse

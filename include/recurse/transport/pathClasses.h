@@ -31,9 +31,9 @@ class LightState {
 };
 
 /** What an eye-side walk has read, from E backwards. Made by PathClasses only. */
-class EyeState {
+class CameraState {
  public:
-  explicit constexpr EyeState(uint16_t index = 0) : index(index) {}
+  explicit constexpr CameraState(uint16_t index = 0) : index(index) {}
   uint16_t index;
 };
 
@@ -59,25 +59,25 @@ class PathClasses {
   size_t layerCount() const { return list.size(); }
   /** How many states each side has; for reports. */
   size_t lightStateCount() const { return lightStates; }
-  size_t eyeStateCount() const { return eyeDead.size(); }
+  size_t cameraStateCount() const { return cameraDead.size(); }
 
   /** After reading L. */
   LightState lightStart() const { return lightStartState; }
   /** After reading E, from the other end. */
-  EyeState eyeStart() const { return eyeStartState; }
+  CameraState cameraStart() const { return cameraStartState; }
   LightState step(LightState s, PathEvent e) const {
     return LightState(lightNext[size_t(s.byte) * 3 + static_cast<size_t>(e)]);
   }
-  EyeState step(EyeState s, PathEvent e) const {
-    return EyeState(eyeNext[size_t(s.index) * 3 + static_cast<size_t>(e)]);
+  CameraState step(CameraState s, PathEvent e) const {
+    return CameraState(cameraNext[size_t(s.index) * 3 + static_cast<size_t>(e)]);
   }
   /** True when no continuation of the light walk is ever accepted by any class: the photon may be dropped. */
   bool dead(LightState s) const { return lightDead[s.byte] != 0; }
   /** True when no light path completes what the eye walk has read: the eye path may end. */
-  bool dead(EyeState s) const { return eyeDead[s.index] != 0; }
+  bool dead(CameraState s) const { return cameraDead[s.index] != 0; }
   /** The classes of the path made of the two halves. The event at the vertex where they meet has been read by
    *  exactly one of them. */
-  LayerMask join(LightState light, EyeState eye) const {
+  LayerMask join(LightState light, CameraState eye) const {
     return joined[size_t(eye.index) * lightStates + light.byte];
   }
 
@@ -85,9 +85,9 @@ class PathClasses {
   std::vector<PathClass> list;
   size_t lightStates = 1;
   LightState lightStartState;
-  EyeState eyeStartState;
-  std::vector<uint8_t> lightNext, lightDead, eyeDead;
-  std::vector<uint16_t> eyeNext;
+  CameraState cameraStartState;
+  std::vector<uint8_t> lightNext, lightDead, cameraDead;
+  std::vector<uint16_t> cameraNext;
   std::vector<LayerMask> joined;
 };
 

@@ -47,7 +47,10 @@ struct Photon {
   Rgb power;                 ///< flux [W], with the shading-normal factor |wi·ns| / |wi·ng| folded in
   uint8_t pathState = 0;     ///< LightState after the events before this surface
   bool caustic = false;      ///< nothing but mirrors and glass, or nothing at all, between light and surface
+  PackedDirection normal;    ///< geometric, unit, on the side that the photon came from
+  /** Of caustic photons: how likely a camera ray finds the same path, see causticWeights.h. */
+  float reverseRatio = 0;
 };
-static_assert(sizeof(Photon) <= 40 - 2 * sizeof(float), "room for two floats more");
+static_assert(sizeof(Photon) <= 40);
 
 } // namespace recurse

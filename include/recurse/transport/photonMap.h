@@ -167,9 +167,10 @@ constexpr std::optional<PhotonIndexKind> parsePhotonIndex(std::string_view name)
  * rather than a slab beside it, so that the k nearest photons are exactly those that a fixed-radius query
  * finds at the distance of the k-th: both kinds of query mean the same set, whatever the upper bound.
  *
- * Where !bothSides, a photon counts only if it arrived from the side that the normal points to:
- * direction·normal > 0. Half-spaces clip the region: a photon counts where v·normal > limit for all of them.
- * Photons that do not count are left out before anything is counted.
+ * Where !bothSides, a photon counts only if its surface faces the same way to within 60°, so that neither the
+ * other side of a thin wall nor a wall round the corner lends its light. Half-spaces clip the region: a
+ * photon counts where v·normal > limit for all of them. Photons that do not count are left out before
+ * anything is counted.
  */
 struct GatherRegion {
   struct HalfSpace {
@@ -177,7 +178,7 @@ struct GatherRegion {
     float limit = 0; ///< negative where the centre is inside
     bool has(const Vec3f& v) const { return glm::dot(v, normal) > limit; }
   };
-  static constexpr size_t MOST_CLIPS = 6;
+  static constexpr size_t MAX_CLIPS = 6;
 
   Vec3f center{0};
   Vec3f normal{0, 0, 1};   ///< unit, geometric, on the side that photons must arrive from
@@ -185,7 +186,7 @@ struct GatherRegion {
   float flatness = 1;      ///< half axis along the normal ÷ radius, at least 1e-6; from 1 on: a sphere
   bool bothSides = false;  ///< photons may arrive from either side (transmitting surfaces)
   size_t clipCount = 0;
-  std::array<HalfSpace, MOST_CLIPS> clips{}; ///< the first clipCount of them
+  std::array<HalfSpace, MAX_CLIPS> clips{}; ///< the first clipCount of them
 
   /** Whether no half-space takes the point center + v away. */
   bool unclipped(const Vec3f& v) const {
@@ -214,6 +215,7 @@ struct PhotonBlock {
   Float8 distance2;             ///< D² of GatherRegion; only lanes in the mask have a meaning
   const PhotonPayload* payload; ///< all eight lanes may be read
   const uint8_t* pathStates;    ///< eight of them
+  const float* reverseRatios;   ///< eight of them, see Photon; null where all are 0
 
   Float8 red() const { return Float8::load(payload->red); }
   Float8 green() const { return Float8::load(payload->green); }
@@ -369,8 +371,12 @@ class PhotonMap {
     return {p.red[slot % 8], p.green[slot % 8], p.blue[slot % 8]};
   }
   PackedDirection packedDirection(size_t slot) const { return {payload[slot / 8].direction[slot % 8]}; }
+  PackedDirection packedNormal(size_t slot) const {
+    return {leaves[slot / LEAF_SIZE].normal[slot % LEAF_SIZE]};
+  }
   Vec3f direction(size_t slot) const { return unpackDirection(packedDirection(slot)); }
   uint8_t pathState(size_t slot) const { return pathStates[slot]; }
+  float reverseRatio(size_t slot) const { return hasReverseRatios ? reverseRatios[slot] : 0; }
   /** Where the photon stood in what was given to build(). */
   uint32_t emissionIndex(size_t slot) const { return emission[slot]; }
 
@@ -385,6 +391,7 @@ class PhotonMap {
   };
   struct Leaf {
     alignas(32) float x[LEAF_SIZE], y[LEAF_SIZE], z[LEAF_SIZE];
+    alignas(32) uint32_t normal[LEAF_SIZE]; ///< packed
   };
   struct Builder;
   struct Flann;
@@ -401,7 +408,13 @@ class PhotonMap {
   static constexpr size_t levelBegin(int level) { return ((size_t(1) << 3 * level) - 1) / 7; }
   size_t lastLevelBegin() const { return levelBegin(levelCount - 1); }
   PhotonBlock makeBlock(uint32_t block, uint32_t mask, Float8 d2) const {
-    return {block * 8, mask, d2, payload.data() + block, pathStates.data() + size_t(block) * 8};
+    const size_t first = size_t(block) * 8;
+    return {block * 8,
+            mask,
+            d2,
+            payload.data() + block,
+            pathStates.data() + first,
+            hasReverseRatios ? reverseRatios.data() + first : nullptr};
   }
 
   size_t leafBeside(const Query<false, false, false>& query) const;
@@ -422,6 +435,8 @@ class PhotonMap {
   PhotonArray<Leaf> leaves;
   PhotonArray<PhotonPayload> payload;
   PhotonArray<uint8_t> pathStates;
+  PhotonArray<float> reverseRatios; ///< in use where not all are 0
+  bool hasReverseRatios = false;
   PhotonArray<uint32_t> emission;
   std::unique_ptr<Flann> flann;
 };
@@ -465,13 +480,16 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
     const Float8 h = x * Float8(nx) + y * Float8(ny) + z * Float8(nz);
     return d2 + Float8(flattening) * (h * h);
   }
-  /** Lanes whose photons arrived from the right side and are not clipped away. The octahedron's points need
-   * no unit length for that. */
-  uint32_t selected(const float* px, const float* py, const float* pz, const uint32_t* packed) const {
+  /** Lanes whose photons lie on a surface that faces the same way and are not clipped away. */
+  uint32_t selected(const float* px, const float* py, const float* pz, const uint32_t* normals) const {
     uint32_t mask = 0xff;
     if constexpr (SIDED) {
-      const Vec3f8 d = unpackOctahedron(packed);
-      mask = bits(less(Float8(0), d.x * Float8(nx) + d.y * Float8(ny) + d.z * Float8(nz)));
+      const Vec3f8 n = unpackOctahedron(normals); // not of unit length
+      const Float8 cosine = n.x * Float8(nx) + n.y * Float8(ny) + n.z * Float8(nz);
+      const Float8 length2 = n.x * n.x + n.y * n.y + n.z * n.z;
+      constexpr float MIN_COSINE = 0.5f;
+      mask = bits(less(Float8(0), cosine)) &
+             bits(less(length2 * Float8(MIN_COSINE * MIN_COSINE), cosine * cosine));
     }
     if constexpr (CLIPPED) {
       const Float8 x = Float8::load(px) - cx, y = Float8::load(py) - cy, z = Float8::load(pz) - cz;
@@ -482,9 +500,9 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
     }
     return mask;
   }
-  bool selected(const Vec3f& position, PackedDirection direction) const {
+  bool selected(const Vec3f& position, PackedDirection normal) const {
     alignas(32) const float x[8] = {position.x}, y[8] = {position.y}, z[8] = {position.z};
-    alignas(32) const uint32_t packed[8] = {direction.bits};
+    alignas(32) const uint32_t packed[8] = {normal.bits};
     return (selected(x, y, z, packed) & 1) != 0;
   }
   Float8 boxDistance2(const Node& node) const {
@@ -515,9 +533,9 @@ template <class F> decltype(auto) PhotonMap::withQuery(const GatherRegion& regio
 
 /** Blocks that a walk has found and not yet handed on. Their number is bounded, so they lie on the stack. */
 struct PhotonMap::Hits {
-  static constexpr size_t MOST = 128;
-  Float8 distance2[MOST];
-  uint32_t block[MOST], mask[MOST];
+  static constexpr size_t MAX_COUNT = 128;
+  Float8 distance2[MAX_COUNT];
+  uint32_t block[MAX_COUNT], mask[MAX_COUNT];
   size_t count = 0;
 };
 
@@ -531,9 +549,9 @@ struct PhotonMap::Hits {
  */
 template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
   if (photonCount == 0) return;
-  constexpr size_t MOST_LEAVES = 32;
+  constexpr size_t MAX_LEAVES = 32;
   uint32_t nodeStack[7 * MAX_LEVELS + 2 * 8]; // eight may be written beyond the last
-  uint32_t leafList[MOST_LEAVES + 2 * 8];
+  uint32_t leafList[MAX_LEAVES + 2 * 8];
   size_t nodesLeft = 0, leavesFound = 0;
   Hits hits;
   constexpr bool TAKE_ALL = EMPTY_TOO && !Q::SELECTIVE;
@@ -543,8 +561,8 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
       for (size_t i = 0; i < hits.count; ++i) {
         const Leaf& leaf = leaves[hits.block[i] / LEAF_BLOCKS];
         const size_t at = hits.block[i] % LEAF_BLOCKS * 8;
-        const uint32_t mask = hits.mask[i] & query.selected(leaf.x + at, leaf.y + at, leaf.z + at,
-                                                            payload[hits.block[i]].direction);
+        const uint32_t mask =
+            hits.mask[i] & query.selected(leaf.x + at, leaf.y + at, leaf.z + at, leaf.normal + at);
         hits.block[kept] = hits.block[i];
         hits.distance2[kept] = hits.distance2[i];
         hits.mask[kept] = mask;
@@ -557,7 +575,7 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
   };
   const auto testLeaves = [&] {
     for (size_t l = 0; l < leavesFound; ++l) {
-      if (hits.count > Hits::MOST - LEAF_BLOCKS) finish();
+      if (hits.count > Hits::MAX_COUNT - LEAF_BLOCKS) finish();
       const Leaf& leaf = leaves[leafList[l]];
       const Float8 radius2(query.radius2);
       for (uint32_t i = 0; i < LEAF_BLOCKS; ++i) {
@@ -589,7 +607,7 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
       const uint32_t mask = query.reaches(nodes[node]);
       PHOTON_LANE_LISTS.ascending(mask, 8 * (node - lastLevel), leafList + leavesFound);
       leavesFound += static_cast<size_t>(std::popcount(mask));
-      if (leavesFound > MOST_LEAVES) testLeaves();
+      if (leavesFound > MAX_LEAVES) testLeaves();
     }
     if (nodesLeft == 0) break;
     node = nodeStack[--nodesLeft];

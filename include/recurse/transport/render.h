@@ -22,6 +22,7 @@ struct RenderStatistics {
          gatherSeconds = 0; ///< gather: the backward part
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
   size_t mapBytes = 0;
+  uint64_t splatsSaturated = 0; ///< that were too large to be added up, and lost light by it
   TransportCounts counts;
   uint64_t samples = 0;                     ///< eye paths
   uint64_t least = 0, median = 0, most = 0; ///< eye paths of a pixel
@@ -44,9 +45,10 @@ struct RenderPosition {
 };
 
 struct RenderSettings {
-  int samplesPerPixel = 16; ///< 0: until the time limit or the error target
-  double timeLimit = 0;     ///< seconds for the whole render; 0: none
-  double errorTarget = 0;   ///< Film::relativeError at which to stop; 0: none
+  int samplesPerPixel = 16;    ///< 0: until the time limit or the error target
+  double timeLimit = 0;        ///< seconds for the whole render; 0: none
+  double firstSampleTime = 10; ///< how many seconds more the first sample of each pixel may take
+  double errorTarget = 0;      ///< Film::relativeError at which to stop; 0: none
   uint64_t seed = 0;
   /** A part of the samples of each pixel, those from `firstSample` up to `endSample` of samplesPerPixel, for
    * renders that are to be added up; 0: up to the last one. */
@@ -59,6 +61,10 @@ struct RenderSettings {
    * time, and at the end, whatever the reason for it. */
   std::function<void(const RenderPosition&)> save = {};
   double saveInterval = 60;
+  /** Called while no thread writes to the film, for those who want to see it grow: first after `lookAfter`
+   * seconds. Returns the seconds until the next time. */
+  std::function<double()> look = {};
+  double lookAfter = 0;
 };
 
 /** Told to the progress display about ten times a second, from one thread at a time. */

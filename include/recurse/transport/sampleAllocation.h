@@ -19,7 +19,7 @@
  * where early samples miss a rare bright path the pixel would be left dark, and where they meet it the pixel
  * would be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling Techniques for Image
  * Synthesis"). It is told in two steps. How much the pixels around vary puts all pixels in an order. Then v
- * of a pixel is the mean over those that come close to it in that order, LEAST_CLASS at least and wherever
+ * of a pixel is the mean over those that come close to it in that order, MIN_CLASS at least and wherever
  * they are, of what their samples say. So nothing has to be known of how far neighbours can be trusted: where
  * edges are thin, or bright samples rare, quiet surroundings say little, and the mean over pixels in such
  * surroundings says how much happens there all the same.
@@ -35,7 +35,8 @@
  * That is consistent: it vanishes, like the bias of the map itself, with the number of passes.
  * - A pixel that is unlike all around it gets what pixels in such surroundings need. That is never wrong,
  * only slow.
- * - Every pixel gets at least one PILOT_PERIOD-th of the average, and not much more than MOST times as much.
+ * - Every pixel gets at least one PILOT_PERIOD-th of the average, and not much more than MAX_SHARE times as
+ * much.
  */
 #pragma once
 
@@ -69,14 +70,14 @@ class SampleAllocation {
 
  public:
   /** So many samples of each pixel come first. */
-  static constexpr int64_t EVEN = int64_t(Film::LEAST_SAMPLES);
+  static constexpr int64_t EVEN = int64_t(Film::MIN_SAMPLES);
   static constexpr int64_t PILOT_PERIOD = 4;
-  static constexpr double MOST = 8;
+  static constexpr double MAX_SHARE = 8;
   /** Pilot samples that are taken together. */
   static constexpr int64_t BLOCK = 4;
   /** Between that of noise, 1, and that of edges, 1.5. */
   static constexpr double FALL = 1.4;
-  static constexpr size_t LEAST_CLASS = 64;
+  static constexpr size_t MIN_CLASS = 64;
   /** Samples of each pixel on average from one look at the errors to the next, at most; before that it is as
    * many as there have been. */
   static constexpr int64_t LONGEST_STAGE = 64;
@@ -95,8 +96,9 @@ class SampleAllocation {
 
   /** How many samples of a pixel there are to be when the average pixel has `sample`, within the stage. */
   uint64_t due(size_t pixel, int64_t sample) const;
-  /** How many of those that come before `sample` and from `from` on are pilot samples: the first ones. */
-  int64_t pilots(int64_t from, int64_t sample) const;
+  /** How many pilot samples the pixel still lacks when the average pixel has `sample`, within the stage: they
+   * come first. */
+  uint64_t pilotsLeft(size_t pixel, int64_t sample) const;
   /** Of two pixels side by side, the left one in a column of even number, the left one first. */
   void addPilot(size_t pixel, double luminance) {
     Pixel& p = pixels[pixel];
@@ -124,6 +126,8 @@ class SampleAllocation {
     double all = 0;
     double eye = 0; ///< the part of the eye paths; the same without a map for each sample
   };
+  /** Pilot samples of each pixel among those of the stage that come before `sample` and from `from` on. */
+  int64_t pilots(int64_t from, int64_t sample) const;
   /** Pilot samples of each pixel when the average one has `sample`, at the end of a stage. */
   int64_t pilotsUpTo(int64_t sample) const;
   std::vector<Need> needs() const;

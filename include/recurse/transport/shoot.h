@@ -7,6 +7,7 @@
 
 #include "recurse/transport/emissionGuide.h"
 #include "recurse/transport/integrator.h"
+#include "recurse/transport/lightPortals.h"
 #include "recurse/transport/photon.h"
 
 namespace recurse {
@@ -17,7 +18,7 @@ namespace recurse {
  * spheres of neutron transport; X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9). They carry
  * little each and are many; when they leave the sphere, roulette makes them few.
  */
-struct PhotonTarget {
+struct DxtranSphere {
   Vec3f center{0};
   float radius = 0;
   float part = 1;       ///< of a photon's power that one sent to the sphere should carry
@@ -28,9 +29,11 @@ struct ShootSettings {
   uint64_t photons = 0; ///< emitted
   int maxDepth =
       -1; ///< most scattering events of a photon, the one where it is stored included; -1: no limit
-  bool direct = true;                   ///< store photons that come straight from a light as well
-  const EmissionGuide* guide = nullptr; ///< where photons are worth most; null: everywhere
-  std::vector<PhotonTarget> targets;
+  bool direct = true;                    ///< store photons that come straight from a light as well
+  const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
+  const LightPortals* portals = nullptr; ///< where light from infinitely far comes in; null: everywhere
+  const LightTable* lights = nullptr;    ///< by which lights are chosen; null: the scene's
+  std::vector<DxtranSphere> targets;
 };
 
 struct ShotPhotons {
@@ -50,7 +53,7 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
 /** How photons are sent where they are wanted. */
 struct PhotonGuidance {
   EmissionGuide emission;
-  std::vector<PhotonTarget> targets;
+  std::vector<DxtranSphere> targets;
 };
 
 /**

@@ -3,7 +3,11 @@
  */
 #pragma once
 
+#include <array>
+#include <limits>
+
 #include "recurse/core/sampler.h"
+#include "recurse/model/scatteringPoint.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/nesting.h"
 
@@ -20,7 +24,7 @@ constexpr int ENDLESS_WALK = 512;
  * finite. (With the same chance at every event it is not, once that is below the square of the albedo: nearly
  * always nearly everything is lost.)
  */
-inline bool survives(float chance, int length, Sampler& sampler, Rgb& weight) {
+inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& weight) {
   constexpr float NOTHING_LOST = 0.99999f;
   if (length > ENDLESS_WALK && chance > NOTHING_LOST)
     chance = std::min(chance, 1 - 2 / static_cast<float>(length));
@@ -32,7 +36,7 @@ inline bool survives(float chance, int length, Sampler& sampler, Rgb& weight) {
 
 /** A ray from a surface point. */
 inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
-  return {from.rayOrigin(direction), direction, INFINITE};
+  return {from.rayOrigin(direction), direction, INFINITE, from.time};
 }
 
 /**
@@ -44,14 +48,14 @@ inline bool intersect(const Scene& scene, const Ray& ray, Hit& hit, TransportCou
   return scene.intersect(ray, hit);
 }
 
-/** The same for rays that only ask where it is: see Scene::meet(). */
-inline bool meet(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
+/** The same for rays that only ask where it is: see Scene::intersectPosition(). */
+inline bool intersectPosition(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
   ++counts.rays;
-  return scene.meet(ray, hit);
+  return scene.intersectPosition(ray, hit);
 }
 
 /** What a sample stands for where an eye ray has arrived, its width included. */
-inline Footprint footprint(const EyeRay& ray) { return {ray.direction, ray.width * ray.sampleSpacing}; }
+inline Footprint footprint(const CameraRay& ray) { return {ray.direction, ray.width * ray.sampleSpacing}; }
 
 /** The BSDF of what a ray met, once the material has shaped the surface; null where rays pass through. */
 inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena) {
@@ -72,45 +76,98 @@ inline const Bsdf* bsdfAt(const Scene& scene, Hit& hit, const Vec3f& direction, 
 
 /** The ray that must be free for light from `target`, or from infinitely far in that direction, to reach the
  * point. Its direction is zero where there is no way between. */
-inline Ray shadowRay(const SurfacePoint& from, const Illumination& light) {
+inline Ray shadowRay(const SurfacePoint& from, const LiSample& light) {
   const Vec3f origin = from.rayOrigin(light.direction);
   const bool endless = light.distance == INFINITE;
   // The target is displaced from its own surface; the limit covers the rounding of the way.
   return {origin, endless ? light.direction : light.target - origin,
-          endless ? INFINITE : 1 - 16 * std::numeric_limits<float>::epsilon()};
+          endless ? INFINITE : 1 - 16 * std::numeric_limits<float>::epsilon(), from.time};
 }
 
 /** What a walk that begins with this ray is inside of. */
 inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
   if (scene.nestedIndices().empty()) return {};
   return Nesting::within([&](const auto& crosses) {
-    for (Hit hit; meet(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
+    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
       crosses(hit, ray.direction);
   });
 }
 
-/** Whether a shadow ray that something blocks is blocked by hidden surfaces only, and so free. `nesting` is
- * what the walk is inside of that came to the point from `wi`. */
-inline bool onlyHidden(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi,
-                       const Illumination& light, Nesting nesting, TransportCounts& counts) {
-  if (scene.nestedIndices().empty()) return false;
+inline bool hasPanes(const Scene& scene) { return (scene.contents().lobes & STRAIGHT) != 0; }
+
+/** Whether a step went straight through a thin pane, where shadow rays go too. */
+inline bool passesPane(const Scene& scene, const ScatteringPoint& scattering, const Scatter& s) {
+  return s.lobe == REFRACTION && (scattering.lobes() & STRAIGHT) && hasPanes(scene);
+}
+
+/** The part of the radiance that goes straight on where `scattering` is met from unit `wi`; black without a
+ * thin pane. */
+inline Rgb paneTransmittance(const ScatteringPoint& scattering, const Vec3f& wi) {
+  Rgb sum = BLACK;
+  if (!(scattering.lobes() & STRAIGHT)) return sum;
+  std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+  const int count = scattering.deltaScatters(wi, Transport::RADIANCE, all);
+  for (int i = 0; i < count; ++i)
+    if (all[size_t(i)].lobe == REFRACTION) sum += all[size_t(i)].weight;
+  return sum;
+}
+
+/** What of a light's radiance comes straight to a point. Each pane on its way is an S of the path. */
+struct Transmittance {
+  Rgb value{0};
+  int panes = 0;
+};
+
+/** For estimators that find light behind panes by other ways. */
+constexpr int NO_PANES = 0;
+
+/** How many panes a shadow ray may pass from a surface that is event number `depth` of its path; maxDepth -1:
+ * any number. */
+inline int panesLeft(int maxDepth, int depth) {
+  return maxDepth < 0 ? std::numeric_limits<int>::max() : std::max(0, maxDepth - depth);
+}
+
+/** The transmittance along a shadow ray that meets something: up to `maxPanes` thin panes, and surfaces that
+ * solids with priority hide, let light through. `nesting` is what the walk is inside of that came to the
+ * point from `wi`. */
+inline Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi,
+                                  const LiSample& light, Nesting nesting, int maxPanes,
+                                  TransportCounts& counts) {
+  const bool panes = maxPanes > 0 && hasPanes(scene);
+  if (!panes && scene.nestedIndices().empty()) return {};
+  Transmittance sum{Rgb(1), 0};
   nesting.scatters(from, wi, light.direction);
+  BsdfArena arena;
   Hit hit;
-  while (meet(scene, ray, hit, counts)) {
-    if (hit.material && !(isNested(hit) && !nesting.meets(scene, hit, light.direction))) return false;
+  while (panes ? intersect(scene, ray, hit, counts) : intersectPosition(scene, ray, hit, counts)) {
+    if (hit.material && !(isNested(hit) && !nesting.meets(scene, hit, light.direction))) {
+      if (sum.panes++ == maxPanes || !panes) return {};
+      arena.reset();
+      const Bsdf* bsdf = bsdfAt(hit, Footprint(), arena);
+      if (!bsdf) return {};
+      sum.value *= paneTransmittance(ScatteringPoint(*bsdf, hit.point), -light.direction);
+      if (isBlack(sum.value)) return {};
+    }
     ray = shadowRay(hit.point, light);
     if (ray.direction == Vec3f(0)) break;
   }
-  return true;
+  return sum;
 }
 
-/** True when the light reaches the point, to which a walk came from `wi`. */
-inline bool visible(const Scene& scene, const Hit& from, const Vec3f& wi, const Illumination& light,
-                    const Nesting& nesting, TransportCounts& counts) {
+/** What of the light comes straight to the point, to which a walk came from `wi`. */
+inline Transmittance transmittance(const Scene& scene, const Hit& from, const Vec3f& wi,
+                                   const LiSample& light, const Nesting& nesting, int maxPanes,
+                                   TransportCounts& counts) {
   ++counts.rays;
   const Ray ray = shadowRay(from.point, light);
-  return ray.direction == Vec3f(0) || !scene.occluded(ray) ||
-         onlyHidden(scene, ray, from, wi, light, nesting, counts);
+  if (ray.direction == Vec3f(0) || !scene.occluded(ray)) return {Rgb(1), 0};
+  return throughPanes(scene, ray, from, wi, light, nesting, maxPanes, counts);
+}
+
+/** True when nothing that scatters, panes included, is between the light and the point. */
+inline bool visible(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
+                    const Nesting& nesting, TransportCounts& counts) {
+  return !isBlack(transmittance(scene, from, wi, light, nesting, 0, counts).value);
 }
 
 } // namespace recurse

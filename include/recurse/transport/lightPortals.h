@@ -1,0 +1,52 @@
+/** @file
+ * Where light from infinitely far comes in: boxes around the places from which camera paths see out of the
+ * scene, such as the panes of a window. Photons of that light start through these boxes rather than over the
+ * whole scene's disc, of which a window is a tiny part. Any ray's density is known, so that nothing becomes
+ * biased.
+ */
+#pragma once
+
+#include <vector>
+
+#include "recurse/transport/integrator.h"
+
+namespace recurse {
+
+class LightPortals {
+ public:
+  /** Follows camera paths until they leave the scene, by chance or towards a light in one direction; without
+   * effect where there is no light from infinitely far. */
+  void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
+  bool active() const { return !boxes.empty(); }
+  size_t size() const { return boxes.size(); }
+  /** Lights by the power that comes in. */
+  LightTable lightsByPower(const LightTable& lights) const;
+
+  /** Gives the sample of a light infinitely far another origin, from numbers in [0, 1), and the flux that
+   * goes with it. */
+  void redirect(LeSample& sample, float pick, const Vec2f& u) const;
+  /** Density of such origins across unit `direction`, for the ray through `point` [1/length²]. */
+  float pdf(const Vec3f& point, const Vec3f& direction) const { return pdf(point, direction, nullptr); }
+
+ private:
+  struct Box {
+    Bounds3f bounds;
+    float chance;   ///< of this box
+    float upToHere; ///< chances of this box and those before it
+  };
+  /** A place where a path has left the scene. */
+  struct Exit {
+    Vec3f position;
+    float weight;
+  };
+  /** `met`: a box that the ray is known to meet, whatever rounding says. */
+  float pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const;
+  /** Silhouettes of the boxes over the scene's disc, at most 1. */
+  float openPart() const;
+  void split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels, float margin);
+
+  std::vector<Box> boxes;
+  SceneBounds scene;
+};
+
+} // namespace recurse

@@ -1,0 +1,87 @@
+/** @file
+ * The forward pass and what it finds out once for all passes: photons in two maps, where they start, how far
+ * to search.
+ */
+#pragma once
+
+#include <string>
+
+#include "recurse/transport/gatherChoice.h"
+#include "recurse/transport/radiusCache.h"
+#include "recurse/transport/shoot.h"
+
+namespace recurse {
+
+struct PhotonPassSettings {
+  uint64_t photons = 0; ///< in each pass; 0: chosen
+  double alpha = 0;     ///< see radiusScale
+  int nearest = 0;      ///< photons of an estimate in the first pass; 0: chosen, or all within the radius
+  double radius = 0;    ///< 0: found out from the photons' density
+  int maxDepth = -1;
+  bool directLight = false; ///< photons bring direct light as well
+  bool guided = true;
+  bool edges = true; ///< estimates know where surfaces end
+  float flatness = 0.2f;
+  GatherWeighting weighting;
+  Kernel kernel = Kernel::EPANECHNIKOV;
+  PhotonIndexKind index = PhotonIndexKind::KDTREE;
+};
+
+/** Photons of some kind, and how they are searched. */
+struct PhotonLayer {
+  PhotonMap map;
+  GatherChoice choice; ///< from the first pass
+  RadiusCache cache;   ///< from the first pass
+};
+
+/** How photons are searched at a point. */
+struct PhotonQuery {
+  GatherSettings settings;
+  CachedRadius place;
+};
+
+class PhotonPass {
+ public:
+  explicit PhotonPass(const PhotonPassSettings& settings) : settings(settings) {}
+
+  /** Shoots and builds the maps; pass 0 learns too. */
+  ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                        const ForwardControl& control);
+
+  /** Photons that nothing but mirrors and glass lies behind, and with `directLight` those straight from
+   * lights. */
+  const PhotonLayer& caustics() const { return causticLayer; }
+  /** All others. */
+  const PhotonLayer& indirect() const { return indirectLayer; }
+  /** Fewer than one in MIN_STORED photons of the first pass came down on surfaces: they tell too little. */
+  bool useless() const { return tooFew; }
+  bool isProgressive() const { return progressive; }
+  /** Radius of this pass over that of the first. */
+  float scale() const { return radiusOverFirst; }
+
+  /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
+   * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
+  PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const;
+  /** The search with such a radius of the first pass. */
+  GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
+
+  static constexpr uint64_t MIN_STORED = 1000;
+
+ private:
+  void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                     const ShootSettings& shoot, const ForwardControl& control,
+                     ForwardStatistics& statistics);
+  void learnRadii(const Scene& scene, ForwardStatistics& statistics);
+  uint64_t photonCount(const Scene& scene) const;
+
+  PhotonPassSettings settings;
+  PhotonLayer causticLayer, indirectLayer;
+  LightPortals portals;    ///< learned before the first pass, for all
+  LightTable lights;       ///< by what comes in
+  PhotonGuidance guidance; ///< the same
+  uint64_t emitted = 0;
+  bool progressive = false, tooFew = false, causticsKnown = false;
+  float radiusOverFirst = 1;
+};
+
+} // namespace recurse

@@ -1,0 +1,79 @@
+/** @file
+ * What is known of a place before photons are searched there: how far a progressive density estimate looks,
+ * before any shrinking, and how far the surface has no edge. It is independent of the photons of the pass
+ * that uses it, so that those are counted without bias.
+ */
+#pragma once
+
+#include <bit>
+
+#include "recurse/transport/cameraProbe.h"
+#include "recurse/transport/gather.h"
+
+namespace recurse {
+
+/**
+ * The radius of a progressive estimate in pass `index` (0, 1, …) over that of the first pass, after Knaus and
+ * Zwicker, "Progressive Photon Mapping: A Probabilistic Approach" (2011), equation 15: the squares of
+ * successive radii are as (i + alpha) : (i + 1). A pass depends on no other, so any machine may do it. alpha
+ * in (0, 1]: 1 never shrinks.
+ */
+float radiusScale(uint32_t index, double alpha);
+
+/** Known before a search at a point. */
+struct CachedRadius {
+  float radius = 0;                     ///< of the first pass
+  const Neighbourhood* known = nullptr; ///< of a place near by; null where there is none
+  float away = 0;                       ///< the distance to that place
+  size_t index = 0;                     ///< of that place
+};
+
+class RadiusCache {
+ public:
+  /** Takes at places all over a first photon map, and at places that are seen, the distance to the k-th
+   * photon, and at most search.radius, and what the surface is like around them. k = search.nearest; 0:
+   * search.radius everywhere. With alpha > 0, that of radiusScale(), the distance is a first guess: where
+   * discs of another area promise less error over many passes, they are taken. The geometric normals of
+   * `seen` point to where they are seen from. The map is not needed afterwards. */
+  void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
+             const GatherSettings& search, double alpha, TransportCounts& counts);
+  /** How far to look at a point with this geometric normal: the radius of the nearest of the places, and no
+   * less than the way there. */
+  CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
+
+  size_t size() const { return places.size(); }
+  struct Place {
+    Vec3f position{0}, normal{0};
+    float error = 0; ///< of the position
+    float radius = 0;
+    float footprint = 0; ///< how wide a pixel is there [scene units]; 0: not known to be seen
+    /** Of the irradiance, its channels added up, in the first pass: variance, and what the square of the bias
+     * weighs beside it over many passes [W²/m⁴]. Infinite where no photon tells. */
+    float variance = INFINITE, bias2 = 0;
+    Neighbourhood around;
+  };
+  const Place& place(size_t i) const { return places[i]; }
+  /** Calls f(index) for the nearest `count` of the places that face the same way and that no wall separates
+   * from place `i`, which is one of them. */
+  template <class F> void visitNeighbours(size_t i, int count, PhotonScratch& scratch, const F& f) const {
+    GatherRegion region;
+    region.center = places[i].position + lift * places[i].normal;
+    region.bothSides = true;
+    index.nearest(region, count, scratch);
+    index.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
+        if (const size_t n = block.first + static_cast<size_t>(std::countr_zero(rest));
+            n == i || places[i].around.sees(places[n].position))
+          f(n);
+    });
+  }
+
+ private:
+  std::vector<Place> places; ///< in the order of the index's slots
+  /** The places, lifted off their surfaces by far more than the scene's width: so the nearest is one whose
+   * surface faces the same way, and the two sides of a thin wall are far apart. */
+  PhotonMap index;
+  float limit = 0, lift = 0;
+};
+
+} // namespace recurse

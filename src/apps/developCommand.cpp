@@ -1,0 +1,76 @@
+/** @file
+ * `recurse develop`: a picture without bounds in, pictures for a display out.
+ */
+#include <set>
+
+#include "apps/commands.h"
+#include "apps/developOptions.h"
+#include "apps/optionText.h"
+
+namespace recurse::apps {
+
+namespace {
+
+struct DevelopCommandOptions {
+  std::string input;
+  std::vector<std::string> outputs;
+  DevelopOptions develop;
+  bool sheet = false, quiet = false;
+};
+
+ExitStatus developPicture(const DevelopCommandOptions& o) {
+  const DevelopSettings settings = o.develop.settings();
+  std::set<std::string> names;
+  for (const std::string& name : o.outputs) {
+    checkImageWritable(name);
+    if (!isDisplayFormat(name))
+      badUsage("-o: " + name + " is not for a display; accepted: .png .jpg .jpeg .tif .tiff");
+    if (!names.insert(name).second) badUsage("-o: " + name + " is given twice");
+  }
+  const Image picture = readImage(o.input);
+  Developed developed = o.sheet ? operatorSheet(picture, settings) : develop(picture, settings);
+  developed.picture.metadata["recurse:developed"] = o.develop.text(developed.stops);
+  std::string written;
+  for (const std::string& name : o.outputs) {
+    writeImage(name, developed.picture, {.encoded = true});
+    written += (written.empty() ? "" : ", ") + name;
+  }
+  if (!o.quiet)
+    std::fputs((formatted("exposed by %+.2f stops", developed.stops) + ", tone operator " +
+                (o.sheet ? "as the captions say" : o.develop.toneMap) + "\nwritten: " + written + "\n")
+                   .c_str(),
+               stderr);
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addDevelopCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<DevelopCommandOptions>();
+  DevelopCommandOptions& o = *options;
+  CLI::App* command = app.add_subcommand(
+      "develop", "Make pictures for a display of one without bounds: exposure, tone operator");
+  command->add_option("picture", o.input, "A picture with linear values: .exr, .hdr, .pfm")
+      ->required()
+      ->type_name("PICTURE");
+  command->add_option("-o,--output", o.outputs, "Picture to write, several allowed: .png .jpg .tif")
+      ->required()
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--sheet", o.sheet, "A contact sheet of all tone operators instead of one picture");
+  o.develop.addTo(*command);
+  command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
+  command->footer("In this order: white balance, exposure, bloom, tone operator, encoding, dither.\n\n"
+                  "Examples:\n"
+                  "  recurse develop picture.exr -o picture.png\n"
+                  "  recurse develop picture.exr -o bright.jpg --exposure auto+1 --tonemap aces\n"
+                  "  recurse develop picture.exr -o soft.png --tonemap 'durand \"float sigmarange\" 0.3'\n"
+                  "  recurse develop picture.exr -o evening.png --white-balance 3200 --bloom 0.3\n"
+                  "  recurse develop picture.exr -o plain.png --exposure 0 --tonemap none\n"
+                  "  OCIO=config.ocio recurse develop picture.exr -o film.tif --tonemap none --display ocio\n"
+                  "  recurse develop picture.exr -o operators.png --sheet");
+  command->callback([options, &chosen] { chosen = [options] { return developPicture(*options); }; });
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,43 @@
+/** @file
+ * The network protocol of the viewer tev: a picture is made once and its pixels are sent again and again.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recurse/core/image.h"
+
+namespace recurse::apps {
+
+/** Packets of the protocol: length in bytes with itself, type, payload; little-endian. */
+namespace tev {
+std::vector<unsigned char> createImage(const std::string& name, int width, int height,
+                                       const std::vector<std::string>& channels);
+/** One channel of all pixels. */
+std::vector<unsigned char> updateImage(const std::string& name, const Image& picture, size_t channel);
+} // namespace tev
+
+/** Sends pictures to a display server. Connects when there is something to send, and again after the
+ * connection was lost. */
+class TevClient {
+ public:
+  /** `address` is HOST:PORT; throws Error (BAD_USAGE) where it is not. */
+  TevClient(const std::string& address, std::string imageName);
+  ~TevClient();
+  TevClient(const TevClient&) = delete;
+  TevClient& operator=(const TevClient&) = delete;
+
+  /** Throws Error where the server cannot be reached or does not take the data. */
+  void send(const Image& picture);
+
+ private:
+  void connect();
+  void disconnect();
+  void sendAll(const std::vector<unsigned char>& bytes);
+
+  std::string host, port, imageName;
+  int socket = -1;
+};
+
+} // namespace recurse::apps

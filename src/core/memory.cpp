@@ -1,0 +1,55 @@
+/** @file
+ * Memory by the word of Linux, of the control group and of the limits that a shell sets.
+ */
+#include "recurse/core/memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include <sys/resource.h>
+
+#include "recurse/core/error.h"
+#include "recurse/core/text.h"
+
+namespace recurse {
+
+namespace {
+
+/** The number after a word in a file of "Name: number kB" lines [bytes]; infinite without. */
+double numberAfter(const char* fileName, const std::string& word) {
+  std::ifstream in(fileName);
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with(word)) return std::atof(line.c_str() + word.size()) * 1024;
+  return INFINITY;
+}
+
+/** The limit of a control group [bytes]; infinite without one. */
+double groupLimit() {
+  std::ifstream in("/sys/fs/cgroup/memory.max");
+  double bytes = 0;
+  return in >> bytes ? bytes : INFINITY; // "max" is no number
+}
+
+double limitOfAddresses() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return INFINITY;
+  return double(limit.rlim_cur) - numberAfter("/proc/self/status", "VmSize:");
+}
+
+} // namespace
+
+double availableMemory() {
+  const double system = numberAfter("/proc/meminfo", "MemAvailable:");
+  return std::max(0.0, std::min({system, groupLimit(), limitOfAddresses()}));
+}
+
+void requireMemory(const std::string& subject, double bytes) {
+  const double available = availableMemory();
+  if (bytes <= available) return;
+  throw Error(subject + formatted(" needs about %.3g GB of memory, and %.3g GB are available", bytes / 1e9,
+                                  available / 1e9));
+}
+
+} // namespace recurse

@@ -1,0 +1,93 @@
+/** @file
+ * Fixed-point sums of splats.
+ */
+#include "recurse/model/splatPlane.h"
+
+#include <atomic>
+#include <bit>
+#include <cmath>
+
+#include "recurse/core/sampler.h"
+
+namespace recurse {
+
+namespace {
+
+/** Of one contribution: the sum of 64 such is the first that does not fit. */
+constexpr double LARGEST = 0x1p57;
+
+/** Adds, and returns whether the sum fits. */
+bool addAtomically(int64_t& sum, int64_t value) {
+  const int64_t before = std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
+  int64_t after = 0;
+  return !__builtin_add_overflow(before, value, &after);
+}
+
+} // namespace
+
+void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value) {
+  const Vec2f radius = filter.radius();
+  // Pixels whose centres are no farther away than the filter's radius.
+  const auto first = [](float place, float r, int from) {
+    return std::max(static_cast<int>(std::ceil(place - r - 0.5f)), from);
+  };
+  const auto last = [](float place, float r, int end) {
+    return std::min(static_cast<int>(std::floor(place + r - 0.5f)), end - 1);
+  };
+  // Far outside a place would not fit an integer.
+  if (!(film.x + radius.x >= float(bounds.x0) && film.x - radius.x <= float(bounds.x1) &&
+        film.y + radius.y >= float(bounds.y0) && film.y - radius.y <= float(bounds.y1)))
+    return;
+  const uint64_t place = hashCombine(std::bit_cast<uint32_t>(film.x), std::bit_cast<uint32_t>(film.y));
+  for (int y = first(film.y, radius.y, bounds.y0); y <= last(film.y, radius.y, bounds.y1); ++y)
+    for (int x = first(film.x, radius.x, bounds.x0); x <= last(film.x, radius.x, bounds.x1); ++x) {
+      const float weight = filter.value(film - Vec2f(x, y) - 0.5f);
+      if (weight == 0) continue;
+      const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
+      for (uint64_t rest = layerSet; rest != 0; rest &= rest - 1) {
+        const size_t index = (pixel * layers + static_cast<size_t>(std::countr_zero(rest))) * 3;
+        for (int c = 0; c < 3; ++c)
+          if (value[c] != 0) addTo(index + size_t(c), double(value[c]) * double(weight), place);
+      }
+    }
+}
+
+void SplatPlane::addTo(size_t index, double value, uint64_t key) {
+  double units = value / unitOfSums;
+  if (!(std::abs(units) < LARGEST)) {
+    units = std::copysign(LARGEST, units);
+    std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
+  }
+  // Numbers of more digits than a double has are whole already.
+  if (std::abs(units) < 0x1p52) {
+    const uint64_t hash = hashCombine(hashCombine(key, index), std::bit_cast<uint64_t>(value));
+    units = std::floor(units + double(unitFloat(static_cast<uint32_t>(hash >> 32))));
+  }
+  if (!addAtomically(sums[index], static_cast<int64_t>(units)))
+    std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
+}
+
+void SplatPlane::addPaths(uint64_t count) {
+  std::atomic_ref(figures.paths).fetch_add(count, std::memory_order_relaxed);
+}
+
+void SplatPlane::add(const SplatPlane& other) {
+  for (size_t i = 0; i < sums.size(); ++i)
+    if (!addAtomically(sums[i], other.sums[i])) ++figures.saturated;
+  figures.paths += other.figures.paths;
+  figures.saturated += other.figures.saturated;
+  figures.nextPass = std::max(figures.nextPass, other.figures.nextPass);
+}
+
+void SplatPlane::clear() {
+  std::fill(sums.begin(), sums.end(), 0);
+  figures = {};
+}
+
+Rgb SplatPlane::value(size_t pixel, size_t layer) const {
+  if (figures.paths == 0) return BLACK;
+  const int64_t* sum = &sums[(pixel * layers + layer) * 3];
+  return Rgb(Rgbd(double(sum[0]), double(sum[1]), double(sum[2])) * (unitOfSums / double(figures.paths)));
+}
+
+} // namespace recurse

@@ -1,0 +1,295 @@
+/** @file
+ * Constructive solid geometry: unions, intersections and differences of solids. A line's crossings with the
+ * operands are sorted, and those kept where it goes into or out of the result (Roth, "Ray Casting for
+ * Modeling Solids", 1982).
+ */
+#include "recurse/model/boxTree.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+enum class Operation { UNION, INTERSECTION, DIFFERENCE };
+
+/** A shape among the operands. */
+struct Part {
+  std::unique_ptr<Shape> shape;
+  std::unique_ptr<Solid> solid;
+  uint32_t operand = 0;
+  uint32_t firstComponent = 0; ///< its components are numbered from here on
+  bool isCompound = false;     ///< its own components count, instead of its primitives
+  bool turned = false;         ///< the result's outside is where this shape's normals do not point
+};
+
+class Csg final : public Shape {
+ public:
+  Csg(Operation operation, uint32_t operandCount, std::vector<Part> given, uint32_t componentCount,
+      std::vector<const Material*> componentMaterials, std::vector<uint32_t> materialStarts,
+      const ShapeContext& context)
+      : operation(operation), operandCount(operandCount), parts(std::move(given)), components(componentCount),
+        materials(std::move(componentMaterials)), materialStarts(std::move(materialStarts)),
+        reversed(context.reverseOrientation) {
+    std::vector<Bounds3d> boxes;
+    for (Part& p : parts) {
+      const Bounds3f b = p.shape->bounds();
+      boxes.push_back({Vec3d(b.lower), Vec3d(b.upper)});
+      const bool takenOff = operation == Operation::DIFFERENCE && p.operand > 0;
+      p.turned = p.solid->normalsPointIn() != (takenOff != reversed);
+      if (!takenOff) box.add(b);
+    }
+    if (operation == Operation::INTERSECTION) box = commonBox();
+    // Faces that coincide differ by rounding.
+    coincidence = 0x1p-22 * glm::length(Vec3d(box.diagonal()));
+    tree = BoxTree(boxes);
+  }
+
+  uint32_t primitiveCount() const override { return box.empty() ? 0 : 1; }
+  Bounds3f bounds(uint32_t) const override { return box; }
+
+  std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f& origin, const Vec3f& direction, float tMin,
+                                        float tMax) const override {
+    static thread_local std::vector<Solid::Crossing> found;
+    found.clear();
+    crossings(origin, direction, found);
+    for (const Solid::Crossing& c : found) {
+      const auto t = static_cast<float>(c.t);
+      if (t > tMin && t < tMax) return PrimitiveHit{t, c.parameters};
+    }
+    return {};
+  }
+
+  SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
+    const Part& part = partOf(parameters);
+    const uint32_t component = parameters.component() - part.firstComponent;
+    HitParameters own = parameters;
+    own.setComponent(component);
+    SurfacePoint s = part.shape->surfaceAt(part.isCompound ? 0 : component, own);
+    if (part.turned) {
+      s.geometricNormal = -s.geometricNormal;
+      s.shadingNormal = -s.shadingNormal;
+    }
+    return s;
+  }
+
+  bool canBeSampled() const override { return false; }
+  float area() const override { return 0; }
+  ShapeSample sampleArea(float, const Vec2f&) const override { return {}; }
+
+  std::vector<const Material*> componentMaterials() const override { return materials; }
+  const Material* materialAt(const HitParameters& parameters) const override {
+    const auto next = std::upper_bound(materialStarts.begin(), materialStarts.end(), parameters.component());
+    return materials[static_cast<size_t>(next - materialStarts.begin()) - 1];
+  }
+  const std::vector<uint32_t>& starts() const { return materialStarts; }
+  uint32_t componentCount() const { return components; }
+
+  std::unique_ptr<Solid> asSolid() const override { return std::make_unique<CsgSolid>(*this); }
+
+  /** Appends the result's crossings in the order of t. */
+  void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Solid::Crossing>& found) const {
+    const size_t first = found.size();
+    constexpr double FAR = std::numeric_limits<double>::infinity();
+    tree.visit(origin, direction, -FAR, FAR, [&](uint32_t i) {
+      const Part& part = parts[i];
+      const size_t before = found.size();
+      part.solid->crossings(origin, direction, found);
+      for (size_t k = before; k < found.size(); ++k) {
+        Solid::Crossing& c = found[k];
+        c.parameters.setComponent(part.firstComponent +
+                                  (part.isCompound ? c.parameters.component() : c.primitive));
+        c.primitive = part.operand; // from here on of the result, which has one primitive
+      }
+    });
+    std::sort(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(),
+              [](const Solid::Crossing& a, const Solid::Crossing& b) {
+                return a.t != b.t ? a.t < b.t : a.parameters.component() < b.parameters.component();
+              });
+    keepResult(found, first, coincidence / glm::length(direction));
+  }
+
+ private:
+  class CsgSolid final : public Solid {
+   public:
+    explicit CsgSolid(const Csg& csg) : csg(csg) {}
+    void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
+      csg.crossings(origin, direction, found);
+    }
+    bool normalsPointIn() const override { return csg.reversed; }
+
+   private:
+    const Csg& csg;
+  };
+
+  /** How many shapes of each operand a point along the line lies in. */
+  class State {
+   public:
+    State(Operation operation, uint32_t operandCount) : operation(operation) {
+      if (operation == Operation::INTERSECTION) depths.assign(operandCount, 0);
+    }
+    void pass(const Solid::Crossing& c) {
+      const int step = c.entering ? 1 : -1;
+      if (operation == Operation::INTERSECTION) {
+        int& depth = depths[c.primitive];
+        inside += (depth + step > 0) - (depth > 0);
+        depth += step;
+      } else if (operation == Operation::DIFFERENCE && c.primitive > 0) {
+        takenOff += step;
+      } else {
+        inside += step;
+      }
+    }
+    bool isInside() const {
+      if (operation == Operation::INTERSECTION) return inside == static_cast<int>(depths.size());
+      return inside > 0 && takenOff <= 0;
+    }
+
+   private:
+    Operation operation;
+    int inside = 0, takenOff = 0;
+    std::vector<int> depths;
+  };
+
+  /**
+   * Crossings that lie together are passed at once, so that faces that coincide leave no skin behind. Where
+   * they change the result, the operand that is named first and turned the right way is its surface.
+   */
+  void keepResult(std::vector<Solid::Crossing>& found, size_t first, double together) const {
+    if (found.size() == first) return;
+    State state(operation, operandCount);
+    size_t kept = first;
+    for (size_t i = first; i < found.size();) {
+      const bool wasInside = state.isInside();
+      size_t end = i;
+      for (; end < found.size() && found[end].t - found[i].t <= together; ++end) state.pass(found[end]);
+      if (state.isInside() != wasInside) {
+        size_t best = end;
+        for (size_t k = i; k < end; ++k) {
+          const bool takenOff = operation == Operation::DIFFERENCE && found[k].primitive > 0;
+          if ((found[k].entering != takenOff) == wasInside) continue;
+          if (best == end || found[k].parameters.component() < found[best].parameters.component()) best = k;
+        }
+        Solid::Crossing surface = found[best == end ? i : best];
+        surface.entering = !wasInside;
+        surface.primitive = 0;
+        found[kept++] = surface;
+      }
+      i = end;
+    }
+    found.resize(kept);
+  }
+
+  const Part& partOf(const HitParameters& parameters) const {
+    const auto next = std::upper_bound(parts.begin(), parts.end(), parameters.component(),
+                                       [](uint32_t c, const Part& p) { return c < p.firstComponent; });
+    return *(next - 1);
+  }
+
+  /** The box that all operands have in common. */
+  Bounds3f commonBox() const {
+    std::vector<Bounds3f> boxes(operandCount);
+    for (const Part& p : parts) boxes[p.operand].add(p.shape->bounds());
+    Bounds3f common = boxes.front();
+    for (const Bounds3f& b : boxes) {
+      common.lower = glm::max(common.lower, b.lower);
+      common.upper = glm::min(common.upper, b.upper);
+    }
+    return common;
+  }
+
+  Operation operation;
+  uint32_t operandCount;
+  std::vector<Part> parts; ///< those of one operand follow each other
+  uint32_t components;     ///< of all parts
+  std::vector<const Material*> materials;
+  std::vector<uint32_t> materialStarts; ///< the component that each material begins with
+  bool reversed;
+  double coincidence = 0;
+  Bounds3f box;
+  BoxTree tree;
+};
+
+std::unique_ptr<Shape> makeCsg(const Parameters& p, const ShapeContext& context) {
+  if (!context.shapes) p.fail("operands", "there are no objects here");
+  const std::vector<std::string> names = p.strings("operands");
+  if (names.size() < 2)
+    p.fail("operands", std::to_string(names.size()) + " operand given", "the names of two objects or more");
+  const std::string word = p.string("operation");
+  const Operation operation = word == "union"          ? Operation::UNION
+                              : word == "intersection" ? Operation::INTERSECTION
+                                                       : Operation::DIFFERENCE;
+  std::vector<Part> parts;
+  std::vector<const Material*> materials;
+  std::vector<uint32_t> starts;
+  uint32_t components = 0;
+  for (uint32_t operand = 0; operand < names.size(); ++operand) {
+    ShapeContext inner = context;
+    inner.reverseOrientation = false;
+    std::vector<ComponentShape> made = context.shapes->object(p, "operands", names[operand], inner);
+    if (made.empty())
+      throw SceneError(p.location("operands"),
+                       "object \"" + names[operand] + "\" has no shape that could be an operand");
+    for (ComponentShape& c : made) {
+      if (c.shape->primitiveCount() == 0) continue;
+      if (c.shape->alpha)
+        throw SceneError(c.location, "an operand has no alpha of its own", "alpha of the \"csg\" itself");
+      Part part;
+      try {
+        part.solid = c.shape->asSolid();
+      } catch (const Error& e) {
+        throw SceneError(c.location, "the shape cannot be an operand of \"csg\": " + std::string(e.what()),
+                         "closed shapes: sphere, box, torus, cylinder and cone with caps, csg, metaballs, "
+                         "triangle meshes without open edges");
+      }
+      part.operand = operand;
+      part.firstComponent = components;
+      if (const auto* nested = dynamic_cast<const Csg*>(c.shape.get())) {
+        part.isCompound = true;
+        const std::vector<const Material*> own = nested->componentMaterials();
+        for (size_t i = 0; i < own.size(); ++i) {
+          materials.push_back(own[i]);
+          starts.push_back(components + nested->starts()[i]);
+        }
+        components += nested->componentCount();
+      } else {
+        materials.push_back(c.material);
+        starts.push_back(components);
+        components += c.shape->primitiveCount();
+      }
+      part.shape = std::move(c.shape);
+      parts.push_back(std::move(part));
+    }
+  }
+  if (p.boolean("onematerial")) {
+    materials = {context.material};
+    starts = {0};
+  }
+  return std::make_unique<Csg>(operation, static_cast<uint32_t>(names.size()), std::move(parts), components,
+                               std::move(materials), std::move(starts), context);
+}
+
+} // namespace
+
+void registerCsg(PlugIns& plugIns) {
+  plugIns.shapes.add(
+      {{.name = "csg",
+        .summary =
+            "A solid made of solids, which ObjectBegin defines: their union, their intersection, or the "
+            "first without the others. Where surfaces coincide, that of the operand named first counts.",
+        .parameters = {stringParameter("operation", "union", "what to make of the operands")
+                           .oneOf({"union", "intersection", "difference"}),
+                       arrayParameter(ParameterType::STRING, "operands", 0, "",
+                                      "names of objects, two or more")
+                           .require(),
+                       booleanParameter(
+                           "onematerial", "false",
+                           "the whole surface has the material of this shape, instead of each part that of "
+                           "the operand it comes from")},
+        .examples = {"\"string operation\" \"difference\" \"string operands\" [\"block\" \"ball\"]",
+                     "\"string operation\" \"intersection\" \"string operands\" [\"block\" \"ball\"] "
+                     "\"bool onematerial\" true",
+                     "\"string operands\" [\"ball\" \"block\"]"}},
+       makeCsg});
+}
+
+} // namespace recurse

@@ -1,0 +1,117 @@
+/** @file
+ * Curves as pbrt-v4 has them: Bézier and B-spline, flat, cylinder and ribbon.
+ */
+#include "recurse/model/curveShape.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+using Segment = CurveShape::Segment;
+
+/** A quadratic Bézier segment as a cubic one. */
+Segment raised(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return {{a, a + (b - a) * (2 / 3.0), c + (b - c) * (2 / 3.0), c}, 0, 0};
+}
+
+Segment bezierSegment(const Vec3d* p, int degree) {
+  return degree == 3 ? Segment{{p[0], p[1], p[2], p[3]}, 0, 0} : raised(p[0], p[1], p[2]);
+}
+
+/** A segment of a uniform B-spline as a Bézier one. */
+Segment splineSegment(const Vec3d* p, int degree) {
+  if (degree == 2) return raised(0.5 * (p[0] + p[1]), p[1], 0.5 * (p[1] + p[2]));
+  return {{(p[0] + 4.0 * p[1] + p[2]) / 6.0, (2.0 * p[1] + p[2]) / 3.0, (p[1] + 2.0 * p[2]) / 3.0,
+           (p[1] + 4.0 * p[2] + p[3]) / 6.0},
+          0,
+          0};
+}
+
+std::unique_ptr<Shape> makeCurve(const Parameters& p, const ShapeContext& context) {
+  const std::vector<Vec3d> points = p.vector3s("P");
+  const int degree = p.integer("degree");
+  const auto order = static_cast<size_t>(degree);
+  const bool spline = p.string("basis") == "bspline";
+  if (points.size() < order + 1 || (!spline && (points.size() - 1) % order != 0))
+    p.fail("P",
+           std::to_string(points.size()) + " control points do not make " + p.string("basis") +
+               " curves of degree " + std::to_string(degree),
+           spline ? std::to_string(order + 1) + " or more"
+                  : std::to_string(order + 1) + ", and " + std::to_string(order) +
+                        " more for each further segment");
+  const std::string word = p.string("type");
+  const CurveShape::Kind kind = word == "flat"       ? CurveShape::Kind::FLAT
+                                : word == "cylinder" ? CurveShape::Kind::CYLINDER
+                                                     : CurveShape::Kind::RIBBON;
+  const size_t count = spline ? points.size() - order : (points.size() - 1) / order;
+  std::vector<Vec3d> normals;
+  if (kind == CurveShape::Kind::RIBBON) {
+    if (p.has("N")) normals = p.vector3s("N");
+    if (normals.size() != count + 1)
+      p.fail(p.has("N") ? "N" : "type", std::to_string(normals.size()) + " normals given for a ribbon",
+             "\"normal N\" with " + std::to_string(count + 1) + ": one for each end of a segment");
+    for (const Vec3d& n : normals)
+      if (n == Vec3d(0)) p.fail("N", "a normal is zero");
+  }
+  const double width0 = p.has("width0") ? p.real("width0") : p.real("width"),
+               width1 = p.has("width1") ? p.real("width1") : p.real("width");
+  std::vector<Segment> segments;
+  for (size_t i = 0; i < count; ++i) {
+    segments.push_back(spline ? splineSegment(&points[i], degree)
+                              : bezierSegment(&points[i * order], degree));
+    Segment& s = segments.back();
+    const double from = double(i) / double(count), to = double(i + 1) / double(count);
+    s.width0 = width0 * (1 - from) + width1 * from;
+    s.width1 = width0 * (1 - to) + width1 * to;
+    if (!normals.empty()) {
+      s.normal0 = normals[i];
+      s.normal1 = normals[i + 1];
+      if (glm::dot(s.normal0, s.normal1) < 0 && glm::length(glm::cross(s.normal0, s.normal1)) == 0)
+        p.fail("N", "normals " + std::to_string(i) + " and " + std::to_string(i + 1) +
+                        " are opposite: nothing lies between them");
+    }
+  }
+  try {
+    return std::make_unique<CurveShape>(segments, kind, context);
+  } catch (const Error& e) {
+    p.fail("P", e.what());
+  }
+}
+
+} // namespace
+
+void registerCurve(PlugIns& plugIns) {
+  const auto width = [](const char* name, const char* standard, const char* what) {
+    return realParameter(name, standard, what).range(0, std::numeric_limits<double>::infinity());
+  };
+  plugIns.shapes.add(
+      {{.name = "curve",
+        .summary =
+            "A thin curve, for hair, grass and threads: a ribbon that is as wide as it is told. It cannot "
+            "be a lamp, and where its transform stretches, its width grows by the mean.",
+        .parameters =
+            {arrayParameter(ParameterType::POINT3, "P", 0, "", "control points").require(),
+             integerParameter("degree", "3", "of the polynomials").range(2, 3),
+             stringParameter("basis", "bezier", "what the control points are of")
+                 .oneOf({"bezier", "bspline"}),
+             stringParameter("type", "flat",
+                             "\"flat\": turned to the viewer; \"cylinder\": the same, shaded as a tube; "
+                             "\"ribbon\": turned by N")
+                 .oneOf({"flat", "cylinder", "ribbon"}),
+             arrayParameter(ParameterType::NORMAL, "N", 0, "",
+                            "of ribbons: the normal at each end of a segment; others do not need it"),
+             width("width", "1", "how wide it is"),
+             width("width0", "", "width where it begins; as width when absent"),
+             width("width1", "", "width where it ends; as width when absent"),
+             ignoredParameter(ParameterType::INTEGER, "splitdepth", "how often pbrt halves curves")},
+        .examples =
+            {"\"point3 P\" [0 0 0  .1 .4 0  .3 .7 .1  .2 1 .3] \"float width\" .05",
+             "\"string type\" \"cylinder\" \"string basis\" \"bspline\" \"point3 P\" [0 0 0  .1 .4 0  "
+             ".3 .7 .1  .2 1 .3  0 1.5 .2] \"float width0\" .1 \"float width1\" .02",
+             "\"string type\" \"ribbon\" \"integer degree\" 2 \"point3 P\" [0 0 0  .5 .4 0  0 1 0] "
+             "\"normal N\" [0 0 1  .6 0 .8]"}},
+       makeCurve});
+}
+
+} // namespace recurse

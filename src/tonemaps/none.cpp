@@ -1,0 +1,23 @@
+/** @file
+ * No operator.
+ */
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class NoToneMap final : public ToneMap {
+ public:
+  void apply(Image&) const override {}
+};
+
+} // namespace
+
+void registerNoToneMap(PlugIns& plugIns) {
+  plugIns.toneMaps.add(
+      {{.name = "none", .summary = "Linear; what is over white is cut.", .parameters = {}, .examples = {""}},
+       [](const Parameters&, const NoContext&) { return std::make_unique<NoToneMap>(); }});
+}
+
+} // namespace recurse

@@ -1,0 +1,225 @@
+/** @file
+ * Paths from both ends: light paths of a pass, kept and splatted; camera paths that meet lights, send shadow
+ * rays, are connected with a light path, and merged with all of them.
+ */
+#include "recurse/transport/bidirectional.h"
+
+#include <bit>
+#include <chrono>
+#include <string_view>
+
+#include "recurse/core/parallel.h"
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/radiusCache.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+namespace {
+
+/** Tells light paths from others of the same pass. */
+constexpr uint64_t LIGHT_STREAM = 0x4c49474854504154ull;
+constexpr uint64_t BATCH = 4096;
+/** Radius of merges in the first pass, in pixels: photons of a few pixels are averaged. */
+constexpr double MERGE_PIXELS = 1.5;
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
+  if (settings.shadowRays) lights.learn(scene);
+  lightPaths = settings.lightPaths > 0 ? double(settings.lightPaths)
+                                       : double(scene.film().width) * double(scene.film().height);
+  if (scene.lights().size() == 0) lightPaths = 0;
+  splatted = settings.splats && scene.camera().isConnectable() && lightPaths > 0;
+}
+
+double Bidirectional::mergeRadius(double footprint) const {
+  return radiusScale * (settings.radius > 0 ? double(settings.radius) : MERGE_PIXELS * footprint);
+}
+
+WeightedPath Bidirectional::weightedPath(double radius, double distance) const {
+  // Within a degree of the first surface photons count as the same (Grittmann et al. 2021).
+  constexpr double ONE_DEGREE = 0.017455;
+  WeightedPath path;
+  path.splats = splatted ? lightPaths : 0;
+  path.connections = settings.connections && lightPaths > 0 ? 1 : 0;
+  path.photons = settings.merges ? lightPaths : 0;
+  path.mergeArea = double(PI) * square(radius);
+  path.correlationArea = settings.correlated ? double(PI) * square(distance * ONE_DEGREE) : 0;
+  return path;
+}
+
+void Bidirectional::completePath(const Scene& scene, WeightedPath& path, const LightEnd& end,
+                                 const SurfacePoint& next, const Vec3f& towardsCamera) const {
+  path.lightIsMet = settings.hits && end.isMet();
+  path.light = end.geometry();
+  if (settings.shadowRays)
+    path.shadowRays = shadowRayPdf(scene, lights, lightSampleContext(lights, next, towardsCamera), end);
+  countMerges(path);
+}
+
+/** Light paths of one batch. */
+class Bidirectional::LightWalk {
+ public:
+  LightWalk(const Bidirectional& owner, const Scene& scene, const PathClasses& classes,
+            TransportCounts& counts, Splatter* splatter, float time, LightSubpaths& out)
+      : owner(owner), scene(scene), classes(classes), counts(counts), splatter(splatter), time(time),
+        out(out), walker(scene, classes, counts, owner.settings.maxDepth) {}
+
+  void trace(Sampler sampler) {
+    StoredPath& stored = out.paths.emplace_back();
+    stored.first = out.vertices.size();
+    const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
+    if (!start) return;
+    stored.end = start->end;
+    LightSubpath path = start->path;
+    while (walker.next(path, vertex)) {
+      store(stored);
+      if (splatter && vertex.isConnectable())
+        splat(stored, path.nesting, sampler.fork(static_cast<uint32_t>(vertex.depth)));
+      if (!walker.scatter(path, vertex, sampler)) return;
+      StoredVertex& last = out.vertices.back();
+      last.delta = path.delta;
+      const double back = path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
+      (stored.count > 1 ? out.vertices[out.vertices.size() - 2].fromCamera : stored.fromCamera) = back;
+    }
+  }
+
+ private:
+  void store(StoredPath& path) {
+    StoredVertex& v = out.vertices.emplace_back();
+    v.point = vertex.point();
+    v.material = vertex.hit.material;
+    v.wi = vertex.wi;
+    v.throughput = vertex.throughput;
+    v.fromLight = vertex.pdf;
+    v.toPrevious = vertex.toPrevious;
+    v.state = vertex.state;
+    v.afterD = vertex.afterD;
+    v.connectable = vertex.isConnectable();
+    ++path.count;
+  }
+
+  /** C_0: what the last vertex sends straight to the camera. */
+  void splat(const StoredPath& path, const Nesting& nesting, Sampler sampler) {
+    if (classes.join(vertex.afterD, classes.cameraStart()) == 0) return;
+    const SurfacePoint& point = vertex.point();
+    const auto lens = scene.camera().sampleWi(point.position, sampler.next2D(), time);
+    if (!lens || !(lens->pdf > 0)) return;
+    Ray ray;
+    ray.origin = lens->position;
+    ray.direction = -lens->direction;
+    ray.time = time;
+    const CameraEnd end(scene, ray);
+    if (!end.connectable) return;
+    const Rgb contribution = vertex.throughput * vertex.scattering->evaluateFlux(vertex.wi, lens->direction) *
+                             (lens->importance / lens->pdf);
+    if (isBlack(contribution)) return;
+    if (!visible(scene, vertex.hit, vertex.wi,
+                 visibilityTarget(lens->position, lens->direction, lens->distance), nesting, counts))
+      return;
+    const double distance = double(lens->distance);
+    x.assign(1, {});
+    out.appendDensities(path, path.count, x);
+    x[1].fromCamera = end.pdfAt(lens->position, point, lens->direction);
+    x[2].fromCamera = vertex.pdfPrevious(lens->direction);
+    WeightedPath weighted = owner.weightedPath(owner.mergeRadius(end.footprint(distance)), distance);
+    weighted.vertices = x;
+    const StoredVertex& first = out.vertices[path.first];
+    const Vec3f towardsCamera = path.count == 1 ? lens->direction : -out.vertices[path.first + 1].wi;
+    owner.completePath(scene, weighted, path.end, first.point, towardsCamera);
+    splatter->add(vertex.afterD, classes.cameraStart(), lens->film,
+                  contribution * static_cast<float>(connectionWeight(weighted, 0)), counts);
+  }
+
+  const Bidirectional& owner;
+  const Scene& scene;
+  const PathClasses& classes;
+  TransportCounts& counts;
+  Splatter* splatter;
+  float time;
+  LightSubpaths& out;
+  Walker<LightState> walker;
+  LightVertex vertex;
+  std::vector<WeightedVertex> x;
+};
+
+ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                                         const ForwardControl& control) {
+  ForwardStatistics statistics;
+  const auto start = std::chrono::steady_clock::now();
+  radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
+  subpaths.clear();
+  photonVertices.clear();
+  if (lightPaths == 0) return statistics;
+  const auto count = static_cast<uint64_t>(lightPaths);
+  const size_t batches = (count + BATCH - 1) / BATCH;
+  std::vector<LightSubpaths> parts(batches);
+  std::vector<TransportCounts> counts(batches);
+  Splatter* splatter = splatted ? control.splatter : nullptr;
+  parallelFor(batches, [&](size_t b) {
+    if (control.stopped()) return;
+    LightWalk walks(*this, scene, classes, counts[b], splatter, pass.time, parts[b]);
+    for (uint64_t i = b * BATCH; i < std::min(count, (b + 1) * BATCH); ++i)
+      walks.trace(
+          Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (i >> 32), static_cast<uint32_t>(i)));
+  });
+  if (splatter) splatter->addPaths(count);
+  if (settings.connections || settings.merges)
+    for (LightSubpaths& part : parts) {
+      subpaths.append(part);
+      part = {};
+    }
+  for (const TransportCounts& c : counts) statistics.counts.add(c);
+  statistics.shootSeconds = secondsSince(start);
+  statistics.photonsEmitted = count;
+  if (settings.merges) buildPhotons();
+  statistics.photonsStored = settings.merges ? photons.size() : subpaths.vertices.size();
+  statistics.photonsRefused = photons.refused();
+  statistics.balanceSeconds = secondsSince(start) - statistics.shootSeconds;
+  statistics.mapBytes = subpaths.memoryBytes() + photons.memoryBytes();
+  return statistics;
+}
+
+void Bidirectional::buildPhotons() {
+  std::vector<Photon> found;
+  for (size_t p = 0; p < subpaths.paths.size(); ++p) {
+    const StoredPath& path = subpaths.paths[p];
+    // Shadow rays bring what comes straight from a light.
+    for (uint32_t t = 2; t <= path.count; ++t) {
+      const StoredVertex& v = subpaths.vertices[path.first + t - 1];
+      const float geometric = absDot(v.wi, v.point.geometricNormal);
+      if (!v.connectable || geometric == 0) continue;
+      Photon photon;
+      photon.position = v.point.position;
+      photon.direction = packDirection(v.wi);
+      photon.normal = packDirection(v.point.normalTowards(v.wi));
+      photon.power = v.throughput * (absDot(v.wi, v.point.shadingNormal) / geometric);
+      photon.pathState = v.state.byte;
+      found.push_back(photon);
+      photonVertices.push_back({static_cast<uint32_t>(p), t});
+    }
+  }
+  photons.build(found);
+}
+
+std::vector<EstimatorDomain> Bidirectional::domains() const {
+  std::vector<EstimatorDomain> all;
+  const auto add = [&](bool used, const char* estimator, const char* expression, const char* cost) {
+    const bool meetsLights = std::string_view(estimator) == "emission";
+    if (used) all.push_back({estimator, expression, cost, "paths from both ends", meetsLights});
+  };
+  add(settings.hits, "emission", "L(S|D)*E", "none: met by the rays of camera paths");
+  add(settings.shadowRays, "shadow rays", "LD(S|D)*E", "one for each diffuse vertex of a camera path");
+  add(settings.connections, "connections", "L(S|D)*DD(S|D)*E",
+      "a ray between any two diffuse vertices of a camera path and of one light path");
+  add(settings.splats, "splats", "L(S|D)*DE", "a ray from each diffuse vertex of a light path to the camera");
+  add(settings.merges, "photons", "L(S|D)+D(S|D)*E", "one estimate at each diffuse vertex of a camera path");
+  return all;
+}
+
+} // namespace recurse

@@ -1,0 +1,228 @@
+/** @file
+ * The camera's side of bidirectional estimators: a path that meets lights, sends shadow rays, is connected
+ * with a light path and merged with the photons of all.
+ */
+#include <bit>
+
+#include "recurse/transport/bidirectional.h"
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+/** One camera path and all that is made with it. Its vertices are x_1 … x_s. */
+class Bidirectional::CameraWalk {
+ public:
+  CameraWalk(const Bidirectional& owner, const Scene& scene, const CameraRay& ray, Sampler& sampler,
+             PathRadiance& out)
+      : owner(owner), scene(scene), classes(out.pathClasses()), sampler(sampler), out(out),
+        camera(scene, ray), walker(scene, classes, out.counts, owner.settings.maxDepth),
+        path(startCameraSubpath(scene, classes, ray, out.counts)), vertices(1) {
+    path.pdf = camera.pdf;
+    path.parallel = camera.parallel;
+    const std::vector<StoredPath>& paths = owner.subpaths.paths;
+    if (!owner.settings.connections || paths.empty()) return;
+    const auto i = static_cast<size_t>(double(sampler.next1D()) * double(paths.size()));
+    light = &paths[std::min(i, paths.size() - 1)];
+  }
+
+  void run() {
+    while (walker.next(path, vertex, [&](const Hit* hit) { addEmission(hit); })) {
+      arrive();
+      if (vertex.isConnectable()) {
+        if (owner.settings.shadowRays) addShadowRay();
+        if (light)
+          for (uint32_t t = 1; t <= light->count; ++t) addConnection(*light, t);
+        if (owner.settings.merges) addPhotons();
+      }
+      if (!walker.scatter(path, vertex, sampler)) return;
+      vertices.back().delta = path.delta;
+      vertices[vertices.size() - 2].fromLight =
+          path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
+      if (!path.delta) radiusKnown = true;
+      last = vertex.point();
+      towardsBeforeLast = vertex.wi;
+    }
+  }
+
+ private:
+  void arrive() {
+    const double distance = double(glm::distance(vertex.point().position, path.from));
+    if (vertices.size() == 1) firstDistance = distance;
+    seenAlong += distance;
+    if (!radiusKnown) radius = owner.mergeRadius(camera.footprint(seenAlong));
+    vertices.push_back({vertex.pdf, 1});
+  }
+
+  /** Light that the ray met, or found outside of the scene. */
+  void addEmission(const Hit* hit) {
+    const Vec3f towardsLight = path.ray.direction;
+    if (hit) {
+      addHit(
+          hit->lightIndex,
+          {hit->point.position, -towardsLight, hit->point.geometricNormal, hit->primitive, hit->point.time},
+          hit->areaLight->radiance(hit->point, -towardsLight));
+      return;
+    }
+    for (size_t i = 0; i < scene.environment().size(); ++i)
+      addHit(scene.environmentIndices()[i], {path.ray.origin, -towardsLight},
+             scene.environment()[i]->radiance(towardsLight));
+  }
+
+  /** C_k. */
+  void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance) {
+    if (!owner.settings.hits || isBlack(radiance)) return;
+    double weight = 1;
+    if (vertices.size() > 1) {
+      const LightEnd end = lightEnd(scene, index, ray, last);
+      x = vertices;
+      x.back().fromLight = end.pdfNext;
+      x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
+      weight = hitWeight(weighted(end, last, towardsBeforeLast));
+    }
+    out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight));
+  }
+
+  /** C_k-1. */
+  void addShadowRay() {
+    if (!lightIsSampled(scene, classes, vertex.afterD)) return;
+    const Vec3f position = vertex.point().position;
+    const SampledLight choice(scene.lights(), owner.lights,
+                              lightSampleContext(owner.lights, vertex.point(), vertex.wi), sampler);
+    const std::optional<LiSample> sample = choice.sampleLi(vertex.point());
+    if (!sample || !(sample->pdf > 0)) return;
+    const Vec3f direction = sample->direction;
+    const float pdf = choice.chosen.probability * sample->pdf;
+    const Rgb radiance =
+        vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction) * sample->radiance / pdf;
+    if (isBlack(radiance) || !visible(scene, vertex.hit, vertex.wi, *sample, path.nesting, out.counts))
+      return;
+    const LightEnd end = lightEnd(scene, choice.chosen.index, sample->emitted(), vertex.point());
+    x = vertices;
+    x[x.size() - 2].fromLight = vertex.pdfPrevious(direction);
+    x.back().fromLight = end.pdfNext;
+    x.push_back({vertex.pdfDirection(vertex.wi, direction) * directionToEnd(end, position), end.pdf});
+    const WeightedPath full = weighted(end, vertex.point(), vertex.wi);
+    out.add(classes.lightStart(), vertex.afterD,
+            radiance * static_cast<float>(connectionWeight(full, full.edges() - 1)));
+  }
+
+  /** C_s, with y_t of the light path, t > 0. */
+  void addConnection(const StoredPath& from, uint32_t t) {
+    const StoredVertex& y = vertexOf(from, t);
+    if (!y.connectable || owner.isTooLong(vertices.size() - 1 + t) ||
+        classes.join(y.afterD, vertex.afterD) == 0)
+      return;
+    const Vec3f way = y.point.position - vertex.point().position;
+    const float distance2 = lengthSquared(way);
+    if (!(distance2 > 0)) return;
+    const float distance = std::sqrt(distance2);
+    const Vec3f direction = way / distance;
+    const Rgb here = vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction);
+    if (isBlack(here)) return;
+    arena.reset();
+    const Bsdf* bsdf = y.material->bsdfAt(y.point, arena);
+    if (!bsdf) return;
+    const ScatteringPoint there(*bsdf, y.point);
+    const Rgb radiance = here * y.throughput * there.evaluateFlux(y.wi, -direction) / distance2;
+    if (isBlack(radiance) || !visible(scene, vertex.hit, vertex.wi,
+                                      visibilityTarget(y.point.rayOrigin(-direction), direction, distance),
+                                      path.nesting, out.counts))
+      return;
+    x = vertices;
+    const size_t s = x.size() - 1;
+    owner.subpaths.appendDensities(from, t, x);
+    x[s - 1].fromLight = vertex.pdfPrevious(direction);
+    x[s].fromLight =
+        double(there.pdf(y.wi, -direction)) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
+    x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, direction) *
+                          areaPerSolidAngle(vertex.point().position, y.point, direction);
+    x[s + 1].delta = false;
+    x[s + 2].fromCamera = double(there.pdf(-direction, y.wi)) * y.toPrevious;
+    const Vec3f towardsCamera = t == 1 ? -direction : -vertexOf(from, 2).wi;
+    out.add(y.afterD, vertex.afterD,
+            radiance * static_cast<float>(
+                           connectionWeight(weighted(from.end, vertexOf(from, 1).point, towardsCamera), s)));
+  }
+
+  /** M_s, with all photons around. */
+  void addPhotons() {
+    const SurfacePoint& point = vertex.point();
+    GatherRegion region;
+    region.center = point.position;
+    region.normal = point.normalTowards(vertex.wi);
+    region.radius = static_cast<float>(radius);
+    region.flatness = FLATNESS;
+    region.bothSides = (vertex.scattering->lobes() & TRANSMISSION) != 0;
+    ++out.counts.gathers;
+    owner.photons.visitWithin(region, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+        const uint32_t slot = block.first + static_cast<uint32_t>(std::countr_zero(rest));
+        addPhoton(owner.photonVertices[owner.photons.emissionIndex(slot)]);
+      }
+    });
+  }
+
+  void addPhoton(const PhotonVertex& photon) {
+    const StoredPath& from = owner.subpaths.paths[photon.path];
+    const uint32_t t = photon.number;
+    const StoredVertex& y = vertexOf(from, t);
+    if (owner.isTooLong(vertices.size() - 2 + t) || classes.join(y.state, vertex.afterD) == 0) return;
+    const Rgb f = vertex.scattering->value(vertex.wi, y.wi);
+    if (isBlack(f)) return;
+    ++out.counts.photonsFound;
+    // Photons are per area of the surface, which shading normals do not know (Veach 1997, equation 5.19).
+    const float area = absDot(y.wi, y.point.shadingNormal) / absDot(y.wi, y.point.geometricNormal);
+    const Rgb radiance = vertex.throughput * f * y.throughput *
+                         static_cast<float>(double(area) / (owner.lightPaths * double(PI) * square(radius)));
+    x = vertices;
+    const size_t s = x.size() - 1;
+    owner.subpaths.appendDensities(from, t - 1, x);
+    x[s - 1].fromLight = vertex.pdfPrevious(y.wi);
+    x[s].fromLight = y.fromLight;
+    x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, y.wi) * y.toPrevious;
+    out.add(y.state, vertex.afterD,
+            radiance * static_cast<float>(mergeWeight(
+                           weighted(from.end, vertexOf(from, 1).point, -vertexOf(from, 2).wi), s)));
+  }
+
+  const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {
+    return owner.subpaths.vertices[from.first + number - 1];
+  }
+  /** The path of the vertices `x`, whose x_k-1 is `next`. */
+  WeightedPath weighted(const LightEnd& end, const SurfacePoint& next, const Vec3f& towardsCamera) {
+    WeightedPath full = owner.weightedPath(radius, firstDistance);
+    full.vertices = x;
+    if (!camera.connectable) full.splats = 0;
+    owner.completePath(scene, full, end, next, towardsCamera);
+    return full;
+  }
+
+  /** Half the height of the search for photons over its radius: they are to lie on the same surface. */
+  static constexpr float FLATNESS = 0.2f;
+
+  const Bidirectional& owner;
+  const Scene& scene;
+  const PathClasses& classes;
+  Sampler& sampler;
+  PathRadiance& out;
+  CameraEnd camera;
+  Walker<CameraState> walker;
+  CameraSubpath path;
+  CameraVertex vertex;
+  const StoredPath* light = nullptr;    ///< to be connected with
+  std::vector<WeightedVertex> vertices; ///< x_0 … x_s; what the light's walk does is known up to x_s-2
+  std::vector<WeightedVertex> x;        ///< of the full path at hand
+  SurfacePoint last;                    ///< of x_s, when the walk has left it
+  Vec3f towardsBeforeLast{0};
+  double firstDistance = 0, seenAlong = 0, radius = 0;
+  bool radiusKnown = false; ///< by the first vertex off mirrors and glass
+  BsdfArena arena;
+};
+
+void Bidirectional::backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                             PathRadiance& out) const {
+  CameraWalk(*this, scene, ray, sampler, out).run();
+}
+
+} // namespace recurse

@@ -1,0 +1,205 @@
+/** @file
+ * Learning and sampling of portals.
+ */
+#include "recurse/transport/lightPortals.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "recurse/core/parallel.h"
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+namespace {
+
+/** The part of photons that start over the whole disc, for what no camera path has found. */
+constexpr float DISC_PART = 0.1f;
+
+/** Areas of a box's three sides, as seen along a direction. */
+Vec3f projectedSides(const Bounds3f& box, const Vec3f& direction) {
+  const Vec3f d = box.diagonal(), w = magnitude(direction);
+  return {w.x * d.y * d.z, w.y * d.z * d.x, w.z * d.x * d.y};
+}
+
+float silhouette(const Bounds3f& box, const Vec3f& direction) {
+  const Vec3f sides = projectedSides(box, direction);
+  return sides.x + sides.y + sides.z;
+}
+
+/** Whether the straight line through the point meets the box. */
+bool meets(const Bounds3f& box, const Vec3f& point, const Vec3f& direction) {
+  float from = -INFINITE, to = INFINITE;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0) {
+      if (point[axis] < box.lower[axis] || point[axis] > box.upper[axis]) return false;
+      continue;
+    }
+    const float a = (box.lower[axis] - point[axis]) / direction[axis];
+    const float b = (box.upper[axis] - point[axis]) / direction[axis];
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  }
+  return from <= to;
+}
+
+/** The lights infinitely far in one direction. */
+std::vector<size_t> distantLights(const Scene& scene) {
+  std::vector<size_t> found;
+  for (size_t i = 0; i < scene.lights().size(); ++i)
+    if (scene.lights()[i].kind() == LightKind::DISTANT) found.push_back(i);
+  return found;
+}
+
+} // namespace
+
+void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
+  constexpr int ACROSS = 128, MAX_DEPTH = 5, LEVELS = 6; // 2^LEVELS boxes at the most
+  boxes.clear();
+  scene = sceneToLearn.bounds();
+  const std::vector<size_t> distant = distantLights(sceneToLearn);
+  if (distant.empty() && sceneToLearn.environment().empty()) return;
+  const PathClasses allPaths;
+  std::vector<std::vector<Exit>> rows(ACROSS);
+  std::vector<TransportCounts> rowCounts(ACROSS);
+  const PixelBounds& crop = sceneToLearn.film().crop;
+  parallelFor(ACROSS, [&](size_t y) {
+    constexpr uint64_t STREAM = 0x504f5254414cull;
+    Walker<CameraState> walker(sceneToLearn, allPaths, rowCounts[y], MAX_DEPTH);
+    for (int x = 0; x < ACROSS; ++x) {
+      Sampler sampler(hashCombine(seed, STREAM), y, static_cast<uint32_t>(x));
+      CameraSample sample;
+      sample.film = {float(crop.x0) + (float(x) + 0.5f) / ACROSS * float(crop.width()),
+                     float(crop.y0) + (float(y) + 0.5f) / ACROSS * float(crop.height())};
+      if (sceneToLearn.moves()) sample.time = sceneToLearn.camera().timeAt(sampler.next1D());
+      const std::optional<CameraRay> ray = sceneToLearn.camera().validRay(sample);
+      if (!ray) continue;
+      CameraSubpath path = startCameraSubpath(sceneToLearn, allPaths, *ray, rowCounts[y]);
+      CameraVertex vertex;
+      bool seenByCamera = true; // what the camera sees of the sky itself needs no photons
+      const auto leave = [&](const Hit* hit) {
+        if (hit || seenByCamera) return;
+        const float weight = maxComponent(path.throughput);
+        rows[y].push_back({path.ray.origin, std::min(weight, 1.0f)});
+      };
+      while (walker.next(path, vertex, leave)) {
+        if (vertex.isConnectable()) {
+          seenByCamera = false;
+          if (!distant.empty()) {
+            const auto which = static_cast<size_t>(sampler.next1D() * static_cast<float>(distant.size()));
+            const auto light = sceneToLearn.lights()[distant[which]].sampleLi(vertex.point().position, 0, {});
+            if (light && glm::dot(light->direction, vertex.point().normalTowards(vertex.wi)) > 0 &&
+                visible(sceneToLearn, vertex.hit, vertex.wi, *light, path.nesting, rowCounts[y]))
+              rows[y].push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
+          }
+        }
+        if (!walker.scatter(path, vertex, sampler)) break;
+      }
+    }
+  });
+  std::vector<Exit> exits;
+  for (size_t y = 0; y < ACROSS; ++y) {
+    exits.insert(exits.end(), rows[y].begin(), rows[y].end());
+    counts.add(rowCounts[y]);
+  }
+  constexpr size_t ENOUGH = 64; // fewer tell too little of where the rest comes in
+  if (exits.size() < ENOUGH) return;
+  constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
+  split(exits.begin(), exits.end(), LEVELS, MARGIN * scene.radius);
+  constexpr float WORTH_IT = 0.1f; // of the disc: where more of it is open, it serves as well
+  if (openPart() > WORTH_IT) {
+    boxes.clear();
+    return;
+  }
+  float all = 0;
+  for (const Box& box : boxes) all += box.chance;
+  float sum = 0;
+  for (Box& box : boxes) {
+    box.chance /= all;
+    box.upToHere = sum += box.chance;
+  }
+}
+
+void LightPortals::split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels,
+                         float margin) {
+  constexpr ptrdiff_t FEW = 32;
+  Bounds3f bounds;
+  float weight = 0;
+  for (auto e = first; e != last; ++e) {
+    bounds.add(e->position);
+    weight += e->weight;
+  }
+  if (levels == 0 || last - first < 2 * FEW) {
+    bounds.lower -= margin;
+    bounds.upper += margin;
+    boxes.push_back({bounds, weight, 0});
+    return;
+  }
+  const int axis = widestAxis(bounds.diagonal());
+  const auto middle = first + (last - first) / 2;
+  std::nth_element(first, middle, last,
+                   [&](const Exit& a, const Exit& b) { return a.position[axis] < b.position[axis]; });
+  split(first, middle, levels - 1, margin);
+  split(middle, last, levels - 1, margin);
+}
+
+float LightPortals::openPart() const {
+  // A convex body's silhouette is a quarter of its surface, over all directions (Cauchy).
+  float open = 0;
+  for (const Box& box : boxes) {
+    const Vec3f d = box.bounds.diagonal();
+    open += (d.x * d.y + d.y * d.z + d.z * d.x) / 2;
+  }
+  return std::min(1.0f, open * scene.pdfDisc());
+}
+
+LightTable LightPortals::lightsByPower(const LightTable& all) const {
+  const double part = active() ? double(openPart()) : 1;
+  std::vector<const Light*> lights;
+  std::vector<double> powers;
+  for (size_t i = 0; i < all.size(); ++i) {
+    const bool infinite = all[i].kind() == LightKind::DISTANT || all[i].kind() == LightKind::ENVIRONMENT;
+    lights.push_back(&all[i]);
+    powers.push_back(double(maxComponent(all[i].power())) * (infinite ? part : 1));
+  }
+  LightTable table;
+  table.build(lights, powers);
+  return table;
+}
+
+void LightPortals::redirect(LeSample& sample, float pick, const Vec2f& u) const {
+  const Vec3f& w = sample.direction;
+  const Box* chosen = nullptr;
+  if (pick >= DISC_PART) {
+    pick = (pick - DISC_PART) / (1 - DISC_PART);
+    const auto box = std::upper_bound(boxes.begin(), boxes.end() - 1, pick,
+                                      [](float value, const Box& b) { return value < b.upToHere; });
+    chosen = &*box;
+    // The sides towards the light, in proportion to what is seen of them.
+    const Vec3f sides = projectedSides(box->bounds, w);
+    float rest = std::clamp((pick - (box->upToHere - box->chance)) / box->chance, 0.0f, 1.0f) *
+                 (sides.x + sides.y + sides.z);
+    int axis = 0;
+    while (axis < 2 && (rest >= sides[axis] || sides[axis] == 0)) rest -= sides[axis++];
+    const Vec3f d = box->bounds.diagonal();
+    Vec3f point = box->bounds.lower;
+    if (w[axis] < 0) point[axis] = box->bounds.upper[axis];
+    point[(axis + 1) % 3] += u.x * d[(axis + 1) % 3];
+    point[(axis + 2) % 3] += u.y * d[(axis + 2) % 3];
+    sample.origin = point - w * (glm::dot(point - scene.center, w) + scene.radius);
+  }
+  const float before = sample.pdfPosition;
+  sample.pdfPosition = pdf(sample.origin, w, chosen);
+  sample.flux *= before / sample.pdfPosition;
+}
+
+float LightPortals::pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const {
+  float sum = 0;
+  for (const Box& box : boxes)
+    if (&box == met || meets(box.bounds, point, direction))
+      sum += box.chance / silhouette(box.bounds, direction);
+  return DISC_PART * scene.pdfDisc() + (1 - DISC_PART) * sum;
+}
+
+} // namespace recurse

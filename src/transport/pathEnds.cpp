@@ -1,0 +1,125 @@
+/** @file
+ * Ends of paths at lights and at the camera.
+ */
+#include "recurse/transport/pathEnds.h"
+
+#include "recurse/transport/walk.h"
+
+namespace recurse {
+
+bool LightEnd::isInfinite() const {
+  return light->kind() == LightKind::DISTANT || light->kind() == LightKind::ENVIRONMENT;
+}
+
+bool LightEnd::isMet() const {
+  if (light->isDelta()) return false;
+  return light->kind() != LightKind::AREA || !static_cast<const AreaLight*>(light)->isUnseen();
+}
+
+LightGeometry LightEnd::geometry() const {
+  if (light->isDelta()) return LightGeometry::DELTA;
+  return isInfinite() ? LightGeometry::INFINITE : LightGeometry::SURFACE;
+}
+
+LightEnd lightEnd(const Scene& scene, uint32_t index, const LeRay& ray, const SurfacePoint& next) {
+  LightEnd end{&scene.lights()[index], index, ray};
+  const LePdf p = end.light->pdfLe(ray);
+  const double position = p.deltaPosition ? 1 : double(p.position);
+  const double direction = p.deltaDirection ? 1 : double(p.direction);
+  const double pick = double(scene.lights().probability(index));
+  if (end.isInfinite()) {
+    end.pdf = pick * direction;
+    end.pdfNext = position * double(absDot(ray.direction, next.geometricNormal));
+  } else {
+    end.pdf = pick * position;
+    end.pdfNext = direction * areaPerSolidAngle(ray.origin, next, ray.direction);
+  }
+  return end;
+}
+
+double directionToEnd(const LightEnd& end, const Vec3f& from) {
+  if (end.light->kind() != LightKind::AREA) return 1;
+  return double(absDot(end.ray.direction, end.ray.normal)) / double(lengthSquared(end.ray.origin - from));
+}
+
+double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
+                    const LightEnd& end) {
+  const auto pick = double(lights.probability(scene.lights(), from, end.index));
+  switch (end.light->kind()) {
+  case LightKind::AREA: {
+    SurfacePoint point;
+    point.position = end.ray.origin;
+    point.geometricNormal = point.shadingNormal = end.ray.normal;
+    point.time = end.ray.time;
+    const auto* area = static_cast<const AreaLight*>(end.light);
+    return pick * double(area->pdfLi(from.position, end.ray.primitive, point)) *
+           directionToEnd(end, from.position);
+  }
+  case LightKind::ENVIRONMENT:
+    return pick *
+           double(static_cast<const EnvironmentLight*>(end.light)->pdfLi(from.position, -end.ray.direction));
+  case LightKind::POINT:
+  case LightKind::DISTANT:
+    break;
+  }
+  return pick;
+}
+
+std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
+                                            Sampler& sampler, TransportCounts& counts) {
+  float pick = sampler.next1D();
+  const float part = sampler.next1D();
+  const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+  const size_t index = scene.lights().chooseIndex(pick);
+  const float probability = scene.lights().probability(index);
+  if (!(probability > 0) || classes.dead(classes.lightStart())) return {};
+  const Light& light = scene.lights()[index];
+  const std::optional<LeSample> emission = light.sampleLe({part, place, direction, time});
+  if (!emission || isBlack(emission->flux)) return {};
+  if (!isFinite(emission->flux)) {
+    ++counts.nonFinite;
+    return {};
+  }
+  LightStart start;
+  LightEnd& end = start.end;
+  end.light = &light;
+  end.index = static_cast<uint32_t>(index);
+  end.ray = *emission;
+  LightSubpath& path = start.path;
+  path.ray = {emission->origin, emission->direction, INFINITE, time};
+  path.from = emission->origin;
+  path.throughput = emission->flux / probability;
+  path.state = classes.lightStart();
+  path.nesting = nestingAt(scene, path.ray, counts);
+  path.parallel = end.isInfinite();
+  if (path.parallel) {
+    end.pdf = double(emission->pdfDirection);
+    path.pdf = double(emission->pdfPosition);
+  } else {
+    end.pdf = double(emission->pdfPosition);
+    path.pdf = double(emission->pdfDirection);
+    if (light.kind() == LightKind::AREA) path.cosine = absDot(emission->direction, emission->normal);
+  }
+  end.pdf *= double(probability);
+  return start;
+}
+
+CameraEnd::CameraEnd(const Scene& scene, const Ray& ray) {
+  const Camera& camera = scene.camera();
+  if (!camera.isConnectable()) return;
+  parallel = camera.isDeltaDirection();
+  const WePdf p = camera.pdfWe(ray);
+  pdf =
+      double(scene.film().width) * double(scene.film().height) * double(parallel ? p.position : p.direction);
+  connectable = pdf > 0;
+}
+
+CameraEnd::CameraEnd(const Scene& scene, const CameraRay& ray)
+    : CameraEnd(scene, static_cast<const Ray&>(ray)) {
+  if (connectable) return;
+  parallel = !(ray.spread > 0) && ray.width > 0;
+  const float across = parallel ? ray.width : ray.spread;
+  pdf = across > 0 ? 1 / square(double(across)) : 1;
+}
+
+} // namespace recurse

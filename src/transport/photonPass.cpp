@@ -1,0 +1,146 @@
+/** @file
+ * Shooting, balancing, and learning in the first pass.
+ */
+#include "recurse/transport/photonPass.h"
+
+#include <chrono>
+
+#include "recurse/core/text.h"
+
+namespace recurse {
+
+namespace {
+
+// One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly many.
+constexpr uint64_t ONE_MAP_PHOTONS = 1000000, MIN_PROGRESSIVE_PHOTONS = 65536,
+                   MAX_PROGRESSIVE_PHOTONS = 262144;
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+uint64_t PhotonPass::photonCount(const Scene& scene) const {
+  if (settings.photons > 0) return settings.photons;
+  if (!progressive) return ONE_MAP_PHOTONS;
+  const FilmSettings& film = scene.film();
+  return std::clamp(uint64_t(film.width) * uint64_t(film.height), MIN_PROGRESSIVE_PHOTONS,
+                    MAX_PROGRESSIVE_PHOTONS);
+}
+
+ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                                  const ForwardControl& control) {
+  ForwardStatistics statistics;
+  progressive = !pass.only;
+  radiusOverFirst = radiusScale(pass.index, settings.alpha);
+  auto start = std::chrono::steady_clock::now();
+  ShootSettings shoot;
+  shoot.photons = photonCount(scene);
+  shoot.maxDepth = settings.maxDepth;
+  shoot.portals = &portals;
+  if (settings.guided) shoot.lights = &lights;
+  shoot.direct = settings.directLight;
+  if (pass.index == 0) {
+    guidance = {};
+    portals = {};
+    if (settings.guided) {
+      // A search for the nearest photons of one map wants them to be of nearly equal power.
+      if (progressive) portals.learn(scene, pass.seed, statistics.counts);
+      lights = portals.lightsByPower(scene.lights());
+      learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
+    }
+  }
+  shoot.guide = &guidance.emission;
+  shoot.targets = guidance.targets;
+  ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
+  statistics.counts.add(shot.counts);
+  statistics.photonsEmitted = emitted = shot.emitted;
+  statistics.photonsStored = shot.stored.size();
+  statistics.shootSeconds = secondsSince(start);
+
+  start = std::chrono::steady_clock::now();
+  const auto firstIndirect = std::stable_partition(shot.stored.begin(), shot.stored.end(),
+                                                   [](const Photon& p) { return p.caustic; });
+  causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
+  indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
+  statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
+  statistics.balanceSeconds = secondsSince(start);
+  statistics.mapBytes = causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes();
+  if (pass.index == 0) learnRadii(scene, statistics);
+  return statistics;
+}
+
+void PhotonPass::learnRadii(const Scene& scene, ForwardStatistics& statistics) {
+  const GatherSettings requested{
+      settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
+  const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
+  // Dark places have hardly any photons that would tell of them.
+  const double across = std::sqrt(double(scene.film().crop.area())) / 4;
+  const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2,
+                                    settings.weighting, statistics.counts);
+  const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
+  const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
+  tooFew = stored * MIN_STORED < emitted;
+  if (tooFew && emitted > 0 && scene.lights().size() > 0)
+    statistics.warnings.push_back(formatted(
+        "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "
+        "lights will be noisy",
+        stored, static_cast<unsigned long long>(emitted)));
+  for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
+    ForwardStatistics unsaid;
+    layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
+                                 layer == &indirectLayer ? statistics : unsaid);
+    if (progressive || settings.edges)
+      layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
+                         statistics.counts);
+  }
+  causticsKnown = causticLayer.map.size() * MIN_STORED >= emitted;
+}
+
+PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const {
+  PhotonQuery here{layer.choice.settings, {}};
+  if (progressive || settings.edges) here.place = layer.cache.at(point.position, point.normalTowards(wi));
+  if (progressive) here.settings = searchWithin(layer, here.place.radius);
+  if (&layer == &causticLayer && !settings.directLight) {
+    here.settings.weighedAgainstRays = true;
+    here.settings.merging =
+        causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
+  } else {
+    here.settings.weighting = settings.weighting;
+  }
+  return here;
+}
+
+GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRadius) const {
+  GatherSettings now = layer.choice.settings;
+  if (!progressive) return now;
+  now.nearest = 0;
+  if (layer.choice.settings.nearest > 0) now.radius = firstRadius;
+  now.radius *= radiusOverFirst;
+  return now;
+}
+
+void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                               const ShootSettings& shoot, const ForwardControl& control,
+                               ForwardStatistics& statistics) {
+  constexpr int PROBES = 96;
+  const float spacing = std::sqrt(float(scene.film().crop.area())) / PROBES;
+  VisibleRegion region;
+  for (const VisiblePoint& place : probeCamera(scene, PROBES, 1, settings.weighting, statistics.counts))
+    if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
+  if (portals.active())
+    statistics.notes.push_back(formatted(
+        "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));
+  guidance = recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts);
+  if (guidance.emission.active())
+    statistics.notes.push_back(
+        formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",
+                  guidance.emission.gain()));
+  if (!guidance.targets.empty())
+    statistics.notes.push_back(
+        formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
+                  guidance.targets.size()));
+}
+
+} // namespace recurse

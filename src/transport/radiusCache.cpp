@@ -1,0 +1,369 @@
+/** @file
+ * Radii and clear distances at places of a first photon map.
+ */
+#include "recurse/transport/radiusCache.h"
+
+#include "recurse/core/parallel.h"
+
+namespace recurse {
+
+float radiusScale(uint32_t index, double alpha) {
+  // The product over i = 1 … index of (i + alpha) / (i + 1), by gamma functions.
+  const double n = double(index);
+  return static_cast<float>(
+      std::exp(0.5 * (std::lgamma(n + 1 + alpha) - std::lgamma(1 + alpha) - std::lgamma(n + 2))));
+}
+
+namespace {
+
+/** Finds the surface that a photon lies on: photons do not know it. A ray that is short against `near`, from
+ * where the photon came from; false when it meets nothing. */
+bool surfaceOf(const Scene& scene, const Photon& photon, float near, SurfacePoint& point,
+               TransportCounts& counts) {
+  const Vec3f direction = unpackDirection(photon.direction);
+  const float start = 0.01f * near;
+  Hit hit;
+  if (!intersect(scene, {photon.position + direction * start, -direction, 2 * start}, hit, counts))
+    return false;
+  point = hit.point;
+  point.geometricNormal = point.normalTowards(direction);
+  return true;
+}
+
+/**
+ * How estimates with discs of several areas err at a place, told by the photons of one pass: their variance
+ * is the sum of the squares of what each photon brings, and two discs whose estimates differ by more than
+ * chance show bias, as in Lepski's choice of a bandwidth ("On a problem of adaptive estimation in Gaussian
+ * white noise", 1990). The areas double from one to the next.
+ */
+struct SupportErrors {
+  static constexpr size_t AREAS = 8, OWN = 3; ///< OWN: the area of the place
+  std::array<double, AREAS> variance{};       ///< of the photons' number
+  std::array<double, AREAS> bias2{}; ///< by how much, squared, the next disc differs beyond what is noise
+  std::array<double, AREAS> noise{}; ///< the variance of that difference
+  double irradiance = 0;             ///< by the own disc
+
+  void add(const SupportErrors& e, double scale) {
+    for (size_t j = 0; j < AREAS; ++j) {
+      variance[j] += e.variance[j] * scale;
+      bias2[j] += e.bias2[j] * scale;
+      noise[j] += e.noise[j] * scale;
+    }
+  }
+  /** Bias between a disc and the next that chance does not explain. */
+  double sureBias2(size_t j) const {
+    constexpr double CHANCE = 0.7; // the spread of such a difference, squared, over some neighbouring places
+    return std::max(0.0, bias2[j] - CHANCE * noise[j]);
+  }
+  /** The area with the least variance + biasWeight · bias². The bias of a disc goes with its area, so the
+   * next one's is larger by as much as it is itself. */
+  size_t best(double biasWeight) const {
+    constexpr double SURE = 0.5; // to look at fewer photons takes better evidence than to look at more
+    size_t best = OWN;
+    double least = double(INFINITE), below = 0;
+    const auto error = [&](size_t j) { return variance[j] + biasWeight * below + sureBias2(j); };
+    for (size_t j = OWN; j + 1 < AREAS; ++j) {
+      if (const double e = error(j); e < least) {
+        least = e;
+        best = j;
+      }
+      // Where an edge is met, the bias does not grow as it does elsewhere, but it stays.
+      below += sureBias2(j);
+    }
+    below = 0;
+    least *= SURE;
+    for (size_t j = 0; j < OWN; ++j)
+      if (const double e = error(j); e < least) {
+        least = e;
+        best = j;
+      }
+    return best;
+  }
+};
+
+/** The radius of a disc over that of the place. */
+float ofArea(size_t j) {
+  return std::exp2(0.5f * (static_cast<float>(j) - static_cast<float>(SupportErrors::OWN)));
+}
+
+/** `region`: of the place's own radius. */
+SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
+                            BoundaryCorrection& boundary, TransportCounts& counts) {
+  constexpr size_t AREAS = SupportErrors::AREAS;
+  const float own = region.radius;
+  alignas(32) float inverse[AREAS], norm[AREAS];
+  for (size_t j = 0; j < AREAS; ++j) { // the largest comes last: its half-spaces stay
+    region.radius = own * ofArea(j);
+    const float part = coveredFraction(boundary, error, kernel, region, counts);
+    const float radius2 = square(region.radius);
+    inverse[j] = 1 / radius2;
+    norm[j] = INV_PI / (radius2 * part);
+  }
+  Float8 sum(0), variance(0), noise(0);
+  const __m256i next = _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 7);
+  withKernel(kernel, [&](auto k) {
+    photons.visitWithin(region, [&](const PhotonBlock& block) {
+      alignas(32) float d2[8];
+      block.distance2.store(d2);
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest);
+        const Rgb power = block.power(lane);
+        const Float8 q = Float8(d2[lane]) * Float8::load(inverse);
+        const Float8 inside = less(q, Float8(1));
+        const Float8 brings = (kernelShape<decltype(k)::value>(min(q, Float8(1))) & inside) *
+                              Float8::load(norm) * Float8(power.r + power.g + power.b);
+        const Float8 difference = brings - Float8(_mm256_permutevar8x32_ps(brings.v, next));
+        sum += brings;
+        variance += brings * brings;
+        noise += difference * difference;
+      }
+    });
+  });
+  SupportErrors e;
+  for (size_t j = 0; j < AREAS; ++j) {
+    const int lane = static_cast<int>(j);
+    e.variance[j] = double(variance[lane]);
+    if (j + 1 == AREAS) break;
+    e.noise[j] = double(noise[lane]);
+    e.bias2[j] = square(double(sum[lane]) - double(sum[lane + 1])) - e.noise[j];
+  }
+  e.irradiance = double(sum[int(SupportErrors::OWN)]);
+  return e;
+}
+
+using Place = RadiusCache::Place;
+
+/** Finds out how far to look at places, by the photons of a first map. */
+class PlaceFinder {
+ public:
+  PlaceFinder(const Scene& scene, const PhotonMap& first, const GatherSettings& search,
+              TransportCounts& counts)
+      : scene(scene), first(first), search(search), counts(counts) {}
+
+  /** Places at every `every`-th photon and at all points seen, with the distance to the k-th photon. Those of
+   * photons come first; their number goes to `ofPhotons`. */
+  std::vector<Place> find(size_t every, std::span<const VisiblePoint> seen, size_t& ofPhotons) {
+    std::vector<Place> places((first.size() + every - 1) / every);
+    const size_t tried = places.size();
+    places.resize(tried + seen.size());
+    forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
+      SurfacePoint point;
+      if (i < tried) {
+        Photon photon;
+        photon.position = first.position(i * every);
+        photon.direction = first.packedDirection(i * every);
+        GatherRegion region;
+        region.center = photon.position;
+        region.bothSides = true;
+        if (!surfaceOf(scene, photon, kthDistance(region, scratch), point, partCounts)) return;
+      } else {
+        point = seen[i - tried].point;
+        places[i].footprint = seen[i - tried].footprint;
+      }
+      Place& place = places[i];
+      place.position = point.position;
+      place.normal = point.geometricNormal;
+      place.error = glm::length(point.error);
+      settle(
+          place, i, [&](const GatherRegion& region) { return kthDistance(region, scratch); }, partCounts);
+    });
+    const auto none = [](const Place& place) { return place.radius == 0; };
+    ofPhotons =
+        tried - static_cast<size_t>(std::count_if(places.begin(), places.begin() + ptrdiff_t(tried), none));
+    std::erase_if(places, none);
+    return places;
+  }
+
+  /** Takes discs of other areas where those promise less error. `lifted`: see RadiusCache. */
+  void judge(std::vector<Place>& places, std::span<const Photon> lifted, size_t ofPhotons, double alpha) {
+    constexpr size_t MAX_MEASURED = 4096; // of either kind
+    std::vector<size_t> judged;
+    const auto judgeSome = [&](size_t from, size_t end) {
+      const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
+      for (size_t i = from; i < end; i += stride) judged.push_back(i);
+    };
+    judgeSome(0, ofPhotons);
+    judgeSome(ofPhotons, places.size());
+    std::vector<Photon> measuredAt(judged.size());
+    std::vector<SupportErrors> errors(judged.size());
+    forAll(judged.size(), [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
+      const size_t i = judged[m];
+      measuredAt[m] = lifted[i];
+      GatherRegion region = regionAt(places[i]);
+      BoundaryCorrection boundary = surroundingsOf(places[i], i);
+      region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
+      errors[m] = supportErrors(first, region, search.kernel, places[i].error, boundary, partCounts);
+    });
+    double mean = 0;
+    for (const SupportErrors& e : errors) mean += e.irradiance / static_cast<double>(errors.size());
+    PhotonMap measured;
+    measured.build(measuredAt);
+    // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011) the mean has P^(alpha-1) /
+    // alpha of the first one's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
+    // have the same order.
+    const double biasWeight = (2 - alpha) / square(alpha);
+    forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
+      constexpr int NEAREST = 16; // one place has hardly any evidence
+      constexpr double DARK = 0.3;
+      GatherRegion region;
+      region.center = lifted[i].position;
+      region.bothSides = true;
+      measured.nearest(region, NEAREST, scratch);
+      SupportErrors all, absolute; // relative errors, which the choice goes by, and errors [W²/m⁴]
+      int evidence = 0;
+      measured.visitNearest(scratch, [&](const PhotonBlock& block) {
+        for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+          const size_t m = measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
+          if (!places[i].around.sees(places[judged[m]].position)) continue;
+          const SupportErrors& e = errors[m];
+          if (!(e.irradiance > 0)) continue;
+          all.add(e, 1 / (square(e.irradiance) + square(DARK * mean)));
+          absolute.add(e, 1);
+          ++evidence;
+        }
+      });
+      if (all.variance[0] == 0) return;
+      const size_t best = all.best(biasWeight);
+      places[i].variance = static_cast<float>(absolute.variance[best] / evidence);
+      double bias2 = 0;
+      for (size_t j = 0; j < best; ++j) bias2 += absolute.sureBias2(j);
+      places[i].bias2 = static_cast<float>(biasWeight * bias2 / evidence);
+      if (best == SupportErrors::OWN) return;
+      const float radius = places[i].radius * ofArea(best);
+      settle(
+          places[i], i, [&](const GatherRegion&) { return radius; }, partCounts);
+    });
+  }
+
+ private:
+  /** Calls f(i, scratch, counts) for 0 <= i < count, side by side. */
+  template <class F> void forAll(size_t count, const F& f) {
+    constexpr size_t AT_ONCE = 64;
+    const size_t parts = (count + AT_ONCE - 1) / AT_ONCE;
+    std::vector<TransportCounts> partCounts(parts);
+    parallelFor(parts, [&](size_t part) {
+      PhotonScratch scratch;
+      for (size_t i = part * AT_ONCE; i < std::min(count, (part + 1) * AT_ONCE); ++i)
+        f(i, scratch, partCounts[part]);
+    });
+    for (const TransportCounts& c : partCounts) counts.add(c);
+  }
+
+  float kthDistance(GatherRegion region, PhotonScratch& scratch) const {
+    region.radius = search.radius;
+    if (search.nearest == 0) return region.radius;
+    const NearestPhotons n = first.nearest(region, search.nearest, scratch);
+    return n.count == search.nearest ? std::sqrt(n.radius2) : region.radius;
+  }
+
+  GatherRegion regionAt(const Place& place) const {
+    GatherRegion region;
+    region.center = place.position;
+    region.normal = place.normal;
+    region.flatness = search.flatness;
+    region.radius = place.radius;
+    return region;
+  }
+  BoundaryCorrection surroundingsOf(const Place& place, size_t key) const {
+    const Neighbourhood& around = place.around;
+    return {scene, Sampler(0, 0, static_cast<uint32_t>(key)), around.reach > 0 ? &around : nullptr};
+  }
+  float flatnessOf(const Place& place, const BoundaryCorrection& boundary, float radius) const {
+    return radius <= boundary.flat() ? flatnessOfFlat(boundary, search.flatness, place.error)
+                                     : search.flatness;
+  }
+
+  /** Finds how far to look at a place that photons alone would have looked at as far as `radius(region)`. */
+  template <class Radius>
+  void settle(Place& place, size_t key, const Radius& radius, TransportCounts& partCounts) const {
+    GatherRegion region = regionAt(place);
+    BoundaryCorrection boundary = surroundingsOf(place, key);
+    // What is known of the surface changes the radius, and with the radius what has to be known.
+    constexpr float BEYOND = 2.5f, ENOUGH = 1.5f; // searches near the place may need more than itself
+    constexpr int ROUNDS = 4;
+    const auto fit = [&] { coveredFraction(boundary, place.error, search.kernel, region, partCounts); };
+    region.radius = radius(region);
+    for (int round = 0; round < ROUNDS; ++round) {
+      if (ENOUGH * region.radius > place.around.reach) {
+        region.radius *= BEYOND;
+        place.around = probeNeighbourhood(scene, place.error, region, boundary.sampler, partCounts);
+        boundary.known = &place.around;
+      } else if (round > 0) {
+        break;
+      }
+      region.radius = radius(region);
+      region.flatness = flatnessOf(place, boundary, region.radius);
+      fit();
+      if (region.clipCount > 0 || region.flatness < search.flatness) {
+        region.radius = radius(region);
+        fit();
+      }
+    }
+    place.radius = region.radius;
+  }
+
+  const Scene& scene;
+  const PhotonMap& first;
+  const GatherSettings& search;
+  TransportCounts& counts;
+};
+
+} // namespace
+
+void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
+                        const GatherSettings& search, double alpha, TransportCounts& counts) {
+  limit = search.radius;
+  lift = 2 * scene.bounds().radius;
+  places.clear();
+  // A small picture does not look long enough at the places to be worth many.
+  constexpr size_t EVERY = 4, MIN_COUNT = 1024, MAX_COUNT = 65536;
+  const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
+  PlaceFinder finder(scene, first, search, counts);
+  size_t ofPhotons = 0;
+  if (!first.empty())
+    places = finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, MIN_COUNT, MAX_COUNT)), seen,
+                         ofPhotons);
+  std::vector<Photon> lifted(places.size());
+  for (size_t i = 0; i < places.size(); ++i)
+    lifted[i].position = places[i].position + lift * places[i].normal;
+  if (alpha > 0 && search.nearest > 0 && !places.empty()) {
+    finder.judge(places, lifted, ofPhotons, alpha);
+    limit *= ofArea(SupportErrors::AREAS - 2);
+  }
+  index.build(lifted);
+  std::vector<Place> inOrder(places.size());
+  for (size_t slot = 0; slot < places.size(); ++slot) inOrder[slot] = places[index.emissionIndex(slot)];
+  places = std::move(inOrder);
+}
+
+CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
+  constexpr int MAX_COUNT = 4;
+  thread_local PhotonScratch scratch;
+  CachedRadius best{limit, nullptr, INFINITE, 0};
+  /** Whether there is no need for another one: a place on another side or behind a wall tells hardly
+   * anything. */
+  const auto take = [&](size_t slot) {
+    const Place& place = places[slot];
+    const float away = glm::distance(position, place.position);
+    constexpr float COHERENT = 0.9f;
+    const bool same = glm::dot(place.normal, normal) > COHERENT && place.around.sees(position);
+    if (same == (best.known != nullptr) ? away < best.away : same)
+      best = {place.radius, same ? &place.around : nullptr, away, slot};
+    return same;
+  };
+  GatherRegion region;
+  region.center = position + lift * normal;
+  region.bothSides = true;
+  if (!index.empty() && !take(index.nearestSlot(region.center, scratch))) {
+    index.nearest(region, MAX_COUNT, scratch);
+    index.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
+        take(block.first + static_cast<size_t>(std::countr_zero(rest)));
+    });
+  }
+  // Where the place is far, there is no telling how far the k-th photon is; as far as the place, at least.
+  best.radius = std::min(limit, std::max(best.radius, best.away));
+  return best;
+}
+
+} // namespace recurse

@@ -1,0 +1,258 @@
+/** @file
+ * Lights: every registered one, from its own examples and on several shapes, keeps its promises about
+ * densities, power, and the light that it brings in both passes.
+ */
+#include <gtest/gtest.h>
+
+#include "recurse/core/sampling.h"
+#include "recurse/model/plugIns.h"
+
+using namespace recurse;
+
+namespace {
+
+/** A light with what its maker and it refer to. */
+struct LightUse {
+  std::string text;
+  std::unique_ptr<Shape> shape; ///< of area lights
+  std::unique_ptr<Light> light;
+  const Light* operator->() const { return light.get(); }
+};
+
+constexpr SceneBounds BOUNDS{{0.5f, 0.25f, -0.5f}, 2.5f};
+
+void makeEveryLight(std::vector<LightUse>& uses) {
+  Diagnostics diagnostics;
+  Mat4d placed(1); // a rotation, and a place beside the origin
+  placed[0] = {0.6, 0, -0.8, 0};
+  placed[1] = {-0.48, 0.8, -0.36, 0};
+  placed[2] = {0.64, 0.6, 0.48, 0};
+  placed[3] = {0.25, -0.5, 0.75, 1};
+  Mat4d stretched = placed;
+  stretched[0] *= 1.5;
+  stretched[1] *= 0.75;
+  const auto add = [&](std::string text, std::unique_ptr<Shape> shape, std::unique_ptr<Light> light) {
+    ASSERT_TRUE(light) << text << "\n" << diagnostics.format();
+    light->prepare(BOUNDS);
+    uses.push_back({std::move(text), std::move(shape), std::move(light)});
+  };
+  for (const auto& entry : plugIns().lights.entries())
+    for (const std::string& example : entry.examples)
+      add(entry.name + " " + example, nullptr,
+          plugIns().lights.make(parseParameterText(entry.name, example), LightContext{placed}, diagnostics));
+  const std::tuple<const char*, const char*, Mat4d> shapes[] = {
+      {"sphere", "\"float radius\" .3", placed},
+      {"sphere", "\"float radius\" .3", stretched},
+      {"disk", "\"float radius\" .4", placed},
+      {"trianglemesh", "\"integer indices\" [0 1 2 2 1 3] \"point3 P\" [0 0 0  1 0 0  0 .7 0  1 1 .3]",
+       placed},
+      {"bilinearmesh", "\"point3 P\" [0 0 0  1 0 .3  0 1 .4  1.2 1.1 -.2]", placed},
+  };
+  for (const auto& entry : plugIns().areaLights.entries())
+    for (const std::string& example : entry.examples)
+      for (const auto& [name, parameters, place] : shapes) {
+        auto shape =
+            plugIns().shapes.make(parseParameterText(name, parameters), ShapeContext{place}, diagnostics);
+        ASSERT_TRUE(shape);
+        auto light =
+            plugIns().areaLights.make(parseParameterText(entry.name, example), {*shape}, diagnostics);
+        add(entry.name + " " + example + " on " + name, std::move(shape), std::move(light));
+      }
+}
+
+const std::vector<LightUse>& everyLight() {
+  static const std::vector<LightUse> ALL = [] {
+    std::vector<LightUse> uses;
+    makeEveryLight(uses);
+    return uses;
+  }();
+  return ALL;
+}
+
+LeRandom leRandom(uint32_t index) {
+  Sampler sampler(1, 2, index);
+  const float pick = sampler.next1D();
+  const Vec2f place = sampler.next2D();
+  return {pick, place, sampler.next2D()};
+}
+
+bool isInfinite(const Light& light) {
+  return light.kind() == LightKind::DISTANT || light.kind() == LightKind::ENVIRONMENT;
+}
+
+/** Mean and standard error of what is added. */
+class Mean {
+ public:
+  void add(double x) {
+    ++count;
+    const double d = x - mean;
+    mean += d / count;
+    squares += d * (x - mean);
+  }
+  double value() const { return mean; }
+  double error() const { return std::sqrt(squares) / count; }
+
+ private:
+  double count = 0, mean = 0, squares = 0;
+};
+
+} // namespace
+
+TEST(Lights, EmittedRaysHaveTheDensitiesThatAreToldOfThem) {
+  for (const LightUse& light : everyLight()) {
+    int sampled = 0;
+    for (uint32_t i = 0; i < 2000; ++i) {
+      const auto s = light->sampleLe(leRandom(i));
+      if (!s) continue;
+      ++sampled;
+      const LePdf told = light->pdfLe(*s);
+      ASSERT_EQ(told.deltaPosition, light->kind() == LightKind::POINT) << light.text;
+      ASSERT_EQ(told.deltaDirection, light->kind() == LightKind::DISTANT) << light.text;
+      if (told.deltaPosition) {
+        ASSERT_EQ(told.position, 0) << light.text;
+        ASSERT_EQ(s->pdfPosition, 1) << light.text;
+      } else {
+        ASSERT_NEAR(told.position / s->pdfPosition, 1, 1e-3) << light.text;
+      }
+      if (told.deltaDirection) {
+        ASSERT_EQ(told.direction, 0) << light.text;
+        ASSERT_EQ(s->pdfDirection, 1) << light.text;
+      } else {
+        ASSERT_NEAR(told.direction, s->pdfDirection, 1e-3f * s->pdfDirection + 1e-5f) << light.text;
+      }
+      ASSERT_NEAR(glm::length(s->direction), 1, 1e-5) << light.text;
+      const bool surface = light->kind() == LightKind::AREA;
+      ASSERT_NEAR(glm::length(s->normal), surface ? 1 : 0, 1e-5) << light.text;
+      const float cosine = surface ? absDot(s->normal, s->direction) : 1;
+      const Rgb product = s->flux * (s->pdfPosition * s->pdfDirection), expected = s->radiance * cosine;
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(product[c], expected[c], 1e-4f * (expected[c] + s->flux[c] * s->pdfPosition))
+            << light.text;
+    }
+    EXPECT_GT(sampled, 1000) << light.text;
+  }
+}
+
+TEST(Lights, DensitiesOfEmissionIntegrateToOne) {
+  for (const LightUse& light : everyLight()) {
+    const int n = light.shape ? 256 : 512; // strata along the axis and around it
+    const auto start = light->sampleLe(leRandom(7));
+    ASSERT_TRUE(start) << light.text;
+    double directions = 0;
+    for (int i = 0; i < n; ++i)
+      for (int k = 0; k < n; ++k) {
+        LeRay ray = *start;
+        ray.direction = uniformSphere((Vec2f(i, k) + 0.5f) / float(n));
+        directions += double(light->pdfLe(ray).direction) * 4 * M_PI / (double(n) * n);
+      }
+    if (light->kind() != LightKind::DISTANT) {
+      EXPECT_NEAR(directions, 1, 5e-3) << light.text;
+    }
+    if (light->kind() == LightKind::POINT) continue;
+    // The area is the mean of one over the density of its points.
+    Mean area;
+    for (uint32_t i = 0; i < 20000; ++i)
+      if (const auto s = light->sampleLe(leRandom(i))) area.add(1 / double(s->pdfPosition));
+    const double expected =
+        isInfinite(*light.light) ? M_PI * square(double(BOUNDS.radius)) : double(light.shape->area());
+    EXPECT_NEAR(area.value(), expected, 4 * area.error() + 1e-4 * expected) << light.text;
+  }
+}
+
+TEST(Lights, MeanFluxOfPhotonsIsThePower) {
+  for (const LightUse& light : everyLight()) {
+    Mean flux[3];
+    for (uint32_t i = 0; i < 20000; ++i) {
+      const auto s = light->sampleLe(leRandom(i));
+      for (int c = 0; c < 3; ++c) flux[c].add(s ? double(s->flux[c]) : 0);
+    }
+    const Rgb power = light->power();
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(flux[c].value(), double(power[c]), 4 * flux[c].error() + 1e-4 * double(power[c]))
+          << light.text;
+  }
+}
+
+TEST(Lights, DirectionsTowardsLightsHaveTheDensitiesThatAreToldOfThem) {
+  const Vec3f from(0.75f, 0.5f, -1);
+  for (const LightUse& light : everyLight())
+    for (uint32_t i = 0; i < 1000; ++i) {
+      const LeRandom u = leRandom(i);
+      const auto s = light->sampleLi(from, u.pick, u.place);
+      if (!s) continue;
+      ASSERT_NEAR(glm::length(s->direction), 1, 1e-5) << light.text;
+      ASSERT_EQ(s->delta, light->isDelta()) << light.text;
+      ASSERT_EQ(s->distance == INFINITE, isInfinite(*light.light)) << light.text;
+      if (!isInfinite(*light.light)) {
+        ASSERT_NEAR(glm::distance(from + s->direction * s->distance, s->target), 0, 1e-4) << light.text;
+      }
+      if (isInfinite(*light.light)) { // a ray of the light that comes to the point
+        const LePdf told = light->pdfLe(s->emitted()),
+                    expected = light->pdfLe({from + s->direction, -s->direction});
+        ASSERT_NEAR(told.position, expected.position, 1e-3f * expected.position) << light.text;
+        ASSERT_EQ(told.direction, expected.direction) << light.text;
+      }
+      if (const auto* area = dynamic_cast<const AreaLight*>(light.light.get())) {
+        SurfacePoint point;
+        point.position = s->target;
+        point.geometricNormal = s->normal;
+        ASSERT_NEAR(area->pdfLi(from, s->primitive, point) / s->pdf, 1, 1e-2) << light.text;
+      } else if (const auto* sky = dynamic_cast<const EnvironmentLight*>(light.light.get())) {
+        ASSERT_NEAR(sky->pdfLi(from, s->direction) / s->pdf, 1, 1e-3) << light.text;
+        for (int c = 0; c < 3; ++c)
+          ASSERT_NEAR(sky->radiance(s->direction)[c], s->radiance[c], 1e-3f * (1 + s->radiance[c]))
+              << light.text;
+      } else {
+        ASSERT_EQ(s->pdf, 1) << light.text;
+      }
+    }
+}
+
+/** The forward pass and the backward pass tell the same of the light that comes to a disc. */
+TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
+  constexpr float RADIUS = 0.6f;
+  for (const LightUse& light : everyLight()) {
+    Vec3f center(0.75f, 0.5f, -1);
+    if (light->kind() == LightKind::POINT) { // may shine in one direction only
+      const auto s = light->sampleLe(leRandom(3));
+      ASSERT_TRUE(s) << light.text;
+      center = s->origin + s->direction * 1.25f;
+    }
+    const Frame frame(glm::normalize(Vec3f(0.4f, -0.5f, 1)));
+    // A closed surface is in its own way.
+    const auto blocked = [&](const Vec3f& origin, const Vec3f& direction, float distance) {
+      return light.shape && !light.shape->triangleMesh() &&
+             light.shape->intersect(0, origin, direction, 0, distance);
+    };
+    // Of surroundings, what is not brighter than the rest is left to uniform sampling.
+    const auto* sky = dynamic_cast<const EnvironmentLight*>(light.light.get());
+    constexpr float UNIFORM = 1 / (4 * PI);
+    Mean photons, sampled;
+    for (uint32_t i = 0; i < 100000; ++i) {
+      const LeRandom u = leRandom(i);
+      const Vec2f on = uniformDisk(u.direction) * RADIUS;
+      const Vec3f point = center + frame.x * on.x + frame.y * on.y;
+      const auto l = light->sampleLi(point, u.pick, u.place);
+      const bool sees = l && !blocked(l->target, -l->direction, l->distance);
+      double brought = 0;
+      if (sees)
+        brought =
+            double(luminance(l->radiance) * absDot(l->direction, frame.z) / (l->pdf + (sky ? UNIFORM : 0)));
+      if (sky) {
+        const Vec3f d = uniformSphere(leRandom(i + 1000000).direction);
+        brought +=
+            double(luminance(sky->radiance(d)) * absDot(d, frame.z) / (sky->pdfLi(point, d) + UNIFORM));
+      }
+      sampled.add(brought * M_PI * square(double(RADIUS)));
+      const auto s = light->sampleLe(u);
+      const float t = s ? glm::dot(center - s->origin, frame.z) / glm::dot(s->direction, frame.z) : -1;
+      const bool arrives = t > 0 && glm::distance(s->origin + s->direction * t, center) < RADIUS &&
+                           !blocked(s->origin, s->direction, t);
+      photons.add(arrives ? double(luminance(s->flux)) : 0);
+    }
+    EXPECT_NEAR(photons.value(), sampled.value(),
+                4 * std::hypot(photons.error(), sampled.error()) + 1e-4 * sampled.value())
+        << light.text;
+    EXPECT_LT(photons.error(), 0.1 * photons.value()) << light.text; // it has seen something
+  }
+}

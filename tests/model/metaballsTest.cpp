@@ -1,0 +1,164 @@
+/** @file
+ * Metaballs against interval arithmetic.
+ */
+#include "model/shapeTesting.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+struct Ball {
+  Vec3d center;
+  double radius, strength;
+};
+
+struct Interval {
+  double low, high;
+};
+
+/** The quartic field along a line, and bounds of it over a part of the line. */
+struct Field {
+  std::vector<Ball> balls;
+  double threshold = 0.5;
+
+  double at(const Vec3d& p) const {
+    double f = -threshold;
+    for (const Ball& b : balls) {
+      const double q = glm::dot(p - b.center, p - b.center) / square(b.radius);
+      if (q < 1) f += b.strength * square(1 - q);
+    }
+    return f;
+  }
+  Interval over(const Vec3d& o, const Vec3d& d, double t0, double t1) const {
+    Interval f{-threshold, -threshold};
+    for (const Ball& b : balls) {
+      const double middle = glm::dot(b.center - o, d);
+      const auto q = [&](double t) {
+        const Vec3d away = o + d * t - b.center;
+        return glm::dot(away, away) / square(b.radius);
+      };
+      const double qHigh = std::max(q(t0), q(t1)), qLow = q(std::clamp(middle, t0, t1));
+      const auto fall = [](double x) { return x < 1 ? square(1 - x) : 0; };
+      const double low = b.strength * fall(qHigh), high = b.strength * fall(qLow);
+      f.low += std::min(low, high);
+      f.high += std::max(low, high);
+    }
+    return f;
+  }
+  /** Roots by bisection of whatever may hold one, down to `resolution`. */
+  void roots(const Vec3d& o, const Vec3d& d, double t0, double t1, double resolution,
+             std::vector<double>& found) const {
+    const Interval f = over(o, d, t0, t1);
+    if (f.low > 0 || f.high < 0) return;
+    const double middle = 0.5 * (t0 + t1);
+    if (t1 - t0 < resolution) {
+      if ((at(o + d * t0) < 0) != (at(o + d * t1) < 0)) found.push_back(middle);
+      return;
+    }
+    roots(o, d, t0, middle, resolution, found);
+    roots(o, d, middle, t1, resolution, found);
+  }
+};
+
+} // namespace
+
+TEST(Metaballs, AreMetWhereIntervalArithmeticFindsThem) {
+  Random random(31);
+  size_t rays = 0, crossed = 0, disagreed = 0;
+  for (int scene = 0; scene < 40; ++scene) {
+    Field field;
+    std::string p, radius, strength;
+    const int count = 1 + scene % 8;
+    for (int i = 0; i < count; ++i) {
+      const Ball b{random.direction() * random.uniform(0, 0.8), random.uniform(0.3, 1),
+                   random.uniform() < 0.8 || i == 0 ? random.uniform(0.6, 1.5) : random.uniform(-1, 0)};
+      field.balls.push_back(b);
+      std::ostringstream number;
+      number.precision(17);
+      number << b.center.x << " " << b.center.y << " " << b.center.z << " ";
+      p += number.str();
+      number.str("");
+      number << b.radius << " ";
+      radius += number.str();
+      number.str("");
+      number << b.strength << " ";
+      strength += number.str();
+    }
+    const auto shape = make("metaballs", "\"point3 P\" [" + p + "] \"float radius\" [" + radius +
+                                             "] \"float strength\" [" + strength + "]");
+    const auto solid = shape->asSolid();
+    for (int i = 0; i < 500; ++i) {
+      const Vec3d o = random.direction() * 3.0;
+      const Vec3d d = glm::normalize(random.direction() * random.uniform(0, 1.2) - o);
+      std::vector<Solid::Crossing> found;
+      solid->crossings(o, d, found);
+      std::vector<double> expected;
+      constexpr double RESOLUTION = 1e-9;
+      field.roots(o, d, 0, 6, RESOLUTION, expected);
+      ++rays;
+      crossed += !expected.empty();
+      if (found.size() != expected.size()) {
+        ++disagreed; // two roots in one step of the search, or grazing by rounding
+        continue;
+      }
+      for (size_t k = 0; k < found.size(); ++k) {
+        EXPECT_NEAR(found[k].t, expected[k], 2 * RESOLUTION);
+        EXPECT_EQ(found[k].entering, k % 2 == 0);
+      }
+    }
+  }
+  EXPECT_GT(crossed, rays / 4);
+  EXPECT_EQ(disagreed, 0u);
+}
+
+TEST(Metaballs, ThinNecksAreNotLost) {
+  // Two balls whose fields add up to little more than the threshold in the middle: rays through the neck meet
+  // it.
+  const double reach = std::sqrt(1 - std::sqrt(0.25)); // where one field is 1/4
+  for (const double closer : {1e-3, 1e-5, 1e-7, 1e-9}) {
+    std::ostringstream text;
+    text.precision(17);
+    const double x = reach * (1 - closer);
+    text << "\"point3 P\" [" << -x << " 0 0 " << x << " 0 0]";
+    const auto shape = make("metaballs", text.str());
+    const auto solid = shape->asSolid();
+    Random random(32);
+    for (int i = 0; i < 1000; ++i) {
+      Vec3d d = random.direction();
+      d.x *= 1e-3;
+      d = glm::normalize(d);
+      std::vector<Solid::Crossing> found;
+      solid->crossings(d * -2.0, d, found);
+      ASSERT_EQ(found.size(), 2u) << closer;
+      EXPECT_LT(found[0].t, 2) << closer;
+      EXPECT_GT(found[1].t, 2) << closer;
+    }
+  }
+}
+
+TEST(Metaballs, RaysFindTheNearestInAnyCloud) {
+  // The renderer looks at rays piece by piece: the same as the whole line at once.
+  Random random(33);
+  std::ostringstream text;
+  text << "\"float radius\" .08 \"point3 P\" [";
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3d p = random.direction() * std::cbrt(random.uniform());
+    text << p.x << " " << p.y << " " << p.z << " ";
+  }
+  const auto shape = make("metaballs", text.str() + "]");
+  const auto solid = shape->asSolid();
+  int met = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3f o(random.direction() * random.uniform(0, 2)), d(random.direction());
+    std::vector<Solid::Crossing> found;
+    solid->crossings(o, d, found);
+    std::erase_if(found, [](const Solid::Crossing& c) { return !(static_cast<float>(c.t) > 0); });
+    const auto hit = shape->intersect(0, o, d, 0, INFINITE);
+    ASSERT_EQ(hit.has_value(), !found.empty());
+    if (!hit) continue;
+    ++met;
+    EXPECT_NEAR(double(hit->t), found[0].t, 1e-6);
+  }
+  EXPECT_GT(met, 1000);
+}

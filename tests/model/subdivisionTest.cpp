@@ -1,0 +1,84 @@
+/** @file
+ * Subdivision surfaces against what is known of their limits.
+ */
+#include "model/shapeTesting.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+TEST(LoopSubdivision, LimitOfAnOctahedronIsRound) {
+  // By symmetry a vertex stays on its axis, at the limit mask's distance; a plane stays a plane.
+  const char* octahedron = "\"point3 P\" [1 0 0 -1 0 0 0 1 0 0 -1 0 0 0 1 0 0 -1] \"integer indices\" "
+                           "[0 2 4 2 1 4 1 3 4 3 0 4 2 0 5 1 2 5 3 1 5 0 3 5]";
+  for (const int levels : {1, 3}) {
+    const auto shape = make("loopsubdiv", "\"integer levels\" " + std::to_string(levels) + " " + octahedron);
+    const TriangleMesh& mesh = *shape->triangleMesh();
+    EXPECT_EQ(mesh.indices().size(), 8u << (2 * levels));
+    // The limit of valence 4: the neighbours' mean is 0, so that 1 - n w is left, w = 1 / (n + 3 / (8 β)), β
+    // = 3/32.
+    for (int k = 0; k < 6; ++k) EXPECT_NEAR(glm::length(mesh.positions()[k]), 0.5, 1e-6) << levels;
+    EXPECT_NO_THROW(shape->asSolid());
+    EXPECT_TRUE(shape->asSolid()->normalsPointIn()); // as pbrt-v4 has it
+  }
+  const auto flat =
+      make("loopsubdiv", "\"point3 P\" [0 0 1 1 0 1 0 1 1 1 1 1] \"integer indices\" [0 1 2 1 3 2]");
+  for (uint32_t i = 0; i < flat->primitiveCount(); ++i) {
+    const SurfacePoint p = flat->surfaceAt(i, HitParameters(Vec2f(0.3f)));
+    EXPECT_FLOAT_EQ(p.position.z, 1);
+    EXPECT_NEAR(p.shadingNormal.z, -1, 1e-6);
+  }
+}
+
+TEST(CatmullClark, LimitDoesNotDependOnTheLevels) {
+  const char* cube = " \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1] "
+                     "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5]";
+  const auto coarse = make("catmullclark", "\"integer levels\" 1" + std::string(cube)),
+             fine = make("catmullclark", "\"integer levels\" 4" + std::string(cube));
+  const TriangleMesh &a = *coarse->triangleMesh(), &b = *fine->triangleMesh();
+  EXPECT_EQ(b.indices().size(), 6u * 256 * 2);
+  // The vertices of the coarse mesh are the first of the fine one.
+  for (size_t i = 0; i < a.positions().size(); ++i)
+    EXPECT_LT(glm::length(a.positions()[i] - b.positions()[i]), 1e-6f) << i;
+  // Corners by symmetry on the diagonals, with normals along them.
+  const Vec3f corner = b.positions()[7] - Vec3f(.5f);
+  EXPECT_NEAR(corner.x, corner.y, 1e-6);
+  EXPECT_NEAR(corner.x, corner.z, 1e-6);
+  EXPECT_FALSE(fine->asSolid()->normalsPointIn());
+  for (uint32_t i = 0; i < fine->primitiveCount(); ++i) {
+    const SurfacePoint p = fine->surfaceAt(i, HitParameters(Vec2f(1 / 3.0f)));
+    EXPECT_GT(glm::dot(p.shadingNormal, glm::normalize(p.position - Vec3f(.5f))), .9f);
+    EXPECT_GT(glm::dot(p.shadingNormal, p.geometricNormal), .98f);
+  }
+}
+
+TEST(CatmullClark, AGridIsABSpline) {
+  // The limit over a regular grid is the uniform bicubic B-spline of its positions.
+  const auto height = [](int x, int y) { return std::sin(1.3 * x) + std::cos(.7 * y * x); };
+  std::ostringstream text;
+  text << "\"integer levels\" 3 \"point3 P\" [";
+  for (int y = 0; y < 6; ++y)
+    for (int x = 0; x < 6; ++x) text << x << " " << y << " " << height(x, y) << " ";
+  text << "] \"integer indices\" [";
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 5; ++x)
+      text << y * 6 + x << " " << y * 6 + x + 1 << " " << y * 6 + x + 7 << " " << y * 6 + x + 6 << " ";
+  const auto shape = make("catmullclark", text.str() + "]");
+  int compared = 0;
+  for (const Vec3f& p : shape->triangleMesh()->positions()) {
+    if (p.x < 1 || p.x >= 4 || p.y < 1 || p.y >= 4) continue; // the boundary has rules of its own
+    const auto weights = [](double t) {
+      return std::array<double, 4>{(1 - t) * (1 - t) * (1 - t) / 6, (3 * t * t * t - 6 * t * t + 4) / 6,
+                                   (-3 * t * t * t + 3 * t * t + 3 * t + 1) / 6, t * t * t / 6};
+    };
+    // Vertices come out at rational places but for rounding.
+    const double px = std::round(double(p.x) * 64) / 64, py = std::round(double(p.y) * 64) / 64;
+    const int x = int(px), y = int(py);
+    const auto wx = weights(px - x), wy = weights(py - y);
+    double z = 0;
+    for (int i = 0; i < 4; ++i)
+      for (int k = 0; k < 4; ++k) z += wx[size_t(i)] * wy[size_t(k)] * height(x + i - 1, y + k - 1);
+    EXPECT_NEAR(double(p.z), z, 1e-5) << p.x << " " << p.y;
+    ++compared;
+  }
+  EXPECT_GT(compared, 500);
+}

@@ -1,0 +1,227 @@
+"""The page of `recurse render --live` in headless Chromium: python3 livePageTest.py PROGRAM.
+
+It must show the picture as it grows, as the program develops it, tell the values of its pixels, and stop the render.
+"""
+
+import json
+import os
+import re
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import urllib.error
+import urllib.request
+
+from browser import Browser, BrowserError
+
+PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
+SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "cornell-mix.pbrt")
+SIZE = 32
+browser = None
+
+
+class Render:
+    """A render under way with a page."""
+
+    def __init__(self, *options):
+        self.folder = tempfile.TemporaryDirectory(prefix="recurse-live-page-")
+        self.output = self.folder.name + "/out.exr"
+        self.process = subprocess.Popen(
+            [PROGRAM, "render", SCENE, "-o", self.output, "--resolution", f"{SIZE}x{SIZE}", "--integrator", "path",
+             "--spp", "1000000", "--time-limit", "120s", "--progress", "off", *options],
+            stderr=subprocess.PIPE, text=True)
+        self.url = None
+        for line in self.process.stderr:
+            found = re.search(r"http://\S+", line)
+            if found:
+                self.url = found.group(0)
+                break
+
+    def get(self, path):
+        with urllib.request.urlopen(self.url + path, timeout=10) as answer:
+            return answer.read()
+
+    def state(self):
+        return json.loads(self.get("state"))
+
+    def wait(self):
+        self.process.communicate(timeout=60)
+        return self.process.returncode
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stderr.close()
+        self.folder.cleanup()
+
+
+def until(condition, seconds=30):
+    end = time.monotonic() + seconds
+    while not condition():
+        if time.monotonic() > end:
+            raise AssertionError("it did not come to that")
+        time.sleep(0.1)
+
+
+class LivePage(unittest.TestCase):
+    def setUp(self):
+        self.render = Render("--live")
+        self.assertIsNotNone(self.render.url)
+        self.assertTrue(self.render.url.startswith("http://127.0.0.1:"))
+
+    def tearDown(self):
+        self.render.close()
+
+    def text(self, identifier):
+        return browser.evaluate(f"document.getElementById('{identifier}').textContent")
+
+    def place(self, x, y):
+        """Where the middle of a pixel is in the window; the picture is fitted into the stage."""
+        zoom, left, top, width, height = browser.evaluate(
+            "(() => { const b = document.getElementById('view').getBoundingClientRect();"
+            "return [parseInt(document.getElementById('zoomText').textContent) / 100,"
+            "b.left, b.top, b.width, b.height]; })()")
+        return (left + (width - SIZE * zoom) / 2 + (x + 0.5) * zoom, top + (height - SIZE * zoom) / 2 + (y + 0.5) * zoom)
+
+    def shownPixel(self, x, y):
+        browser.settle()
+        x, y = self.place(x, y)
+        return browser.evaluate(
+            "(() => { const v = document.getElementById('view'), b = v.getBoundingClientRect();"
+            "const c = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
+            f"c.drawImage(v, {x} - b.left, {y} - b.top, 1, 1, 0, 0, 1, 1);"
+            "return [...c.getImageData(0, 0, 1, 1).data]; })()")[:3]
+
+    def version(self):
+        return int(browser.evaluate("document.body.dataset.version ?? '0'"))
+
+    def testShowsThePictureAndStops(self):
+        browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
+        first = self.version()
+        until(lambda: self.version() > first)  # it grows
+        self.assertIn(f"{SIZE}x{SIZE}", self.text("label"))
+        self.assertIn("samples", "samples " + self.text("samples"))
+        self.assertGreater(float(self.text("samples")), 0)
+        self.assertRegex(self.text("left"), r"\d")
+
+        # Brighter by the slider, and as the program itself develops it.
+        dark = sum(self.shownPixel(9, 24))
+        browser.evaluate("document.getElementById('exposure').value = 2,"
+                         "document.getElementById('exposure').dispatchEvent(new Event('input'))")
+        until(lambda: sum(self.shownPixel(9, 24)) > dark + 60)
+        browser.evaluate("document.getElementById('operator').value = 'none',"
+                         "document.getElementById('operator').dispatchEvent(new Event('change'))")
+        until(lambda: "none" in browser.evaluate("document.body.dataset.shown"))
+        shown, stops = self.shownPixel(9, 24), float(self.text("exposureText"))
+        linear = json.loads(self.render.get("pixel?x=9&y=24"))
+        for value, byte in zip(linear, shown):
+            x = min(value * 2 ** stops, 1)
+            expected = 255 * (12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055)
+            self.assertAlmostEqual(byte, expected, delta=12)  # the picture grows between the questions
+
+        # Values of a pixel.
+        browser.clickAt(*self.place(9, 24))
+        until(lambda: len(self.text("pixelShown").split()) == 3)
+        for shown, value in zip(self.text("pixelShown").split(), linear):
+            self.assertAlmostEqual(float(shown), value, delta=0.1 * value + 0.01)
+
+        # The button ends the render, which writes what there is.
+        browser.click("document.getElementById('stop')")
+        self.assertEqual(self.render.wait(), 130)
+        self.assertTrue(os.path.exists(self.render.output))
+        until(lambda: self.text("phase") in ("ended", "finished"))
+        self.assertEqual([c for c in browser.complaints if "ERR_CONNECTION" not in c], [])
+        self.assertTrue(all(url.startswith((self.render.url, "data:")) for url in browser.requests), browser.requests)
+
+    def testRefusesWhatItDoesNotKnow(self):
+        until(lambda: self.render.state()["version"] > 0)
+        for path in ("shown?tonemap=filmc", "shown?exposure=bright", "pixel?x=99&y=0", "pixel?x=a&y=0", "nothing"):
+            with self.assertRaises(urllib.error.HTTPError) as caught:
+                self.render.get(path)
+            self.assertIn(caught.exception.code, (400, 404), path)
+            caught.exception.close()
+        # A page from elsewhere cannot stop it.
+        request = urllib.request.Request(self.render.url + "stop", b"", {"Origin": "http://example.org"})
+        with self.assertRaises(urllib.error.HTTPError) as caught:
+            urllib.request.urlopen(request, timeout=10)
+        self.assertEqual(caught.exception.code, 403)
+        caught.exception.close()
+        self.assertFalse(self.render.state()["stopped"])
+
+    def testPortInUseIsAnError(self):
+        port = self.render.url.rsplit(":", 1)[1].strip("/")
+        other = subprocess.run([PROGRAM, "render", SCENE, "-o", os.devnull + ".exr", "--live", "--live-address",
+                                "127.0.0.1:" + port], stderr=subprocess.PIPE, text=True)
+        self.assertNotEqual(other.returncode, 0)
+
+
+class DisplayServer(unittest.TestCase):
+    """Reads the packets of the tev protocol."""
+
+    def testReceivesThePicture(self):
+        server = socket.create_server(("127.0.0.1", 0))
+        packets = []
+
+        def serve():
+            connection, _ = server.accept()
+            with connection, connection.makefile("rb") as stream:
+                while True:
+                    head = stream.read(4)
+                    if len(head) < 4:
+                        return
+                    packets.append(stream.read(struct.unpack("<I", head)[0] - 4))
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([PROGRAM, "render", SCENE, "-o", folder + "/a.exr", "--resolution", f"{SIZE}x{SIZE}",
+                            "--integrator", "path", "--spp", "64", "-q", "--display-server",
+                            "127.0.0.1:%d" % server.getsockname()[1]], check=True)
+            info = subprocess.run([PROGRAM, "info", folder + "/a.exr", "--pixel", "9,24"], check=True,
+                                  stdout=subprocess.PIPE, text=True).stdout
+        thread.join(30)
+        server.close()
+        self.assertEqual(packets[0][0], 4)  # CreateImage
+        name, _, rest = packets[0][2:].partition(b"\0")
+        self.assertEqual(struct.unpack("<iii", rest[:12]), (SIZE, SIZE, 3))
+        self.assertEqual(rest[12:], b"R\0G\0B\0")
+        last = {}
+        for packet in packets[1:]:
+            self.assertEqual(packet[0], 3)  # UpdateImage
+            title, channel, data = packet[2:].split(b"\0", 2)
+            self.assertEqual(title, name)
+            self.assertEqual(struct.unpack("<iiii", data[:16]), (0, 0, SIZE, SIZE))
+            last[channel.decode()] = struct.unpack("<%df" % (SIZE * SIZE), data[16:])
+        for line in info.splitlines():
+            channel, value = line.split()
+            self.assertAlmostEqual(last[channel][24 * SIZE + 9], float(value), delta=1e-5 * abs(float(value)))
+
+    def testAServerThatIsNotThereDoesNotStopTheRender(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            port = taken.getsockname()[1]
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([PROGRAM, "render", SCENE, "-o", folder + "/a.exr", "--resolution", "16x16",
+                                   "--integrator", "path", "--time-limit", "3s", "-q", "--display-server",
+                                   f"127.0.0.1:{port}"], stderr=subprocess.PIPE, text=True)
+            self.assertEqual(done.returncode, 0)
+            self.assertIn("the render goes on without it", done.stderr)
+            self.assertEqual(done.stderr.count("the render goes on"), 1)
+            self.assertTrue(os.path.exists(folder + "/a.exr"))
+
+
+if __name__ == "__main__":
+    if not PROGRAM:
+        raise SystemExit(__doc__)
+    try:
+        browser = Browser()
+    except BrowserError as problem:
+        raise SystemExit(str(problem))
+    try:
+        unittest.main(argv=sys.argv[:1])
+    finally:
+        browser.close()

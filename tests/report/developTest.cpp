@@ -1,0 +1,188 @@
+/** @file
+ * Developing: exposure of pictures that are dark, bright, mostly black or with lamps in them; white balance,
+ * encodings, dither.
+ */
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include <unistd.h>
+
+#include "recurse/core/error.h"
+#include "recurse/model/plugIns.h"
+#include "recurse/report/develop.h"
+
+using namespace recurse;
+
+namespace {
+
+Image filled(int width, int height, const std::function<Rgb(int, int)>& colour) {
+  Image image(width, height, {"R", "G", "B"});
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const Rgb c = colour(x, y);
+      for (int i = 0; i < 3; ++i) image.at(x, y)[i] = c[i];
+    }
+  return image;
+}
+
+/** A picture whose luminance is evenly spread over two stops around `middle`. */
+Image shades(float middle, float scale = 1) {
+  return filled(60, 40, [&](int x, int y) {
+    return Rgb(scale * middle * std::exp2(2 * (float((x * 7 + y * 13) % 60) + 0.5f) / 60 - 1));
+  });
+}
+
+DevelopSettings plain() {
+  DevelopSettings settings;
+  settings.exposure = {Exposure::Meter::NONE, 0, 0};
+  return settings;
+}
+
+} // namespace
+
+TEST(Metering, LogAverageBecomesMiddleGreyAtAnyBrightness) {
+  for (float middle : {1e-6f, 0.01f, 1.0f, 3e4f})
+    EXPECT_NEAR(meteredStops(shades(middle)), std::log2(GREY_CARD / middle), 0.05) << middle;
+  EXPECT_NEAR(meteredStops(filled(8, 8, [](int, int) { return Rgb(5); })), std::log2(GREY_CARD / 5), 1e-5);
+}
+
+TEST(Metering, LampsBlackAndBrokenPixelsDoNotCount) {
+  const double stops = meteredStops(shades(0.05f));
+  Image lamp = shades(0.05f);
+  for (int x = 20; x < 28; ++x)
+    for (int y = 2; y < 14; ++y) // four pixels in a hundred
+      for (int c = 0; c < 3; ++c) lamp.at(x, y)[c] = 1e5f;
+  EXPECT_NEAR(meteredStops(lamp), stops, 0.35);
+  // The same thing small in a black picture.
+  const Image thing = shades(0.05f);
+  const Image mostlyBlack =
+      filled(240, 160, [&](int x, int y) { return x < 60 && y < 40 ? thing.rgb(x, y) : BLACK; });
+  EXPECT_NEAR(meteredStops(mostlyBlack), stops, 0.02);
+  Image broken = shades(0.05f);
+  broken.at(3, 3)[0] = std::numeric_limits<float>::infinity();
+  broken.at(4, 3)[0] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NEAR(meteredStops(broken), stops, 0.02);
+  EXPECT_EQ(meteredStops(filled(8, 8, [](int, int) { return BLACK; })), 0);
+}
+
+TEST(Metering, WhatIsLitIsNotBurntWhereTheRestIsDark) {
+  // A patch of a twentieth of the picture, and ten stops below it the room.
+  const Image patch = filled(100, 100, [](int x, int y) { return Rgb(x < 25 && y < 24 ? 1.0f : 1e-3f); });
+  const double shown = std::exp2(meteredStops(patch));
+  EXPECT_LT(shown, 4) << "over the white of the filmic curve";
+  EXPECT_GT(shown, 0.1);
+}
+
+TEST(Metering, PercentileComesToWhite) {
+  Image ramp = filled(1000, 1, [](int x, int) { return Rgb(float(x + 1) / 100); });
+  EXPECT_NEAR(std::exp2(stopsFor({Exposure::Meter::PERCENTILE, 98, 0}, ramp)), 1 / 9.8, 1e-3);
+  EXPECT_NEAR(std::exp2(stopsFor({Exposure::Meter::PERCENTILE, 100, 2}, ramp)), 0.4, 1e-3);
+}
+
+TEST(Develop, DoesNotDependOnTheSceneUnit) {
+  DevelopSettings settings;
+  Diagnostics diagnostics;
+  settings.toneMap = plugIns().toneMaps.make(parseParameterText("filmic", ""), NoContext{}, diagnostics);
+  const Developed a = develop(shades(0.3f), settings), b = develop(shades(0.3f, 1e5f), settings);
+  for (size_t i = 0; i < a.picture.pixels.size(); ++i)
+    ASSERT_NEAR(a.picture.pixels[i], b.picture.pixels[i], 1e-4f);
+  EXPECT_NEAR(a.stops - b.stops, std::log2(1e5), 1e-3);
+}
+
+TEST(Develop, PlainIsTheSrgbEncodingAndFileValues) {
+  const Image in = filled(64, 1, [](int x, int) { return Rgb(float(x) / 50, 0.002f, -1); });
+  const Image out = develop(in, plain()).picture;
+  for (int x = 0; x < 64; ++x) {
+    const float linear = std::min(float(x) / 50, 1.0f);
+    EXPECT_NEAR(out.rgb(x, 0).r,
+                linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f, 1e-6f);
+    EXPECT_NEAR(out.rgb(x, 0).g, 12.92f * 0.002f, 1e-6f);
+    EXPECT_EQ(out.rgb(x, 0).b, 0);
+  }
+  const std::string folder =
+      (std::filesystem::temp_directory_path() / ("recurse-develop-" + std::to_string(::getpid()))).string();
+  std::filesystem::create_directories(folder);
+  writeImage(folder + "/a.png", out, {.encoded = true});
+  writeImage(folder + "/b.png", in);
+  EXPECT_EQ(readImage(folder + "/a.png").pixels, readImage(folder + "/b.png").pixels);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Develop, EncodingsAreThePublishedOnes) {
+  const Image in = filled(3, 1, [](int x, int) { return Rgb(float(x) / 2); });
+  const auto middle = [&](const std::string& name) {
+    DevelopSettings settings = plain();
+    settings.display = DisplayEncoding(name);
+    const Image out = develop(in, settings).picture;
+    EXPECT_EQ(out.rgb(0, 0), BLACK) << name;
+    EXPECT_NEAR(out.rgb(2, 0).g, 1, 1e-5f) << name;
+    return out.rgb(1, 0).g;
+  };
+  EXPECT_NEAR(middle("linear"), 0.5f, 1e-6f);
+  EXPECT_NEAR(middle("gamma2.2"), 0.72974f, 1e-4f);
+  EXPECT_NEAR(middle("gamma1.8"), 0.68040f, 1e-4f);
+  EXPECT_NEAR(middle("rec1886"), 0.74915f, 1e-4f);
+  EXPECT_NEAR(middle("rec709"), 0.70551f, 1e-4f);
+  EXPECT_NEAR(middle("srgb"), 0.73536f, 1e-4f);
+  EXPECT_THROW(DisplayEncoding("gama2.2"), Error);
+}
+
+TEST(Develop, WhiteBalanceMakesTheLightWhite) {
+  // Chromaticities of the light as tabulated: CIE A (2856 K), and daylight D50 (5003 K) and D75 (7504 K).
+  struct Light {
+    double kelvin, x, y;
+  };
+  for (const Light& light :
+       {Light{2856, 0.44758, 0.40745}, {5003, 0.34567, 0.35850}, {7504, 0.29902, 0.31485}}) {
+    const double X = light.x / light.y, Z = (1 - light.x - light.y) / light.y;
+    const Rgb colour(float(3.2409699 * X - 1.5373832 - 0.4986108 * Z),
+                     float(-0.9692436 * X + 1.8759675 + 0.0415551 * Z),
+                     float(0.0556301 * X - 0.2039770 + 1.0569715 * Z));
+    Image picture = filled(4, 4, [&](int, int) { return colour; });
+    applyWhiteBalance(picture, {false, light.kelvin});
+    const Rgb balanced = picture.rgb(1, 1);
+    EXPECT_NEAR(balanced.r, 1, 0.02f) << light.kelvin;
+    EXPECT_NEAR(balanced.g, 1, 0.02f) << light.kelvin;
+    EXPECT_NEAR(balanced.b, 1, 0.03f) << light.kelvin;
+  }
+  Image neutral = filled(4, 4, [](int, int) { return Rgb(0.3f, 0.5f, 0.2f); });
+  applyWhiteBalance(neutral, {false, 6504});
+  EXPECT_NEAR(neutral.rgb(0, 0).r, 0.3f, 0.003f);
+  EXPECT_NEAR(neutral.rgb(0, 0).b, 0.2f, 0.003f);
+  Image yellow = filled(9, 9, [](int x, int) { return Rgb(0.9f, 0.6f, 0.2f) * (0.5f + 0.1f * float(x)); });
+  applyWhiteBalance(yellow, {true, 0});
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(yellow.rgb(4, 4)[c], luminance(Rgb(0.9f, 0.6f, 0.2f)) * 0.9f, 0.01f) << c;
+}
+
+TEST(Develop, DitherKeepsTheMeanAndBlackAndWhite) {
+  DevelopSettings settings = plain();
+  settings.display = DisplayEncoding("linear");
+  settings.dither = true;
+  const float level = 100.3f / 255; // between two steps
+  const Image out =
+      develop(filled(64, 64, [&](int x, int) { return x < 2   ? BLACK
+                                                      : x < 4 ? Rgb(1)
+                                                              : Rgb(level); }),
+              settings)
+          .picture;
+  double sum = 0;
+  int differing = 0;
+  for (int y = 0; y < 64; ++y) {
+    EXPECT_EQ(out.rgb(0, y), BLACK);
+    EXPECT_EQ(out.rgb(3, y), Rgb(1));
+    for (int x = 4; x < 64; ++x) {
+      const double step = std::round(255 * double(out.rgb(x, y).g));
+      EXPECT_LE(std::abs(step - 100.5), 0.5);
+      differing += step != 100;
+      sum += step / (60 * 64);
+    }
+  }
+  EXPECT_NEAR(sum, 100.3, 0.02);
+  EXPECT_GT(differing, 0);
+}

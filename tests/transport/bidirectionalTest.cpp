@@ -1,0 +1,200 @@
+/** @file
+ * Estimators from both ends: each technique alone finds what `path` finds of the paths that it can make, all
+ * together find the whole, and pictures are the same bits for any number of threads.
+ */
+#include "classRendering.h"
+
+#include "recurse/transport/bidirectional.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Standard errors that means may differ by. */
+constexpr double ERRORS_APART = 4.5;
+
+/** A corner with a mirror, a glass ball and a wide lamp, so that `path` sees all of it soon. */
+std::string corner(int size, const std::string& more = {}) {
+  return view(size, "0 -3.2 1.4  0 0 .5  0 0 1", 45) + R"(
+Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -2 0  2 -2 0  2 2 0  -2 2 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 1 0  2 1 0  2 1 2  -2 1 2 ]
+AttributeBegin
+Material "conductor" "rgb reflectance" [ .9 .8 .9 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1.5 0 0  -1 .8 0  -1 .8 1.2  -1.5 0 1.2 ]
+AttributeEnd
+AttributeBegin
+Translate .6 -.1 .4
+Material "dielectric" "float eta" 1.5
+Shape "sphere" "float radius" .4
+AttributeEnd
+AttributeBegin
+Translate 0 -.8 1.8
+AreaLightSource "diffuse" "rgb L" [ 3 4 5 ]
+Material "diffuse" "rgb reflectance" [ .2 .2 .2 ]
+Shape "sphere" "float radius" .35
+AttributeEnd
+)" + more;
+}
+const std::string SKY = "LightSource \"infinite\" \"rgb L\" [ .3 .4 .5 ]\n";
+
+/** Means of classes over pictures with the seeds 1, 2, … */
+BatchMeans meansOf(const Scene& scene, const BidirectionalSettings& techniques, const PathClasses& classes,
+                   int samplesPerPixel, int seeds) {
+  BatchMeans means;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    Bidirectional integrator(techniques);
+    ClassRender out{Film(scene.film().crop, classes.layerCount()), {}};
+    RenderSettings settings;
+    settings.samplesPerPixel = samplesPerPixel;
+    settings.seed = uint64_t(seed);
+    const std::atomic<bool> stop{false};
+    out.counts = render(scene, integrator, classes, settings, out.film, stop, nullptr, nullptr).counts;
+    EXPECT_EQ(out.counts.nonFinite, 0u);
+    means.add(out.means());
+  }
+  return means;
+}
+
+void expectEqual(const BatchMeans& means, const BatchMeans& truth, const PathClasses& classes, double bias,
+                 const std::string& what) {
+  for (size_t i = 0; i < 3 * classes.layerCount(); ++i) {
+    const double error = std::hypot(means.standardError(i), truth.standardError(i));
+    EXPECT_NEAR(means.mean(i), truth.mean(i), ERRORS_APART * error + bias * truth.mean(i))
+        << what << ": " << classes.classes()[i / 3].expression << ", errors " << means.standardError(i)
+        << " and " << truth.standardError(i);
+    EXPECT_GT(truth.mean(i), 0);
+    EXPECT_LT(error, (SANITIZED ? 0.4 : 0.1) * truth.mean(i))
+        << what << ": " << classes.classes()[i / 3].expression << " too vague to tell";
+  }
+}
+
+PathClasses classOf(const std::string& expression) {
+  return PathClasses(std::vector<PathClass>{{"one", expression}});
+}
+
+} // namespace
+
+TEST(Bidirectional, EachTechniqueAloneFindsItsPaths) {
+  const ThreadPool pool;
+  struct Technique {
+    bool BidirectionalSettings::*used;
+    const char* name;
+    const char* paths;
+    double bias;
+  };
+  for (const std::string& more : {std::string(), SKY}) {
+    const auto scene = sceneFrom(corner(16, more));
+    for (const Technique& t :
+         {Technique{&BidirectionalSettings::hits, "hits", "L(S|D)*E", 0},
+          Technique{&BidirectionalSettings::shadowRays, "shadow rays", "LD(S|D)*E", 0},
+          Technique{&BidirectionalSettings::connections, "connections", "L(S|D)*DD(S|D)*E", 0},
+          Technique{&BidirectionalSettings::splats, "splats", "L(S|D)*DE", 0},
+          Technique{&BidirectionalSettings::merges, "photons", "L(S|D)+D(S|D)*E", 0.03}}) {
+      BidirectionalSettings alone;
+      alone.hits = alone.shadowRays = alone.connections = alone.splats = alone.merges = false;
+      alone.*t.used = true;
+      const PathClasses classes = classOf(t.paths);
+      const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(64), 8);
+      expectEqual(meansOf(*scene, alone, classes, samples(64), 8), truth, classes, t.bias,
+                  t.name + (more.empty() ? std::string() : " under a sky"));
+    }
+  }
+}
+
+TEST(Bidirectional, AllTechniquesTogetherFindEveryClassOnce) {
+  const ThreadPool pool;
+  const PathClasses classes({{"seen", "LS*E"},
+                             {"direct", "LDE"},
+                             {"mirrored", "LDS+E"},
+                             {"caustics", "LS+DE"},
+                             {"two", "LDDE"},
+                             {"all", "all"}});
+  const std::string lights = R"(
+AttributeBegin
+Translate -1 -1 2.5
+LightSource "point" "rgb I" [ 2 1 1 ]
+AttributeEnd
+LightSource "distant" "point3 from" [ 1 -1 2 ] "point3 to" [ 0 0 0 ] "rgb L" [ .3 .5 .4 ]
+)";
+  for (const std::string& more : {std::string(), SKY}) {
+    const auto scene = sceneFrom(corner(16, more));
+    const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(128), 8);
+    for (const Way& way : {Way{"bdpt", ""}, Way{"vcm", ""}, Way{"vcm", "\"bool correlated\" false"}})
+      expectEqual(classMeans(*scene, way, classes, samples(32), 8), truth, classes,
+                  way.integrator == "vcm" ? 0.02 : 0, way.integrator + way.parameters + more);
+  }
+  // Lights that no ray meets: what comes through glass is for the light paths.
+  const auto scene = sceneFrom(corner(16, lights));
+  const PathClasses found({{"direct", "LDE"}, {"two", "LDDE"}});
+  const BatchMeans truth = classMeans(*scene, {"path", ""}, found, samples(64), 8);
+  for (const char* name : {"bdpt", "vcm"})
+    expectEqual(classMeans(*scene, {name, ""}, found, samples(32), 8), truth, found, 0.01, name);
+  const PathClasses caustics = classOf("LS+DE");
+  const BatchMeans traced = classMeans(*scene, {"lightpath", ""}, caustics, samples(64), 8);
+  for (const char* name : {"bdpt", "vcm"})
+    expectEqual(classMeans(*scene, {name, ""}, caustics, samples(32), 8), traced, caustics, 0.02, name);
+}
+
+/** In a closed shell that emits E and reflects ρ everywhere, all that is seen is E / (1 - ρ). */
+TEST(Bidirectional, ClosedFurnaceIsEvenlyBright) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(view(8, "0 0 0  1 .5 .2  0 0 1", 70) + R"(
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  1 1 -1  1 1 1  -1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 1  1 -1 1 ]
+)");
+  const PathClasses classes = classOf("all");
+  for (const char* name : {"bdpt", "vcm"}) {
+    const BatchMeans means = classMeans(*scene, {name, ""}, classes, samples(64), 12);
+    EXPECT_NEAR(means.mean(0), 2, ERRORS_APART * means.standardError(0) + (name[0] == 'v' ? 0.01 : 0))
+        << name;
+    EXPECT_LT(means.standardError(0), 0.02) << name;
+  }
+}
+
+/** A sky of radiance 1 around what absorbs nothing: everything is 1. */
+TEST(Bidirectional, NothingDarkensAnEvenSky) {
+  const ThreadPool pool;
+  const PathClasses classes = classOf("all");
+  for (const char* material :
+       {"Material \"diffuse\" \"rgb reflectance\" [ 1 1 1 ]", "Material \"dielectric\" \"float eta\" 1.5"}) {
+    const auto scene =
+        sceneFrom(view(8, "0 -4 0  0 0 0  0 0 1", 40) + "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n" +
+                  material + "\nShape \"sphere\" \"float radius\" 1\n");
+    for (const char* name : {"bdpt", "vcm"}) {
+      const BatchMeans means = classMeans(*scene, {name, ""}, classes, samples(64), 8);
+      EXPECT_NEAR(means.mean(0), 1, ERRORS_APART * means.standardError(0) + 1e-4) << name << " " << material;
+      EXPECT_LT(means.standardError(0), 0.01) << name;
+    }
+  }
+}
+
+TEST(Bidirectional, NumberOfLightPathsChangesNoMean) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(corner(16, SKY));
+  const PathClasses classes({{"direct", "LDE"}, {"caustics", "LS+DE"}, {"all", "all"}});
+  const BatchMeans truth = classMeans(*scene, {"bdpt", ""}, classes, samples(64), 8);
+  expectEqual(classMeans(*scene, {"bdpt", "\"integer lightpaths\" 1000"}, classes, samples(32), 8), truth,
+              classes, 0, "more light paths");
+  expectEqual(classMeans(*scene, {"vcm", "\"integer photons\" 60"}, classes, samples(64), 8), truth, classes,
+              0.02, "few photons");
+}
+
+TEST(Bidirectional, SameBitsForAnyNumberOfThreads) {
+  const auto scene = sceneFrom(corner(24, SKY));
+  for (const char* name : {"bdpt", "vcm", "lightpath"}) {
+    const Rendered one = renderScene(*scene, name, "", 3, 7, 1);
+    for (const int threads : {2, 3}) {
+      const Rendered more = renderScene(*scene, name, "", 3, 7, threads);
+      for (size_t p = 0; p < one.pixels(); ++p) ASSERT_EQ(one.value(p), more.value(p)) << name << " " << p;
+    }
+    EXPECT_GT(one.mean(), 0);
+  }
+}

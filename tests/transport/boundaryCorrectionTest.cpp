@@ -1,0 +1,311 @@
+/** @file
+ * Density estimates where the disc of the search is not all surface: uniform irradiance has to come out right
+ * at edges, in corners, beside walls and on curved surfaces.
+ */
+#include <random>
+
+#include "recurse/transport/gather.h"
+#include "recurse/transport/radiusCache.h"
+#include "rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+constexpr double IRRADIANCE = 3, ALBEDO = 0.5;
+
+std::string quad(const std::string& corners) {
+  return "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ " + corners + " ]\n";
+}
+const std::string FLOOR = quad("-1 -1 0  1 -1 0  1 1 0  -1 1 0"),
+                  WALL = quad(".5 -1 -1  .5 1 -1  .5 1 1  .5 -1 1");
+
+std::unique_ptr<Scene> sceneOf(const std::string& shapes) {
+  // The scene's centre, to which positions are relative, is the origin for all of them.
+  return sceneFrom(view(64, "0 0 3  0 0 0  0 1 0", 40) + "Material \"diffuse\"\n" + shapes);
+}
+
+/** Photons at random places of the floor, with flux that makes IRRADIANCE. */
+std::vector<Photon> onFloor(uint64_t seed, int count) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<float> place(-1, 1);
+  std::vector<Photon> list(static_cast<size_t>(count));
+  for (Photon& p : list) {
+    p.position = {place(random), place(random), 0};
+    p.direction = packDirection(glm::normalize(Vec3f(place(random), place(random), 1)));
+    p.normal = packDirection({0, 0, 1});
+    p.power = Rgb(static_cast<float>(IRRADIANCE * 4 / count));
+  }
+  return list;
+}
+
+/** What is seen around what a ray meets. */
+Neighbourhood around(const Scene& scene, const Ray& ray, float radius) {
+  Hit hit;
+  EXPECT_TRUE(scene.intersect(ray, hit));
+  GatherRegion region;
+  region.center = hit.point.position;
+  region.normal = hit.point.geometricNormal;
+  region.radius = radius;
+  TransportCounts counts;
+  Sampler sampler(3, 0, 0);
+  return probeNeighbourhood(scene, glm::length(hit.point.error), region, sampler, counts);
+}
+
+/** The estimate at what a ray meets, over what it should be, as a mean over maps. With `known`, from what is
+ * seen at a place near by. */
+Mean estimateOverTruth(const Scene& scene, const Ray& ray, const GatherSettings& settings, int maps,
+                       const std::function<std::vector<Photon>(uint64_t)>& photons, bool known = false) {
+  Hit hit;
+  EXPECT_TRUE(scene.intersect(ray, hit));
+  const Vec3f step(-0.02f, -0.01f, 0);
+  const Neighbourhood seen =
+      known ? around(scene, {ray.origin + step, ray.direction}, 2 * settings.radius) : Neighbourhood();
+  BsdfArena arena;
+  const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
+  const PathClasses classes;
+  std::vector<double> ratios;
+  for (int m = 0; m < maps; ++m) {
+    PhotonMap map;
+    map.build(photons(static_cast<uint64_t>(m)));
+    TransportCounts counts;
+    PathRadiance out(classes, counts);
+    BoundaryCorrection boundary{scene, Sampler(5, 0, static_cast<uint32_t>(m))};
+    if (known) {
+      boundary.known = &seen;
+      boundary.away = glm::length(step);
+    }
+    gather(map, settings, scattering, hit.point, -ray.direction, 0, Rgb(1),
+           classes.step(classes.cameraStart(), PathEvent::D), out, &boundary);
+    ratios.push_back(double(out.total().g) / (ALBEDO * IRRADIANCE / M_PI));
+  }
+  return Mean(ratios);
+}
+
+Ray down(float x, float y) { return {{x, y, 0.5f}, {0, 0, -1}}; }
+
+} // namespace
+
+TEST(BoundaryCorrection, UniformIrradianceAtTheEdgeOfASurface) {
+  const auto scene = sceneOf(FLOOR);
+  for (const Kernel kernel : ALL_KERNELS)
+    for (const auto& [nearest, radius] : std::vector<std::pair<int, float>>{{0, 0.2f}, {100, 1.0f}})
+      for (const Vec2f& place : {Vec2f(0, 0), Vec2f(0.3f, 0.9f), Vec2f(-0.99f, 0.2f), Vec2f(0.98f, -0.97f)}) {
+        GatherSettings settings;
+        settings.kernel = kernel;
+        settings.nearest = nearest;
+        settings.radius = radius;
+        const Mean m = estimateOverTruth(*scene, down(place.x, place.y), settings, samples(100),
+                                         [](uint64_t seed) { return onFloor(seed, 4000); });
+        // The part is .1 off at random, and its inverse therefore up to (.1/.25)² at the very corner.
+        const double bound = std::abs(place.x * place.y) > 0.9f ? 0.06 : 0.015;
+        EXPECT_NEAR(m.value, 1, bound + 4 * m.error)
+            << kernelName(kernel) << " nearest " << nearest << " at " << place.x << " " << place.y;
+      }
+}
+
+TEST(BoundaryCorrection, ConcaveCornersAndWhatLiesBehindThem) {
+  // The floor goes on behind the wall, which has a hundred times the floor's light, and so has what is
+  // behind.
+  const auto scene = sceneOf(FLOOR + WALL);
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (Photon& p : list)
+      if (p.position.x > 0.5f) p.power *= 100;
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<float> place(-1, 1);
+    for (int i = 0; i < 2000; ++i) {
+      Photon p;
+      p.position = {0.5f, place(random), (place(random) + 1) / 2};
+      p.direction = packDirection(glm::normalize(Vec3f(-1, place(random), place(random))));
+      p.normal = packDirection({-1, 0, 0});
+      p.power = Rgb(float(100 * IRRADIANCE * 2 / 2000));
+      list.push_back(p);
+    }
+    return list;
+  };
+  for (const auto& [nearest, radius] : std::vector<std::pair<int, float>>{{0, 0.2f}, {50, 1.0f}})
+    for (const float x : {0.1f, 0.4f, 0.49f}) {
+      GatherSettings settings;
+      settings.nearest = nearest;
+      settings.radius = radius;
+      const Mean m = estimateOverTruth(*scene, down(x, 0.1f), settings, samples(100), photons);
+      EXPECT_NEAR(m.value, 1, 0.015 + 4 * m.error) << "nearest " << nearest << " at " << x;
+    }
+}
+
+TEST(BoundaryCorrection, CurvedSurfaces) {
+  const auto scene = sceneOf("Shape \"sphere\" \"float radius\" 1\n");
+  const auto photons = [](uint64_t seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<float> normal;
+    std::vector<Photon> list(8000);
+    for (Photon& p : list) {
+      p.position = glm::normalize(Vec3f(normal(random), normal(random), normal(random)));
+      p.direction = p.normal = packDirection(p.position);
+      p.power = Rgb(float(IRRADIANCE * 4 * M_PI / double(list.size())));
+    }
+    return list;
+  };
+  for (const float radius : {0.05f, 0.2f, 0.5f, 5.0f}) {
+    GatherSettings settings;
+    settings.radius = radius;
+    const Mean m = estimateOverTruth(*scene, {{0.2f, 0.1f, 3}, {0, 0, -1}}, settings, samples(100), photons);
+    EXPECT_NEAR(m.value, 1, 0.015 + 4 * m.error) << radius;
+  }
+}
+
+TEST(BoundaryCorrection, WhatIsSeenOfWallsAndEdges) {
+  const auto scene = sceneOf(FLOOR + WALL);
+  for (const float x : {-0.9f, -0.2f, 0.3f, 0.45f}) {
+    const Neighbourhood seen = around(*scene, down(x, 0), 0.4f);
+    EXPECT_GE(seen.flat, 0.38f) << x;
+    EXPECT_TRUE(seen.sees(Vec3f(x, 0, 0)));
+    ASSERT_EQ(seen.planeCount, x == -0.2f ? 0u : 1u) << x;
+    if (seen.planeCount == 0) continue;
+    const BoundaryPlane& plane = seen.planes[0];
+    EXPECT_EQ(plane.kind, x > 0 ? BoundaryPlane::WALL : BoundaryPlane::EDGE) << x;
+    EXPECT_GT(std::abs(plane.normal.x), 0.9999f) << x;
+    EXPECT_NEAR(plane.offset, x > 0 ? -0.5f : -1.0f, 2e-4f) << x;
+    EXPECT_FALSE(seen.sees(x > 0 ? Vec3f(0.6f, 0, 0) : Vec3f(-1.1f, 0, 0))) << x;
+  }
+  EXPECT_EQ(around(*scene, down(-0.2f, 0), 0.1f).planeCount, 0u);
+  EXPECT_EQ(around(*scene, down(-0.8f, -0.9f), 0.4f).planeCount, 2u) << "at a corner";
+}
+
+TEST(BoundaryCorrection, BentEdgesAndSurfacesAreNoStraightOnes) {
+  const auto flat = [](const std::string& shape, float x, float radius) {
+    return around(*sceneOf(shape), down(x, 0), radius);
+  };
+  const Neighbourhood rim = flat("Shape \"disk\" \"float radius\" .3\n", 0.1f, 0.4f);
+  EXPECT_EQ(rim.planeCount, 0u);
+  EXPECT_LE(rim.flat, 0.2f);
+  const std::string ball = "Translate 0 0 -1\nShape \"sphere\" \"float radius\" 1\n";
+  EXPECT_EQ(flat(ball, 0.1f, 0.4f).planeCount, 0u);
+  EXPECT_LE(flat(ball, 0.1f, 0.4f).flat, 0.05f);
+  // A roof's ridge is one, although rays down meet the other side as well.
+  const Neighbourhood roof =
+      flat(quad("-1 -1 0  .2 -1 0  .2 1 0  -1 1 0") + quad(".2 -1 0  1 -1 -.4  1 1 -.4  .2 1 0"), 0, 0.4f);
+  ASSERT_EQ(roof.planeCount, 1u);
+  EXPECT_NEAR(roof.planes[0].offset, -0.2f, 2e-4f);
+  EXPECT_GE(roof.flat, 0.38f);
+}
+
+TEST(BoundaryCorrection, KnownEdgesAndWhatLiesJustBelow) {
+  // A hundred times the floor's light on a ledge below its edge, in the height of the search region.
+  const auto scene = sceneOf(FLOOR + quad("1 -1 -.02  2 -1 -.02  2 1 -.02  1 1 -.02"));
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (int i = 0; i < 4000; ++i) {
+      Photon p = list[size_t(i)];
+      p.position += Vec3f(2, 0, -0.02f);
+      p.power *= 100;
+      list.push_back(p);
+    }
+    return list;
+  };
+  for (const Kernel kernel : ALL_KERNELS)
+    for (const auto& [nearest, radius] : std::vector<std::pair<int, float>>{{0, 0.2f}, {50, 1.0f}})
+      for (const Vec2f& place :
+           {Vec2f(0.3f, 0.2f), Vec2f(0.9f, 0.2f), Vec2f(0.99f, 0.2f), Vec2f(0.98f, 0.97f)}) {
+        GatherSettings settings;
+        settings.kernel = kernel;
+        settings.nearest = nearest;
+        settings.radius = radius;
+        const Mean m =
+            estimateOverTruth(*scene, down(place.x, place.y), settings, samples(100), photons, true);
+        EXPECT_NEAR(m.value, 1, 0.005 + 4 * m.error)
+            << kernelName(kernel) << " nearest " << nearest << " at " << place.x << " " << place.y;
+      }
+}
+
+TEST(BoundaryCorrection, NarrowGaps) {
+  // A block hovers over the floor: .01 is a gap for a disc of .2, .1 is not.
+  const auto block = [](double below) {
+    const std::string z = std::to_string(below);
+    return sceneOf(FLOOR + quad(".5 -1 " + z + "  .5 1 " + z + "  .5 1 1  .5 -1 1") +
+                   quad(".5 -1 " + z + "  .5 1 " + z + "  1 1 " + z + "  1 -1 " + z));
+  };
+  const Ray beside{{.4f, .1f, .005f}, {0, 0, -1}}, under{{.7f, .1f, .005f}, {0, 0, -1}};
+  const auto narrow = block(.01), wide = block(.1);
+  const Neighbourhood divided = around(*narrow, beside, .2f);
+  EXPECT_TRUE(divided.sees({.49f, .1f, 0}));
+  EXPECT_FALSE(divided.sees({.51f, .1f, 0}));
+  EXPECT_EQ(divided.clearance, INFINITE);
+  EXPECT_TRUE(around(*wide, beside, .2f).sees({.51f, .1f, 0}));
+  EXPECT_NEAR(around(*narrow, under, .2f).clearance, .01f, 1e-5f);
+  EXPECT_EQ(around(*wide, under, .2f).clearance, INFINITE);
+
+  // Photons beside the block do not count in the gap, nor those in the gap beside it.
+  GatherSettings settings;
+  settings.radius = .2f;
+  settings.nearest = 0;
+  const auto onSide = [](bool beyond) {
+    return [beyond](uint64_t seed) {
+      std::vector<Photon> list = onFloor(seed, 20000);
+      std::erase_if(list, [&](const Photon& p) { return (p.position.x > .5f) != beyond; });
+      return list;
+    };
+  };
+  EXPECT_EQ(estimateOverTruth(*narrow, beside, settings, 4, onSide(true), true).value, 0);
+  EXPECT_GT(estimateOverTruth(*wide, beside, settings, 4, onSide(true), true).value, .05);
+  const Ray inside{{.56f, .1f, .005f}, {0, 0, -1}};
+  EXPECT_EQ(estimateOverTruth(*narrow, inside, settings, 4, onSide(false), true).value, 0);
+  EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onSide(false), true).value, .05);
+}
+
+TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR + WALL);
+  // Many photons behind the wall, few before it: the radius must be that of the few up to the wall.
+  std::vector<Photon> list;
+  int count = 0;
+  for (const Photon& p : onFloor(1, 20000)) {
+    if (p.position.x < 0.5f && ++count % 20 != 0) continue;
+    list.push_back(p);
+  }
+  PhotonMap map;
+  map.build(list);
+  RadiusCache field;
+  TransportCounts counts;
+  GatherSettings search;
+  search.nearest = 20;
+  search.radius = 1;
+  field.build(*scene, map, {}, search, 0, counts);
+  const CachedRadius before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
+  const CachedRadius behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
+  ASSERT_TRUE(behind.known);
+  EXPECT_LT(2 * behind.radius, before.radius);
+  EXPECT_TRUE(!before.known || before.known->sees(Vec3f(0.48f, 0, 0)));
+}
+
+TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  // The radius found in the middle of the floor, over that of the nearest photons, where light comes in
+  // stripes.
+  const auto widening = [&](float stripe, int nearest) {
+    std::vector<Photon> list;
+    for (const Photon& p : onFloor(7, 40000))
+      if (std::fmod(p.position.x + 4, 2 * stripe) < stripe) list.push_back(p);
+    PhotonMap map;
+    map.build(list);
+    GatherSettings search;
+    search.nearest = nearest;
+    search.radius = 1;
+    const auto radius = [&](double alpha) {
+      RadiusCache field;
+      TransportCounts counts;
+      field.build(*scene, map, {}, search, alpha, counts);
+      double mean = 0;
+      for (int i = 0; i < 100; ++i)
+        mean += double(field.at(Vec3f(-0.2f + 0.004f * float(i), 0, 0), {0, 0, 1}).radius);
+      return mean / 100;
+    };
+    return radius(2.0 / 3) / radius(0);
+  };
+  EXPECT_GT(widening(4, 40), 1.3) << "even light bears large discs";
+  EXPECT_LT(widening(0.06f, 40), 1.05) << "stripes as wide as a disc do not";
+  EXPECT_LT(widening(0.12f, 150), 1.05) << "nor do wider ones that more photons tell of";
+}

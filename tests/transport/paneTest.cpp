@@ -1,0 +1,132 @@
+/** @file
+ * Shadow rays go straight through thin panes: what they bring is what every other way to estimate it brings,
+ * and what Fresnel's formulas say.
+ */
+#include "classRendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+constexpr double COSINE = 0.8; ///< of the sun with the normals of floor and panes
+
+/** What a pane of index 1.5 lets through: unpolarised light, all reflections inside added up. */
+double transmitted(double cosine) {
+  const double eta = 1.5, inside = std::sqrt(1 - (1 - cosine * cosine) / (eta * eta));
+  const double s = (cosine - eta * inside) / (cosine + eta * inside),
+               p = (eta * cosine - inside) / (eta * cosine + inside);
+  const double r = (s * s + p * p) / 2;
+  return 1 - 2 * r / (1 + r);
+}
+
+/** A floor of reflectance 1/2 in the sun, irradiance π across its direction, below so many panes; seen from
+ * below them. */
+std::string sunnyFloor(int panes) {
+  std::string text = R"(
+Film "rgb" "integer xresolution" 6 "integer yresolution" 6
+PixelFilter "box"
+LookAt 0 1 0  0 0 0  0 0 1
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "distant" "point3 from" [ .6 .8 0 ] "point3 to" [ 0 0 0 ] "rgb L" [ 3.14159265 3.14159265 3.14159265 ]
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 0 2  2 0 2 ]
+Material "thindielectric" "float eta" 1.5
+)";
+  for (int i = 0; i < panes; ++i) {
+    const std::string y = " " + std::to_string(2 + i) + " ";
+    text +=
+        "Shape \"bilinearmesh\" \"point3 P\" [ -9" + y + "-9  9" + y + "-9  -9" + y + "9  9" + y + "9 ]\n";
+  }
+  return text;
+}
+
+/** A white ball in a dome of thin glass, in light of radiance 1 from all sides: nothing absorbs, so that
+ * there is radiance 1 everywhere. */
+std::string furnaceUnderGlass(const std::string& light) {
+  return R"(
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+PixelFilter "box"
+LookAt 0 0 -2  0 0 0  0 1 0
+Camera "perspective" "float fov" 60
+WorldBegin
+)" + light +
+         R"(
+Material "thindielectric" "float eta" 1.5
+Shape "sphere" "float radius" 3
+Material "diffuse" "rgb reflectance" [ 1 1 1 ]
+Shape "sphere" "float radius" .7
+)";
+}
+
+const std::vector<std::pair<const char*, const char*>> WAYS = {
+    {"path", ""},
+    {"path", "\"integer lightsamples\" 3"},
+    {"simplepath", ""},
+};
+
+} // namespace
+
+TEST(Panes, SunThroughThemIsAsFresnelSays) {
+  for (const int panes : {0, 1, 2}) {
+    const auto scene = sceneFrom(sunnyFloor(panes));
+    ASSERT_TRUE(scene);
+    const double expected = 0.5 * COSINE * std::pow(transmitted(COSINE), panes);
+    // As many events as the light has that comes straight: nothing else is in the picture.
+    const std::string depth = " \"integer maxdepth\" " + std::to_string(panes + 1);
+    for (const auto& [name, parameters] : WAYS) {
+      const Rendered r = renderScene(*scene, name, parameters + depth, samples(64));
+      EXPECT_NEAR(r.mean(), expected, 1e-3 * expected) << panes << " panes, " << name << " " << parameters;
+      if (panes == 0) continue;
+      const std::string less = " \"integer maxdepth\" " + std::to_string(panes);
+      EXPECT_EQ(renderScene(*scene, name, parameters + less, 4).mean(), 0) << panes << " panes, " << name;
+    }
+  }
+}
+
+TEST(Panes, AreEventsOfThePathsClass) {
+  const auto scene = sceneFrom(sunnyFloor(2));
+  ASSERT_TRUE(scene);
+  const PathClasses classes({{"none", "LDE"}, {"one", "LSDE"}, {"two", "LSSDE"}});
+  for (const auto& [name, parameters] : WAYS) {
+    const ClassRender r =
+        renderClasses(*scene, {name, parameters + std::string(" \"integer maxdepth\" 3")}, classes, 16, 1);
+    const std::vector<double> means = r.means();
+    EXPECT_EQ(means[0], 0) << name;
+    EXPECT_EQ(means[3], 0) << name;
+    EXPECT_NEAR(means[6], 0.5 * COSINE * square(transmitted(COSINE)), 1e-3) << name;
+  }
+  const ClassRender alone =
+      renderClasses(*scene, {"path", ""}, PathClasses(std::vector<PathClass>{{"two", "LSSDE"}}), 16, 1);
+  EXPECT_NEAR(alone.means()[0], 0.5 * COSINE * square(transmitted(COSINE)), 1e-3);
+}
+
+TEST(Panes, ShadowRaysAndOtherRaysShareTheLightBehindThem) {
+  const std::string sky = "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n",
+                    lamp = "AttributeBegin\nMaterial \"interface\"\nReverseOrientation\n"
+                           "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n"
+                           "Shape \"sphere\" \"float radius\" 4\nAttributeEnd\n";
+  for (const std::string& light : {sky, lamp}) {
+    const auto scene = sceneFrom(furnaceUnderGlass(light));
+    ASSERT_TRUE(scene);
+    for (const auto& [name, parameters] : WAYS) {
+      const Rendered r = renderScene(*scene, name, parameters, samples(256));
+      EXPECT_NEAR(r.mean(), 1, 5 * std::min(r.standardError(), 4e-3)) << name << " " << parameters << "\n"
+                                                                      << light;
+    }
+  }
+}
+
+/** What photons bring through the pane, and what they bring by the mirror behind it. */
+TEST(Panes, PhotonsBringTheSameLight) {
+  const auto scene = sceneFrom(sunnyFloor(1));
+  ASSERT_TRUE(scene);
+  const PathClasses classes(std::vector<PathClass>{{"straight", "LSDE"}});
+  const auto mean = [&](const char* name, const char* parameters) {
+    return renderClasses(*scene, {name, parameters}, classes, 16, 1).means()[0];
+  };
+  const double shadowRays = mean("path", ""),
+               photons = mean("photonmap", "\"integer photons\" 200000 \"integer passes\" 1");
+  EXPECT_NEAR(photons, shadowRays, 0.05 * shadowRays);
+}

@@ -1,0 +1,133 @@
+/** @file
+ * Renders end when their time is up or somebody says so, in the middle of a sample as well, and leave no
+ * bands.
+ */
+#include <thread>
+
+#include "rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+const char* const LIT_FLOOR = R"(
+Film "rgb" "integer xresolution" 64 "integer yresolution" 64
+LookAt 0 2 -4  0 0 0  0 1 0
+Camera "perspective" "float fov" 50
+WorldBegin
+LightSource "infinite" "rgb L" [ 1 1 1 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 4 4 4 ]
+Translate 0 2 0
+Shape "sphere" "float radius" .3
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
+)";
+
+struct TimedRender {
+  Film film;
+  RenderStatistics statistics;
+  double seconds = 0;
+};
+
+TimedRender renderTimed(const std::string& integrator, const std::string& parameters, RenderSettings settings,
+                        const std::atomic<bool>& stop) {
+  const auto scene = sceneFrom(LIT_FLOOR);
+  const auto made = integratorFrom(integrator, parameters);
+  const PathClasses classes;
+  TimedRender out{Film(scene->film().crop, 1), {}, 0};
+  const auto start = std::chrono::steady_clock::now();
+  out.statistics = render(*scene, *made, classes, settings, out.film, stop, {}, {});
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return out;
+}
+
+// Each sample of a pixel takes seconds by these.
+const std::pair<const char*, const char*> SLOW[] = {
+    {"path", "\"integer lightsamples\" 1000000"},
+    {"photonmap", "\"integer photons\" 1000 \"integer lightsamples\" 1000000"},
+    {"photonmap", "\"integer photons\" 1000 \"integer finalgather\" 100000"},
+};
+
+} // namespace
+
+TEST(TimeLimit, IsKeptWithinASample) {
+  const std::atomic<bool> stop{false};
+  for (const auto& [integrator, parameters] : SLOW) {
+    RenderSettings settings;
+    settings.samplesPerPixel = 0;
+    settings.timeLimit = 0.3;
+    settings.firstSampleTime = 0.2;
+    const TimedRender r = renderTimed(integrator, parameters, settings, stop);
+    EXPECT_LT(r.seconds, 10) << parameters;
+    EXPECT_EQ(r.statistics.stopReason, StopReason::TIME);
+  }
+}
+
+TEST(TimeLimit, StopIsKeptWithinASample) {
+  for (const auto& [integrator, parameters] : SLOW) {
+    std::atomic<bool> stop{false};
+    std::jthread later([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      stop = true;
+    });
+    RenderSettings settings;
+    settings.samplesPerPixel = 4;
+    const TimedRender r = renderTimed(integrator, parameters, settings, stop);
+    EXPECT_LT(r.seconds, 10) << parameters;
+    EXPECT_EQ(r.statistics.stopReason, StopReason::INTERRUPTED);
+  }
+}
+
+TEST(TimeLimit, LeavesPixelsWithEquallyManySamples) {
+  const std::atomic<bool> stop{false};
+  for (const double limit : {0.4, 0.7}) {
+    RenderSettings settings;
+    settings.samplesPerPixel = 0;
+    settings.timeLimit = limit;
+    const TimedRender r = renderTimed("path", "", settings, stop);
+    // Half of it is what a round that is broken off would leave.
+    EXPECT_GE(double(r.statistics.least), 0.75 * double(r.statistics.most)) << limit;
+    EXPECT_GE(r.statistics.least, 1u);
+    EXPECT_GT(r.seconds, 0.3 * limit);
+    EXPECT_LT(r.seconds, limit + 2);
+  }
+}
+
+/** What was broken off is taken again: the picture is the same to the bit. */
+TEST(TimeLimit, RendersThatWereStoppedGoOnWithTheSamePicture) {
+  const auto scene = sceneFrom(LIT_FLOOR);
+  const PathClasses classes;
+  for (const bool adaptive : {false, true}) {
+    const auto whole = [&](int pieces) {
+      Film film(scene->film().crop, 1);
+      std::optional<SampleAllocation> allocation;
+      if (adaptive) allocation.emplace(film.bounds());
+      RenderSettings settings;
+      settings.samplesPerPixel = 32;
+      settings.allocation = allocation ? &*allocation : nullptr;
+      RenderPosition kept;
+      settings.save = [&](const RenderPosition& position) { kept = position; };
+      for (int i = 0; i < 1000; ++i) {
+        settings.from = kept;
+        std::atomic<bool> stop{false};
+        std::jthread later([&](std::stop_token done) {
+          std::this_thread::sleep_for(std::chrono::milliseconds(7 + i));
+          if (pieces > 1 && !done.stop_requested()) stop = true;
+        });
+        const auto made = integratorFrom("path", "");
+        const RenderStatistics s = render(*scene, *made, classes, settings, film, stop, {}, {});
+        later.request_stop();
+        if (s.stopReason == StopReason::SAMPLES) break;
+      }
+      return film;
+    };
+    const Film once = whole(1), pieces = whole(2);
+    for (size_t p = 0; p < once.bounds().area(); ++p) {
+      ASSERT_EQ(once.samples(p), pieces.samples(p)) << p << adaptive;
+      ASSERT_EQ(once.value(p, 0), pieces.value(p, 0)) << p << adaptive;
+    }
+  }
+}

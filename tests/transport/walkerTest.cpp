@@ -1,0 +1,132 @@
+/** @file
+ * The walk that all estimators can share: densities of vertices are those that geometry gives, in both
+ * directions; a walk reads its path class and stops where it must; and the plain path tracer, made of it, has
+ * the picture of `path`.
+ */
+#include "rendering.h"
+
+#include "recurse/transport/walker.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** A closed matt room, `ball` in the middle and a small lamp that does not scatter. */
+std::string room(const std::string& ball) {
+  return view(8, "0 -.9 .2  0 0 0  0 0 1", 60) + R"(
+Material "diffuse" "rgb reflectance" [ .5 .6 .7 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  1 1 -1  1 1 1  -1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 1  1 -1 1 ]
+AttributeBegin
+)" + ball +
+         R"(
+Shape "sphere" "float radius" .3
+AttributeEnd
+AttributeBegin
+Material "interface"
+AreaLightSource "diffuse" "rgb L" [ 9 8 7 ]
+Translate .5 .3 .6
+Shape "sphere" "float radius" .2
+AttributeEnd
+)";
+}
+
+const std::string MATT_BALL = "", GLASS_BALL = "Material \"dielectric\" \"float eta\" 1.5";
+
+template <class State> Subpath<State> subpathFrom(const State& state, const Vec3f& direction) {
+  Subpath<State> path;
+  path.ray = {Vec3f(0, -.9f, .2f), glm::normalize(direction), INFINITE};
+  path.from = path.ray.origin;
+  path.state = state;
+  return path;
+}
+
+/** Follows walks from inside of the room, and checks the densities of their vertices. */
+template <class State> void expectDensitiesOfMattSurfaces(const Scene& scene, const State& state) {
+  const PathClasses classes;
+  TransportCounts counts;
+  Walker<State> walker(scene, classes, counts, -1);
+  int segments = 0, lamps = 0;
+  for (uint32_t i = 0; i < 200; ++i) {
+    Sampler sampler(1, 2, i);
+    Subpath<State> path = subpathFrom(state, Vec3f(sampler.next2D() - 0.5f, sampler.next1D() - 0.5f));
+    PathVertex<State> v;
+    SurfacePoint before{};
+    while (walker.next(path, v, [&](const Hit* hit) { lamps += hit != nullptr; })) {
+      EXPECT_EQ(v.hit.areaLight, nullptr); // the lamp does not scatter
+      const auto cosine = double(absDot(v.wi, v.point().geometricNormal));
+      const auto distance2 = double(lengthSquared(v.point().position - path.from));
+      if (v.depth == 1) { // the ray is one of density 1/sr
+        EXPECT_NEAR(v.pdf, cosine / distance2, 1e-5 * v.pdf);
+      } else {
+        const double pdf = double(absDot(v.wi, before.geometricNormal)) * cosine / (double(PI) * distance2);
+        EXPECT_NEAR(v.pdf, pdf, 1e-4 * pdf);
+        // A walk from the other end comes to the vertex before with the same density: both are matt.
+        EXPECT_NEAR(v.pdfPrevious(v.point().normalTowards(v.wi)), pdf, 1e-4 * pdf);
+        ++segments;
+      }
+      before = v.point();
+      if (!walker.scatter(path, v, sampler)) break;
+    }
+  }
+  EXPECT_GT(segments, 100);
+  EXPECT_GT(lamps, 10);
+}
+
+} // namespace
+
+TEST(Walker, DensitiesAreThoseOfTheGeometryFromEitherEnd) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(room(MATT_BALL));
+  const PathClasses classes;
+  expectDensitiesOfMattSurfaces(*scene, classes.cameraStart());
+  expectDensitiesOfMattSurfaces(*scene, classes.lightStart());
+}
+
+TEST(Walker, ReadsClassesAndEndsWhereItIsToldTo) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(room(GLASS_BALL));
+  const PathClasses classes(std::vector<PathClass>{{"glass", "LSSDE"}});
+  TransportCounts counts;
+  Walker<LightState> walker(*scene, classes, counts, 3);
+  int lit = 0;
+  for (uint32_t i = 0; i < 200; ++i) {
+    Sampler sampler(1, 2, i);
+    LightSubpath path =
+        subpathFrom(classes.lightStart(), Vec3f(0.2f * (sampler.next2D() - 0.5f), 0) - Vec3f(0, -.9f, .2f));
+    LightVertex v;
+    while (walker.next(path, v)) {
+      ASSERT_LE(v.depth, 3);
+      EXPECT_EQ(v.allowed, v.depth < 3 ? DELTA_LOBES : NON_DELTA_LOBES);
+      lit += v.depth == 3 && v.isConnectable();
+      if (!walker.scatter(path, v, sampler)) break;
+      if (v.depth < 3) {
+        EXPECT_TRUE(path.delta);
+        EXPECT_EQ(path.pdf, 1);
+      }
+    }
+  }
+  EXPECT_GT(lit, 100);
+}
+
+TEST(SimplePath, HasThePictureOfPath) {
+  const std::string lights = R"(
+LightSource "infinite" "rgb L" [ .3 .4 .5 ]
+AttributeBegin
+Translate 2 -2 3
+LightSource "point" "rgb I" [ 4 4 4 ]
+AttributeEnd
+)";
+  for (const std::string& text : {room(GLASS_BALL), litCorner(8) + lights}) {
+    const Rendered path = renderText(text, "path", "", SANITIZED ? 64 : 1024);
+    const Rendered plain = renderText(text, "simplepath", "", SANITIZED ? 64 : 1024, 2);
+    const double error = std::hypot(path.standardError(), plain.standardError());
+    EXPECT_NEAR(plain.mean(), path.mean(), 4 * error);
+    EXPECT_LT(error, (SANITIZED ? 0.08 : 0.02) * path.mean());
+  }
+}
