@@ -24,15 +24,14 @@ void Film::add(const Film& other) {
 
 double Film::relativeError() const {
   double sum = 0;
-  for (const Pixel& p : pixels) {
-    if (p.samples < MIN_SAMPLES) return std::numeric_limits<double>::infinity();
-    sum += p.luminance / double(p.samples);
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels[i].samples < MIN_SAMPLES) return std::numeric_limits<double>::infinity();
+    sum += luminanceOf(i);
   }
   const double floor = 0.1 * sum / double(pixels.size());
   if (!(floor > 0)) return 0; // a black picture
   std::vector<double> errors(pixels.size());
-  for (size_t i = 0; i < pixels.size(); ++i)
-    errors[i] = standardError(i) / std::max(pixels[i].luminance / double(pixels[i].samples), floor);
+  for (size_t i = 0; i < pixels.size(); ++i) errors[i] = standardError(i) / std::max(luminanceOf(i), floor);
   const auto percentile = errors.begin() + std::ptrdiff_t(0.95 * double(errors.size() - 1));
   std::nth_element(errors.begin(), percentile, errors.end());
   return *percentile;

@@ -15,12 +15,19 @@ namespace {
 
 /** Of one contribution: the sum of 64 such is the first that does not fit. */
 constexpr double LARGEST = 0x1p57;
+/** The square of the largest contribution is the largest number again. */
+constexpr double SQUARE_SCALE = LARGEST;
 
 /** Adds, and returns whether the sum fits. */
 bool addAtomically(int64_t& sum, int64_t value) {
   const int64_t before = std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
   int64_t after = 0;
   return !__builtin_add_overflow(before, value, &after);
+}
+
+/** What a contribution is rounded by. */
+uint64_t keyOf(uint64_t place, uint64_t index, double value) {
+  return hashCombine(hashCombine(place, index), std::bit_cast<uint64_t>(value));
 }
 
 } // namespace
@@ -47,24 +54,33 @@ void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet,
       for (uint64_t rest = layerSet; rest != 0; rest &= rest - 1) {
         const size_t index = (pixel * layers + static_cast<size_t>(std::countr_zero(rest))) * 3;
         for (int c = 0; c < 3; ++c)
-          if (value[c] != 0) addTo(index + size_t(c), double(value[c]) * double(weight), place);
+          if (value[c] != 0) {
+            const double contribution = double(value[c]) * double(weight);
+            addTo(sums[index + size_t(c)], contribution / unitOfSums,
+                  keyOf(place, index + size_t(c), contribution));
+          }
       }
+      // What is too large has been counted with the colours.
+      const double units =
+          std::clamp(double(recurse::luminance(value)) * double(weight) / unitOfSums, -LARGEST, LARGEST);
+      addTo(moments[pixel].luminance, units, keyOf(place, ~pixel, units));
+      addTo(moments[pixel].square, units * (units / SQUARE_SCALE), keyOf(~place, ~pixel, units));
     }
 }
 
-void SplatPlane::addTo(size_t index, double value, uint64_t key) {
-  double units = value / unitOfSums;
-  if (!(std::abs(units) < LARGEST)) {
+void SplatPlane::addTo(int64_t& sum, double units, uint64_t key) {
+  if (!(std::abs(units) <= LARGEST)) {
     units = std::copysign(LARGEST, units);
     std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
   }
   // Numbers of more digits than a double has are whole already.
-  if (std::abs(units) < 0x1p52) {
-    const uint64_t hash = hashCombine(hashCombine(key, index), std::bit_cast<uint64_t>(value));
-    units = std::floor(units + double(unitFloat(static_cast<uint32_t>(hash >> 32))));
-  }
-  if (!addAtomically(sums[index], static_cast<int64_t>(units)))
-    std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
+  if (std::abs(units) < 0x1p52)
+    units = std::floor(units + double(unitFloat(static_cast<uint32_t>(key >> 32))));
+  addAll(sum, static_cast<int64_t>(units));
+}
+
+void SplatPlane::addAll(int64_t& sum, int64_t other) {
+  if (!addAtomically(sum, other)) std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
 }
 
 void SplatPlane::addPaths(uint64_t count) {
@@ -72,8 +88,11 @@ void SplatPlane::addPaths(uint64_t count) {
 }
 
 void SplatPlane::add(const SplatPlane& other) {
-  for (size_t i = 0; i < sums.size(); ++i)
-    if (!addAtomically(sums[i], other.sums[i])) ++figures.saturated;
+  for (size_t i = 0; i < sums.size(); ++i) addAll(sums[i], other.sums[i]);
+  for (size_t i = 0; i < moments.size(); ++i) {
+    addAll(moments[i].luminance, other.moments[i].luminance);
+    addAll(moments[i].square, other.moments[i].square);
+  }
   figures.paths += other.figures.paths;
   figures.saturated += other.figures.saturated;
   figures.nextPass = std::max(figures.nextPass, other.figures.nextPass);
@@ -81,6 +100,7 @@ void SplatPlane::add(const SplatPlane& other) {
 
 void SplatPlane::clear() {
   std::fill(sums.begin(), sums.end(), 0);
+  std::fill(moments.begin(), moments.end(), Moments());
   figures = {};
 }
 
@@ -88,6 +108,17 @@ Rgb SplatPlane::value(size_t pixel, size_t layer) const {
   if (figures.paths == 0) return BLACK;
   const int64_t* sum = &sums[(pixel * layers + layer) * 3];
   return Rgb(Rgbd(double(sum[0]), double(sum[1]), double(sum[2])) * (unitOfSums / double(figures.paths)));
+}
+
+double SplatPlane::luminance(size_t pixel) const {
+  return figures.paths == 0 ? 0 : double(moments[pixel].luminance) * (unitOfSums / double(figures.paths));
+}
+
+double SplatPlane::variance(size_t pixel) const {
+  if (figures.paths < 2) return 0;
+  const auto n = double(figures.paths), sum = double(moments[pixel].luminance);
+  const double squares = double(moments[pixel].square) * SQUARE_SCALE;
+  return std::max(0.0, squares - sum * sum / n) / (n * (n - 1)) * square(unitOfSums);
 }
 
 } // namespace recurse

@@ -75,7 +75,13 @@ class Film {
     for (const Pixel& p : pixels) n += p.samples;
     return n;
   }
-  /** Variance of the samples' luminance at a pixel; zero before the second sample. */
+  /** Luminance of the samples' mean and the splats together. */
+  double luminanceOf(size_t pixel) const {
+    const Pixel& p = pixels[pixel];
+    return (p.samples > 0 ? p.luminance / double(p.samples) : 0) +
+           (splatPlane ? splatPlane->luminance(pixel) : 0);
+  }
+  /** Variance of the samples' luminance at a pixel, without splats; zero before the second sample. */
   double variance(size_t pixel) const {
     const Pixel& p = pixels[pixel];
     if (p.samples < 2) return 0;
@@ -83,11 +89,12 @@ class Film {
     return std::max(0.0, (p.luminanceSquared - p.luminance * p.luminance / n) / (n - 1));
   }
 
-  /** Standard error of a pixel's luminance, from the spread of its samples. Samples of a pixel are
-   * stratified, so that the true error is smaller rather than larger; what all samples share, such as one
-   * photon map, is not in it. */
+  /** Standard error of a pixel's luminance, from the spread of its samples and that of its splats. Samples of
+   * a pixel are stratified, so that the true error is smaller rather than larger; what all samples share,
+   * such as one photon map, is not in it. */
   double standardError(size_t pixel) const {
-    return pixels[pixel].samples > 0 ? std::sqrt(variance(pixel) / double(pixels[pixel].samples)) : 0;
+    const double ofSamples = pixels[pixel].samples > 0 ? variance(pixel) / double(pixels[pixel].samples) : 0;
+    return std::sqrt(ofSamples + (splatPlane ? splatPlane->variance(pixel) : 0));
   }
   /**
    * One number for the picture: the 95th percentile over pixels of standard error divided by luminance, where

@@ -15,15 +15,17 @@
 namespace recurse {
 
 /**
- * For each pixel and layer a sum of contributions and the number of light paths that it is the sum of. Sums
- * are 64-bit fixed-point numbers, so that threads may add in any order and the result is the same bits. What
- * is smaller than the unit is rounded at random, by a hash of the contribution, and stays right in the mean.
+ * For each pixel and layer a sum of contributions and the number of light paths that it is the sum of; for
+ * each pixel the sums of luminance and of its square, which tell the variance. Sums are 64-bit fixed-point
+ * numbers, so that threads may add in any order and the result is the same bits. What is smaller than the
+ * unit is rounded at random, by a hash of the contribution, and stays right in the mean.
  */
 class SplatPlane {
  public:
   /** `unit`: of the sums, a power of two. */
   SplatPlane(const PixelBounds& bounds, size_t layers, double unit)
-      : bounds(bounds), layers(layers), unitOfSums(unit), sums(bounds.area() * layers * 3) {}
+      : bounds(bounds), layers(layers), unitOfSums(unit), sums(bounds.area() * layers * 3),
+        moments(bounds.area()) {}
 
   /** Adds to each layer of the bit set, around a place of the film in pixels of the whole film. `value`:
    * finite, for one light path of a picture of one pixel's importance (WiSample). Any thread, any time. */
@@ -36,6 +38,11 @@ class SplatPlane {
 
   /** The mean over light paths; black before the first. */
   Rgb value(size_t pixel, size_t layer) const;
+  /** The mean over light paths of the luminance of all layers together, each contribution counted once. */
+  double luminance(size_t pixel) const;
+  /** Variance of luminance(), from the spread of the contributions: those of one light path to the same pixel
+   * count as independent. Zero before the second path. */
+  double variance(size_t pixel) const;
   double unit() const { return unitOfSums; }
   uint64_t paths() const { return figures.paths; }
   /** Contributions that were too large for the unit, and lost light by it. */
@@ -45,24 +52,31 @@ class SplatPlane {
   void setNextPass(uint64_t pass) { figures.nextPass = pass; }
 
   /** The numbers that it consists of, as they lie in memory. */
-  std::array<std::span<std::byte>, 2> state() {
-    return {std::as_writable_bytes(std::span(sums)), std::as_writable_bytes(std::span(&figures, 1))};
+  std::array<std::span<std::byte>, 3> state() {
+    return {std::as_writable_bytes(std::span(sums)), std::as_writable_bytes(std::span(moments)),
+            std::as_writable_bytes(std::span(&figures, 1))};
   }
   /** Bytes of state(). */
   static double bytes(double pixels, double layers) {
-    return pixels * layers * 3 * sizeof(int64_t) + sizeof(Figures);
+    return pixels * (layers * 3 * sizeof(int64_t) + sizeof(Moments)) + sizeof(Figures);
   }
 
  private:
   struct Figures {
     uint64_t paths = 0, saturated = 0, nextPass = 0;
   };
-  void addTo(size_t index, double value, uint64_t key);
+  /** Of a pixel, the first in the unit of sums and the second in that unit's square times SQUARE_SCALE. */
+  struct Moments {
+    int64_t luminance = 0, square = 0;
+  };
+  void addTo(int64_t& sum, double units, uint64_t key);
+  void addAll(int64_t& sum, int64_t other);
 
   PixelBounds bounds;
   size_t layers;
   double unitOfSums;
   std::vector<int64_t> sums;
+  std::vector<Moments> moments;
   Figures figures;
 };
 
