@@ -39,6 +39,8 @@ ExitStatus explain(const ExplainOptions& o) {
   else
     text += atSurfaces.text();
   if (!text.ends_with('\n')) text += "\n";
+  if (const std::string supposed = integrator->suppositions(); !supposed.empty())
+    text += "It supposes " + supposed + ".\n";
   if (const std::string missed = missedOfDeltaLights(domains); !missed.empty())
     text += "Of point, spot and distant lights no estimator finds " + missed +
             ", but for what goes straight through thin panes.\n";

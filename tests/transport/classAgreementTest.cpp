@@ -207,7 +207,14 @@ TEST(ClassAgreement, NarrowClassesTraceFewerRays) {
       return double(renderClasses(*scene, small, PathClasses({{"one", expression}}), 2, 1).counts.rays);
     };
     const double all = rays("all");
-    for (const char* narrow : {"LS+DE", "LE", "LDE", "LSE", "LDDE"})
+    const std::string claims = integratorFrom(way.integrator, way.parameters)->claims();
+    const auto isNearlyAll = [&](const std::string& narrow) { // but for what the same rays meet
+      return !claims.empty() &&
+             PathAutomaton::compile(claims).subsetOf(PathAutomaton::compile(narrow + "|LE"));
+    };
+    for (const char* narrow : {"LS+DE", "LE", "LDE", "LSE", "LDDE"}) {
+      if (isNearlyAll(narrow)) continue;
       EXPECT_LT(rays(narrow), 0.8 * all) << narrow << " " << way.integrator << way.parameters;
+    }
   }
 }

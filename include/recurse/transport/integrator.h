@@ -183,6 +183,9 @@ class Integrator {
   virtual std::vector<EstimatorDomain> domains() const = 0;
   /** The paths that the method claims, where it leaves out others by its nature; empty: all at surfaces. */
   virtual std::string claims() const { return {}; }
+  /** What the method takes for granted of these paths though the scene says otherwise, in words; empty:
+   * nothing. */
+  virtual std::string suppositions() const { return {}; }
 };
 
 } // namespace recurse

@@ -76,10 +76,8 @@ template <class State> class Walker {
     const auto s = vertex.scattering->scatter(vertex.wi, TRANSPORT, sampler, vertex.allowed);
     if (!s) return {};
     const float before = maxComponent(path.throughput);
-    path.throughput *= s->weight;
+    take(path, vertex, *s);
     if (isBlack(path.throughput)) return {};
-    path.state = s->specular() ? vertex.afterS : vertex.afterD;
-    path.etaScale *= square(s->eta);
     const float chance = TRANSPORT == Transport::FLUX
                              ? maxComponent(path.throughput) / before // keeps photons alike
                              : maxComponent(path.throughput) * path.etaScale;
@@ -87,6 +85,12 @@ template <class State> class Walker {
     if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
     goOn(path, vertex, *s);
     return s;
+  }
+
+  /** Goes on by a step that the caller has chosen. */
+  void follow(Path& path, const Vertex& vertex, const Scatter& s) const {
+    take(path, vertex, s);
+    goOn(path, vertex, s);
   }
 
  private:
@@ -108,6 +112,12 @@ template <class State> class Walker {
     vertex.pdf =
         path.pdf * double(absDot(vertex.wi, point.geometricNormal)) * (path.parallel ? 1 : perDistance2);
     vertex.toPrevious = path.parallel ? 1 : double(path.cosine) * perDistance2;
+  }
+
+  void take(Path& path, const Vertex& vertex, const Scatter& s) const {
+    path.throughput *= s.weight;
+    path.state = s.specular() ? vertex.afterS : vertex.afterD;
+    path.etaScale *= square(s.eta);
   }
 
   void goOn(Path& path, const Vertex& vertex, const Scatter& s) const {

@@ -1,0 +1,19 @@
+/** @file
+ * Local shading: the light that comes to a vertex straight from the lights, as ray casters and Whitted's
+ * recursion need it.
+ */
+#pragma once
+
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/pathVertex.h"
+
+namespace recurse {
+
+/**
+ * Adds the light that arrives at a vertex without scattering on its way, thin panes included: one shadow ray
+ * and one BSDF ray that share it by weights. `nesting` is what the walk is inside of that came to the vertex.
+ */
+void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
+                    const Nesting& nesting, Sampler& sampler, PathRadiance& out);
+
+} // namespace recurse

@@ -1,0 +1,70 @@
+/** @file
+ * Ambient occlusion (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model"): how much of an even
+ * white sky reaches what is seen.
+ */
+#include "recurse/core/sampling.h"
+#include "recurse/model/plugIns.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+namespace {
+
+class AmbientOcclusion final : public Integrator {
+ public:
+  explicit AmbientOcclusion(float maxDistance) : maxDistance(maxDistance) {}
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    const PathClasses& classes = out.pathClasses();
+    Walker<CameraState> walker(scene, classes, out.counts, 1);
+    CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
+    CameraVertex vertex;
+    if (!walker.next(path, vertex) || classes.join(classes.lightStart(), vertex.afterD) == 0) return;
+    const SurfacePoint& point = vertex.point();
+    const float side = glm::dot(point.shadingNormal, vertex.wi) < 0 ? -1.0f : 1.0f;
+    const Vec3f direction = Frame(point.shadingNormal * side).toWorld(cosineHemisphere(sampler.next2D()));
+    // Smooth normals may lead into the surface, where there is no sky.
+    if (glm::dot(direction, point.geometricNormal) * glm::dot(vertex.wi, point.geometricNormal) <= 0) return;
+    Ray towardsSky = spawn(point, direction);
+    towardsSky.tMax = maxDistance;
+    ++out.counts.rays;
+    if (!scene.occluded(towardsSky)) out.add(classes.lightStart(), vertex.afterD, Rgb(1));
+  }
+
+  std::string claims() const override { return "LDE"; }
+  std::string suppositions() const override {
+    return std::string("an even white sky in the place of the lights, and matt white surfaces") +
+           (maxDistance < INFINITE ? "; what is farther away is in nobody's way" : "");
+  }
+  std::vector<EstimatorDomain> domains() const override {
+    return {{"occlusion rays", "LDE", "one for each camera ray", ""}};
+  }
+
+ private:
+  float maxDistance;
+};
+
+} // namespace
+
+void registerAmbientOcclusion(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "ambientocclusion",
+        .summary =
+            "Ambient occlusion: how much of an even white sky reaches what is seen; the scene's lights "
+            "and materials count for nothing.",
+        .parameters = {realParameter("maxdistance", "",
+                                     "how far away a surface may be to be in the way [scene units]; by "
+                                     "default any distance")
+                           .positive(),
+                       ignoredParameter(ParameterType::BOOLEAN, "cossample",
+                                        "directions always follow the "
+                                        "cosine")},
+        .examples = {"", "\"float maxdistance\" 2"}},
+       [](const Parameters& p, const NoContext&) {
+         return std::make_unique<AmbientOcclusion>(
+             p.hasValue("maxdistance") ? static_cast<float>(p.real("maxdistance")) : INFINITE);
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,79 @@
+/** @file
+ * Ray casting (Appel 1968, "Some Techniques for Shading Machine Renderings of Solids"): the surface that a
+ * pixel sees, lit straight by the lights, and a constant in the place of all other light.
+ */
+#include "recurse/model/plugIns.h"
+#include "recurse/transport/localShading.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+namespace {
+
+class RayCast final : public Integrator {
+ public:
+  explicit RayCast(const Rgb& ambient) : ambient(ambient) {}
+
+  void prepare(const Scene& scene, const PathClasses&) override { lights.learn(scene); }
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    const PathClasses& classes = out.pathClasses();
+    Walker<CameraState> walker(scene, classes, out.counts, 1);
+    CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
+    CameraVertex vertex;
+    const auto addEmission = [&](const Hit* hit) {
+      const Vec3f& direction = path.ray.direction;
+      out.add(classes.lightStart(), path.state,
+              hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
+                  : environmentRadiance(scene, lights, direction, {}, 1));
+    };
+    if (!walker.next(path, vertex, addEmission)) return;
+    addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
+    addAmbient(vertex, sampler, out);
+  }
+
+  std::string claims() const override { return "LD?E"; }
+  std::string suppositions() const override {
+    return isBlack(ambient) ? ""
+                            : "the same light from all sides in the place of what other surfaces reflect";
+  }
+  std::vector<EstimatorDomain> domains() const override {
+    std::vector<EstimatorDomain> all = {
+        {"emission", "LE", "none: met by camera rays", "", true},
+        {"shadow rays", "LDE", "one for each camera ray", "direct light"},
+        {"BSDF rays", "LDE", "one for each camera ray", "direct light", true}};
+    if (!isBlack(ambient)) all.push_back({"ambient term", "LDDE", "none: a constant", ""});
+    return all;
+  }
+
+ private:
+  /** The constant stands for light that another surface has reflected, and counts as such. */
+  void addAmbient(const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
+    const PathClasses& classes = out.pathClasses();
+    const LightState reflected = classes.step(classes.lightStart(), PathEvent::D);
+    if (isBlack(ambient) || !vertex.isConnectable() || classes.join(reflected, vertex.afterD) == 0) return;
+    if (const auto s = vertex.scattering->scatterNonDelta(vertex.wi, Transport::RADIANCE, sampler))
+      out.add(reflected, vertex.afterD, ambient * s->weight);
+  }
+
+  Rgb ambient;
+  LightSampler lights;
+};
+
+} // namespace
+
+void registerRayCast(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "raycast",
+        .summary = "Ray casting: surfaces that are seen at once, lit straight by the lights, with shadows. "
+                   "Mirrors and glass stay black.",
+        .parameters = {spectrumParameter("ambient", "0", SpectrumKind::UNBOUNDED,
+                                         "radiance from all sides, in the place of all other light")},
+        .examples = {"", "\"rgb ambient\" [.1 .1 .2]"}},
+       [](const Parameters& p, const NoContext&) {
+         return std::make_unique<RayCast>(Rgb(p.spectrum("ambient")));
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,234 @@
+/** @file
+ * Instant radiosity (Keller 1997): where paths from the lights scatter there are point lights, which light
+ * all that the camera sees. What comes from near by is bounded, and rays that go on bring the rest (Kollig
+ * and Keller 2004, "Illumination in the Presence of Weak Singularities").
+ */
+#include "recurse/model/plugIns.h"
+#include "recurse/transport/localShading.h"
+#include "recurse/transport/pathEnds.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+namespace {
+
+/** Tells light paths from others of the same pass. */
+constexpr uint64_t VIRTUAL_LIGHT_STREAM = 0x56504c5354524541ull;
+
+struct VplSettings {
+  int maxDepth = -1;
+  int lightPaths = 32;     ///< in each pass
+  int passes = 0;          ///< 0: one for each sample
+  float clampDistance = 0; ///< the geometric term is at most one over its square [scene units]; 0: no bound
+  bool clampChosen = true; ///< by the number of lights
+  bool compensate = true;
+};
+
+/** A light path's vertex, as a light. */
+struct VirtualLight {
+  SurfacePoint point;
+  Vec3f wi; ///< unit, towards where the light came from
+  Rgb flux; ///< that arrives, of one of many paths
+  LightState afterD;
+  int events = 0;
+  bool bounded =
+      true; ///< false after mirrors and glass: no ray that goes on could bring what a bound cuts off
+  ScatteringPoint scattering;
+};
+
+class VirtualPointLights final : public Integrator {
+ public:
+  explicit VirtualPointLights(const VplSettings& settings) : settings(settings) {}
+
+  int passes(int samplesPerPixel) const override {
+    return samplesPerPixel > 0 ? std::min(settings.passes, samplesPerPixel) : settings.passes;
+  }
+  bool passHasOneTime() const override { return true; }
+  void prepare(const Scene& scene, const PathClasses&) override {
+    lights.learn(scene);
+    // By default the side of a light path's share of the scene's extent.
+    const float distance = settings.clampChosen
+                               ? scene.bounds().radius / std::sqrt(static_cast<float>(settings.lightPaths))
+                               : settings.clampDistance;
+    bound = distance > 0 ? 1 / square(distance) : INFINITE;
+  }
+
+  ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            const ForwardControl& control) override {
+    ForwardStatistics statistics;
+    virtualLights.clear();
+    arena.reset();
+    if (scene.lights().size() == 0) return statistics;
+    for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i)
+      trace(scene, classes, pass,
+            Sampler(hashCombine(pass.seed, pass.index), VIRTUAL_LIGHT_STREAM, static_cast<uint32_t>(i)),
+            statistics.counts);
+    statistics.photonsEmitted = static_cast<uint64_t>(settings.lightPaths);
+    statistics.photonsStored = virtualLights.size();
+    return statistics;
+  }
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    const PathClasses& classes = out.pathClasses();
+    Walker<CameraState> walker(scene, classes, out.counts, settings.maxDepth);
+    CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
+    CameraVertex vertex;
+    const auto addEmission = [&](const Hit* hit) {
+      const Vec3f& direction = path.ray.direction;
+      const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
+                               : environmentRadiance(scene, lights, direction, {}, 1);
+      out.add(classes.lightStart(), path.state, path.throughput * radiance);
+    };
+    while (walker.next(path, vertex, addEmission)) {
+      if (vertex.isConnectable()) {
+        shade(scene, vertex, path.nesting, sampler, out);
+        if (settings.compensate && bound < INFINITE) compensate(scene, path, vertex, sampler, out);
+      }
+      vertex.allowed &= DELTA_LOBES;
+      if (vertex.allowed == NO_LOBE || !walker.scatter(path, vertex, sampler)) return;
+    }
+  }
+
+  std::string claims() const override { return "LD?S*E | L(S|D)*DDS*E"; }
+  std::string suppositions() const override {
+    return settings.compensate || (!settings.clampChosen && settings.clampDistance <= 0)
+               ? ""
+               : "surfaces close to each other light each other less than they do: corners are dark";
+  }
+  std::vector<EstimatorDomain> domains() const override {
+    std::vector<EstimatorDomain> all = {
+        {"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},
+        {"shadow rays", "LDS*E", "one for each surface of a camera path", "direct light"},
+        {"BSDF rays", "LDS*E", "one for each surface of a camera path", "direct light", true},
+        {"virtual lights", "L(S|D)*DDS*E", "a shadow ray to each from each surface of a camera path",
+         "near and far"}};
+    if (settings.compensate)
+      all.push_back({"bias compensation", "L((S|D)*D)?DDS*E",
+                     "a ray that goes on, as far as the bound reaches", "near and far"});
+    return all;
+  }
+
+ private:
+  void trace(const Scene& scene, const PathClasses& classes, const Pass& pass, Sampler sampler,
+             TransportCounts& counts) {
+    Walker<LightState> walker(scene, classes, counts, settings.maxDepth);
+    const std::optional<LightStart> start = startLightSubpath(scene, classes, pass.time, sampler, counts);
+    if (!start) return;
+    LightSubpath path = start->path;
+    LightVertex vertex;
+    while (walker.next(path, vertex)) {
+      if (vertex.isConnectable())
+        if (const Bsdf* bsdf = vertex.hit.material->bsdfAt(vertex.point(), arena))
+          virtualLights.push_back({vertex.point(), vertex.wi,
+                                   vertex.throughput / static_cast<float>(settings.lightPaths), vertex.afterD,
+                                   vertex.depth, !path.delta, ScatteringPoint(*bsdf, vertex.point())});
+      if (!walker.scatter(path, vertex, sampler)) return;
+    }
+  }
+
+  /** |cos| |cos| / distance², and the part of it that the virtual lights bring. */
+  struct Geometry {
+    Vec3f direction; ///< unit, towards the light
+    float distance = 0, term = 0;
+  };
+  static Geometry geometryOf(const SurfacePoint& from, const SurfacePoint& light) {
+    const Vec3f way = light.position - from.position;
+    const float distance = glm::length(way);
+    if (!(distance > 0)) return {};
+    const Vec3f direction = way / distance;
+    return {direction, distance,
+            absDot(direction, from.geometricNormal) * absDot(direction, light.geometricNormal) /
+                square(distance)};
+  }
+
+  /** Direct light and that of the virtual lights. */
+  void shade(const Scene& scene, const CameraVertex& vertex, const Nesting& nesting, Sampler& sampler,
+             PathRadiance& out) const {
+    addDirectLight(scene, lights, vertex, nesting, sampler, out);
+    for (const VirtualLight& light : virtualLights) {
+      if (out.abandoned()) return;
+      if (out.pathClasses().join(light.afterD, vertex.afterD) == 0 ||
+          (settings.maxDepth >= 0 && vertex.depth + light.events > settings.maxDepth))
+        continue;
+      const Geometry g = geometryOf(vertex.point(), light.point);
+      if (!(g.term > 0)) continue;
+      const float kept = isBounded(light) && g.term > bound ? bound / g.term : 1;
+      const Rgb radiance = vertex.throughput * vertex.scattering->evaluate(vertex.wi, g.direction) *
+                           light.flux * light.scattering.evaluateFlux(light.wi, -g.direction) *
+                           (kept / square(g.distance));
+      if (!isBlack(radiance) &&
+          visible(scene, vertex.hit, vertex.wi,
+                  visibilityTarget(light.point.rayOrigin(-g.direction), g.direction, g.distance), nesting,
+                  out.counts))
+        out.add(light.afterD, vertex.afterD, radiance);
+    }
+  }
+  bool isBounded(const VirtualLight& light) const { return light.bounded || !settings.compensate; }
+
+  /** What the bound has cut off: the walk goes on to surfaces that are near enough, with the part that is
+   * missing. */
+  void compensate(const Scene& scene, CameraSubpath path, CameraVertex vertex, Sampler& sampler,
+                  PathRadiance& out) const {
+    Walker<CameraState> walker(scene, out.pathClasses(), out.counts, settings.maxDepth);
+    while (!out.abandoned()) {
+      vertex.allowed &= NON_DELTA_LOBES;
+      const std::optional<Scatter> s =
+          vertex.scattering->scatterNonDelta(vertex.wi, Transport::RADIANCE, sampler);
+      if (!s) return;
+      const SurfacePoint from = vertex.point();
+      walker.follow(path, vertex, *s);
+      path.ray.tMax = 1 / std::sqrt(bound);
+      if (isBlack(path.throughput) || !walker.next(path, vertex) || !vertex.isConnectable()) return;
+      const Geometry g = geometryOf(from, vertex.point());
+      if (!(g.term > bound)) return;
+      vertex.throughput *= 1 - bound / g.term;
+      path.throughput = vertex.throughput;
+      shade(scene, vertex, path.nesting, sampler, out);
+    }
+  }
+
+  VplSettings settings;
+  LightSampler lights;
+  float bound = INFINITE; ///< of the geometric term
+  // Of the pass:
+  std::vector<VirtualLight> virtualLights;
+  BsdfArena arena; ///< of their BSDFs
+};
+
+} // namespace
+
+void registerVirtualPointLights(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "vpl",
+        .summary = "Instant radiosity: paths from the lights leave point lights behind, which light what is "
+                   "seen. No caustics.",
+        .parameters =
+            {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
+                 .range(-1, 1e9),
+             integerParameter("lightpaths", "32", "light paths in each pass, of about three lights each")
+                 .range(1, 1e6),
+             integerParameter(
+                 "passes", "0",
+                 "how many sets of lights the samples are dealt out to; 0: a set for each sample")
+                 .range(0, 1e9),
+             realParameter("clampdistance", "",
+                           "lights nearer than this light as if they were so far away [scene units]; 0: no "
+                           "bound; by default chosen by their number")
+                 .range(0, 1e30),
+             booleanParameter("compensate", "true", "rays bring what the bound cuts off")},
+        .examples = {"", "\"integer lightpaths\" 8 \"bool compensate\" false",
+                     "\"integer passes\" 1 \"float clampdistance\" .1"}},
+       [](const Parameters& p, const NoContext&) {
+         VplSettings s;
+         s.maxDepth = p.integer("maxdepth");
+         s.lightPaths = p.integer("lightpaths");
+         s.passes = p.integer("passes");
+         s.clampChosen = !p.hasValue("clampdistance");
+         if (!s.clampChosen) s.clampDistance = static_cast<float>(p.real("clampdistance"));
+         s.compensate = p.boolean("compensate");
+         return std::make_unique<VirtualPointLights>(s);
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,90 @@
+/** @file
+ * Recursive ray tracing (Whitted 1980, "An Improved Illumination Model for Shaded Display"): mirrors and
+ * glass are followed in all their directions, and whatever scatters otherwise is lit straight by the lights.
+ */
+#include "recurse/model/plugIns.h"
+#include "recurse/transport/localShading.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+namespace {
+
+class Whitted final : public Integrator {
+ public:
+  Whitted(int maxDepth, float minWeight) : maxDepth(maxDepth), minWeight(minWeight) {}
+
+  void prepare(const Scene& scene, const PathClasses&) override { lights.learn(scene); }
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    const PathClasses& classes = out.pathClasses();
+    Walker<CameraState> walker(scene, classes, out.counts, maxDepth);
+    // Branches that wait, instead of a recursion as deep as two mirrors ask for.
+    std::vector<CameraSubpath> branches = {startCameraSubpath(scene, classes, ray, out.counts)};
+    CameraVertex vertex;
+    while (!branches.empty() && !out.abandoned()) {
+      CameraSubpath path = branches.back();
+      branches.pop_back();
+      const auto addEmission = [&](const Hit* hit) {
+        const Vec3f& direction = path.ray.direction;
+        const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
+                                 : environmentRadiance(scene, lights, direction, {}, 1);
+        out.add(classes.lightStart(), path.state, path.throughput * radiance);
+      };
+      if (!walker.next(path, vertex, addEmission)) continue;
+      addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
+      branch(walker, path, vertex, branches, out);
+    }
+  }
+
+  std::string claims() const override { return "LD?S*E"; }
+  std::vector<EstimatorDomain> domains() const override {
+    return {{"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},
+            {"shadow rays", "LDS*E", "one for each surface of a ray", "direct light"},
+            {"BSDF rays", "LDS*E", "one for each surface of a ray", "direct light", true}};
+  }
+
+ private:
+  /** Every direction that the vertex mirrors and refracts to; what is cut off is counted. */
+  void branch(const Walker<CameraState>& walker, const CameraSubpath& path, const CameraVertex& vertex,
+              std::vector<CameraSubpath>& branches, PathRadiance& out) const {
+    if (!(vertex.allowed & DELTA_LOBES)) return;
+    std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+    const int count = vertex.scattering->deltaScatters(vertex.wi, Transport::RADIANCE, all);
+    for (int i = 0; i < count; ++i) {
+      CameraSubpath next = path;
+      walker.follow(next, vertex, all[static_cast<size_t>(i)]);
+      const float weight = maxComponent(next.throughput) * next.etaScale;
+      if (weight >= minWeight && weight > 0)
+        branches.push_back(next);
+      else
+        out.counts.truncatedThroughput += double(maxComponent(next.throughput));
+    }
+  }
+
+  int maxDepth;
+  float minWeight;
+  LightSampler lights;
+};
+
+} // namespace
+
+void registerWhitted(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "whitted",
+        .summary = "Whitted's recursive ray tracing: direct light, mirrors and glass; no light from surface "
+                   "to surface, no caustics.",
+        .parameters = {integerParameter("maxdepth", "100", "most scattering events of a path").range(0, 1e6),
+                       realParameter(
+                           "minweight", "0.001",
+                           "rays that bring less than this part of what they see are not followed; the "
+                           "light that this costs is reported")
+                           .range(0, 1)},
+        .examples = {"", "\"integer maxdepth\" 5 \"float minweight\" .01"}},
+       [](const Parameters& p, const NoContext&) {
+         return std::make_unique<Whitted>(p.integer("maxdepth"), static_cast<float>(p.real("minweight")));
+       }});
+}
+
+} // namespace recurse
