@@ -15,6 +15,7 @@ namespace recurse::apps {
 using Command = std::function<ExitStatus()>;
 
 void addRenderCommand(CLI::App& app, Command& chosen);
+void addSplitCommand(CLI::App& app, Command& chosen);
 void addMergeCommand(CLI::App& app, Command& chosen);
 void addDevelopCommand(CLI::App& app, Command& chosen);
 void addStillsCommand(CLI::App& app, Command& chosen);

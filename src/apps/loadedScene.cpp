@@ -10,6 +10,7 @@
 
 #include "apps/optionText.h"
 #include "recurse/core/hash.h"
+#include "recurse/model/film.h"
 #include "recurse/scene/loader.h"
 
 namespace recurse::apps {
@@ -135,8 +136,7 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
   for (const std::string& setting : settingsOf(loaded.integratorDirective))
     settings += (settings.empty() ? ": " : ", ") + setting;
   line("integrator", loaded.integratorDirective.type + settings);
-  // A film pixel: a sum of three doubles for each layer, and four numbers more.
-  const double filmBytes = double(film.crop.area()) * (double(layers) * 24 + 32);
+  const double filmBytes = Film::bytes(double(film.crop.area()), double(layers));
   line("memory", "geometry " + bytesText(double(scene.memoryBytes())) + ", film " + bytesText(filmBytes));
   line("time",
        "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));

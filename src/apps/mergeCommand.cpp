@@ -1,6 +1,7 @@
 /** @file
  * `recurse merge`: renders of the same picture, kept in checkpoints, added up.
  */
+#include <filesystem>
 #include <optional>
 
 #include "apps/commands.h"
@@ -19,7 +20,7 @@ struct MergeOptions {
   DevelopOptions develop;
   std::string checkpoint;
   ExtraLayers extra;
-  bool quiet = false;
+  bool partial = false, quiet = false;
 };
 
 std::string partsText(const Checkpoint& c) {
@@ -30,6 +31,38 @@ std::string partsText(const Checkpoint& c) {
   return out;
 }
 
+/** Throws Error where something is missing, unless that was asked for. A sum without a picture may be a part
+ * of a larger one. */
+Checkpoint sumOf(const MergeOptions& o) {
+  std::optional<Checkpoint> sum;
+  std::string missing;
+  const auto lacks = [&](const std::string& what) { missing += (missing.empty() ? "" : "\n  ") + what; };
+  const bool mayLack = o.partial || o.outputs.empty();
+  for (const std::string& input : o.inputs) {
+    if (std::error_code ignored; !std::filesystem::exists(input, ignored)) {
+      if (!o.partial && mayLack) throw Error(input + ": is not there");
+      lacks(input + ": is not there");
+      continue;
+    }
+    Checkpoint next = Checkpoint::read(input);
+    if (next.allocation)
+      if (const std::string rest = missingSamples(next); !rest.empty()) lacks(input + ": " + rest);
+    if (sum)
+      merge(*sum, next, input);
+    else
+      sum = std::move(next);
+  }
+  if (sum && !sum->allocation)
+    if (const std::string rest = missingSamples(*sum); !rest.empty()) lacks(rest);
+  if (!missing.empty() && !mayLack)
+    throw Error("merge: the picture is not complete; --partial makes one of what is there. Missing:\n  " +
+                missing);
+  if (!sum) throw Error("merge: none of the files is there");
+  if (!missing.empty() && o.partial && !o.quiet)
+    std::fputs(("not complete, missing:\n  " + missing + "\n").c_str(), stderr);
+  return std::move(*sum);
+}
+
 ExitStatus mergeRenders(const MergeOptions& o) {
   if (o.outputs.empty() && o.checkpoint.empty())
     throw Error("merge: nothing to write; -o FILE or --checkpoint FILE", ExitStatus::BAD_USAGE);
@@ -37,8 +70,7 @@ ExitStatus mergeRenders(const MergeOptions& o) {
   for (const std::string& name : o.outputs) checkImageWritable(name);
   if (!o.checkpoint.empty()) checkFileWritable(o.checkpoint);
 
-  Checkpoint sum = Checkpoint::read(o.inputs.front());
-  for (size_t i = 1; i < o.inputs.size(); ++i) merge(sum, Checkpoint::read(o.inputs[i]), o.inputs[i]);
+  Checkpoint sum = sumOf(o);
   const double samples = double(sum.film.totalSamples()) / double(sum.film.bounds().area());
   if (samples == 0) throw Error(o.inputs.front() + ": has no samples yet");
   std::string command = "recurse merge";
@@ -91,15 +123,17 @@ void addMergeCommand(CLI::App& app, Command& chosen) {
                     "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
   command->add_flag("--samples-layer", o.extra.samples,
                     "Add the number of samples of each pixel to .exr, as channel samples.N");
+  command->add_flag("--partial", o.partial,
+                    "Make a picture of what is there, even if samples of --spp or files are missing");
   command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
   command->footer(
       "The renders must be of the same scene files, integrator settings, size and samples per pixel, and no\n"
-      "sample may be in two of them. The sum is what one longer render would have given.\n\n"
+      "sample may be in two of them. The sum has the same bits as one render of all the samples.\n\n"
       "Examples:\n"
       "  recurse render scene.pbrt --spp 512 --sample-range 0:256 --checkpoint a.rck -o a.exr\n"
       "  recurse render scene.pbrt --spp 512 --sample-range 256:512 --checkpoint b.rck -o b.exr\n"
       "  recurse merge a.rck b.rck -o whole.exr -o whole.png\n"
-      "  recurse merge unfinished.rck -o look.png");
+      "  recurse merge unfinished.rck -o look.png --partial");
   command->callback([options, &chosen] { chosen = [options] { return mergeRenders(*options); }; });
 }
 

@@ -97,6 +97,7 @@ ExitStatus run(int argc, char** argv) {
              "Exit status: 0 done, 1 failed, 2 wrong usage, 3 wrong scene, 130 interrupted.");
   Command chosen;
   addRenderCommand(app, chosen);
+  addSplitCommand(app, chosen);
   addMergeCommand(app, chosen);
   addDevelopCommand(app, chosen);
   addStillsCommand(app, chosen);

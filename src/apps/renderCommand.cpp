@@ -128,7 +128,8 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
     print(sceneReport(loaded, classes.layerCount()));
     return ExitStatus::DONE;
   }
-  const std::vector<std::string> outputs = o.outputs.empty() ? std::vector{defaultOutput(loaded)} : o.outputs;
+  std::vector<std::string> outputs = o.outputs;
+  if (outputs.empty() && !(o.sampleRange && !o.checkpoint.empty())) outputs = {defaultOutput(loaded)};
   checkOutputs(o, outputs);
   const FeatureSettings features = featuresOf(o, outputs);
 
@@ -187,7 +188,8 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       ->add_option(
           "-o,--output", o.outputs,
           "Picture to write, several allowed: .exr with everything, .hdr and .pfm linear, .png .jpg .tif "
-          "for display (default: the file name in the scene, in the current folder)")
+          "for display (default: the file name in the scene, in the current folder; none for a "
+          "--sample-range with a --checkpoint)")
       ->type_name("FILE")
       ->expected(1)
       ->take_all();

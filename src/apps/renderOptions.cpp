@@ -119,7 +119,7 @@ std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const R
           {"path classes", classesText(classes)},
           {"samples per pixel",
            settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"},
-          {"samples go", adaptive ? "where the error is" : "to all pixels alike"}};
+          {"samples go", adaptive ? "where the error is" : ALL_ALIKE}};
 }
 
 } // namespace

@@ -4,8 +4,10 @@
  */
 #include "recurse/report/checkpoint.h"
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -133,12 +135,11 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
     const PixelBounds bounds{f.at(0), f.at(1), f.at(2), f.at(3)};
     // What follows must be as long as the header says, before memory is taken for it.
     const uint64_t left = fileBytes - MAGIC.size() - sizeof size - header.size();
-    const double pixelBytes = double(sizeof(Rgbd)) * double(classes.size()) + 32;
     const double pixels = double(bounds.width()) * double(bounds.height());
     const bool adaptive = json.at("adaptive");
     const double splatUnit = json.at("splat_unit");
     if (bounds.x1 <= bounds.x0 || bounds.y1 <= bounds.y0 || classes.empty() ||
-        pixels * pixelBytes + (adaptive ? SampleAllocation::bytes(pixels) : 0) +
+        Film::bytes(pixels, double(classes.size())) + (adaptive ? SampleAllocation::bytes(pixels) : 0) +
                 (splatUnit > 0 ? SplatPlane::bytes(pixels, double(classes.size())) : 0) + sizeof sum !=
             double(left))
       fail("the checkpoint is damaged or cut off");
@@ -175,6 +176,41 @@ void requireSame(const std::string& fileName, const std::map<std::string, std::s
                      " in the checkpoint, " + value + " here";
   }
   if (!differences.empty()) throw Error(fileName + ": is a render of something else:" + differences);
+}
+
+std::string missingSamples(const Checkpoint& c) {
+  const auto said = c.identity.find("samples per pixel");
+  const int64_t wanted = said == c.identity.end() ? 0 : std::atoll(said->second.c_str());
+  if (wanted == 0) return {};
+  if (c.allocation)
+    return c.position.sample < wanted ? "samples from " + std::to_string(c.position.sample) + " on" : "";
+  if (const auto go = c.identity.find("samples go"); go != c.identity.end() && go->second != ALL_ALIKE)
+    return {};
+  std::map<uint64_t, std::vector<Checkpoint::Part>> seeds;
+  uint64_t each = 0;
+  for (const Checkpoint::Part& p : c.parts) {
+    seeds[p.seed].push_back(p);
+    each += uint64_t(p.end - p.first);
+  }
+  std::string out;
+  const auto add = [&](int64_t first, int64_t end, uint64_t seed) {
+    out += (out.empty() ? "samples " : ", ") + std::to_string(first) + ":" + std::to_string(end) +
+           (seeds.size() > 1 ? " of seed " + std::to_string(seed) : "");
+  };
+  for (auto& [seed, parts] : seeds) {
+    std::sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    int64_t next = 0;
+    for (const Checkpoint::Part& p : parts) {
+      if (p.first > next) add(next, p.first, seed);
+      next = std::max(next, p.end);
+    }
+    if (next < wanted) add(next, wanted, seed);
+  }
+  size_t behind = 0;
+  for (size_t i = 0; i < c.film.bounds().area(); ++i) behind += c.film.samples(i) < each;
+  if (behind > 0)
+    out += (out.empty() ? "" : ", and ") + ("some of the others in " + std::to_string(behind)) + " pixels";
+  return out;
 }
 
 void merge(Checkpoint& into, const Checkpoint& other, const std::string& fileName) {

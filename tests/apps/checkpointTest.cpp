@@ -4,6 +4,7 @@
  */
 #include "program.h"
 
+#include <cstdlib>
 #include <random>
 
 #include "recurse/core/error.h"
@@ -112,11 +113,54 @@ TEST_F(Checkpoints, PartsAddUpToTheWhole) {
     ASSERT_EQ(o.status, 0) << o.err;
     const recurse::Image sum = readImage(file("sum.exr"));
     EXPECT_EQ(sum.metadata.at("recurse:samples"), last);
-    ASSERT_EQ(sum.pixels.size(), truth.size());
-    for (size_t i = 0; i < truth.size(); ++i) // sums in another order, in double precision
-      ASSERT_NEAR(sum.pixels[i], truth[i], 1e-6f * truth[i]);
+    ASSERT_TRUE(sum.pixels == truth);
     expectError(run({"merge", "ca.rck", "a.rck", "-o", "x.exr"}), "they would count twice");
   }
+}
+
+TEST_F(Checkpoints, SplitJobsMakeTheSamePicture) {
+  for (const std::vector<std::string>& settings : {PATH, SPPM, BDPT}) {
+    const std::vector<float> truth = whole(settings);
+    std::filesystem::remove_all(file("job"));
+    std::vector<std::string> split = {"split", "scene.pbrt", "--parts", "3", "-o", "job"};
+    split.insert(split.end(), settings.begin(), settings.end());
+    const Outcome o = run(split);
+    ASSERT_EQ(o.status, 0) << o.err;
+    const auto shell = [&](const std::string& command) {
+      return std::system(
+          ("cd " + folder + " && export RECURSE=" RECURSE_PROGRAM " && " + command + " 2>log").c_str());
+    };
+    ASSERT_EQ(shell("job/local.sh"), 0) << contents(file("log"));
+    EXPECT_TRUE(readImage(file("job/picture.exr")).pixels == truth);
+
+    // What is not there, or not complete, is said by name, and is run again.
+    std::filesystem::remove(file("job/picture.exr"));
+    std::filesystem::remove(file("job/part-001.rck"));
+    EXPECT_NE(shell("job/merge.sh"), 0);
+    const std::string said = contents(file("log"));
+    const std::string middle = settings[3] == "64" ? "21:42" : "8:16";
+    EXPECT_TRUE(has(said, "part-001.rck: is not there") && has(said, "samples " + middle)) << said;
+    EXPECT_FALSE(exists("job/picture.exr"));
+    ASSERT_EQ(shell("job/merge.sh --partial"), 0) << contents(file("log"));
+    EXPECT_FALSE(readImage(file("job/picture.exr")).pixels == truth);
+    ASSERT_EQ(shell("SLURM_ARRAY_TASK_ID=1 job/slurm.sh && job/merge.sh"), 0) << contents(file("log"));
+    EXPECT_TRUE(readImage(file("job/picture.exr")).pixels == truth);
+  }
+  expectError(run({"split", "scene.pbrt", "--parts", "3", "-o", "job"}), "--spp");
+  expectError(run({"split", "scene.pbrt", "--parts", "3", "-o", "job", "--spp", "2"}), "--parts");
+  expectError(run({"split", "scene.pbrt", "--parts", "3", "-o", "job", "--spp", "8", "--adaptive"}),
+              "--adaptive");
+}
+
+TEST_F(Checkpoints, APictureOfWhatIsUnfinishedIsAskedFor) {
+  const Outcome o = run({"render", "scene.pbrt", "--progress", "json", "--integrator", "path", "--spp",
+                         "1000000", "--checkpoint", "c.rck", "-o", "r.exr"},
+                        onceUnderWay(SIGINT));
+  ASSERT_EQ(o.status, 130) << o.err;
+  expectError(run({"merge", "c.rck", "-o", "x.exr"}), "--partial");
+  EXPECT_FALSE(exists("x.exr"));
+  ASSERT_EQ(run({"merge", "c.rck", "-o", "x.exr", "--partial"}).status, 0);
+  EXPECT_TRUE(readImage(file("x.exr")).pixels == readImage(file("r.exr")).pixels);
 }
 
 TEST_F(Checkpoints, OtherSeedsAddUp) {

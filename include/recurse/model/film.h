@@ -1,7 +1,7 @@
 /** @file
- * The film: for each pixel and layer the sum of its samples in double precision, and what the error estimate
- * needs; and what light paths have splatted. Integrators do not see it; they fill a PathRadiance, or a
- * Splatter, which know the layers.
+ * The film: for each pixel and layer the sum of its samples, the same bits for any order of them, and what
+ * the error estimate needs; and what light paths have splatted. Integrators do not see it; they fill a
+ * PathRadiance, or a Splatter, which know the layers.
  */
 #pragma once
 
@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "recurse/core/longSum.h"
 #include "recurse/core/rgb.h"
 #include "recurse/model/camera.h"
 #include "recurse/model/splatPlane.h"
@@ -20,9 +21,14 @@
 namespace recurse {
 
 class Film {
+  struct Pixel {
+    LongSum weight, luminance, luminanceSquared;
+    uint64_t samples = 0;
+  };
+
  public:
   Film(const PixelBounds& bounds, size_t layers)
-      : pixelBounds(bounds), layers(layers), sums(bounds.area() * layers), pixels(bounds.area()) {}
+      : pixelBounds(bounds), layers(layers), sums(bounds.area() * layers * 3), pixels(bounds.area()) {}
 
   const PixelBounds& bounds() const { return pixelBounds; }
   size_t layerCount() const { return layers; }
@@ -30,10 +36,11 @@ class Film {
   /** Adds a sample to a pixel: `values` has one colour a layer, `total` their sum without double counting.
    * Calls for different pixels may run at the same time. */
   void add(size_t pixel, float weight, const Rgb* values, const Rgb& total) {
-    Rgbd* sum = &sums[pixel * layers];
-    for (size_t i = 0; i < layers; ++i) sum[i] += Rgbd(values[i]) * double(weight);
+    LongSum* sum = &sums[pixel * layers * 3];
+    for (size_t i = 0; i < layers; ++i)
+      for (int c = 0; c < 3; ++c) *sum++ += double(values[i][c]) * double(weight);
     Pixel& p = pixels[pixel];
-    p.weight += weight;
+    p.weight += double(weight);
     const double y = double(luminance(total));
     p.luminance += y;
     p.luminanceSquared += y * y;
@@ -54,6 +61,10 @@ class Film {
 
   /** Adds all samples and splats of another film of the same pixels and layers. */
   void add(const Film& other);
+  /** What it takes in memory, and of state(), without splats. */
+  static double bytes(double pixels, double layers) {
+    return pixels * (layers * 3 * sizeof(LongSum) + sizeof(Pixel));
+  }
   /** The numbers that the film consists of, as they lie in memory, to be kept and put back. */
   std::vector<std::span<std::byte>> state() {
     std::vector<std::span<std::byte>> parts{std::as_writable_bytes(std::span(sums)),
@@ -66,7 +77,8 @@ class Film {
   /** The pixel's value in a layer; black before the first sample. */
   Rgb value(size_t pixel, size_t layer) const {
     const double weight = pixels[pixel].weight;
-    const Rgb mean = weight != 0 ? Rgb(sums[pixel * layers + layer] / weight) : BLACK;
+    const LongSum* sum = &sums[(pixel * layers + layer) * 3];
+    const Rgb mean = weight != 0 ? Rgb(Rgbd(sum[0], sum[1], sum[2]) / weight) : BLACK;
     return splatPlane ? mean + splatPlane->value(pixel, layer) : mean;
   }
   uint64_t samples(size_t pixel) const { return pixels[pixel].samples; }
@@ -106,13 +118,9 @@ class Film {
   static constexpr uint64_t MIN_SAMPLES = 8;
 
  private:
-  struct Pixel {
-    double weight = 0, luminance = 0, luminanceSquared = 0;
-    uint64_t samples = 0;
-  };
   PixelBounds pixelBounds;
   size_t layers;
-  std::vector<Rgbd> sums;
+  std::vector<LongSum> sums; ///< red, green and blue of each layer of each pixel
   std::vector<Pixel> pixels;
   std::optional<SplatPlane> splatPlane;
 };

@@ -14,6 +14,9 @@
 
 namespace recurse {
 
+/** What identity says of samples that are not adaptive. */
+inline const std::string ALL_ALIKE = "to all pixels alike";
+
 struct Checkpoint {
   /** Samples [first, end) of each pixel with a seed; some of them may be missing from the film. */
   struct Part {
@@ -46,5 +49,10 @@ void requireSame(const std::string& fileName, const std::map<std::string, std::s
 /** Adds `other`, which was read from `fileName`. Throws Error where it does not fit, or has samples that are
  * there already. */
 void merge(Checkpoint& into, const Checkpoint& other, const std::string& fileName);
+
+/** What the picture lacks, in words, such as "samples 8:16"; empty where all samples of each pixel are there,
+ * or nobody has said how many there are to be. Only before merging it is known whether adaptive samples are
+ * complete. */
+std::string missingSamples(const Checkpoint& checkpoint);
 
 } // namespace recurse

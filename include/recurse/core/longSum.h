@@ -1,0 +1,47 @@
+/** @file
+ * Sums whose result does not depend on the order of what is added.
+ */
+#pragma once
+
+namespace recurse {
+
+/**
+ * A sum as an unevaluated pair of doubles (Dekker 1971; two-sum by Knuth, TAOCP 2, 4.2.2). A pair holds 106
+ * bits. Floats, products of two floats and squares of floats have 48 bits at most, so that their sums are
+ * exact, and the same for any order and grouping, while n times the largest is less than 2^58 times the
+ * smallest. Beyond that they agree to 2^-104.
+ */
+class LongSum {
+ public:
+  LongSum& operator+=(double x) {
+    const Pair sum = twoSum(high, x);
+    return *this = normalized(sum.value, low + sum.error);
+  }
+  LongSum& operator+=(const LongSum& o) {
+    const Pair highs = twoSum(high, o.high), lows = twoSum(low, o.low);
+    const LongSum sum = normalized(highs.value, highs.error + lows.value);
+    return *this = normalized(sum.high, sum.low + lows.error);
+  }
+  /** The nearest double. */
+  operator double() const { return high; } // NOLINT: a sum is used as the number that it is
+
+ private:
+  struct Pair {
+    double value, error;
+  };
+  /** a + b = value + error. */
+  static Pair twoSum(double a, double b) {
+    const double value = a + b, ofB = value - a;
+    return {value, (a - (value - ofB)) + (b - ofB)};
+  }
+  static LongSum normalized(double a, double b) {
+    const Pair sum = twoSum(a, b);
+    LongSum out;
+    out.high = sum.value;
+    out.low = sum.error;
+    return out;
+  }
+  double high = 0, low = 0;
+};
+
+} // namespace recurse
