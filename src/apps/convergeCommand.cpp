@@ -9,6 +9,7 @@
 #include "apps/commands.h"
 #include "apps/convergeReference.h"
 #include "apps/interrupt.h"
+#include "apps/namedRun.h"
 #include "apps/optionText.h"
 #include "apps/renderOptions.h"
 #include "recurse/core/atomicFile.h"
@@ -72,61 +73,21 @@ Budgets budgetsOf(const ConvergeOptions& o) {
   return out;
 }
 
-/** A run as it was asked for. */
-struct Run {
-  std::string name;
-  RenderOptions options;
-  ParsedDirective integrator;
-};
-
-bool isName(const std::string& text) {
-  const auto letter = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
-  return !text.empty() && letter(text[0]) && std::all_of(text.begin(), text.end(), [&](char c) {
-    return letter(c) || c == '-' || c == '_' || c == '.' || c == '+';
-  });
-}
-
-/** NAME=OPTIONS, understood by the very parser of `recurse render`. */
-Run parseRun(const std::string& text, const RenderOptions& common, BudgetKind kind) {
-  const size_t equals = text.find('=');
-  const std::string name = text.substr(0, equals);
-  if (equals == std::string::npos || !isName(name))
-    badUsage("--run: '" + text +
-             "' is not NAME=\"OPTIONS\", such as pm=\"--integrator photonmap --radius 0.05\"; "
-             "names have letters, digits and - _ . +");
-  Run run{name, common, {}};
-  CLI::App parser;
-  parser.set_help_flag();
-  run.options.addTo(parser);
-  try {
-    parser.parse(text.substr(equals + 1), false);
-  } catch (const CLI::ParseError& error) {
-    badUsage("--run " + name + ": " + error.what());
-  }
-  for (const char* option : {"--seed", "--nthreads", "--resolution", "--cropwindow", "--stats", "--progress",
-                             "--quiet", "--verbose", "--lenient"})
-    if (parser.count(option) > 0)
-      badUsage("--run " + name + ": " + option + " is for all runs; write it beside --run");
-  const auto refuse = [&](const char* option) {
-    if (parser.count(option) > 0)
-      badUsage("--run " + name + ": " + option +
-               " is what the budgets are for, see --times, --samples, --photons");
-  };
-  refuse("--time-limit");
-  if (kind != BudgetKind::PHOTONS) refuse("--spp");
-  if (kind == BudgetKind::PHOTONS) refuse("--photons");
-  return run;
+/** What the budgets say. */
+std::vector<const char*> refusedFor(BudgetKind kind) {
+  return kind == BudgetKind::PHOTONS ? std::vector<const char*>{"--time-limit", "--photons"}
+                                     : std::vector<const char*>{"--time-limit", "--spp"};
 }
 
 std::vector<Run> runsOf(const ConvergeOptions& o, BudgetKind kind) {
   std::vector<Run> runs;
-  for (const std::string& text : o.runs) runs.push_back(parseRun(text, o.render, kind));
+  for (const std::string& text : o.runs) runs.push_back(parseRun("--run", text, o.render, refusedFor(kind)));
   if (runs.empty()) {
     const std::vector<std::string> names =
         o.render.integrator.named() ? std::vector<std::string>{o.render.integrator.integratorName()}
                                     : std::vector<std::string>{"path", DEFAULT_INTEGRATOR};
     for (const std::string& name : names)
-      runs.push_back(parseRun(name + "=--integrator " + name, o.render, kind));
+      runs.push_back(parseRun("--run", name + "=--integrator " + name, o.render, refusedFor(kind)));
   }
   for (size_t i = 0; i < runs.size(); ++i)
     for (size_t j = 0; j < i; ++j)

@@ -103,6 +103,7 @@ ExitStatus run(int argc, char** argv) {
   addStillsCommand(app, chosen);
   addCompareCommand(app, chosen);
   addConvergeCommand(app, chosen);
+  addMethodsCommand(app, chosen);
   addInfoCommand(app, chosen);
   addClassesCommand(app, chosen);
   addExplainCommand(app, chosen);

@@ -12,7 +12,8 @@ namespace {
 
 class Whitted final : public Integrator {
  public:
-  Whitted(int maxDepth, float minWeight) : maxDepth(maxDepth), minWeight(minWeight) {}
+  Whitted(int maxDepth, float minWeight)
+      : maxDepth(maxDepth < 0 ? ENDLESS_WALK : maxDepth), minWeight(minWeight) {}
 
   void prepare(const Scene& scene, const PathClasses&) override { lights.learn(scene); }
 
@@ -75,12 +76,12 @@ void registerWhitted(PlugIns& plugIns) {
       {{.name = "whitted",
         .summary = "Whitted's recursive ray tracing: direct light, mirrors and glass; no light from surface "
                    "to surface, no caustics.",
-        .parameters = {integerParameter("maxdepth", "100", "most scattering events of a path").range(0, 1e6),
-                       realParameter(
-                           "minweight", "0.001",
+        .parameters =
+            {integerParameter("maxdepth", "100", "most scattering events of a path; -1: 512").range(-1, 1e6),
+             realParameter("minweight", "0.001",
                            "rays that bring less than this part of what they see are not followed; the "
                            "light that this costs is reported")
-                           .range(0, 1)},
+                 .range(0, 1)},
         .examples = {"", "\"integer maxdepth\" 5 \"float minweight\" .01"}},
        [](const Parameters& p, const NoContext&) {
          return std::make_unique<Whitted>(p.integer("maxdepth"), static_cast<float>(p.real("minweight")));

@@ -1,5 +1,5 @@
 /** @file
- * The contact sheet of stills.
+ * Contact sheets: pairs of pictures with words below them, and that of stills.
  */
 #include <algorithm>
 #include <cmath>
@@ -7,6 +7,7 @@
 #include "recurse/core/text.h"
 #include "recurse/report/stills.h"
 #include "report/bitmapFont.h"
+#include "report/sheet.h"
 
 namespace recurse {
 
@@ -97,19 +98,16 @@ SheetLayout sheetLayout(int pictureWidth, int pictureHeight, size_t layers) {
   return s;
 }
 
-Image contactSheet(const Stills& stills) {
-  const SheetLayout s = sheetLayout(stills.image.width, stills.image.height, stills.layers.size());
+Image drawSheet(const std::string& title, const std::string& subtitle, const std::vector<SheetCell>& cells) {
+  const Image& first = cells.front().left;
+  const SheetLayout s = sheetLayout(first.width, first.height, cells.size());
   Image sheet(s.width(), s.height(), {"R", "G", "B"});
   fill(sheet, 0, 0, sheet.width, sheet.height, BACKGROUND);
   const size_t headLetters = lettersIn(sheet.width - 2 * MARGIN, TEXT_SIZE);
-  drawText(sheet, MARGIN, MARGIN, cut(stills.title, headLetters), BRIGHT, TEXT_SIZE);
-  std::string way = std::to_string(stills.image.width) + "x" + std::to_string(stills.image.height);
-  if (!stills.label.empty()) way += ", " + stills.label;
-  if (!stills.additive) way += "; the classes do not add up to the beauty";
-  drawText(sheet, MARGIN, MARGIN + LINE, cut(way, headLetters), DIM, TEXT_SIZE);
-
-  for (size_t i = 0; i < stills.layers.size(); ++i) {
-    const StillLayer& layer = stills.layers[i];
+  drawText(sheet, MARGIN, MARGIN, cut(title, headLetters), BRIGHT, TEXT_SIZE);
+  drawText(sheet, MARGIN, MARGIN + LINE, cut(subtitle, headLetters), DIM, TEXT_SIZE);
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const SheetCell& cell = cells[i];
     const int column = static_cast<int>(i) % s.columns, row = static_cast<int>(i) / s.columns;
     const int x = s.margin + column * (s.cellWidth + s.margin);
     const int y = s.headHeight + row * (s.cellHeight + s.margin);
@@ -117,27 +115,47 @@ Image contactSheet(const Stills& stills) {
     const int left = x + PADDING, inner = s.cellWidth - 2 * PADDING;
     const int right = left + s.pictureWidth + GAP;
     int top = y + PADDING;
-    const Image picture = stills.layerImage(i);
-    drawPicture(sheet, left, top, picture, s, stills.commonExposure());
-    drawPicture(sheet, right, top, picture, s, layer.exposure);
+    drawPicture(sheet, left, top, cell.left, s, cell.leftExposure);
+    drawPicture(sheet, right, top, cell.right, s, cell.rightExposure);
     top += s.pictureHeight + PADDING;
-    drawText(sheet, left, top, formatted("common %+.1f", double(stills.commonExposure())), DIM, TEXT_SIZE);
-    drawText(sheet, right, top, formatted("own %+.1f", double(layer.exposure)), DIM, TEXT_SIZE);
+    drawText(sheet, left, top, cell.leftCaption, DIM, TEXT_SIZE);
+    drawText(sheet, right, top, cell.rightCaption, DIM, TEXT_SIZE);
     top += LINE;
-    const std::string share = formatted("%.2f %%", layer.share * 100);
-    const int shareWidth = static_cast<int>(share.size()) * LETTER_STEP * TEXT_SIZE;
-    drawText(sheet, left, top, cut(layer.name, lettersIn(inner - shareWidth - PADDING, TEXT_SIZE)), BRIGHT,
+    const int figureWidth = static_cast<int>(cell.figure.size()) * LETTER_STEP * TEXT_SIZE;
+    drawText(sheet, left, top, cut(cell.name, lettersIn(inner - figureWidth - PADDING, TEXT_SIZE)), BRIGHT,
              TEXT_SIZE);
-    drawText(sheet, x + s.cellWidth - PADDING - shareWidth, top, share, BRIGHT, TEXT_SIZE);
+    drawText(sheet, x + s.cellWidth - PADDING - figureWidth, top, cell.figure, BRIGHT, TEXT_SIZE);
     top += LINE;
-    drawExpression(sheet, left, top, inner, layer.expression);
+    drawExpression(sheet, left, top, inner, cell.expression);
     top += EXPRESSION_LINES * LINE;
-    const std::string mean = formatted("mean %.3g", double(layer.mean.r)) +
-                             formatted(" %.3g", double(layer.mean.g)) +
-                             formatted(" %.3g", double(layer.mean.b));
-    drawText(sheet, left, top, cut(mean, lettersIn(inner, TEXT_SIZE)), DIM, TEXT_SIZE);
+    const bool large = cell.footer.size() <= lettersIn(inner, TEXT_SIZE);
+    const int size = large ? TEXT_SIZE : SMALL_SIZE;
+    drawText(sheet, left, top, cut(cell.footer, lettersIn(inner, size)), DIM, size);
   }
   return sheet;
+}
+
+Image contactSheet(const Stills& stills) {
+  std::string way = std::to_string(stills.image.width) + "x" + std::to_string(stills.image.height);
+  if (!stills.label.empty()) way += ", " + stills.label;
+  if (!stills.additive) way += "; the classes do not add up to the beauty";
+  std::vector<SheetCell> cells;
+  for (size_t i = 0; i < stills.layers.size(); ++i) {
+    const StillLayer& layer = stills.layers[i];
+    SheetCell cell;
+    cell.left = cell.right = stills.layerImage(i);
+    cell.leftExposure = stills.commonExposure();
+    cell.rightExposure = layer.exposure;
+    cell.leftCaption = formatted("common %+.1f", double(cell.leftExposure));
+    cell.rightCaption = formatted("own %+.1f", double(cell.rightExposure));
+    cell.name = layer.name;
+    cell.figure = formatted("%.2f %%", layer.share * 100);
+    cell.expression = layer.expression;
+    cell.footer = formatted("mean %.3g", double(layer.mean.r)) + formatted(" %.3g", double(layer.mean.g)) +
+                  formatted(" %.3g", double(layer.mean.b));
+    cells.push_back(std::move(cell));
+  }
+  return drawSheet(stills.title, way, cells);
 }
 
 } // namespace recurse

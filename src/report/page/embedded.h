@@ -10,6 +10,7 @@ namespace recurse::page {
 extern const std::string_view PAGE_CSS, PIXELS_JS, VIEW_JS;
 extern const std::string_view STILLS_HTML, STILLS_CSS, STILLS_DATA_JS, STILLS_JS;
 extern const std::string_view CONVERGE_HTML, CONVERGE_CSS, CONVERGE_JS;
+extern const std::string_view METHODS_HTML, METHODS_CSS, METHODS_JS;
 extern const std::string_view LIVE_HTML, LIVE_CSS, LIVE_JS;
 extern const std::string_view CHART_MIN_JS; ///< Chart.js, from its Debian package
 

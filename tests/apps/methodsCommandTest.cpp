@@ -1,0 +1,84 @@
+/** @file
+ * `recurse methods`: made, gone on with, refused, and methods that cannot render a scene.
+ */
+#include "program.h"
+
+#include <nlohmann/json.hpp>
+
+using namespace programTesting;
+
+namespace {
+
+class MethodsProgram : public Program {
+ protected:
+  nlohmann::json report(const std::string& folder = "out") const {
+    return nlohmann::json::parse(contents(file(folder + "/methods.json")));
+  }
+};
+
+const std::vector<std::string> COMMAND = {
+    "methods",         "scene.pbrt", "-o",       "out",
+    "--spp",           "4",          "--method", "whitted",
+    "--method",        "path",       "--method", "few=--integrator vpl --set lightpaths=4",
+    "--reference-spp", "64"};
+
+} // namespace
+
+TEST_F(MethodsProgram, MakesReportAndGoesOn) {
+  const Outcome first = run(COMMAND);
+  ASSERT_EQ(first.status, 0) << first.err;
+  const nlohmann::json j = report();
+  ASSERT_EQ(j["methods"].size(), 3u);
+  EXPECT_EQ(j["methods"][0]["claims"], "LD?S*E");
+  EXPECT_EQ(j["methods"][1]["claims"], "all");
+  EXPECT_EQ(j["methods"][1]["missing"], 0.0);
+  EXPECT_TRUE(has(j["methods"][2]["settings"], "lightpaths 4"));
+  for (const auto& m : j["methods"]) EXPECT_EQ(m["samples_per_pixel"], 4.0);
+  EXPECT_TRUE(exists("out/sheet.png") && exists("out/index.html"));
+  EXPECT_FALSE(exists("out/reference-a.exr.checkpoint"));
+  // What is there is kept, and what is missing is made.
+  const std::string kept = contents(file("out/method-path.exr"));
+  ASSERT_EQ(run({"info", "out/method-path.exr"}).status, 0);
+  std::filesystem::remove(file("out/method-few.exr"));
+  EXPECT_EQ(run(COMMAND).status, 0);
+  EXPECT_EQ(contents(file("out/method-path.exr")), kept);
+  EXPECT_TRUE(exists("out/method-few.exr"));
+}
+
+TEST_F(MethodsProgram, InterruptKeepsWhatIsFinished) {
+  const std::vector<std::string> arguments = {
+      "methods",  "scene.pbrt", "-o",       "out",  "--time-limit",    "1s", "--method", "whitted",
+      "--method", "path",       "--method", "bdpt", "--reference-spp", "4"};
+  const Outcome stopped = run(arguments, [&](pid_t child) {
+    for (int i = 0; i < 500 && !exists("out/method-whitted.exr"); ++i) sleepSeconds(0.02);
+    sleepSeconds(0.2);
+    ::kill(child, SIGINT);
+  });
+  EXPECT_EQ(stopped.status, 130) << stopped.err;
+  EXPECT_TRUE(has(stopped.err, "the same command goes on")) << stopped.err;
+  EXPECT_EQ(report()["methods"][0]["failure"], "");
+  EXPECT_EQ(report()["methods"][2]["failure"], "not rendered before the interrupt");
+  EXPECT_EQ(leftBehind(), 0u);
+  const Outcome rest = run(arguments);
+  EXPECT_EQ(rest.status, 0) << rest.err;
+  for (const auto& m : report()["methods"]) EXPECT_EQ(m["failure"], "");
+}
+
+TEST_F(MethodsProgram, RefusesWhatDoesNotFit) {
+  const auto refused = [&](std::vector<std::string> more, const std::string& words) {
+    std::vector<std::string> arguments = {"methods", "scene.pbrt", "-o", "out", "--reference-spp", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << words;
+    EXPECT_TRUE(has(outcome.err, words)) << outcome.err;
+  };
+  refused({"--method", "nothing"}, "there is no integrator 'nothing'");
+  refused({"--method", "path", "--method", "path"}, "path is there twice");
+  refused({"--spp", "1", "--time-limit", "1s"}, "only one of");
+  refused({"--method", "a=--integrator path --spp 3"}, "--spp");
+  ASSERT_EQ(
+      run({"methods", "scene.pbrt", "-o", "out", "--reference-spp", "1", "--spp", "1", "--method", "path"})
+          .status,
+      0);
+  refused({"--spp", "2", "--method", "path"}, "is a picture of something else");
+}
