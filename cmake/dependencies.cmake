@@ -18,6 +18,12 @@ if(RECURSE_HTTPLIB_INCLUDE AND RECURSE_HTTPLIB_LIBRARY)
         INTERFACE_LINK_LIBRARIES "${RECURSE_HTTPLIB_LIBRARY}")
 endif()
 recurse_need(RECURSE_HTTPLIB_FOUND cpp-httplib libcpp-httplib-dev)
+# `recurse-mpi`, which is left out where there is no MPI.
+option(RECURSE_MPI "Build recurse-mpi where MPI is found" ON)
+if(RECURSE_MPI)
+    set(MPI_CXX_SKIP_MPICXX ON)
+    find_package(MPI QUIET COMPONENTS CXX)
+endif()
 # The plots of the page of `recurse converge`; goes into the program as it is.
 find_file(RECURSE_CHART_JS chart.min.js PATH_SUFFIXES share/javascript/chart.js share/nodejs/chart.js/dist)
 recurse_need(RECURSE_CHART_JS Chart.js libjs-chart.js)

@@ -43,6 +43,7 @@ void installInterruptHandlers() {
   sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGUSR1, &action, nullptr); // of schedulers, before the time is up; mpirun passes it on at once
   struct sigaction before {};
   // nohup asks for SIGHUP to be ignored, and is obeyed.
   if (::sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)

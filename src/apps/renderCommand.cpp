@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "apps/cluster.h"
 #include "apps/commands.h"
 #include "apps/developOptions.h"
 #include "apps/filmViewers.h"
@@ -116,13 +117,32 @@ std::string defaultOutput(const LoadedScene& loaded) {
   return name.string();
 }
 
-ExitStatus renderScene(const RenderCommandOptions& o) {
+/** What is left of the options for a process that does not lead. */
+RenderCommandOptions withoutOutputs(RenderCommandOptions o) {
+  planOf(o); // what is wrong with them is wrong for all
+  o.outputs.clear();
+  o.checkpoint.clear();
+  o.checkpointInterval.reset();
+  o.resume = false;
+  o.viewers = {};
+  o.layers.clear();
+  o.throughSpecular = false;
+  o.render.statistics.clear();
+  o.render.progress = "off";
+  o.render.quiet = true;
+  o.render.verbose = false;
+  return o;
+}
+
+ExitStatus renderScene(const RenderCommandOptions& given) {
+  const bool leads = !cluster() || cluster()->leads();
+  const RenderCommandOptions o = leads ? given : withoutOutputs(given);
   RenderPlan plan = planOf(o);
   PictureWriter writer(o.develop);
   const PathClasses classes =
       o.paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{o.paths, o.paths}});
   checkOutputs(o, o.outputs);
-  const ThreadPool pool(plan.threads);
+  const ThreadPool pool(plan.threads > 0 || !cluster() ? plan.threads : cluster()->threads());
   const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
   if (o.check) {
     print(sceneReport(loaded, classes.layerCount()));
@@ -130,7 +150,7 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
   }
   std::vector<std::string> outputs = o.outputs;
   if (outputs.empty() && !(o.sampleRange && !o.checkpoint.empty())) outputs = {defaultOutput(loaded)};
-  checkOutputs(o, outputs);
+  if (leads) checkOutputs(o, outputs);
   const FeatureSettings features = featuresOf(o, outputs);
 
   FilmViewers viewers(o.viewers, o.develop, std::filesystem::path(o.render.scene).filename().string(),
@@ -144,6 +164,7 @@ ExitStatus renderScene(const RenderCommandOptions& o) {
     };
   const Rendering rendering(loaded, classes, plan, o.render,
                             [&](const RenderProgress& progress) { viewers.show(progress); });
+  if (!leads) return ExitStatus::DONE;
   RenderReport report =
       rendering.report("recurse render", o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths));
   report.extra = o.extra;

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "apps/cluster.h"
 #include "apps/missedLight.h"
 #include "apps/optionText.h"
 #include "apps/progressDisplay.h"
@@ -147,9 +148,16 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
     if (retell) retell(progress);
     display.update(progress);
   };
+  if (!plan.checkpoint.empty() || cluster())
+    kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
+  if (cluster()) {
+    if (plan.adaptive) throw Error("--adaptive: one process only", ExitStatus::BAD_USAGE);
+    auto identity = kept.identity;
+    identity["seed"] = std::to_string(settings.seed);
+    cluster()->join(identity);
+  }
   if (!plan.checkpoint.empty()) {
     lock.emplace(plan.checkpoint);
-    kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
     if (plan.resume && std::filesystem::exists(plan.checkpoint)) {
       Checkpoint before = Checkpoint::read(plan.checkpoint);
       requireSame(plan.checkpoint, kept.identity, before.identity);
@@ -193,8 +201,13 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
              loaded.integratorDirective.type + "' does not find it, 'photonmap' does";
     log("warning: " + missed);
   }
-  figures =
-      render(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful.flag(), show, log);
+  const auto renderAlone = [](auto&&... arguments) { return recurse::render(arguments...); };
+  const auto renderTogether = [](auto&&... arguments) { return cluster()->render(arguments...); };
+  const auto renderBy = [&](const auto& way) {
+    return way(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful.flag(), show, log);
+  };
+  figures = cluster() ? renderBy(renderTogether) : renderBy(renderAlone);
+  if (cluster() && !cluster()->leads()) return;
   if (!missed.empty()) figures.warnings.push_back(missed);
   if (interrupted() && figures.samples == 0)
     throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);

@@ -10,16 +10,29 @@ namespace recurse {
 
 void Film::add(const Film& other) {
   for (size_t i = 0; i < sums.size(); ++i) sums[i] += other.sums[i];
-  for (size_t i = 0; i < pixels.size(); ++i) {
-    const Pixel& p = other.pixels[i];
-    pixels[i].weight += p.weight;
-    pixels[i].luminance += p.luminance;
-    pixels[i].luminanceSquared += p.luminanceSquared;
-    pixels[i].samples += p.samples;
-  }
+  for (size_t i = 0; i < pixels.size(); ++i) pixels[i].add(other.pixels[i]);
   if (!other.splatPlane) return;
   enableSplats(other.splatPlane->unit());
   splatPlane->add(*other.splatPlane);
+}
+
+std::vector<Film::StatePart> Film::stateParts() {
+  std::vector<StatePart> out{{std::as_writable_bytes(std::span(sums)), sizeof(LongSum),
+                              [](const void* from, void* into, size_t count) {
+                                for (size_t i = 0; i < count; ++i)
+                                  static_cast<LongSum*>(into)[i] += static_cast<const LongSum*>(from)[i];
+                              }},
+                             {std::as_writable_bytes(std::span(pixels)), sizeof(Pixel),
+                              [](const void* from, void* into, size_t count) {
+                                for (size_t i = 0; i < count; ++i)
+                                  static_cast<Pixel*>(into)[i].add(static_cast<const Pixel*>(from)[i]);
+                              }}};
+  if (!splatPlane) return out;
+  const auto parts = splatPlane->state();
+  for (size_t i = 0; i + 1 < parts.size(); ++i)
+    out.push_back({parts[i], sizeof(int64_t), SplatPlane::addSums});
+  out.push_back({parts.back(), parts.back().size(), SplatPlane::addFigures});
+  return out;
 }
 
 double Film::relativeError() const {

@@ -93,9 +93,16 @@ void SplatPlane::add(const SplatPlane& other) {
     addAll(moments[i].luminance, other.moments[i].luminance);
     addAll(moments[i].square, other.moments[i].square);
   }
-  figures.paths += other.figures.paths;
-  figures.saturated += other.figures.saturated;
-  figures.nextPass = std::max(figures.nextPass, other.figures.nextPass);
+  figures.add(other.figures);
+}
+
+void SplatPlane::addSums(const void* from, void* into, size_t count) {
+  // Contributions are no larger than LARGEST: where a sum wraps around, the picture is lost anyway.
+  for (size_t i = 0; i < count; ++i) static_cast<uint64_t*>(into)[i] += static_cast<const uint64_t*>(from)[i];
+}
+
+void SplatPlane::addFigures(const void* from, void* into, size_t count) {
+  for (size_t i = 0; i < count; ++i) static_cast<Figures*>(into)[i].add(static_cast<const Figures*>(from)[i]);
 }
 
 void SplatPlane::clear() {

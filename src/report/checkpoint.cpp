@@ -24,7 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
 
-const std::string MAGIC = "Recurse checkpoint 3\n";
+const std::string MAGIC = "Recurse checkpoint 4\n";
 /** Larger headers are damaged. */
 constexpr uint64_t MAX_HEADER = 1 << 24;
 
@@ -68,6 +68,14 @@ Json toJson(const RenderPosition& p) {
   return j;
 }
 
+Json toJson(const std::optional<std::vector<WorkUnit>>& left) {
+  if (!left) return nullptr;
+  Json out = Json::array();
+  for (const WorkUnit& u : *left)
+    out.push_back({u.firstSample, u.endSample, u.firstTile, u.endTile, u.splats});
+  return out;
+}
+
 RenderPosition positionFrom(const Json& j) {
   RenderPosition p;
   forEachFigure(p, [&](const char* name, auto& value) { j.at(name).get_to(value); });
@@ -87,6 +95,7 @@ void writeCheckpoint(const std::string& fileName, Checkpoint& c) {
                      {"classes", classes},
                      {"parts", parts},
                      {"position", toJson(c.position)},
+                     {"left", toJson(c.position.left)},
                      {"adaptive", c.allocation.has_value()},
                      {"splat_unit", c.film.splats() ? c.film.splats()->unit() : 0},
                      {"film", {b.x0, b.y0, b.x1, b.y1}}};
@@ -153,6 +162,10 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
                  {}};
     if (adaptive) c.allocation.emplace(bounds, c.imagingRatio);
     if (splatUnit > 0) c.film.enableSplats(splatUnit);
+    if (const Json& left = json.at("left"); !left.is_null()) {
+      c.position.left.emplace();
+      for (const Json& u : left) c.position.left->push_back({u.at(0), u.at(1), u.at(2), u.at(3), u.at(4)});
+    }
     for (const Json& p : json.at("parts")) c.parts.push_back({p.at(0), p.at(1), p.at(2)});
     if (c.parts.empty()) fail("the checkpoint is damaged");
     for (const std::span<std::byte> part : numbersOf(c)) take(part);

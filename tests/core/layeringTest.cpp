@@ -33,6 +33,7 @@ const std::map<std::string, std::set<std::string>> MAY_INCLUDE = [] {
   m["plugins"] = {"core", "scene", "model", "transport"};
   m["report"] = {"core", "scene", "model", "transport"};
   m["apps"] = {"core", "scene", "model", "transport", "report"};
+  m["mpi"] = {"core", "transport", "model", "apps"};
   for (const std::string& folder : PLUG_IN_FOLDERS) m[folder] = m["transport"];
   m["integrators"].insert("transport");
   return m;

@@ -24,6 +24,12 @@ class Film {
   struct Pixel {
     LongSum weight, luminance, luminanceSquared;
     uint64_t samples = 0;
+    void add(const Pixel& o) {
+      weight += o.weight;
+      luminance += o.luminance;
+      luminanceSquared += o.luminanceSquared;
+      samples += o.samples;
+    }
   };
 
  public:
@@ -73,6 +79,17 @@ class Film {
       for (const std::span<std::byte> part : splatPlane->state()) parts.push_back(part);
     return parts;
   }
+
+  /** A part of state() as numbers that add up. */
+  struct StatePart {
+    /** Adds so many elements that do not overlap to others. */
+    using Add = void (*)(const void* from, void* into, size_t count);
+    std::span<std::byte> bytes;
+    size_t elementBytes;
+    Add add;
+  };
+  /** state(), in the same order, for sums that are made elsewhere. */
+  std::vector<StatePart> stateParts();
 
   /** The pixel's value in a layer; black before the first sample. */
   Rgb value(size_t pixel, size_t layer) const {

@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -56,6 +57,9 @@ class SplatPlane {
     return {std::as_writable_bytes(std::span(sums)), std::as_writable_bytes(std::span(moments)),
             std::as_writable_bytes(std::span(&figures, 1))};
   }
+  /** Add the sums, and the last part, of other planes' state(); as Film::StatePart has it. */
+  static void addSums(const void* from, void* into, size_t count);
+  static void addFigures(const void* from, void* into, size_t count);
   /** Bytes of state(). */
   static double bytes(double pixels, double layers) {
     return pixels * (layers * 3 * sizeof(int64_t) + sizeof(Moments)) + sizeof(Figures);
@@ -64,6 +68,11 @@ class SplatPlane {
  private:
   struct Figures {
     uint64_t paths = 0, saturated = 0, nextPass = 0;
+    void add(const Figures& o) {
+      paths += o.paths;
+      saturated += o.saturated;
+      nextPass = std::max(nextPass, o.nextPass);
+    }
   };
   /** Of a pixel, the first in the unit of sums and the second in that unit's square times SQUARE_SCALE. */
   struct Moments {

@@ -6,11 +6,13 @@
 
 #include <atomic>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "recurse/model/film.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/sampleAllocation.h"
+#include "recurse/transport/workQueue.h"
 
 namespace recurse {
 
@@ -42,6 +44,8 @@ struct RenderStatistics {
 struct RenderPosition {
   int64_t sample = 0; ///< every pixel, or with an allocation the average one, has the samples up to this one
   RenderStatistics statistics; ///< so far, without notes and warnings
+  /** Of a render by several processes: what they have not done, whatever `sample` says. */
+  std::optional<std::vector<WorkUnit>> left = {};
 };
 
 struct RenderSettings {
@@ -77,6 +81,9 @@ struct RenderProgress {
   double raysPerSecond = 0;
   double error = -1; ///< Film::relativeError when it was last looked at; negative: not known yet
 };
+
+/** What the film tells: the samples of all pixels, and a warning where some have none. */
+void countSamples(const Film& film, RenderStatistics& statistics);
 
 /**
  * Renders into the film, which is empty or, for a render that goes on, the one of that moment. Returns early

@@ -1,0 +1,79 @@
+/** @file
+ * What a render consists of: photons of a pass, and samples of a tile of the picture, which whoever deals
+ * them out may ask for in any order.
+ */
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "recurse/model/film.h"
+#include "recurse/transport/render.h"
+
+namespace recurse {
+
+class SampleRenderer {
+ public:
+  /** Samples [first, end) of a pixel, of them so many pilots at the beginning for the allocation. */
+  struct PixelSamples {
+    uint64_t first = 0, end = 0, pilots = 0;
+  };
+  struct TileResult {
+    uint64_t samples = 0;
+    bool abandoned = false; ///< some samples are missing
+  };
+
+  /** Prepares the integrator. Of the settings: samplesPerPixel, seed, allocation. All must outlive it. */
+  SampleRenderer(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                 const RenderSettings& settings, Film& film,
+                 const std::function<void(const std::string&)>& log);
+  SampleRenderer(const SampleRenderer&) = delete;
+  SampleRenderer& operator=(const SampleRenderer&) = delete;
+
+  /** Of each pixel: samplesPerPixel, or so many that other limits come first. */
+  int64_t samples() const { return wanted; }
+  /** See Integrator::passes. */
+  int passes() const { return passCount; }
+  int64_t passBegin(int64_t pass) const { return passCount == 0 ? pass : pass * wanted / passCount; }
+  int64_t passEnd(int64_t pass) const { return passBegin(pass + 1); }
+  /** The pass that a sample belongs to. */
+  int64_t passOf(int64_t sample) const;
+
+  /** Shoots the photons of a pass, which the samples are of from now on. The first pass has to have been shot
+   * before any other. `splats`: what its light paths bring goes to the film. False where it was
+   * stopped: nothing of it counts. */
+  bool shootPass(int64_t pass, bool splats, ForwardControl& control);
+
+  /** A square of so many pixels, fewer at the border. */
+  static constexpr int TILE = 16;
+  size_t tiles() const { return size_t(tilesX) * size_t(tilesY); }
+  /** Renders samples of the pass whose photons were shot last into the film; of a pixel as many as
+   * `samplesOf(pixel)` says. Any thread, for different tiles. `abandon`: breaks off when it becomes true; not
+   * where samples splat, which cannot be taken back. */
+  TileResult renderTile(size_t tile, const std::function<PixelSamples(size_t pixel)>& samplesOf,
+                        TransportCounts& counts, const std::atomic<bool>* abandon);
+
+  /** So far, of what is not of samples: times, photons, notes, warnings. */
+  RenderStatistics statistics;
+
+ private:
+  const Scene& scene;
+  Integrator& integrator;
+  const PathClasses& classes;
+  const RenderSettings& settings;
+  Film& film;
+  std::function<void(const std::string&)> log;
+  int passCount;
+  int64_t wanted;
+  float sampleSpacing;
+  bool moves;
+  int tilesX, tilesY;
+  int64_t pass = 0;
+  // Splats of a pass that is broken off do not reach the film: it is shot again when the render goes on.
+  std::optional<SplatPlane> passSplats;
+  std::optional<Splatter> passSplatter, sampleSplatter;
+
+  float timeOf(int64_t pass) const;
+};
+
+} // namespace recurse

@@ -1,0 +1,102 @@
+/** @file
+ * `recurse-mpi`: the same bits as one process, for any number of ranks, and whoever is killed.
+ */
+#ifdef RECURSE_MPI_PROGRAM
+
+#include "program.h"
+
+#include <cstdlib>
+#include <random>
+
+#include "recurse/core/image.h"
+
+using namespace programTesting;
+using recurse::readImage;
+
+namespace {
+
+class Mpi : public Program {
+ protected:
+  /** As mpirun would start so many ranks. What they say is in the file "log". */
+  int shell(const std::string& command) const {
+    const int status = std::system(("cd " + folder +
+                                    " && export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
+                                    " ASAN_OPTIONS=detect_leaks=0 && { " +
+                                    command + "; } >log 2>&1")
+                                       .c_str());
+    return WEXITSTATUS(status);
+  }
+  static std::string ranks(int count, const std::string& program = RECURSE_MPI_PROGRAM) {
+    return RECURSE_MPIRUN " --oversubscribe --mca plm ^rsh -n " + std::to_string(count) + " " + program + " ";
+  }
+  std::string log() const { return contents(file("log")); }
+  std::vector<float> whole(const std::string& settings) const {
+    EXPECT_EQ(shell(RECURSE_PROGRAM " render scene.pbrt -q -o whole.exr" + settings), 0) << log();
+    return readImage(file("whole.exr")).pixels;
+  }
+};
+
+} // namespace
+
+TEST_F(Mpi, AnyNumberOfRanksMakesTheSamePicture) {
+  for (const std::string settings :
+       {" --integrator path --spp 40", " --integrator sppm --photons 1000 --spp 9",
+        " --integrator photonmap --photons 5000 --spp 6", " --integrator bdpt --spp 7"}) {
+    const std::vector<float> truth = whole(settings);
+    const int most = settings.find("path") != std::string::npos ? 3 : 2;
+    for (int n = most == 3 ? 1 : 2; n <= most; ++n) {
+      ASSERT_EQ(shell(ranks(n) + "render scene.pbrt -q -o r.exr" + settings), 0) << log();
+      EXPECT_TRUE(readImage(file("r.exr")).pixels == truth) << n << " ranks" << settings;
+      std::filesystem::remove(file("r.exr"));
+    }
+  }
+}
+
+TEST_F(Mpi, KilledRanksCostNothingButTime) {
+  const std::string settings = " --integrator sppm --photons 4000 --spp 150";
+  const std::vector<float> truth = whole(settings);
+  std::mt19937 random(7);
+  int kills = 0;
+  // With another number of ranks each time; any of them is killed.
+  for (int round = 0; round < 4; ++round) {
+    const std::string seconds = std::to_string(0.6 + 0.1 * double(random() % 10));
+    const int status =
+        shell(ranks(2 + round % 2) +
+              "render scene.pbrt -q --checkpoint c.rck --checkpoint-interval 0.05s --resume "
+              "-o r.exr" +
+              settings + " & run=$!; sleep " + seconds + "; kill -9 $(pgrep -P $run | shuf -n 1); wait $run");
+    kills += status != 0;
+    if (status != 0 && kills == 1) {
+      EXPECT_TRUE(has(log(), "noticed that process rank")) << log();
+    }
+  }
+  ASSERT_EQ(shell(ranks(2) + "render scene.pbrt -q --checkpoint c.rck --resume -o r.exr" + settings), 0)
+      << log();
+  EXPECT_TRUE(readImage(file("r.exr")).pixels == truth) << kills << " kills";
+}
+
+TEST_F(Mpi, WhoHasAnotherSceneIsNamed) {
+  write("other.pbrt", scene() + "\n# another word\n");
+  write("rank.sh", "#!/bin/sh\nscene=scene.pbrt\n[ $OMPI_COMM_WORLD_RANK = 1 ] && scene=$OTHER\n"
+                   "exec " RECURSE_MPI_PROGRAM " render $scene --spp 1 -q -o r.exr\n");
+  EXPECT_EQ(shell("OTHER=other.pbrt " + ranks(2, "sh rank.sh")), 1);
+  EXPECT_TRUE(has(log(), "rank 1 on ") && has(log(), "scene files (hash)")) << log();
+  EXPECT_EQ(shell("OTHER=none.pbrt " + ranks(2, "sh rank.sh")), 1);
+  EXPECT_TRUE(has(log(), "rank 1 on ") && has(log(), "cannot read none.pbrt")) << log();
+  EXPECT_FALSE(exists("r.exr"));
+}
+
+TEST_F(Mpi, LimitsHold) {
+  ASSERT_EQ(shell(ranks(2) + "render scene.pbrt --integrator path --time-limit 0.5s -o r.exr --stats s.json"),
+            0)
+      << log();
+  EXPECT_TRUE(has(contents(file("s.json")), "\"stop_reason\": \"time\"")) << log();
+  ASSERT_EQ(
+      shell(ranks(2) + "render scene.pbrt --integrator path --error-target 0.1 -o r.exr --stats s.json"), 0)
+      << log();
+  EXPECT_TRUE(has(contents(file("s.json")), "\"stop_reason\": \"error\"")) << log();
+  EXPECT_NE(shell(ranks(2) + "render scene.pbrt --adaptive --spp 16 -o r.exr"), 0);
+  EXPECT_TRUE(has(log(), "--adaptive: one process only")) << log();
+}
+
+#endif
