@@ -15,6 +15,8 @@
 
 #include "apps/commands.h"
 #include "apps/interrupt.h"
+#include "apps/manual.h"
+#include "apps/optionText.h"
 #include "apps/program.h"
 #include "apps/renderOutput.h"
 #include "recurse/core/atomicFile.h"
@@ -89,7 +91,7 @@ std::string nearestOptions(const CLI::App& command, const std::vector<std::strin
 ExitStatus run(int argc, char** argv) {
   CLI::App app("Recurse: photon mapping and path tracing of scene files in the pbrt-v4 format.", "recurse");
   app.set_version_flag("--version", std::string("Recurse ") + VERSION);
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.footer("Examples:\n"
              "  recurse render scene.pbrt -o picture.exr -o picture.png\n"
              "  recurse compare picture.exr reference.exr\n"
@@ -108,8 +110,21 @@ ExitStatus run(int argc, char** argv) {
   addClassesCommand(app, chosen);
   addExplainCommand(app, chosen);
   addReferenceCommand(app, chosen);
+  std::string manual, shell;
+  app.add_option("--manual", manual, "Print a page for man: 'recurse', or the name of a subcommand")
+      ->type_name("COMMAND");
+  app.add_option("--completion", shell, "Print completions for bash, zsh or fish")->type_name("SHELL");
   try {
     app.parse(argc, argv);
+    if (!manual.empty()) {
+      const auto named = app.get_subcommands([&](const CLI::App* sub) { return sub->get_name() == manual; });
+      if (named.empty() && manual != app.get_name())
+        badUsage("--manual: there is no subcommand '" + manual + "'");
+      print(manualPage(named.empty() ? app : *named.front(), VERSION));
+    }
+    if (!shell.empty()) print(completion(app, shell));
+    if (!manual.empty() || !shell.empty()) return ExitStatus::DONE;
+    if (!chosen) throw CLI::RequiredError("A subcommand");
   } catch (const CLI::CallForHelp&) {
     print(wrapped(app.help()));
     return ExitStatus::DONE;

@@ -1,0 +1,14 @@
+/** @file
+ * What the program was compiled to run on.
+ */
+#pragma once
+
+namespace recurse::apps {
+
+/** Instruction sets beyond x86-64 that the compiler was allowed to use. */
+struct ProcessorNeeds {
+  bool avx2, fma, bmi2, avx512;
+};
+extern const ProcessorNeeds PROCESSOR_NEEDS;
+
+} // namespace recurse::apps
