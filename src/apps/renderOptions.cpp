@@ -10,6 +10,7 @@
 #include "apps/missedLight.h"
 #include "apps/optionText.h"
 #include "apps/progressDisplay.h"
+#include "recurse/core/imageTexture.h"
 
 namespace recurse::apps {
 
@@ -53,6 +54,10 @@ void RenderOptions::addTo(CLI::App& command) {
   add("--seed", seed, "N", "Another seed, another independent picture (default: the scene's)");
   add("--resolution", resolution, "WxH", "Size of the picture in pixels (default: the scene's)");
   add("--cropwindow", cropWindow, "x0,x1,y0,y1", "Render this part only, as fractions of width and height");
+  add("--texture-memory", textureMemory, "BYTES",
+      "What pictures on surfaces may take in memory, such as 2G; the rest is in a temporary file, in TMPDIR "
+      "or "
+      "/var/tmp (default: what they need)");
   add("--stats", statistics, "FILE", "Write statistics as JSON");
   add("--progress", progress, "WAY", "auto, plain, json or off, on standard error (default: auto)")
       ->check(CLI::IsMember({"auto", "plain", "json", "off"}))
@@ -71,6 +76,8 @@ RenderPlan RenderOptions::plan() const {
     plan.errorTarget = parseReal("--error-target", *errorTarget);
     if (!(plan.errorTarget > 0)) throw Error("--error-target: must be more than 0", ExitStatus::BAD_USAGE);
   }
+  if (textureMemory)
+    setTextureMemory(double(parseCount("--texture-memory", *textureMemory, 1, int64_t(1) << 50)));
   if (threads) plan.threads = static_cast<int>(parseCount("--nthreads", *threads, 1, 4096));
   if (seed) plan.seed = parseSeed("--seed", *seed);
   if (resolution) {

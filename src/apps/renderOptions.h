@@ -40,7 +40,8 @@ struct RenderPlan {
 struct RenderOptions {
   std::string scene;
   IntegratorOptions integrator;
-  std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow;
+  std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow,
+      textureMemory;
   std::string statistics, progress = "auto";
   bool quiet = false, verbose = false, lenient = false, adaptive = false;
 

@@ -17,6 +17,7 @@
 #include <OpenImageIO/texture.h>
 
 #include "core/imageInput.h"
+#include "core/pixelStore.h"
 #include "recurse/core/error.h"
 #include "recurse/core/image.h"
 
@@ -30,7 +31,7 @@ constexpr const char* PIXELS = "recurse:pixels";
 struct Pixels {
   int width = 0, height = 0, channels = 0;
   OIIO::TypeDesc type; ///< UINT8, UINT16, HALF or FLOAT
-  std::vector<std::byte> bytes;
+  detail::PixelStore bytes;
   ImageEncoding encoding;
 
   size_t rowValues() const { return size_t(width) * size_t(channels); }
@@ -80,17 +81,125 @@ Pixels readPixels(const std::string& fileName, const ImageEncoding& encoding) {
   if (!input->read_image(0, 0, 0, spec.nchannels, p.type, all.data()))
     throw Error(fileName + ": cannot be read: " + input->geterror());
   if (p.channels == spec.nchannels && order[0] == 0 && order[size_t(p.channels) - 1] == p.channels - 1) {
-    p.bytes = std::move(all);
+    p.bytes = detail::PixelStore(std::move(all));
   } else {
-    p.bytes.resize(count * size_t(p.channels) * each);
+    std::vector<std::byte> chosen(count * size_t(p.channels) * each);
     for (size_t i = 0; i < count; ++i)
       for (size_t c = 0; c < size_t(p.channels); ++c)
-        std::memcpy(&p.bytes[(i * size_t(p.channels) + c) * each],
+        std::memcpy(&chosen[(i * size_t(p.channels) + c) * each],
                     &all[(i * stored + size_t(order[c])) * each], each);
+    p.bytes = detail::PixelStore(std::move(chosen));
   }
   if (p.type.is_floating_point()) refuseNonFinite(fileName, p);
   return p;
 }
+
+/** A level of detail: linear light, in Pixels::decodedType(). */
+struct Level {
+  int width = 0, height = 0;
+  detail::PixelStore bytes;
+};
+
+/** The pixels, decoded when they are asked for, and the coarser levels, made all at once the first time. */
+class Pyramid {
+ public:
+  explicit Pyramid(const Pixels& pixels) : pixels(pixels) {}
+  int count() const {
+    int n = 1;
+    for (int w = pixels.width, h = pixels.height; w > 1 || h > 1; ++n) {
+      w = half(w);
+      h = half(h);
+    }
+    return n;
+  }
+  int channels() const { return pixels.channels; }
+  OIIO::TypeDesc type() const { return pixels.decodedType(); }
+  int width(int level) const { return level == 0 ? pixels.width : half(width(level - 1)); }
+  int height(int level) const { return level == 0 ? pixels.height : half(height(level - 1)); }
+
+  void readRow(int level, int y, void* into) {
+    if (level == 0) {
+      std::vector<float> linear(pixels.rowValues());
+      decodeRow(y, linear.data());
+      encode(linear, into);
+      return;
+    }
+    std::call_once(made, [&] { make(); });
+    const Level& l = levels[size_t(level) - 1];
+    const size_t bytes = size_t(l.width) * size_t(pixels.channels) * pixels.decodedType().size();
+    std::memcpy(into, l.bytes.data() + size_t(y) * bytes, bytes);
+  }
+
+ private:
+  static int half(int n) { return std::max(1, n / 2); }
+
+  void decodeRow(int y, float* linear) {
+    const std::byte* row = pixels.bytes.data() + size_t(y) * pixels.rowBytes();
+    const size_t n = pixels.rowValues();
+    if (!pixels.coded()) {
+      OIIO::convert_types(pixels.type, row, OIIO::TypeDesc::FLOAT, linear, static_cast<int>(n));
+      return;
+    }
+    std::call_once(tableMade, [&] {
+      const size_t codes = pixels.type == OIIO::TypeDesc::UINT8 ? 256 : 65536;
+      for (size_t i = 0; i < codes; ++i)
+        table.push_back(pixels.decode(static_cast<float>(i) / static_cast<float>(codes - 1)));
+    });
+    for (size_t i = 0; i < n; ++i) {
+      uint16_t code = 0;
+      if (pixels.type == OIIO::TypeDesc::UINT8)
+        code = static_cast<uint16_t>(row[i]);
+      else
+        std::memcpy(&code, row + i * sizeof code, sizeof code);
+      linear[i] = table[code];
+    }
+  }
+  void encode(const std::vector<float>& linear, void* into) const {
+    OIIO::convert_types(OIIO::TypeDesc::FLOAT, linear.data(), pixels.decodedType(), into,
+                        static_cast<int>(linear.size()));
+  }
+
+  /** Each pixel the mean of what it covers in the level before. */
+  void make() {
+    const auto channels = size_t(pixels.channels);
+    std::vector<float> above;
+    for (int level = 1; level < count(); ++level) {
+      const int w0 = width(level - 1), h0 = height(level - 1), w = width(level), h = height(level);
+      std::vector<float> now(size_t(w) * size_t(h) * channels), row(size_t(w0) * channels);
+      for (int y0 = 0; y0 < h0; ++y0) {
+        const float* from = level == 1 ? row.data() : &above[size_t(y0) * row.size()];
+        if (level == 1) decodeRow(y0, row.data());
+        forShares(y0, h0, h, [&](int y, float partY) {
+          float* into = &now[size_t(y) * size_t(w) * channels];
+          for (int x0 = 0; x0 < w0; ++x0)
+            forShares(x0, w0, w, [&](int x, float partX) {
+              for (size_t c = 0; c < channels; ++c)
+                into[size_t(x) * channels + c] += partX * partY * from[size_t(x0) * channels + c];
+            });
+        });
+      }
+      std::vector<std::byte> bytes(now.size() * pixels.decodedType().size());
+      encode(now, bytes.data());
+      levels.push_back({w, h, detail::PixelStore(std::move(bytes))});
+      above = std::move(now);
+      if (level == 1) pixels.bytes.rest();
+    }
+  }
+  /** Calls use(to, part) for the one or two of `count` places that place `from` of `all` is a part of. */
+  template <class Use> static void forShares(int from, int all, int count, const Use& use) {
+    if (all == 2 * count) return use(from / 2, 0.5f);
+    const double scale = double(count) / double(all), begin = from * scale, end = (from + 1) * scale;
+    const int first = std::min(static_cast<int>(begin), count - 1);
+    const double inFirst = std::min(end, first + 1.0) - begin;
+    use(first, static_cast<float>(inFirst));
+    if (first + 1 < count && end > first + 1) use(first + 1, static_cast<float>(end - (first + 1)));
+  }
+
+  const Pixels& pixels;
+  std::once_flag made, tableMade;
+  std::vector<float> table; ///< of codes
+  std::vector<Level> levels;
+};
 
 /** What OpenImageIO's cache reads from in the place of a file. */
 class DecodedInput final : public OIIO::ImageInput {
@@ -100,50 +209,38 @@ class DecodedInput final : public OIIO::ImageInput {
   bool open(const std::string&, OIIO::ImageSpec& newSpec, const OIIO::ImageSpec& config) override {
     const OIIO::ParamValue* attribute = config.find_attribute(PIXELS, OIIO::TypeDesc::PTR);
     if (!attribute) return false;
-    pixels = static_cast<const Pixels*>(*static_cast<void* const*>(attribute->data()));
-    m_spec = OIIO::ImageSpec(pixels->width, pixels->height, pixels->channels, pixels->decodedType());
-    newSpec = m_spec;
-    if (pixels->coded()) {
-      const size_t codes = pixels->type == OIIO::TypeDesc::UINT8 ? 256 : 65536;
-      for (size_t i = 0; i < codes; ++i)
-        table.push_back(pixels->decode(static_cast<float>(i) / static_cast<float>(codes - 1)));
-    }
-    return true;
+    pyramid = static_cast<Pyramid*>(*static_cast<void* const*>(attribute->data()));
+    return seek_subimage(0, 0) && (newSpec = m_spec, true);
   }
   bool close() override { return true; }
-  bool read_native_scanline(int subimage, int level, int y, int, void* data) override {
-    if (subimage != 0 || level != 0) return false;
-    const std::byte* row = pixels->bytes.data() + size_t(y) * pixels->rowBytes();
-    if (table.empty()) {
-      std::memcpy(data, row, pixels->rowBytes());
-      return true;
-    }
-    const size_t count = pixels->rowValues();
-    std::vector<float> linear(count);
-    for (size_t i = 0; i < count; ++i) {
-      uint16_t code = 0;
-      if (pixels->type == OIIO::TypeDesc::UINT8)
-        code = static_cast<uint16_t>(row[i]);
-      else
-        std::memcpy(&code, row + i * sizeof code, sizeof code);
-      linear[i] = table[code];
-    }
-    return OIIO::convert_types(OIIO::TypeDesc::FLOAT, linear.data(), m_spec.format, data,
-                               static_cast<int>(count));
+  int current_miplevel() const override { return level; }
+  bool seek_subimage(int subimage, int newLevel) override {
+    if (subimage != 0 || newLevel < 0 || newLevel >= pyramid->count()) return false;
+    level = newLevel;
+    m_spec =
+        OIIO::ImageSpec(pyramid->width(level), pyramid->height(level), pyramid->channels(), pyramid->type());
+    return true;
+  }
+  bool read_native_scanline(int subimage, int ofLevel, int y, int, void* data) override {
+    if (subimage != 0 || ofLevel < 0 || ofLevel >= pyramid->count()) return false;
+    pyramid->readRow(ofLevel, y, data);
+    return true;
   }
 
  private:
-  const Pixels* pixels = nullptr;
-  std::vector<float> table; ///< of codes; empty where values are linear
+  Pyramid* pyramid = nullptr;
+  int level = 0;
 };
+
+/** Of tiles in OpenImageIO's cache. */
+double cacheBytes = 0x1p30;
 
 /** OpenImageIO's texture system, which lives as long as a texture does. */
 class TextureCache {
  public:
   TextureCache() : tiles(OIIO::ImageCache::create(false)), system(OIIO::TextureSystem::create(false, tiles)) {
-    tiles->attribute("automip", 1);
     tiles->attribute("autotile", 64);
-    tiles->attribute("max_memory_MB", 1024.0f);
+    tiles->attribute("max_memory_MB", static_cast<float>(cacheBytes / 0x1p20));
     system->attribute("gray_to_rgb", 1);
   }
   ~TextureCache() {
@@ -171,15 +268,16 @@ class TextureCache {
 struct ImageTexture::Source {
   std::shared_ptr<TextureCache> cache;
   Pixels pixels;
+  Pyramid pyramid;
   OIIO::ustring name;
   OIIO::TextureSystem::TextureHandle* handle = nullptr;
 
   Source(const std::string& fileName, const ImageEncoding& encoding)
-      : cache(TextureCache::common()), pixels(readPixels(fileName, encoding)) {
+      : cache(TextureCache::common()), pixels(readPixels(fileName, encoding)), pyramid(pixels) {
     static std::atomic<uint64_t> number{0};
     name = OIIO::ustring(std::to_string(++number) + ":" + fileName);
     OIIO::ImageSpec config;
-    const void* pointer = &pixels;
+    const void* pointer = &pyramid;
     config.attribute(PIXELS, OIIO::TypeDesc::PTR, &pointer);
     const OIIO::ImageInput::Creator creator = []() -> OIIO::ImageInput* { return new DecodedInput; };
     if (cache->tiles->add_file(name, creator, &config)) handle = cache->system->get_texture_handle(name);
@@ -202,6 +300,11 @@ struct ImageTexture::Source {
     return source;
   }
 };
+
+void setTextureMemory(double bytes) {
+  cacheBytes = std::max(bytes / 2, 0x1p24); // with less, tiles come and go without end
+  detail::PixelStore::setLimit(bytes - cacheBytes);
+}
 
 ImageTexture::ImageTexture(const std::string& fileName, const ImageEncoding& encoding,
                            const ImageTextureSettings& settings)

@@ -198,6 +198,23 @@ TEST(ImageMap, SharedFilesAndManyThreadsGiveTheSame) {
   EXPECT_EQ(one, many);
 }
 
+TEST(ImageMap, LittleMemoryGivesTheSame) {
+  const Folder folder;
+  const std::string file = folder.picture("p.exr", 300, 217, noisy);
+  const auto values = [&] {
+    const auto t = makeTexture("imagemap", map(file, "\"string filter\" \"trilinear\""));
+    std::vector<Rgb> out;
+    for (int i = 0; i < 500; ++i)
+      out.push_back(t->value(seen(flatPoint(i * .0131, i * .0173), std::exp2(-float(i % 10)))));
+    return out;
+  };
+  const std::vector<Rgb> truth = values();
+  setTextureMemory(1); // all pixels lie in files
+  const std::vector<Rgb> little = values();
+  setTextureMemory(0x1p31);
+  EXPECT_TRUE(little == truth);
+}
+
 TEST(ImageMap, BadFilesAreNamedAtTheirPlace) {
   const Folder folder;
   const auto sceneWith = [](const std::string& texture) {

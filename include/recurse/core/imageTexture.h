@@ -31,6 +31,11 @@ struct ImageTextureSettings {
   bool levels = true;       ///< false: the finest level, whatever the footprint
 };
 
+/** What textures may take in memory [bytes], before the first is read: half of it for pixels as they are in
+ * the files, the rest of which lies in a temporary file, and half for those in use, decoded. Without a call
+ * as much as they need, and 1 GiB. */
+void setTextureMemory(double bytes);
+
 /** Pixels of a file, decoded to linear light when they are used. Those of one file are shared. */
 class ImageTexture {
  public:
