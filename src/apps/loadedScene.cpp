@@ -10,6 +10,7 @@
 
 #include "apps/optionText.h"
 #include "recurse/core/hash.h"
+#include "recurse/core/imageTexture.h"
 #include "recurse/model/film.h"
 #include "recurse/scene/loader.h"
 
@@ -137,7 +138,14 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
     settings += (settings.empty() ? ": " : ", ") + setting;
   line("integrator", loaded.integratorDirective.type + settings);
   const double filmBytes = Film::bytes(double(film.crop.area()), double(layers));
-  line("memory", "geometry " + bytesText(double(scene.memoryBytes())) + ", film " + bytesText(filmBytes));
+  const auto [inMemory, inFiles] = textureMemory();
+  std::string textures;
+  if (inMemory + inFiles > 0)
+    textures = ", textures " + bytesText(double(inMemory)) +
+               (inFiles > 0 ? " and " + bytesText(double(inFiles)) + " in files" : "") +
+               " besides the cache of those in use";
+  line("memory",
+       "geometry " + bytesText(double(scene.memoryBytes())) + textures + ", film " + bytesText(filmBytes));
   line("time",
        "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));
   line("in short", loaded.warnings == 0

@@ -11,6 +11,7 @@
 #include "apps/optionText.h"
 #include "apps/progressDisplay.h"
 #include "recurse/core/imageTexture.h"
+#include "recurse/core/memory.h"
 
 namespace recurse::apps {
 
@@ -54,6 +55,10 @@ void RenderOptions::addTo(CLI::App& command) {
   add("--seed", seed, "N", "Another seed, another independent picture (default: the scene's)");
   add("--resolution", resolution, "WxH", "Size of the picture in pixels (default: the scene's)");
   add("--cropwindow", cropWindow, "x0,x1,y0,y1", "Render this part only, as fractions of width and height");
+  add("--memory", memory, "BYTES",
+      "What the program may take, such as 8G: photons that would need more are refused before they are all "
+      "shot "
+      "(default: what there is)");
   add("--texture-memory", textureMemory, "BYTES",
       "What pictures on surfaces may take in memory, such as 2G; the rest is in a temporary file, in TMPDIR "
       "or "
@@ -76,6 +81,7 @@ RenderPlan RenderOptions::plan() const {
     plan.errorTarget = parseReal("--error-target", *errorTarget);
     if (!(plan.errorTarget > 0)) throw Error("--error-target: must be more than 0", ExitStatus::BAD_USAGE);
   }
+  if (memory) setMemoryLimit(double(parseCount("--memory", *memory, 1, int64_t(1) << 50)));
   if (textureMemory)
     setTextureMemory(double(parseCount("--texture-memory", *textureMemory, 1, int64_t(1) << 50)));
   if (threads) plan.threads = static_cast<int>(parseCount("--nthreads", *threads, 1, 4096));

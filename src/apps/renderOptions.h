@@ -41,7 +41,7 @@ struct RenderOptions {
   std::string scene;
   IntegratorOptions integrator;
   std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow,
-      textureMemory;
+      textureMemory, memory;
   std::string statistics, progress = "auto";
   bool quiet = false, verbose = false, lenient = false, adaptive = false;
 

@@ -306,6 +306,8 @@ void setTextureMemory(double bytes) {
   detail::PixelStore::setLimit(bytes - cacheBytes);
 }
 
+std::pair<size_t, size_t> textureMemory() { return detail::PixelStore::totals(); }
+
 ImageTexture::ImageTexture(const std::string& fileName, const ImageEncoding& encoding,
                            const ImageTextureSettings& settings)
     : source(Source::of(fileName, encoding)), settings(settings) {}

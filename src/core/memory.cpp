@@ -17,6 +17,8 @@ namespace recurse {
 
 namespace {
 
+double memoryLimit = INFINITY; // of the process
+
 /** The number after a word in a file of "Name: number kB" lines [bytes]; infinite without. */
 double numberAfter(const char* fileName, const std::string& word) {
   std::ifstream in(fileName);
@@ -40,9 +42,12 @@ double limitOfAddresses() {
 
 } // namespace
 
+void setMemoryLimit(double bytes) { memoryLimit = bytes; }
+
 double availableMemory() {
   const double system = numberAfter("/proc/meminfo", "MemAvailable:");
-  return std::max(0.0, std::min({system, groupLimit(), limitOfAddresses()}));
+  const double left = memoryLimit - (memoryLimit < INFINITY ? numberAfter("/proc/self/status", "VmRSS:") : 0);
+  return std::max(0.0, std::min({system, groupLimit(), limitOfAddresses(), left}));
 }
 
 void requireMemory(const std::string& subject, double bytes) {

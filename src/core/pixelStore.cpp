@@ -17,7 +17,7 @@ namespace recurse::detail {
 namespace {
 
 std::atomic<double> limit{INFINITY};
-std::atomic<size_t> inMemory{0};
+std::atomic<size_t> inMemory{0}, inFiles{0};
 
 /** Descriptor of a file that goes with it; negative where there can be none. Not in /tmp, which may be
  * memory. */
@@ -51,6 +51,7 @@ PixelStore::PixelStore(std::vector<std::byte> bytes) {
   if (!bytes.empty() && double(inMemory) + double(bytes.size()) > limit) mapped = mapInFile(bytes);
   if (mapped) {
     mappedSize = bytes.size();
+    inFiles += mappedSize;
     return;
   }
   own = std::move(bytes);
@@ -59,12 +60,16 @@ PixelStore::PixelStore(std::vector<std::byte> bytes) {
 
 PixelStore::~PixelStore() {
   inMemory -= own.size();
-  if (mapped) ::munmap(mapped, mappedSize);
+  if (!mapped) return;
+  inFiles -= mappedSize;
+  ::munmap(mapped, mappedSize);
 }
 
 void PixelStore::rest() const {
   if (mapped) ::madvise(mapped, mappedSize, MADV_DONTNEED);
 }
+
+std::pair<size_t, size_t> PixelStore::totals() { return {inMemory, inFiles}; }
 
 void PixelStore::setLimit(double bytes) { limit = bytes; }
 

@@ -30,6 +30,8 @@ class PixelStore {
 
   /** Of all in memory [bytes]; infinite at first. */
   static void setLimit(double bytes);
+  /** That all of them together have now, in memory and in files [bytes]. */
+  static std::pair<size_t, size_t> totals();
 
  private:
   void swap(PixelStore& o) noexcept {

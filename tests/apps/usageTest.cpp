@@ -187,6 +187,15 @@ TEST_F(ProgramUsage, WhatDoesNotFitInMemoryIsToldBeforeItIsTaken) {
   EXPECT_TRUE(has(contents(file("memory.txt")), "photons needs about")) << contents(file("memory.txt"));
 }
 
+TEST_F(ProgramUsage, TheProgramTakesNoMoreMemoryThanItMay) {
+  const Outcome refused =
+      run({"render", "scene.pbrt", "--photons", "20M", "--direct", "photons", "--memory", "300M", "-q"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_TRUE(has(refused.err, "photons needs about")) << refused.err;
+  EXPECT_EQ(run({"render", "scene.pbrt", "--photons", "10k", "--memory", "30G", "-q"}).status, 0);
+  EXPECT_EQ(run({"render", "scene.pbrt", "--memory", "much"}).status, 2);
+}
+
 TEST_F(ProgramUsage, LongNamesAreNotPrintedBack) {
   write("long.pbrt", scene("", "NamedMaterial \"" + std::string(1000000, 'a') + "\"\nShape \"sphere\"\n"));
   const Outcome o = run({"render", "long.pbrt"});

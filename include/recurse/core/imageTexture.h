@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "recurse/core/rgb.h"
 
@@ -35,6 +36,9 @@ struct ImageTextureSettings {
  * the files, the rest of which lies in a temporary file, and half for those in use, decoded. Without a call
  * as much as they need, and 1 GiB. */
 void setTextureMemory(double bytes);
+
+/** What the pixels of all textures have now, in memory and in temporary files [bytes]. */
+std::pair<size_t, size_t> textureMemory();
 
 /** Pixels of a file, decoded to linear light when they are used. Those of one file are shared. */
 class ImageTexture {

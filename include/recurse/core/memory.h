@@ -8,6 +8,9 @@
 
 namespace recurse {
 
+/** The process is to take no more than this [bytes] in all. */
+void setMemoryLimit(double bytes);
+
 /** What the process can take without swapping [bytes]; infinite where the system does not say. */
 double availableMemory();
 
