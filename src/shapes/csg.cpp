@@ -152,7 +152,8 @@ class Csg final : public Shape {
 
   /**
    * Crossings that lie together are passed at once, so that faces that coincide leave no skin behind. Where
-   * they change the result, the operand that is named first and turned the right way is its surface.
+   * they change the result, the operand that is named first and turned the right way is its surface, at the
+   * place of the first of them, which does not depend on the order of names.
    */
   void keepResult(std::vector<Solid::Crossing>& found, size_t first, double together) const {
     if (found.size() == first) return;
@@ -170,6 +171,7 @@ class Csg final : public Shape {
           if (best == end || found[k].parameters.component() < found[best].parameters.component()) best = k;
         }
         Solid::Crossing surface = found[best == end ? i : best];
+        surface.t = found[i].t;
         surface.entering = !wasInside;
         surface.primitive = 0;
         found[kept++] = surface;

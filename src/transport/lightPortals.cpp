@@ -107,11 +107,6 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
   if (exits.size() < ENOUGH) return;
   constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
   split(exits.begin(), exits.end(), LEVELS, MARGIN * scene.radius);
-  constexpr float WORTH_IT = 0.1f; // of the disc: where more of it is open, it serves as well
-  if (openPart() > WORTH_IT) {
-    boxes.clear();
-    return;
-  }
   float all = 0;
   for (const Box& box : boxes) all += box.chance;
   float sum = 0;

@@ -43,13 +43,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.direct = settings.directLight;
   if (pass.index == 0) {
     guidance = {};
-    portals = {};
-    if (settings.guided) {
-      // A search for the nearest photons of one map wants them to be of nearly equal power.
-      if (progressive) portals.learn(scene, pass.seed, statistics.counts);
-      lights = portals.lightsByPower(scene.lights());
-      learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
-    }
+    if (settings.guided) learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
@@ -129,6 +123,20 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   VisibleRegion region;
   for (const VisiblePoint& place : probeCamera(scene, PROBES, 1, settings.weighting, statistics.counts))
     if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
+  portals = {};
+  lights = portals.lightsByPower(scene.lights());
+  // A search for the nearest photons of one map wants them to be of nearly equal power.
+  if (progressive) {
+    const uint64_t without = countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts);
+    portals.learn(scene, seed, statistics.counts);
+    lights = portals.lightsByPower(scene.lights());
+    constexpr uint64_t WORTH_IT = 2; // photons through boxes differ in power
+    if (portals.active() &&
+        countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts) < WORTH_IT * without) {
+      portals = {};
+      lights = portals.lightsByPower(scene.lights());
+    }
+  }
   if (portals.active())
     statistics.notes.push_back(formatted(
         "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));

@@ -404,6 +404,17 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
 
 } // namespace
 
+uint64_t countUsefulPhotons(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                            const ShootSettings& settings, const VisibleRegion& region,
+                            TransportCounts& counts) {
+  constexpr uint64_t TRIALS = 2 * BATCH;
+  ShootSettings trial = settings;
+  trial.photons = TRIALS;
+  const Trials trials = shootTrials(scene, classes, seed, trial, region);
+  counts.add(trials.counts);
+  return trials.inRegion;
+}
+
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts) {

@@ -56,6 +56,11 @@ struct PhotonGuidance {
   std::vector<DxtranSphere> targets;
 };
 
+/** How many of a few trial photons come down in the region. `counts` gets what the trials cost. */
+uint64_t countUsefulPhotons(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                            const ShootSettings& settings, const VisibleRegion& region,
+                            TransportCounts& counts);
+
 /**
  * Learns from trial photons where those start that come down in the region: as few as will do, where most do
  * so anyway, and the guide is then not active. The region becomes a target where few photons come down in it
