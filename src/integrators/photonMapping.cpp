@@ -1,17 +1,16 @@
 /** @file
  * Recurse's estimate of radiance: emitted light, plus the photon maps' estimate at non-delta surfaces, plus
  * mirror and refracted light, recursively. Direct light comes from shadow rays, or from photons like all
- * other light. Where the map of indirect light would show its noise, the path goes on and reads it at the
- * next surface.
+ * other light. In a progressive render the first non-delta surface of a path weighs the photons of indirect
+ * light against the ray that it sends on.
  */
 #include <algorithm>
 #include <utility>
 
 #include "recurse/model/plugIns.h"
-#include "recurse/transport/causticWeights.h"
 #include "recurse/transport/directLight.h"
-#include "recurse/transport/gatherShare.h"
 #include "recurse/transport/irradianceCache.h"
+#include "recurse/transport/mergeWeights.h"
 #include "recurse/transport/photonPass.h"
 
 namespace recurse {
@@ -24,6 +23,27 @@ struct PhotonMappingSettings : PhotonPassSettings {
   bool shareIrradiance = true; ///< the rays of final gathers read irradiance found out once near each place
   int finalGather = -1;        ///< rays from the first non-delta surface of a path; -1: one, where that pays
   float weightLimit = 0.03f;
+};
+
+/** Light that comes straight to a surface is shared with photons that are merged at the surface before. */
+struct PhotonShare {
+  float merged = 0; ///< the part of it that the weights of mergeWeights.h apply to
+  MergeRatio ratio; ///< up to the surface
+  float rest = 1;   ///< the camera's part where no weight is known
+
+  /** The camera's part; `pdf`: of photons that the surface sends back along the path [1/sr]. */
+  float camera(float arrivals, float pdf) const {
+    if (merged == 0 || !std::isfinite(arrivals)) return rest;
+    return 1 - merged + merged * ratio.cameraWeight(arrivals, pdf);
+  }
+};
+
+/** A ray that may meet such light. */
+struct SharedRay {
+  PhotonShare share;
+  Rgb throughput{0}; ///< without the share
+  float pdf = 0;     ///< see PhotonShare::camera
+  float cosine = 0;  ///< at the surface
 };
 
 /** A camera path on its way. */
@@ -39,6 +59,8 @@ struct PathState {
   float distance = 0;   ///< travelled [scene units]
   bool delta = false;   ///< by mirrors and glass
   float share = 1;      ///< of the indirect light there that is for this path to find
+  PhotonShare direct;   ///< the same of the direct light there
+  SharedRay shared;     ///< of light that is met at once
   BsdfRay bsdfRay;      ///< weighs light that is met at once against shadow rays
   MergeRatio merge;     ///< weighs light that is met by mirrors and glass against caustic photons
   float lightShare = 1; ///< of emission that is met, where photons bring all light
@@ -73,18 +95,13 @@ class PhotonMapping final : public Integrator {
 
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
-    ForwardStatistics statistics = photons.run(scene, classes, pass, control);
+    ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
     statistics.counts.add(std::exchange(learned, {}));
     recordSampler = Sampler(pass.seed, pass.index, 0);
     const bool oneClass = classes.lightStateCount() == 1; // else some photons count and some do not
     const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;
     irradiances.reset(shared ? photons.indirect().cache.size() : 0);
     causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);
-    if (pass.index == 0) {
-      shares.readAll();
-      if (mayGoOn() && settings.nearest == 0 && settings.radius == 0 && !photons.useless())
-        shares.learn(photons.indirect().cache, irradianceSampler(scene, classes), statistics.counts);
-    }
     return statistics;
   }
 
@@ -115,7 +132,9 @@ class PhotonMapping final : public Integrator {
       path.ray.width += path.ray.spread * hit.t;
       path.distance += hit.t;
       if (hit.areaLight) addEmission(scene, path, hit, out);
-      if (path.share == 0 && hit.material && !(hit.material->lobes() & DELTA_LOBES)) return;
+      if (path.share == 0 && path.direct.merged == 0 && hit.material &&
+          !(hit.material->lobes() & DELTA_LOBES))
+        return;
       arena.reset();
       const Bsdf* bsdf = bsdfAt(scene, hit, path.ray.direction, footprint(path.ray), path.nesting, arena);
       if (!bsdf) {
@@ -138,12 +157,19 @@ class PhotonMapping final : public Integrator {
   void addEmission(const Scene& scene, const PathState& path, const Hit& hit, PathRadiance& out) const {
     const Vec3f& direction = path.ray.direction;
     Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
-    if (path.nonDelta > 0 && path.delta && !settings.directLight && !isBlack(radiance)) {
+    if (isBlack(radiance)) return;
+    const auto pdf = [&] {
+      return hit.areaLight->pdfLe({hit.point.position, -direction, hit.point.geometricNormal, hit.primitive});
+    };
+    if (isShared(path)) {
+      addShared(scene, path, hit.lightIndex, pdf(), radiance,
+                glm::distance(path.bsdfRay.from.position, hit.point.position), out);
+      return;
+    }
+    if (path.nonDelta > 0 && path.delta && !settings.directLight) {
       MergeRatio merge = path.merge;
       merge.arrive(direction, hit.point);
-      radiance *= merge.cameraWeight(
-          hit.areaLight->pdfLe({hit.point.position, -direction, hit.point.geometricNormal, hit.primitive}),
-          scene.lights().probability(hit.lightIndex));
+      radiance *= merge.cameraWeight(pdf(), scene.lights().probability(hit.lightIndex));
     }
     addLight(path, radiance, out);
   }
@@ -151,18 +177,34 @@ class PhotonMapping final : public Integrator {
   void addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
     if (scene.environment().empty()) return;
     const Vec3f& direction = path.ray.direction;
-    if (path.nonDelta == 0 || !path.delta || settings.directLight) {
-      addLight(path,
-               environmentRadiance(scene, lights, direction, directWeights(path), settings.lightSamples),
-               out);
-      return;
-    }
     for (size_t i = 0; i < scene.environment().size(); ++i) {
-      const EnvironmentLight& light = *scene.environment()[i];
-      const float weight = path.merge.cameraWeight(light.pdfLe({path.ray.origin, -direction, Vec3f(0), 0}),
-                                                   scene.lights().probability(scene.environmentIndices()[i]));
-      addLight(path, light.radiance(direction) * weight, out);
+      const Rgb radiance =
+          environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
+      if (isBlack(radiance)) continue;
+      const auto pdf = [&] {
+        return scene.environment()[i]->pdfLe({path.ray.origin, -direction, Vec3f(0), 0});
+      };
+      const uint32_t index = scene.environmentIndices()[i];
+      if (isShared(path))
+        addShared(scene, path, index, pdf(), radiance, INFINITE, out);
+      else if (path.nonDelta > 0 && path.delta && !settings.directLight)
+        addLight(path, radiance * path.merge.cameraWeight(pdf(), scene.lights().probability(index)), out);
+      else
+        addLight(path, radiance, out);
     }
+  }
+
+  /** Whether light that is met at once is shared with photons. */
+  static bool isShared(const PathState& path) { return path.shared.share.merged > 0 && !path.delta; }
+
+  void addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
+                 const Rgb& radiance, float distance, PathRadiance& out) const {
+    const LightSampleContext& from = path.bsdfRay.from;
+    const float arrivals =
+        photons.arrivals(scene, light, pdf, from.position, -path.ray.direction, path.shared.cosine, distance,
+                         lights.probability(scene.lights(), from, light));
+    out.add(out.pathClasses().lightStart(), path.camera,
+            path.shared.throughput * radiance * path.shared.share.camera(arrivals, path.shared.pdf));
   }
 
   /** What light that is met shares with shadow rays: nothing from the camera on or after mirrors and glass.
@@ -221,27 +263,37 @@ class PhotonMapping final : public Integrator {
   void addNonDelta(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
                    Sampler& sampler, PathRadiance& out) const {
     path.camera = out.pathClasses().step(path.camera, PathEvent::D);
-    path.throughput *= std::exchange(path.share, 1);
     if (out.pathClasses().dead(path.camera) || !goesOn(path, sampler)) return;
     const Vec3f wi = -path.ray.direction;
+    PhotonShare direct = std::exchange(path.direct, {});
+    direct.ratio.arrive(path.ray.direction, hit.point);
+    direct.rest = std::exchange(path.share, 1);
     LightSampleContext context;
     if (!settings.directLight) {
       context = lightSampleContext(lights, hit.point, wi);
-      addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi, path.throughput, path.camera,
-                      settings.lightSamples, NON_DELTA_LOBES, NO_PANES, sampler, out);
+      addDirectLight(scene, path, context, direct, hit, scattering, sampler, out);
     }
-    const PhotonLayer& caustics = photons.caustics();
-    const float merging =
-        addPhotons(scene, caustics, causticIrradiances, photons.query(caustics, hit.point, wi), scattering,
-                   hit.point, path, sampler, out);
-    PhotonQuery indirect = photons.query(photons.indirect(), hit.point, wi);
-    indirect.settings.share = gatherShare(path, indirect);
-    if (indirect.settings.share > 0)
-      addPhotons(scene, photons.indirect(), irradiances, indirect, scattering, hit.point, path, sampler, out);
+    Rgb unshared = path.throughput;
+    path.throughput *= direct.rest;
+    float merging = 0;
+    PhotonQuery indirect;
+    if (direct.rest > 0) {
+      const PhotonLayer& caustics = photons.caustics();
+      merging = addPhotons(scene, caustics, causticIrradiances, photons.query(caustics, hit.point, wi),
+                           scattering, hit.point, path, sampler, out);
+      indirect = photons.query(photons.indirect(), hit.point, wi);
+      weighIndirect(path, indirect);
+      const GatherSettings& gather = indirect.settings;
+      indirect.settings.merging = gather.rest > 0 || gather.merging > 0
+                                      ? addPhotons(scene, photons.indirect(), irradiances, indirect,
+                                                   scattering, hit.point, path, sampler, out)
+                                      : 0;
+    }
 
     const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;
     ++path.nonDelta;
     path.throughput /= static_cast<float>(rays);
+    unshared /= static_cast<float>(rays);
     for (int i = 0; i < rays && !out.abandoned(); ++i) {
       Sampler branch = sampler.fork(DeltaScatters::MAX_COUNT + 2 + static_cast<uint32_t>(i));
       const std::optional<Scatter> s = scattering.scatterNonDelta(wi, Transport::RADIANCE, branch);
@@ -252,10 +304,45 @@ class PhotonMapping final : public Integrator {
       next.delta = false;
       // Photons around a Lambertian surface are all added up.
       next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
-      next.share = 1 - indirect.settings.share * (1 - next.lightShare);
+      next.share = direct.rest > 0 ? 1 - indirect.settings.rest * (1 - next.lightShare) : 0;
+      if (indirect.settings.weighedAgainstRays)
+        next.direct = {1 - next.lightShare,
+                       MergeRatio(indirect.settings.merging, s->pdf, s->direction, hit.point)};
+      if (direct.merged == 0)
+        next.shared = {};
+      else
+        next.shared = {direct, unshared * s->weight, scattering.pdfNonDelta(s->direction, wi),
+                       absDot(s->direction, hit.point.geometricNormal)};
       next.bsdfRay = {context, s->pdf, true};
       next.merge = MergeRatio(merging, s->pdf, s->direction, hit.point);
-      if (next.share > 0 || mayMeetLight(scene)) trace(scene, next, branch, out);
+      if (next.share > 0 || next.direct.merged > 0 || mayMeetLight(scene)) trace(scene, next, branch, out);
+    }
+  }
+
+  /** Shadow rays, whose light photons may share. */
+  void addDirectLight(const Scene& scene, const PathState& path, const LightSampleContext& context,
+                      const PhotonShare& share, const Hit& hit, const ScatteringPoint& scattering,
+                      Sampler& sampler, PathRadiance& out) const {
+    const Vec3f wi = -path.ray.direction;
+    if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
+    for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
+      const SampledLight choice(scene.lights(), lights, context, sampler);
+      const std::optional<LiSample> light = choice.sampleLi(hit.point);
+      if (!light) continue;
+      Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
+                                        settings.lightSamples, NON_DELTA_LOBES);
+      if (share.merged > 0)
+        radiance *= share.camera(photons.arrivals(scene, choice.chosen.index,
+                                                  choice.chosen.light->pdfLe(light->emitted()),
+                                                  hit.point.position, -light->direction,
+                                                  absDot(light->direction, hit.point.geometricNormal),
+                                                  light->distance, choice.chosen.probability),
+                                 scattering.pdfNonDelta(light->direction, wi));
+      else
+        radiance *= share.rest;
+      if (isBlack(radiance)) continue;
+      const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, NO_PANES, out.counts);
+      if (!isBlack(free.value)) out.add(out.pathClasses().lightStart(), path.camera, radiance * free.value);
     }
   }
 
@@ -271,14 +358,23 @@ class PhotonMapping final : public Integrator {
     return !settings.directLight && scene.contents().areaLights + scene.contents().environmentLights > 0;
   }
 
-  /** The part of the indirect light at the end of the path that is read from the map. */
-  float gatherShare(const PathState& path, const PhotonQuery& query) const {
-    if (mayGoOn() && photons.useless()) return 0;
-    if (path.nonDelta == 0) return settings.finalGather > 0 ? 0 : mayGoOn() ? shares.at(query.place) : 1;
-    // A map that is blurred over more than the distance is not to be seen by a surface close by.
-    const float blur =
-        photons.isProgressive() ? query.settings.radius : photons.indirect().choice.typicalRadius;
-    return path.distance < blur ? 0 : 1;
+  /** What part of the indirect light at the end of the path is read from the map. */
+  void weighIndirect(const PathState& path, PhotonQuery& query) const {
+    GatherSettings& gather = query.settings;
+    if (path.nonDelta == 0 && mayGoOn() && settings.nearest == 0 && settings.radius == 0 &&
+        !settings.directLight) {
+      photons.weighAgainstRays(query, path.ray.width);
+      return;
+    }
+    if (mayGoOn() && photons.useless()) {
+      gather.rest = 0;
+    } else if (path.nonDelta == 0) {
+      gather.rest = settings.finalGather > 0 ? 0 : 1;
+    } else {
+      // A map that is blurred over more than the distance is not to be seen by a surface close by.
+      const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
+      gather.rest = path.distance < blur ? 0 : 1;
+    }
   }
 
   // ---------------------------------------------------------------------------------------------- photons
@@ -289,7 +385,7 @@ class PhotonMapping final : public Integrator {
                    const PhotonQuery& query, const ScatteringPoint& scattering, const SurfacePoint& point,
                    const PathState& path, const Sampler& sampler, PathRadiance& out) const {
     const Vec3f wi = -path.ray.direction;
-    if (isShared(cache, query, scattering, point, path)) {
+    if (hasRecord(cache, query, scattering, point, path)) {
       const GatherSettings search = atRecord(layer, query);
       const Rgb e = cache.at(query.place.index, out.counts, [&](TransportCounts& counts) {
         const RadiusCache::Place& place = layer.cache.place(query.place.index);
@@ -312,8 +408,8 @@ class PhotonMapping final : public Integrator {
 
   /** Whether many rays ask for the irradiance at the record near by, and the photons' directions make no
    * difference. */
-  bool isShared(const IrradianceCache& cache, const PhotonQuery& query, const ScatteringPoint& scattering,
-                const SurfacePoint& point, const PathState& path) const {
+  bool hasRecord(const IrradianceCache& cache, const PhotonQuery& query, const ScatteringPoint& scattering,
+                 const SurfacePoint& point, const PathState& path) const {
     constexpr float NEAR = 0.5f; // of the radius
     const CachedRadius& near = query.place;
     return cache.size() > 0 && path.nonDelta > 0 && near.known &&
@@ -326,34 +422,14 @@ class PhotonMapping final : public Integrator {
     GatherSettings search = photons.searchWithin(layer, layer.cache.place(query.place.index).radius);
     search.weighedAgainstRays = query.settings.weighedAgainstRays;
     search.merging = query.settings.merging;
+    search.rest = query.settings.rest;
     return search;
-  }
-
-  /** Paths from records, as those that go on from there. */
-  GatherShare::SampleIrradiance irradianceSampler(const Scene& scene, const PathClasses& classes) const {
-    return [&](const RadiusCache::Place& place, Sampler& sampler, TransportCounts& counts) {
-      SurfacePoint point;
-      point.position = place.position;
-      point.error = Vec3f(place.error);
-      point.geometricNormal = place.normal;
-      PathState path;
-      path.camera = classes.step(classes.cameraStart(), PathEvent::D);
-      path.nonDelta = 1;
-      path.throughput = Rgb(PI);
-      static_cast<Ray&>(path.ray) =
-          spawn(point, Frame(place.normal).toWorld(cosineHemisphere(sampler.next2D())));
-      PathRadiance sum(classes, counts);
-      Hit hit;
-      if (intersectPosition(scene, path.ray, hit, counts) && !hit.areaLight) trace(scene, path, sampler, sum);
-      return sum.total().r + sum.total().g + sum.total().b;
-    };
   }
 
   PhotonMappingSettings settings;
   PhotonPass photons;
   LightSampler lights;
   TransportCounts learned; ///< what that took, until it has been told
-  GatherShare shares;      ///< at the records of the indirect layer's cache, from the first pass
   /** At the records of the layers, of this pass; empty where no rays go on. */
   IrradianceCache irradiances, causticIrradiances;
   Sampler recordSampler{0, 0, 0};

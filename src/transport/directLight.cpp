@@ -32,20 +32,21 @@ Rgb emittedRadiance(const Scene& scene, const LightSampler& guide, const Hit& hi
   return radiance * (1 - powerHeuristic(lightSamples, lightPdf, ray.pdf));
 }
 
+Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, size_t which, const Vec3f& direction,
+                        const BsdfRay& ray, int lightSamples) {
+  const EnvironmentLight& light = *scene.environment()[which];
+  const Rgb radiance = light.radiance(direction);
+  if (!ray.weighted) return radiance;
+  const float lightPdf = guide.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
+                         light.pdfLi(ray.from.position, direction);
+  return radiance * (1 - powerHeuristic(lightSamples, lightPdf, ray.pdf));
+}
+
 Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, const Vec3f& direction,
                         const BsdfRay& ray, int lightSamples) {
   Rgb sum = BLACK;
-  const auto& environment = scene.environment();
-  for (size_t i = 0; i < environment.size(); ++i) {
-    const Rgb radiance = environment[i]->radiance(direction);
-    float weight = 1;
-    if (ray.weighted) {
-      const float lightPdf = guide.probability(scene.lights(), ray.from, scene.environmentIndices()[i]) *
-                             environment[i]->pdfLi(ray.from.position, direction);
-      weight = 1 - powerHeuristic(lightSamples, lightPdf, ray.pdf);
-    }
-    sum += radiance * weight;
-  }
+  for (size_t i = 0; i < scene.environment().size(); ++i)
+    sum += environmentRadiance(scene, guide, i, direction, ray, lightSamples);
   return sum;
 }
 

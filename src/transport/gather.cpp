@@ -3,9 +3,10 @@
  */
 #include "recurse/transport/gather.h"
 
-#include "recurse/transport/causticWeights.h"
+#include "recurse/transport/mergeWeights.h"
 
 #include <bit>
+#include <cfloat>
 
 namespace recurse {
 
@@ -18,7 +19,8 @@ class Estimate {
            const GatherSettings& settings, float merging, const PathClasses& classes, CameraState cameraState)
       : scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
         states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(merging),
-        lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION) && !weighed),
+        rest(settings.rest),
+        lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal) {
     if (lambertian && states <= MAX_LISTED) {
@@ -36,16 +38,14 @@ class Estimate {
   bool oneSum() const { return lambertian && states == 1 && listed == 1; }
   void set(const Vec3f8& power) { lanes[0] = power; }
   auto arrives() const {
-    return [leaks = bent, side = shadingSide](Float8 weight, const PhotonBlock& block) {
-      return leaks ? weight & arrivesOn(side, block) : weight;
-    };
+    return [this](Float8 weight, const PhotonBlock& block) { return counted(weight, block); };
   }
 
   /** Adds the found photons of a block, with kernel shape values in `shape`. */
   void add(const PhotonBlock& block, Float8 shape) {
     Float8 weight = block.found(shape);
     if (lambertian) {
-      if (bent) weight = weight & arrivesOn(shadingSide, block);
+      weight = counted(weight, block);
       if (states <= MAX_LISTED) {
         const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
         // Every state's turn for every block: cheaper than a branch that depends on the photons.
@@ -93,7 +93,22 @@ class Estimate {
     const Rgb f = scattering.value(eye, light);
     if (isBlack(f) || !(weighed || weighting.ever())) return f;
     const float pdf = scattering.pdfNonDelta(eye, light);
-    return f * (weighed ? photonWeight(reverseRatio, merging, pdf) : weighting.gathered(pdf));
+    return f * (weighting.gathered(pdf) * (weighed ? photonWeight(reverseRatio, merging, pdf, rest) : 1));
+  }
+
+  /** Weights of photons that come to a Lambertian surface. */
+  Float8 counted(Float8 weight, const PhotonBlock& block) const {
+    if (bent) weight = weight & arrivesOn(shadingSide, block);
+    if (!weighed) return weight;
+    if (!block.reverseRatios) return weight * Float8(rest);
+    const Vec3f8 d = block.directions();
+    const Float8 cosine =
+        d.x * Float8(shadingSide.x) + d.y * Float8(shadingSide.y) + d.z * Float8(shadingSide.z);
+    const Float8 ratio = Float8::load(block.reverseRatios);
+    const Float8 share =
+        Float8(merging) /
+        max(Float8(merging) + ratio * max(cosine, Float8(0)) * Float8(INV_PI), Float8(FLT_MIN));
+    return weight * select(less(Float8(0), ratio), share, Float8(rest));
   }
 
   /** The lanes whose light does not come from behind the shading normal, whence it would leak. */
@@ -115,8 +130,8 @@ class Estimate {
   CameraState cameraState;
   size_t states;
   bool weighed;
-  float merging;
-  bool lambertian; ///< and all photons count alike
+  float merging, rest;
+  bool lambertian;
   Vec3f shadingSide;
   bool bent;
   std::array<Rgb, 256> sums;
@@ -245,8 +260,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
   result.radius = disc.region.radius;
-  if (result.found > 0)
-    estimate.addTo(out, throughput * (settings.share * INV_PI / (disc.radius2 * disc.part)));
+  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (disc.radius2 * disc.part)));
   return result;
 }
 
@@ -266,7 +280,7 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
         alignas(32) float shares[8];
         for (int lane = 0; lane < 8; ++lane)
           shares[lane] = photonWeight(block.reverseRatios[lane], merging,
-                                      absDot(block.direction(lane), normal) * INV_PI);
+                                      absDot(block.direction(lane), normal) * INV_PI, settings.rest);
         return weight * Float8::load(shares);
       });
   counts.photonsFound += static_cast<uint64_t>(s.found);

@@ -3,9 +3,11 @@
  */
 #include "recurse/transport/photonPass.h"
 
+#include <cfloat>
 #include <chrono>
 
 #include "recurse/core/text.h"
+#include "recurse/transport/mergeWeights.h"
 
 namespace recurse {
 
@@ -30,7 +32,7 @@ uint64_t PhotonPass::photonCount(const Scene& scene) const {
 }
 
 ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                                  const ForwardControl& control) {
+                                  const ForwardControl& control, const LightSampler& shadowRays) {
   ForwardStatistics statistics;
   progressive = !pass.only;
   radiusOverFirst = radiusScale(pass.index, settings.alpha);
@@ -39,6 +41,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.photons = photonCount(scene);
   shoot.maxDepth = settings.maxDepth;
   shoot.portals = &portals;
+  if (!settings.directLight) shoot.shadowRays = &shadowRays;
   if (settings.guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
   if (pass.index == 0) {
@@ -104,6 +107,42 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
     here.settings.weighting = settings.weighting;
   }
   return here;
+}
+
+void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
+  // What the map errs by beside the photons' chance, which is shared by all pixels of a kernel's support and
+  // averages out less than so many pixels would: as a stain, if it is strong enough to be seen.
+  constexpr double VISIBLE_STAIN = 0.1; // relative variance in the first pass: five per cent after some fifty
+  /** Squared relative error of a covered fraction that eight rays have found, which no pass makes smaller:
+   * weighed as the variance of one of so many passes. */
+  constexpr double UNSURE_FRACTION = 0.01 * 32;
+  constexpr double NONE = 0.35, ALL = 0.65; // beyond, the second estimate costs more than it brings
+  GatherSettings& gather = query.settings;
+  gather.weighedAgainstRays = true;
+  gather.merging = gather.rest = 0;
+  if (tooFew || !query.place.known) return;
+  const RadiusCache::Place& place = indirectLayer.cache.place(query.place.index);
+  const auto variance = double(place.variance), squared = square(double(place.irradiance));
+  if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
+  const double pixels =
+      std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
+  const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
+  double error2 = stain * variance + double(place.bias2);
+  if (place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
+  gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance / error2);
+  // Other paths find light that comes by several surfaces with an error about as large as the light itself.
+  gather.rest =
+      static_cast<float>(std::clamp((squared / (squared + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
+}
+
+float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, const Vec3f& point,
+                           const Vec3f& direction, float cosine, float distance, float chosen) const {
+  const LightKind kind = scene.lights()[light].kind();
+  LePdf started = pdf;
+  if ((kind == LightKind::DISTANT || kind == LightKind::ENVIRONMENT) && portals.active())
+    started.position = portals.pdf(point, direction);
+  const LightTable& table = settings.guided ? lights : scene.lights();
+  return arrivalDensity(kind, started, distance, cosine, table.probability(light), chosen);
 }
 
 GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRadius) const {

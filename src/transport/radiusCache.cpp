@@ -49,6 +49,7 @@ struct SupportErrors {
       bias2[j] += e.bias2[j] * scale;
       noise[j] += e.noise[j] * scale;
     }
+    irradiance += e.irradiance * scale;
   }
   /** Bias between a disc and the next that chance does not explain. */
   double sureBias2(size_t j) const {
@@ -224,6 +225,7 @@ class PlaceFinder {
       });
       if (all.variance[0] == 0) return;
       const size_t best = all.best(biasWeight);
+      places[i].irradiance = static_cast<float>(absolute.irradiance / evidence);
       places[i].variance = static_cast<float>(absolute.variance[best] / evidence);
       double bias2 = 0;
       for (size_t j = 0; j < best; ++j) bias2 += absolute.sureBias2(j);

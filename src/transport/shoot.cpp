@@ -11,7 +11,8 @@
 #include "recurse/core/parallel.h"
 #include "recurse/core/text.h"
 #include "recurse/model/scatteringPoint.h"
-#include "recurse/transport/causticWeights.h"
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/mergeWeights.h"
 #include "recurse/transport/walk.h"
 
 namespace recurse {
@@ -50,12 +51,15 @@ class PhotonWalk {
     if (!(lights.probability(index) > 0)) return start;
     std::optional<LeSample> emission = source.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
     if (!emission || isBlack(emission->flux)) return start;
-    const LePdf pdf = source.pdfLe(*emission);
-    const bool infinite = source.kind() == LightKind::DISTANT || source.kind() == LightKind::ENVIRONMENT;
-    if (infinite && settings.portals && settings.portals->active())
-      settings.portals->redirect(*emission, n[1], {n[2], n[3]});
-    const Rgb flux = emission->flux / (lights.probability(index) * static_cast<float>(settings.photons));
+    LePdf pdf = source.pdfLe(*emission);
     const ReverseRatio ratio = ReverseRatio::atLight(*emission, pdf, scene.lights().probability(index));
+    const bool infinite = source.kind() == LightKind::DISTANT || source.kind() == LightKind::ENVIRONMENT;
+    if (infinite && settings.portals && settings.portals->active()) {
+      settings.portals->redirect(*emission, n[1], {n[2], n[3]});
+      pdf.position = emission->pdfPosition;
+    }
+    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), lights.probability(index)};
+    const Rgb flux = emission->flux / (lights.probability(index) * static_cast<float>(settings.photons));
     base = maxComponent(flux);
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
@@ -87,7 +91,7 @@ class PhotonWalk {
     Rgb flux;
     LightState state;
     Nesting nesting;
-    ReverseRatio ratio; ///< while it is caustic
+    ReverseRatio ratio;
     int depth = 0;
     bool caustic = true;
     float lowered = 1; ///< power over that of the photon that was sent nowhere
@@ -138,9 +142,34 @@ class PhotonWalk {
       state = s->specular() ? stateS : stateD;
       nesting.scatters(hit, wi, s->direction);
       caustic = caustic && s->specular();
-      ratio.leave(s->direction, hit.point);
+      if (s->specular())
+        ratio.leave(s->direction, hit.point);
+      else
+        ratio = ratioAfter(depth - 1, hit, scattering, wi, s->direction);
       ray = spawn(hit.point, s->direction);
     }
+  }
+
+  /** Where the photon comes from. */
+  struct Origin {
+    LightKind kind = LightKind::POINT;
+    LePdf pdf;
+    Vec3f position{0};
+    uint32_t light = 0;
+    float probability = 0; ///< of the light
+  };
+
+  /** Of a photon that leaves a surface by a non-delta lobe: known for what came straight from the light. */
+  ReverseRatio ratioAfter(int depth, const Hit& hit, const ScatteringPoint& scattering, const Vec3f& wi,
+                          const Vec3f& direction) const {
+    if (depth > 0 || !settings.shadowRays) return {};
+    const LightSampler& sampler = *settings.shadowRays;
+    const float chosen =
+        sampler.probability(scene.lights(), lightSampleContext(sampler, hit.point, direction), origin.light);
+    const float arrivals =
+        arrivalDensity(origin.kind, origin.pdf, glm::distance(origin.position, hit.point.position),
+                       absDot(wi, hit.point.geometricNormal), origin.probability, chosen);
+    return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
   }
 
   /** What is seen of a target from a place outside. */
@@ -195,6 +224,7 @@ class PhotonWalk {
         sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
         sentOut.state = state;
         sentOut.caustic = false;
+        sentOut.ratio = ratioAfter(from.depth - 1, hit, scattering, wi, direction);
         sentOut.nesting.scatters(hit, wi, direction);
         sentOut.ray = spawn(hit.point, direction);
         waiting.emplace_back(std::move(sentOut), own);
@@ -225,7 +255,7 @@ class PhotonWalk {
     p.power = flux * (absDot(wi, scattering.normal()) / geometric);
     p.pathState = state.byte;
     p.caustic = caustic;
-    if (caustic) p.reverseRatio = ratio.value();
+    p.reverseRatio = ratio.value();
     out.push_back(p);
   }
 
@@ -236,6 +266,7 @@ class PhotonWalk {
   std::vector<Photon>& out;
   std::vector<std::pair<Flight, Sampler>> waiting;
   std::vector<Cone> cones; ///< of the last surface
+  Origin origin;
   float base = 0, entered = 0;
   BsdfArena arena;
 };

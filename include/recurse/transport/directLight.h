@@ -97,7 +97,10 @@ struct BsdfRay {
  * emits nothing there. */
 Rgb emittedRadiance(const Scene& scene, const LightSampler& guide, const Hit& hit, const Vec3f& direction,
                     const BsdfRay& ray, int lightSamples);
-/** The same for a ray that left the scene. */
+/** The same for a ray that left the scene, of one of its lights. */
+Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, size_t which, const Vec3f& direction,
+                        const BsdfRay& ray, int lightSamples);
+/** Of all of them. */
 Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, const Vec3f& direction,
                         const BsdfRay& ray, int lightSamples);
 

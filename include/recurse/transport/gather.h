@@ -18,11 +18,10 @@ struct GatherSettings {
   float radius = 0;          ///< of the search, or its limit where `nearest` is given [scene units]
   float flatness = 0.2f;     ///< of the search region, see GatherRegion
   GatherWeighting weighting; ///< with rays that follow sharp lobes; by default there are none
-  /** Photons share their paths with camera rays by causticWeights.h; `merging` is per unit of the kernel's
-   * area, and 0 leaves them what no ray can find. */
+  /** Photons share their paths with camera rays by mergeWeights.h: `merging` is per unit of the kernel's
+   * area, `rest` the weight of photons whose ratio is not known. */
   bool weighedAgainstRays = false;
-  float merging = 0;
-  float share = 1; ///< of what the photons bring
+  float merging = 0, rest = 1;
 };
 
 /** What an estimate went by. */

@@ -48,7 +48,7 @@ struct Photon {
   uint8_t pathState = 0;     ///< LightState after the events before this surface
   bool caustic = false;      ///< nothing but mirrors and glass, or nothing at all, between light and surface
   PackedDirection normal;    ///< geometric, unit, on the side that the photon came from
-  /** Of caustic photons: how likely a camera ray finds the same path, see causticWeights.h. */
+  /** How likely a camera ray finds the same path, see mergeWeights.h; 0 where that is not known. */
   float reverseRatio = 0;
 };
 static_assert(sizeof(Photon) <= 40);

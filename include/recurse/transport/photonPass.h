@@ -46,7 +46,7 @@ class PhotonPass {
 
   /** Shoots and builds the maps; pass 0 learns too. */
   ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                        const ForwardControl& control);
+                        const ForwardControl& control, const LightSampler& shadowRays);
 
   /** Photons that nothing but mirrors and glass lies behind, and with `directLight` those straight from
    * lights. */
@@ -59,9 +59,18 @@ class PhotonPass {
   /** Radius of this pass over that of the first. */
   float scale() const { return radiusOverFirst; }
 
+  /** How densely photons straight from a light arrive at a point, see arrivalDensity(). `direction` is that
+   * of the light to the point, `cosine` that of the surface there, `chosen` the light's probability for
+   * shadow rays. */
+  float arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, const Vec3f& point,
+                 const Vec3f& direction, float cosine, float distance, float chosen) const;
+
   /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
    * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
   PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const;
+  /** Weighs photons of the indirect layer against the rays that its surface sends on, by what is known of
+   * both errors there; `footprint` is the width of a pixel. */
+  void weighAgainstRays(PhotonQuery& query, float footprint) const;
   /** The search with such a radius of the first pass. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
 

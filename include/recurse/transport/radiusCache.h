@@ -47,26 +47,13 @@ class RadiusCache {
     float error = 0; ///< of the position
     float radius = 0;
     float footprint = 0; ///< how wide a pixel is there [scene units]; 0: not known to be seen
-    /** Of the irradiance, its channels added up, in the first pass: variance, and what the square of the bias
-     * weighs beside it over many passes [W²/m⁴]. Infinite where no photon tells. */
-    float variance = INFINITE, bias2 = 0;
+    /** Of the irradiance, its channels added up, in the first pass: its value [W/m²], variance, and what the
+     * square of the bias weighs beside it over many passes [W²/m⁴]. The variance is infinite where no photon
+     * tells. */
+    float irradiance = 0, variance = INFINITE, bias2 = 0;
     Neighbourhood around;
   };
   const Place& place(size_t i) const { return places[i]; }
-  /** Calls f(index) for the nearest `count` of the places that face the same way and that no wall separates
-   * from place `i`, which is one of them. */
-  template <class F> void visitNeighbours(size_t i, int count, PhotonScratch& scratch, const F& f) const {
-    GatherRegion region;
-    region.center = places[i].position + lift * places[i].normal;
-    region.bothSides = true;
-    index.nearest(region, count, scratch);
-    index.visitNearest(scratch, [&](const PhotonBlock& block) {
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
-        if (const size_t n = block.first + static_cast<size_t>(std::countr_zero(rest));
-            n == i || places[i].around.sees(places[n].position))
-          f(n);
-    });
-  }
 
  private:
   std::vector<Place> places; ///< in the order of the index's slots

@@ -8,6 +8,7 @@
 #include "recurse/transport/emissionGuide.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/lightPortals.h"
+#include "recurse/transport/lightSampler.h"
 #include "recurse/transport/photon.h"
 
 namespace recurse {
@@ -33,6 +34,9 @@ struct ShootSettings {
   const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
   const LightPortals* portals = nullptr; ///< where light from infinitely far comes in; null: everywhere
   const LightTable* lights = nullptr;    ///< by which lights are chosen; null: the scene's
+  /** By which shadow rays choose lights, for Photon::reverseRatio; null: no light is sampled by shadow rays.
+   */
+  const LightSampler* shadowRays = nullptr;
   std::vector<DxtranSphere> targets;
 };
 
