@@ -11,11 +11,19 @@
  * light's direction is evaluated (one density there is that of the way back), so that its rough coats come
  * out up to 2 % brighter; ours are as bright as the same coats built of two surfaces.
  *
+ * A diffuse base forgets where light came from, so that a coat which scatters nothing inside needs no walk:
+ * what it lets through, there and back, is tabulated, and what goes between base and coat is a geometric
+ * series.
+ *
  * What a smooth coat reflects at once is a delta lobe and exact. The sampling density is not that of the walk
  * but of a fitted mixture, in closed form.
  */
 #include <bit>
+#include <map>
+#include <mutex>
+#include <tuple>
 
+#include "recurse/model/albedoTable.h"
 #include "recurse/model/conductorOptics.h"
 #include "recurse/model/dielectricInterface.h"
 #include "recurse/model/plugIns.h"
@@ -103,6 +111,79 @@ struct Medium {
   int maxDepth = 10, samples = 1;
 };
 
+float slabTransmittance(float distance, float cosine) { return std::exp(-std::abs(distance / cosine)); }
+
+/** What a clear coat does with light between its outside and a diffuse base. */
+class ClearCoat {
+ public:
+  ClearCoat(float eta, MicrofacetKind kind, float leastAlpha, float mostAlpha, float thickness)
+      : thickness(thickness), leastAlpha(leastAlpha), mostAlpha(mostAlpha) {
+    const auto coatOf = [=](float alpha) { return DielectricInterface{eta, {kind, Vec2f(alpha)}}; };
+    transmitted = AlbedoTable(leastAlpha, mostAlpha, [&](const Vec3f& wi, float alpha, const Vec2f& u) {
+      const auto in = coatOf(alpha).step(wi, u, TRANSMISSION);
+      return in && in->wo.z != 0 ? in->weight * slabTransmittance(thickness, in->wo.z) : 0;
+    });
+    const int rows = mostAlpha > leastAlpha ? 20 : 1;
+    for (int row = 0; row < rows; ++row)
+      returned.push_back(returnedBy(coatOf(leastAlpha + (mostAlpha - leastAlpha) * static_cast<float>(row) /
+                                                            std::max(rows - 1.0f, 1.0f))));
+  }
+
+  /** Of light from outside, what comes to the base. */
+  float transmittance(const DielectricInterface& coat, float cosine) const {
+    if (!coat.facets.smooth()) return transmitted.at(cosine, coat.facets.roughness().x);
+    const DielectricFresnel f = dielectricFresnel(std::min(cosine, 1.0f), coat.eta);
+    return f.reflectance < 1 ? (1 - f.reflectance) * slabTransmittance(thickness, f.cosTransmitted) : 0;
+  }
+  /** Of light that the base scatters, what comes back to it. */
+  float reflectance(const DielectricInterface& coat) const {
+    const float x =
+        std::clamp((coat.facets.roughness().x - leastAlpha) / (mostAlpha - leastAlpha), 0.0f, 1.0f) *
+        static_cast<float>(returned.size() - 1);
+    if (returned.size() == 1) return returned[0];
+    const auto row = std::min(static_cast<size_t>(x), returned.size() - 2);
+    return glm::mix(returned[row], returned[row + 1], x - static_cast<float>(row));
+  }
+
+  /** Coats that are alike share what is tabulated. */
+  static std::shared_ptr<const ClearCoat> make(float eta, MicrofacetKind kind, float leastAlpha,
+                                               float mostAlpha, float thickness) {
+    static std::mutex one;
+    static std::map<std::tuple<float, MicrofacetKind, float, float, float>, std::weak_ptr<const ClearCoat>>
+        made;
+    const std::lock_guard guard(one);
+    std::weak_ptr<const ClearCoat>& known = made[{eta, kind, leastAlpha, mostAlpha, thickness}];
+    std::shared_ptr<const ClearCoat> coat = known.lock();
+    if (!coat) {
+      coat = std::make_shared<const ClearCoat>(eta, kind, leastAlpha, mostAlpha, thickness);
+      known = coat;
+    }
+    return coat;
+  }
+
+ private:
+  /** The mean over directions of diffuse light, by points that fill a cube evenly: multiples of powers of the
+   * root of x⁴ = x + 1, as those of the golden ratio fill an interval. */
+  float returnedBy(const DielectricInterface& coat) const {
+    constexpr int COUNT = 1 << 15;
+    const Vec3d step(0.8191725133961645, 0.6710436067037893, 0.5497004779019703);
+    double sum = 0;
+    for (int i = 0; i < COUNT; ++i) {
+      const Vec3f u(glm::fract((double(i) + 0.5) * step));
+      const float cosine = std::sqrt(std::max(u.x, 1e-6f));
+      const auto back = coat.step({std::sqrt(1 - square(cosine)), 0, -cosine}, {u.y, u.z}, REFLECTION);
+      if (back && back->wo.z != 0)
+        sum += double(back->weight * slabTransmittance(thickness, cosine) *
+                      slabTransmittance(thickness, back->wo.z));
+    }
+    return static_cast<float>(sum / COUNT);
+  }
+
+  float thickness, leastAlpha, mostAlpha;
+  AlbedoTable transmitted;
+  std::vector<float> returned; ///< over equal steps of alpha
+};
+
 /** Henyey and Greenstein's phase function of the angle between the ways before and after; 1941. */
 float phase(float cosine, float g) {
   const float d = 1 + g * g - 2 * g * cosine;
@@ -121,8 +202,10 @@ Vec3f samplePhase(const Vec3f& way, float g, const Vec2f& u) {
 
 template <class Base> class CoatedBsdf final : public Bsdf {
  public:
-  CoatedBsdf(const DielectricInterface& coat, const Base& base, const Medium& medium)
-      : coat(coat), base(base), medium(medium) {
+  /** `clear` is null where light has to be followed through the coat. */
+  CoatedBsdf(const DielectricInterface& coat, const Base& base, const Medium& medium,
+             const ClearCoat* clear = nullptr)
+      : coat(coat), base(base), medium(medium), clear(clear) {
     smoothCoat = coat.facets.smooth();
     allSmooth = smoothCoat && base.smooth() && isBlack(medium.albedo);
     if constexpr (Base::CAN_BE_SMOOTH) {
@@ -147,9 +230,13 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     Vec3f a = up(wi), b = up(wo); // both sides are coated alike
     if (b.z < a.z || (b.z == a.z && (b.x < a.x || (b.x == a.x && b.y < a.y)))) std::swap(a, b);
     Rgb sum(0);
-    WalkNumbers numbers(a, b);
-    for (int i = 0; i < medium.samples; ++i) walk(a, b, numbers, sum);
-    sum /= static_cast<float>(medium.samples);
+    if (clear) {
+      sum = throughClear(a, b);
+    } else {
+      WalkNumbers numbers(a, b);
+      for (int i = 0; i < medium.samples; ++i) walk(a, b, numbers, sum);
+      sum /= static_cast<float>(medium.samples);
+    }
     if (!smoothCoat) sum += coat.value(a, b);
     return sum;
   }
@@ -187,8 +274,8 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     Rgb weight(f.reflectance);
     if (allSmooth && f.reflectance < 1) {
       // All reflections between two mirrors that the depth allows.
-      const Rgb once =
-          base.albedo({0, 0, f.cosTransmitted}) * square(transmittance(medium.thickness, f.cosTransmitted));
+      const Rgb once = base.albedo({0, 0, f.cosTransmitted}) *
+                       square(slabTransmittance(medium.thickness, f.cosTransmitted));
       Rgb path = once * square(1 - f.reflectance);
       for (int depth = 2; depth < medium.maxDepth; depth += 2) {
         weight += path;
@@ -226,8 +313,20 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     s.cosine = rest - s.base;
     return s;
   }
-  static float transmittance(float distance, float cosine) { return std::exp(-std::abs(distance / cosine)); }
   static float heuristic(float p, float q) { return p * p / (p * p + q * q); }
+
+  /** As the walks' mean: each visit to the base scatters what has come, and sends part of it on. */
+  Rgb throughClear(const Vec3f& a, const Vec3f& b) const {
+    const Rgb below = base.albedo(a);
+    const Rgb again = below * clear->reflectance(coat);
+    Rgb visits(0), visit(1);
+    for (int depth = 0; depth < medium.maxDepth; depth += 2) {
+      visits += visit;
+      visit *= again;
+    }
+    const float through = clear->transmittance(coat, a.z) * clear->transmittance(coat, b.z);
+    return below * visits * (INV_PI * through / square(coat.eta));
+  }
 
   /** Adds one walk's estimate of what the inside of the coat scatters from a to b, both up. */
   void walk(const Vec3f& a, const Vec3f& b, WalkNumbers& numbers, Rgb& sum) const {
@@ -250,7 +349,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
       }
       if (way.z == 0) return;
       if (isBlack(medium.albedo)) {
-        beta *= transmittance(medium.thickness, way.z);
+        beta *= slabTransmittance(medium.thickness, way.z);
         atTop = !atTop;
       } else {
         const float dz = -std::log(1 - numbers.next()) * std::abs(way.z);
@@ -259,7 +358,8 @@ template <class Base> class CoatedBsdf final : public Bsdf {
           const float toTop = medium.thickness - next;
           const float p = phase(glm::dot(way, exit), medium.g);
           const float shared = smoothCoat ? 1 : heuristic(exitPdf, p);
-          sum += beta * medium.albedo * (p * shared * transmittance(toTop, exit.z) * exitWeight / exitCosine);
+          sum += beta * medium.albedo *
+                 (p * shared * slabTransmittance(toTop, exit.z) * exitWeight / exitCosine);
           way = samplePhase(way, medium.g, numbers.next2());
           beta *= medium.albedo;
           z = next;
@@ -278,8 +378,8 @@ template <class Base> class CoatedBsdf final : public Bsdf {
         const Vec3f from = -way;
         if (!base.smooth()) {
           const float shared = smoothCoat ? 1 : heuristic(exitPdf, base.pdf(from, exit));
-          sum +=
-              beta * base.value(from, exit) * (shared * transmittance(medium.thickness, exit.z) * exitWeight);
+          sum += beta * base.value(from, exit) *
+                 (shared * slabTransmittance(medium.thickness, exit.z) * exitWeight);
         }
         Rgb weight;
         if (!base.step(from, numbers.next2(), way, weight)) return;
@@ -297,12 +397,13 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     if (!(f > 0)) return;
     // Had b's own sample gone this way, this would have been its density.
     const float shared = pdf < 0 ? 1 : heuristic(pdf, coat.pdf(b, -way, TRANSMISSION));
-    sum += beta * (f * shared * transmittance(distance, way.z));
+    sum += beta * (f * shared * slabTransmittance(distance, way.z));
   }
 
   DielectricInterface coat;
   Base base;
   Medium medium;
+  const ClearCoat* clear;
   Microfacets fitted;
   bool smoothCoat = false, allSmooth = false;
 };
@@ -343,6 +444,19 @@ struct CoatParameters {
   Medium medium(const SurfacePoint& point) const {
     return {thickness.at(point).r, albedo.at(point), g.at(point).r, maxDepth, samples};
   }
+  static constexpr float MAX_TABULATED = 1; ///< alpha
+  /** Null where the coat's medium scatters, or a table would need more than a roughness to go by. */
+  std::shared_ptr<const ClearCoat> clear() const {
+    if (albedo.texture || !isBlack(albedo.constant) || thickness.texture || roughness.anisotropic())
+      return {};
+    float least = Microfacets::SMOOTH_BELOW, most = MAX_TABULATED;
+    if (!roughness.textured()) {
+      const float alpha = surface(SurfacePoint{}).facets.roughness().x;
+      if (alpha > MAX_TABULATED) return {};
+      least = most = alpha;
+    }
+    return ClearCoat::make(eta, roughness.kind, least, most, thickness.constant.r);
+  }
   LobeSet lobes() const {
     return LobeSet(REFLECTION | ANISOTROPIC | (eta != 1 && roughness.neverSmooth() ? NO_LOBE : MIRROR));
   }
@@ -356,16 +470,20 @@ struct CoatParameters {
 class CoatedDiffuse final : public Material {
  public:
   CoatedDiffuse(const CoatParameters& coat, const TexturedRgb& reflectance)
-      : coat(coat), reflectance(reflectance) {}
+      : coat(coat), reflectance(reflectance), clear(coat.clear()) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Rgb r = reflectance.at(point);
-    return arena.make<CoatedBsdf<DiffuseBase>>(coat.surface(point), DiffuseBase{r}, coat.medium(point));
+    const DielectricInterface surface = coat.surface(point);
+    const bool tabulated = clear && surface.facets.roughness().x <= CoatParameters::MAX_TABULATED;
+    return arena.make<CoatedBsdf<DiffuseBase>>(surface, DiffuseBase{r}, coat.medium(point),
+                                               tabulated ? clear.get() : nullptr);
   }
   LobeSet lobes() const override { return coat.lobes(); }
 
  private:
   CoatParameters coat;
   TexturedRgb reflectance;
+  std::shared_ptr<const ClearCoat> clear;
 };
 
 class CoatedConductor final : public Material {
