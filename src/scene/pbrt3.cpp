@@ -15,7 +15,6 @@ bool isPlugIn(const std::string& directive, const std::string& plugIn) {
   static const std::set<std::string> NAMES = {
       "Film image",
       "Integrator directlighting",
-      "Integrator whitted",
       "Sampler 02sequence",
       "Sampler lowdiscrepancy",
       "Sampler maxmindist",
@@ -33,9 +32,6 @@ bool isPlugIn(const std::string& directive, const std::string& plugIn) {
       "Material disney",
       "Shape heightfield",
       "Shape nurbs",
-      "Shape cone",
-      "Shape hyperboloid",
-      "Shape paraboloid",
       "AreaLightSource area",
       "LightSource exinfinite",
       "Texture color",
