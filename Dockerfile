@@ -2,7 +2,7 @@
 FROM debian:bookworm AS build
 COPY . /source
 WORKDIR /source
-RUN bash -c 'source scripts/lib.sh && requirePackages "${BUILD_PACKAGES[@]}" file && \
+RUN bash -c 'source scripts/lib.sh && requirePackages "${BUILD_PACKAGES[@]}" file dpkg-dev && \
     configure portable -DBUILD_TESTING=OFF -DRECURSE_BENCHMARKS=OFF && build portable && cd build/portable && cpack'
 FROM debian:bookworm-slim
 RUN --mount=from=build,source=/source/build/portable,target=/packages \
