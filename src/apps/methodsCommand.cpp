@@ -35,6 +35,7 @@ constexpr NamedMethod METHODS[] = {
     {"raycast", "--integrator raycast"},
     {"whitted", "--integrator whitted"},
     {"ambientocclusion", "--integrator ambientocclusion"},
+    {"radiosity", "--integrator radiosity"},
     {"vpl", "--integrator vpl"},
     {"lightpath", "--integrator lightpath"},
     {"photonmap", "--integrator photonmap --set passes=1"},

@@ -3,6 +3,7 @@
  * refraction.
  */
 #include "recurse/model/dielectricInterface.h"
+#include "recurse/model/dispersion.h"
 #include "recurse/model/facetLosses.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/roughness.h"
@@ -20,6 +21,35 @@ class DielectricBsdf final : public Bsdf {
 
  private:
   DielectricInterface surface;
+};
+
+/** Refraction by one wavelength; what white light mirrors is the mean over all. */
+class DispersiveBsdf final : public Bsdf {
+ public:
+  DispersiveBsdf(const DispersiveIndex& index, float wavelength, bool isWhite)
+      : index(index), surface{index.at(wavelength), {}}, isWhite(isWhite) {}
+  LobeSet lobes() const override { return MIRROR | REFRACTION | DISPERSIVE; }
+  void deltas(const Vec3f& wi, DeltaScatters& out) const override {
+    if (!isWhite) {
+      surface.deltas(wi, out);
+      return;
+    }
+    DeltaScatters one;
+    surface.deltas(wi, one);
+    Rgb mirrored(0);
+    const float cosine = std::min(std::abs(wi.z), 1.0f);
+    for (const DispersiveIndex::Part& part : index.parts())
+      mirrored += part.colour * dielectricFresnel(cosine, wi.z > 0 ? part.index : 1 / part.index).reflectance;
+    out.add({{-wi.x, -wi.y, wi.z}, glm::clamp(mirrored, Rgb(0), Rgb(1)), 1, MIRROR});
+    for (const DeltaScatter& s : one)
+      if (s.lobe == REFRACTION) out.add(s);
+  }
+  bool lossless() const override { return true; }
+
+ private:
+  const DispersiveIndex& index;
+  DielectricInterface surface;
+  bool isWhite;
 };
 
 class RoughDielectricBsdf : public Bsdf {
@@ -121,12 +151,15 @@ class MultipleScattering final : public RoughDielectricBsdf {
 
 class Dielectric final : public Material {
  public:
-  Dielectric(float eta, const Roughness& roughness, bool multiple, int rank)
-      : eta(eta), roughness(roughness), rank(rank) {
+  Dielectric(float eta, const Roughness& roughness, bool multiple, int rank,
+             std::optional<DispersiveIndex> index)
+      : eta(eta), roughness(roughness), rank(rank), index(std::move(index)) {
     if (multiple && eta != 1 && !roughness.alwaysSmooth()) losses.emplace(eta, roughness);
   }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Microfacets facets = roughness.at(point);
+    if (index && point.wavelength > 0 && facets.smooth())
+      return arena.make<DispersiveBsdf>(*index, point.wavelength, point.isWhite);
     const float relative = rank > 0 ? eta / point.indexOutside : eta;
     if (relative == 1 || facets.smooth()) return arena.make<DielectricBsdf>(relative);
     const DielectricInterface surface{relative, facets};
@@ -137,7 +170,7 @@ class Dielectric final : public Material {
     // Against another dielectric of the same index the surface is none.
     const bool always = rank == 0 && eta != 1;
     return LobeSet(
-        (always && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
+        (index ? DISPERSIVE : NO_LOBE) | (always && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
         ((rank == 0 && eta == 1) || roughness.alwaysSmooth() ? NO_LOBE : NON_DELTA_LOBES | ANISOTROPIC));
   }
   int priority() const override { return rank; }
@@ -148,7 +181,29 @@ class Dielectric final : public Material {
   Roughness roughness;
   int rank;                              ///< priority
   std::optional<InterfaceLosses> losses; ///< none: not asked for
+  std::optional<DispersiveIndex> index;  ///< none: it does not disperse
 };
+
+/** What of the refractive index depends on wavelength; empty: nothing. */
+std::optional<DispersiveIndex> dispersionOf(const Parameters& p, const Roughness& roughness) {
+  if (!p.boolean("dispersion")) return {};
+  SampledSpectrum spectrum = p.sampledSpectrum("eta");
+  const char* source = "eta";
+  if (p.hasValue("abbe")) {
+    spectrum = cauchyIndex(p.spectrum("eta").g, p.real("abbe"));
+    source = "abbe";
+  }
+  if (spectrum.values.empty()) return {};
+  DispersiveIndex index(spectrum);
+  if (index.isConstant()) return {};
+  if (p.integer("priority") > 0 || !roughness.alwaysSmooth()) {
+    p.warn(source,
+           "dispersion is worked out for smooth dielectrics without a priority; this one refracts all "
+           "light as it does green");
+    return {};
+  }
+  return index;
+}
 
 } // namespace
 
@@ -160,6 +215,14 @@ void registerDielectric(PlugIns& plugIns) {
           .range(1e-3, 1e3)};
   addRoughnessParameters(parameters);
   addMultipleScatteringParameter(parameters);
+  parameters.push_back(realParameter("abbe", "",
+                                     "Abbe number: the index falls with the wavelength by Cauchy's formula, "
+                                     "and is eta in yellow light")
+                           .range(1, 1e6));
+  parameters.push_back(
+      booleanParameter("dispersion", "true",
+                       "colours are refracted by their own indices where eta is a named glass "
+                       "or a spectrum, or abbe is given"));
   parameters.push_back(integerParameter("priority", "0",
                                         "above 0: the shape is a solid that may overlap others with a "
                                         "priority, as water does that reaches into "
@@ -174,7 +237,7 @@ void registerDielectric(PlugIns& plugIns) {
         .summary = "Glass, water and the like: Fresnel reflection and refraction, spread by roughness.",
         .parameters = parameters,
         .examples = {"\"float eta\" 1.5", "\"float eta\" 0.75", "\"float eta\" 1.33 \"integer priority\" 1",
-                     "\"spectrum eta\" \"glass-BK7\"",
+                     "\"spectrum eta\" \"glass-BK7\"", "\"float eta\" 1.6 \"float abbe\" 30",
                      "\"float roughness\" .002 \"bool remaproughness\" false",
                      "\"float roughness\" .1 \"bool remaproughness\" false",
                      "\"float roughness\" .4 \"float eta\" .7", "\"float roughness\" 1 \"float eta\" 1.33",
@@ -191,7 +254,7 @@ void registerDielectric(PlugIns& plugIns) {
          if (multiple && p.integer("priority") > 0)
            p.fail("multiscatter", "it is not worked out for dielectrics with a priority");
          return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g), roughness, multiple,
-                                             p.integer("priority"));
+                                             p.integer("priority"), dispersionOf(p, roughness));
        }});
 }
 

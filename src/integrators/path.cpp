@@ -20,6 +20,7 @@ struct Walk {
   int depth;
   CameraState eye;
   float width, spread; ///< of the ray's footprint
+  float wavelength;    ///< as in Subpath
   Nesting nesting;
   BsdfRay last;
 };
@@ -113,6 +114,7 @@ class Path final : public Integrator {
         w.eye = classes.cameraStart();
         w.width = paths[i].ray.width;
         w.spread = paths[i].ray.spread;
+        w.wavelength = 0;
         w.last.weighted = false;
         makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
         active[i] = &w;
@@ -153,6 +155,7 @@ class Path final : public Integrator {
                            w.throughput * emittedRadiance(scene, settings.guide, hit, direction, w.last,
                                                           settings.lightSamples));
         w.width += w.spread * hit.t;
+        drawWavelength(scene, rays[i], w.wavelength, hit);
         const Bsdf* bsdf =
             bsdfAt(scene, hit, direction, {direction, w.width * w.path->ray.sampleSpacing}, w.nesting, arena);
         if (!bsdf) {
@@ -254,6 +257,7 @@ class Path final : public Integrator {
           w.last.pdf = s.pdf;
           w.last.weighted = !s.specular();
         }
+        w.throughput *= dispersedColour(v.hit->point, s, w.wavelength);
         w.nesting.scatters(*v.hit, v.wi, s.direction);
         if (!s.specular()) w.width = w.spread = 0; // what a pixel sees from here on is not known
         active[alive] = &w;

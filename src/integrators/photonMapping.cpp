@@ -52,9 +52,10 @@ struct PathState {
   CameraState camera;
   Nesting nesting;
   Rgb throughput{1};
-  float etaScale = 1; ///< undoes the 1/η² inside glass
-  int depth = 0;      ///< scattering events so far
-  int nonDelta = 0;   ///< those by non-delta lobes
+  float etaScale = 1;   ///< undoes the 1/η² inside glass
+  int depth = 0;        ///< scattering events so far
+  int nonDelta = 0;     ///< those by non-delta lobes
+  float wavelength = 0; ///< as in Subpath
   // Since the last of these:
   float distance = 0;   ///< travelled [scene units]
   bool delta = false;   ///< by mirrors and glass
@@ -70,6 +71,7 @@ struct PathState {
     PathState next = *this;
     next.nesting.scatters(hit, -ray.direction, s.direction);
     next.throughput *= s.weight;
+    next.throughput *= dispersedColour(hit.point, s, next.wavelength);
     next.etaScale *= square(s.eta);
     static_cast<Ray&>(next.ray) = spawn(hit.point, s.direction);
     if (s.specular()) {
@@ -136,6 +138,7 @@ class PhotonMapping final : public Integrator {
           !(hit.material->lobes() & DELTA_LOBES))
         return;
       arena.reset();
+      drawWavelength(scene, path.ray, path.wavelength, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, path.ray.direction, footprint(path.ray), path.nesting, arena);
       if (!bsdf) {
         static_cast<Ray&>(path.ray) = spawn(hit.point, path.ray.direction);

@@ -349,6 +349,7 @@ void EmbreeScene::complete(const PositionHit& met, float time, Wanted wanted, Hi
   hit.material = g.compound ? g.shape->materialAt(met.parameters) : g.material;
   hit.areaLight = g.light;
   hit.lightIndex = g.lightIndex;
+  hit.mesh = g.meshIndex;
 }
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {

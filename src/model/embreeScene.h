@@ -25,6 +25,7 @@ struct SceneGeometry {
   const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
   const CurveShape* curve = nullptr;  ///< the same
   bool compound = false;              ///< the shape's components have materials of their own
+  int meshIndex = -1;                 ///< Hit::mesh
 };
 
 /** Shapes with a tree of their own: the top level, or one object definition. */

@@ -643,6 +643,10 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
         const auto light = lightOf.find(p.shape);
         SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get()};
         if (light != lightOf.end()) std::tie(g.light, g.lightIndex) = light->second;
+        if (const TriangleMesh* mesh = p.shape->triangleMesh(); mesh && i == 0) {
+          g.meshIndex = static_cast<int>(scene->sceneMeshes.size());
+          scene->sceneMeshes.push_back({mesh, p.material});
+        }
         made->add(g);
       }
       if (i > 0) made->commit();

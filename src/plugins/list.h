@@ -71,6 +71,7 @@ RECURSE_PLUG_IN(RayCast)
 RECURSE_PLUG_IN(Whitted)
 RECURSE_PLUG_IN(AmbientOcclusion)
 RECURSE_PLUG_IN(VirtualPointLights)
+RECURSE_PLUG_IN(Radiosity)
 // Tone operators
 RECURSE_PLUG_IN(NoToneMap)
 RECURSE_PLUG_IN(Filmic)

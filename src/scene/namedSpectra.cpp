@@ -20,13 +20,50 @@ template <class F> Rgbd atPrimaries(F&& index) {
   return {index(RGB_WAVELENGTHS[0]), index(RGB_WAVELENGTHS[1]), index(RGB_WAVELENGTHS[2])};
 }
 
-/** Sellmeier's equation: n² = 1 + sum of b λ² / (λ² - c). */
-Rgbd sellmeier(const Vec3d& b, const Vec3d& c) {
-  return atPrimaries([&](double w) {
+/** A glass by Sellmeier's equation: n² = 1 + sum of b λ² / (λ² - c). */
+struct Glass {
+  const char* name;
+  std::vector<double> b, c; ///< c in square micrometres
+  /** `w`: in micrometres. */
+  double index(double w) const {
     double n2 = 1;
-    for (int i = 0; i < 3; ++i) n2 += b[i] * w * w / (w * w - c[i]);
+    for (size_t i = 0; i < b.size(); ++i) n2 += b[i] * w * w / (w * w - c[i]);
     return std::sqrt(n2);
-  });
+  }
+};
+
+/** Coefficients of the Schott optical glass data sheets, where no other source is named. pbrt's F5, F10 and
+ * F11 are the heavy flints SF5...SF11. */
+const std::vector<Glass>& glasses() {
+  static const std::vector<Glass> GLASSES = [] {
+    std::vector<Glass> g = {
+        {"glass-BK7", {1.03961212, 0.231792344, 1.01046945}, {0.00600069867, 0.0200179144, 103.560653}},
+        {"glass-BAF10", {1.5851495, 0.143559385, 1.08521269}, {0.00926681282, 0.0424489805, 105.613573}},
+        {"glass-FK51A", {0.971247817, 0.216901417, 0.904651666}, {0.00472301995, 0.0153575612, 168.68133}},
+        {"glass-LASF9", {2.00029547, 0.298926886, 1.80691843}, {0.0121426017, 0.0538736236, 156.530829}},
+        {"glass-SF5", {1.52481889, 0.187085527, 1.42729015}, {0.011254756, 0.0588995392, 129.141675}},
+        {"glass-SF10", {1.62153902, 0.256287842, 1.64447552}, {0.0122241457, 0.0595736775, 147.468793}},
+        {"glass-SF11", {1.73759695, 0.313747346, 1.89878101}, {0.013188707, 0.0623068142, 155.23629}},
+        // Daimon and Masumura 2007, at 20 °C.
+        {"water",
+         {0.5684027565, 0.1726177391, 0.02086189578, 0.1130748688},
+         {0.005101829712, 0.01821153936, 0.02620722293, 10.69792721}},
+        // Peter 1923.
+        {"diamond", {0.3306, 4.3356}, {0.175 * 0.175, 0.106 * 0.106}},
+        // Malitson 1965.
+        {"glass-fusedsilica",
+         {0.6961663, 0.4079426, 0.8974794},
+         {0.0684043 * 0.0684043, 0.1162414 * 0.1162414, 9.896161 * 9.896161}}};
+    for (const char* number : {"5", "10", "11"})
+      for (size_t i = 0; i < 7; ++i)
+        if (g[i].name == std::string("glass-SF") + number) {
+          Glass other = g[i];
+          other.name = number[0] == '5' ? "glass-F5" : number[1] == '0' ? "glass-F10" : "glass-F11";
+          g.push_back(other);
+        }
+    return g;
+  }();
+  return GLASSES;
 }
 
 /** An emission by its chromaticity, with luminance 1. */
@@ -35,23 +72,7 @@ Rgbd fromChromaticity(double x, double y) { return rgbOfXyz({x / y, 1, (1 - x - 
 std::map<std::string, Rgbd> makeTable() {
   std::map<std::string, Rgbd> t;
 
-  // Coefficients of the Schott optical glass data sheets. pbrt's F5, F10 and F11 are the heavy flints
-  // SF5...SF11.
-  t["glass-BK7"] =
-      sellmeier({1.03961212, 0.231792344, 1.01046945}, {0.00600069867, 0.0200179144, 103.560653});
-  t["glass-BAF10"] =
-      sellmeier({1.5851495, 0.143559385, 1.08521269}, {0.00926681282, 0.0424489805, 105.613573});
-  t["glass-FK51A"] =
-      sellmeier({0.971247817, 0.216901417, 0.904651666}, {0.00472301995, 0.0153575612, 168.68133});
-  t["glass-LASF9"] =
-      sellmeier({2.00029547, 0.298926886, 1.80691843}, {0.0121426017, 0.0538736236, 156.530829});
-  t["glass-SF5"] = sellmeier({1.52481889, 0.187085527, 1.42729015}, {0.011254756, 0.0588995392, 129.141675});
-  t["glass-SF10"] =
-      sellmeier({1.62153902, 0.256287842, 1.64447552}, {0.0122241457, 0.0595736775, 147.468793});
-  t["glass-SF11"] = sellmeier({1.73759695, 0.313747346, 1.89878101}, {0.013188707, 0.0623068142, 155.23629});
-  t["glass-F5"] = t["glass-SF5"];
-  t["glass-F10"] = t["glass-SF10"];
-  t["glass-F11"] = t["glass-SF11"];
+  for (const Glass& glass : glasses()) t[glass.name] = atPrimaries([&](double w) { return glass.index(w); });
 
   // P. B. Johnson and R. W. Christy, "Optical Constants of the Noble Metals", Phys. Rev. B 6, 1972.
   t["metal-Ag-eta"] = {0.155, 0.117, 0.138};
@@ -102,6 +123,20 @@ std::optional<Rgbd> rgbOfNamedSpectrum(const std::string& name) {
   const auto found = table().find(name);
   if (found == table().end()) return {};
   return found->second;
+}
+
+std::optional<SampledSpectrum> indexOfNamedGlass(const std::string& name) {
+  for (const Glass& glass : glasses()) {
+    if (glass.name != name) continue;
+    constexpr double STEP = 5; // nm; between them the index is straight to six digits
+    SampledSpectrum spectrum;
+    for (double w = SHORTEST_WAVELENGTH; w <= LONGEST_WAVELENGTH; w += STEP) {
+      spectrum.wavelengths.push_back(w);
+      spectrum.values.push_back(glass.index(w / 1000));
+    }
+    return spectrum;
+  }
+  return {};
 }
 
 const std::vector<std::string>& namedSpectra() {

@@ -192,6 +192,19 @@ Rgbd Parameters::spectrum(const std::string& wanted) const {
   return spectrumOf(b, b.value);
 }
 
+SampledSpectrum Parameters::sampledSpectrum(const std::string& wanted) const {
+  const Bound& b = valueOf(wanted, {ParameterType::SPECTRUM});
+  const ParsedParameter& v = b.value;
+  if (v.type != "spectrum") return {};
+  if (v.strings.empty()) return spectrumFromPairs(v.numbers);
+  if (const auto glass = indexOfNamedGlass(v.strings[0])) return *glass;
+  if (rgbOfNamedSpectrum(v.strings[0])) return {};
+  spectrumOf(b, v); // fails where there is no such file
+  std::string tried;
+  return readSpectrumFile(sceneFile::findFile(v.strings[0], v.directory.empty() ? baseDirectory : v.directory,
+                                              topDirectory, tried));
+}
+
 std::vector<Rgbd> Parameters::spectra(const std::string& wanted) const {
   const Bound& b = valueOf(wanted, {ParameterType::SPECTRUM});
   const auto& v = b.value.numbers;

@@ -93,6 +93,13 @@ template <class F> Rgbd convert(F&& spectrum, SpectrumKind kind) {
 
 } // namespace
 
+Rgbd daylightColour(double wavelength) {
+  if (!(wavelength >= FIRST_WAVELENGTH && wavelength <= LAST_WAVELENGTH)) return Rgbd(0);
+  const int below = std::min(static_cast<int>(wavelength), LAST_WAVELENGTH - 1);
+  const double t = wavelength - below, light = daylight(below) * (1 - t) + daylight(below + 1) * t;
+  return rgbOfXyz(matchingFunctions(wavelength) * light) / white();
+}
+
 Rgbd rgbOfXyz(const Vec3d& xyz) {
   static const Mat3d FROM_XYZ = [] {
     // Primaries and white of ITU-R BT.709-6, item 1.3 and 1.4.

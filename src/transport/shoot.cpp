@@ -94,16 +94,18 @@ class PhotonWalk {
     ReverseRatio ratio;
     int depth = 0;
     bool caustic = true;
-    float lowered = 1; ///< power over that of the photon that was sent nowhere
+    float lowered = 1;    ///< power over that of the photon that was sent nowhere
+    float wavelength = 0; ///< as in Subpath
   };
 
   void walk(Flight flight, Sampler& sampler) {
-    auto& [ray, flux, state, nesting, ratio, depth, caustic, lowered] = flight;
+    auto& [ray, flux, state, nesting, ratio, depth, caustic, lowered, wavelength] = flight;
     Hit hit;
     bool toTarget = lowered < 1; // and has not come down yet
     for (;;) {
       if (!intersect(scene, ray, hit, counts)) return;
       arena.reset();
+      drawWavelength(scene, ray, wavelength, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
       if (!bsdf) {
         ray = spawn(hit.point, ray.direction);
@@ -140,6 +142,7 @@ class PhotonWalk {
       flux = scattered;
       if (!russianRoulette(std::min(1.0f, after / before), depth, sampler, flux)) return;
       state = s->specular() ? stateS : stateD;
+      flux *= dispersedColour(hit.point, *s, wavelength);
       nesting.scatters(hit, wi, s->direction);
       caustic = caustic && s->specular();
       if (s->specular())

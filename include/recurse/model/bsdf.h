@@ -39,6 +39,8 @@ enum Lobe : uint8_t {
   ANISOTROPIC = 32,
   /** Besides REFRACTION: it goes straight on, as through a thin pane, and shadow rays with it. */
   STRAIGHT = 64,
+  /** Besides REFRACTION: it depends on SurfacePoint::wavelength. */
+  DISPERSIVE = 128,
 };
 using LobeSet = uint8_t;
 

@@ -28,6 +28,13 @@ struct Hit {
   const Material* material = nullptr;   ///< null: the surface does not scatter
   const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
+  int mesh = -1;                        ///< in Scene::meshes(); -1: another shape, or a part of an instance
+};
+
+/** A triangle mesh at rest that is no part of an instance. */
+struct SceneMesh {
+  const TriangleMesh* mesh = nullptr;
+  const Material* material = nullptr; ///< null: it does not scatter
 };
 
 /** A light chosen from the table. */
@@ -93,6 +100,7 @@ class Scene {
   const std::vector<const EnvironmentLight*>& environment() const { return environmentLights; }
   /** Index in lights() of environment()[i]. */
   const std::vector<uint32_t>& environmentIndices() const { return environmentLightIndices; }
+  const std::vector<SceneMesh>& meshes() const { return sceneMeshes; }
   const SceneBounds& bounds() const { return sceneBounds; }
   /** World coordinates of the scene's origin: what was taken off every position. */
   const Vec3d& origin() const { return sceneOrigin; }
@@ -117,6 +125,7 @@ class Scene {
   LightTable lightTable;
   std::vector<const EnvironmentLight*> environmentLights;
   std::vector<uint32_t> environmentLightIndices;
+  std::vector<SceneMesh> sceneMeshes;
   SceneBounds sceneBounds;
   Vec3d sceneOrigin{0};
   SceneContents sceneContents;

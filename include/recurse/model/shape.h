@@ -42,6 +42,8 @@ struct SurfacePoint {
   Footprint footprint;
   float indexOutside = 1; ///< refractive index on the outer side; of nested dielectrics only
   float time = 0;         ///< of the ray that came, and of those that leave; see Ray::time
+  float wavelength = 0;   ///< by which a dispersive material refracts [nm]; 0: it does not disperse
+  bool isWhite = true;    ///< the light has all wavelengths, and `wavelength` is one that was drawn
 
   /** The geometric normal on the side that `direction` points to. */
   Vec3f normalTowards(const Vec3f& direction) const {

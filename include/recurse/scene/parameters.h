@@ -65,6 +65,8 @@ enum class SpectrumKind {
   ILLUMINANT, ///< emission: blackbody and sampled spectra are scaled to luminance 1, as pbrt does
 };
 
+struct SampledSpectrum; // spectrum.h
+
 /** The declaration of one parameter. Make them with the functions below. */
 struct ParameterSpec {
   ParameterType type = ParameterType::REAL;
@@ -141,6 +143,9 @@ class Parameters {
   std::string string(const std::string& name) const;
   /** A colour, converted by the declared kind: rgb, blackbody, named or sampled spectrum. */
   Rgbd spectrum(const std::string& name) const;
+  /** The same by wavelength [nm], where it was given so: samples, a file of them, or a named glass. No
+   * samples otherwise. */
+  SampledSpectrum sampledSpectrum(const std::string& name) const;
   Vec3d vector3(const std::string& name) const; ///< point3, vector3, normal
 
   std::vector<int> integers(const std::string& name) const;

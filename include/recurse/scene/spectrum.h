@@ -29,6 +29,13 @@ Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind);
 Rgbd rgbOfBlackbody(double kelvin, SpectrumKind kind);
 /** One of pbrt's named spectra; empty for a name that is none. */
 std::optional<Rgbd> rgbOfNamedSpectrum(const std::string& name);
+/** The refractive index of one of its glasses by wavelength; empty for a name that is none. */
+std::optional<SampledSpectrum> indexOfNamedGlass(const std::string& name);
+/** The range of visible light [nm]. */
+constexpr double SHORTEST_WAVELENGTH = 360, LONGEST_WAVELENGTH = 780;
+/** What daylight of a wavelength [nm] contributes to white [1/nm], in linear Rec. 709: its integral is (1, 1,
+ * 1). Outside the gamut, with components below zero. */
+Rgbd daylightColour(double wavelength);
 /** Their names. */
 const std::vector<std::string>& namedSpectra();
 /** Pairs of wavelength and value. Throws Error when they are no spectrum. */

@@ -38,6 +38,7 @@ template <class State> struct Subpath {
   float width = 0;         ///< of the pixel's footprint where the ray starts [scene units]; 0: not known
   float spread = 0;        ///< of the footprint, per distance
   float sampleSpacing = 1; ///< see CameraRay
+  float wavelength = 0;    ///< of light that has been dispersed [nm]; 0: it is white
 };
 
 /** A surface that scatters, where a walk has arrived. */

@@ -53,6 +53,7 @@ template <class State> class Walker {
       arena.reset();
       const Footprint footprint =
           path.width > 0 ? Footprint{path.ray.direction, path.width * path.sampleSpacing} : Footprint();
+      drawWavelength(scene, path.ray, path.wavelength, vertex.hit);
       const Bsdf* bsdf = bsdfAt(scene, vertex.hit, path.ray.direction, footprint, path.nesting, arena);
       if (bsdf) {
         if (path.depth == maxDepth) {
@@ -122,6 +123,7 @@ template <class State> class Walker {
 
   void goOn(Path& path, const Vertex& vertex, const Scatter& s) const {
     path.delta = s.specular();
+    path.throughput *= dispersedColour(vertex.point(), s, path.wavelength);
     const bool all = (vertex.scattering->lobes() & ~vertex.allowed & ALL_LOBES) == 0;
     path.pdf = path.delta ? 1 : all ? double(s.pdf) : vertex.pdfDirection(vertex.wi, s.direction);
     path.parallel = false;

@@ -1,0 +1,82 @@
+/** @file
+ * Radiosity against closed forms and against `path` on matt surfaces.
+ */
+#include "classRendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** The inside of a cube of edge 2, `walls` before each wall of two triangles. */
+std::string box(const std::string& walls) {
+  const auto wall = [](const char* points) {
+    return "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ " +
+           std::string(points) + " ]\n";
+  };
+  return walls + wall("-1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1") + wall("-1 -1 1  -1 1 1  1 1 1  1 -1 1") +
+         wall("-1 -1 -1  -1 -1 1  1 -1 1  1 -1 -1") + wall("-1 1 -1  1 1 -1  1 1 1  -1 1 1") +
+         wall("-1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1") + wall("1 -1 -1  1 -1 1  1 1 1  1 1 -1");
+}
+
+} // namespace
+
+/** Where all emits E and reflects ρ, all that is seen is E / (1 - ρ). */
+TEST(Radiosity, FurnaceOfAClosedBox) {
+  const ThreadPool pool;
+  for (const double albedo : {0.5, 0.8}) {
+    const auto scene = sceneFrom(
+        view(12, "0 0 0  1 .3 .2  0 0 1", 80) +
+        box("AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ " +
+            std::to_string(albedo) + " " + std::to_string(albedo) + " 0 ]\n"));
+    const Rendered r = renderScene(
+        *scene, "radiosity", "\"float patchsize\" .5 \"integer rays\" " + std::to_string(samples(400000)),
+        samples(64));
+    for (size_t p = 0; p < r.pixels(); ++p) {
+      // The direct light of a pixel has noise of its own.
+      EXPECT_NEAR(r.value(p).g, 1 / (1 - albedo), (SANITIZED ? 0.3 : 0.06) / (1 - albedo)) << albedo;
+      EXPECT_NEAR(r.value(p).b, 1, 1e-5);
+    }
+    EXPECT_NEAR(r.mean() - 0.0722, 0.9278 / (1 - albedo), 0.01 * 0.9278 / (1 - albedo));
+  }
+}
+
+TEST(Radiosity, IsPathTracingOfAMattRoom) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(view(16, "0 -2.8 .1  0 0 0  0 0 1", 50) + R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 9 8 7 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -.4 -.4 .9  -.4 .4 .9  .4 .4 .9  .4 -.4 .9 ]
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .7 .5 .3 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -.5 -.5 -.5  .1 -.5 -.5  .1 .2 -.3  -.5 .2 -.3 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 1  -1 1 1  1 1 1  1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  1 1 -1  1 1 1  -1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 -1 1  1 1 1  1 1 -1 ]
+)");
+  ASSERT_TRUE(scene);
+  const PathClasses classes(
+      {{"lamp", "LE"}, {"direct", "LDE"}, {"two", "LDDE"}, {"three", "LDDDE"}, {"more", "LDDDD+E"}});
+  const Way way{"radiosity", "\"float patchsize\" .15 \"integer rays\" " + std::to_string(samples(400000))};
+  const BatchMeans means = classMeans(*scene, way, classes, samples(32), 4),
+                   truth = classMeans(*scene, {"path", ""}, classes, samples(256), 8);
+  constexpr double MESH_ERROR = 0.02;
+  for (size_t i = 0; i < 3 * classes.layerCount(); ++i) {
+    const double error = std::hypot(means.standardError(i), truth.standardError(i));
+    EXPECT_NEAR(means.mean(i), truth.mean(i), 5 * error + MESH_ERROR * truth.mean(i))
+        << classes.classes()[i / 3].name;
+    EXPECT_LT(error, (SANITIZED ? 0.1 : 0.03) * truth.mean(i)) << classes.classes()[i / 3].name;
+  }
+}
+
+TEST(Radiosity, SaysWhatItIgnores) {
+  const auto scene =
+      sceneFrom(litCorner(8) + "Material \"conductor\"\nShape \"trianglemesh\" \"integer indices\" "
+                               "[ 0 1 2 ] \"point3 P\" [ 0 0 1  1 0 1  0 1 1 ]\n");
+  const Rendered r = renderScene(*scene, "radiosity", "\"integer rays\" 1000", 1);
+  ASSERT_EQ(r.statistics.warnings.size(), 1u);
+  EXPECT_NE(r.statistics.warnings[0].find("2 of the scene's shapes"), std::string::npos); // and the sphere
+}
