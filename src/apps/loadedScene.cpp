@@ -56,10 +56,27 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   // A description with errors is built as well, as far as that goes: one run tells all that is wrong.
   out.scene = buildScene(out.description, overrides, diagnostics);
   out.buildSeconds = secondsSince(buildStart);
+  renderMediaByPath(out, diagnostics);
   diagnostics.throwIfErrors();
   out.warnings = diagnostics.all().size();
   std::fputs(diagnostics.format().c_str(), stderr);
   return out;
+}
+
+void renderMediaByPath(LoadedScene& loaded, Diagnostics& diagnostics) {
+  if (!loaded.scene || !loaded.scene->hasMedia() || !loaded.integrator ||
+      loaded.integrator->supportsMedia(*loaded.scene))
+    return;
+  diagnostics.warning(loaded.integratorDirective.location,
+                      "\"" + loaded.integratorDirective.type +
+                          "\" does not render media such as those of the scene: it is rendered by \"path\"");
+  ParsedDirective path;
+  path.type = "path";
+  path.location = loaded.integratorDirective.location;
+  for (const ParsedParameter& p : loaded.integratorDirective.parameters)
+    if (p.name == "maxdepth") path.parameters.push_back(p);
+  loaded.integratorDirective = path;
+  loaded.integrator = makeIntegrator(path, false, diagnostics);
 }
 
 std::string contentHash(const SceneDescription& description) {
@@ -131,6 +148,7 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
   addLights(c.areaLights, " on surfaces");
   addLights(c.deltaLights, " at a point or in one direction");
   addLights(c.environmentLights, " all around");
+  if (c.media > 0) line("media", std::to_string(c.media));
   line("lights", lights.empty() ? "none: the picture will be black" : lights);
   line("scattering", lobeNames(c.lobes));
   std::string settings;

@@ -27,6 +27,10 @@ struct LoadedScene {
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
                          const IntegratorOptions& options);
 
+/** Puts path in the place of an integrator that does not render the media of the scene, with a
+ * warning. */
+void renderMediaByPath(LoadedScene& loaded, Diagnostics& diagnostics);
+
 /** A hash of all files that the scene was read from, and of nothing else. */
 std::string contentHash(const SceneDescription& description);
 

@@ -31,6 +31,8 @@ template <class Visitor> void forEachRegistry(const Visitor& visit) {
   visit(all.textures);
   visit(all.lights);
   visit(all.areaLights);
+  visit(all.media);
+  visit(all.phaseFunctions);
   visit(all.toneMaps);
 }
 

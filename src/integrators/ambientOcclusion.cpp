@@ -20,7 +20,7 @@ class AmbientOcclusion final : public Integrator {
     Walker<CameraState> walker(scene, classes, out.counts, 1);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
-    if (!walker.next(path, vertex) || classes.join(classes.lightStart(), vertex.afterD) == 0) return;
+    if (!walker.next(path, vertex, sampler) || classes.join(classes.lightStart(), vertex.afterD) == 0) return;
     const SurfacePoint& point = vertex.point();
     const float side = glm::dot(point.shadingNormal, vertex.wi) < 0 ? -1.0f : 1.0f;
     const Vec3f direction = Frame(point.shadingNormal * side).toWorld(cosineHemisphere(sampler.next2D()));

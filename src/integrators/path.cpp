@@ -7,6 +7,7 @@
 #include "recurse/core/inPlace.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
+#include "recurse/transport/plainPath.h"
 
 namespace recurse {
 
@@ -76,6 +77,11 @@ class Path final : public Integrator {
   }
 
   void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
+    if (scene.hasMedia()) { // paths wait for so many things that there is nothing to be done for many at once
+      for (CameraPath& p : paths)
+        tracePlainPath(scene, p.ray, guide, {maxDepth, lightSamples}, p.sampler, *p.out);
+      return;
+    }
     while (!paths.empty()) {
       const size_t count = std::min(paths.size(), CAMERA_BATCH);
       Batch batch(*this, scene, paths.first(count));
@@ -84,16 +90,8 @@ class Path final : public Integrator {
     }
   }
 
-  std::vector<EstimatorDomain> domains() const override {
-    return {{"emission", "LS*E", "none: met by eye rays through mirrors and glass", "", true},
-            {"emission after scattering", "LS+D(S|D)*E", "none: met by the rays that go on",
-             "direct light through panes", true},
-            {"shadow rays through panes", "LS+D(S|D)*E", "none: the same, straight through thin panes",
-             "direct light through panes", false, true},
-            {"shadow rays", "LD(S|D)*E", std::to_string(lightSamples) + " for each diffuse vertex",
-             "direct light"},
-            {"BSDF rays", "LD(S|D)*E", "none: the rays that go on", "direct light", true}};
-  }
+  std::vector<EstimatorDomain> domains() const override { return plainPathDomains(lightSamples); }
+  bool supportsMedia(const Scene&) const override { return true; }
 
  private:
   /**

@@ -113,10 +113,18 @@ class PhotonMapping final : public Integrator {
     path.ray = ray;
     path.camera = out.pathClasses().cameraStart();
     path.nesting = nestingAt(scene, ray, out.counts);
+    path.nesting.startIn(scene.cameraMedium());
     trace(scene, path, sampler, out);
   }
 
   std::vector<EstimatorDomain> domains() const override;
+
+  /** Those of closed form: what a path loses in them is known. */
+  bool supportsMedia(const Scene& scene) const override {
+    for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
+      if (!scene.medium(i)->isHomogeneous() || scene.medium(i)->isEmissive()) return false;
+    return true;
+  }
 
  private:
   /** Whether paths decide by themselves where to read the map of indirect light. */
@@ -127,7 +135,9 @@ class PhotonMapping final : public Integrator {
     BsdfArena arena;
     Hit hit;
     for (;;) {
-      if (!intersect(scene, path.ray, hit, out.counts)) {
+      const bool met = intersect(scene, path.ray, hit, out.counts);
+      if (scene.hasMedia() && !passMedium(scene, path, met ? hit.t : INFINITE, sampler, out)) return;
+      if (!met) {
         addEnvironment(scene, path, out);
         return;
       }
@@ -141,7 +151,11 @@ class PhotonMapping final : public Integrator {
       drawWavelength(scene, path.ray, path.wavelength, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, path.ray.direction, footprint(path.ray), path.nesting, arena);
       if (!bsdf) {
-        static_cast<Ray&>(path.ray) = spawn(hit.point, path.ray.direction);
+        path.nesting.enterMedium(hit, path.ray.direction);
+        if (scene.hasMedia())
+          path.ray.origin = originBehind(path.ray, hit);
+        else
+          static_cast<Ray&>(path.ray) = spawn(hit.point, path.ray.direction);
         continue;
       }
       if (path.depth == settings.maxDepth) {
@@ -153,6 +167,65 @@ class PhotonMapping final : public Integrator {
       if (scattering.hasNonDelta()) addNonDelta(scene, path, hit, scattering, sampler, out);
       if (!followDelta(scene, path, hit, scattering, sampler, out)) return;
     }
+  }
+
+  // ------------------------------------------------------------------------------------------------- media
+
+  /** Light that the medium on the way to `end` sends along the path, and what it takes off. False where
+   * nothing is left. */
+  bool passMedium(const Scene& scene, PathState& path, float end, Sampler& sampler, PathRadiance& out) const {
+    const uint16_t number = path.nesting.medium(scene);
+    const Medium* medium = scene.medium(number);
+    if (!medium) return true;
+    const MediumPoint coefficients = medium->at(path.ray.origin);
+    if (path.depth != settings.maxDepth && !isBlack(coefficients.scattering))
+      addScattering(scene, path, number, end, sampler, out);
+    path.throughput *= flight::transmittance(coefficients.extinction(), end);
+    return !isBlack(path.throughput);
+  }
+
+  /** Light that the medium scatters once more: direct by a shadow ray, other by photons along the way. */
+  void addScattering(const Scene& scene, const PathState& path, uint16_t number, float end, Sampler& sampler,
+                     PathRadiance& out) const {
+    const CameraState camera = out.pathClasses().step(path.camera, PathEvent::V);
+    const Rgb throughput = path.throughput * path.share;
+    if (out.pathClasses().dead(camera) || isBlack(throughput)) return;
+    const Medium& medium = *scene.medium(number);
+    const Vec3f& direction = path.ray.direction;
+    const MediumPoint point = medium.at(path.ray.origin);
+    const Rgb extinction = point.extinction();
+    photons.inMedia().visitAlong(path.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
+      if (p.medium != number) return;
+      const float f = medium.phase->value(-glm::dot(unpackDirection(p.direction), direction));
+      ++out.counts.photonsFound;
+      out.add(LightState(p.pathState), camera,
+              throughput * flight::transmittance(extinction, t) * p.power * (f * kernel));
+    });
+    if (settings.directLight) return;
+    const auto [t, pdf] = sampleScattering(extinction, end, sampler);
+    if (!(pdf > 0)) return;
+    Hit hit;
+    hit.point = pointInMedium(path.ray, t);
+    const SpectralPath spectral{throughput * flight::transmittance(extinction, t) * point.scattering / pdf};
+    const LitVertex vertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
+                           path.nesting, spectral, 0,       camera,     false};
+    addSampledLightInMedia(scene, lights, {hit.point.position}, vertex, settings.lightSamples, NO_PANES,
+                           sampler, out);
+  }
+
+  /** A distance within `end` by the transmittance of a channel that is chosen evenly, and its density by all.
+   */
+  static std::pair<float, float> sampleScattering(const Rgb& extinction, float end, Sampler& sampler) {
+    std::array<float, 3> rates;
+    size_t count = 0;
+    for (int c = 0; c < 3; ++c)
+      if (extinction[c] > 0) rates[count++] = extinction[c];
+    const float rate = rates[std::min(count - 1, size_t(sampler.next1D() * static_cast<float>(count)))];
+    const float t = std::min(end, -std::log1p(sampler.next1D() * std::expm1(-rate * end)) / rate);
+    float pdf = 0;
+    for (size_t i = 0; i < count; ++i)
+      pdf -= rates[i] * std::exp(-rates[i] * t) / (std::expm1(-rates[i] * end) * static_cast<float>(count));
+    return {t, std::isfinite(pdf) ? pdf : 0};
   }
 
   // ------------------------------------------------------------------------------------------ emitted light
@@ -308,7 +381,7 @@ class PhotonMapping final : public Integrator {
       // Photons around a Lambertian surface are all added up.
       next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
       next.share = direct.rest > 0 ? 1 - indirect.settings.rest * (1 - next.lightShare) : 0;
-      if (indirect.settings.weighedAgainstRays)
+      if (indirect.settings.weighedAgainstRays && !scene.hasMedia())
         next.direct = {1 - next.lightShare,
                        MergeRatio(indirect.settings.merging, s->pdf, s->direction, hit.point)};
       if (direct.merged == 0)
@@ -327,6 +400,11 @@ class PhotonMapping final : public Integrator {
                       const PhotonShare& share, const Hit& hit, const ScatteringPoint& scattering,
                       Sampler& sampler, PathRadiance& out) const {
     const Vec3f wi = -path.ray.direction;
+    if (share.merged == 0) {
+      addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi, path.throughput * share.rest,
+                      path.camera, settings.lightSamples, NON_DELTA_LOBES, NO_PANES, sampler, out);
+      return;
+    }
     if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
     for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
       const SampledLight choice(scene.lights(), lights, context, sampler);
@@ -341,8 +419,6 @@ class PhotonMapping final : public Integrator {
                                                   absDot(light->direction, hit.point.geometricNormal),
                                                   light->distance, choice.chosen.probability),
                                  scattering.pdfNonDelta(light->direction, wi));
-      else
-        radiance *= share.rest;
       if (isBlack(radiance)) continue;
       const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, NO_PANES, out.counts);
       if (!isBlack(free.value)) out.add(out.pathClasses().lightStart(), path.camera, radiance * free.value);
@@ -442,13 +518,18 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
   const std::string each = "one for each non-delta surface a path meets";
   std::vector<EstimatorDomain> all = {
       {"emission", "LS*E", "none: met by rays through mirrors and glass", "", true}};
-  const std::string caustics = settings.directLight ? "LS*DS*E" : "LS+DS*E", indirect = "L(S|D)*DS*DS*E";
+  const std::string caustics = settings.directLight ? "LS*DS*E" : "LS+DS*E",
+                    indirect = "L(S|D|V)*(D|V)S*DS*E";
   if (!settings.directLight) {
     all.push_back({"shadow rays", "LDS*E",
                    std::to_string(settings.lightSamples) + " for each non-delta surface a path meets",
                    "direct light"});
     all.push_back({"BSDF rays", "LDS*E", each, "direct light", true});
+    all.push_back({"shadow rays in media", "LVS*E",
+                   std::to_string(settings.lightSamples) + " for each part of a path in a medium", ""});
   }
+  all.push_back({"photons in media", settings.directLight ? "L(S|D|V)*VS*E" : "L(S|D|V)+VS*E",
+                 "one estimate for each part of a path in a medium", ""});
   const bool rays = !settings.directLight || settings.weighting.ever();
   all.push_back({"caustic photons", caustics, "one estimate for each non-delta surface a path meets",
                  rays ? "caustics" : ""});

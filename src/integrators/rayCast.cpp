@@ -28,7 +28,7 @@ class RayCast final : public Integrator {
               hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
                   : environmentRadiance(scene, lights, direction, {}, 1));
     };
-    if (!walker.next(path, vertex, addEmission)) return;
+    if (!walker.next(path, vertex, sampler, addEmission)) return;
     addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
     addAmbient(vertex, sampler, out);
   }

@@ -80,7 +80,7 @@ class VirtualPointLights final : public Integrator {
                                : environmentRadiance(scene, lights, direction, {}, 1);
       out.add(classes.lightStart(), path.state, path.throughput * radiance);
     };
-    while (walker.next(path, vertex, addEmission)) {
+    while (walker.next(path, vertex, sampler, addEmission)) {
       if (vertex.isConnectable()) {
         shade(scene, vertex, path.nesting, sampler, out);
         if (settings.compensate && bound < INFINITE) compensate(scene, path, vertex, sampler, out);
@@ -117,7 +117,7 @@ class VirtualPointLights final : public Integrator {
     if (!start) return;
     LightSubpath path = start->path;
     LightVertex vertex;
-    while (walker.next(path, vertex)) {
+    while (walker.next(path, vertex, sampler)) {
       if (vertex.isConnectable())
         if (const Bsdf* bsdf = vertex.hit.material->bsdfAt(vertex.point(), arena))
           virtualLights.push_back({vertex.point(), vertex.wi,
@@ -179,7 +179,7 @@ class VirtualPointLights final : public Integrator {
       const SurfacePoint from = vertex.point();
       walker.follow(path, vertex, *s);
       path.ray.tMax = 1 / std::sqrt(bound);
-      if (isBlack(path.throughput) || !walker.next(path, vertex) || !vertex.isConnectable()) return;
+      if (isBlack(path.throughput) || !walker.next(path, vertex, sampler) || !vertex.isConnectable()) return;
       const Geometry g = geometryOf(from, vertex.point());
       if (!(g.term > bound)) return;
       vertex.throughput *= 1 - bound / g.term;

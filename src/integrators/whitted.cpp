@@ -33,7 +33,7 @@ class Whitted final : public Integrator {
                                  : environmentRadiance(scene, lights, direction, {}, 1);
         out.add(classes.lightStart(), path.state, path.throughput * radiance);
       };
-      if (!walker.next(path, vertex, addEmission)) continue;
+      if (!walker.next(path, vertex, sampler, addEmission)) continue;
       addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
       branch(walker, path, vertex, branches, out);
     }

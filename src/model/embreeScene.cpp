@@ -350,6 +350,7 @@ void EmbreeScene::complete(const PositionHit& met, float time, Wanted wanted, Hi
   hit.areaLight = g.light;
   hit.lightIndex = g.lightIndex;
   hit.mesh = g.meshIndex;
+  hit.media = g.media;
 }
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {

@@ -22,6 +22,7 @@ struct SceneGeometry {
   const AreaLight* light = nullptr;
   uint32_t lightIndex = 0;
   const GeometryGroup* top = nullptr; ///< where the instances are that alpha's points are seen through
+  MediumInterface media;
   const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
   const CurveShape* curve = nullptr;  ///< the same
   bool compound = false;              ///< the shape's components have materials of their own

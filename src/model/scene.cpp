@@ -62,6 +62,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
     const bool complete = buildShapes();
     buildCamera();
     buildLights();
+    buildMedia();
     if (!complete) return nullptr;
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
@@ -81,6 +82,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
     const Shape* shape;
     const Material* material;
     const ShapeDescription* from;
+    MediumInterface media;
   };
   struct Group {
     Vec3d origin{0}; ///< taken off the object's positions
@@ -96,7 +98,6 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
   /** Squares of coordinates must fit single precision. */
   static constexpr float LARGEST_COORDINATE = 1e18f;
   static constexpr size_t MAX_ERRORS = 50;
-  static constexpr const char* LATER_MEDIA = "participating media are not rendered yet";
 
   /** True after so many errors that more would only bury the first ones; says so once. */
   bool enoughErrors() {
@@ -200,7 +201,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
       scene->samplerSettings = *s;
     if (description.accelerator.given())
       all.accelerators.make(description.accelerator, {}, diagnostics, overrides.lenient);
-    if (!description.cameraMedium.empty()) diagnostics.error(description.camera.location, LATER_MEDIA);
+    scene->mediumOfCamera = medium(description.cameraMedium, description.camera.location);
   }
 
   void buildCamera() {
@@ -230,10 +231,16 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
 
   // ---- textures and materials, made when they are first used
 
+  uint16_t mediumWithin(const Material* m) const {
+    const auto found = mediumInNested.find(m);
+    return found == mediumInNested.end() ? Scene::SURROUNDING_MEDIUM : found->second;
+  }
+
   /** The first of the nested materials that is the same matter: priority and index are; or their number. */
   size_t sameNested(const Material& material) const {
     const auto same = [&](const Material* m) {
-      return m->priority() == material.priority() && m->indexInside() == material.indexInside();
+      return m->priority() == material.priority() && m->indexInside() == material.indexInside() &&
+             mediumWithin(m) == mediumWithin(&material);
     };
     return static_cast<size_t>(std::find_if(nested.begin(), nested.end(), same) - nested.begin());
   }
@@ -334,15 +341,83 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
     return materialsByIndex[i].second;
   }
 
+  // ---- media
+
+  /** The number of a medium; 0 for vacuum, and for one that is not there. */
+  uint16_t medium(const std::string& name, const SourceLocation& usedAt) {
+    if (name.empty()) return 0;
+    const auto [known, isNew] = mediaByName.try_emplace(name, uint16_t(0));
+    if (!isNew) return known->second;
+    const auto found = description.media.find(name);
+    if (found == description.media.end()) {
+      std::vector<std::string> names;
+      for (const auto& entry : description.media) names.push_back(entry.first);
+      diagnostics.error(usedAt, "there is no medium named \"" + name + "\"",
+                        names.empty() ? "the name of a MakeNamedMedium"
+                                      : quotedList(nearestNames(name, names)));
+      return 0;
+    }
+    if (mediaUsed.size() + 1 >= Scene::SURROUNDING_MEDIUM) {
+      diagnostics.error(found->second.location, "there are too many media");
+      return 0;
+    }
+    mediaUsed.push_back(name);
+    return known->second = static_cast<uint16_t>(mediaUsed.size());
+  }
+
+  /** Makes the media that were asked for, once it is known where the scene is. */
+  void buildMedia() {
+    for (const std::string& name : mediaUsed) {
+      if (enoughErrors()) return;
+      scene->sceneMedia.push_back(
+          makeMedium(description.media.at(name), description.worldFromMedium.at(name)));
+    }
+    scene->sceneContents.media = mediaUsed.size();
+  }
+
+  /** A medium and its phase function, each with those of the directive's parameters that it declares. */
+  std::unique_ptr<Medium> makeMedium(const ParsedDirective& d, const Mat4d& worldFromMedium) {
+    ParsedDirective body = d, phase = d;
+    phase.type = "hg";
+    phase.parameters.clear();
+    body.parameters.clear();
+    for (const ParsedParameter& p : d.parameters)
+      if (p.name == "phase" && p.strings.size() == 1) {
+        phase.type = p.strings[0];
+        phase.location = p.valueLocation;
+      }
+    const auto& phases = plugIns().phaseFunctions;
+    const auto* entry = phases.find(phase.type);
+    for (const ParsedParameter& p : d.parameters) {
+      const auto declares = [&](const ParameterSpec& s) { return s.name == p.name; };
+      if (p.name == "phase" && p.strings.size() == 1) continue;
+      const bool ofPhase = entry && std::any_of(entry->parameters.begin(), entry->parameters.end(), declares);
+      (ofPhase ? phase : body).parameters.push_back(p);
+    }
+    std::unique_ptr<PhaseFunction> function = phases.make(phase, {}, diagnostics, overrides.lenient);
+    std::unique_ptr<Medium> made = plugIns().media.make(
+        body, {recentred(worldFromMedium, scene->sceneOrigin)}, diagnostics, overrides.lenient);
+    if (!function || !made) return nullptr;
+    made->phase = std::move(function);
+    return made;
+  }
+
+  /** What is inside of a dielectric with priority is told by its material alone. */
+  void fillNested(const Material& m, const MediumInterface& media, const SourceLocation& where) {
+    const uint16_t inside = media.isBoundary() ? media.inside : Scene::SURROUNDING_MEDIUM;
+    const auto [known, isNew] = mediumInNested.try_emplace(&m, inside);
+    if (!isNew && known->second != inside)
+      diagnostics.error(where, "the material has a priority and is filled with another medium elsewhere",
+                        "a material of its own for each medium, with a priority that no other has");
+  }
+
   // ---- shapes
 
   /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
   void addShape(const ShapeDescription& s, const Mat4d& placement, Group& group) {
     if (enoughErrors()) return;
-    if (!s.medium.inside.empty() || !s.medium.outside.empty()) {
-      diagnostics.error(s.shape.location, LATER_MEDIA);
-      return;
-    }
+    const MediumInterface media{medium(s.medium.inside, s.shape.location),
+                                medium(s.medium.outside, s.shape.location)};
     const Material* m = material(s.material);
     const Mat4d sceneFromObject = recentred(placement, group.origin);
     const double determinant = glm::determinant(Mat3d(sceneFromObject));
@@ -354,7 +429,8 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
     std::unique_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, diagnostics, overrides.lenient);
     if (!shape || shape->primitiveCount() == 0) return;
     const bool scatters = (m && m->lobes() != NO_LOBE) || !shape->componentMaterials().empty();
-    if (s.areaLight < 0 && !scatters) return;
+    if (s.areaLight < 0 && !scatters && !media.isBoundary()) return;
+    if (m && m->priority() > 0) fillNested(*m, media, s.shape.location);
     const Bounds3f bounds = shape->bounds();
     if (!representable(bounds.lower) || !representable(bounds.upper)) {
       diagnostics.error(s.shape.location,
@@ -362,7 +438,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
                         "coordinates below 1e18");
       return;
     }
-    group.placed.push_back({shape.get(), m, &s});
+    group.placed.push_back({shape.get(), m, &s, media});
     scene->shapes.push_back(std::move(shape));
   }
 
@@ -392,6 +468,9 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
                           "the AreaLightSource at the shape that it is a part of");
       else if (!std::isfinite(determinant) || determinant == 0)
         diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+      else if (s.medium.inside != s.medium.outside)
+        diagnostics.error(s.shape.location, "a part of another shape bounds no medium by itself",
+                          "the MediumInterface at the shape that it is a part of");
       else if (auto shape = plugIns().shapes.make(s.shape, inner, diagnostics, overrides.lenient))
         made.push_back({std::move(shape), m, s.shape.location});
     }
@@ -570,6 +649,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
       }
       nested[i]->nesting = static_cast<int>(scene->nestedDielectrics.size());
       scene->nestedDielectrics.push_back(nested[i]->indexInside());
+      scene->nestedMedia.push_back(mediumWithin(nested[i]));
     }
   }
 
@@ -606,6 +686,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
       if (track.moves()) light = std::make_unique<MovingAreaLight>(std::move(light), track);
       lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
       ++scene->sceneContents.areaLights;
+      scene->mediaOfLights.push_back(p.media.outside);
       keep(std::move(light), d.location);
     };
     for (const Placed& p : groups.front().placed) addAreaLight(p, Mat4d(1));
@@ -613,10 +694,6 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
       for (const Placed& p : groups[i.group].placed) addAreaLight(p, sceneFromGroup(i));
     for (const LightDescription& l : description.lights) {
       if (enoughErrors()) return;
-      if (!l.medium.empty()) {
-        diagnostics.error(l.light.location, LATER_MEDIA);
-        continue;
-      }
       std::unique_ptr<Light> light = plugIns().lights.make(
           l.light, {recentred(l.worldFromLight, scene->sceneOrigin), scene->sceneOrigin}, diagnostics,
           overrides.lenient);
@@ -628,6 +705,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
       } else if (light->isDelta()) {
         ++scene->sceneContents.deltaLights;
       }
+      scene->mediaOfLights.push_back(medium(l.medium, l.light.location));
       keep(std::move(light), l.light.location);
     }
     scene->lightTable.build(table);
@@ -641,7 +719,7 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
       made->reserve(groups[i].placed.size());
       for (const Placed& p : groups[i].placed) {
         const auto light = lightOf.find(p.shape);
-        SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get()};
+        SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get(), p.media};
         if (light != lightOf.end()) std::tie(g.light, g.lightIndex) = light->second;
         if (const TriangleMesh* mesh = p.shape->triangleMesh(); mesh && i == 0) {
           g.meshIndex = static_cast<int>(scene->sceneMeshes.size());
@@ -675,6 +753,9 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
   bool saidEnough = false;
   mutable std::map<std::pair<std::string, bool>, NamedTexture> texturesByName;
   std::map<std::string, Named> materialsByName;
+  std::map<std::string, uint16_t> mediaByName;
+  std::vector<std::string> mediaUsed; ///< by number - 1
+  std::map<const Material*, uint16_t> mediumInNested;
   std::vector<std::pair<bool, const Material*>> materialsByIndex;
   std::vector<Material*> nested;            ///< those with a priority, in the order of their use
   std::vector<std::string> objectsUnderWay; ///< whose shapes are being made into others

@@ -51,6 +51,13 @@ RECURSE_PLUG_IN(Sky)
 RECURSE_PLUG_IN(Goniometric)
 RECURSE_PLUG_IN(Projection)
 RECURSE_PLUG_IN(DiffuseArea)
+// Media and phase functions
+RECURSE_PLUG_IN(Homogeneous)
+RECURSE_PLUG_IN(UniformGrid)
+RECURSE_PLUG_IN(RgbGrid)
+RECURSE_PLUG_IN(HenyeyGreenstein)
+RECURSE_PLUG_IN(Rayleigh)
+RECURSE_PLUG_IN(Schlick)
 // Cameras, filters and the settings of film and sampler
 RECURSE_PLUG_IN(Perspective)
 RECURSE_PLUG_IN(Orthographic)

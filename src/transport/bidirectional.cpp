@@ -77,7 +77,7 @@ class Bidirectional::LightWalk {
     if (!start) return;
     stored.end = start->end;
     LightSubpath path = start->path;
-    while (walker.next(path, vertex)) {
+    while (walker.next(path, vertex, sampler)) {
       store(stored);
       if (splatter && vertex.isConnectable())
         splat(stored, path.nesting, sampler.fork(static_cast<uint32_t>(vertex.depth)));

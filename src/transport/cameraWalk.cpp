@@ -27,7 +27,7 @@ class Bidirectional::CameraWalk {
   }
 
   void run() {
-    while (walker.next(path, vertex, [&](const Hit* hit) { addEmission(hit); })) {
+    while (walker.next(path, vertex, sampler, [&](const Hit* hit) { addEmission(hit); })) {
       arrive();
       if (vertex.isConnectable()) {
         if (owner.settings.shadowRays) addShadowRay();

@@ -37,14 +37,14 @@ Rgb sampledAlbedo(const CameraVertex& vertex, Sampler& sampler) {
 class FeatureWalk {
  public:
   FeatureWalk(const Scene& scene, bool throughSpecular)
-      : scene(scene), throughSpecular(throughSpecular), walker(scene, classes, counts, -1) {}
+      : scene(scene), throughSpecular(throughSpecular), walker(scene, classes, counts, -1, false) {}
 
   Seen see(const CameraRay& ray, Sampler& sampler) {
     CameraSubpath path = startCameraSubpath(scene, classes, ray, counts);
     CameraVertex vertex;
     Seen out;
     double depth = 0;
-    for (int i = 0; walker.next(path, vertex); ++i) {
+    for (int i = 0; walker.next(path, vertex, sampler); ++i) {
       const SurfacePoint& point = vertex.point();
       depth += double(length(point.position - path.from));
       const bool isSpecular = (vertex.scattering->lobes() & NON_DELTA_LOBES) == 0;

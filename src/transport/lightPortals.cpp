@@ -66,7 +66,7 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
   const PixelBounds& crop = sceneToLearn.film().crop;
   parallelFor(ACROSS, [&](size_t y) {
     constexpr uint64_t STREAM = 0x504f5254414cull;
-    Walker<CameraState> walker(sceneToLearn, allPaths, rowCounts[y], MAX_DEPTH);
+    Walker<CameraState> walker(sceneToLearn, allPaths, rowCounts[y], MAX_DEPTH, false);
     for (int x = 0; x < ACROSS; ++x) {
       Sampler sampler(hashCombine(seed, STREAM), y, static_cast<uint32_t>(x));
       CameraSample sample;
@@ -83,7 +83,7 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
         const float weight = maxComponent(path.throughput);
         rows[y].push_back({path.ray.origin, std::min(weight, 1.0f)});
       };
-      while (walker.next(path, vertex, leave)) {
+      while (walker.next(path, vertex, sampler, leave)) {
         if (vertex.isConnectable()) {
           seenByCamera = false;
           if (!distant.empty()) {

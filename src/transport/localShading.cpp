@@ -25,7 +25,7 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   const BsdfRay ray{place, s->pdf, true};
   Walker<CameraState> walker(scene, classes, out.counts, -1);
   CameraVertex next;
-  walker.next(path, next, [&](const Hit* hit) {
+  walker.next(path, next, sampler, [&](const Hit* hit) {
     const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, s->direction, ray, SHADOW_RAYS)
                              : environmentRadiance(scene, lights, s->direction, ray, SHADOW_RAYS);
     out.add(classes.lightStart(), vertex.afterD, vertex.throughput * s->weight * radiance);

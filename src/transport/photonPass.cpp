@@ -41,19 +41,27 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.photons = photonCount(scene);
   shoot.maxDepth = settings.maxDepth;
   shoot.portals = &portals;
-  if (!settings.directLight) shoot.shadowRays = &shadowRays;
-  if (settings.guided) shoot.lights = &lights;
+  // What lies in media is not learned: photons that serve it would start too rarely. Nor is it known how
+  // densely photons that pass them arrive.
+  const bool guided = settings.guided && !scene.hasMedia();
+  if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
+  if (guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
   if (pass.index == 0) {
     guidance = {};
-    if (settings.guided) learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
+    portals = {};
+    if (guided) learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
+  if (scene.hasMedia()) {
+    if (pass.index == 0) learnVolumePart(scene, classes, pass, shoot, control, statistics);
+    shoot.volumePart = volumePart;
+  }
   ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
   statistics.counts.add(shot.counts);
   statistics.photonsEmitted = emitted = shot.emitted;
-  statistics.photonsStored = shot.stored.size();
+  statistics.photonsStored = shot.stored.size() + shot.inMedia.size();
   statistics.shootSeconds = secondsSince(start);
 
   start = std::chrono::steady_clock::now();
@@ -61,11 +69,28 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
                                                    [](const Photon& p) { return p.caustic; });
   causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
   indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
+  constexpr float WIDEST = 0.05f; // of the scene: wider would show nothing
+  volumeMap.build(std::move(shot.inMedia), radiusOverFirst, WIDEST * scene.bounds().radius);
   statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
   statistics.balanceSeconds = secondsSince(start);
-  statistics.mapBytes = causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes();
+  statistics.mapBytes =
+      causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + volumeMap.memoryBytes();
   if (pass.index == 0) learnRadii(scene, statistics);
   return statistics;
+}
+
+void PhotonPass::learnVolumePart(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                                 ShootSettings shoot, const ForwardControl& control,
+                                 ForwardStatistics& statistics) {
+  constexpr uint64_t TRIALS = 4096;
+  constexpr double MOST = 4; // stored for each that is emitted: in thick media they scatter hundreds of times
+  shoot.photons = TRIALS;
+  Pass trial = pass;
+  trial.seed = hashCombine(pass.seed, TRIALS);
+  const ShotPhotons shot = shootPhotons(scene, classes, trial, shoot, control);
+  statistics.counts.add(shot.counts);
+  volumePart = static_cast<float>(
+      std::min(1.0, MOST * double(TRIALS) / double(std::max<size_t>(1, shot.inMedia.size()))));
 }
 
 void PhotonPass::learnRadii(const Scene& scene, ForwardStatistics& statistics) {

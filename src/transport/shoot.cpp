@@ -32,8 +32,8 @@ constexpr float NEAR_TARGET = 1.5f;
 class PhotonWalk {
  public:
   PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
-             TransportCounts& counts, std::vector<Photon>& out)
-      : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
+             TransportCounts& counts, std::vector<Photon>& out, std::vector<VolumePhoton>& inMedia)
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out), inMedia(inMedia) {}
 
   /** Returns what the photon started by, and one over its density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
@@ -67,7 +67,12 @@ class PhotonWalk {
     }
     if (classes.dead(classes.lightStart())) return start;
     const Ray ray{emission->origin, emission->direction, INFINITE, time};
-    walk({ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio}, sampler);
+    Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+    if (scene.hasMedia()) {
+      flight.nesting.startIn(mediumAround(ray, scene.lightMedium(index)));
+      flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    }
+    walk(std::move(flight), sampler);
     while (!waiting.empty()) {
       auto [flight, own] = waiting.back();
       waiting.pop_back();
@@ -96,19 +101,78 @@ class PhotonWalk {
     bool caustic = true;
     float lowered = 1;    ///< power over that of the photon that was sent nowhere
     float wavelength = 0; ///< as in Subpath
+    // In media:
+    Rgb own{1};   ///< see SpectralPath
+    int hero = 0; ///< the channel that draws distances
   };
 
+  /** The medium that a ray starts in: what the file says, else what the next boundary has on this side. */
+  uint16_t mediumAround(Ray ray, uint16_t declared) const {
+    if (declared) return declared;
+    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
+      if (hit.media.isBoundary())
+        return isNested(hit) || glm::dot(ray.direction, hit.point.geometricNormal) < 0 ? hit.media.outside
+                                                                                       : hit.media.inside;
+    return 0;
+  }
+
+  enum class Through { PASSES, SCATTERS, ENDS };
+  /** Flies through the medium on the way to `end`. Where it scatters a photon is stored, and sent on. */
+  Through flyInMedium(Flight& flight, float end, Sampler& sampler) {
+    const uint16_t number = flight.nesting.medium(scene);
+    const Medium* medium = scene.medium(number);
+    if (!medium) return Through::PASSES;
+    SpectralPath spectral{flight.flux, flight.own, Rgb(1)};
+    const Collision c =
+        flyThrough(*medium, flight.ray, end, flight.hero, sampler, spectral, [](const Rgb&) {});
+    const float before = maxComponent(flight.flux);
+    flight.flux = spectral.throughput;
+    flight.own = spectral.own;
+    if (isBlack(flight.flux)) return Through::ENDS;
+    if (!c.scatters) return Through::PASSES;
+    if (flight.depth == settings.maxDepth) {
+      counts.truncatedThroughput += double(maxComponent(flight.flux));
+      return Through::ENDS;
+    }
+    const LightState after = classes.step(flight.state, PathEvent::V);
+    if (classes.dead(after)) return Through::ENDS;
+    const Vec3f position = flight.ray.at(c.t), direction = flight.ray.direction;
+    if ((flight.depth > 0 || settings.direct) &&
+        (settings.volumePart >= 1 || sampler.next1D() < settings.volumePart))
+      inMedia.push_back(
+          {position, packDirection(direction), flight.flux / settings.volumePart, number, flight.state.byte});
+    ++flight.depth;
+    const float chance = std::min(1.0f, maxComponent(flight.flux) / before);
+    if (!russianRoulette(chance, flight.depth, sampler, flight.flux)) return Through::ENDS;
+    flight.state = after;
+    flight.caustic = false;
+    flight.ratio = {};
+    flight.ray.origin = position;
+    flight.ray.direction = medium->phase->sample(direction, sampler.next2D());
+    return Through::SCATTERS;
+  }
+
   void walk(Flight flight, Sampler& sampler) {
-    auto& [ray, flux, state, nesting, ratio, depth, caustic, lowered, wavelength] = flight;
+    auto& [ray, flux, state, nesting, ratio, depth, caustic, lowered, wavelength, own, hero] = flight;
     Hit hit;
     bool toTarget = lowered < 1; // and has not come down yet
     for (;;) {
-      if (!intersect(scene, ray, hit, counts)) return;
+      const bool met = intersect(scene, ray, hit, counts);
+      if (scene.hasMedia()) {
+        const Through through = flyInMedium(flight, met ? hit.t : INFINITE, sampler);
+        if (through == Through::ENDS) return;
+        if (through == Through::SCATTERS) continue;
+      }
+      if (!met) return;
       arena.reset();
       drawWavelength(scene, ray, wavelength, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
       if (!bsdf) {
-        ray = spawn(hit.point, ray.direction);
+        nesting.enterMedium(hit, ray.direction);
+        if (scene.hasMedia())
+          ray.origin = originBehind(ray, hit);
+        else
+          ray = spawn(hit.point, ray.direction);
         continue;
       }
       if (depth == settings.maxDepth) {
@@ -267,6 +331,7 @@ class PhotonWalk {
   const ShootSettings& settings;
   TransportCounts& counts;
   std::vector<Photon>& out;
+  std::vector<VolumePhoton>& inMedia;
   std::vector<std::pair<Flight, Sampler>> waiting;
   std::vector<Cone> cones; ///< of the last surface
   Origin origin;
@@ -282,12 +347,13 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   if (scene.lights().size() == 0 || settings.photons == 0) return shot;
   const size_t batches = (settings.photons + BATCH - 1) / BATCH;
   std::vector<std::vector<Photon>> stored(batches);
+  std::vector<std::vector<VolumePhoton>> inMedia(batches);
   std::vector<TransportCounts> counts(batches);
   std::atomic<size_t> done{0};
   std::mutex telling;
   const auto shootBatch = [&](size_t b) {
     if (control.stopped()) return;
-    PhotonWalk walk(scene, classes, settings, counts[b], stored[b]);
+    PhotonWalk walk(scene, classes, settings, counts[b], stored[b], inMedia[b]);
     const uint64_t end = std::min(settings.photons, (b + 1) * BATCH);
     for (uint64_t i = b * BATCH; i < end; ++i)
       walk.shoot(
@@ -313,6 +379,10 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   for (auto& s : stored) {
     shot.stored.insert(shot.stored.end(), s.begin(), s.end());
     std::vector<Photon>().swap(s);
+  }
+  for (auto& m : inMedia) {
+    shot.inMedia.insert(shot.inMedia.end(), m.begin(), m.end());
+    std::vector<VolumePhoton>().swap(m);
   }
   for (const TransportCounts& c : counts) shot.counts.add(c);
   shot.emitted = settings.photons;
@@ -405,7 +475,8 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
   parallelFor(batches, [&](size_t b) {
     Trials& part = parts[b];
     std::vector<Photon> stored;
-    PhotonWalk walk(scene, classes, settings, part.counts, stored);
+    std::vector<VolumePhoton> inMedia; // not learned from
+    PhotonWalk walk(scene, classes, settings, part.counts, stored, inMedia);
     walk.region = &region;
     for (uint64_t i = b * BATCH; i < std::min(settings.photons, (b + 1) * BATCH); ++i) {
       stored.clear();

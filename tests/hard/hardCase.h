@@ -51,7 +51,7 @@ class Report {
 };
 
 struct HardCase {
-  int group = 0; ///< 1 to 10
+  int group = 0; ///< 1 to 11
   std::string name;
   bool heavy = false; ///< too long for every test run
   std::function<void(const Report&)> run;
@@ -146,5 +146,6 @@ void addRangeCases(HardCases& cases);
 void addPhotonMapCases(HardCases& cases);
 void addEllipsoidCases(HardCases& cases);
 void addInputCases(HardCases& cases);
+void addMediumCases(HardCases& cases);
 
 } // namespace recurse::hard

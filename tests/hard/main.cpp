@@ -27,7 +27,8 @@ constexpr const char* GROUPS[] = {"scale and place",
                                   "range of values",
                                   "photon map",
                                   "stretched spheres",
-                                  "inputs at the edge"};
+                                  "inputs at the edge",
+                                  "media"};
 constexpr int QUICK_SECONDS = 300, HEAVY_SECONDS = 1800;
 
 void put(FILE* pipe, const Row& row) {
@@ -158,6 +159,7 @@ int runCases(int argc, char** argv) {
   addPhotonMapCases(cases);
   addEllipsoidCases(cases);
   addInputCases(cases);
+  addMediumCases(cases);
 
   int passed = 0, failed = 0, surprises = 0, shownGroup = 0;
   for (const HardCase& c : cases) {

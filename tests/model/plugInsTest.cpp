@@ -28,6 +28,8 @@ TEST(PlugIns, EveryExampleCanBeMade) {
   camera.width = camera.height = 16;
   check(all.shapes, ShapeContext{.shapes = testObjects()});
   check(all.lights, LightContext{});
+  check(all.media, MediumContext{});
+  check(all.phaseFunctions, NoContext{});
   check(all.cameras, camera);
   check(all.filters, NoContext{});
   check(all.films, NoContext{});

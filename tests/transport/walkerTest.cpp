@@ -57,7 +57,7 @@ template <class State> void expectDensitiesOfMattSurfaces(const Scene& scene, co
     Subpath<State> path = subpathFrom(state, Vec3f(sampler.next2D() - 0.5f, sampler.next1D() - 0.5f));
     PathVertex<State> v;
     SurfacePoint before{};
-    while (walker.next(path, v, [&](const Hit* hit) { lamps += hit != nullptr; })) {
+    while (walker.next(path, v, sampler, [&](const Hit* hit) { lamps += hit != nullptr; })) {
       EXPECT_EQ(v.hit.areaLight, nullptr); // the lamp does not scatter
       const auto cosine = double(absDot(v.wi, v.point().geometricNormal));
       const auto distance2 = double(lengthSquared(v.point().position - path.from));
@@ -100,7 +100,7 @@ TEST(Walker, ReadsClassesAndEndsWhereItIsToldTo) {
     LightSubpath path =
         subpathFrom(classes.lightStart(), Vec3f(0.2f * (sampler.next2D() - 0.5f), 0) - Vec3f(0, -.9f, .2f));
     LightVertex v;
-    while (walker.next(path, v)) {
+    while (walker.next(path, v, sampler)) {
       ASSERT_LE(v.depth, 3);
       EXPECT_EQ(v.allowed, v.depth < 3 ? DELTA_LOBES : NON_DELTA_LOBES);
       lit += v.depth == 3 && v.isConnectable();

@@ -6,6 +6,7 @@
 #include "recurse/model/bsdf.h"
 #include "recurse/model/camera.h"
 #include "recurse/model/light.h"
+#include "recurse/model/medium.h"
 #include "recurse/model/shape.h"
 #include "recurse/model/texture.h"
 #include "recurse/model/toneMap.h"
@@ -24,6 +25,8 @@ struct PlugIns {
   Registry<Texture, TextureContext> textures{"Texture"};
   Registry<Light, LightContext> lights{"LightSource"};
   Registry<AreaLight, AreaLightContext> areaLights{"AreaLightSource"};
+  Registry<Medium, MediumContext> media{"MakeNamedMedium"};
+  Registry<PhaseFunction, NoContext> phaseFunctions{"phase"}; ///< of the media's parameter
   Registry<Camera, CameraContext> cameras{"Camera"};
   Registry<Filter, NoContext> filters{"PixelFilter"};
   Registry<FilmSettings, NoContext> films{"Film"};

@@ -14,6 +14,7 @@
 #include "recurse/model/bsdf.h"
 #include "recurse/model/camera.h"
 #include "recurse/model/light.h"
+#include "recurse/model/medium.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/shape.h"
 #include "recurse/scene/sceneDescription.h"
@@ -29,6 +30,7 @@ struct Hit {
   const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
   int mesh = -1;                        ///< in Scene::meshes(); -1: another shape, or a part of an instance
+  MediumInterface media;                ///< on both sides, where the surface is their boundary
 };
 
 /** A triangle mesh at rest that is no part of an instance. */
@@ -71,6 +73,7 @@ class LightTable {
 struct SceneContents {
   size_t shapes = 0, triangles = 0, otherPrimitives = 0, instances = 0, materials = 0;
   size_t areaLights = 0, deltaLights = 0, environmentLights = 0;
+  size_t media = 0;
   LobeSet lobes = NO_LOBE;
 };
 
@@ -109,6 +112,18 @@ class Scene {
   static constexpr size_t MAX_NESTED = 32;
   /** Their refractive indices, the strongest first. */
   const std::vector<float>& nestedIndices() const { return nestedDielectrics; }
+  /** Whether there are media at all; where not, no ray asks for them. */
+  bool hasMedia() const { return !sceneMedia.empty(); }
+  /** By its number in a MediumInterface; null: vacuum. */
+  const Medium* medium(uint16_t number) const { return number ? sceneMedia[number - 1u].get() : nullptr; }
+  size_t mediumCount() const { return sceneMedia.size(); }
+  /** What the camera stands in. */
+  uint16_t cameraMedium() const { return mediumOfCamera; }
+  /** What the file says that a light stands in; for areas, on the outer side of the shape. */
+  uint16_t lightMedium(size_t light) const { return mediaOfLights[light]; }
+  /** What fills a dielectric with priority. */
+  static constexpr uint16_t SURROUNDING_MEDIUM = 0xffff; ///< the same as what is around it
+  uint16_t nestedMedium(size_t nested) const { return nestedMedia[nested]; }
   const Camera& camera() const { return *sceneCamera; }
   /** Whether rays of different times may see something else, the camera's shutter being open for long enough.
    */
@@ -130,6 +145,10 @@ class Scene {
   Vec3d sceneOrigin{0};
   SceneContents sceneContents;
   std::vector<float> nestedDielectrics;
+  std::vector<std::unique_ptr<Medium>> sceneMedia;
+  std::vector<uint16_t> nestedMedia;   ///< one for each of nestedDielectrics, where there are media
+  std::vector<uint16_t> mediaOfLights; ///< as in the light table
+  uint16_t mediumOfCamera = 0;
   std::unique_ptr<Camera> sceneCamera;
   bool shapesMove = false;
   std::unique_ptr<Filter> pixelFilter;

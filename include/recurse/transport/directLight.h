@@ -77,7 +77,8 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& ey
  * Adds the light that `samples` shadow rays bring to a point with non-delta lobes, past at most `maxPanes`
  * thin panes, seen from unit `eye` with `throughput`. `cameraState` has read the D at the point. `allowed`
  * are the lobes that the BSDF's own ray is chosen from, `nesting` is what the walk is inside of that came
- * there. `place` is the point as `guide` knows it.
+ * there. `place` is the point as `guide` knows it. Media on the way have to be homogeneous; the light that a
+ * BSDF ray meets is to be weighed without them.
  */
 void addSampledLight(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
@@ -94,14 +95,42 @@ struct BsdfRay {
 };
 
 /** The radiance of an emitting surface that a ray of unit `direction` met, times its weight; black when it
- * emits nothing there. */
+ * emits nothing there. `inMedia`, in scenes with media: the densities of the path. */
 Rgb emittedRadiance(const Scene& scene, const LightSampler& guide, const Hit& hit, const Vec3f& direction,
-                    const BsdfRay& ray, int lightSamples);
+                    const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
 /** The same for a ray that left the scene, of one of its lights. */
 Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, size_t which, const Vec3f& direction,
-                        const BsdfRay& ray, int lightSamples);
+                        const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
 /** Of all of them. */
 Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, const Vec3f& direction,
-                        const BsdfRay& ray, int lightSamples);
+                        const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
+
+/** Where shadow rays start in a scene with media: on a surface or in a medium. */
+struct LitVertex {
+  const Hit& hit;
+  const ScatteringPoint* scattering; ///< null in a medium
+  const Medium* medium;              ///< null at a surface
+  Vec3f wi;                          ///< unit, towards where the walk came from
+  LobeSet allowed;                   ///< as for addSampledLight
+  const Nesting& nesting;
+  const SpectralPath& path; ///< that arrived
+  int hero;
+  CameraState state;  ///< which has read the event
+  bool goesOn = true; ///< false: nothing but shadow rays finds light from here
+
+  /** What it sends along the walk of light from unit `light`, the cosine included. */
+  Rgb value(const Vec3f& light) const {
+    return medium ? Rgb(medium->phase->value(glm::dot(-wi, light))) : scattering->evaluate(wi, light);
+  }
+  float pdf(const Vec3f& light) const {
+    return medium ? medium->phase->value(glm::dot(-wi, light)) : scattering->pdf(wi, light, allowed);
+  }
+};
+
+/** addSampledLight in a scene with media, for a walk that goes on by the BSDF or the phase function and
+ * weighs the lights that it meets with emittedRadiance and environmentRadiance. */
+void addSampledLightInMedia(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
+                            const LitVertex& vertex, int samples, int maxPanes, Sampler& sampler,
+                            PathRadiance& out);
 
 } // namespace recurse

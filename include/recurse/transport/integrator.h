@@ -179,6 +179,8 @@ class Integrator {
   virtual void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const {
     for (CameraPath& p : paths) backward(scene, p.ray, p.sampler, *p.out);
   }
+  /** Whether it renders the media of the scene. */
+  virtual bool supportsMedia(const Scene&) const { return false; }
   /** The estimators and the paths that each one takes into account. */
   virtual std::vector<EstimatorDomain> domains() const = 0;
   /** The paths that the method claims, where it leaves out others by its nature; empty: all at surfaces. */

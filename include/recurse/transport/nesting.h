@@ -18,6 +18,28 @@ inline bool isNested(const Hit& hit) { return hit.material && hit.material->nest
 /** What a walk is inside of. Dielectrics are known by their places, the strongest first. */
 class Nesting {
  public:
+  /** The number of the medium that the walk is in. */
+  uint16_t medium(const Scene& scene) const {
+    for (size_t i = 0; i < scene.nestedIndices().size(); ++i)
+      if (depth[i] > 0) {
+        const uint16_t within = scene.nestedMedium(i);
+        return within == Scene::SURROUNDING_MEDIUM ? around : within;
+      }
+    return around;
+  }
+  /** For a walk that begins in a medium. */
+  void startIn(uint16_t medium) { around = medium; }
+  /** The walk leaves a surface, or what looks like none, in `direction`: on that side it is in the medium
+   * there. */
+  void enterMedium(const Hit& hit, const Vec3f& direction) {
+    if (!hit.media.isBoundary()) return;
+    const bool outside = glm::dot(direction, hit.point.geometricNormal) > 0;
+    if (!isNested(hit))
+      around = outside ? hit.media.outside : hit.media.inside;
+    else if (outside && depth == decltype(depth){})
+      around = hit.media.outside;
+  }
+
   /** Where a walk of unit `direction` meets a nested dielectric: false when it passes as if there were
    * nothing, and is inside or outside of it from now on. Else the point knows the index outside. */
   bool meets(const Scene& scene, Hit& hit, const Vec3f& direction) {
@@ -55,9 +77,11 @@ class Nesting {
 
   /** The walk came from `wi` and goes on to `direction`, which may be through the surface. */
   void scatters(const Hit& hit, const Vec3f& wi, const Vec3f& direction) {
-    if (!isNested(hit)) return;
-    const float before = glm::dot(wi, hit.point.geometricNormal);
-    if (before * glm::dot(direction, hit.point.geometricNormal) < 0) cross(*hit.material, before > 0);
+    if (isNested(hit)) {
+      const float before = glm::dot(wi, hit.point.geometricNormal);
+      if (before * glm::dot(direction, hit.point.geometricNormal) < 0) cross(*hit.material, before > 0);
+    }
+    enterMedium(hit, direction);
   }
 
  private:
@@ -70,6 +94,7 @@ class Nesting {
   }
 
   std::array<uint8_t, Scene::MAX_NESTED> depth{}; ///< how many shapes of each it is inside of
+  uint16_t around = 0;                            ///< the medium outside of all of them
 };
 
 } // namespace recurse

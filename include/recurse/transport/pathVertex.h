@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "recurse/model/scatteringPoint.h"
+#include "recurse/transport/mediumFlight.h"
 #include "recurse/transport/nesting.h"
 #include "recurse/transport/pathClasses.h"
 
@@ -39,24 +40,32 @@ template <class State> struct Subpath {
   float spread = 0;        ///< of the footprint, per distance
   float sampleSpacing = 1; ///< see CameraRay
   float wavelength = 0;    ///< of light that has been dispersed [nm]; 0: it is white
+  // In media:
+  Rgb own{1}, light{1}; ///< see SpectralPath, of which `throughput` is the third
+  int hero = 0;         ///< the channel that draws distances
+
+  SpectralPath spectral() const { return {throughput, own, light}; }
 };
 
-/** A surface that scatters, where a walk has arrived. */
+/** A surface, or a point in a medium, that scatters, where a walk has arrived. */
 template <class State> struct PathVertex {
   Hit hit;
-  Vec3f wi{0, 0, 1}; ///< unit, towards where the walk came from
-  Rgb throughput{1}; ///< that arrives
-  State state{};     ///< what was read before this vertex
-  State afterD{}, afterS{};
+  Vec3f wi{0, 0, 1};         ///< unit, towards where the walk came from
+  Rgb throughput{1};         ///< that arrives
+  State state{};             ///< what was read before this vertex
+  State afterD{}, afterS{};  ///< in a medium, afterD has read V
   LobeSet allowed = NO_LOBE; ///< lobes that some path class has a use for
   int depth = 0;             ///< scattering events, this one included
   double pdf = 1;            ///< with which the walk came here
   double toPrevious = 1;     ///< what makes a density of directions the one at the vertex before: |cos|/d²
-  std::optional<ScatteringPoint> scattering; ///< lives until the walker's next step
+  std::optional<ScatteringPoint> scattering; ///< lives until the walker's next step; empty in a medium
+  const Medium* medium = nullptr;            ///< that scatters; null at a surface
 
   const SurfacePoint& point() const { return hit.point; }
   /** Whether a connection, a shadow ray or photons can end here. */
-  bool isConnectable() const { return (scattering->lobes() & allowed & NON_DELTA_LOBES) != 0; }
+  bool isConnectable() const {
+    return medium ? allowed != NO_LOBE : (scattering->lobes() & allowed & NON_DELTA_LOBES) != 0;
+  }
   /** Density with which a walk that comes from unit `from` goes on towards unit `to` by a non-delta lobe,
    * all lobes allowed [1/sr]. Roulette is left out, here and in every weight. */
   double pdfDirection(const Vec3f& from, const Vec3f& to) const { return double(scattering->pdf(from, to)); }

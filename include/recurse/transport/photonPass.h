@@ -53,6 +53,8 @@ class PhotonPass {
   const PhotonLayer& caustics() const { return causticLayer; }
   /** All others. */
   const PhotonLayer& indirect() const { return indirectLayer; }
+  /** Those in media that have scattered before, and with `directLight` all. */
+  const VolumePhotonMap& inMedia() const { return volumeMap; }
   /** Fewer than one in MIN_STORED photons of the first pass came down on surfaces: they tell too little. */
   bool useless() const { return tooFew; }
   bool isProgressive() const { return progressive; }
@@ -80,11 +82,16 @@ class PhotonPass {
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
+  /** How many photons in media to keep. */
+  void learnVolumePart(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
+                       const ForwardControl& control, ForwardStatistics& statistics);
   void learnRadii(const Scene& scene, ForwardStatistics& statistics);
   uint64_t photonCount(const Scene& scene) const;
 
   PhotonPassSettings settings;
   PhotonLayer causticLayer, indirectLayer;
+  VolumePhotonMap volumeMap;
+  float volumePart = 1;    ///< see ShootSettings, from the first pass
   LightPortals portals;    ///< learned before the first pass, for all
   LightTable lights;       ///< by what comes in
   PhotonGuidance guidance; ///< the same

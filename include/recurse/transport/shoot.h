@@ -10,6 +10,7 @@
 #include "recurse/transport/lightPortals.h"
 #include "recurse/transport/lightSampler.h"
 #include "recurse/transport/photon.h"
+#include "recurse/transport/volumePhotons.h"
 
 namespace recurse {
 
@@ -38,10 +39,12 @@ struct ShootSettings {
    */
   const LightSampler* shadowRays = nullptr;
   std::vector<DxtranSphere> targets;
+  float volumePart = 1; ///< of the photons in media that are stored, with so much more power
 };
 
 struct ShotPhotons {
-  std::vector<Photon> stored; ///< powers are divided by the number emitted
+  std::vector<Photon> stored;        ///< powers are divided by the number emitted
+  std::vector<VolumePhoton> inMedia; ///< the same
   uint64_t emitted = 0;
   TransportCounts counts;
 };

@@ -11,6 +11,7 @@
 #include "recurse/model/dispersion.h"
 #include "recurse/model/scatteringPoint.h"
 #include "recurse/transport/integrator.h"
+#include "recurse/transport/mediumFlight.h"
 #include "recurse/transport/nesting.h"
 
 namespace recurse {
@@ -36,9 +37,32 @@ inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& wei
   return true;
 }
 
+/** Where a ray is at distance t, as a point that no surface goes through. */
+inline SurfacePoint pointInMedium(const Ray& ray, float t) {
+  SurfacePoint point{};
+  point.position = ray.at(t);
+  point.indexOutside = 1;
+  point.time = ray.time;
+  return point;
+}
+
 /** A ray from a surface point. */
 inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
   return {from.rayOrigin(direction), direction, INFINITE, from.time};
+}
+
+/**
+ * Where a ray goes on straight behind a surface that it met. Where several meet in an edge it gets behind
+ * each of them: displaced from each surface alone, it would find itself before the others again, for ever.
+ */
+inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
+  constexpr float AT_ONCE = 2; // distance to the next surface over its error
+  const Vec3f behind = hit.point.rayOrigin(ray.direction);
+  if (hit.t * glm::length(ray.direction) > AT_ONCE * glm::length(hit.point.error)) return behind;
+  const Vec3f normal = hit.point.normalTowards(ray.direction);
+  SurfacePoint point = hit.point;
+  point.position = ray.origin + normal * std::max(0.0f, glm::dot(behind - ray.origin, normal));
+  return point.rayOrigin(ray.direction);
 }
 
 /**

@@ -1,7 +1,8 @@
 /** @file
- * The walk: one loop follows paths from either end through surfaces, and hands its caller a vertex at a time.
+ * The walk: one loop follows paths from either end through surfaces and media, and hands its caller a vertex
+ * at a time.
  *
- *     for (Vertex v; walker.next(path, v, onEmission);) {
+ *     for (Vertex v; walker.next(path, v, sampler, onEmission);) {
  *       ... store, connect, gather, shadow rays ...
  *       if (!walker.scatter(path, v, sampler)) break;
  *     }
@@ -21,6 +22,7 @@ inline CameraSubpath startCameraSubpath(const Scene& scene, const PathClasses& c
   path.from = ray.origin;
   path.state = classes.cameraStart();
   path.nesting = nestingAt(scene, ray, counts);
+  path.nesting.startIn(scene.cameraMedium());
   path.width = ray.width;
   path.spread = ray.spread;
   path.sampleSpacing = ray.sampleSpacing;
@@ -33,18 +35,30 @@ template <class State> class Walker {
   using Path = Subpath<State>;
   using Vertex = PathVertex<State>;
 
-  /** `maxDepth`: most scattering events of a path; -1: no limit. */
-  Walker(const Scene& scene, const PathClasses& classes, TransportCounts& counts, int maxDepth)
-      : scene(scene), classes(classes), counts(counts), maxDepth(maxDepth) {}
+  /** `maxDepth`: most scattering events of a path; -1: no limit. `throughMedia` false: they are not there. */
+  Walker(const Scene& scene, const PathClasses& classes, TransportCounts& counts, int maxDepth,
+         bool throughMedia = true)
+      : scene(scene), classes(classes), counts(counts), maxDepth(maxDepth),
+        media(throughMedia && scene.hasMedia()) {}
 
   /**
-   * Follows the ray to the next surface that scatters. Calls emission(const Hit*) for each surface on the way
-   * that emits, the vertex itself included, and with null when the ray leaves the scene. False: the path
-   * ends.
+   * Follows the ray to the next surface that scatters, or to where a medium does. Calls emission(const Hit*)
+   * for each surface on the way that emits, the vertex itself included, and with null when the ray leaves the
+   * scene; mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput. False: the
+   * path ends.
    */
-  template <class Emission> bool next(Path& path, Vertex& vertex, Emission&& emission) {
+  template <class Emission, class MediumEmission>
+  bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
+            MediumEmission&& mediumEmission) {
     for (;;) {
-      if (!intersect(scene, path.ray, vertex.hit, counts)) {
+      const bool met = intersect(scene, path.ray, vertex.hit, counts);
+      vertex.medium = nullptr;
+      if (media && fly(path, vertex, met ? vertex.hit.t : INFINITE, sampler, mediumEmission)) {
+        if (isBlack(path.throughput) || endsByDepth(path)) return false;
+        arriveInMedium(path, vertex);
+        return true;
+      }
+      if (!met) {
         emission(nullptr);
         return false;
       }
@@ -56,23 +70,28 @@ template <class State> class Walker {
       drawWavelength(scene, path.ray, path.wavelength, vertex.hit);
       const Bsdf* bsdf = bsdfAt(scene, vertex.hit, path.ray.direction, footprint, path.nesting, arena);
       if (bsdf) {
-        if (path.depth == maxDepth) {
-          counts.truncatedThroughput += double(maxComponent(path.throughput));
-          return false;
-        }
-        ++path.depth;
+        if (endsByDepth(path)) return false;
         arrive(path, vertex, *bsdf);
         return true;
       }
-      path.ray = spawn(vertex.hit.point, path.ray.direction);
+      path.nesting.enterMedium(vertex.hit, path.ray.direction);
+      if (scene.hasMedia())
+        path.ray.origin = originBehind(path.ray, vertex.hit);
+      else
+        path.ray = spawn(vertex.hit.point, path.ray.direction);
     }
   }
-  bool next(Path& path, Vertex& vertex) {
-    return next(path, vertex, [](const Hit*) {});
+  template <class Emission> bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission) {
+    return next(path, vertex, sampler, emission, [](const Rgb&) {});
+  }
+  bool next(Path& path, Vertex& vertex, Sampler& sampler) {
+    return next(path, vertex, sampler, [](const Hit*) {});
   }
 
-  /** Goes on by a direction that the BSDF chooses, and by roulette. False: the path ends. */
+  /** Goes on by a direction that the BSDF or the phase function chooses, and by roulette. Empty: the path
+   * ends. */
   std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler) const {
+    if (vertex.medium) return scatterInMedium(path, vertex, sampler);
     constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
     const auto s = vertex.scattering->scatter(vertex.wi, TRANSPORT, sampler, vertex.allowed);
     if (!s) return {};
@@ -95,6 +114,68 @@ template <class State> class Walker {
   }
 
  private:
+  bool endsByDepth(Path& path) const {
+    if (path.depth == maxDepth) {
+      counts.truncatedThroughput += double(maxComponent(path.throughput));
+      return true;
+    }
+    ++path.depth;
+    return false;
+  }
+
+  /** True where the medium on the way to `end` scatters, at vertex.hit.point. */
+  template <class MediumEmission>
+  bool fly(Path& path, Vertex& vertex, float end, Sampler& sampler, MediumEmission&& emission) const {
+    const Medium* medium = scene.medium(path.nesting.medium(scene));
+    if (!medium) return false;
+    SpectralPath spectral{path.throughput, path.own, path.light};
+    const Collision c = flyThrough(*medium, path.ray, end, path.hero, sampler, spectral, emission);
+    path.throughput = spectral.throughput;
+    path.own = spectral.own;
+    path.light = spectral.light;
+    if (!c.scatters) return false;
+    vertex.medium = medium;
+    vertex.hit = Hit();
+    vertex.hit.point = pointInMedium(path.ray, c.t);
+    vertex.hit.t = c.t;
+    return true;
+  }
+
+  void arriveInMedium(const Path& path, Vertex& vertex) const {
+    vertex.scattering.reset();
+    vertex.wi = -path.ray.direction;
+    vertex.throughput = path.throughput;
+    vertex.state = path.state;
+    vertex.afterD = vertex.afterS = classes.step(path.state, PathEvent::V);
+    vertex.allowed = classes.dead(vertex.afterD) ? NO_LOBE : REFLECTION;
+    vertex.depth = path.depth;
+  }
+
+  std::optional<Scatter> scatterInMedium(Path& path, const Vertex& vertex, Sampler& sampler) const {
+    if (vertex.allowed == NO_LOBE) return {};
+    Scatter s;
+    s.direction = vertex.medium->phase->sample(path.ray.direction, sampler.next2D());
+    s.pdf = vertex.medium->phase->value(glm::dot(path.ray.direction, s.direction));
+    s.weight = Rgb(1);
+    s.lobe = REFLECTION;
+    if (!(s.pdf > 0)) return {};
+    // What was absorbed has been taken off already, so that paths end in proportion to it.
+    const float chance = maxComponent(path.throughput) * path.etaScale;
+    if (path.depth > ROULETTE_FREE_DEPTH &&
+        !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput))
+      return {};
+    path.state = vertex.afterD;
+    path.delta = false;
+    path.pdf = double(s.pdf);
+    path.parallel = false;
+    path.from = vertex.hit.point.position;
+    path.cosine = 1;
+    path.light = path.own;
+    path.width = path.spread = 0;
+    path.ray = spawn(vertex.hit.point, s.direction);
+    return s;
+  }
+
   /** Short camera walks are not gambled with: most of the light is there. */
   static constexpr int ROULETTE_FREE_DEPTH = 2;
 
@@ -130,6 +211,7 @@ template <class State> class Walker {
     path.from = vertex.hit.point.position;
     path.cosine = absDot(s.direction, vertex.hit.point.geometricNormal);
     path.nesting.scatters(vertex.hit, vertex.wi, s.direction);
+    if (media && !passesPane(scene, *vertex.scattering, s)) path.light = path.own;
     if (!path.delta) path.width = path.spread = 0; // what a pixel sees from here on is not known
     path.ray = spawn(vertex.hit.point, s.direction);
   }
@@ -138,6 +220,7 @@ template <class State> class Walker {
   const PathClasses& classes;
   TransportCounts& counts;
   int maxDepth;
+  bool media;
   BsdfArena arena;
 };
 

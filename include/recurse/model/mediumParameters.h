@@ -1,0 +1,19 @@
+/** @file
+ * Parameters that all media share.
+ */
+#pragma once
+
+#include "recurse/model/medium.h"
+#include "recurse/scene/parameters.h"
+
+namespace recurse {
+
+/** sigma_a and sigma_s with these defaults, scale, Le and Lescale. */
+std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering);
+/** The medium that they describe; `preset`, where it is declared and given, in the place of the first two.
+ * Fails where the numbers do not fit single precision. */
+MediumPoint readMediumPoint(const Parameters& p);
+/** Measured matter by name. */
+std::vector<std::string> mediumPresetNames();
+
+} // namespace recurse

@@ -1,0 +1,151 @@
+/** @file
+ * Flights through media: where light scatters next, and what of it arrives.
+ *
+ * In media whose extinction differs by channel every event has three densities. One channel, the hero, draws
+ * all events of a path; their densities by the other channels are carried along relative to the hero's, and
+ * what a path brings is divided by their mean: the one-sample balance heuristic over channels and techniques
+ * (Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light transport"). Grids
+ * are crossed by null collisions (Woodcock et al. 1965) with bounds by cells; homogeneous media by closed
+ * form.
+ */
+#pragma once
+
+#include <cmath>
+
+#include "recurse/core/sampler.h"
+#include "recurse/model/medium.h"
+
+namespace recurse {
+
+/** What a path carries through media. */
+struct SpectralPath {
+  Rgb throughput{1}; ///< over the mean density of the channels
+  Rgb own{1};        ///< densities by channel with which the path came here, relative to their mean
+  Rgb light{1};      ///< the same of a shadow ray from the last vertex to here, per density of its direction
+
+  /** Makes the mean of `own` 1, which changes no quotient. */
+  void normalize() {
+    const float mean = (own.r + own.g + own.b) * (1.0f / 3);
+    if (!(mean > 0)) return;
+    throughput /= mean;
+    light /= mean;
+    own /= mean;
+  }
+};
+
+/** What arrives along a shadow ray: of radiance, and densities by channel of a path that goes on (own) and of
+ * the shadow ray (light), relative to what was before. */
+struct SpectralTransmittance {
+  Rgb value{1}, own{1}, light{1};
+};
+
+namespace flight {
+
+/** exp(-extinction · distance), also where one is 0 and the other infinite. */
+inline Rgb transmittance(const Rgb& extinction, float distance) {
+  Rgb t;
+  for (int c = 0; c < 3; ++c) t[c] = extinction[c] == 0 ? 1 : std::exp(-extinction[c] * distance);
+  return t;
+}
+
+inline float sampleDistance(float extinction, Sampler& sampler) {
+  return extinction > 0 ? -std::log1p(-sampler.next1D()) / extinction : INFINITE;
+}
+
+} // namespace flight
+
+/** Whether a flight found a place to scatter at. */
+struct Collision {
+  bool scatters = false;
+  float t = 0;
+};
+
+/**
+ * Flies along a ray of unit direction as far as the surface at `end`, or to where the medium scatters by the
+ * hero channel. `emission(radiance)` is called with what the medium emits on the way, times the throughput.
+ * What is absorbed is taken off the throughput, and only ends the path where nothing is left.
+ */
+template <class Emission>
+Collision flyThrough(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
+                     SpectralPath& path, Emission&& emission) {
+  const bool exact = medium.isHomogeneous();
+  MajorantSegments segments = medium.segments(ray, end);
+  for (MajorantSegment s; segments.next(s);) {
+    const float majorant = s.majorant[hero];
+    for (float t = s.begin;;) {
+      const float step = flight::sampleDistance(majorant, sampler);
+      const bool arrives = !(t + step < s.end);
+      const float distance = arrives ? s.end - t : step;
+      const Rgb relative = flight::transmittance(s.majorant - majorant, distance);
+      path.throughput *= relative;
+      path.own *= relative;
+      if (arrives) {
+        path.light *= exact ? Rgb(1 / flight::transmittance(Rgb(majorant), distance).r) : relative;
+        path.normalize();
+        break;
+      }
+      t += step;
+      const MediumPoint point = medium.at(ray.at(t));
+      if (!isBlack(point.emission)) {
+        const Rgb density = path.own * s.majorant / majorant;
+        emission(path.throughput * point.emission * (3 / (majorant * (density.r + density.g + density.b))));
+      }
+      const Rgb extinction = point.extinction();
+      if (exact || sampler.next1D() * majorant < extinction[hero]) {
+        path.throughput *= point.scattering / extinction[hero];
+        path.own *= extinction / extinction[hero];
+        path.normalize();
+        return {true, t};
+      }
+      const Rgb null = glm::max(s.majorant - extinction, Rgb(0));
+      if (!(null[hero] > 0)) continue; // rounding
+      path.throughput *= null / null[hero];
+      path.own *= null / null[hero];
+      path.light *= relative * s.majorant / null[hero];
+      path.normalize();
+    }
+  }
+  return {};
+}
+
+/** Carries a shadow ray through as far as `end`: by closed form where there is one, by ratio tracking else.
+ */
+inline void passThrough(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
+                        SpectralTransmittance& s) {
+  constexpr float LOW = 0.05f, LOST = 0.75f; // of light that is hardly worth following
+  MajorantSegments segments = medium.segments(ray, end);
+  for (MajorantSegment part; segments.next(part);) {
+    if (medium.isHomogeneous()) {
+      const Rgb t = flight::transmittance(part.majorant, part.end - part.begin);
+      s.value *= t;
+      s.own *= t;
+      continue;
+    }
+    const float majorant = part.majorant[hero];
+    for (float t = part.begin;;) {
+      const float step = flight::sampleDistance(majorant, sampler);
+      const bool arrives = !(t + step < part.end);
+      const Rgb relative = flight::transmittance(part.majorant - majorant, arrives ? part.end - t : step);
+      s.value *= relative;
+      s.own *= relative;
+      s.light *= relative;
+      if (arrives) break;
+      t += step;
+      const Rgb null = glm::max(part.majorant - medium.at(ray.at(t)).extinction(), Rgb(0)) / majorant;
+      s.value *= null;
+      s.own *= null;
+      s.light *= part.majorant / majorant;
+      if (isBlack(s.value)) return;
+      const float mean = (s.own.r + s.own.g + s.own.b + s.light.r + s.light.g + s.light.b) / 3;
+      if (maxComponent(s.value) < LOW * mean) {
+        if (sampler.next1D() < LOST) {
+          s.value = BLACK;
+          return;
+        }
+        s.value /= 1 - LOST;
+      }
+    }
+  }
+}
+
+} // namespace recurse

@@ -1,0 +1,23 @@
+/** @file
+ * A path tracer to be read: one path after the other, through surfaces and media (Kajiya 1986, "The Rendering
+ * Equation", with the shadow rays and weights of Veach 1997, chapters 8 and 9).
+ */
+#pragma once
+
+#include "recurse/transport/lightSampler.h"
+
+namespace recurse {
+
+struct PlainPathSettings {
+  int maxDepth = -1;    ///< most scattering events of a path; -1: no limit
+  int lightSamples = 1; ///< shadow rays at each vertex
+};
+
+/** The radiance along a ray from the camera. Lights are sampled by `lights`. */
+void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
+                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out);
+
+/** What it does, for Integrator::domains(). */
+std::vector<EstimatorDomain> plainPathDomains(int lightSamples);
+
+} // namespace recurse

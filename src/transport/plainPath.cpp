@@ -1,0 +1,66 @@
+/** @file
+ * The path tracer to be read.
+ */
+#include "recurse/transport/plainPath.h"
+
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
+                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out) {
+  const PathClasses& classes = out.pathClasses();
+  Walker<CameraState> walker(scene, classes, out.counts, settings.maxDepth);
+  CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
+  if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+  CameraVertex vertex;
+  BsdfRay last;
+  const auto addEmission = [&](const Hit* hit) {
+    const Vec3f& direction = path.ray.direction;
+    const SpectralPath spectral = path.spectral();
+    const SpectralPath* inMedia = scene.hasMedia() ? &spectral : nullptr;
+    const Rgb emitted =
+        hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia)
+            : environmentRadiance(scene, lights, direction, last, settings.lightSamples, inMedia);
+    out.add(classes.lightStart(), path.state, path.throughput * emitted);
+  };
+  const auto addMediumEmission = [&](const Rgb& radiance) {
+    out.add(classes.lightStart(), path.state, radiance);
+  };
+  while (walker.next(path, vertex, sampler, addEmission, addMediumEmission)) {
+    LightSampleContext place{vertex.point().position};
+    if (vertex.isConnectable()) {
+      if (!vertex.medium) place = lightSampleContext(lights, vertex.point(), vertex.wi);
+      const int panes = panesLeft(settings.maxDepth, vertex.depth);
+      if (scene.hasMedia())
+        addSampledLightInMedia(scene, lights, place,
+                               {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
+                                vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero,
+                                vertex.afterD},
+                               settings.lightSamples, panes, sampler, out);
+      else
+        addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
+                        vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler,
+                        out);
+    }
+    const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+    if (!s) break;
+    if (vertex.medium || !passesPane(scene, *vertex.scattering, *s))
+      last = {place, static_cast<float>(path.pdf), !path.delta};
+  }
+}
+
+std::vector<EstimatorDomain> plainPathDomains(int lightSamples) {
+  return {{"emission", "LS*E", "none: met by eye rays through mirrors and glass", "", true},
+          {"emission after scattering", "LS+(D|V)(S|D|V)*E", "none: met by the rays that go on",
+           "direct light through panes", true},
+          {"shadow rays through panes", "LS+(D|V)(S|D|V)*E", "none: the same, straight through thin panes",
+           "direct light through panes", false, true},
+          {"shadow rays", "L(D|V)(S|D|V)*E",
+           std::to_string(lightSamples) + " for each diffuse vertex, and where a medium scatters",
+           "direct light"},
+          {"BSDF rays", "L(D|V)(S|D|V)*E", "none: the rays that go on", "direct light", true}};
+}
+
+} // namespace recurse

@@ -1,0 +1,100 @@
+/** @file
+ * 11. Media thin and thick, that absorb all or nothing, scatter in needles, at any scale, with the camera on
+ * their boundary, and grids of one cell.
+ */
+#include "hardCase.h"
+
+namespace recurse::hard {
+
+namespace {
+
+Budget ofPaths(double tolerance) {
+  Budget b;
+  b.samples = 1024;
+  b.photonSamples = 32;
+  b.photons = 2e4;
+  b.tolerance = tolerance;
+  b.photonTolerance = tolerance + 0.02;
+  b.only = [](const Way& way) { return way.integrator == "path" || way.integrator == "photonmap"; };
+  return b;
+}
+
+/** Grids are for paths alone. */
+Budget ofPath(double tolerance) {
+  Budget b = ofPaths(tolerance);
+  b.only = [](const Way& way) { return way.integrator == "path"; };
+  return b;
+}
+
+std::string medium(const std::string& absorption, const std::string& scattering,
+                   const std::string& more = {}) {
+  return "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ " + absorption + " " +
+         absorption + " " + absorption + " ] \"rgb sigma_s\" [ " + scattering + " " + scattering + " " +
+         scattering + " ] " + more + "\n";
+}
+
+/** Along z through a slab from z = 0 to `size`, from before it, under an even sky. */
+std::string slab(const std::string& medium, double size, double eye) {
+  const std::string s = number(size), w = number(20 * size);
+  return view(2, 2, "0 0 " + number(eye) + "  0 0 " + number(eye + size) + "  0 1 0",
+              orthographic(size * 1e-3)) +
+         medium + constantLight(1) +
+         "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"box\" \"point3 p1\" [ -" + w + " -" +
+         w + " 0 ] \"point3 p2\" [ " + w + " " + w + " " + s + " ]\n";
+}
+
+void thickness(const Report& report) {
+  for (const double depth : {1e-6, 1.0, 1e4}) {
+    const std::string d = number(depth), name = "optical thickness " + shown("%g", depth);
+    checkMean(report, name + ", absorbs", slab(medium(d, "0"), 1, -1), std::exp(-depth), ofPaths(2e-3));
+    if (depth < 1e4) checkMean(report, name + ", scatters", slab(medium("0", d), 1, -1), 1, ofPaths(5e-3));
+  }
+}
+
+void needles(const Report& report) {
+  for (const double g : {-0.99, 0.99})
+    checkMean(report, "g = " + shown("%g", g), slab(medium("0", "3", "\"float g\" " + number(g)), 1, -1), 1,
+              ofPath(5e-3));
+}
+
+void scales(const Report& report) {
+  for (const double scale : {1e-6, 1e6})
+    checkMean(report, "scale " + shown("%g", scale), slab(medium(number(0.7 / scale), "0"), scale, -scale),
+              std::exp(-0.7), ofPaths(2e-3));
+}
+
+void boundary(const Report& report) {
+  // On the boundary, as inside: the file says what the camera stands in.
+  const std::string text = slab(medium("1", "0"), 1, 0);
+  checkMean(report, "the camera on a boundary", text, std::exp(-1.0), ofPaths(2e-3));
+}
+
+void overlap(const Report& report) {
+  // Two slabs that touch: the boundary in between is one of each.
+  const std::string second = "Shape \"box\" \"point3 p1\" [ -20 -20 1 ] \"point3 p2\" [ 20 20 2 ]\n";
+  checkMean(report, "slabs that touch", slab(medium(".5", "0"), 1, -1) + second, std::exp(-1.0),
+            ofPaths(2e-3));
+}
+
+void oneCell(const Report& report) {
+  // Along its middle the density rises from a half to 1 and falls again.
+  checkMean(report, "a grid of one cell",
+            slab("MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"point3 p0\" [ -20 -20 0 ] \"point3 "
+                 "p1\" [ 20 20 1 "
+                 "] \"float density\" 1 \"rgb sigma_a\" [ 1 1 1 ] \"rgb sigma_s\" [ 0 0 0 ]\n",
+                 1, -1),
+            std::exp(-0.75), ofPath(1e-2));
+}
+
+} // namespace
+
+void addMediumCases(HardCases& cases) {
+  cases.push_back({11, "thin and thick media", false, thickness});
+  cases.push_back({11, "needles", false, needles});
+  cases.push_back({11, "media of any scale", false, scales});
+  cases.push_back({11, "camera and boundary", false, boundary});
+  cases.push_back({11, "media that touch", false, overlap});
+  cases.push_back({11, "grids", false, oneCell});
+}
+
+} // namespace recurse::hard

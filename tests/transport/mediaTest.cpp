@@ -1,0 +1,330 @@
+/** @file
+ * Media against closed forms: phase functions over the registry, transmittance, single scattering, furnaces,
+ * boundaries, path classes.
+ */
+#include "recurse/transport/volumePhotons.h"
+#include "rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** A box whose surface only bounds a medium, z from 0 to 1. */
+const std::string MEDIUM_BOX =
+    "Material \"interface\"\nShape \"box\" \"point3 p1\" [-2 -2 0] \"point3 p2\" [2 2 1]\n";
+
+/** Sees along the z axis from before the box, over a hair of an angle. */
+std::string throughTheBox(const std::string& medium, const std::string& rest) {
+  return view(2, "0 0 -1  0 0 1  0 1 0", 0.1) + "MakeNamedMedium \"m\" " + medium +
+         "\nAttributeBegin\nMediumInterface \"m\" \"\"\n" + MEDIUM_BOX + "AttributeEnd\n" + rest;
+}
+
+const std::string EVEN_SKY = "LightSource \"infinite\" \"rgb L\" [1 1 1]\n";
+
+Rgb meanOfMedium(const Rendered& r) {
+  Rgb sum(0);
+  for (size_t i = 0; i < r.pixels(); ++i) sum += r.value(i) / static_cast<float>(r.pixels());
+  return sum;
+}
+
+void expectColour(const Rgb& value, const Rgbd& expected, double tolerance, const std::string& what) {
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(double(value[c]), expected[c], tolerance) << what << " channel " << c;
+}
+
+} // namespace
+
+TEST(PhaseFunctions, AreDensitiesThatTheySample) {
+  for (const auto& entry : plugIns().phaseFunctions.entries())
+    for (const std::string& example : entry.examples) {
+      Diagnostics diagnostics;
+      const auto phase = entry.make(
+          bindParameters(parseParameterText(entry.name, example), entry.parameters, diagnostics, false), {});
+      const std::string name = entry.name + " " + example;
+      // The cumulative distribution at sampled cosines must be uniform: compare moments, and it with u.
+      constexpr int N = 200000;
+      double integral = 0, mean = 0;
+      for (int i = 0; i < N; ++i) { // in the angle, where peaks are wide
+        const double angle = (i + 0.5) / N * M_PI, z = std::cos(angle);
+        const double part = double(phase->value(float(z))) * 2 * M_PI * std::sin(angle) * M_PI / N;
+        integral += part;
+        mean += part * z;
+      }
+      EXPECT_NEAR(integral, 1, 2e-4) << name;
+      EXPECT_NEAR(mean, double(phase->meanCosine()), 2e-4) << name;
+      double sampled = 0, squared = 0, expectedSquare = 0;
+      constexpr int SAMPLES = 20000;
+      for (int i = 0; i < SAMPLES; ++i) {
+        const double z = double(phase->sampleCosine(float((i + 0.5) / SAMPLES)));
+        ASSERT_LE(std::abs(z), 1 + 1e-5) << name;
+        sampled += z / SAMPLES;
+        squared += z * z / SAMPLES;
+      }
+      for (int i = 0; i < N; ++i) {
+        const double angle = (i + 0.5) / N * M_PI, z = std::cos(angle);
+        expectedSquare += z * z * double(phase->value(float(z))) * 2 * M_PI * std::sin(angle) * M_PI / N;
+      }
+      EXPECT_NEAR(sampled, double(phase->meanCosine()), 2e-3) << name;
+      EXPECT_NEAR(squared, expectedSquare, 2e-3) << name;
+    }
+}
+
+TEST(Media, TransmittanceByChannel) {
+  const Rgbd sigma(0.3, 1, 3);
+  const Rendered homogeneous = renderText(
+      throughTheBox("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 1 3] \"rgb sigma_s\" [0 0 0]",
+                    EVEN_SKY),
+      "path", "", samples(16384));
+  expectColour(meanOfMedium(homogeneous), glm::exp(-sigma), 0.012, "homogeneous");
+  // One cell: along its middle the density rises from a half to 1 and falls again, 3/4 in the mean.
+  const Rendered grid = renderText(
+      throughTheBox(
+          "\"string type\" \"uniformgrid\" \"point3 p0\" [-2 -2 0] \"point3 p1\" [2 2 1] \"rgb sigma_a\" "
+          "[.15 .5 1.5] \"rgb sigma_s\" [0 0 0] \"float density\" 2",
+          EVEN_SKY),
+      "path", "", samples(16384));
+  expectColour(meanOfMedium(grid), glm::exp(-0.75 * sigma), 0.012, "grid");
+}
+
+TEST(Media, SingleScatteringOfParallelLight) {
+  // Along the ray through the middle, at depth h below the side that light comes in by.
+  const double h = 2, e = 3;
+  const Rgbd absorption(0.1, 0.2, 0.6), scattering(0.4, 0.3, 0.2), extinction = absorption + scattering;
+  const Rgbd expected =
+      scattering / (4 * M_PI) * e * glm::exp(-extinction * h) * (1.0 - glm::exp(-extinction)) / extinction;
+  const std::string light =
+      "LightSource \"distant\" \"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"rgb L\" [3 3 3]\n";
+  for (const std::string medium :
+       {"\"string type\" \"homogeneous\"", "\"string type\" \"uniformgrid\" \"integer nx\" 1 \"point3 p0\" "
+                                           "[-900 -900 -900] \"point3 p1\" [900 900 900] "
+                                           "\"float density\" 1"}) {
+    const Rendered r =
+        renderText(throughTheBox(medium + " \"rgb sigma_a\" [.1 .2 .6] \"rgb sigma_s\" [.4 .3 .2]", light),
+                   "simplepath", "\"integer maxdepth\" 1", samples(16384));
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(double(meanOfMedium(r)[c]) / expected[c], 1, SANITIZED ? 0.15 : 0.03)
+          << medium << " channel " << c;
+  }
+}
+
+TEST(Media, WhiteFurnace) {
+  // What absorbs nothing, under a sky of 1, is 1 everywhere, however it scatters.
+  const std::string grid =
+      "\"string type\" \"uniformgrid\" \"integer nx\" 2 \"integer ny\" 2 \"integer nz\" 2 "
+      "\"point3 p0\" [-2 -2 0] \"point3 p1\" [2 2 1] \"float density\" [0 5 1 0 3 0 0 2] ";
+  const std::string rgb =
+      "\"string type\" \"rgbgrid\" \"integer nx\" 2 \"point3 p0\" [-2 -2 0] \"point3 p1\" [2 2 1] "
+      "\"rgb sigma_s\" [ 1 5 0  2 0 3 ] ";
+  const std::string white = "\"rgb sigma_a\" [0 0 0] \"rgb sigma_s\" [.5 2 4] ";
+  for (const std::string& medium : {"\"string type\" \"homogeneous\" " + white + "\"float g\" .7",
+                                    grid + white + "\"string phase\" \"rayleigh\"", rgb,
+                                    grid + white + "\"string phase\" \"schlick\" \"float k\" -.8"}) {
+    const Rendered r = renderText(throughTheBox(medium, EVEN_SKY), "path", "", samples(4096));
+    expectColour(meanOfMedium(r), Rgbd(1), SANITIZED ? 0.1 : 0.03, medium);
+  }
+}
+
+TEST(Media, IsothermalEnclosure) {
+  // Walls that emit (1 - albedo) and a medium that emits by its absorption: 1 everywhere.
+  const std::string scene =
+      view(4, "0 0 0  0 0 1  0 1 0", 90) +
+      "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 .5 1] \"rgb sigma_s\" [1 .5 "
+      ".2] "
+      "\"rgb Le\" [1 1 1]\nMediumInterface \"m\" \"m\"\nReverseOrientation\nMaterial \"diffuse\" \"rgb "
+      "reflectance\" "
+      "[.4 .4 .4]\nAreaLightSource \"diffuse\" \"rgb L\" [.6 .6 .6]\nShape \"sphere\" \"float radius\" 1\n";
+  const std::string inside = "MediumInterface \"\" \"m\"\nCamera";
+  std::string text = scene;
+  text.replace(text.find("Camera"), 6, inside);
+  const Rendered r = renderText(text, "path", "", samples(1024));
+  expectColour(meanOfMedium(r), Rgbd(1), SANITIZED ? 0.06 : 0.02, "");
+}
+
+TEST(Media, AreKeptInNestedDielectrics) {
+  // A ball of priority 1 with a medium, half of it taken by a stronger, clear one. Neither bends rays.
+  const std::string text = view(2, "0 0 -3  0 0 1  0 1 0", 0.1) +
+                           "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] "
+                           "\"rgb sigma_s\" [0 0 0]\n" +
+                           EVEN_SKY +
+                           "AttributeBegin\nMediumInterface \"m\" \"\"\nMaterial \"dielectric\" \"float "
+                           "eta\" 1 \"integer priority\" 1\n"
+                           "Shape \"sphere\" \"float radius\" 1\nAttributeEnd\n"
+                           "AttributeBegin\nMaterial \"dielectric\" \"float eta\" 1 \"integer priority\" 2\n"
+                           "Shape \"box\" \"point3 p1\" [-2 -2 0] \"point3 p2\" [2 2 2]\nAttributeEnd\n";
+  // The clear one without a word of its own is filled with what is around: nothing.
+  EXPECT_NEAR(renderText(text, "simplepath", "", samples(8192)).mean(), std::exp(-1.0), 0.02);
+}
+
+TEST(Media, RaysGetPastEdges) {
+  // A light that casts its rays exactly onto the edges of a box.
+  const Rendered r =
+      renderText(view(16, "0 0 -5  0 0 0  0 1 0", 40) +
+                     "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] \"rgb "
+                     "sigma_s\" [1 1 1]\n"
+                     "LightSource \"point\" \"point3 from\" [-2 1.5 -2] \"rgb I\" [9 9 9]\n"
+                     "AttributeBegin\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape "
+                     "\"trianglemesh\" \"integer indices\" "
+                     "[0 2 3 0 3 1 4 5 7 4 7 6 0 1 5 0 5 4 2 6 7 2 7 3 0 4 6 0 6 2 1 3 7 1 7 5] \"point3 P\" "
+                     "[-.7 -.7 -.7 .7 -.7 "
+                     "-.7 -.7 .7 -.7 .7 .7 -.7 -.7 -.7 .7 .7 -.7 .7 -.7 .7 .7 .7 .7 .7]\nAttributeEnd\n"
+                     "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-3 -3 3 3 -3 3 "
+                     "3 3 3 -3 3 3]\n",
+                 "path", "", samples(64));
+  EXPECT_GT(r.mean(), 0);
+}
+
+TEST(Media, PathClassesTellMediaFromSurfaces) {
+  const auto scene = sceneFrom(
+      throughTheBox("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.2 .2 .2] \"rgb sigma_s\" [.8 .8 .8]",
+                    EVEN_SKY + "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-3 -3 "
+                               "2 3 -3 2 3 3 2 -3 3 2]\n"));
+  const auto integrator = integratorFrom("path", "");
+  const PathClasses classes(
+      {{"all", "all"}, {"surface", "surface"}, {"medium", "medium"}, {"VE", "LVE"}, {"DVE", "LDVE"}});
+  Film film(scene->film().crop, classes.layerCount());
+  RenderSettings settings;
+  settings.samplesPerPixel = samples(1024);
+  const std::atomic<bool> stop{false};
+  render(*scene, *integrator, classes, settings, film, stop, nullptr, nullptr);
+  double sums[5] = {};
+  for (size_t i = 0; i < film.bounds().area(); ++i)
+    for (size_t layer = 0; layer < 5; ++layer) sums[layer] += double(luminance(film.value(i, layer)));
+  EXPECT_NEAR(sums[1] + sums[2], sums[0], 1e-4 * sums[0]);
+  for (const double s : sums) EXPECT_GT(s, 0);
+  EXPECT_LT(sums[3] + sums[4], sums[2]);
+}
+
+TEST(Media, AreRefusedByIntegratorsThatKnowNothingOfThem) {
+  const auto scene = sceneFrom(throughTheBox("\"string type\" \"homogeneous\"", EVEN_SKY));
+  for (const char* name : {"bdpt", "vcm", "lightpath"})
+    EXPECT_THROW(renderScene(*scene, name, "", 1), Error) << name;
+}
+
+TEST(Media, WrongOnesAreTold) {
+  const auto messageOf = [](const std::string& medium) {
+    Diagnostics diagnostics;
+    const SceneDescription d = parseScene(throughTheBox(medium, EVEN_SKY), "test.pbrt", ".", diagnostics);
+    EXPECT_FALSE(buildScene(d, {}, diagnostics)) << medium;
+    return diagnostics.format();
+  };
+  const auto tells = [&](const std::string& medium, const std::string& part) {
+    const std::string message = messageOf(medium);
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+    EXPECT_NE(message.find("test.pbrt:"), std::string::npos) << message;
+  };
+  tells("\"string type\" \"homogenous\"", "homogeneous");
+  tells("\"string type\" \"homogeneous\" \"string phase\" \"mie\"", "mie");
+  tells("\"string type\" \"homogeneous\" \"float g\" 1.5", "g");
+  tells("\"string type\" \"homogeneous\" \"rgb sigma_a\" [-1 0 0]", "sigma_a");
+  tells("\"string type\" \"homogeneous\" \"float scale\" 1e30", "single precision");
+  tells("\"string type\" \"uniformgrid\" \"float density\" [1 2]", "2 values for 1 x 1 x 1");
+  tells("\"string type\" \"uniformgrid\" \"float density\" -1", "density");
+  tells("\"string type\" \"uniformgrid\" \"float density\" 1e20", "density");
+  tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"point3 p1\" [0 1 1]", "flat");
+  tells("\"string type\" \"rgbgrid\"", "neither");
+  tells("\"string type\" \"homogeneous\" \"string preset\" \"Wholemilks\"", "Wholemilk");
+}
+
+namespace {
+
+/** A room of fog with a glass ball under a wide lamp. The fog absorbs a lot, and differs by colour. */
+std::string foggyRoom(int size) {
+  return "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 .2 .1] \"rgb sigma_s\" "
+         "[.2 .25 .3] "
+         "\"float g\" .4\nMediumInterface \"\" \"fog\"\n" +
+         view(size, "0 0 -.95  0 0 1  0 1 0", 80) + R"(
+MediumInterface "fog" "fog"
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+ReverseOrientation
+Shape "box" "point3 p1" [-1 -1 -1] "point3 p2" [1 1 1]
+ReverseOrientation
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 6 6 6 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-.5 .99 -.2 .5 .99 -.2 .5 .99 .8 -.5 .99 .8]
+AttributeEnd
+AttributeBegin
+MediumInterface "" "fog"
+Material "dielectric" "float eta" 1.5
+Translate 0 .2 .3
+Shape "sphere" "float radius" .4
+AttributeEnd
+)";
+}
+
+Film renderMediaClasses(const Scene& scene, const std::string& integrator, const std::string& parameters,
+                        const PathClasses& classes, int count, int threads = 0) {
+  const ThreadPool pool(threads);
+  const auto made = integratorFrom(integrator, parameters);
+  Film film(scene.film().crop, classes.layerCount());
+  RenderSettings settings;
+  settings.samplesPerPixel = count;
+  const std::atomic<bool> stop{false};
+  render(scene, *made, classes, settings, film, stop, nullptr, nullptr);
+  return film;
+}
+
+} // namespace
+
+TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
+  const auto scene = sceneFrom(foggyRoom(16));
+  const PathClasses classes({{"all", "all"},
+                             {"single", "LVE"},
+                             {"caustic", "LS+VE"},
+                             {"through", "LVS+E"},
+                             {"lit", "LD+VE"},
+                             {"multiple", "LV+VE"},
+                             {"fogOnWalls", "L(V|S)*VDE"},
+                             {"walls", "LD+E"},
+                             {"secondary", "LD*VDV*DE"}});
+  const Film truth = renderMediaClasses(*scene, "path", "", classes, samples(2048));
+  for (const std::string parameters : {"", "\"string direct\" \"photons\""}) {
+    const Film film = renderMediaClasses(*scene, "photonmap", parameters, classes, SANITIZED ? 4 : 64);
+    for (size_t layer = 0; layer < classes.layerCount(); ++layer) {
+      Rgb a(0), b(0);
+      for (size_t i = 0; i < film.bounds().area(); ++i) {
+        a += film.value(i, layer);
+        b += truth.value(i, layer);
+      }
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(double(a[c] / b[c]), 1,
+                    SANITIZED    ? 0.2
+                    : layer == 0 ? 0.015
+                                 : 0.04)
+            << parameters << " " << classes.classes()[layer].name << " channel " << c;
+    }
+  }
+}
+
+TEST(MediaPhotons, AreTheSameForAnyNumberOfThreads) {
+  const auto scene = sceneFrom(foggyRoom(8));
+  const PathClasses classes;
+  const Film one = renderMediaClasses(*scene, "photonmap", "", classes, 2, 1),
+             four = renderMediaClasses(*scene, "photonmap", "", classes, 2, 4);
+  for (size_t i = 0; i < one.bounds().area(); ++i) EXPECT_EQ(one.value(i, 0), four.value(i, 0)) << i;
+}
+
+TEST(MediaPhotons, ABeamIsFoundWithinItsDiscs) {
+  // Photons along a line, seen from across: each crossing ray gets the power of those within its disc.
+  std::vector<VolumePhoton> photons;
+  for (int i = 0; i < 5000; ++i)
+    photons.push_back({Vec3f(float(i) / 5000, 0.001f * float(i % 7), 0.002f * float(i % 5)),
+                       packDirection({1, 0, 0}), Rgb(1)});
+  VolumePhotonMap map;
+  map.build(photons, 1, 10);
+  // A wide plane of rays across: what each photon brings adds up to 1.
+  double sum = 0;
+  constexpr int N = 400;
+  for (int y = 0; y < N; ++y)
+    for (int x = 0; x < N; ++x) {
+      const Vec3f origin(-.1f + 1.2f * (float(x) + 0.5f) / N, -.1f + .2f * (float(y) + 0.5f) / N, -3);
+      map.visitAlong({origin, {0, 0, 1}}, 10, [&](const VolumePhoton& p, float t, float kernel) {
+        EXPECT_NEAR(t, 3 + p.position.z, 1e-4);
+        sum += double(kernel) * 1.2 * .2 / (double(N) * N);
+      });
+    }
+  EXPECT_NEAR(sum / double(photons.size()), 1, 0.02);
+  // And beyond the end of the ray there is none.
+  map.visitAlong({{.5f, 0, -3}, {0, 0, 1}}, 2.9f, [](const VolumePhoton&, float, float) { FAIL(); });
+}
