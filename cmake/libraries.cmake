@@ -53,6 +53,20 @@ if(RECURSE_FLANN_INCLUDE AND RECURSE_LZ4_LIBRARY)
 endif()
 recurse_need(RECURSE_FLANN_FOUND FLANN libflann-dev)
 
+# Models of every common kind. The CMake package names a target of another path on each system.
+find_path(RECURSE_ASSIMP_INCLUDE assimp/Importer.hpp)
+find_library(RECURSE_ASSIMP_LIBRARY assimp)
+if(RECURSE_ASSIMP_INCLUDE AND RECURSE_ASSIMP_LIBRARY)
+    set(RECURSE_ASSIMP_FOUND TRUE)
+    if(NOT TARGET RecurseAssimp::assimp)
+        add_library(RecurseAssimp::assimp INTERFACE IMPORTED)
+        set_target_properties(RecurseAssimp::assimp PROPERTIES
+            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_ASSIMP_INCLUDE}"
+            INTERFACE_LINK_LIBRARIES "${RECURSE_ASSIMP_LIBRARY}")
+    endif()
+endif()
+recurse_need(RECURSE_ASSIMP_FOUND Assimp libassimp-dev)
+
 # The fast Fourier transforms of bloom.
 find_path(RECURSE_FFTW_INCLUDE fftw3.h)
 find_library(RECURSE_FFTW_LIBRARY fftw3)

@@ -25,6 +25,7 @@ void addMethodsCommand(CLI::App& app, Command& chosen);
 void addInfoCommand(CLI::App& app, Command& chosen);
 void addClassesCommand(CLI::App& app, Command& chosen);
 void addExplainCommand(CLI::App& app, Command& chosen);
+void addConvertCommand(CLI::App& app, Command& chosen);
 void addReferenceCommand(CLI::App& app, Command& chosen);
 
 /** Writes to standard output; Error when that fails, as on a full disk. */

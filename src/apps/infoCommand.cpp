@@ -7,6 +7,7 @@
 
 #include "apps/commands.h"
 #include "apps/loadedScene.h"
+#include "apps/modelScene.h"
 #include "apps/optionText.h"
 #include "recurse/core/image.h"
 
@@ -95,7 +96,7 @@ void addInfoCommand(CLI::App& app, Command& chosen) {
     chosen = [fileName, pixel, lenient] {
       if (!pixel->empty()) {
         print(pixelReport(*fileName, *pixel));
-      } else if (isSceneFile(*fileName)) {
+      } else if (isSceneFile(*fileName) || isModelFile(*fileName)) {
         SceneOverrides overrides;
         overrides.lenient = *lenient;
         print(sceneReport(loadAndBuild(*fileName, overrides, {})));

@@ -8,11 +8,12 @@
 #include <filesystem>
 #include <fstream>
 
+#include "apps/modelScene.h"
 #include "apps/optionText.h"
 #include "recurse/core/hash.h"
 #include "recurse/core/imageTexture.h"
 #include "recurse/model/film.h"
-#include "recurse/scene/loader.h"
+#include "recurse/model/sceneImport.h"
 
 namespace recurse::apps {
 
@@ -48,7 +49,8 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   out.fileName = fileName;
   Diagnostics diagnostics;
   const auto loadStart = std::chrono::steady_clock::now();
-  out.description = loadScene(fileName, diagnostics);
+  out.description = loadSceneOrModel(fileName, diagnostics);
+  expandImports(out.description, diagnostics, overrides.lenient);
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
   out.integratorDirective = options.directive(out.description.integrator);
@@ -76,7 +78,11 @@ std::string contentHash(const SceneDescription& description) {
     const auto addParameters = [&](const std::vector<ParsedParameter>& parameters) {
       for (const ParsedParameter& p : parameters)
         for (const std::string& name : p.strings) // may be that of a file: mesh, texture, spectrum
-          if (!name.empty() && !addFile(p.directory.empty() ? directive.directory : p.directory, name))
+          if (const auto inMemory =
+                  directive.files ? directive.files->find(name) : MemoryFiles::const_iterator();
+              directive.files && inMemory != directive.files->end())
+            hash.add(*inMemory->second);
+          else if (!name.empty() && !addFile(p.directory.empty() ? directive.directory : p.directory, name))
             addFile(directive.topDirectory, name);
     };
     addParameters(directive.parameters);
@@ -123,6 +129,7 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
     shapes += ", " + counted(c.otherPrimitives, "other primitive", "other primitives");
   if (c.instances > 0) shapes += ", " + counted(c.instances, "instance", "instances");
   line("shapes", shapes);
+  for (const std::string& note : loaded.description.importNotes) line("from files", note);
   line("materials", std::to_string(c.materials));
   std::string lights;
   const auto addLights = [&lights](size_t count, const char* where) {

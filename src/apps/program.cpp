@@ -109,6 +109,7 @@ ExitStatus run(int argc, char** argv) {
   addInfoCommand(app, chosen);
   addClassesCommand(app, chosen);
   addExplainCommand(app, chosen);
+  addConvertCommand(app, chosen);
   addReferenceCommand(app, chosen);
   std::string manual, shell;
   app.add_option("--manual", manual, "Print a page for man: 'recurse', or the name of a subcommand")

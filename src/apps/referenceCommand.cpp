@@ -27,6 +27,7 @@ template <class Visitor> void forEachRegistry(const Visitor& visit) {
   visit(all.integrators);
   visit(all.accelerators);
   visit(all.shapes);
+  visit(all.imports);
   visit(all.materials);
   visit(all.textures);
   visit(all.lights);

@@ -11,11 +11,14 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <optional>
 
 #include <OpenImageIO/filesystem.h>
 
 #include "core/imageInput.h"
+#include "core/pcx.h"
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/error.h"
 #include "recurse/core/memory.h"
@@ -201,29 +204,60 @@ int Image::channel(const std::string& name) const {
 
 namespace detail {
 
-std::unique_ptr<OIIO::ImageInput> openImage(const std::string& fileName) {
+namespace {
+
+void requireFile(const std::string& fileName) {
   std::error_code error;
   const auto status = std::filesystem::status(fileName, error);
   if (!std::filesystem::exists(status))
     throw Error(fileName +
                 ": cannot be read: " + (error ? error.message() : std::string("No such file or directory")));
   if (std::filesystem::is_directory(status)) throw Error(fileName + ": cannot be read: it is a folder");
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(fileName);
-  if (!input) throw Error(fileName + ": cannot be read: " + OIIO::geterror());
-  const OIIO::ImageSpec& spec = input->spec();
+}
+
+std::string readWholeFile(const std::string& fileName) {
+  std::ifstream in(fileName, std::ios::binary);
+  std::string content(std::istreambuf_iterator<char>(in), {});
+  if (in.bad()) throw Error(fileName + ": cannot be read");
+  return content;
+}
+
+} // namespace
+
+OpenImage openImage(const FileReference& file) {
+  const std::string& fileName = file.path;
+  OpenImage image;
+  image.content = file.content;
+  if (!image.content) requireFile(fileName);
+  std::string readerName = fileName;
+  if (extensionOf(fileName) == ".pcx") {
+    image.content = std::make_shared<const std::string>(
+        tgaOfPcx(fileName, image.content ? *image.content : readWholeFile(fileName)));
+    readerName += ".tga";
+  }
+  if (image.content) {
+    image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<char*>(image.content->data()),
+                                                                   image.content->size());
+    image.input = OIIO::ImageInput::open(readerName, nullptr, image.memory.get());
+  } else {
+    image.input = OIIO::ImageInput::open(readerName);
+  }
+  if (!image.input) throw Error(fileName + ": cannot be read: " + OIIO::geterror());
+  const OIIO::ImageSpec& spec = image.input->spec();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
     throw Error(fileName + ": cannot be read: not a picture of two dimensions");
   const double values = double(spec.width) * double(spec.height) * double(spec.nchannels);
   requireMemory(fileName + ": a picture of " + std::to_string(spec.width) + "x" +
                     std::to_string(spec.height) + " pixels",
                 values * double(spec.format.size()));
-  return input;
+  return image;
 }
 
 } // namespace detail
 
-Image readImage(const std::string& fileName) {
-  const std::unique_ptr<OIIO::ImageInput> input = detail::openImage(fileName);
+Image readImage(const FileReference& file) {
+  const std::string& fileName = file.path;
+  const detail::OpenImage input = detail::openImage(file);
   const OIIO::ImageSpec& spec = input->spec();
   const std::vector<int> order = channelOrder(fileName, spec.channelnames);
   const size_t stored = size_t(spec.nchannels);

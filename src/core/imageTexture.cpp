@@ -48,6 +48,18 @@ struct Pixels {
   }
 };
 
+/** Which three channels of the file stand for red, green and blue; the same one three times for grey. */
+std::vector<int> channelsOf(const std::string& fileName, const OIIO::ImageSpec& spec,
+                            ImageChannels channels) {
+  if (channels == ImageChannels::ALPHA) {
+    if (spec.alpha_channel < 0) throw Error(fileName + ": has no alpha channel");
+    return std::vector<int>(3, spec.alpha_channel);
+  }
+  const std::vector<int> order = channelOrder(fileName, spec.channelnames);
+  if (channels == ImageChannels::COLOURS) return order;
+  return std::vector<int>(3, order[static_cast<size_t>(channels) - static_cast<size_t>(ImageChannels::RED)]);
+}
+
 void refuseNonFinite(const std::string& fileName, const Pixels& p) {
   std::vector<float> row(p.rowValues());
   for (int y = 0; y < p.height; ++y) {
@@ -60,10 +72,11 @@ void refuseNonFinite(const std::string& fileName, const Pixels& p) {
   }
 }
 
-Pixels readPixels(const std::string& fileName, const ImageEncoding& encoding) {
-  const std::unique_ptr<OIIO::ImageInput> input = detail::openImage(fileName);
+Pixels readPixels(const FileReference& file, const ImageEncoding& encoding, ImageChannels channels) {
+  const std::string& fileName = file.path;
+  const detail::OpenImage input = detail::openImage(file);
   const OIIO::ImageSpec& spec = input->spec();
-  const std::vector<int> order = channelOrder(fileName, spec.channelnames);
+  const std::vector<int> order = channelsOf(fileName, spec, channels);
   Pixels p;
   p.width = spec.width;
   p.height = spec.height;
@@ -271,10 +284,13 @@ struct ImageTexture::Source {
   Pyramid pyramid;
   OIIO::ustring name;
   OIIO::TextureSystem::TextureHandle* handle = nullptr;
+  std::shared_ptr<const std::string> content; ///< is a part of the key, so no other may take its address
 
-  Source(const std::string& fileName, const ImageEncoding& encoding)
-      : cache(TextureCache::common()), pixels(readPixels(fileName, encoding)), pyramid(pixels) {
+  Source(const FileReference& file, const ImageEncoding& encoding, ImageChannels channels)
+      : cache(TextureCache::common()), pixels(readPixels(file, encoding, channels)), pyramid(pixels) {
+    const std::string& fileName = file.path;
     static std::atomic<uint64_t> number{0};
+    content = file.content;
     name = OIIO::ustring(std::to_string(++number) + ":" + fileName);
     OIIO::ImageSpec config;
     const void* pointer = &pyramid;
@@ -289,14 +305,16 @@ struct ImageTexture::Source {
   Source& operator=(const Source&) = delete;
 
   /** The one of this file and encoding, while anything uses it. */
-  static std::shared_ptr<const Source> of(const std::string& fileName, const ImageEncoding& encoding) {
-    using Key = std::tuple<std::string, int, float>;
+  static std::shared_ptr<const Source> of(const FileReference& file, const ImageEncoding& encoding,
+                                          ImageChannels channels) {
+    using Key = std::tuple<std::string, const void*, ImageChannels, ImageEncoding::Kind, float>;
     static std::mutex one;
     static std::map<Key, std::weak_ptr<const Source>> known;
     const std::lock_guard<std::mutex> guard(one);
-    std::weak_ptr<const Source>& place = known[{fileName, static_cast<int>(encoding.kind), encoding.gamma}];
+    std::weak_ptr<const Source>& place =
+        known[{file.path, file.content.get(), channels, encoding.kind, encoding.gamma}];
     std::shared_ptr<const Source> source = place.lock();
-    if (!source) place = source = std::make_shared<const Source>(fileName, encoding);
+    if (!source) place = source = std::make_shared<const Source>(file, encoding, channels);
     return source;
   }
 };
@@ -308,9 +326,9 @@ void setTextureMemory(double bytes) {
 
 std::pair<size_t, size_t> textureMemory() { return detail::PixelStore::totals(); }
 
-ImageTexture::ImageTexture(const std::string& fileName, const ImageEncoding& encoding,
+ImageTexture::ImageTexture(const FileReference& file, const ImageEncoding& encoding,
                            const ImageTextureSettings& settings)
-    : source(Source::of(fileName, encoding)), settings(settings) {}
+    : source(Source::of(file, encoding, settings.channels)), settings(settings) {}
 
 ImageTexture::~ImageTexture() = default;
 

@@ -266,10 +266,11 @@ const std::vector<std::string>& probeLayouts() {
 }
 
 Image readLightPicture(const Parameters& p) {
-  const std::string path = p.filePath("filename");
+  const FileReference file = p.file("filename");
+  const std::string& path = file.path;
   Image image;
   try {
-    image = readImage(path);
+    image = readImage(file);
   } catch (const Error& e) {
     p.fail("filename", e.what());
   }

@@ -9,6 +9,7 @@
 
 #include "model/embreeScene.h"
 #include "recurse/model/moving.h"
+#include "recurse/model/sceneImport.h"
 #include "recurse/model/triangleMesh.h"
 
 namespace recurse {
@@ -682,7 +683,10 @@ class SceneBuilder final : public TextureLookup, public ShapeLookup {
 
 std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
                                   Diagnostics& diagnostics) {
-  return SceneBuilder(description, overrides, diagnostics).build();
+  if (!hasImports(description)) return SceneBuilder(description, overrides, diagnostics).build();
+  SceneDescription expanded = description;
+  expandImports(expanded, diagnostics, overrides.lenient);
+  return SceneBuilder(expanded, overrides, diagnostics).build();
 }
 
 } // namespace recurse

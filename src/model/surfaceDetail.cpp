@@ -73,8 +73,8 @@ class Bumps final : public SurfaceDetail {
 
 class NormalMap final : public SurfaceDetail {
  public:
-  explicit NormalMap(const std::string& fileName)
-      : image(fileName, {ImageEncoding::Kind::LINEAR, 1},
+  explicit NormalMap(const FileReference& file)
+      : image(file, {ImageEncoding::Kind::LINEAR, 1},
               {.filter = ImageTextureSettings::Filter::BILINEAR, .levels = false}) {}
 
   void apply(SurfacePoint& point) const override {
@@ -116,9 +116,9 @@ void readDetail(Material& material, const Parameters& p, const MaterialContext& 
     material.detail = bumps(c.textures.real(p, "displacement"));
   }
   if (!mapped) return;
-  const std::string path = p.filePath("normalmap");
+  const FileReference file = p.file("normalmap");
   try {
-    material.detail = normalMap(path);
+    material.detail = normalMap(file);
   } catch (const Error& e) {
     p.fail("normalmap", e.what());
   }
@@ -127,8 +127,8 @@ void readDetail(Material& material, const Parameters& p, const MaterialContext& 
 } // namespace
 
 std::unique_ptr<SurfaceDetail> bumps(const TexturedRgb& height) { return std::make_unique<Bumps>(height); }
-std::unique_ptr<SurfaceDetail> normalMap(const std::string& fileName) {
-  return std::make_unique<NormalMap>(fileName);
+std::unique_ptr<SurfaceDetail> normalMap(const FileReference& file) {
+  return std::make_unique<NormalMap>(file);
 }
 
 void addSurfaceParameters(PlugIns& plugIns) {

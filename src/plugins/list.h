@@ -17,6 +17,8 @@ RECURSE_PLUG_IN(Metaballs)
 RECURSE_PLUG_IN(LoopSubdiv)
 RECURSE_PLUG_IN(CatmullClark)
 RECURSE_PLUG_IN(Curve)
+// Files that become pieces of scenes
+RECURSE_PLUG_IN(MeshFile)
 // Materials
 RECURSE_PLUG_IN(Diffuse)
 RECURSE_PLUG_IN(DiffuseTransmission)

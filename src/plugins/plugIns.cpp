@@ -18,6 +18,7 @@ const PlugIns& plugIns() {
 #include "plugins/list.h"
 #undef RECURSE_PLUG_IN
     addSurfaceParameters(all);
+    addImportParameters(all);
     return all;
   }();
   return ALL;

@@ -270,6 +270,7 @@ Parameters bindParameters(const ParsedDirective& directive, const std::vector<Pa
   result.place = directive.location;
   result.baseDirectory = directive.directory;
   result.topDirectory = directive.topDirectory;
+  result.files = directive.files;
 
   // The last of each name counts; an attribute only where the directive itself gives nothing.
   std::vector<const ParsedParameter*> given(specs.size(), nullptr);

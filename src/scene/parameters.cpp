@@ -234,6 +234,14 @@ std::string Parameters::filePath(const std::string& wanted) const {
   return path;
 }
 
+FileReference Parameters::file(const std::string& wanted) const {
+  const Bound& b = oneValueOf(wanted, {ParameterType::STRING});
+  if (files)
+    if (const auto found = files->find(b.value.strings[0]); found != files->end())
+      return {found->first, found->second};
+  return filePath(wanted);
+}
+
 SourceLocation Parameters::location(const std::string& wanted) const {
   const Bound& b = find(wanted);
   return b.given ? b.value.valueLocation : place;

@@ -67,36 +67,40 @@ std::string printable(const std::string& text) {
 /** The bytes of a file, decompressed where it is gzip, and where we are in them. */
 class ByteSource {
  public:
-  explicit ByteSource(const std::string& path) : path(path), buffer(size_t{1} << 18) {
+  explicit ByteSource(const FileReference& source)
+      : path(source.path), content(source.content), buffer(content ? 0 : size_t{1} << 18) {
+    if (content) return;
     file = gzopen(path.c_str(), "rb");
     if (!file) throw Error(path + ": cannot be opened: " + std::strerror(errno));
     gzbuffer(file, 1u << 17);
   }
-  ~ByteSource() { gzclose(file); }
+  ~ByteSource() {
+    if (file) gzclose(file);
+  }
   ByteSource(const ByteSource&) = delete;
   ByteSource& operator=(const ByteSource&) = delete;
 
   /** The next byte; -1 at the end. */
   int get() {
     if (position == end && !fill()) return -1;
-    const auto c = static_cast<unsigned char>(buffer[position++]);
+    const auto c = static_cast<unsigned char>(data()[position++]);
     if (c == '\n') ++line;
     return c;
   }
   int peek() {
     if (position == end && !fill()) return -1;
-    return static_cast<unsigned char>(buffer[position]);
+    return static_cast<unsigned char>(data()[position]);
   }
   /** False when the file ends before. */
   bool read(char* to, size_t count) {
     if (end - position >= count) { // nearly always
-      std::memcpy(to, &buffer[position], count);
+      std::memcpy(to, data() + position, count);
       position += count;
       return true;
     }
     for (size_t i = 0; i < count; ++i) {
       if (position == end && !fill()) return false;
-      to[i] = buffer[position++];
+      to[i] = data()[position++];
     }
     return true;
   }
@@ -112,10 +116,22 @@ class ByteSource {
   uint64_t offset() const { return base + position; }
   uint64_t lineNumber() const { return line; }
   const std::string& name() const { return path; }
-  bool compressed() const { return !gzdirect(file); }
+  bool compressed() const { return file && !gzdirect(file); }
+  /** Of the file as it is stored; 0 where that is not known. */
+  uint64_t storedBytes() const {
+    std::error_code error;
+    const uint64_t bytes = content ? content->size() : std::filesystem::file_size(path, error);
+    return error ? 0 : bytes;
+  }
 
  private:
+  const char* data() const { return content ? content->data() : buffer.data(); }
   bool fill() {
+    if (content) { // the whole of it at once
+      const bool more = end == 0 && !content->empty();
+      end = content->size();
+      return more;
+    }
     base += end;
     position = end = 0;
     const int got = gzread(file, buffer.data(), static_cast<unsigned>(buffer.size()));
@@ -133,6 +149,7 @@ class ByteSource {
   }
 
   std::string path;
+  std::shared_ptr<const std::string> content; ///< null: the file is read
   gzFile file = nullptr;
   std::vector<char> buffer;
   size_t position = 0, end = 0;
@@ -142,7 +159,7 @@ class ByteSource {
 
 class PlyReader {
  public:
-  explicit PlyReader(const std::string& path) : in(path) {}
+  explicit PlyReader(const FileReference& file) : in(file) {}
 
   /** How many normals of the file are no numbers. */
   uint64_t normalsLeftOut() const { return badNormals; }
@@ -392,9 +409,7 @@ class PlyReader {
     uint64_t bytesEach = 0;
     for (const Property& p : e.properties)
       bytesEach += encoding == Encoding::TEXT ? 2 : sizeOf(p.isList ? p.countType : p.type);
-    std::error_code error;
-    const uint64_t fileBytes = std::filesystem::file_size(in.name(), error);
-    if (error) return 0;
+    const uint64_t fileBytes = in.storedBytes();
     // Meshes hardly ever compress better than this; if one does, the arrays grow on the way.
     constexpr uint64_t USUAL_COMPRESSION = 8;
     return static_cast<size_t>(std::min(
@@ -496,9 +511,10 @@ class PlyReader {
 std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& context) {
   for (const char* name : {"displacement", "edgelength"})
     if (p.has(name)) p.fail(name, "displacement of meshes is not rendered yet", "a mesh without it");
-  const std::string path = p.filePath("filename");
+  const FileReference file = p.file("filename");
+  const std::string& path = file.path;
   try {
-    PlyReader reader(path);
+    PlyReader reader(file);
     MeshData mesh = reader.read();
     if (reader.normalsLeftOut() > 0)
       p.warn("filename", path + ": " + std::to_string(reader.normalsLeftOut()) +

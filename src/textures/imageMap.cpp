@@ -1,6 +1,8 @@
 /** @file
  * Pictures on surfaces.
  */
+#include <optional>
+
 #include "recurse/core/imageTexture.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/model/textureMapping.h"
@@ -11,15 +13,18 @@ namespace {
 
 class ImageMap final : public Texture {
  public:
-  ImageMap(const TextureMapping& mapping, ImageTexture image, float scale, bool invert, bool spectrum)
-      : mapping(mapping), image(std::move(image)), scale(scale), invert(invert), spectrum(spectrum) {}
+  ImageMap(const TextureMapping& mapping, ImageTexture image, float scale, bool invert, bool spectrum,
+           std::optional<float> threshold)
+      : mapping(mapping), image(std::move(image)), scale(scale), invert(invert), spectrum(spectrum),
+        threshold(threshold) {}
 
   Rgb value(const SurfacePoint& point) const override {
     const MappedPlace m = mapping.at(point);
     // The texture's t goes up from the lower edge of the picture.
     Rgb v = scale * image.at({m.st.x, 1 - m.st.y}, {m.alongX.x, -m.alongX.y}, {m.alongY.x, -m.alongY.y});
     if (!spectrum) v = Rgb(v.r);
-    return invert ? glm::max(1.0f - v, 0.0f) : v;
+    if (invert) v = glm::max(1.0f - v, 0.0f);
+    return threshold ? Rgb(glm::greaterThanEqual(v, Rgb(*threshold))) : v;
   }
 
  private:
@@ -27,6 +32,7 @@ class ImageMap final : public Texture {
   ImageTexture image;
   float scale;
   bool invert, spectrum;
+  std::optional<float> threshold; ///< from which on the value is 1, and 0 below
 };
 
 ImageEncoding encodingOf(const Parameters& p) {
@@ -55,11 +61,20 @@ std::unique_ptr<Texture> makeImageMap(const Parameters& p, const TextureContext&
                              : ImageTextureSettings::Wrap::OCTAHEDRAL;
   s.mostAnisotropy = static_cast<float>(p.real("maxanisotropy"));
   const ImageEncoding encoding = encodingOf(p);
+  const std::string channel = p.string("channel");
+  s.channels = channel == "red"     ? ImageChannels::RED
+               : channel == "green" ? ImageChannels::GREEN
+               : channel == "blue"  ? ImageChannels::BLUE
+               : channel == "alpha" ? ImageChannels::ALPHA
+                                    : ImageChannels::COLOURS;
+  std::optional<float> threshold;
+  if (p.has("threshold")) threshold = static_cast<float>(p.real("threshold"));
   const TextureMapping mapping(p, c);
-  const std::string path = p.filePath("filename");
+  const FileReference file = p.file("filename");
   try {
-    return std::make_unique<ImageMap>(mapping, ImageTexture(path, encoding, s),
-                                      static_cast<float>(p.real("scale")), p.boolean("invert"), c.spectrum);
+    return std::make_unique<ImageMap>(mapping, ImageTexture(file, encoding, s),
+                                      static_cast<float>(p.real("scale")), p.boolean("invert"), c.spectrum,
+                                      threshold);
   } catch (const Error& e) {
     p.fail("filename", e.what());
   }
@@ -85,6 +100,9 @@ void registerImageMap(PlugIns& plugIns) {
                  .oneOf({"repeat", "black", "clamp", "octahedralsphere"}),
              realParameter("scale", "1", "factor on the values"),
              booleanParameter("invert", "false", "1 - value instead, at least 0; after scale"),
+             stringParameter("channel", "colours", "take one channel of the picture alone")
+                 .oneOf({"colours", "red", "green", "blue", "alpha"}),
+             realParameter("threshold", "", "from this value on 1, below 0 instead; for cut-outs"),
              stringParameter(
                  "encoding", "",
                  "of integer formats: \"sRGB\", \"linear\", or \"gamma 2.2\" with any exponent; sRGB "

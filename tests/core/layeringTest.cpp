@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::set<std::string> INTERFACE_MODULES = {"core", "scene", "model", "transport", "report"};
-const std::set<std::string> PLUG_IN_FOLDERS = {"bsdfs",    "shapes",  "lights",      "media",   "cameras",
-                                               "textures", "filters", "integrators", "tonemaps"};
+const std::set<std::string> PLUG_IN_FOLDERS = {"bsdfs",    "shapes",  "lights",      "media",    "cameras",
+                                               "textures", "filters", "integrators", "tonemaps", "importers"};
 
 /** What each module may include besides itself. */
 const std::map<std::string, std::set<std::string>> MAY_INCLUDE = [] {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "recurse/core/fileReference.h"
 #include "recurse/core/rgb.h"
 
 namespace recurse {
@@ -45,7 +46,7 @@ float srgbFromLinear(float linear);
 
 /** Reads any format that OpenImageIO knows; 8- and 16-bit sRGB pictures become linear. Throws Error naming
  * the file and the reason. */
-Image readImage(const std::string& fileName);
+Image readImage(const FileReference& file);
 
 struct ImageWriteOptions {
   float exposure = 0;   ///< stops, for the formats of displays

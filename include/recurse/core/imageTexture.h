@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "recurse/core/fileReference.h"
 #include "recurse/core/rgb.h"
 
 namespace recurse {
@@ -17,6 +18,9 @@ struct ImageEncoding {
   enum class Kind { SRGB, LINEAR, GAMMA } kind = Kind::SRGB;
   float gamma = 1; ///< of GAMMA: light = value^gamma
 };
+
+/** What of a file is looked at: its colours, or one channel alone. */
+enum class ImageChannels { COLOURS, RED, GREEN, BLUE, ALPHA };
 
 struct ImageTextureSettings {
   enum class Filter {
@@ -29,7 +33,8 @@ struct ImageTextureSettings {
   Filter filter = Filter::BILINEAR;
   Wrap wrap = Wrap::REPEAT;
   float mostAnisotropy = 8; ///< longer over shorter axis, for EWA
-  bool levels = true;       ///< false: the finest level, whatever the footprint
+  ImageChannels channels = ImageChannels::COLOURS;
+  bool levels = true; ///< false: the finest level, whatever the footprint
 };
 
 /** What textures may take in memory [bytes], before the first is read: half of it for pixels as they are in
@@ -45,7 +50,7 @@ class ImageTexture {
  public:
   /** Reads the whole file. Throws Error naming the file and the reason: missing, broken, not finite, no
    * colours. */
-  ImageTexture(const std::string& fileName, const ImageEncoding& encoding,
+  ImageTexture(const FileReference& file, const ImageEncoding& encoding,
                const ImageTextureSettings& settings);
   ~ImageTexture();
 

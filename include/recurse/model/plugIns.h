@@ -6,6 +6,7 @@
 #include "recurse/model/bsdf.h"
 #include "recurse/model/camera.h"
 #include "recurse/model/light.h"
+#include "recurse/model/sceneImport.h"
 #include "recurse/model/shape.h"
 #include "recurse/model/texture.h"
 #include "recurse/model/toneMap.h"
@@ -20,6 +21,7 @@ struct AcceleratorSettings {};
 
 struct PlugIns {
   Registry<Shape, ShapeContext> shapes{"Shape"};
+  Registry<SceneImport, ImportContext> imports{"Shape (files)"};
   Registry<Material, MaterialContext> materials{"Material"};
   Registry<Texture, TextureContext> textures{"Texture"};
   Registry<Light, LightContext> lights{"LightSource"};

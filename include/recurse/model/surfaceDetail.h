@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "recurse/core/fileReference.h"
 #include "recurse/model/texture.h"
 
 namespace recurse {
@@ -27,7 +28,7 @@ class SurfaceDetail {
 std::unique_ptr<SurfaceDetail> bumps(const TexturedRgb& height);
 /** The normal by a picture: 2 (r, g, b) - 1 along dpdu, across it, and along the shading normal. Throws
  * Error. */
-std::unique_ptr<SurfaceDetail> normalMap(const std::string& fileName);
+std::unique_ptr<SurfaceDetail> normalMap(const FileReference& file);
 
 /** Gives every shape `alpha`, and every material `displacement` and `normalmap`. */
 void addSurfaceParameters(PlugIns& plugIns);

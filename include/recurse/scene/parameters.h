@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "recurse/core/error.h"
+#include "recurse/core/fileReference.h"
 #include "recurse/core/rgb.h"
 
 namespace recurse {
@@ -54,6 +55,8 @@ struct ParsedDirective {
   SourceLocation location;  ///< of the plug-in's name
   std::string directory;    ///< that file names inside it are relative to
   std::string topDirectory; ///< of the top scene file, tried second
+  /** Files in memory that names inside it may stand for, tried before all others. May be null. */
+  std::shared_ptr<const MemoryFiles> files;
   bool given() const { return !type.empty(); }
 };
 
@@ -157,6 +160,8 @@ class Parameters {
   /** The value as a path to an existing readable file: beside the file that names it, else beside the top
    * file. */
   std::string filePath(const std::string& name) const;
+  /** The same for readers that take files in memory as well. */
+  FileReference file(const std::string& name) const;
   /** A path in the directory of the naming file, which need not exist. */
   const std::string& directory() const { return baseDirectory; }
 
@@ -188,6 +193,7 @@ class Parameters {
 
   std::vector<Bound> bound;
   std::string name, baseDirectory, topDirectory;
+  std::shared_ptr<const MemoryFiles> files;
   SourceLocation place;
   std::shared_ptr<Diagnostics> told = std::make_shared<Diagnostics>();
 };

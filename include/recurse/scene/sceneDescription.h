@@ -81,6 +81,7 @@ struct SceneDescription {
   std::map<std::string, ObjectDescription> objects;
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
+  std::vector<std::string> importNotes; ///< what importers took from their files, and what not
 };
 
 } // namespace recurse

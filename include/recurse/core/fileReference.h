@@ -1,0 +1,24 @@
+/** @file
+ * Files that a scene names: on the disk, or in memory, where an importer took them out of another one.
+ */
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+
+namespace recurse {
+
+struct FileReference {
+  std::string path;                           ///< also for messages
+  std::shared_ptr<const std::string> content; ///< null: the file is on the disk
+
+  FileReference(std::string path, std::shared_ptr<const std::string> content = nullptr)
+      : path(std::move(path)), content(std::move(content)) {}
+  FileReference(const char* path) : path(path) {}
+};
+
+/** Contents of files in memory by the names that a scene calls them. */
+using MemoryFiles = std::map<std::string, std::shared_ptr<const std::string>>;
+
+} // namespace recurse

@@ -1,0 +1,59 @@
+/** @file
+ * `recurse convert`: a model becomes a scene that stands by itself.
+ */
+#include <cstdio>
+#include <filesystem>
+
+#include "apps/commands.h"
+#include "apps/modelScene.h"
+#include "recurse/core/atomicFile.h"
+#include "recurse/core/image.h"
+
+namespace recurse::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+ExitStatus convert(const std::string& input, const std::string& output) {
+  if (!isModelFile(input))
+    throw Error(input + ": is no model by its name; accepted are .gltf .glb .obj .dae .fbx .stl .3ds .ply and more",
+                ExitStatus::BAD_USAGE);
+  if (!output.ends_with(".pbrt")) throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
+  checkFileWritable(output);
+  Diagnostics diagnostics;
+  const std::string folder = fs::path(output).stem().string() + "-files/";
+  const std::unique_ptr<ModelScene> scene = modelScene(input, folder, diagnostics);
+  diagnostics.throwIfErrors();
+  std::fputs(diagnostics.format().c_str(), stderr);
+  const fs::path base = fs::path(output).parent_path();
+  std::error_code error;
+  if (!scene->files->empty()) fs::create_directories(base / folder, error);
+  if (error) throw Error((base / folder).string() + ": cannot be made: " + error.message());
+  for (const auto& [name, content] : *scene->files) writeFileAtomically((base / name).string(), *content);
+  writeFileAtomically(output, scene->text);
+  std::fputs((output + ": " + scene->note + "\n").c_str(), stderr);
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addConvertCommand(CLI::App& app, Command& chosen) {
+  auto input = std::make_shared<std::string>();
+  auto output = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("convert", "Make a scene of a model: camera, light, meshes, pictures");
+  command->add_option("model", *input, "The model: .gltf .glb .obj .dae .fbx .stl .3ds .ply and more")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("-o,--output", *output, "The scene to write, .pbrt; meshes and pictures go into a folder beside it")
+      ->required()
+      ->type_name("FILE");
+  command->footer("The scene has the model's camera, or one that sees all of it; the model's lights, or a sky and\n"
+                  "a sun. 'recurse render' does the same with a model, without writing the scene.\n\n"
+                  "Examples:\n"
+                  "  recurse convert model.gltf -o scene.pbrt\n"
+                  "  recurse render model.gltf -o model.png");
+  command->callback([=, &chosen] { chosen = [=] { return convert(*input, *output); }; });
+}
+
+} // namespace recurse::apps

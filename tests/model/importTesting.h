@@ -1,0 +1,74 @@
+/** @file
+ * What tests of importers share: a folder of their own, scenes that name files in it, and what a ray meets.
+ */
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "recurse/model/scatteringPoint.h"
+#include "recurse/model/scene.h"
+#include "recurse/model/sceneImport.h"
+#include "recurse/scene/loader.h"
+
+namespace recurse::testing {
+
+class ImportTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    directory = ::testing::TempDir() + "importTest." + std::to_string(::getpid());
+    std::filesystem::create_directory(directory);
+  }
+  void TearDown() override { std::filesystem::remove_all(directory); }
+
+  void write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(directory + "/" + name, std::ios::binary) << bytes;
+  }
+
+  /** The scene with what importers made; `messages` has the warnings, and the errors where they are wanted. */
+  SceneDescription load(const std::string& world, bool wantErrors = false) {
+    Diagnostics diagnostics;
+    SceneDescription scene = parseScene("WorldBegin\n" + world, "test.pbrt", directory, diagnostics);
+    expandImports(scene, diagnostics, false);
+    messages = diagnostics.format();
+    EXPECT_EQ(diagnostics.hasErrors(), wantErrors) << messages;
+    return scene;
+  }
+
+  std::unique_ptr<Scene> build(const SceneDescription& scene) {
+    Diagnostics diagnostics;
+    std::unique_ptr<Scene> made = buildScene(scene, {}, diagnostics);
+    EXPECT_TRUE(made) << diagnostics.format();
+    return made;
+  }
+
+  /** What a ray along -z meets next to a place of the file's world. */
+  static Hit hitAt(const Scene& scene, const Vec3d& place) {
+    Hit hit;
+    Ray ray;
+    ray.origin = Vec3f(place + Vec3d(0, 0, 1) - scene.origin());
+    ray.direction = {0, 0, -1};
+    EXPECT_TRUE(scene.intersect(ray, hit));
+    return hit;
+  }
+  static Rgb albedo(const Scene& scene, const Vec3d& place) {
+    const Hit hit = hitAt(scene, place);
+    if (!hit.material) return BLACK;
+    BsdfArena arena;
+    const Bsdf* bsdf = hit.material->bsdfAt(hit.point, arena);
+    return bsdf ? bsdf->albedo({0, 0, 1}) : BLACK;
+  }
+
+  static double numberOf(const ParsedDirective& d, const std::string& name, size_t i = 0) {
+    for (const ParsedParameter& p : d.parameters)
+      if (p.name == name) return p.numbers.at(i);
+    ADD_FAILURE() << d.type << " has no " << name;
+    return 0;
+  }
+
+  std::string directory, messages;
+};
+
+} // namespace recurse::testing

@@ -1,0 +1,209 @@
+/** @file
+ * Models through Assimp: places, materials, pictures, lights and cameras of small files that are written here.
+ */
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "model/importTesting.h"
+#include "recurse/core/image.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** A triangle (0,0,0) (1,0,0) (0,1,0) with texture coordinates, as the buffer of a glTF file. */
+std::string triangleBuffer() {
+  const float numbers[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, /* uv */ 0, 0, 1, 0, 0, 1};
+  const uint16_t indices[] = {0, 1, 2};
+  std::string out(reinterpret_cast<const char*>(numbers), sizeof numbers);
+  out.append(reinterpret_cast<const char*>(indices), sizeof indices);
+  return out;
+}
+
+/** A glTF file of nodes and materials around that triangle. */
+std::string gltf(const std::string& nodes, const std::string& material, const std::string& more = {}) {
+  return R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[)" + nodes +
+         R"(],"meshes":[{"name":"tri","primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"indices":2,)" +
+         R"("material":0}]}],"materials":[)" + material +
+         R"(],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},)" +
+         R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"},)" +
+         R"({"bufferView":2,"componentType":5123,"count":3,"type":"SCALAR"}],)" +
+         R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24},)" +
+         R"({"buffer":0,"byteOffset":60,"byteLength":6}],"buffers":[{"uri":"m.bin","byteLength":66}])" + more + "}";
+}
+
+class MeshFile : public ImportTest {
+ protected:
+  void SetUp() override {
+    ImportTest::SetUp();
+    write("m.bin", triangleBuffer());
+  }
+  static constexpr const char* ONE_NODE = R"({"mesh":0})";
+};
+
+} // namespace
+
+TEST_F(MeshFile, NodeTransformsPlaceMeshes) {
+  write("m.gltf", gltf(R"({"children":[1],"translation":[10,0,0]},{"mesh":0,"scale":[2,3,4]})", "{}"));
+  const SceneDescription scene = load("Translate 0 100 0 Shape \"mesh\" \"string filename\" \"m.gltf\"");
+  ASSERT_EQ(scene.shapes.size(), 1u);
+  const Vec3d corner = transformPoint(scene.shapes[0].worldFromObject, {1, 1, 0});
+  EXPECT_NEAR(corner.x, 12, 1e-6);
+  EXPECT_NEAR(corner.y, 103, 1e-6);
+  const std::unique_ptr<Scene> built = build(scene);
+  ASSERT_TRUE(built);
+  EXPECT_EQ(built->contents().triangles, 1u);
+}
+
+TEST_F(MeshFile, AMeshInSeveralNodesIsOneObject) {
+  write("m.gltf", gltf(R"({"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[0,0,5]})", "{}"));
+  const SceneDescription scene = load("Translate 1 0 0 Shape \"mesh\" \"string filename\" \"m.gltf\"");
+  EXPECT_EQ(scene.objects.size(), 1u);
+  ASSERT_EQ(scene.instances.size(), 2u);
+  EXPECT_EQ(Vec3d(scene.instances[1].worldFromInstance[3]), Vec3d(1, 0, 5));
+  EXPECT_TRUE(build(scene));
+  // Inside of an object, which cannot hold another, the shapes are there twice.
+  const SceneDescription nested = load("ObjectBegin \"o\" Shape \"mesh\" \"string filename\" \"m.gltf\" ObjectEnd\n"
+                                       "ObjectInstance \"o\"");
+  EXPECT_EQ(nested.objects.at("o").shapes.size(), 2u);
+  EXPECT_TRUE(build(nested));
+}
+
+TEST_F(MeshFile, TwoOfThemDoNotClash) {
+  write("m.gltf", gltf(R"({"children":[1,2]},{"mesh":0},{"mesh":0,"translation":[0,0,5]})",
+                       R"({"pbrMetallicRoughness":{"metallicFactor":0.5}})"));
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"\nTranslate 9 9 9\n"
+                                      "Shape \"mesh\" \"string filename\" \"m.gltf\"");
+  EXPECT_EQ(scene.objects.size(), 2u);
+  EXPECT_EQ(scene.namedMaterials.size(), 4u);
+  EXPECT_TRUE(build(scene));
+}
+
+TEST_F(MeshFile, MetalAndRoughnessBecomeConductorPlasticOrBoth) {
+  const auto materialOf = [this](const std::string& factors) {
+    write("m.gltf", gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1],)" + factors + "}}"));
+    const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
+    EXPECT_TRUE(build(scene));
+    return scene.materials.at(static_cast<size_t>(scene.shapes.at(0).material.index));
+  };
+  const ParsedDirective plastic = materialOf(R"("metallicFactor":0,"roughnessFactor":0.5)");
+  EXPECT_EQ(plastic.type, "plastic");
+  EXPECT_NEAR(numberOf(plastic, "roughness"), 0.25, 1e-6); // alpha is the square
+  EXPECT_NEAR(numberOf(plastic, "reflectance", 2), 0.75, 1e-6);
+  EXPECT_EQ(materialOf(R"("metallicFactor":1,"roughnessFactor":0.5)").type, "conductor");
+  const ParsedDirective mixed = materialOf(R"("metallicFactor":0.3,"roughnessFactor":0.5)");
+  EXPECT_EQ(mixed.type, "mix");
+  EXPECT_NEAR(numberOf(mixed, "amount"), 0.3, 1e-6);
+}
+
+TEST_F(MeshFile, PicturesLieTheRightWayUp) {
+  // Upper half red, lower half blue: glTF's v = 0 is the upper edge, which is the triangle's lower corner.
+  Image picture(2, 2, {"R", "G", "B"});
+  for (int x = 0; x < 2; ++x) {
+    picture.at(x, 0)[0] = 1;
+    picture.at(x, 1)[2] = 1;
+  }
+  writeImage(directory + "/red blue.png", picture);
+  write("m.gltf", gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0}})",
+                       R"(,"textures":[{"source":0}],"images":[{"uri":"red%20blue.png"}])"));
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
+  const std::unique_ptr<Scene> built = build(scene);
+  ASSERT_TRUE(built);
+  EXPECT_GT(albedo(*built, {0.3, 0.1, 0}).r, 0.5f);
+  EXPECT_LT(albedo(*built, {0.3, 0.1, 0}).b, 0.2f);
+  EXPECT_GT(albedo(*built, {0.1, 0.8, 0}).b, 0.5f);
+}
+
+TEST_F(MeshFile, AMissingPictureIsAWarningAndCannotBeOverlooked) {
+  write("m.gltf", gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0}})",
+                       R"(,"textures":[{"source":0}],"images":[{"uri":"gone.png"}])"));
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
+  EXPECT_NE(messages.find("there is no picture \"gone.png\""), std::string::npos) << messages;
+  EXPECT_TRUE(build(scene));
+  ASSERT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.textures[0].texture.type, "checkerboard");
+}
+
+TEST_F(MeshFile, EmittingMaterialsAndLightsAreTakenOrLeft) {
+  const char* NODES = R"({"children":[1,2]},{"mesh":0},{"translation":[0,0,7],"extensions":{"KHR_lights_punctual":{"light":0}}})";
+  write("m.gltf", gltf(NODES, R"({"emissiveFactor":[1,0.5,0.25]})",
+                       R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[)"
+                       R"({"type":"point","color":[1,1,1],"intensity":3,"name":"lamp"}]}})"));
+  const SceneDescription lit = load("Translate 1 0 0 Shape \"mesh\" \"string filename\" \"m.gltf\"");
+  EXPECT_EQ(lit.areaLights.size(), 1u);
+  EXPECT_EQ(lit.shapes.at(0).areaLight, 0);
+  ASSERT_EQ(lit.lights.size(), 1u);
+  EXPECT_NEAR(numberOf(lit.lights[0].light, "I", 1), 3, 1e-5);
+  EXPECT_EQ(Vec3d(lit.lights[0].worldFromLight[3]), Vec3d(1, 0, 0));
+  EXPECT_EQ(numberOf(lit.lights[0].light, "from", 2), 7);
+  EXPECT_TRUE(build(lit));
+  const SceneDescription dark = load("Shape \"mesh\" \"string filename\" \"m.gltf\" \"bool lights\" false");
+  EXPECT_TRUE(dark.areaLights.empty());
+  EXPECT_TRUE(dark.lights.empty());
+}
+
+TEST_F(MeshFile, WithoutMaterialsTheSurroundingOneCounts) {
+  write("m.gltf", gltf(ONE_NODE, "{}"));
+  const SceneDescription scene =
+      load("Material \"dielectric\" Shape \"mesh\" \"string filename\" \"m.gltf\" \"bool materials\" false");
+  EXPECT_EQ(scene.materials.at(static_cast<size_t>(scene.shapes.at(0).material.index)).type, "dielectric");
+}
+
+TEST_F(MeshFile, CamerasLookWhereTheirNodesDo) {
+  const char* NODES = R"({"children":[1,2]},{"mesh":0},{"name":"eye","translation":[0,0,8],"camera":0})";
+  write("m.gltf", gltf(NODES, "{}",
+                       R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.6,"aspectRatio":2,"znear":0.1}}])"));
+  const SceneDescription scene = load("Translate 5 0 0 Shape \"mesh\" \"string filename\" \"m.gltf\" \"string camera\" \"eye\"");
+  const Mat4d& camera = scene.worldFromCamera;
+  EXPECT_NEAR(camera[3].x, 5, 1e-6);
+  EXPECT_NEAR(camera[3].z, 8, 1e-6);
+  EXPECT_NEAR(camera[2].z, -1, 1e-6); // forward
+  EXPECT_NEAR(camera[0].x, 1, 1e-6);  // what is to the right stays there
+  load("Shape \"mesh\" \"string filename\" \"m.gltf\" \"string camera\" \"ear\"", true);
+  EXPECT_NE(messages.find("has no camera \"ear\""), std::string::npos) << messages;
+  EXPECT_NE(messages.find("\"eye\""), std::string::npos) << messages;
+}
+
+TEST_F(MeshFile, MtlIsMapped) {
+  write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\n"
+                 "usemtl c\nf 1 3 4\nusemtl d\nf 2 3 4\n");
+  write("m.mtl", "newmtl a\nKd .1 .2 .3\nillum 1\nnewmtl b\nKd .1 .2 .3\nKs .5 .5 .5\nNs 98\nillum 2\n"
+                 "newmtl c\nKd 0 0 0\nKs .9 .8 .7\nNs 1000\nillum 3\nnewmtl d\nNi 1.3\nillum 7\nd .1\n");
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.obj\"");
+  std::map<std::string, ParsedDirective> byType;
+  for (const ShapeDescription& s : scene.shapes) {
+    const ParsedDirective& m = scene.materials.at(static_cast<size_t>(s.material.index));
+    byType[m.type] = m;
+  }
+  ASSERT_EQ(byType.size(), 4u);
+  EXPECT_NEAR(numberOf(byType.at("diffuse"), "reflectance", 1), 0.2, 1e-6);
+  EXPECT_NEAR(numberOf(byType.at("plastic"), "roughness"), std::sqrt(0.02), 1e-6);
+  EXPECT_NEAR(numberOf(byType.at("conductor"), "reflectance", 1), 0.8, 1e-6);
+  EXPECT_NEAR(numberOf(byType.at("dielectric"), "eta"), 1.3, 1e-6);
+  EXPECT_TRUE(build(scene));
+}
+
+TEST_F(MeshFile, TellsWhatWasTakenAndLeft) {
+  write("m.gltf", gltf(ONE_NODE, "{}"));
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
+  ASSERT_EQ(scene.importNotes.size(), 1u);
+  EXPECT_EQ(scene.importNotes[0], "mesh: 1 mesh, 1 triangle, 1 material");
+}
+
+TEST_F(MeshFile, BrokenFilesAreErrorsThatNameTheFile) {
+  for (const char* text : {"", "{", "no glTF at all", R"({"asset":{"version":"2.0"}})"}) {
+    write("m.gltf", text);
+    load("Shape \"mesh\" \"string filename\" \"m.gltf\"", true);
+    EXPECT_NE(messages.find("m.gltf: cannot be used"), std::string::npos) << messages;
+  }
+  write("m.bin", "short");
+  write("m.gltf", gltf(ONE_NODE, "{}"));
+  load("Shape \"mesh\" \"string filename\" \"m.gltf\"", true);
+  EXPECT_NE(messages.find("m.gltf: cannot be used"), std::string::npos) << messages;
+  load("Shape \"mesh\" \"string filename\" \"gone.gltf\"", true);
+  EXPECT_NE(messages.find("there is no file \"gone.gltf\""), std::string::npos) << messages;
+}
