@@ -17,9 +17,11 @@ namespace fs = std::filesystem;
 
 ExitStatus convert(const std::string& input, const std::string& output) {
   if (!isModelFile(input))
-    throw Error(input + ": is no model by its name; accepted are .gltf .glb .obj .dae .fbx .stl .3ds .ply and more",
-                ExitStatus::BAD_USAGE);
-  if (!output.ends_with(".pbrt")) throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
+    throw Error(
+        input + ": is no model by its name; accepted are .gltf .glb .obj .dae .fbx .stl .3ds .ply and more",
+        ExitStatus::BAD_USAGE);
+  if (!output.ends_with(".pbrt"))
+    throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
   checkFileWritable(output);
   Diagnostics diagnostics;
   const std::string folder = fs::path(output).stem().string() + "-files/";
@@ -41,18 +43,22 @@ ExitStatus convert(const std::string& input, const std::string& output) {
 void addConvertCommand(CLI::App& app, Command& chosen) {
   auto input = std::make_shared<std::string>();
   auto output = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("convert", "Make a scene of a model: camera, light, meshes, pictures");
+  CLI::App* command =
+      app.add_subcommand("convert", "Make a scene of a model: camera, light, meshes, pictures");
   command->add_option("model", *input, "The model: .gltf .glb .obj .dae .fbx .stl .3ds .ply and more")
       ->required()
       ->type_name("FILE");
-  command->add_option("-o,--output", *output, "The scene to write, .pbrt; meshes and pictures go into a folder beside it")
+  command
+      ->add_option("-o,--output", *output,
+                   "The scene to write, .pbrt; meshes and pictures go into a folder beside it")
       ->required()
       ->type_name("FILE");
-  command->footer("The scene has the model's camera, or one that sees all of it; the model's lights, or a sky and\n"
-                  "a sun. 'recurse render' does the same with a model, without writing the scene.\n\n"
-                  "Examples:\n"
-                  "  recurse convert model.gltf -o scene.pbrt\n"
-                  "  recurse render model.gltf -o model.png");
+  command->footer(
+      "The scene has the model's camera, or one that sees all of it; the model's lights, or a sky and\n"
+      "a sun. 'recurse render' does the same with a model, without writing the scene.\n\n"
+      "Examples:\n"
+      "  recurse convert model.gltf -o scene.pbrt\n"
+      "  recurse render model.gltf -o model.png");
   command->callback([=, &chosen] { chosen = [=] { return convert(*input, *output); }; });
 }
 

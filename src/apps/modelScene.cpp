@@ -24,8 +24,9 @@ std::string loweredExtension(const std::string& fileName) {
 /** The importer of a file; null for what is not known as a model. */
 const char* importerOf(const std::string& fileName) {
   const std::string extension = loweredExtension(fileName);
-  for (const char* known : {".obj", ".gltf", ".glb", ".dae", ".fbx", ".stl", ".3ds", ".ply", ".off", ".x3d",
-                            ".x", ".lwo", ".dxf", ".ase", ".ac", ".b3d", ".ms3d", ".md3", ".blend", ".3mf"})
+  for (const char* known :
+       {".obj", ".gltf", ".glb", ".dae", ".fbx", ".stl", ".3ds",  ".ply", ".off",   ".x3d",
+        ".x",   ".lwo",  ".dxf", ".ase", ".ac",  ".b3d", ".ms3d", ".md3", ".blend", ".3mf"})
     if (extension == known) return "mesh";
   return nullptr;
 }
@@ -37,8 +38,8 @@ bool seesTheModel(const ImportedCamera& camera, const Bounds3d& bounds) {
   return p.z > 0 && std::abs(p.x) < extent && std::abs(p.y) < extent;
 }
 
-/** The first camera of the file that sees the model, or one that sees all of it from above and to the right of
- * its front. */
+/** The first camera of the file that sees the model, or one that sees all of it from above and to the right
+ * of its front. */
 std::string cameraText(const SceneImport& import) {
   constexpr double FOV = 40;
   for (const ImportedCamera& camera : import.cameras) {

@@ -1,6 +1,7 @@
 /** @file
- * Models of every kind that Assimp reads: node transforms, materials (the metal and roughness of glTF, and the
- * older ones of Wavefront's MTL and its like), pictures inside of the file or beside it, lights and cameras.
+ * Models of every kind that Assimp reads: node transforms, materials (the metal and roughness of glTF, and
+ * the older ones of Wavefront's MTL and its like), pictures inside of the file or beside it, lights and
+ * cameras.
  */
 #include <cmath>
 #include <filesystem>
@@ -46,8 +47,9 @@ class MeshFileImport {
  public:
   MeshFileImport(const Parameters& p, const ImportContext& context, SceneImport& import)
       : p(p), import(import), out(import, context), path(p.filePath("filename")),
-        directory(std::filesystem::path(path).parent_path().string()), materialsWanted(p.boolean("materials")),
-        lightsWanted(p.boolean("lights")), isGltf(path.ends_with(".gltf") || path.ends_with(".glb")) {}
+        directory(std::filesystem::path(path).parent_path().string()),
+        materialsWanted(p.boolean("materials")), lightsWanted(p.boolean("lights")),
+        isGltf(path.ends_with(".gltf") || path.ends_with(".glb")) {}
 
   void run() {
     // Lines and points have no surface.
@@ -93,7 +95,8 @@ class MeshFileImport {
   Mat4d axes() const {
     if (!scene->mMetaData || !scene->mMetaData->HasKey("UpAxis")) return Mat4d(1);
     const int axis[3] = {metadata("CoordAxis", 0), metadata("UpAxis", 1), metadata("FrontAxis", 2)};
-    const int sign[3] = {metadata("CoordAxisSign", 1), metadata("UpAxisSign", 1), metadata("FrontAxisSign", 1)};
+    const int sign[3] = {metadata("CoordAxisSign", 1), metadata("UpAxisSign", 1),
+                         metadata("FrontAxisSign", 1)};
     float centimetres = 0;
     double precise = 0;
     if (!scene->mMetaData->Get("UnitScaleFactor", centimetres) &&
@@ -162,8 +165,9 @@ class MeshFileImport {
   /** Directives of a mesh with its material. */
   std::string shapeOf(const aiMesh& mesh, const Mat4d& placement, const std::string& nodeName) {
     MeshData data;
-    const unsigned uvChannel =
-        materialsWanted && mesh.mMaterialIndex < scene->mNumMaterials ? material(mesh.mMaterialIndex).uvChannel : 0;
+    const unsigned uvChannel = materialsWanted && mesh.mMaterialIndex < scene->mNumMaterials
+                                   ? material(mesh.mMaterialIndex).uvChannel
+                                   : 0;
     const aiVector3D* uvs =
         uvChannel < AI_MAX_NUMBER_OF_TEXTURECOORDS ? mesh.mTextureCoords[uvChannel] : nullptr;
     data.positions.reserve(mesh.mNumVertices);
@@ -216,7 +220,8 @@ class MeshFileImport {
     return m;
   }
 
-  template <class T> static bool get(const aiMaterial& m, const char* key, unsigned type, unsigned i, T& value) {
+  template <class T>
+  static bool get(const aiMaterial& m, const char* key, unsigned type, unsigned i, T& value) {
     return m.Get(key, type, i, value) == AI_SUCCESS;
   }
   static double number(const aiMaterial& m, const char* key, unsigned type, unsigned i, double otherwise) {
@@ -275,7 +280,8 @@ class MeshFileImport {
     const char* bytes = reinterpret_cast<const char*>(texture.pcData);
     if (texture.mHeight == 0) {
       std::string extension = texture.achFormatHint;
-      return out.addFile("picture." + (extension.empty() ? "png" : extension), std::string(bytes, texture.mWidth));
+      return out.addFile("picture." + (extension.empty() ? "png" : extension),
+                         std::string(bytes, texture.mWidth));
     }
     if (texture.mWidth > 0xffff || texture.mHeight > 0xffff) return {};
     std::string tga(18, '\0'); // the texels are BGRA, as in TGA
@@ -336,21 +342,22 @@ class MeshFileImport {
     Value v = channelValue(m, aiTextureType_DIFFUSE_ROUGHNESS, "green", clamp01(factor));
     if (v.texture.empty()) return "\"float roughness\" " + sceneText(v.factor.r * v.factor.r) + REMAP_OFF;
     const std::string squared = out.uniqueName(v.texture + "_squared");
-    out.line("Texture " + sceneText(squared) + " \"float\" \"scale\" \"texture tex\" " + sceneText(v.texture) +
-             " \"texture scale\" " + sceneText(v.texture));
+    out.line("Texture " + sceneText(squared) + " \"float\" \"scale\" \"texture tex\" " +
+             sceneText(v.texture) + " \"texture scale\" " + sceneText(v.texture));
     return "\"texture roughness\" " + sceneText(squared) + REMAP_OFF;
   }
   static constexpr const char* REMAP_OFF = " \"bool remaproughness\" false";
 
   void makeMaterial(const aiMaterial& m, MadeMaterial& made) {
     aiColor4D base4(1, 1, 1, 1);
-    const bool isPhysical = m.GetTextureCount(aiTextureType_BASE_COLOR) > 0 || get(m, AI_MATKEY_BASE_COLOR, base4) ||
+    const bool isPhysical = m.GetTextureCount(aiTextureType_BASE_COLOR) > 0 ||
+                            get(m, AI_MATKEY_BASE_COLOR, base4) ||
                             get(m, AI_MATKEY_ROUGHNESS_FACTOR, base4.r);
     const std::string name = m.GetName().C_Str();
     const std::string bumps = normalMap(m);
     const double transmission = number(m, AI_MATKEY_TRANSMISSION_FACTOR, 0);
-    const aiTextureType colourType = m.GetTextureCount(aiTextureType_BASE_COLOR) > 0 ? aiTextureType_BASE_COLOR
-                                                                                    : aiTextureType_DIFFUSE;
+    const aiTextureType colourType =
+        m.GetTextureCount(aiTextureType_BASE_COLOR) > 0 ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE;
     int uvSource = 0;
     if (get(m, AI_MATKEY_UVWSRC(colourType, 0), uvSource) && uvSource > 0)
       made.uvChannel = static_cast<unsigned>(uvSource);
@@ -383,8 +390,8 @@ class MeshFileImport {
            (solid ? " \"float roughness\" " + sceneText(clamp01(rough * rough)) + REMAP_OFF : "") + bumps;
   }
 
-  std::string metalAndRoughness(const aiMaterial& m, const std::string& name, aiTextureType colourType, double eta,
-                                const std::string& bumps) {
+  std::string metalAndRoughness(const aiMaterial& m, const std::string& name, aiTextureType colourType,
+                                double eta, const std::string& bumps) {
     aiColor4D base(1, 1, 1, 1);
     if (!get(m, AI_MATKEY_BASE_COLOR, base)) get(m, AI_MATKEY_COLOR_DIFFUSE, base);
     const Value colour = spectrumValue(m, colourType, Rgbd(base.r, base.g, base.b));
@@ -424,9 +431,12 @@ class MeshFileImport {
       return "Material \"dielectric\" \"float eta\" " + sceneText(eta) + bumps;
     }
     if ((illumination == 3 || illumination == 5 || illumination == 8) && shine > 0.3 && body < 0.3 * shine)
-      return "Material \"conductor\" " + spectrumParameter("reflectance", {colourOf(specular), ""}) + rough + bumps;
-    const std::string reflectance = spectrumParameter("reflectance", spectrumValue(m, colourType, colourOf(diffuse)));
-    if (illumination < 2 || shine < 0.02 || exponent <= 1) return "Material \"diffuse\" " + reflectance + bumps;
+      return "Material \"conductor\" " + spectrumParameter("reflectance", {colourOf(specular), ""}) + rough +
+             bumps;
+    const std::string reflectance =
+        spectrumParameter("reflectance", spectrumValue(m, colourType, colourOf(diffuse)));
+    if (illumination < 2 || shine < 0.02 || exponent <= 1)
+      return "Material \"diffuse\" " + reflectance + bumps;
     return "Material \"plastic\" \"float eta\" " + sceneText(eta) + " " + reflectance + rough + bumps;
   }
 
@@ -438,10 +448,12 @@ class MeshFileImport {
     const bool hasMode = get(m, AI_MATKEY_GLTF_ALPHAMODE, mode);
     bool wanted = false;
     if (hasMode && std::string(mode.C_Str()) == "OPAQUE") return;
-    const aiTextureType type = m.GetTextureCount(aiTextureType_OPACITY) > 0 ? aiTextureType_OPACITY : colourType;
+    const aiTextureType type =
+        m.GetTextureCount(aiTextureType_OPACITY) > 0 ? aiTextureType_OPACITY : colourType;
     if (type == aiTextureType_OPACITY || hasMode) {
       if (const std::string file = picture(m, type, wanted); !file.empty()) {
-        std::string more = layout(m, type) + " \"string encoding\" \"linear\" \"float scale\" " + sceneText(opacity);
+        std::string more =
+            layout(m, type) + " \"string encoding\" \"linear\" \"float scale\" " + sceneText(opacity);
         if (hasMode) more += " \"string channel\" \"alpha\"";
         if (std::string(mode.C_Str()) == "MASK")
           more += " \"float threshold\" " + sceneText(number(m, AI_MATKEY_GLTF_ALPHACUTOFF, 0.5));
@@ -497,24 +509,26 @@ class MeshFileImport {
       const Vec3d from = transformPoint(place, vectorOf(light.mPosition));
       const Vec3d direction = Mat3d(place) * vectorOf(light.mDirection);
       const Vec3d colour(colourOf(light.mColorDiffuse));
-      if (!(maxComponent(Rgbd(colour)) > 0) || !std::isfinite(glm::dot(colour, from) + glm::dot(direction, from))) {
+      if (!(maxComponent(Rgbd(colour)) > 0) ||
+          !std::isfinite(glm::dot(colour, from) + glm::dot(direction, from))) {
         ++unknownLights;
         continue;
       }
       const bool directed = glm::length(direction) > 0;
       const std::string value = "[ " + sceneText(colour) + " ]", start = "[ " + sceneText(from) + " ]";
-      const std::string end = "[ " + sceneText(from + (directed ? glm::normalize(direction) : Vec3d(0, 0, -1))) + " ]";
+      const std::string end =
+          "[ " + sceneText(from + (directed ? glm::normalize(direction) : Vec3d(0, 0, -1))) + " ]";
       if (light.mType == aiLightSource_POINT) {
         out.line("LightSource \"point\" \"rgb I\" " + value + " \"point3 from\" " + start);
       } else if (light.mType == aiLightSource_DIRECTIONAL) {
-        out.line("LightSource \"distant\" \"rgb L\" " + value + " \"point3 from\" " + start + " \"point3 to\" " +
-                 end);
+        out.line("LightSource \"distant\" \"rgb L\" " + value + " \"point3 from\" " + start +
+                 " \"point3 to\" " + end);
       } else if (light.mType == aiLightSource_SPOT) {
         // Half angles there are whole ones of Assimp.
         const double outer = std::clamp(glm::degrees(double(light.mAngleOuterCone)) / 2, 0.5, 180.0);
         const double inner = std::clamp(glm::degrees(double(light.mAngleInnerCone)) / 2, 0.0, outer);
-        out.line("LightSource \"spot\" \"rgb I\" " + value + " \"point3 from\" " + start + " \"point3 to\" " + end +
-                 " \"float coneangle\" " + sceneText(outer) + " \"float conedeltaangle\" " +
+        out.line("LightSource \"spot\" \"rgb I\" " + value + " \"point3 from\" " + start + " \"point3 to\" " +
+                 end + " \"float coneangle\" " + sceneText(outer) + " \"float conedeltaangle\" " +
                  sceneText(outer - inner));
       } else {
         ++unknownLights;
@@ -591,11 +605,13 @@ class MeshFileImport {
 void registerMeshFile(PlugIns& plugIns) {
   plugIns.imports.add(
       {{.name = "mesh",
-        .summary = "A model of a kind that Assimp reads (glTF, OBJ with MTL, COLLADA, FBX, 3DS, STL and more), with "
-                   "its materials, pictures, lights and cameras.",
+        .summary =
+            "A model of a kind that Assimp reads (glTF, OBJ with MTL, COLLADA, FBX, 3DS, STL and more), with "
+            "its materials, pictures, lights and cameras.",
         .parameters = {stringParameter("filename", "", "the model").require(),
-                       booleanParameter("materials", "true",
-                                        "take the file's materials; false: the one that the Shape stands under"),
+                       booleanParameter(
+                           "materials", "true",
+                           "take the file's materials; false: the one that the Shape stands under"),
                        booleanParameter("lights", "true", "take the file's lights and emitting materials")},
         .examples = {}},
        [](const Parameters& p, const ImportContext& context) {

@@ -22,9 +22,7 @@ std::string sceneText(double number) {
   return {text, std::to_chars(text, text + sizeof text, number).ptr};
 }
 
-std::string sceneText(const Vec3d& v) {
-  return sceneText(v.x) + " " + sceneText(v.y) + " " + sceneText(v.z);
-}
+std::string sceneText(const Vec3d& v) { return sceneText(v.x) + " " + sceneText(v.y) + " " + sceneText(v.z); }
 
 std::string sceneText(const Mat4d& m) {
   std::string out = "[";
@@ -35,8 +33,7 @@ std::string sceneText(const Mat4d& m) {
 
 std::string sceneText(const std::string& name) {
   std::string out = "\"";
-  for (const char c : name)
-    out += c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20 ? '_' : c;
+  for (const char c : name) out += c == '"' || c == '\\' || static_cast<unsigned char>(c) < 0x20 ? '_' : c;
   return out + "\"";
 }
 
@@ -84,7 +81,8 @@ std::string withoutEscapes(const std::string& text) {
   for (size_t i = 0; i < text.size(); ++i) {
     unsigned value = 0;
     const char* digits = text.data() + i + 1;
-    if (text[i] == '%' && i + 2 < text.size() && std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
+    if (text[i] == '%' && i + 2 < text.size() &&
+        std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
       out += static_cast<char>(value);
       i += 2;
     } else {
@@ -135,8 +133,8 @@ std::string ImportWriter::addFile(const std::string& hint, std::string content) 
     std::string clean;
     for (const char c : path.stem().string().substr(0, 64))
       clean += std::isalnum(static_cast<unsigned char>(c)) || c == '-' ? c : '_';
-    name = context.folder + clean + (i > 1 ? "_" + std::to_string(i) : "") +
-           lowered(path.extension().string());
+    name =
+        context.folder + clean + (i > 1 ? "_" + std::to_string(i) : "") + lowered(path.extension().string());
   }
   import.files[name] = std::make_shared<const std::string>(std::move(content));
   return name;
@@ -228,7 +226,8 @@ class ImportExpander {
         shapes.push_back(std::move(s));
         continue;
       }
-      const ImportContext context{"import" + std::to_string(++count) + ":", "import" + std::to_string(count) + "/"};
+      const ImportContext context{"import" + std::to_string(++count) + ":",
+                                  "import" + std::to_string(count) + "/"};
       if (const auto import = all.imports.make(s.shape, context, diagnostics, lenient))
         place(*import, s, object, shapes);
     }
@@ -240,7 +239,8 @@ class ImportExpander {
         parseScene("WorldBegin\n" + import.text, at.shape.type + ", as imported", "", diagnostics);
     attachFiles(piece, std::make_shared<const MemoryFiles>(import.files));
     scene.sources.insert(scene.sources.end(), piece.sources.begin(), piece.sources.end());
-    materialOffset = static_cast<int>(scene.materials.size()) - 1; // the piece's first stands for the outer one
+    materialOffset =
+        static_cast<int>(scene.materials.size()) - 1; // the piece's first stands for the outer one
     areaLightOffset = static_cast<int>(scene.areaLights.size());
     scene.materials.insert(scene.materials.end(), piece.materials.begin() + 1, piece.materials.end());
     scene.areaLights.insert(scene.areaLights.end(), piece.areaLights.begin(), piece.areaLights.end());
@@ -330,9 +330,8 @@ bool hasImports(const SceneDescription& scene) {
       return plugIns().imports.find(s.shape.type) != nullptr;
     });
   };
-  return anyImport(scene.shapes) || std::any_of(scene.objects.begin(), scene.objects.end(), [&](const auto& o) {
-           return anyImport(o.second.shapes);
-         });
+  return anyImport(scene.shapes) || std::any_of(scene.objects.begin(), scene.objects.end(),
+                                                [&](const auto& o) { return anyImport(o.second.shapes); });
 }
 
 void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient) {

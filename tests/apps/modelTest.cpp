@@ -16,9 +16,10 @@ class ProgramModel : public Program {
   void SetUp() override {
     Program::SetUp();
     std::filesystem::create_directories(file("models"));
-    write("models/box.obj", "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
-                            "vt 0 0\nvt 1 0\nvt 1 1\nusemtl red\nf 5/1 6/2 7/3 8/1\nf 2/1 1/2 4/3 3/1\n"
-                            "f 1/1 5/2 8/3 4/1\nf 6/1 2/2 3/3 7/1\nf 8/1 7/2 3/3 4/1\nf 1/1 2/2 6/3 5/1\n");
+    write("models/box.obj",
+          "mtllib box.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+          "vt 0 0\nvt 1 0\nvt 1 1\nusemtl red\nf 5/1 6/2 7/3 8/1\nf 2/1 1/2 4/3 3/1\n"
+          "f 1/1 5/2 8/3 4/1\nf 6/1 2/2 3/3 7/1\nf 8/1 7/2 3/3 4/1\nf 1/1 2/2 6/3 5/1\n");
     write("models/box.mtl", "newmtl red\nKd 1 1 1\nmap_Kd red.png\n");
     Image red(1, 1, {"R", "G", "B"});
     red.at(0, 0)[0] = 0.8f;

@@ -27,7 +27,8 @@ class ImportTest : public ::testing::Test {
     std::ofstream(directory + "/" + name, std::ios::binary) << bytes;
   }
 
-  /** The scene with what importers made; `messages` has the warnings, and the errors where they are wanted. */
+  /** The scene with what importers made; `messages` has the warnings, and the errors where they are wanted.
+   */
   SceneDescription load(const std::string& world, bool wantErrors = false) {
     Diagnostics diagnostics;
     SceneDescription scene = parseScene("WorldBegin\n" + world, "test.pbrt", directory, diagnostics);

@@ -1,5 +1,6 @@
 /** @file
- * Models through Assimp: places, materials, pictures, lights and cameras of small files that are written here.
+ * Models through Assimp: places, materials, pictures, lights and cameras of small files that are written
+ * here.
  */
 #include <cstring>
 #include <filesystem>
@@ -33,7 +34,8 @@ std::string gltf(const std::string& nodes, const std::string& material, const st
          R"({"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"},)" +
          R"({"bufferView":2,"componentType":5123,"count":3,"type":"SCALAR"}],)" +
          R"("bufferViews":[{"buffer":0,"byteOffset":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24},)" +
-         R"({"buffer":0,"byteOffset":60,"byteLength":6}],"buffers":[{"uri":"m.bin","byteLength":66}])" + more + "}";
+         R"({"buffer":0,"byteOffset":60,"byteLength":6}],"buffers":[{"uri":"m.bin","byteLength":66}])" +
+         more + "}";
 }
 
 class MeshFile : public ImportTest {
@@ -67,8 +69,9 @@ TEST_F(MeshFile, AMeshInSeveralNodesIsOneObject) {
   EXPECT_EQ(Vec3d(scene.instances[1].worldFromInstance[3]), Vec3d(1, 0, 5));
   EXPECT_TRUE(build(scene));
   // Inside of an object, which cannot hold another, the shapes are there twice.
-  const SceneDescription nested = load("ObjectBegin \"o\" Shape \"mesh\" \"string filename\" \"m.gltf\" ObjectEnd\n"
-                                       "ObjectInstance \"o\"");
+  const SceneDescription nested =
+      load("ObjectBegin \"o\" Shape \"mesh\" \"string filename\" \"m.gltf\" ObjectEnd\n"
+           "ObjectInstance \"o\"");
   EXPECT_EQ(nested.objects.at("o").shapes.size(), 2u);
   EXPECT_TRUE(build(nested));
 }
@@ -85,7 +88,8 @@ TEST_F(MeshFile, TwoOfThemDoNotClash) {
 
 TEST_F(MeshFile, MetalAndRoughnessBecomeConductorPlasticOrBoth) {
   const auto materialOf = [this](const std::string& factors) {
-    write("m.gltf", gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1],)" + factors + "}}"));
+    write("m.gltf", gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorFactor":[0.25,0.5,0.75,1],)" +
+                                       factors + "}}"));
     const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
     EXPECT_TRUE(build(scene));
     return scene.materials.at(static_cast<size_t>(scene.shapes.at(0).material.index));
@@ -108,8 +112,9 @@ TEST_F(MeshFile, PicturesLieTheRightWayUp) {
     picture.at(x, 1)[2] = 1;
   }
   writeImage(directory + "/red blue.png", picture);
-  write("m.gltf", gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0}})",
-                       R"(,"textures":[{"source":0}],"images":[{"uri":"red%20blue.png"}])"));
+  write("m.gltf",
+        gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0}})",
+             R"(,"textures":[{"source":0}],"images":[{"uri":"red%20blue.png"}])"));
   const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
   const std::unique_ptr<Scene> built = build(scene);
   ASSERT_TRUE(built);
@@ -119,8 +124,9 @@ TEST_F(MeshFile, PicturesLieTheRightWayUp) {
 }
 
 TEST_F(MeshFile, AMissingPictureIsAWarningAndCannotBeOverlooked) {
-  write("m.gltf", gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0}})",
-                       R"(,"textures":[{"source":0}],"images":[{"uri":"gone.png"}])"));
+  write("m.gltf",
+        gltf(ONE_NODE, R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},"metallicFactor":0}})",
+             R"(,"textures":[{"source":0}],"images":[{"uri":"gone.png"}])"));
   const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
   EXPECT_NE(messages.find("there is no picture \"gone.png\""), std::string::npos) << messages;
   EXPECT_TRUE(build(scene));
@@ -129,10 +135,12 @@ TEST_F(MeshFile, AMissingPictureIsAWarningAndCannotBeOverlooked) {
 }
 
 TEST_F(MeshFile, EmittingMaterialsAndLightsAreTakenOrLeft) {
-  const char* NODES = R"({"children":[1,2]},{"mesh":0},{"translation":[0,0,7],"extensions":{"KHR_lights_punctual":{"light":0}}})";
-  write("m.gltf", gltf(NODES, R"({"emissiveFactor":[1,0.5,0.25]})",
-                       R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[)"
-                       R"({"type":"point","color":[1,1,1],"intensity":3,"name":"lamp"}]}})"));
+  const char* NODES =
+      R"({"children":[1,2]},{"mesh":0},{"translation":[0,0,7],"extensions":{"KHR_lights_punctual":{"light":0}}})";
+  write("m.gltf",
+        gltf(NODES, R"({"emissiveFactor":[1,0.5,0.25]})",
+             R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{"lights":[)"
+             R"({"type":"point","color":[1,1,1],"intensity":3,"name":"lamp"}]}})"));
   const SceneDescription lit = load("Translate 1 0 0 Shape \"mesh\" \"string filename\" \"m.gltf\"");
   EXPECT_EQ(lit.areaLights.size(), 1u);
   EXPECT_EQ(lit.shapes.at(0).areaLight, 0);
@@ -155,9 +163,12 @@ TEST_F(MeshFile, WithoutMaterialsTheSurroundingOneCounts) {
 
 TEST_F(MeshFile, CamerasLookWhereTheirNodesDo) {
   const char* NODES = R"({"children":[1,2]},{"mesh":0},{"name":"eye","translation":[0,0,8],"camera":0})";
-  write("m.gltf", gltf(NODES, "{}",
-                       R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.6,"aspectRatio":2,"znear":0.1}}])"));
-  const SceneDescription scene = load("Translate 5 0 0 Shape \"mesh\" \"string filename\" \"m.gltf\" \"string camera\" \"eye\"");
+  write(
+      "m.gltf",
+      gltf(NODES, "{}",
+           R"(,"cameras":[{"type":"perspective","perspective":{"yfov":0.6,"aspectRatio":2,"znear":0.1}}])"));
+  const SceneDescription scene =
+      load("Translate 5 0 0 Shape \"mesh\" \"string filename\" \"m.gltf\" \"string camera\" \"eye\"");
   const Mat4d& camera = scene.worldFromCamera;
   EXPECT_NEAR(camera[3].x, 5, 1e-6);
   EXPECT_NEAR(camera[3].z, 8, 1e-6);

@@ -1,8 +1,8 @@
 /** @file
- * Importers: plug-ins that a Shape directive names, and that turn a file of another kind (a model, a game map)
- * into a piece of a scene. The piece is a text of directives, which is read where the Shape stands, and files
- * that this text names: meshes as PLY, pictures as they were found. So `recurse convert` has only to write both
- * down, and everything that scene files can say is open to an importer.
+ * Importers: plug-ins that a Shape directive names, and that turn a file of another kind (a model, a game
+ * map) into a piece of a scene. The piece is a text of directives, which is read where the Shape stands, and
+ * files that this text names: meshes as PLY, pictures as they were found. So `recurse convert` has only to
+ * write both down, and everything that scene files can say is open to an importer.
  */
 #pragma once
 
