@@ -53,6 +53,19 @@ if(RECURSE_FLANN_INCLUDE AND RECURSE_LZ4_LIBRARY)
 endif()
 recurse_need(RECURSE_FLANN_FOUND FLANN libflann-dev)
 
+# The archives of games.
+find_path(RECURSE_ZIP_INCLUDE zip.h)
+find_library(RECURSE_ZIP_LIBRARY zip)
+if(RECURSE_ZIP_INCLUDE AND RECURSE_ZIP_LIBRARY)
+    set(RECURSE_ZIP_FOUND TRUE)
+    if(NOT TARGET RecurseZip::zip)
+        add_library(RecurseZip::zip INTERFACE IMPORTED)
+        set_target_properties(RecurseZip::zip PROPERTIES
+            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_ZIP_INCLUDE}" INTERFACE_LINK_LIBRARIES "${RECURSE_ZIP_LIBRARY}")
+    endif()
+endif()
+recurse_need(RECURSE_ZIP_FOUND libzip libzip-dev)
+
 # Models of every common kind. The CMake package names a target of another path on each system.
 find_path(RECURSE_ASSIMP_INCLUDE assimp/Importer.hpp)
 find_library(RECURSE_ASSIMP_LIBRARY assimp)

@@ -17,9 +17,9 @@ namespace fs = std::filesystem;
 
 ExitStatus convert(const std::string& input, const std::string& output) {
   if (!isModelFile(input))
-    throw Error(
-        input + ": is no model by its name; accepted are .gltf .glb .obj .dae .fbx .stl .3ds .ply and more",
-        ExitStatus::BAD_USAGE);
+    throw Error(input + ": is no model by its name; accepted are .gltf .glb .obj .dae .fbx .stl .3ds .ply "
+                        ".md2 .pk3 and more",
+                ExitStatus::BAD_USAGE);
   if (!output.ends_with(".pbrt"))
     throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
   checkFileWritable(output);
@@ -45,7 +45,8 @@ void addConvertCommand(CLI::App& app, Command& chosen) {
   auto output = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("convert", "Make a scene of a model: camera, light, meshes, pictures");
-  command->add_option("model", *input, "The model: .gltf .glb .obj .dae .fbx .stl .3ds .ply and more")
+  command
+      ->add_option("model", *input, "The model: .gltf .glb .obj .dae .fbx .stl .3ds .ply .md2 .pk3 and more")
       ->required()
       ->type_name("FILE");
   command

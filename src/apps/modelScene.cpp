@@ -24,6 +24,8 @@ std::string loweredExtension(const std::string& fileName) {
 /** The importer of a file; null for what is not known as a model. */
 const char* importerOf(const std::string& fileName) {
   const std::string extension = loweredExtension(fileName);
+  if (extension == ".md2") return "md2";
+  if (extension == ".pk3") return "quake3map";
   for (const char* known :
        {".obj", ".gltf", ".glb", ".dae", ".fbx", ".stl", ".3ds",  ".ply", ".off",   ".x3d",
         ".x",   ".lwo",  ".dxf", ".ase", ".ac",  ".b3d", ".ms3d", ".md3", ".blend", ".3mf"})
@@ -43,7 +45,7 @@ bool seesTheModel(const ImportedCamera& camera, const Bounds3d& bounds) {
 std::string cameraText(const SceneImport& import) {
   constexpr double FOV = 40;
   for (const ImportedCamera& camera : import.cameras) {
-    if (!seesTheModel(camera, import.bounds)) continue;
+    if (!import.isInterior && !seesTheModel(camera, import.bounds)) continue;
     return "Transform " + sceneText(glm::inverse(camera.worldFromCamera)) +
            "\nCamera \"perspective\" \"float fov\" " + sceneText(camera.fov) + "\n";
   }
@@ -76,7 +78,7 @@ std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const std::s
   shape.type = importerOf(fileName);
   ParsedParameter file;
   file.type = "string";
-  file.name = "filename";
+  file.name = shape.type == "quake3map" ? "pak" : "filename";
   file.strings = {fileName};
   shape.parameters.push_back(file);
   const auto import = plugIns().imports.make(shape, {"", folder}, diagnostics);

@@ -13,16 +13,16 @@ namespace {
 /** A picture over (u, v), with v going up. */
 class Slide {
  public:
-  explicit Slide(Image picture) : image(std::move(picture)) {}
+  Slide(Image picture, bool repeats) : image(std::move(picture)), repeats(repeats) {}
 
-  /** Between pixels; beyond the edges that of the edge. */
+  /** Between pixels; beyond the edges that of the edge, or the picture again. */
   Rgb at(const Vec2f& uv) const {
-    const float x = clamped(uv.x) * static_cast<float>(image.width) - 0.5f,
-                y = clamped(1 - uv.y) * static_cast<float>(image.height) - 0.5f;
+    const float x = wrapped(uv.x) * static_cast<float>(image.width) - 0.5f,
+                y = wrapped(1 - uv.y) * static_cast<float>(image.height) - 0.5f;
     const float left = std::floor(x), top = std::floor(y), s = x - left, t = y - top;
     const auto pixel = [&](int dx, int dy) {
-      return image.rgb(std::clamp(static_cast<int>(left) + dx, 0, image.width - 1),
-                       std::clamp(static_cast<int>(top) + dy, 0, image.height - 1));
+      return image.rgb(neighbour(static_cast<int>(left) + dx, image.width),
+                       neighbour(static_cast<int>(top) + dy, image.height));
     };
     return (pixel(0, 0) * (1 - s) + pixel(1, 0) * s) * (1 - t) +
            (pixel(0, 1) * (1 - s) + pixel(1, 1) * s) * t;
@@ -35,8 +35,14 @@ class Slide {
   }
 
  private:
-  static float clamped(float x) { return x > 0 ? std::min(x, 1.0f) : 0; }
+  float wrapped(float x) const {
+    if (repeats) x -= std::floor(x);
+    return x > 0 ? std::min(x, 1.0f) : 0;
+  }
+  /** The place of a pixel that may be one beyond the edges. */
+  int neighbour(int i, int size) const { return repeats ? (i + size) % size : std::clamp(i, 0, size - 1); }
   Image image;
+  bool repeats;
 };
 
 class DiffuseArea final : public AreaLight {
@@ -139,7 +145,7 @@ std::unique_ptr<AreaLight> makeDiffuseArea(const Parameters& p, const AreaLightC
   if (p.has("filename")) {
     if (p.has("L"))
       p.fail("L", "the light has a picture, and \"L\" as well", "\"filename\" or \"L\"; \"scale\" for both");
-    picture.emplace(readLightPicture(p));
+    picture.emplace(readLightPicture(p), p.string("wrap") == "repeat");
     mean = double(luminance(Rgb(picture->mean())));
     if (p.hasValue("power") && !(mean > 0)) p.fail("power", "a black picture cannot be scaled", "\"scale\"");
   } else {
@@ -166,7 +172,9 @@ void registerDiffuseArea(PlugIns& plugIns) {
                        booleanParameter("twosided", "false", "emits from the back as well"),
                        stringParameter(
                            "filename", "",
-                           "a picture of the emitted radiance, its lower left corner at (u, v) = (0, 0)")},
+                           "a picture of the emitted radiance, its lower left corner at (u, v) = (0, 0)"),
+                       stringParameter("wrap", "clamp", "what of the picture is beyond its edges")
+                           .oneOf({"clamp", "repeat"})},
         .examples = {"\"rgb L\" [4 3 2]", "\"float power\" 10 \"bool twosided\" true",
                      "\"string filename\" \"scenes/textures/evening.hdr\" \"bool twosided\" true"}},
        makeDiffuseArea});

@@ -19,6 +19,8 @@ RECURSE_PLUG_IN(CatmullClark)
 RECURSE_PLUG_IN(Curve)
 // Files that become pieces of scenes
 RECURSE_PLUG_IN(MeshFile)
+RECURSE_PLUG_IN(Md2)
+RECURSE_PLUG_IN(Quake3Map)
 // Materials
 RECURSE_PLUG_IN(Diffuse)
 RECURSE_PLUG_IN(DiffuseTransmission)

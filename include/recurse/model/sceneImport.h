@@ -31,6 +31,7 @@ struct SceneImport {
   const ImportedCamera* chosen = nullptr; ///< of them, by the parameter "camera"
   Bounds3d bounds;                        ///< of all shapes
   Vec3d up{0, 1, 0}, front{0, 0, 1};      ///< of what the file shows
+  bool isInterior = false;                ///< it is looked at from inside
   bool hasLights = false;
   std::vector<std::string> taken, leftOut; ///< for people: "3 materials", "2 animations"
 };

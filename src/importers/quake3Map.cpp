@@ -1,0 +1,443 @@
+/** @file
+ * Maps of Quake III out of their archives: surfaces with pictures and shader scripts, lights, sun and sky,
+ * and the places where players appear as cameras. Light is in the units of the map compiler (q3map, 2005),
+ * turned into physical ones by what the game shows: lightmap value 64 means that a texture is seen in its own
+ * colour, and so an irradiance of pi.
+ */
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <optional>
+
+#include "model/gameShader.h"
+#include "model/quake3Bsp.h"
+#include "recurse/core/image.h"
+#include "recurse/core/zipArchive.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr double MAP_PI = 3.14159265358979323846;
+/** Irradiance of a lightmap value of 1. */
+constexpr double IRRADIANCE_UNIT = MAP_PI / 64;
+/** Of q3map: what a light entity's value is multiplied with for intensity, and a surfacelight's for radiance.
+ */
+constexpr double POINT_SCALE = 7500, AREA_SCALE = 0.25;
+constexpr double DEFAULT_LIGHT = 300, DEFAULT_RADIUS = 64, CONE_MARGIN = 16;
+/** Above the origin of the entity, where a player's eyes are [map units]. */
+constexpr double EYE_HEIGHT = 26;
+/** How far a triangle may be from a curved surface [map units]; the game itself takes 4. */
+constexpr double PATCH_TOLERANCE = 0.1;
+constexpr int MOST_PATCH_STEPS = 32;
+
+class Quake3Import {
+ public:
+  Quake3Import(const Parameters& p, const ImportContext& context, SceneImport& import)
+      : p(p), import(import), out(import, context), pakName(p.filePath("pak")), pak(pakName),
+        metre(p.real("unitspermetre")), lightScale(p.real("lightscale")) {}
+
+  void run() {
+    import.up = {0, 0, 1};
+    import.front = {1, 0, 0};
+    import.isInterior = true;
+    const std::string mapName = chooseMap();
+    const std::string bytes = pak.read(mapName);
+    map = readQuake3Bsp(pakName + ": " + mapName, bytes);
+    readScripts();
+    addFaces();
+    if (triangles == 0) p.fail("pak", pakName + ": " + mapName + " has no surface that can be seen");
+    addSky();
+    addEntities();
+    note(mapName);
+  }
+
+ private:
+  // ---- files in the archive
+
+  std::string chooseMap() {
+    std::vector<std::string> maps;
+    std::string list;
+    for (const std::string& name : pak.names())
+      if (gameShaderName(name).starts_with("maps/") && (name.ends_with(".bsp") || name.ends_with(".BSP"))) {
+        maps.push_back(name);
+        list += (list.empty() ? "" : ", ") + name.substr(5, name.size() - 9);
+      }
+    if (!p.has("map")) {
+      if (maps.size() == 1) return maps[0];
+      p.fail("pak", pakName + " has " + (maps.empty() ? "no map" : "several maps"),
+             maps.empty() ? "" : "\"string map\": " + list);
+    }
+    for (const std::string& spelling :
+         {"maps/" + p.string("map") + ".bsp", "maps/" + p.string("map"), p.string("map")})
+      if (const auto found = pak.find(spelling)) return *found;
+    p.fail("map", pakName + " has no map \"" + p.string("map") + "\"", list);
+  }
+
+  void readScripts() {
+    for (const std::string& name : pak.names()) {
+      if (!gameShaderName(name).starts_with("scripts/") || !name.ends_with(".shader")) continue;
+      std::vector<std::string> warnings;
+      readGameShaders(pakName + ": " + name, pak.read(name), scripts, warnings);
+      for (const std::string& w : warnings) p.warn("pak", w);
+    }
+  }
+
+  /** The picture of a texture name, kept for the scene; empty where there is none. */
+  std::string picture(const std::string& name) {
+    if (name.empty()) return {};
+    const std::string key = gameShaderName(name);
+    const auto known = pictures.find(key);
+    if (known != pictures.end()) return known->second;
+    for (const char* extension : {".tga", ".jpg", ".jpeg", ".png", ".pcx"})
+      if (const auto found = pak.find(key + extension)) {
+        const std::string file = out.addFile(*found, pak.read(*found));
+        try {
+          decoded[file] = readImage({file, import.files.at(file)});
+          return pictures[key] = file;
+        } catch (const Error& e) {
+          p.warn("pak", pakName + ": " + *found + ": " + e.what());
+          import.files.erase(file);
+        }
+      }
+    return pictures[key] = "";
+  }
+
+  /** Mean of a picture as it is coded for displays, scaled so that its largest component is 1: so q3map
+   * colours light. */
+  Rgbd lightColour(const std::string& file) const {
+    const auto found = decoded.find(file);
+    if (found == decoded.end()) return Rgbd(1);
+    const Rgbd sum = sumOf(found->second, [](float x) { return srgbFromLinear(x); });
+    return maxComponent(sum) > 0 ? sum / double(maxComponent(sum)) : Rgbd(1);
+  }
+  /** The largest component of the mean of its light. */
+  double meanMaximum(const std::string& file) const {
+    const Image& image = decoded.at(file);
+    return double(maxComponent(sumOf(image, [](float x) { return x; }))) /
+           (double(image.width) * image.height);
+  }
+  template <class Coding> static Rgbd sumOf(const Image& image, const Coding& code) {
+    Rgbd sum(0);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 3; ++c) sum[c] += double(code(image.at(x, y)[c]));
+    return sum;
+  }
+
+  // ---- surfaces
+
+  struct Look {
+    bool made = false, isDrawn = true, emits = false;
+    std::string directives, shapeParameters;
+  };
+
+  const GameShader* scriptOf(const std::string& name) const {
+    const auto found = scripts.find(gameShaderName(name));
+    return found == scripts.end() ? nullptr : &found->second;
+  }
+
+  void addFaces() {
+    const int steps = patchSteps(map, PATCH_TOLERANCE, MOST_PATCH_STEPS);
+    looks.resize(map.shaders.size());
+    std::map<uint32_t, MeshData> byShader;
+    for (Quake3Bsp::Face& face : map.faces) {
+      const Look& look = lookOf(face.shader);
+      if (!look.isDrawn) continue;
+      if (face.patchWidth > 0) {
+        tessellatePatch(face, steps);
+        ++patches;
+      }
+      if (face.triangles.empty()) continue;
+      triangles += face.triangles.size();
+      if (look.emits) { // a lamp each, so that light is looked for at those nearby
+        MeshData alone;
+        append(face, alone);
+        emitShape(face.shader, alone);
+        ++lamps;
+      } else {
+        append(face, byShader[face.shader]);
+      }
+      face = {}; // takes no memory any more
+    }
+    for (const auto& [shader, mesh] : byShader) emitShape(shader, mesh);
+  }
+
+  void append(const Quake3Bsp::Face& face, MeshData& mesh) const {
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    for (const Quake3Bsp::Vertex& v : face.vertices) {
+      mesh.positions.push_back(v.position / metre);
+      mesh.normals.push_back(v.normal);
+      mesh.uvs.push_back(v.uv);
+    }
+    for (const glm::uvec3& t : face.triangles) mesh.triangles.push_back(t + first);
+  }
+
+  void emitShape(uint32_t shader, const MeshData& mesh) {
+    const Look& look = looks[shader];
+    const std::string name = gameShaderName(map.shaders[shader].name);
+    const std::string shape =
+        out.meshShape(name.substr(name.rfind('/') + 1), mesh, Mat4d(1), look.shapeParameters);
+    out.line("AttributeBegin\n" + look.directives + shape + "\nAttributeEnd");
+  }
+
+  const Look& lookOf(uint32_t shader) {
+    Look& look = looks[shader];
+    if (!look.made) {
+      look.made = true;
+      makeLook(map.shaders[shader], look);
+    }
+    return look;
+  }
+
+  void makeLook(const Quake3Bsp::ShaderReference& reference, Look& look) {
+    const GameShader* script = scriptOf(reference.name);
+    if (reference.isSky || (script && script->isSky)) {
+      look.isDrawn = false;
+      if (!sky) sky = script;
+      return;
+    }
+    if (reference.isInvisible || (script && script->isInvisible)) {
+      look.isDrawn = false;
+      return;
+    }
+    const GameShader::Stage* base = script ? script->base() : nullptr;
+    std::string file = picture(base ? base->image : reference.name);
+    if (file.empty() && script) file = picture(reference.name);
+    if (file.empty() && script) file = picture(script->editorImage);
+    if (script && script->isLiquid) {
+      look.directives = "Material \"dielectric\" \"float eta\" 1.33\n";
+      return;
+    }
+    const bool additive = base && base->isAdditive();
+    if (file.empty()) {
+      p.warn("pak",
+             pakName + ": there is no picture for \"" + reference.name + "\"; a checkerboard stands for it");
+      look.directives =
+          "Material \"diffuse\" \"texture reflectance\" " + sceneText(out.missingTexture()) + "\n";
+    } else if (additive) { // it adds light to what is behind, and takes none away
+      look.directives = "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\n";
+      look.shapeParameters =
+          "\"texture alpha\" " + sceneText(out.imageTexture("float", file, "\"string encoding\" \"linear\""));
+    } else {
+      look.directives = "Material \"diffuse\" \"texture reflectance\" " +
+                        sceneText(out.imageTexture("spectrum", file)) + "\n";
+      readAlpha(base, file, look);
+    }
+    const double value = script ? script->surfaceLight : 0;
+    if (value > 0 || (additive && !file.empty())) {
+      look.emits = true;
+      look.directives += emission(*script, file, value);
+    }
+  }
+
+  void readAlpha(const GameShader::Stage* base, const std::string& file, Look& look) {
+    if (!base || !(base->alphaThreshold || base->isBlended()) || decoded.at(file).channel("A") < 0) return;
+    std::string more = "\"string channel\" \"alpha\" \"string encoding\" \"linear\"";
+    if (base->alphaThreshold) {
+      const double threshold = double(*base->alphaThreshold);
+      more += base->showsLowAlpha ? " \"bool invert\" true \"float threshold\" " + sceneText(1 - threshold)
+                                  : " \"float threshold\" " + sceneText(threshold);
+    }
+    look.shapeParameters = "\"texture alpha\" " + sceneText(out.imageTexture("float", file, more));
+  }
+
+  /** Light in the pattern of the picture; its mean is what q3map's constant colour would be. */
+  std::string emission(const GameShader& script, const std::string& file, double value) {
+    std::string light = "AreaLightSource \"diffuse\" ";
+    const double radiance = value > 0 ? value * AREA_SCALE * IRRADIANCE_UNIT * lightScale : lightScale;
+    const std::string colourFile = picture(script.lightImage);
+    if (!file.empty() && meanMaximum(file) > 0) {
+      light += "\"string filename\" " + sceneText(file) + " \"string wrap\" \"repeat\" \"float scale\" " +
+               sceneText(value > 0 ? radiance / meanMaximum(file) : radiance);
+    } else {
+      light += "\"rgb L\" [ " + sceneText(Vec3d(lightColour(colourFile) * radiance)) + " ]";
+    }
+    return light + (script.isTwoSided ? " \"bool twosided\" true\n" : "\n");
+  }
+
+  // ---- light that is not on surfaces
+
+  void addSky() {
+    if (!sky) return;
+    const GameShader::Stage* base = sky->base();
+    std::string file = picture(sky->lightImage);
+    if (file.empty() && base) file = picture(base->image);
+    if (file.empty()) file = picture(sky->editorImage);
+    if (sky->surfaceLight > 0) {
+      const Rgbd radiance =
+          lightColour(file) * (sky->surfaceLight * AREA_SCALE * IRRADIANCE_UNIT * lightScale);
+      out.line("LightSource \"infinite\" \"rgb L\" [ " + sceneText(Vec3d(radiance)) + " ]");
+      import.taken.push_back("sky");
+      import.hasLights = true;
+    }
+    if (!sky->skyBox.empty()) import.leftOut.push_back("pictures of the sky");
+    if (!sky->sun || !(sky->sun->intensity > 0) || !(glm::length(sky->sun->colour) > 0)) return;
+    const GameShader::Sun& sun = *sky->sun;
+    const double azimuth = glm::radians(sun.azimuth), elevation = glm::radians(sun.elevation);
+    const Vec3d from(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
+                     std::sin(elevation));
+    const Vec3d irradiance = glm::normalize(sun.colour) * (sun.intensity * IRRADIANCE_UNIT * lightScale);
+    out.line("LightSource \"distant\" \"rgb L\" [ " + sceneText(irradiance) + " ] \"point3 from\" [ " +
+             sceneText(from) + " ] \"point3 to\" [ 0 0 0 ]");
+    import.taken.push_back("sun");
+    import.hasLights = true;
+  }
+
+  static std::string valueOf(const Quake3Bsp::Entity& entity, const std::string& key) {
+    const auto found = entity.find(key);
+    return found == entity.end() ? "" : found->second;
+  }
+  /** Numbers between blanks; what is none ends the list. */
+  static std::vector<double> numbersOf(const Quake3Bsp::Entity& entity, const std::string& key) {
+    const std::string text = valueOf(entity, key);
+    std::vector<double> out;
+    const char* at = text.c_str();
+    for (char* end = nullptr;; at = end) {
+      const double value = std::strtod(at, &end);
+      if (end == at || !std::isfinite(value)) return out;
+      out.push_back(value);
+    }
+  }
+  static std::optional<Vec3d> vectorOf(const Quake3Bsp::Entity& entity, const std::string& key) {
+    const std::vector<double> v = numbersOf(entity, key);
+    return v.size() < 3 ? std::nullopt : std::optional(Vec3d(v[0], v[1], v[2]));
+  }
+  static double numberOf(const Quake3Bsp::Entity& entity, const std::string& key, double otherwise) {
+    const std::vector<double> v = numbersOf(entity, key);
+    return v.empty() ? otherwise : v[0];
+  }
+
+  void addEntities() {
+    std::map<std::string, Vec3d> targets;
+    for (const Quake3Bsp::Entity& e : map.entities)
+      if (const auto origin = vectorOf(e, "origin"); origin && e.contains("targetname"))
+        targets.try_emplace(valueOf(e, "targetname"), *origin);
+    int spawns = 0, intermissions = 0;
+    for (const Quake3Bsp::Entity& e : map.entities) {
+      const std::string kind = valueOf(e, "classname");
+      const auto origin = vectorOf(e, "origin");
+      if (!origin) continue;
+      if (kind.starts_with("light") && kind != "lightJunior") {
+        addLight(e, *origin, targets);
+      } else if (kind == "info_player_deathmatch" || kind == "info_player_start") {
+        const double yaw = glm::radians(numberOf(e, "angle", 0));
+        addCamera("spawn " + std::to_string(++spawns), *origin + Vec3d(0, 0, EYE_HEIGHT),
+                  {std::cos(yaw), std::sin(yaw), 0});
+      } else if (kind == "info_player_intermission") {
+        const auto target = targets.find(valueOf(e, "target"));
+        const double yaw = glm::radians(numberOf(e, "angle", 0));
+        const Vec3d ahead =
+            target == targets.end() ? Vec3d(std::cos(yaw), std::sin(yaw), 0) : target->second - *origin;
+        const std::string number = ++intermissions > 1 ? " " + std::to_string(intermissions) : "";
+        addCamera("intermission" + number, *origin, ahead);
+      }
+    }
+  }
+
+  void addLight(const Quake3Bsp::Entity& e, const Vec3d& origin,
+                const std::map<std::string, Vec3d>& targets) {
+    double value = numberOf(e, "light", numberOf(e, "_light", DEFAULT_LIGHT));
+    if (value == 0) value = DEFAULT_LIGHT;
+    if (!(value > 0)) { // some darken by them
+      ++dark;
+      return;
+    }
+    Vec3d colour = glm::max(vectorOf(e, "_color").value_or(Vec3d(1)), Vec3d(0));
+    const double largest = std::max({colour.x, colour.y, colour.z});
+    colour = largest > 0 ? colour / largest : Vec3d(1);
+    const Vec3d intensity = colour * (value * POINT_SCALE * IRRADIANCE_UNIT * lightScale / (metre * metre));
+    const std::string place =
+        "\"rgb I\" [ " + sceneText(intensity) + " ] \"point3 from\" [ " + sceneText(origin / metre) + " ]";
+    import.hasLights = true;
+    ++lights;
+    const auto target = targets.find(valueOf(e, "target"));
+    const double distance = target == targets.end() ? 0 : glm::length(target->second - origin);
+    if (!(distance > 0)) {
+      out.line("LightSource \"point\" " + place);
+      return;
+    }
+    const double radius = std::abs(numberOf(e, "radius", DEFAULT_RADIUS));
+    const double outer = glm::degrees(std::atan((radius + CONE_MARGIN) / distance));
+    const double inner = glm::degrees(std::atan(std::max(radius - CONE_MARGIN, 0.0) / distance));
+    out.line("LightSource \"spot\" " + place + " \"point3 to\" [ " + sceneText(target->second / metre) +
+             " ] \"float coneangle\" " + sceneText(std::max(outer, 0.001)) + " \"float conedeltaangle\" " +
+             sceneText(outer - inner));
+  }
+
+  void addCamera(const std::string& name, const Vec3d& eye, const Vec3d& ahead) {
+    const Vec3d right = glm::cross(ahead, Vec3d(0, 0, 1));
+    if (!(glm::length(right) > 0)) return;
+    ImportedCamera camera;
+    camera.name = name;
+    camera.fov = 73.7; // 90 degrees across a picture of 4:3
+    camera.worldFromCamera[0] = Vec4d(glm::normalize(right), 0);
+    camera.worldFromCamera[1] = Vec4d(glm::normalize(glm::cross(right, ahead)), 0);
+    camera.worldFromCamera[2] = Vec4d(glm::normalize(ahead), 0);
+    camera.worldFromCamera[3] = Vec4d(eye / metre, 1);
+    import.cameras.push_back(camera);
+  }
+
+  void note(const std::string& mapName) {
+    const auto add = [](std::vector<std::string>& list, size_t count, const std::string& what) {
+      if (count > 0) list.push_back(std::to_string(count) + " " + what);
+    };
+    import.taken.insert(import.taken.begin(), mapName);
+    add(import.taken, triangles, "triangles");
+    add(import.taken, patches, "curved patches");
+    add(import.taken, import.files.size(), "files");
+    add(import.taken, lamps, "emitting faces");
+    add(import.taken, lights, "lights");
+    for (const ImportedCamera& camera : import.cameras)
+      import.taken.push_back("camera \"" + camera.name + "\"");
+    add(import.leftOut, dark, "lights that darken");
+    if (!map.entities.empty() && numberOf(map.entities[0], "ambient", 0) > 0)
+      import.leftOut.push_back("the ambient light that the map compiler adds everywhere");
+  }
+
+  const Parameters& p;
+  SceneImport& import;
+  ImportWriter out;
+  std::string pakName;
+  ZipArchive pak;
+  double metre;      ///< map units of a metre
+  double lightScale; ///< factor of all light
+  Quake3Bsp map;
+  GameShaders scripts;
+  std::vector<Look> looks; ///< by shader of the map
+  const GameShader* sky = nullptr;
+  std::map<std::string, std::string> pictures; ///< by texture names
+  std::map<std::string, Image> decoded;        ///< by files of the scene
+  size_t triangles = 0, patches = 0, lamps = 0, lights = 0, dark = 0;
+};
+
+} // namespace
+
+void registerQuake3Map(PlugIns& plugIns) {
+  plugIns.imports.add(
+      {{.name = "quake3map",
+        .summary = "A map of Quake III out of its .pk3 archive, with its own lights; +z is up. Cameras are "
+                   "\"spawn 1\" and "
+                   "so on, and \"intermission\".",
+        .parameters =
+            {stringParameter("pak", "", "the archive").require(),
+             stringParameter("map", "", "name of the map; may be absent where there is only one"),
+             realParameter("unitspermetre", "40", "map units that become one unit of the scene").positive(),
+             realParameter("lightscale", "1", "factor of all of the map's light").positive()},
+        .examples = {}},
+       [](const Parameters& p, const ImportContext& context) {
+         auto import = std::make_unique<SceneImport>();
+         try {
+           Quake3Import(p, context, *import).run();
+         } catch (const SceneError&) {
+           throw;
+         } catch (const Error& e) {
+           p.fail("pak", e.what());
+         }
+         return import;
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,506 @@
+/** @file
+ * Models and maps of games, from small files that are written here: MD2 with PCX skins, and Quake III maps in
+ * archives. What a file can lie about ends in an error that names the place.
+ */
+#include <cstring>
+#include <functional>
+#include <random>
+#include <zlib.h>
+
+#include "core/pcx.h"
+#include "model/gameShader.h"
+#include "model/importTesting.h"
+#include "model/md2Model.h"
+#include "model/quake3Bsp.h"
+#include "recurse/core/image.h"
+#include "recurse/core/zipArchive.h"
+#include "recurse/model/plugIns.h"
+#include "sanitized.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Little-endian bytes, and values put over them later. */
+struct Bytes {
+  std::string data;
+  template <class T> Bytes& put(T value) {
+    data.append(reinterpret_cast<const char*>(&value), sizeof value);
+    return *this;
+  }
+  Bytes& text(const std::string& s, size_t size) {
+    data += s + std::string(size - s.size(), '\0');
+    return *this;
+  }
+  template <class T> void over(size_t at, T value) { std::memcpy(&data[at], &value, sizeof value); }
+};
+
+/** Two frames of one triangle in the plane y = 0, which faces -y; in the second it is twice as large. */
+std::string md2File(const std::string& skin = "") {
+  Bytes b;
+  const int32_t skins = skin.empty() ? 0 : 1;
+  b.text("IDP2", 4);
+  const int32_t skinsAt = 68, uvsAt = skinsAt + 64 * skins, trianglesAt = uvsAt + 12,
+                framesAt = trianglesAt + 12, end = framesAt + 2 * 52;
+  for (const int32_t v : {8, 4, 4, 52, skins, 3, 3, 1, 0, 2, skinsAt, uvsAt, trianglesAt, framesAt, end, end})
+    b.put(v);
+  if (skins) b.text(skin, 64);
+  for (const int16_t v : {0, 3, 3, 3, 0, 0}) b.put(v);  // pixels from the upper edge
+  for (const uint16_t v : {0, 2, 1, 0, 2, 1}) b.put(v); // clockwise seen from the front
+  for (const float scale : {0.1f, 0.2f}) {
+    for (int i = 0; i < 3; ++i) b.put(scale);
+    for (int i = 0; i < 3; ++i) b.put(i == 2 ? 5.0f : 0.0f);
+    b.text(scale < 0.15f ? "stand01" : "stand02", 16);
+    for (const uint8_t v : {0, 0, 0, 7, 10, 0, 0, 7, 0, 0, 10, 7}) b.put(v);
+  }
+  return b.data;
+}
+
+/** Four by four pixels: rows red, green, blue, white from the top, by a palette. */
+std::string pcxFile() {
+  Bytes b;
+  b.put<uint8_t>(10).put<uint8_t>(5).put<uint8_t>(1).put<uint8_t>(8);
+  for (const uint16_t v : {0, 0, 3, 3, 72, 72}) b.put(v);
+  b.text("", 48).put<uint8_t>(0).put<uint8_t>(1).put<uint16_t>(4).put<uint16_t>(1).text("", 58);
+  for (const uint8_t index : {1, 2, 200, 3}) {
+    if (index == 2)
+      b.put<uint8_t>(2).put<uint8_t>(2).put<uint8_t>(2).put<uint8_t>(2);
+    else
+      b.put<uint8_t>(0xc4).put(index);
+  }
+  b.put<uint8_t>(12);
+  for (int i = 0; i < 256; ++i) {
+    b.put<uint8_t>(i == 1 || i == 3 ? 255 : 0).put<uint8_t>(i == 2 || i == 3 ? 255 : 0);
+    b.put<uint8_t>(i == 200 || i == 3 ? 255 : 0);
+  }
+  return b.data;
+}
+
+/** A zip archive of files that are not compressed. */
+std::string zipFile(const std::map<std::string, std::string>& files) {
+  Bytes b, directory;
+  for (const auto& [name, content] : files) {
+    const auto crc = static_cast<uint32_t>(
+        crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size())));
+    const auto at = static_cast<uint32_t>(b.data.size()), size = static_cast<uint32_t>(content.size());
+    const auto length = static_cast<uint16_t>(name.size());
+    const auto common = [&](Bytes& to) {
+      to.put<uint16_t>(20).put<uint16_t>(0).put<uint16_t>(0).put<uint32_t>(0x21).put(crc).put(size).put(size);
+      to.put(length).put<uint16_t>(0);
+    };
+    b.put<uint32_t>(0x04034b50);
+    common(b);
+    b.data += name + content;
+    directory.put<uint32_t>(0x02014b50).put<uint16_t>(20);
+    common(directory);
+    directory.put<uint16_t>(0).put<uint16_t>(0).put<uint16_t>(0).put<uint32_t>(0).put(at);
+    directory.data += name;
+  }
+  const auto start = static_cast<uint32_t>(b.data.size());
+  b.data += directory.data;
+  b.put<uint32_t>(0x06054b50).put<uint16_t>(0).put<uint16_t>(0);
+  b.put(static_cast<uint16_t>(files.size())).put(static_cast<uint16_t>(files.size()));
+  b.put(static_cast<uint32_t>(directory.data.size())).put(start).put<uint16_t>(0);
+  return b.data;
+}
+
+/** Puts a map together, lump by lump. */
+struct BspWriter {
+  Bytes shaders, vertices, indices, faces;
+  std::string entities = "{ \"classname\" \"worldspawn\" }";
+  int32_t vertexCount = 0, indexCount = 0;
+
+  void shader(const std::string& name, int32_t flags = 0) {
+    shaders.text(name, 64).put(flags).put<int32_t>(0);
+  }
+  void vertex(const Vec3f& p, const Vec2f& st, const Vec3f& n) {
+    vertices.put(p).put(st).put(Vec2f(0)).put(n).put<uint32_t>(~0u);
+    ++vertexCount;
+  }
+  void face(int32_t shader, int32_t type, int32_t firstVertex, int32_t firstIndex, int32_t width = 0,
+            int32_t height = 0) {
+    for (const int32_t v : {shader, -1, type, firstVertex, vertexCount - firstVertex, firstIndex,
+                            indexCount - firstIndex, -1, 0, 0, 0, 0})
+      faces.put(v);
+    for (int i = 0; i < 12; ++i) faces.put(0.0f);
+    faces.put(width).put(height);
+  }
+  /** A square of 80 units at a height, seen from above; with st = 0 at its corner of least x and y. */
+  void square(int32_t shader, float z) {
+    const int32_t firstVertex = vertexCount, firstIndex = indexCount;
+    for (const Vec2f& c : {Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0)})
+      vertex({80 * c.x, 80 * c.y, z}, c, {0, 0, 1});
+    for (const int32_t i : {0, 1, 2, 0, 2, 3}) {
+      indices.put(i);
+      ++indexCount;
+    }
+    face(shader, 1, firstVertex, firstIndex);
+  }
+  std::string file() const {
+    Bytes b;
+    b.text("IBSP", 4).put<int32_t>(46);
+    const std::map<int, std::string> lumps = {
+        {0, entities}, {1, shaders.data}, {10, vertices.data}, {11, indices.data}, {13, faces.data}};
+    int32_t at = 8 + 8 * 17;
+    for (int i = 0; i < 17; ++i) {
+      const auto found = lumps.find(i);
+      const int32_t size = found == lumps.end() ? 0 : static_cast<int32_t>(found->second.size());
+      b.put(at).put(size);
+      at += size;
+    }
+    for (const auto& [i, data] : lumps) b.data += data;
+    return b.data;
+  }
+};
+
+std::string pngFile(const std::string& path, const Rgb& left, const Rgb& right) {
+  Image image(2, 1, {"R", "G", "B"});
+  for (int c = 0; c < 3; ++c) {
+    image.at(0, 0)[c] = left[c];
+    image.at(1, 0)[c] = right[c];
+  }
+  writeImage(path, image);
+  return readFileBytes(path);
+}
+
+class GameFile : public ImportTest {
+ protected:
+  const Mat4d& camera(const SceneDescription& s) { return s.worldFromCamera; }
+  const LightDescription& light(const SceneDescription& s, const std::string& type) {
+    for (const LightDescription& l : s.lights)
+      if (l.light.type == type) return l;
+    throw std::logic_error("there is no light " + type);
+  }
+};
+
+} // namespace
+
+TEST_F(GameFile, Md2IsInterpolatedBetweenKeyframes) {
+  write("m.md2", md2File());
+  for (const auto& [frame, size] : {std::pair("0", 1.0), {"1", 2.0}, {"0.25", 1.25}}) {
+    ParsedDirective use =
+        parseParameterText("md2", std::string("\"string filename\" \"m.md2\" \"float frame\" ") + frame);
+    use.directory = directory;
+    Diagnostics diagnostics;
+    const auto import = plugIns().imports.make(use, {}, diagnostics);
+    ASSERT_TRUE(import) << diagnostics.format();
+    EXPECT_NEAR(import->bounds.upper.x, size, 1e-5) << frame;
+    EXPECT_NEAR(import->bounds.upper.z, 5 + size, 1e-5) << frame;
+  }
+  load("Shape \"md2\" \"string filename\" \"m.md2\" \"float frame\" 1.5", true);
+  EXPECT_NE(messages.find("has no frame 1.5"), std::string::npos) << messages;
+}
+
+TEST_F(GameFile, Md2WearsItsSkinTheRightWayUp) {
+  write("m.md2", md2File("players/nobody/Skin.PCX"));
+  write("skin.pcx", pcxFile());
+  const SceneDescription scene = load("Rotate -90 1 0 0 Shape \"md2\" \"string filename\" \"m.md2\"");
+  EXPECT_EQ(messages, "");
+  const std::unique_ptr<Scene> built = build(scene);
+  ASSERT_TRUE(built);
+  // The front, towards -y in the file, faces along z after the rotation; z of the file is y.
+  const Hit hit = hitAt(*built, {0.05, 5.05, 0});
+  EXPECT_NEAR(hit.point.geometricNormal.z, 1, 1e-5);
+  // Its lower corner has texture coordinates at the picture's lower edge, which is white.
+  EXPECT_GT(albedo(*built, {0.02, 5.02, 0}).g, 0.9f);
+  EXPECT_GT(albedo(*built, {0.02, 5.02, 0}).r, 0.9f);
+  EXPECT_GT(albedo(*built, {0.02, 5.97, 0}).r, 0.9f); // the upper one red
+  EXPECT_LT(albedo(*built, {0.02, 5.97, 0}).g, 0.1f);
+}
+
+TEST_F(GameFile, Md2WithoutItsSkinIsAWarning) {
+  write("m.md2", md2File("gone.pcx"));
+  const SceneDescription scene = load("Shape \"md2\" \"string filename\" \"m.md2\"");
+  EXPECT_NE(messages.find("its skin \"gone.pcx\" is not there"), std::string::npos) << messages;
+  EXPECT_TRUE(build(scene));
+}
+
+TEST_F(GameFile, WhatAnMd2LiesAboutIsAnErrorWithItsPlace) {
+  const auto message = [&](const std::function<void(Bytes&)>& lie) {
+    Bytes b{md2File()};
+    lie(b);
+    write("m.md2", b.data);
+    load("Shape \"md2\" \"string filename\" \"m.md2\"", true);
+    return messages;
+  };
+  const auto says = [&](const std::function<void(Bytes&)>& lie, const std::string& what) {
+    EXPECT_NE(message(lie).find(what), std::string::npos) << messages;
+  };
+  says([](Bytes& b) { b.over(0, 'X'); }, "m.md2: at byte 0: this is no MD2 model");
+  says([](Bytes& b) { b.over<int32_t>(4, 9); }, "at byte 4: MD2 version 9");
+  says([](Bytes& b) { b.over<int32_t>(24, -1); }, "at byte 24: the number of vertices is -1");
+  says([](Bytes& b) { b.over<int32_t>(24, 1000); },
+       "at byte 16: a frame of 52 bytes cannot hold 1000 vertices");
+  says([](Bytes& b) { b.over<int32_t>(32, 1 << 20); }, "the list of triangles would take");
+  says([](Bytes& b) { b.over<int32_t>(40, 3); }, "the list of frames would take 156 bytes");
+  says([](Bytes& b) { b.over<int32_t>(48, 1 << 30); }, "at byte 48: the place of the texture coordinates");
+  says([](Bytes& b) { b.over<uint16_t>(80, 3); }, "at byte 80: a triangle names vertex 3; there are 3");
+  says([](Bytes& b) { b.over<uint16_t>(86, 7); }, "a triangle names texture coordinate 7");
+  says([](Bytes& b) { b.over(92, std::nanf("")); }, "at byte 92: the scale of a frame is not finite");
+  says([](Bytes& b) { b.data.resize(40); }, "m.md2: at byte");
+}
+
+TEST_F(GameFile, PcxIsReadAndChecked) {
+  write("p.pcx", pcxFile());
+  const Image image = readImage(directory + "/p.pcx");
+  ASSERT_EQ(image.width, 4);
+  ASSERT_EQ(image.height, 4);
+  EXPECT_EQ(image.rgb(3, 0), Rgb(1, 0, 0));
+  EXPECT_EQ(image.rgb(0, 1), Rgb(0, 1, 0));
+  EXPECT_EQ(image.rgb(1, 2), Rgb(0, 0, 1));
+  EXPECT_EQ(image.rgb(2, 3), Rgb(1, 1, 1));
+  const auto message = [&](const std::function<void(Bytes&)>& lie) -> std::string {
+    Bytes b{pcxFile()};
+    lie(b);
+    write("p.pcx", b.data);
+    try {
+      readImage(directory + "/p.pcx");
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  EXPECT_NE(message([](Bytes& b) { b.data.resize(100); }).find("p.pcx: cannot be read"), std::string::npos);
+  EXPECT_NE(message([](Bytes& b) { b.over<uint16_t>(8, 60000); }).find("shorter than its width"),
+            std::string::npos);
+  EXPECT_NE(message([](Bytes& b) { b.over<uint16_t>(10, 60000); }).find("too short for its size"),
+            std::string::npos);
+  EXPECT_NE(message([](Bytes& b) { b.over<uint16_t>(10, 20); }).find("ends within the picture"),
+            std::string::npos);
+  EXPECT_NE(message([](Bytes& b) { b.data.pop_back(); }).find("palette"), std::string::npos);
+}
+
+TEST_F(GameFile, QuakeMapHasItsSurfacesPicturesAndUnits) {
+  BspWriter map;
+  map.shader("textures/wall");
+  map.shader("textures/common/caulk", 0x80);
+  map.square(0, 40);
+  map.square(1, 80); // is not drawn
+  write("m.pk3", zipFile({{"maps/one.bsp", map.file()},
+                          {"textures/wall.png", pngFile(directory + "/x.png", {0.8f, 0, 0}, {0, 0, 0.8f})}}));
+  const SceneDescription scene = load("Shape \"quake3map\" \"string pak\" \"m.pk3\"");
+  EXPECT_EQ(messages, "");
+  const std::unique_ptr<Scene> built = build(scene);
+  ASSERT_TRUE(built);
+  EXPECT_EQ(built->contents().triangles, 2u);
+  const Hit hit = hitAt(*built, {1.1, 0.7, 0.5});
+  EXPECT_NEAR(hit.point.position.z + built->origin().z, 1, 1e-5); // 40 units are a metre
+  EXPECT_NEAR(hit.point.geometricNormal.z, 1, 1e-6);
+  EXPECT_GT(albedo(*built, {0.2, 0.5, 1}).r, 0.5f); // s along x
+  EXPECT_GT(albedo(*built, {1.8, 0.5, 1}).b, 0.5f);
+}
+
+TEST_F(GameFile, QuakePatchIsCurved) {
+  // A quarter of a cylinder around the y axis, as far as a parabola can be one: the middle of its profile is
+  // at (P0 + 2 P1 + P2) / 4.
+  BspWriter map;
+  map.shader("textures/wall");
+  for (int row = 0; row < 3; ++row)
+    for (const Vec2f& c : {Vec2f(0, 80), Vec2f(80, 80), Vec2f(80, 0)})
+      map.vertex({c.x, float(40 * row), c.y}, {0, 0}, {0, 0, 1});
+  map.face(0, 2, 0, 0, 3, 3);
+  write("m.pk3", zipFile({{"maps/one.bsp", map.file()}}));
+  const SceneDescription scene = load("Shape \"quake3map\" \"string pak\" \"m.pk3\"");
+  EXPECT_NE(messages.find("no picture for \"textures/wall\""), std::string::npos) << messages;
+  const std::unique_ptr<Scene> built = build(scene);
+  ASSERT_TRUE(built);
+  const Hit hit = hitAt(*built, {1.5, 1.01, 3});
+  EXPECT_NEAR(hit.point.position.z + built->origin().z, 1.5, 0.0026); // a tenth of a unit
+  EXPECT_NEAR(std::abs(hit.point.shadingNormal.x), std::sqrt(0.5f), 1e-2);
+  // Triangles lie within the tolerance of the true surface everywhere.
+  Quake3Bsp bsp = readQuake3Bsp("test", map.file());
+  const int steps = patchSteps(bsp, 0.1, 32);
+  tessellatePatch(bsp.faces[0], steps);
+  double worst = 0;
+  for (const glm::uvec3& t : bsp.faces[0].triangles) {
+    const auto at = [&](int k) { return bsp.faces[0].vertices[t[k]].position; };
+    const Vec3d middle = 0.5 * (at(0) + at(1)); // the curve: x = 80 (2u - u²), z = 80 (1 - u²)
+    double nearest = INFINITY;
+    for (int i = 0; i <= 4000; ++i) {
+      const double u = i / 4000.0;
+      nearest = std::min(nearest, std::hypot(80 * u * (2 - u) - middle.x, 80 * (1 - u * u) - middle.z));
+    }
+    worst = std::max(worst, nearest);
+  }
+  EXPECT_LT(worst, 0.1);
+  EXPECT_GT(steps, 4);
+}
+
+TEST_F(GameFile, QuakeLightIsInPhysicalUnits) {
+  BspWriter map;
+  map.shader("textures/lamp");
+  map.shader("textures/sky", 0x4);
+  map.square(0, 0);
+  map.square(1, 400);
+  map.entities =
+      "{ \"classname\" \"worldspawn\" }\n"
+      "{ \"classname\" \"light\" \"origin\" \"40 80 120\" \"light\" \"64\" \"_color\" \"1 .5 0\" }\n"
+      "{ \"classname\" \"light\" \"origin\" \"0 0 100\" \"target\" \"t\" \"radius\" \"48\" }\n"
+      "{ \"classname\" \"info_null\" \"origin\" \"0 0 0\" \"targetname\" \"t\" }\n"
+      "{ \"classname\" \"info_player_deathmatch\" \"origin\" \"40 40 14\" \"angle\" \"90\" }\n";
+  write("m.pk3",
+        zipFile({{"maps/one.bsp", map.file()},
+                 {"scripts/a.shader", "// lamps\ntextures/lamp\n{\n q3map_surfacelight 1000\n cull none\n}\n"
+                                      "textures/sky\n{\n surfaceparm sky\n q3map_sun 0 0 2 64 90 30\n"
+                                      " q3map_surfacelight 100\n}\n"}}));
+  const SceneDescription scene =
+      load("Shape \"quake3map\" \"string pak\" \"m.pk3\" \"string camera\" \"spawn 1\"");
+  const double unit = 3.14159265358979 / 64; // irradiance of a lightmap value of 1
+  ASSERT_EQ(scene.areaLights.size(), 1u);
+  EXPECT_NEAR(numberOf(scene.areaLights[0], "L"), 1000 * 0.25 * unit, 1e-9);
+  const ParsedDirective& point = light(scene, "point").light;
+  EXPECT_NEAR(numberOf(point, "I", 0), 64 * 7500 * unit / 1600, 1e-9);
+  EXPECT_NEAR(numberOf(point, "I", 1), 32 * 7500 * unit / 1600, 1e-9);
+  EXPECT_NEAR(numberOf(point, "from", 2), 3, 1e-12);
+  const ParsedDirective& spot = light(scene, "spot").light;
+  EXPECT_NEAR(std::tan(glm::radians(numberOf(spot, "coneangle"))), 0.64, 1e-9);
+  const ParsedDirective& sun = light(scene, "distant").light;
+  EXPECT_NEAR(numberOf(sun, "L", 2), 64 * unit, 1e-9);
+  EXPECT_NEAR(numberOf(sun, "from", 0), 0, 1e-9);
+  EXPECT_NEAR(numberOf(sun, "from", 1), std::sqrt(0.75), 1e-9);
+  EXPECT_NEAR(numberOf(sun, "from", 2), 0.5, 1e-9);
+  EXPECT_NEAR(numberOf(light(scene, "infinite").light, "L"), 100 * 0.25 * unit, 1e-9);
+  EXPECT_EQ(Vec3d(camera(scene)[3]), Vec3d(1, 1, 1));
+  EXPECT_NEAR(camera(scene)[2].y, 1, 1e-12); // looks north
+  EXPECT_NEAR(camera(scene)[0].x, 1, 1e-12); // east is to the right
+  EXPECT_TRUE(build(scene));
+}
+
+TEST_F(GameFile, QuakeScriptsCutOutAndEmit) {
+  GameShaders shaders;
+  std::vector<std::string> warnings;
+  readGameShaders(
+      "s",
+      "Textures/Grate.tga\n{ cull disable\n /* two\nlines */ {\n map textures/g.tga\n alphaFunc GE128\n}\n}\n"
+      "textures/flame\n{\n{ animMap 10 a.tga b.tga\nblendFunc add\n}\n}\n"
+      "textures/wall\n{\n{ map $lightmap\n}\n{ map w.tga\nblendFunc filter\n}\n}\n"
+      "textures/grate { q3map_surfacelight 9\n}\n",
+      shaders, warnings);
+  EXPECT_TRUE(warnings.empty());
+  ASSERT_EQ(shaders.size(), 3u);
+  const GameShader& grate = shaders.at("textures/grate");
+  EXPECT_TRUE(grate.isTwoSided);
+  EXPECT_EQ(grate.surfaceLight, 0); // the first definition counts
+  ASSERT_TRUE(grate.base());
+  EXPECT_NEAR(*grate.base()->alphaThreshold, 128 / 255.0, 1e-6);
+  EXPECT_TRUE(shaders.at("textures/flame").base()->isAdditive());
+  EXPECT_EQ(shaders.at("textures/flame").base()->image, "a.tga");
+  EXPECT_EQ(shaders.at("textures/wall").base()->image, "w.tga");
+  readGameShaders("s", "a\n{\nq3map_surfacelight much\n", shaders, warnings);
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings[0], "s:3: \"q3map_surfacelight\" has no number 1");
+  EXPECT_EQ(warnings[1], "s:1: the block of \"a\" has no end");
+}
+
+TEST_F(GameFile, WhatAMapLiesAboutIsAnErrorWithItsPlace) {
+  BspWriter good;
+  good.shader("textures/wall");
+  good.square(0, 0);
+  const auto says = [&](const std::function<void(BspWriter&)>& lie, const std::string& what) {
+    BspWriter map = good;
+    lie(map);
+    try {
+      readQuake3Bsp("m.bsp", map.file());
+      ADD_FAILURE() << "nothing is wrong, instead of: " << what;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(what), std::string::npos) << e.what();
+    }
+  };
+  says([](BspWriter& m) { m.faces.over<int32_t>(0, 1); },
+       "m.bsp (list of faces): at byte 0: the shader of a face is 1; it can be 0 to 0");
+  says([](BspWriter& m) { m.faces.over<int32_t>(12, 5); }, "at byte 12: the first vertex of a face is 5");
+  says([](BspWriter& m) { m.faces.over<int32_t>(16, -4); },
+       "at byte 16: the number of vertices of a face is -4");
+  says([](BspWriter& m) { m.faces.over<int32_t>(24, 5); }, "5 indices do not make triangles");
+  says([](BspWriter& m) { m.faces.over<int32_t>(24, 600); },
+       "at byte 24: the number of indices of a face is 600");
+  says([](BspWriter& m) { m.indices.over<int32_t>(8, 4); },
+       "m.bsp (list of indices): at byte 8: an index of a face is 4; it can be 0 to 3");
+  says([](BspWriter& m) { m.vertices.over(4, std::nanf("")); },
+       "m.bsp (list of vertices): at byte 4: a vertex is not finite");
+  says([](BspWriter& m) { m.shaders.data.pop_back(); }, "71 bytes are no multiple of 72");
+  says([](BspWriter& m) { m.faces.over<int32_t>(8, 2); }, "a patch of 0 by 0 points has 4 vertices");
+  says([](BspWriter& m) { m.entities = "{ \"a\" "; }, "a quoted word is expected");
+  says([](BspWriter& m) { m.entities = "{ \"a\" \"b\" "; }, "an entity has no end");
+  const std::string file = good.file();
+  for (const auto& [at, value] : {std::pair(4, 47), {8, 1 << 30}, {12, 1 << 30}, {16, -1}}) {
+    Bytes b{file};
+    b.over<int32_t>(static_cast<size_t>(at), value);
+    EXPECT_THROW(readQuake3Bsp("m.bsp", b.data), Error);
+  }
+}
+
+TEST_F(GameFile, ArchivesThatLieAreErrors) {
+  const std::map<std::string, std::string> files = {{"Maps/One.txt", "twelve bytes"}};
+  const std::string good = zipFile(files);
+  write("a.zip", good);
+  {
+    const ZipArchive zip(directory + "/a.zip");
+    EXPECT_EQ(zip.find("maps\\one.TXT"), "Maps/One.txt");
+    EXPECT_EQ(zip.read("Maps/One.txt"), "twelve bytes");
+    EXPECT_FALSE(zip.find("maps/two.txt"));
+  }
+  const auto readAll = [&](const std::string& bytes) {
+    write("a.zip", bytes);
+    const ZipArchive zip(directory + "/a.zip");
+    for (const std::string& name : zip.names()) zip.read(name);
+  };
+  for (const char* bytes : {"", "PK", "no archive"}) EXPECT_THROW(readAll(bytes), Error);
+  Bytes damaged{good};
+  damaged.over(45, 'T'); // in the content: its checksum is wrong
+  EXPECT_THROW(readAll(damaged.data), Error);
+  write("m.pk3", good);
+  load("Shape \"quake3map\" \"string pak\" \"m.pk3\"", true);
+  EXPECT_NE(messages.find("m.pk3 has no map"), std::string::npos) << messages;
+}
+
+TEST_F(GameFile, MutatedFilesNeverDoMoreThanFail) {
+  // The fuzzer tests/fuzz/gameFileFuzzer.cpp goes on with these for as long as one likes.
+  const int times = SANITIZED ? 1000 : 5000;
+  BspWriter map;
+  map.shader("textures/wall");
+  map.square(0, 0);
+  for (int i = 0; i < 9; ++i) map.vertex({float(i % 3), float(i / 3), 0}, {0, 0}, {0, 0, 1});
+  map.face(0, 2, 4, 6, 3, 3);
+  std::mt19937 random(1);
+  const auto mutated = [&random](std::string bytes) {
+    const unsigned changes = 1 + random() % 4;
+    for (unsigned i = 0; i < changes; ++i) {
+      const size_t at = random() % bytes.size();
+      const int32_t values[] = {
+          0, -1, 1, 0x7fffffff, static_cast<int32_t>(random()), static_cast<int32_t>(random() % 64)};
+      const int32_t value = values[random() % 6];
+      std::memcpy(&bytes[at], &value, std::min<size_t>(1 + random() % 4, bytes.size() - at));
+    }
+    if (random() % 8 == 0) bytes.resize(random() % bytes.size());
+    return bytes;
+  };
+  int fine = 0;
+  const auto attempt = [&fine](const std::function<void()>& read) {
+    try {
+      read();
+      ++fine;
+    } catch (const Error&) {
+      // promised
+    }
+  };
+  for (int i = 0; i < times; ++i) {
+    attempt([&] {
+      Quake3Bsp bsp = readQuake3Bsp("m", mutated(map.file()));
+      const int steps = patchSteps(bsp, 0.1, 8);
+      for (Quake3Bsp::Face& face : bsp.faces)
+        if (face.patchWidth > 0) tessellatePatch(face, steps);
+    });
+    attempt([&] {
+      const std::string bytes = mutated(md2File("skin.pcx"));
+      const Md2Model model("m", bytes);
+      model.skins();
+      model.animations();
+      model.pose(double(model.frames() - 1) / 2);
+    });
+    attempt([&] { detail::tgaOfPcx("p", mutated(pcxFile())); });
+  }
+  EXPECT_GT(fine, times / 10); // some changes do no harm, and the others were noticed
+  EXPECT_LT(fine, 3 * times);
+}
