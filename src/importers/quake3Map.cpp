@@ -119,6 +119,12 @@ class Quake3Import {
     return double(maxComponent(sumOf(image, [](float x) { return x; }))) /
            (double(image.width) * image.height);
   }
+  /** Of an additive surface: the mean of the picture's coded red, which its opacity is made of. */
+  double meanOpacity(const std::string& file) const {
+    const Image& image = decoded.at(file);
+    const double sum = sumOf(image, [](float x) { return srgbFromLinear(x); }).r;
+    return sum > 0 ? sum / (double(image.width) * image.height) : 1;
+  }
   template <class Coding> static Rgbd sumOf(const Image& image, const Coding& code) {
     Rgbd sum(0);
     for (int y = 0; y < image.height; ++y)
@@ -229,7 +235,7 @@ class Quake3Import {
     const double value = script ? script->surfaceLight : 0;
     if (value > 0 || (additive && !file.empty())) {
       look.emits = true;
-      look.directives += emission(*script, file, value);
+      look.directives += emission(*script, file, additive, value);
     }
   }
 
@@ -244,16 +250,21 @@ class Quake3Import {
     look.shapeParameters = "\"texture alpha\" " + sceneText(out.imageTexture("float", file, more));
   }
 
-  /** Light in the pattern of the picture; its mean is what q3map's constant colour would be. */
-  std::string emission(const GameShader& script, const std::string& file, double value) {
-    std::string light = "AreaLightSource \"diffuse\" ";
+  /** Light whose mean is what q3map's constant colour would be: in the pattern of the picture, or, where that
+   * is already in the surface's opacity, the same everywhere. */
+  std::string emission(const GameShader& script, const std::string& file, bool additive, double value) {
     const double radiance = value > 0 ? value * AREA_SCALE * IRRADIANCE_UNIT * lightScale : lightScale;
-    const std::string colourFile = picture(script.lightImage);
-    if (!file.empty() && meanMaximum(file) > 0) {
+    std::string light = "AreaLightSource \"diffuse\" ";
+    if (!additive && !file.empty() && meanMaximum(file) > 0) {
       light += "\"string filename\" " + sceneText(file) + " \"string wrap\" \"repeat\" \"float scale\" " +
-               sceneText(value > 0 ? radiance / meanMaximum(file) : radiance);
+               sceneText(radiance / meanMaximum(file));
     } else {
-      light += "\"rgb L\" [ " + sceneText(Vec3d(lightColour(colourFile) * radiance)) + " ]";
+      const std::string colourFile = picture(script.lightImage);
+      double opacity = 1;
+      if (additive && value > 0 && !file.empty()) opacity = meanOpacity(file);
+      light += "\"rgb L\" [ " +
+               sceneText(Vec3d(lightColour(colourFile.empty() ? file : colourFile) * (radiance / opacity))) +
+               " ]";
     }
     return light + (script.isTwoSided ? " \"bool twosided\" true\n" : "\n");
   }

@@ -17,6 +17,7 @@ RECURSE_PLUG_IN(Metaballs)
 RECURSE_PLUG_IN(LoopSubdiv)
 RECURSE_PLUG_IN(CatmullClark)
 RECURSE_PLUG_IN(Curve)
+RECURSE_PLUG_IN(BezierPatch)
 // Files that become pieces of scenes
 RECURSE_PLUG_IN(MeshFile)
 RECURSE_PLUG_IN(Md2)

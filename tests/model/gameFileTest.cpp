@@ -367,6 +367,23 @@ TEST_F(GameFile, QuakeLightIsInPhysicalUnits) {
   EXPECT_TRUE(build(scene));
 }
 
+TEST_F(GameFile, QuakeFlamesGiveTheLightThatTheirScriptSays) {
+  // The picture is the opacity, and the radiance makes up for what is lost to it.
+  BspWriter map;
+  map.shader("textures/flame");
+  map.square(0, 0);
+  write("m.pk3", zipFile({{"maps/one.bsp", map.file()},
+                          {"textures/flame.png", pngFile(directory + "/x.png", {1, 1, 1}, {0, 0, 0})},
+                          {"scripts/a.shader",
+                           "textures/flame\n{\n q3map_surfacelight 1000\n {\n map textures/flame.tga\n"
+                           "  blendFunc add\n }\n}\n"}}));
+  const SceneDescription scene = load("Shape \"quake3map\" \"string pak\" \"m.pk3\"");
+  ASSERT_EQ(scene.areaLights.size(), 1u);
+  const double radiance = 1000 * 0.25 * 3.14159265358979 / 64;
+  EXPECT_NEAR(numberOf(scene.areaLights[0], "L"), radiance / 0.5, 1e-6 * radiance); // through floats
+  EXPECT_TRUE(build(scene));
+}
+
 TEST_F(GameFile, QuakeScriptsCutOutAndEmit) {
   GameShaders shaders;
   std::vector<std::string> warnings;

@@ -82,3 +82,48 @@ TEST(CatmullClark, AGridIsABSpline) {
   }
   EXPECT_GT(compared, 500);
 }
+
+TEST(BezierPatch, LiesOnTheSurface) {
+  // x = 3u, y = 3v, z a product of polynomials that Bernstein's stand for exactly: 3u(1-u) times 3v(1-v).
+  std::string points;
+  for (const double b : {0.0, 1.0, 1.0, 0.0})
+    for (int i = 0; i < 4; ++i) {
+      const double a = i == 1 || i == 2 ? 1 : 0;
+      const int row = static_cast<int>(std::count(points.begin(), points.end(), ';'));
+      points +=
+          std::to_string(i) + " " + std::to_string(row) + " " + std::to_string(a * b) + (i == 3 ? " ;" : " ");
+    }
+  std::replace(points.begin(), points.end(), ';', ' ');
+  Diagnostics diagnostics;
+  const auto shape = plugIns().shapes.make(
+      parseParameterText("bezierpatch", "\"integer steps\" 64 \"point3 P\" [" + points + "]"), {},
+      diagnostics);
+  ASSERT_TRUE(shape) << diagnostics.format();
+  const TriangleMesh& mesh = *shape->triangleMesh();
+  ASSERT_EQ(mesh.positions().size(), 65u * 65);
+  for (uint32_t t = 0; t < mesh.primitiveCount(); t += 7) {
+    const SurfacePoint p = mesh.surfaceAt(t, HitParameters(Vec2f(0)));
+    const double u = double(p.position.x) / 3, v = double(p.position.y) / 3;
+    EXPECT_NEAR(p.position.z, 9 * u * (1 - u) * v * (1 - v), 1e-6);
+    const Vec3d slope(9 * (1 - 2 * u) * v * (1 - v) / 3, 9 * u * (1 - u) * (1 - 2 * v) / 3, 0);
+    const Vec3d normal = glm::normalize(Vec3d(-slope.x, -slope.y, 1));
+    EXPECT_GT(glm::dot(Vec3d(p.shadingNormal), normal), 1 - 1e-6); // of floats
+  }
+}
+
+TEST(BezierPatch, HasNormalsWhereASideIsAPoint) {
+  // An eighth of something round, with its pole in the first row.
+  Diagnostics diagnostics;
+  const auto shape = plugIns().shapes.make(
+      parseParameterText("bezierpatch",
+                         "\"integer steps\" 8 \"point3 P\" [0 0 1 0 0 1 0 0 1 0 0 1  .55 0 1 .55 .3 1 .3 .55 "
+                         "1 0 .55 1  1 0 .55 1 .55 .55 .55 1 .55 0 1 .55  1 0 0 1 .55 0 .55 1 0 0 1 0]"),
+      {}, diagnostics);
+  ASSERT_TRUE(shape) << diagnostics.format();
+  const SurfacePoint pole = shape->surfaceAt(0, HitParameters(Vec2f(0)));
+  EXPECT_NEAR(std::abs(pole.shadingNormal.z), 1, 1e-3);
+  Diagnostics complaints;
+  EXPECT_FALSE(
+      plugIns().shapes.make(parseParameterText("bezierpatch", "\"point3 P\" [0 0 0 1 1 1]"), {}, complaints));
+  EXPECT_NE(complaints.format().find("2 points do not make patches"), std::string::npos);
+}
