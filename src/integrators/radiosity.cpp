@@ -129,7 +129,7 @@ class Radiosity final : public Integrator {
               hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
                   : environmentRadiance(scene, lights, direction, {}, 1));
     };
-    if (!walker.next(path, vertex, addEmission)) return;
+    if (!walker.next(path, vertex, sampler, addEmission)) return;
     addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
     const DicedTriangle* t = vertex.isConnectable() ? triangleOf(vertex.hit, *vertex.scattering) : nullptr;
     if (!t) return;
