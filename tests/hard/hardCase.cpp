@@ -44,6 +44,8 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     if (!seen.insert(typeid(integrator)).second) continue;
     // Of splats a picture does not tell how much is noise.
     if (integrator.splats()) continue;
+    // A method that leaves out paths by its nature does not claim these pictures.
+    if (!integrator.claims().empty()) continue;
     const auto parameter = [&](const char* name) -> const ParameterSpec* {
       for (const ParameterSpec& p : entry.parameters)
         if (p.name == name && !p.ignored) return &p;

@@ -279,7 +279,7 @@ TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
                              {"walls", "LD+E"},
                              {"secondary", "LD*VDV*DE"}});
   const Film truth = renderMediaClasses(*scene, "path", "", classes, samples(2048));
-  for (const std::string parameters : {"", "\"string direct\" \"photons\""}) {
+  for (const std::string parameters : {"\"integer lightsamples\" 8", "\"string direct\" \"photons\""}) {
     const Film film = renderMediaClasses(*scene, "photonmap", parameters, classes, SANITIZED ? 4 : 64);
     for (size_t layer = 0; layer < classes.layerCount(); ++layer) {
       Rgb a(0), b(0);
