@@ -44,7 +44,7 @@ std::string slab(const std::string& medium, double size, double eye) {
 }
 
 void thickness(const Report& report) {
-  for (const double depth : {1e-6, 1.0, 10.0}) {
+  for (const double depth : {1e-6, 1.0, 5.0}) {
     const std::string d = number(depth), name = "optical thickness " + shown("%g", depth);
     checkMean(report, name + ", absorbs", slab(medium(d, "0"), 1, -1), std::exp(-depth), ofPaths(2e-3));
     if (depth <= 1) checkMean(report, name + ", scatters", slab(medium("0", d), 1, -1), 1, ofPaths(5e-3));
