@@ -61,7 +61,8 @@ TEST_F(MethodsProgram, InterruptKeepsWhatIsFinished) {
   EXPECT_EQ(leftBehind(), 0u);
   const Outcome rest = run(arguments);
   EXPECT_EQ(rest.status, 0) << rest.err;
-  for (const auto& m : report()["methods"]) EXPECT_EQ(m["failure"], "");
+  const auto finished = report();
+  for (const auto& m : finished["methods"]) EXPECT_EQ(m["failure"], "");
 }
 
 TEST_F(MethodsProgram, RefusesWhatDoesNotFit) {
