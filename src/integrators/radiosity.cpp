@@ -123,12 +123,7 @@ class Radiosity final : public Integrator {
     Walker<CameraState> walker(scene, classes, out.counts, 1);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
-    const auto addEmission = [&](const Hit* hit) {
-      const Vec3f& direction = path.ray.direction;
-      out.add(classes.lightStart(), path.state,
-              hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
-                  : environmentRadiance(scene, lights, direction, {}, 1));
-    };
+    const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
     if (!walker.next(path, vertex, sampler, addEmission)) return;
     addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
     const DicedTriangle* t = vertex.isConnectable() ? triangleOf(vertex.hit, *vertex.scattering) : nullptr;

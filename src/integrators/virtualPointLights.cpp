@@ -74,12 +74,7 @@ class VirtualPointLights final : public Integrator {
     Walker<CameraState> walker(scene, classes, out.counts, settings.maxDepth);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
-    const auto addEmission = [&](const Hit* hit) {
-      const Vec3f& direction = path.ray.direction;
-      const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
-                               : environmentRadiance(scene, lights, direction, {}, 1);
-      out.add(classes.lightStart(), path.state, path.throughput * radiance);
-    };
+    const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
     while (walker.next(path, vertex, sampler, addEmission)) {
       if (vertex.isConnectable()) {
         shade(scene, vertex, path.nesting, sampler, out);

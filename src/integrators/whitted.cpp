@@ -27,12 +27,7 @@ class Whitted final : public Integrator {
     while (!branches.empty() && !out.abandoned()) {
       CameraSubpath path = branches.back();
       branches.pop_back();
-      const auto addEmission = [&](const Hit* hit) {
-        const Vec3f& direction = path.ray.direction;
-        const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
-                                 : environmentRadiance(scene, lights, direction, {}, 1);
-        out.add(classes.lightStart(), path.state, path.throughput * radiance);
-      };
+      const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
       if (!walker.next(path, vertex, sampler, addEmission)) continue;
       addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
       branch(walker, path, vertex, branches, out);

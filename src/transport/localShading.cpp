@@ -47,4 +47,12 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
     addBsdfRay(scene, lights, place, vertex, nesting, sampler, out);
 }
 
+void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
+                     const Hit* hit, PathRadiance& out) {
+  const Vec3f& direction = path.ray.direction;
+  const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
+                           : environmentRadiance(scene, lights, direction, {}, 1);
+  out.add(out.pathClasses().lightStart(), path.state, path.throughput * radiance);
+}
+
 } // namespace recurse

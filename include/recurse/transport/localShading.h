@@ -16,4 +16,9 @@ namespace recurse {
 void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out);
 
+/** Adds what the path's ray sees of a light that no shadow ray shares with it: `hit` emits, or is null where
+ * the ray left the scene. */
+void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
+                     const Hit* hit, PathRadiance& out);
+
 } // namespace recurse
