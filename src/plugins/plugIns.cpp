@@ -1,5 +1,6 @@
 /** @file
- * Makes the registries from the list.
+ * Makes the registries from the list, and from a second one where RECURSE_MORE_PLUG_INS names it: of plug-ins
+ * that are compiled with a program and not with the library.
  */
 #include "recurse/model/plugIns.h"
 #include "recurse/model/surfaceDetail.h"
@@ -9,6 +10,9 @@ namespace recurse {
 
 #define RECURSE_PLUG_IN(Name) void register##Name(PlugIns&);
 #include "plugins/list.h"
+#ifdef RECURSE_MORE_PLUG_INS
+#include RECURSE_MORE_PLUG_INS
+#endif
 #undef RECURSE_PLUG_IN
 
 const PlugIns& plugIns() {
@@ -16,6 +20,9 @@ const PlugIns& plugIns() {
     PlugIns all;
 #define RECURSE_PLUG_IN(Name) register##Name(all);
 #include "plugins/list.h"
+#ifdef RECURSE_MORE_PLUG_INS
+#include RECURSE_MORE_PLUG_INS
+#endif
 #undef RECURSE_PLUG_IN
     addSurfaceParameters(all);
     addImportParameters(all);

@@ -42,6 +42,8 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     diagnostics.throwIfErrors();
     const Integrator& integrator = *made;
     if (!seen.insert(typeid(integrator)).second) continue;
+    // It is there to be read, and has no remedy for what is hard.
+    if (entry.name == "simplephotonmap") continue;
     // Of splats a picture does not tell how much is noise.
     if (integrator.splats()) continue;
     // A method that leaves out paths by its nature does not claim these pictures.

@@ -489,6 +489,73 @@ TEST(BsdfPasses, NamedOperationsAreViewsOfTheSameDeltas) {
   });
 }
 
+TEST(BsdfPasses, OneOfSeveralRefractionsStandsForAll) {
+  forEachBsdf([](const Bsdf& bsdf) {
+    const SurfacePoint point = flatPoint();
+    const ScatteringPoint s(bsdf, point);
+    for (const Vec3f& wi : incidentDirections()) {
+      std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+      const int n = s.deltaScatters(wi, Transport::RADIANCE, all);
+      Rgbd expected(0), mean(0);
+      int refractions = 0;
+      for (int i = 0; i < n; ++i)
+        if (all[size_t(i)].lobe == REFRACTION && maxComponent(all[size_t(i)].weight) > 0) {
+          expected += Rgbd(all[size_t(i)].weight);
+          ++refractions;
+        }
+      const uint32_t draws = refractions > 1 ? 4096 : 1;
+      for (uint32_t i = 0; i < draws; ++i) {
+        Sampler sampler(1, 4, i);
+        if (const auto step = s.specularRefractionBackwardScatter(wi, sampler))
+          mean += Rgbd(step->weight) / double(draws);
+      }
+      for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(mean[k], expected[k], (refractions > 1 ? 0.05 : 1e-6) * expected[k]);
+    }
+  });
+}
+
+TEST(BsdfPasses, LambertianMeansThatTheValueIsOneConstant) {
+  forEachBsdf([](const Bsdf& bsdf) {
+    if (!(bsdf.lobes() & LAMBERTIAN)) return;
+    const Vec3f up(0, 0, 1);
+    EXPECT_FALSE(isBlack(bsdf.value(up, up)));
+    for (const Vec3f& wi : incidentDirections())
+      for (const Vec3f& wo : incidentDirections()) {
+        const Rgb value = bsdf.value(wi, wo), expected = wi.z * wo.z > 0 ? bsdf.value(up, up) : BLACK;
+        for (int k = 0; k < 3; ++k)
+          EXPECT_NEAR(value[k], expected[k], 1e-6f) << "a BSDF like this must not say that it is LAMBERTIAN";
+      }
+  });
+}
+
+TEST(BsdfPasses, TheShortCutOfLambertianBsdfsGoesByTheirValue) {
+  // What somebody gets who edits DiffuseBsdf::value and nothing else.
+  class Edited final : public Bsdf {
+   public:
+    LobeSet lobes() const override { return REFLECTION | LAMBERTIAN; }
+    Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+      return wi.z * wo.z > 0 ? Rgb(.3f, .2f, .1f) * INV_PI : BLACK;
+    }
+    float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+      return wi.z * wo.z > 0 ? std::abs(wo.z) * INV_PI : 0;
+    }
+    Rgb albedo(const Vec3f&) const override { return Rgb(1); }
+  };
+  const Edited bsdf;
+  const SurfacePoint point = flatPoint();
+  const ScatteringPoint s(bsdf, point);
+  const Vec3f wi = glm::normalize(Vec3f(1, 2, 3)), wo = glm::normalize(Vec3f(-2, 1, 2));
+  Sampler sampler(1, 5, 0);
+  const auto step = s.diffuseForwardScatter(wi, sampler);
+  ASSERT_TRUE(step);
+  for (int k = 0; k < 3; ++k) {
+    const float albedo = .3f - .1f * float(k);
+    EXPECT_NEAR(s.evaluate(wi, wo)[k], albedo * INV_PI * wo.z, 1e-6f);
+    EXPECT_NEAR(step->weight[k], albedo, 1e-6f);
+  }
+}
+
 TEST(BsdfPasses, ForwardEqualsBackward) {
   // <h, forward g> = <backward h, g>: light emitted as g and seen as h is the same walked either way, delta
   // lobes, refraction and tilted shading normals included.

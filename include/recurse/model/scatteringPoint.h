@@ -37,7 +37,7 @@ class ScatteringPoint {
       : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal),
         lobeSet(bsdf.lobes()) {
     if (lobeSet & ANISOTROPIC) frame = Frame(point.shadingNormal, point.dpdu);
-    if (lobeSet & LAMBERTIAN) constant = bsdf.albedo({0, 0, 1}) * INV_PI;
+    if (lobeSet & LAMBERTIAN) constant = bsdf.value({0, 0, 1}, {0, 0, 1});
   }
 
   LobeSet lobes() const { return lobeSet; }
@@ -168,6 +168,8 @@ class ScatteringPoint {
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi) const {
     return firstDelta(wi, REFRACTION);
   }
+  /** The same, but that of several one is chosen by chance, with the weight of all. */
+  std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi, Sampler& sampler) const;
 
   const Vec3f& normal() const { return frame.z; }
 
@@ -244,5 +246,24 @@ class ScatteringPoint {
   LobeSet lobeSet;
   Rgb constant{0}; ///< the value of a Lambertian BSDF
 };
+
+inline std::optional<Scatter> ScatteringPoint::specularRefractionBackwardScatter(const Vec3f& wi,
+                                                                                 Sampler& sampler) const {
+  std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+  const int count = deltaScatters(wi, Transport::RADIANCE, all);
+  std::optional<Scatter> chosen;
+  float total = 0, chance = 0;
+  for (int i = 0; i < count; ++i) {
+    const Scatter& s = all[static_cast<size_t>(i)];
+    const float worth = s.lobe == REFRACTION ? maxComponent(s.weight) * square(s.eta) : 0;
+    if (!(worth > 0)) continue;
+    total += worth;
+    if (chosen && sampler.next1D() * total >= worth) continue;
+    chosen = s;
+    chance = worth;
+  }
+  if (chosen) chosen->weight *= total / chance;
+  return chosen;
+}
 
 } // namespace recurse

@@ -1,0 +1,152 @@
+/** @file
+ * A photon mapper to be read (Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", chapters 5 to
+ * 8): one map of all light, one photon and one ray after the other.
+ */
+#include <chrono>
+
+#include "recurse/model/plugIns.h"
+#include "recurse/transport/gather.h"
+#include "recurse/transport/localShading.h"
+#include "recurse/transport/pathEnds.h"
+#include "recurse/transport/walker.h"
+
+namespace recurse {
+
+namespace {
+
+/** Tells photons from other samples of the same pass. */
+constexpr uint64_t PHOTON_STREAM = 0x53494d504c450000ull;
+
+class SimplePhotonMap final : public Integrator {
+ public:
+  SimplePhotonMap(uint64_t photons, const GatherSettings& search, int maxDepth)
+      : photons(photons), search(search), maxDepth(maxDepth) {}
+
+  void prepare(const Scene& scene, const PathClasses&) override {
+    if (!(search.radius > 0)) search.radius = MAX_RADIUS * scene.bounds().radius;
+  }
+  bool passHasOneTime() const override { return true; }
+
+  /** Traces photons from the lights, stores and balances them. */
+  ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            const ForwardControl& control) override {
+    const auto start = std::chrono::steady_clock::now();
+    ForwardStatistics statistics;
+    std::vector<Photon> stored;
+    for (uint64_t i = 0; i < photons && scene.lights().size() > 0 && !control.stopped(); ++i) {
+      const Sampler sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM, static_cast<uint32_t>(i));
+      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored);
+      if (i % 4096 == 0) control.progress(double(i) / double(photons));
+    }
+    statistics.shootSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    map.build(stored);
+    statistics.photonsEmitted = photons;
+    statistics.photonsStored = map.size();
+    statistics.photonsRefused = map.refused();
+    statistics.mapBytes = map.memoryBytes();
+    return statistics;
+  }
+
+  /** Emitted light, the estimate from the map, and what mirrors and glass show. */
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    const PathClasses& classes = out.pathClasses();
+    Walker<CameraState> walker(scene, classes, out.counts, maxDepth);
+    // Rays that wait, instead of a recursion as deep as two mirrors ask for.
+    std::vector<CameraSubpath> waiting = {startCameraSubpath(scene, classes, ray, out.counts)};
+    while (!waiting.empty() && !out.abandoned()) {
+      CameraSubpath path = waiting.back();
+      waiting.pop_back();
+      CameraVertex vertex;
+      const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
+      if (!walker.next(path, vertex, sampler, addEmission)) continue;
+      if (vertex.isConnectable())
+        gather(map, search, *vertex.scattering, vertex.point(), vertex.wi, path.width, vertex.throughput,
+               vertex.afterD, out);
+      if (!(vertex.allowed & DELTA_LOBES)) continue;
+      const auto mirrored = vertex.scattering->specularReflectionBackwardScatter(vertex.wi);
+      const auto refracted = vertex.scattering->specularRefractionBackwardScatter(vertex.wi, sampler);
+      for (const std::optional<Scatter>& step : {mirrored, refracted}) {
+        if (!step) continue;
+        CameraSubpath next = path;
+        walker.follow(next, vertex, *step);
+        const float chance = maxComponent(next.throughput) * next.etaScale / BRANCH_WEIGHT;
+        if (russianRoulette(std::min(1.0f, chance), next.depth, sampler, next.throughput))
+          waiting.push_back(next);
+      }
+    }
+  }
+
+  std::vector<EstimatorDomain> domains() const override {
+    return {{"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},
+            {"photon map", "L(S|D)*DS*E", "one estimate at the first non-delta surface", ""}};
+  }
+
+ private:
+  static constexpr float MAX_RADIUS = 0.1f;    ///< of the scene's: dark corners must not see all of it
+  static constexpr float BRANCH_WEIGHT = 0.1f; ///< below it rays at glass do not become more and more
+
+  /** Follows a photon until it is absorbed, and stores it wherever it meets a non-delta surface. */
+  void shootPhoton(const Scene& scene, const PathClasses& classes, float time, Sampler sampler,
+                   TransportCounts& counts, std::vector<Photon>& stored) const {
+    const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
+    if (!start) return;
+    Walker<LightState> walker(scene, classes, counts, maxDepth);
+    LightSubpath path = start->path;
+    LightVertex vertex;
+    while (walker.next(path, vertex, sampler)) {
+      if (vertex.isConnectable()) store(vertex, stored);
+      if (!walker.scatter(path, vertex, sampler)) return;
+    }
+  }
+
+  void store(const LightVertex& vertex, std::vector<Photon>& stored) const {
+    const SurfacePoint& point = vertex.point();
+    const float cosine = absDot(vertex.wi, point.geometricNormal);
+    if (!(cosine > 0)) return;
+    Photon photon;
+    photon.position = point.position;
+    photon.direction = packDirection(vertex.wi);
+    photon.normal = packDirection(point.normalTowards(vertex.wi));
+    // The cosine of the estimate is that of the shading normal, the density of photons that of the surface.
+    photon.power = vertex.throughput * (absDot(vertex.wi, point.shadingNormal) / cosine / float(photons));
+    photon.pathState = vertex.state.byte;
+    stored.push_back(photon);
+  }
+
+  uint64_t photons; ///< emitted
+  GatherSettings search;
+  int maxDepth;
+  LightSampler lights; ///< no shadow ray asks it
+  PhotonMap map;
+};
+
+} // namespace
+
+void registerSimplePhotonMap(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "simplephotonmap",
+        .summary = "A photon mapper to be read: one photon map for all light, direct light included.",
+        .parameters =
+            {integerParameter("photons", "200000", "photons emitted").range(1, 2e9),
+             integerParameter("gatherphotons", "100", "photons nearest to a point that an estimate uses")
+                 .range(1, 1e6),
+             realParameter("radius", "",
+                           "farthest that photons are looked for [scene units]; by default a tenth of the "
+                           "scene's radius")
+                 .range(0, 1e17)
+                 .positive(),
+             integerParameter("maxdepth", "-1",
+                              "most scattering events of a ray's path, and of a photon's; -1: no limit")
+                 .range(-1, 1e9)},
+        .examples = {"", "\"integer photons\" 20000 \"float radius\" .1"}},
+       [](const Parameters& p, const NoContext&) {
+         GatherSettings search;
+         search.nearest = p.integer("gatherphotons");
+         search.radius = p.hasValue("radius") ? static_cast<float>(p.real("radius")) : 0;
+         return std::make_unique<SimplePhotonMap>(static_cast<uint64_t>(p.integer("photons")), search,
+                                                  p.integer("maxdepth"));
+       }});
+}
+
+} // namespace recurse
