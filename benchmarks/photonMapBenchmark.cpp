@@ -24,7 +24,7 @@
 
 #include "recurse/core/parallel.h"
 #include "recurse/transport/kernel.h"
-#include "recurse/transport/photonMap.h"
+#include "recurse/transport/photonMapQuery.h"
 
 using namespace recurse;
 

@@ -6,6 +6,7 @@
 
 #include "recurse/transport/bidirectional.h"
 #include "recurse/transport/directLight.h"
+#include "recurse/transport/photonMapQuery.h"
 #include "recurse/transport/walker.h"
 
 namespace recurse {

@@ -3,7 +3,7 @@
  * needs is added. All that counts is decided by the same arithmetic as in the eight-wide tree, so the found
  * sets are the same.
  */
-#include "recurse/transport/photonMap.h"
+#include "recurse/transport/photonMapQuery.h"
 
 #include <algorithm>
 

@@ -2,6 +2,7 @@
  * Chooses radius and number of photons by the photons' density and the pixels' width.
  */
 #include "recurse/transport/gatherChoice.h"
+#include "recurse/transport/photonMapQuery.h"
 
 #include <algorithm>
 #include <bit>

@@ -2,7 +2,7 @@
  * The photon map finds exactly what a search through all photons finds, whichever index it uses; and what
  * it does with odd input.
  */
-#include "recurse/transport/photonMap.h"
+#include "recurse/transport/photonMapQuery.h"
 
 #include <algorithm>
 #include <functional>

@@ -1,0 +1,54 @@
+/** @file
+ * Arrays of millions, on huge pages.
+ */
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+namespace recurse {
+
+/** Room for n objects that are not constructed, kept for reuse; large ones lie on huge pages. */
+template <class T> class LargeArray {
+ public:
+  LargeArray() = default;
+  LargeArray(LargeArray&& o) noexcept : room(std::move(o.room)), capacity(std::exchange(o.capacity, 0)) {}
+  LargeArray& operator=(LargeArray&& o) noexcept {
+    room = std::move(o.room);
+    capacity = std::exchange(o.capacity, 0);
+    return *this;
+  }
+  T* data() const { return room.get(); }
+  T& operator[](size_t i) const { return room.get()[i]; }
+  size_t bytes() const { return capacity * sizeof(T); }
+  size_t size() const { return capacity; }
+  /** Makes room for n objects. What was there is kept only if `keep`. */
+  void reserve(size_t n, bool keep = false);
+
+ private:
+  struct Release {
+    void operator()(void* p) const { std::free(p); }
+  };
+  std::unique_ptr<T, Release> room;
+  size_t capacity = 0;
+};
+/** Memory on a 64-byte boundary, on huge pages where it is large. Rounds `bytes` up. */
+void* allocateLarge(size_t& bytes);
+
+template <class T> void LargeArray<T>::reserve(size_t n, bool keep) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  if (n <= capacity) return;
+  // The second request is likely to be followed by a third, a little larger.
+  size_t bytes = (capacity == 0 ? n : n + n / 16) * sizeof(T);
+  std::unique_ptr<T, Release> old = std::move(room);
+  if (!keep) old.reset();
+  room.reset(static_cast<T*>(allocateLarge(bytes)));
+  if (keep) std::copy_n(old.get(), capacity, room.get());
+  capacity = bytes / sizeof(T);
+}
+
+} // namespace recurse
