@@ -2,7 +2,6 @@
  * Photons times BSDF times kernel, eight at a time where the BSDF is one constant.
  */
 #include "recurse/transport/gather.h"
-#include "recurse/transport/photonMapQuery.h"
 
 #include "recurse/transport/mergeWeights.h"
 

@@ -2,7 +2,6 @@
  * Radii and clear distances at places of a first photon map.
  */
 #include "recurse/transport/radiusCache.h"
-#include "recurse/transport/photonMapQuery.h"
 
 #include "recurse/core/parallel.h"
 

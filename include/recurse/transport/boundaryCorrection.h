@@ -12,7 +12,7 @@
 #pragma once
 
 #include "recurse/transport/kernel.h"
-#include "recurse/transport/photonMap.h"
+#include "recurse/transport/photonMapQuery.h"
 #include "recurse/transport/walk.h"
 
 namespace recurse {
