@@ -23,72 +23,38 @@ if(NOT embree_FOUND)
 endif()
 recurse_need(embree_FOUND Embree libembree-dev)
 
+# Libraries without a CMake package that would do: an imported TARGET of a header's folder and of the LIBRARIES.
+function(recurse_find TARGET HEADER WHAT PACKAGE)
+    string(MAKE_C_IDENTIFIER "RECURSE_${WHAT}" NAME)
+    string(TOUPPER ${NAME} NAME)
+    find_path(${NAME}_INCLUDE ${HEADER})
+    set(LIBRARIES)
+    set(FOUND ${${NAME}_INCLUDE})
+    foreach(LIBRARY ${ARGN})
+        string(TOUPPER "${NAME}_${LIBRARY}" PLACE)
+        find_library(${PLACE} ${LIBRARY})
+        list(APPEND LIBRARIES ${${PLACE}})
+        if(NOT ${PLACE})
+            set(FOUND FALSE)
+        endif()
+    endforeach()
+    if(FOUND AND NOT TARGET ${TARGET})
+        add_library(${TARGET} INTERFACE IMPORTED GLOBAL)
+        set_target_properties(${TARGET} PROPERTIES
+            INTERFACE_INCLUDE_DIRECTORIES "${${NAME}_INCLUDE}" INTERFACE_LINK_LIBRARIES "${LIBRARIES}")
+    endif()
+    recurse_need(FOUND ${WHAT} ${PACKAGE})
+    set(RECURSE_MISSING ${RECURSE_MISSING} PARENT_SCOPE)
+endfunction()
+
 # The CMake package and the pkg-config file of OpenImageIO, and those of FLANN, ask for packages that a program
-# which links the two has no use for; headers and libraries are found directly.
-find_path(RECURSE_OPENIMAGEIO_INCLUDE OpenImageIO/imageio.h)
-find_library(RECURSE_OPENIMAGEIO_LIBRARY OpenImageIO)
-find_library(RECURSE_OPENIMAGEIO_UTIL_LIBRARY OpenImageIO_Util)
-if(RECURSE_OPENIMAGEIO_INCLUDE AND RECURSE_OPENIMAGEIO_LIBRARY AND RECURSE_OPENIMAGEIO_UTIL_LIBRARY)
-    set(RECURSE_OPENIMAGEIO_FOUND TRUE)
-    if(NOT TARGET OpenImageIO::OpenImageIO)
-        add_library(OpenImageIO::OpenImageIO INTERFACE IMPORTED)
-        set_target_properties(OpenImageIO::OpenImageIO PROPERTIES
-            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_OPENIMAGEIO_INCLUDE}"
-            INTERFACE_LINK_LIBRARIES "${RECURSE_OPENIMAGEIO_LIBRARY};${RECURSE_OPENIMAGEIO_UTIL_LIBRARY}")
-    endif()
-endif()
-recurse_need(RECURSE_OPENIMAGEIO_FOUND OpenImageIO libopenimageio-dev)
-
+# which links the two has no use for.
+recurse_find(OpenImageIO::OpenImageIO OpenImageIO/imageio.h OpenImageIO libopenimageio-dev OpenImageIO OpenImageIO_Util)
 # FLANN's templates are all in headers; saving an index, which they also can, wants lz4.
-find_path(RECURSE_FLANN_INCLUDE flann/algorithms/kdtree_single_index.h)
-find_library(RECURSE_LZ4_LIBRARY lz4)
-if(RECURSE_FLANN_INCLUDE AND RECURSE_LZ4_LIBRARY)
-    set(RECURSE_FLANN_FOUND TRUE)
-    if(NOT TARGET RecurseFlann::headers)
-        add_library(RecurseFlann::headers INTERFACE IMPORTED)
-        set_target_properties(RecurseFlann::headers PROPERTIES
-            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_FLANN_INCLUDE}"
-            INTERFACE_LINK_LIBRARIES "${RECURSE_LZ4_LIBRARY}")
-    endif()
-endif()
-recurse_need(RECURSE_FLANN_FOUND FLANN libflann-dev)
-
+recurse_find(RecurseFlann::headers flann/algorithms/kdtree_single_index.h FLANN libflann-dev lz4)
 # The archives of games.
-find_path(RECURSE_ZIP_INCLUDE zip.h)
-find_library(RECURSE_ZIP_LIBRARY zip)
-if(RECURSE_ZIP_INCLUDE AND RECURSE_ZIP_LIBRARY)
-    set(RECURSE_ZIP_FOUND TRUE)
-    if(NOT TARGET RecurseZip::zip)
-        add_library(RecurseZip::zip INTERFACE IMPORTED)
-        set_target_properties(RecurseZip::zip PROPERTIES
-            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_ZIP_INCLUDE}" INTERFACE_LINK_LIBRARIES "${RECURSE_ZIP_LIBRARY}")
-    endif()
-endif()
-recurse_need(RECURSE_ZIP_FOUND libzip libzip-dev)
-
+recurse_find(RecurseZip::zip zip.h libzip libzip-dev zip)
 # Models of every common kind. The CMake package names a target of another path on each system.
-find_path(RECURSE_ASSIMP_INCLUDE assimp/Importer.hpp)
-find_library(RECURSE_ASSIMP_LIBRARY assimp)
-if(RECURSE_ASSIMP_INCLUDE AND RECURSE_ASSIMP_LIBRARY)
-    set(RECURSE_ASSIMP_FOUND TRUE)
-    if(NOT TARGET RecurseAssimp::assimp)
-        add_library(RecurseAssimp::assimp INTERFACE IMPORTED)
-        set_target_properties(RecurseAssimp::assimp PROPERTIES
-            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_ASSIMP_INCLUDE}"
-            INTERFACE_LINK_LIBRARIES "${RECURSE_ASSIMP_LIBRARY}")
-    endif()
-endif()
-recurse_need(RECURSE_ASSIMP_FOUND Assimp libassimp-dev)
-
+recurse_find(RecurseAssimp::assimp assimp/Importer.hpp Assimp libassimp-dev assimp)
 # The fast Fourier transforms of bloom.
-find_path(RECURSE_FFTW_INCLUDE fftw3.h)
-find_library(RECURSE_FFTW_LIBRARY fftw3)
-if(RECURSE_FFTW_INCLUDE AND RECURSE_FFTW_LIBRARY)
-    set(RECURSE_FFTW_FOUND TRUE)
-    if(NOT TARGET RecurseFftw::fftw)
-        add_library(RecurseFftw::fftw INTERFACE IMPORTED)
-        set_target_properties(RecurseFftw::fftw PROPERTIES
-            INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_FFTW_INCLUDE}" INTERFACE_LINK_LIBRARIES "${RECURSE_FFTW_LIBRARY}")
-    endif()
-endif()
-recurse_need(RECURSE_FFTW_FOUND FFTW libfftw3-dev)
+recurse_find(RecurseFftw::fftw fftw3.h FFTW libfftw3-dev fftw3)

@@ -7,6 +7,7 @@
 #include "recurse/core/parallel.h"
 #include "recurse/model/iesProfile.h"
 #include "recurse/model/lightProbe.h"
+#include "recurse/model/patternLight.h"
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
@@ -15,62 +16,31 @@ namespace {
 
 using std::numbers::pi;
 
-class Goniometric final : public Light {
+class Goniometric final : public PatternLight {
  public:
-  Goniometric(EnvironmentMap distribution, const Rgb& intensity, const Mat4d& sceneFromLight)
-      : distribution(std::move(distribution)), intensity(intensity),
-        position(Vec3f(Vec3d(sceneFromLight[3]))), lightFromScene(glm::inverse(Mat3d(sceneFromLight))),
-        sceneFromLight(sceneFromLight), determinant(std::abs(glm::determinant(lightFromScene))) {}
+  Goniometric(EnvironmentMap distribution, const Rgb& factor, const Mat4d& sceneFromLight)
+      : PatternLight(sceneFromLight), distribution(std::move(distribution)), factor(factor) {}
 
-  LightKind kind() const override { return LightKind::POINT; }
-  Rgb power() const override { return intensity * Rgb(distribution.integral()); }
-  std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
-    const EnvironmentMap::Sample s =
-        distribution.sample(sample.direction, EnvironmentMap::Sampling::COMPLETE);
-    if (!(s.pdf > 0)) return {};
-    const Vec3d direction =
-        glm::normalize(sceneFromLight * Vec3d(s.direction.x, s.direction.z, s.direction.y));
-    const Rgb along = intensityAlong(direction);
-    const double pdf = pdfDirection(direction);
-    return LeSample{
-        {position, Vec3f(direction)}, along, 1, static_cast<float>(pdf), along * static_cast<float>(1 / pdf)};
-  }
-  LePdf pdfLe(const LeRay& ray) const override {
-    return {0, static_cast<float>(pdfDirection(glm::normalize(Vec3d(ray.direction)))), true};
-  }
-  std::optional<LiSample> sampleLi(const Vec3f& point, float, const Vec2f&) const override {
-    const Vec3f towards = position - point;
-    const float distance2 = lengthSquared(towards);
-    if (distance2 == 0) return {};
-    const float distance = std::sqrt(distance2);
-    const Rgb along = intensityAlong(-glm::normalize(Vec3d(towards)));
-    if (isBlack(along)) return {};
-    return LiSample{towards / distance, position, distance, along / distance2, 1, true};
-  }
+  Rgb power() const override { return factor * Rgb(distribution.integral()); }
 
  private:
-  /** In the picture, whose middle is light space +y. */
-  Vec3d toPicture(const Vec3d& direction, double& stretch) const {
-    const Vec3d d = lightFromScene * direction;
-    const double length = glm::length(d);
-    stretch = determinant / (length * length * length);
-    return Vec3d(d.x, d.z, d.y) / length;
+  /** Between light space and the picture, whose middle is light space +y. */
+  static Vec3d swapped(const Vec3d& d) { return {d.x, d.z, d.y}; }
+
+  Rgb intensity(const Vec3d& direction) const override {
+    return factor * distribution.value(swapped(glm::normalize(direction)));
   }
-  Rgb intensityAlong(const Vec3d& direction) const {
-    double stretch;
-    return intensity * distribution.value(toPicture(direction, stretch));
+  std::optional<Vec3d> sampleDirection(const Vec2f& u) const override {
+    const EnvironmentMap::Sample s = distribution.sample(u, EnvironmentMap::Sampling::COMPLETE);
+    if (!(s.pdf > 0)) return {};
+    return swapped(s.direction);
   }
-  double pdfDirection(const Vec3d& direction) const {
-    double stretch;
-    const Vec3d d = toPicture(direction, stretch);
-    return distribution.pdf(d, EnvironmentMap::Sampling::COMPLETE) * stretch;
+  double pdfDirection(const Vec3d& direction) const override {
+    return distribution.pdf(swapped(glm::normalize(direction)), EnvironmentMap::Sampling::COMPLETE);
   }
 
   EnvironmentMap distribution;
-  Rgb intensity;
-  Vec3f position;
-  Mat3d lightFromScene, sceneFromLight;
-  double determinant; ///< of lightFromScene
+  Rgb factor;
 };
 
 /** The profile as a picture of candela values; down is light space -y, C0 is +x, C90 is +z. */
@@ -132,9 +102,7 @@ EnvironmentMap readDistribution(const Parameters& p) {
 
 std::unique_ptr<Light> makeGoniometric(const Parameters& p, const LightContext& c) {
   EnvironmentMap distribution = readDistribution(p);
-  const double determinant = glm::determinant(Mat3d(c.sceneFromLight));
-  if (!std::isfinite(determinant) || determinant == 0)
-    p.fail("", "the light's transform flattens directions: it cannot be inverted");
+  PatternLight::requireInvertible(c.sceneFromLight, p);
   double scale = p.real("scale");
   if (p.hasValue("power")) {
     const double whole = distribution.integral().g;

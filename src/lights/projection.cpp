@@ -5,6 +5,7 @@
 
 #include "recurse/core/distribution2d.h"
 #include "recurse/model/lightProbe.h"
+#include "recurse/model/patternLight.h"
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
@@ -15,12 +16,10 @@ using std::numbers::pi;
 
 /** A light at the origin of light space that throws a picture along +z; the intensity is that of the nearest
  * pixel. */
-class Projection final : public Light {
+class Projection final : public PatternLight {
  public:
   Projection(Image slide, double fov, const Rgb& scale, const Mat4d& sceneFromLight)
-      : image(std::move(slide)), scale(scale), position(Vec3f(Vec3d(sceneFromLight[3]))),
-        lightFromScene(glm::inverse(Mat3d(sceneFromLight))), sceneFromLight(sceneFromLight),
-        determinant(std::abs(glm::determinant(lightFromScene))) {
+      : PatternLight(sceneFromLight), image(std::move(slide)), scale(scale) {
     const double half = std::tan(fov / 2 * pi / 180), aspect = double(image.width) / image.height;
     size = aspect > 1 ? Vec2d(half * aspect, half) : Vec2d(half, half / aspect);
     std::vector<double> cells;
@@ -37,31 +36,7 @@ class Projection final : public Light {
   const Rgbd& wholeIntegral() const { return integral; }
   void multiply(double factor) { scale *= static_cast<float>(factor); }
 
-  LightKind kind() const override { return LightKind::POINT; }
   Rgb power() const override { return Rgb(integral) * scale; }
-  std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
-    if (!(total > 0)) return {};
-    const Vec2d place = table.sample({}, Vec2d(sample.direction));
-    const Vec3d local((place.x * 2 - 1) * size.x, (1 - place.y * 2) * size.y, 1);
-    const Vec3d direction = glm::normalize(sceneFromLight * local);
-    const double pdf = pdfDirection(direction);
-    if (!(pdf > 0)) return {};
-    const Rgb along = intensityAlong(direction);
-    return LeSample{
-        {position, Vec3f(direction)}, along, 1, static_cast<float>(pdf), along * static_cast<float>(1 / pdf)};
-  }
-  LePdf pdfLe(const LeRay& ray) const override {
-    return {0, static_cast<float>(pdfDirection(glm::normalize(Vec3d(ray.direction)))), true};
-  }
-  std::optional<LiSample> sampleLi(const Vec3f& point, float, const Vec2f&) const override {
-    const Vec3f towards = position - point;
-    const float distance2 = lengthSquared(towards);
-    if (distance2 == 0) return {};
-    const float distance = std::sqrt(distance2);
-    const Rgb along = intensityAlong(-glm::normalize(Vec3d(towards)));
-    if (isBlack(along)) return {};
-    return LiSample{towards / distance, position, distance, along / distance2, 1, true};
-  }
 
  private:
   /** In so much of the picture [sr]. */
@@ -70,33 +45,31 @@ class Projection final : public Light {
     return 4 * size.x * size.y * std::pow(1 + glm::dot(p, p), -1.5);
   }
   /** Where a direction lies in the picture, from its top left; empty where it is not lit. */
-  std::optional<Vec2d> placeOf(const Vec3d& direction, double& stretch) const {
-    const Vec3d d = lightFromScene * direction;
+  std::optional<Vec2d> placeOf(const Vec3d& d) const {
     if (!(d.z > 0)) return {};
     const Vec2d place((d.x / (d.z * size.x) + 1) / 2, (1 - d.y / (d.z * size.y)) / 2);
     if (!(place.x >= 0 && place.x <= 1 && place.y >= 0 && place.y <= 1)) return {};
-    stretch = determinant / std::pow(glm::dot(d, d), 1.5);
     return place;
   }
-  Rgb intensityAlong(const Vec3d& direction) const {
-    double stretch;
-    const std::optional<Vec2d> place = placeOf(direction, stretch);
+  Rgb intensity(const Vec3d& direction) const override {
+    const std::optional<Vec2d> place = placeOf(direction);
     if (!place) return BLACK;
     return scale * image.rgb(std::min(static_cast<int>(place->x * image.width), image.width - 1),
                              std::min(static_cast<int>(place->y * image.height), image.height - 1));
   }
-  double pdfDirection(const Vec3d& direction) const {
-    double stretch;
-    const std::optional<Vec2d> place = placeOf(direction, stretch);
-    return place ? table.pdf(total, *place) / solidAngle(*place) * stretch : 0;
+  std::optional<Vec3d> sampleDirection(const Vec2f& u) const override {
+    if (!(total > 0)) return {};
+    const Vec2d place = table.sample({}, Vec2d(u));
+    return Vec3d((place.x * 2 - 1) * size.x, (1 - place.y * 2) * size.y, 1);
+  }
+  double pdfDirection(const Vec3d& direction) const override {
+    const std::optional<Vec2d> place = placeOf(direction);
+    return place ? table.pdf(total, *place) / solidAngle(*place) : 0;
   }
 
   Image image;
   Rgb scale;
-  Vec3f position;
-  Mat3d lightFromScene, sceneFromLight;
-  double determinant; ///< of lightFromScene
-  Vec2d size;         ///< half of the picture's, at distance 1
+  Vec2d size; ///< half of the picture's, at distance 1
   Rgbd integral{0};
   WindowedDistribution2d table;
   double total = 0;
@@ -104,9 +77,7 @@ class Projection final : public Light {
 
 std::unique_ptr<Light> makeProjection(const Parameters& p, const LightContext& c) {
   Image slide = readLightPicture(p);
-  const double determinant = glm::determinant(Mat3d(c.sceneFromLight));
-  if (!std::isfinite(determinant) || determinant == 0)
-    p.fail("", "the light's transform flattens directions: it cannot be inverted");
+  PatternLight::requireInvertible(c.sceneFromLight, p);
   auto light = std::make_unique<Projection>(std::move(slide), p.real("fov"),
                                             Rgb(static_cast<float>(p.real("scale"))), c.sceneFromLight);
   if (p.hasValue("power")) {
