@@ -1,0 +1,142 @@
+/** @file
+ * Textures and materials by name, each made once.
+ */
+#include "model/sceneMaterials.h"
+
+#include <algorithm>
+
+#include "recurse/core/text.h"
+#include "recurse/model/scene.h"
+
+namespace recurse {
+
+uint16_t SceneMaterials::mediumWithin(const Material* m) const {
+  const auto found = mediumInNested.find(m);
+  return found == mediumInNested.end() ? Scene::SURROUNDING_MEDIUM : found->second;
+}
+
+size_t SceneMaterials::sameNested(const Material& material) const {
+  const auto same = [&](const Material* m) {
+    return m->priority() == material.priority() && m->indexInside() == material.indexInside() &&
+           mediumWithin(m) == mediumWithin(&material);
+  };
+  return static_cast<size_t>(std::find_if(nested.begin(), nested.end(), same) - nested.begin());
+}
+
+TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name, bool spectrum) const {
+  const std::string texture = p.texture(name);
+  if (texture.empty()) return {spectrum ? Rgb(p.spectrum(name)) : Rgb(static_cast<float>(p.real(name)))};
+  const auto [lowest, highest] = p.range(name);
+  const auto textured = [&, low = float(lowest), high = float(highest)](const Texture* t) {
+    return TexturedRgb{BLACK, t, low, high};
+  };
+  const auto key = std::make_pair(texture, spectrum);
+  const auto found = texturesByName.find(key);
+  if (found != texturesByName.end()) {
+    if (found->second.underWay) p.fail(name, "texture \"" + texture + "\" is made of itself");
+    return textured(found->second.texture);
+  }
+  std::vector<std::string> names;
+  for (auto t = c.description.textures.rbegin(); t != c.description.textures.rend(); ++t) {
+    if (t->spectrum != spectrum) continue;
+    if (t->name != texture) {
+      names.push_back(t->name);
+      continue;
+    }
+    texturesByName[key] = {nullptr, true};
+    const TextureContext context{*this, spectrum, t->worldFromTexture, &c.sceneOrigin};
+    std::unique_ptr<Texture> made = plugIns().textures.make(t->texture, context, c.diagnostics, c.lenient);
+    const Texture* pointer = made.get();
+    if (made) textures.push_back(std::move(made));
+    texturesByName[key] = {pointer, false};
+    return textured(pointer);
+  }
+  p.fail(name, "there is no " + std::string(spectrum ? "spectrum" : "float") + " texture \"" + texture + "\"",
+         quotedList(nearestNames(texture, names)));
+}
+
+const Material* SceneMaterials::makeMaterial(const ParsedDirective& d) {
+  const MaterialContext context{
+      *this, [this](const Parameters& p, const std::string& parameter, const std::string& name) {
+        SourceLocation where = p.location(parameter);
+        const Material* m = namedMaterial(name, where);
+        if (!m) p.fail(parameter, "material \"" + name + "\" cannot be used here");
+        if (m->detail)
+          p.fail(parameter, "material \"" + name + "\" has bumps of its own, and cannot be a part of another",
+                 "\"displacement\" or \"normalmap\" of \"" + p.plugInName() + "\" itself");
+        return m;
+      }};
+  std::unique_ptr<Material> m = plugIns().materials.make(d, context, c.diagnostics, c.lenient);
+  if (!m) return nullptr;
+  if (m->priority() > 0) {
+    if (sameNested(*m) == nested.size() && ++nestedKinds > Scene::MAX_NESTED)
+      c.diagnostics.error(d.location,
+                          "there are more than " + std::to_string(Scene::MAX_NESTED) +
+                              " dielectrics with a priority that differ",
+                          "a priority and eta that another has too");
+    nested.push_back(m.get());
+  }
+  materials.push_back(std::move(m));
+  return materials.back().get();
+}
+
+const Material* SceneMaterials::namedMaterial(const std::string& name, const SourceLocation& where) {
+  const auto known = materialsByName.find(name);
+  if (known != materialsByName.end()) {
+    if (known->second.underWay) c.diagnostics.error(where, "material \"" + name + "\" is made of itself");
+    return known->second.material;
+  }
+  const auto found = c.description.namedMaterials.find(name);
+  if (found == c.description.namedMaterials.end()) {
+    const std::vector<std::string> names = namesOf(c.description.namedMaterials);
+    c.diagnostics.error(where, "there is no material named \"" + name + "\"",
+                        quotedList(nearestNames(name, names)));
+    materialsByName[name] = {};
+    return nullptr;
+  }
+  materialsByName[name] = {nullptr, true};
+  const Material* m = makeMaterial(found->second);
+  materialsByName[name] = {m, false};
+  return m;
+}
+
+const Material* SceneMaterials::material(const MaterialReference& r) {
+  switch (r.kind) {
+  case MaterialReference::Kind::NONE:
+    return nullptr;
+  case MaterialReference::Kind::NAME:
+    return namedMaterial(r.name, r.location);
+  case MaterialReference::Kind::INDEX:
+    break;
+  }
+  const auto i = static_cast<size_t>(r.index);
+  if (materialsByIndex.size() <= i) materialsByIndex.resize(c.description.materials.size());
+  if (!materialsByIndex[i].first) materialsByIndex[i] = {true, makeMaterial(c.description.materials[i])};
+  return materialsByIndex[i].second;
+}
+
+void SceneMaterials::fillNested(const Material& m, const MediumInterface& media,
+                                const SourceLocation& where) {
+  const uint16_t inside = media.isBoundary() ? media.inside : Scene::SURROUNDING_MEDIUM;
+  const auto [known, isNew] = mediumInNested.try_emplace(&m, inside);
+  if (!isNew && known->second != inside)
+    c.diagnostics.error(where, "the material has a priority and is filled with another medium elsewhere",
+                        "a material of its own for each medium, with a priority that no other has");
+}
+
+void SceneMaterials::numberNested(std::vector<float>& indices, std::vector<uint16_t>& media) {
+  std::stable_sort(nested.begin(), nested.end(),
+                   [](const Material* a, const Material* b) { return a->priority() > b->priority(); });
+  for (size_t i = 0; i < nested.size(); ++i) {
+    const size_t same = sameNested(*nested[i]);
+    if (same < i) {
+      nested[i]->nesting = nested[same]->nesting;
+      continue;
+    }
+    nested[i]->nesting = static_cast<int>(indices.size());
+    indices.push_back(nested[i]->indexInside());
+    media.push_back(mediumWithin(nested[i]));
+  }
+}
+
+} // namespace recurse

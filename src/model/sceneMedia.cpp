@@ -1,0 +1,61 @@
+/** @file
+ * Media by name.
+ */
+#include "model/sceneMedia.h"
+
+#include <algorithm>
+
+#include "recurse/core/text.h"
+#include "recurse/model/scene.h"
+
+namespace recurse {
+
+uint16_t SceneMedia::number(const std::string& name, const SourceLocation& usedAt) {
+  if (name.empty()) return 0;
+  const auto [known, isNew] = byName.try_emplace(name, uint16_t(0));
+  if (!isNew) return known->second;
+  const auto found = c.description.media.find(name);
+  if (found == c.description.media.end()) {
+    const std::vector<std::string> names = namesOf(c.description.media);
+    c.diagnostics.error(usedAt, "there is no medium named \"" + name + "\"",
+                        names.empty() ? "the name of a MakeNamedMedium"
+                                      : quotedList(nearestNames(name, names)));
+    return 0;
+  }
+  if (used.size() + 1 >= Scene::SURROUNDING_MEDIUM) {
+    c.diagnostics.error(found->second.location, "there are too many media");
+    return 0;
+  }
+  used.push_back(name);
+  return known->second = static_cast<uint16_t>(used.size());
+}
+
+std::unique_ptr<Medium> SceneMedia::make(size_t index) const {
+  const ParsedDirective& d = c.description.media.at(used[index]);
+  const Mat4d& worldFromMedium = c.description.worldFromMedium.at(used[index]);
+  ParsedDirective body = d, phase = d;
+  phase.type = "hg";
+  phase.parameters.clear();
+  body.parameters.clear();
+  for (const ParsedParameter& p : d.parameters)
+    if (p.name == "phase" && p.strings.size() == 1) {
+      phase.type = p.strings[0];
+      phase.location = p.valueLocation;
+    }
+  const auto& phases = plugIns().phaseFunctions;
+  const auto* entry = phases.find(phase.type);
+  for (const ParsedParameter& p : d.parameters) {
+    const auto declares = [&](const ParameterSpec& s) { return s.name == p.name; };
+    if (p.name == "phase" && p.strings.size() == 1) continue;
+    const bool ofPhase = entry && std::any_of(entry->parameters.begin(), entry->parameters.end(), declares);
+    (ofPhase ? phase : body).parameters.push_back(p);
+  }
+  std::unique_ptr<PhaseFunction> function = phases.make(phase, {}, c.diagnostics, c.lenient);
+  std::unique_ptr<Medium> made =
+      plugIns().media.make(body, {recentred(worldFromMedium, c.sceneOrigin)}, c.diagnostics, c.lenient);
+  if (!function || !made) return nullptr;
+  made->phase = std::move(function);
+  return made;
+}
+
+} // namespace recurse

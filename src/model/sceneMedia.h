@@ -1,0 +1,33 @@
+/** @file
+ * Media of a scene: numbered when they are first used, made once it is known where the scene is.
+ */
+#pragma once
+
+#include <map>
+
+#include "model/buildContext.h"
+#include "recurse/model/medium.h"
+
+namespace recurse {
+
+class SceneMedia {
+ public:
+  explicit SceneMedia(BuildContext& context) : c(context) {}
+
+  /** The number of a medium; 0 for vacuum, and for one that is not there. */
+  uint16_t number(const std::string& name, const SourceLocation& usedAt);
+  MediumInterface numbers(const MediumReference& names, const SourceLocation& usedAt) {
+    return {number(names.inside, usedAt), number(names.outside, usedAt)};
+  }
+  size_t count() const { return used.size(); }
+  /** Medium `index` + 1 and its phase function, each with those of the directive's parameters that it
+   * declares. Null after an error. */
+  std::unique_ptr<Medium> make(size_t index) const;
+
+ private:
+  BuildContext& c;
+  std::map<std::string, uint16_t> byName;
+  std::vector<std::string> used; ///< by number - 1
+};
+
+} // namespace recurse

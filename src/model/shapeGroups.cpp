@@ -1,0 +1,259 @@
+/** @file
+ * Shapes with their transforms baked in, and where they are.
+ */
+#include "model/shapeGroups.h"
+
+#include <algorithm>
+
+namespace recurse {
+
+namespace {
+
+/** Adds what the description alone tells about a shape's place. */
+void addPlace(const ShapeDescription& s, const Mat4d& m, Bounds3d& bounds) {
+  for (const ParsedParameter& p : s.shape.parameters)
+    if (p.name == "P" && p.numbers.size() >= 3) {
+      for (size_t i = 0; i + 2 < p.numbers.size(); i += 3)
+        bounds.add(transformPoint(m, {p.numbers[i], p.numbers[i + 1], p.numbers[i + 2]}));
+      return;
+    }
+  bounds.add(Vec3d(m[3]));
+}
+
+/** Positions near the origin keep their digits; a scene that surrounds the origin stays as it is. */
+Vec3d originOf(const Bounds3d& b) {
+  if (b.empty()) return Vec3d(0);
+  const Vec3d c = b.center();
+  const double size = glm::length(b.diagonal());
+  const bool usable = std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z);
+  return usable && glm::length(c) > 0.5 * size ? c : Vec3d(0);
+}
+
+AnimatedTransform motionOf(const ShapeDescription& s) {
+  return {s.worldFromObject, s.worldFromObjectLast.value_or(s.worldFromObject)};
+}
+AnimatedTransform motionOf(const InstanceDescription& i) {
+  return {i.worldFromInstance, i.worldFromInstanceLast.value_or(i.worldFromInstance)};
+}
+/** Whether a shape of an object definition moves otherwise than the rest of it, or is a lamp that moves: it
+ * is a group of its own then. */
+bool movesAlone(const ShapeDescription& s, const InstanceDescription& i) {
+  return s.worldFromObjectLast || (s.areaLight >= 0 && i.worldFromInstanceLast);
+}
+
+} // namespace
+
+ShapeGroups::ShapeGroups(BuildContext& context, SceneMaterials& materials, SceneMedia& media,
+                         std::vector<std::unique_ptr<Shape>>& shapes)
+    : c(context), materials(materials), media(media), shapes(shapes) {
+  Bounds3d b;
+  for (const ShapeDescription& s : c.description.shapes) addPlace(s, s.worldFromObject, b);
+  for (const InstanceDescription& i : c.description.instances) b.add(Vec3d(i.worldFromInstance[3]));
+  c.sceneOrigin = originOf(b);
+}
+
+void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Group& group) {
+  if (c.enoughErrors()) return;
+  const MediumInterface around = media.numbers(s.medium, s.shape.location);
+  const Material* m = materials.material(s.material);
+  const Mat4d sceneFromObject = recentred(placement, group.origin);
+  const double determinant = glm::determinant(Mat3d(sceneFromObject));
+  if (!std::isfinite(determinant) || determinant == 0) {
+    c.diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+    return;
+  }
+  const ShapeContext context{sceneFromObject, s.reverseOrientation, &materials, this, m};
+  std::unique_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, c.diagnostics, c.lenient);
+  if (!shape || shape->primitiveCount() == 0) return;
+  const bool scatters = (m && m->lobes() != NO_LOBE) || !shape->componentMaterials().empty();
+  if (s.areaLight < 0 && !scatters && !around.isBoundary()) return;
+  if (m && m->priority() > 0) materials.fillNested(*m, around, s.shape.location);
+  const Bounds3f bounds = shape->bounds();
+  if (!representable(bounds.lower) || !representable(bounds.upper)) {
+    c.diagnostics.error(s.shape.location,
+                        "the shape is too large, or too far from the rest, for single precision",
+                        "coordinates below 1e18");
+    return;
+  }
+  group.placed.push_back({shape.get(), m, &s, around});
+  shapes.push_back(std::move(shape));
+}
+
+std::vector<ComponentShape> ShapeGroups::object(const Parameters& p, const std::string& parameter,
+                                                const std::string& name, const ShapeContext& context) {
+  const auto found = c.description.objects.find(name);
+  if (found == c.description.objects.end()) {
+    const std::vector<std::string> names = namesOf(c.description.objects);
+    p.fail(parameter, "there is no object named \"" + name + "\"",
+           names.empty() ? "the name of an ObjectBegin" : quotedList(nearestNames(name, names)));
+  }
+  if (std::find(objectsUnderWay.begin(), objectsUnderWay.end(), name) != objectsUnderWay.end())
+    p.fail(parameter, "object \"" + name + "\" is made of itself");
+  objectsUnderWay.push_back(name);
+  std::vector<ComponentShape> made;
+  for (const ShapeDescription& s : found->second.shapes) {
+    if (c.enoughErrors()) break;
+    const Material* m = materials.material(s.material);
+    const ShapeContext inner{context.sceneFromObject * s.worldFromObject, s.reverseOrientation, &materials,
+                             this, m};
+    const double determinant = glm::determinant(Mat3d(inner.sceneFromObject));
+    if (s.worldFromObjectLast)
+      c.diagnostics.error(s.shape.location, "a part of another shape does not move by itself",
+                          "the whole's Shape under the motion");
+    else if (s.areaLight >= 0)
+      c.diagnostics.error(s.shape.location, "a part of another shape does not emit by itself",
+                          "the AreaLightSource at the shape that it is a part of");
+    else if (!std::isfinite(determinant) || determinant == 0)
+      c.diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+    else if (s.medium.inside != s.medium.outside)
+      c.diagnostics.error(s.shape.location, "a part of another shape bounds no medium by itself",
+                          "the MediumInterface at the shape that it is a part of");
+    else if (auto shape = plugIns().shapes.make(s.shape, inner, c.diagnostics, c.lenient))
+      made.push_back({std::move(shape), m, s.shape.location});
+  }
+  objectsUnderWay.pop_back();
+  return made;
+}
+
+Bounds3d ShapeGroups::boundsOf(const Group& g) {
+  Bounds3d b;
+  for (const Placed& p : g.placed) {
+    const Bounds3f s = p.shape->bounds();
+    if (s.empty()) continue;
+    b.add(Vec3d(s.lower) + g.origin);
+    b.add(Vec3d(s.upper) + g.origin);
+  }
+  return b;
+}
+
+template <class Fill> void ShapeGroups::fillGroup(Group& group, const Fill& fill) {
+  const size_t shapesBefore = shapes.size();
+  fill();
+  const Bounds3d b = boundsOf(group);
+  if (b.empty() || c.diagnostics.hasErrors()) return;
+  if (glm::length(b.center() - group.origin) <= 2 * glm::length(b.diagonal())) return;
+  group.origin = originOf(b);
+  group.placed.clear();
+  shapes.resize(shapesBefore);
+  fill();
+}
+
+bool ShapeGroups::build() {
+  Group& top = all.emplace_back();
+  top.origin = c.sceneOrigin;
+  std::map<std::string, size_t> groupOf;
+  fillGroup(top, [&] {
+    for (const ShapeDescription& s : c.description.shapes)
+      if (!s.worldFromObjectLast) addShape(s, s.worldFromObject, top);
+    // Emitting shapes of an object are baked, one for each instance: a light has one place.
+    for (const InstanceDescription& i : c.description.instances) {
+      const auto object = c.description.objects.find(i.object);
+      if (object == c.description.objects.end()) continue;
+      for (const ShapeDescription& s : object->second.shapes)
+        if (s.areaLight >= 0 && !movesAlone(s, i)) addShape(s, i.worldFromInstance * s.worldFromObject, top);
+    }
+  });
+  c.sceneOrigin = all.front().origin;
+  for (const InstanceDescription& i : c.description.instances) {
+    if (c.enoughErrors()) break;
+    const auto object = c.description.objects.find(i.object);
+    if (object == c.description.objects.end()) {
+      c.diagnostics.error(i.location, "there is no object named \"" + i.object + "\"",
+                          quotedList(namesOf(c.description.objects)));
+      continue;
+    }
+    const double determinant = glm::determinant(Mat3d(i.worldFromInstance));
+    if (!std::isfinite(determinant) || determinant == 0) {
+      c.diagnostics.error(i.location, "the instance's transform flattens it: it cannot be inverted");
+      continue;
+    }
+    if (!groupOf.count(i.object)) {
+      groupOf[i.object] = all.size();
+      Group& g = all.emplace_back();
+      Bounds3d place;
+      for (const ShapeDescription& s : object->second.shapes) addPlace(s, s.worldFromObject, place);
+      g.origin = originOf(place);
+      fillGroup(g, [&] {
+        for (const ShapeDescription& s : object->second.shapes)
+          if (s.areaLight < 0 && !s.worldFromObjectLast) addShape(s, s.worldFromObject, g);
+      });
+    }
+    if (!all[groupOf[i.object]].placed.empty())
+      placedInstances.push_back({groupOf[i.object], motionOf(i), {}});
+    for (const ShapeDescription& s : object->second.shapes)
+      if (movesAlone(s, i)) addMoving(s, motionOf(i), i.location);
+  }
+  for (const ShapeDescription& s : c.description.shapes)
+    if (s.worldFromObjectLast) addMoving(s, {}, s.shape.location);
+  return !c.diagnostics.hasErrors();
+}
+
+void ShapeGroups::addMoving(const ShapeDescription& s, const AnimatedTransform& instance,
+                            const SourceLocation& where) {
+  if (c.enoughErrors()) return;
+  const AnimatedTransform motion = motionOf(s);
+  const auto volume = [&](const Mat4d& a, const Mat4d& b) { return glm::determinant(Mat3d(a) * Mat3d(b)); };
+  const double first = volume(instance.start(), motion.start()), last = volume(instance.end(), motion.end());
+  if (!std::isfinite(first) || !std::isfinite(last) || !(first * last > 0)) {
+    c.diagnostics.error(where, "a transform of the motion flattens the shape or turns it inside out");
+    return;
+  }
+  const size_t index = all.size();
+  Group& g = all.emplace_back();
+  Bounds3d place;
+  addPlace(s, s.worldFromObject, place);
+  g.origin = originOf(place);
+  fillGroup(g, [&] { addShape(s, s.worldFromObject, g); });
+  if (!g.placed.empty()) placedInstances.push_back({index, instance, motion});
+}
+
+MatrixTrack ShapeGroups::sceneFromGroup(const Instance& i) const {
+  const Mat4d fromStart = glm::inverse(i.shape.start()) * translation(all[i.group].origin);
+  const auto at = [&](double time) {
+    return recentred(i.instance.at(time) * i.shape.at(time), c.sceneOrigin) * fromStart;
+  };
+  if (!i.instance.moves() && !i.shape.moves()) return at(0);
+  // The product of two motions is curved even where neither turns.
+  constexpr int CURVED = 16, MAX_PARTS = 128; // Embree has no more
+  const int parts = i.instance.moves() && i.shape.moves()
+                        ? std::min(CURVED + i.instance.linearParts() + i.shape.linearParts(), MAX_PARTS)
+                        : std::max(i.instance.linearParts(), i.shape.linearParts());
+  std::vector<Mat4d> steps;
+  for (int k = 0; k <= parts; ++k) steps.push_back(at(double(k) / parts));
+  return MatrixTrack(steps);
+}
+
+Bounds3d ShapeGroups::bounds() const {
+  Bounds3d b;
+  for (const Placed& p : all.front().placed) {
+    const Bounds3f s = p.shape->bounds();
+    b.add(Vec3d(s.lower));
+    b.add(Vec3d(s.upper));
+  }
+  for (const Instance& i : placedInstances) {
+    const Bounds3d local = boundsOf(all[i.group]);
+    const MatrixTrack track = sceneFromGroup(i);
+    for (const Mat4d& step : track.steps()) {
+      const Mat4d m = step * translation(-all[i.group].origin);
+      for (int corner = 0; corner < 8; ++corner)
+        b.add(transformPoint(m, {corner & 1 ? local.upper.x : local.lower.x,
+                                 corner & 2 ? local.upper.y : local.lower.y,
+                                 corner & 4 ? local.upper.z : local.lower.z}));
+    }
+  }
+  return b;
+}
+
+void ShapeGroups::count(SceneContents& contents) const {
+  for (const Group& g : all)
+    for (const Placed& p : g.placed) {
+      ++contents.shapes;
+      (p.shape->triangleMesh() ? contents.triangles : contents.otherPrimitives) += p.shape->primitiveCount();
+      for (const Material* m : p.shape->componentMaterials())
+        if (m) contents.lobes |= m->lobes();
+      if (p.material) contents.lobes |= p.material->lobes();
+    }
+  contents.instances = placedInstances.size();
+}
+
+} // namespace recurse

@@ -1,0 +1,70 @@
+/** @file
+ * Shapes of a scene: the top level, and a group for each object definition and each shape that moves.
+ */
+#pragma once
+
+#include <deque>
+
+#include "model/sceneMaterials.h"
+#include "model/sceneMedia.h"
+#include "recurse/model/moving.h"
+#include "recurse/model/scene.h"
+
+namespace recurse {
+
+class ShapeGroups final : public ShapeLookup {
+ public:
+  /** A shape with its place in a group, before the lights are known. */
+  struct Placed {
+    const Shape* shape;
+    const Material* material;
+    const ShapeDescription* from;
+    MediumInterface media;
+  };
+  struct Group {
+    Vec3d origin{0}; ///< taken off the object's positions
+    std::vector<Placed> placed;
+  };
+  /** A group in the scene: world from instance space, and that from the space of a shape that moves. */
+  struct Instance {
+    size_t group;
+    AnimatedTransform instance, shape;
+  };
+
+  /** What is made is kept in `shapes`. Guesses the scene's origin. */
+  ShapeGroups(BuildContext& context, SceneMaterials& materials, SceneMedia& media,
+              std::vector<std::unique_ptr<Shape>>& shapes);
+
+  /** Makes all shapes, and corrects the scene's origin. False after an error. */
+  bool build();
+
+  /** [0] is the top level; addresses stay. */
+  const std::deque<Group>& groups() const { return all; }
+  const std::vector<Instance>& instances() const { return placedInstances; }
+  MatrixTrack sceneFromGroup(const Instance& i) const;
+  /** Of all shapes, in the scene. */
+  Bounds3d bounds() const;
+  void count(SceneContents& contents) const;
+
+  std::vector<ComponentShape> object(const Parameters& p, const std::string& parameter,
+                                     const std::string& name, const ShapeContext& context) override;
+
+ private:
+  static Bounds3d boundsOf(const Group& g);
+  /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
+  void addShape(const ShapeDescription& s, const Mat4d& placement, Group& group);
+  /** Fills a group; a second time, better centred, when the first guess of its place was bad. */
+  template <class Fill> void fillGroup(Group& group, const Fill& fill);
+  /** A moving shape as a group of its own, as it is at the start. */
+  void addMoving(const ShapeDescription& s, const AnimatedTransform& instance, const SourceLocation& where);
+
+  BuildContext& c;
+  SceneMaterials& materials;
+  SceneMedia& media;
+  std::vector<std::unique_ptr<Shape>>& shapes;
+  std::deque<Group> all;
+  std::vector<Instance> placedInstances;
+  std::vector<std::string> objectsUnderWay; ///< whose shapes are being made into others
+};
+
+} // namespace recurse
