@@ -111,6 +111,8 @@ double mitchell(double x, double b, double c) {
   return ((12 - 9 * b - 6 * c) * x * x * x + (-18 + 12 * b + 6 * c) * x * x + (6 - 2 * b)) / 6;
 }
 
+double sinc(double x) { return x == 0 ? 1 : std::sin(double(PI) * x) / (double(PI) * x); }
+
 } // namespace
 
 void registerFilters(PlugIns& plugIns) {
@@ -150,6 +152,20 @@ void registerFilters(PlugIns& plugIns) {
          const auto axis = [&](float radius) {
            return TabulatedAxis(
                radius, [&](double x) { return mitchell(x / double(radius), p.real("B"), p.real("C")); });
+         };
+         const Vec2f r = radiusOf(p);
+         return std::make_unique<TabulatedFilter>(axis(r.x), axis(r.y));
+       }});
+  filters.add(
+      {{.name = "sinc",
+        .summary = "The ideal low pass under Lanczos's window: sharp, with more ringing.",
+        .parameters = radiusParameters("4", {realParameter("tau", "3", "cycles of the sine within the window")
+                                                 .range(0.01, 100)}),
+        .examples = {""}},
+       [](const Parameters& p, const NoContext&) {
+         const auto axis = [&](float radius) {
+           // C. Duchon, "Lanczos Filtering in One and Two Dimensions", 1979, with pbrt's parameters.
+           return TabulatedAxis(radius, [&](double x) { return sinc(x) * sinc(x / p.real("tau")); });
          };
          const Vec2f r = radiusOf(p);
          return std::make_unique<TabulatedFilter>(axis(r.x), axis(r.y));

@@ -321,6 +321,8 @@ void registerPath(PlugIns& plugIns) {
   add("path", "The unbiased path tracer with shadow rays and multiple importance sampling.",
       {real("rrthreshold"), boolean("regularize"), lights});
   add("volpath", other, {real("rrthreshold"), boolean("regularize"), lights});
+  add("randomwalk", other, {});
+  add("simplevolpath", other, {});
   add("mlt", other,
       {integer("bootstrapsamples"), integer("chains"), integer("mutationsperpixel"),
        real("largestepprobability"), real("sigma"), boolean("regularize")});

@@ -3,6 +3,7 @@
  */
 #include <algorithm>
 
+#include "recurse/scene/spectrum.h"
 #include "scene/parameterParser.h"
 #include "scene/sceneParser.h"
 
@@ -51,11 +52,14 @@ void SceneParser::colorSpace(const Token& t) {
   const Token token = takeString(t, "a colour space");
   std::string name = token.value();
   std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (name == "srgb") return;
-  const bool known = name == "aces2065-1" || name == "rec2020" || name == "dci-p3";
-  log.error(token.location(),
-            "colour space " + token.shown() + (known ? " is not supported yet" : " does not exist"),
-            "\"srgb\"");
+  const std::vector<std::string>& known = namedColorSpaces();
+  if (std::find(known.begin(), known.end(), name) != known.end()) {
+    state.colorSpace = name == "srgb" ? "" : name;
+    return;
+  }
+  std::string accepted;
+  for (const std::string& n : known) accepted += (accepted.empty() ? "\"" : " \"") + n + "\"";
+  log.error(token.location(), "colour space " + token.shown() + " does not exist", accepted);
 }
 
 void SceneParser::option(const Token& t) {

@@ -33,7 +33,7 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
        "The camera, placed by the inverse of the current transform; defines the coordinate system "
        "\"camera\".",
        &P::camera},
-      {"ColorSpace", "\"name\"", ANYWHERE, "The colour space of rgb values: \"srgb\" (linear Rec. 709).",
+      {"ColorSpace", "\"name\"", ANYWHERE, "The colour space of the rgb values that follow: \"srgb\" (linear Rec. 709), \"rec2020\", \"dci-p3\", \"aces2065-1\"; pictures are Rec. 709.",
        &P::colorSpace},
       {"ConcatTransform", "[ 16 numbers ]", ANYWHERE,
        "Multiplies the current transform by a matrix, given column by column.", &P::concatTransform},
@@ -223,6 +223,14 @@ Token SceneParser::takeString(const Token& directive, const char* what) {
   return tokens->take();
 }
 
+std::vector<ParsedParameter> SceneParser::takeParameters(const std::string& directory) {
+  std::vector<ParsedParameter> parameters = parseParameters(*tokens, log, directory);
+  if (!state.colorSpace.empty())
+    for (ParsedParameter& p : parameters)
+      if (p.type == "rgb") p.colorSpace = state.colorSpace;
+  return parameters;
+}
+
 ParsedDirective SceneParser::takePlugIn(const Token& directive) {
   const Token name = takeString(directive, "a name");
   ParsedDirective d;
@@ -230,7 +238,7 @@ ParsedDirective SceneParser::takePlugIn(const Token& directive) {
   d.location = name.location();
   d.directory = name.source->directory;
   d.topDirectory = files.topDirectory;
-  d.parameters = parseParameters(*tokens, log, d.directory);
+  d.parameters = takeParameters(d.directory);
   for (const ParsedParameter& p : d.parameters)
     if (p.type == "blackbody" && p.numbers.size() == 2) looksOld(p.location);
   if (log.sawOldType) looksOld(d.location);

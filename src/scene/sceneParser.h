@@ -38,6 +38,7 @@ struct GraphicsState {
   MaterialReference material;
   int areaLight = -1;
   MediumReference medium;
+  std::string colorSpace; ///< of rgb values that follow, as in ParsedParameter
   /** Shared, because states are copied far more often than they change. */
   std::array<std::shared_ptr<const std::vector<ParsedParameter>>, ATTRIBUTE_TARGETS> attributes;
 };
@@ -69,6 +70,8 @@ class SceneParser {
   void looksOld(const SourceLocation& where);
   void checkPlugInAge(const char* directive, const ParsedDirective& d);
   Token takeString(const Token& directive, const char* what);
+  /** Parameters of a directive, told the colour space that holds here. */
+  std::vector<ParsedParameter> takeParameters(const std::string& directory);
   ParsedDirective takePlugIn(const Token& directive);
   ParsedDirective takePlugIn(const Token& directive, AttributeTarget target);
   void moveTypeOut(ParsedDirective& d, const std::string& what);

@@ -4,6 +4,7 @@
 #include "recurse/scene/spectrum.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scene/lexer.h"
@@ -65,6 +66,14 @@ template <class F> Vec3d integrate(F&& spectrum) {
   return xyz;
 }
 
+/** From primaries and white as chromaticities x, y. */
+Mat3d xyzFromRgb(const std::array<Vec2d, 3>& primaries, const Vec2d& whitePoint) {
+  const auto column = [](const Vec2d& c) { return Vec3d(c.x / c.y, 1, (1 - c.x - c.y) / c.y); };
+  const Mat3d columns(column(primaries[0]), column(primaries[1]), column(primaries[2]));
+  const Vec3d amounts = glm::inverse(columns) * column(whitePoint);
+  return {columns[0] * amounts.x, columns[1] * amounts.y, columns[2] * amounts.z};
+}
+
 /** What daylight comes to in these integrals; results are relative to it, so that the fit's errors cancel in
  * white. */
 const Rgbd& white() {
@@ -101,14 +110,34 @@ Rgbd daylightColour(double wavelength) {
 }
 
 Rgbd rgbOfXyz(const Vec3d& xyz) {
-  static const Mat3d FROM_XYZ = [] {
-    // Primaries and white of ITU-R BT.709-6, item 1.3 and 1.4.
-    const auto column = [](double x, double y) { return Vec3d(x / y, 1, (1 - x - y) / y); };
-    const Mat3d primaries(column(0.64, 0.33), column(0.30, 0.60), column(0.15, 0.06));
-    const Vec3d amounts = glm::inverse(primaries) * column(0.3127, 0.3290);
-    return glm::inverse(Mat3d(primaries[0] * amounts.x, primaries[1] * amounts.y, primaries[2] * amounts.z));
-  }();
+  // Primaries and white of ITU-R BT.709-6, item 1.3 and 1.4.
+  static const Mat3d FROM_XYZ =
+      glm::inverse(xyzFromRgb({{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}}}, {0.3127, 0.3290}));
   return FROM_XYZ * xyz;
+}
+
+const std::vector<std::string>& namedColorSpaces() {
+  static const std::vector<std::string> NAMES = {"srgb", "rec2020", "dci-p3", "aces2065-1"};
+  return NAMES;
+}
+
+Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind kind) {
+  if (name.empty() || name == "srgb") return value;
+  static const auto TO_REC709 = [](const std::array<Vec2d, 3>& primaries, const Vec2d& whitePoint) {
+    const Mat3d toXyz = xyzFromRgb(primaries, whitePoint);
+    return Mat3d(rgbOfXyz(toXyz[0]), rgbOfXyz(toXyz[1]), rgbOfXyz(toXyz[2]));
+  };
+  // ITU-R BT.2020-2; SMPTE RP 431-2 with the white of displays, as pbrt; SMPTE ST 2065-1.
+  static const Mat3d REC2020 =
+      TO_REC709({{{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}}}, {0.3127, 0.3290});
+  static const Mat3d DCI_P3 =
+      TO_REC709({{{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}}}, {0.3127, 0.3290});
+  static const Mat3d ACES =
+      TO_REC709({{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}}}, {0.32168, 0.33767});
+  const Mat3d& matrix = name == "rec2020" ? REC2020 : name == "dci-p3" ? DCI_P3 : ACES;
+  if (kind == SpectrumKind::ILLUMINANT) return intoGamut(matrix * value);
+  const Rgbd factor = intoGamut(matrix * value / (matrix * Rgbd(1)));
+  return kind == SpectrumKind::ALBEDO ? glm::min(factor, Rgbd(1)) : factor;
 }
 
 Vec3d xyzOfRgb(const Rgbd& rgb) {

@@ -50,7 +50,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   if (pass.index == 0) {
     guidance = {};
     portals = {};
-    if (guided) learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
+    if (guided && scene.lights().size() > 0) learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;

@@ -204,7 +204,11 @@ TEST(Directives, Blocks) {
 }
 
 TEST(Directives, ColorSpaces) {
-  EXPECT_CONTAINS(messages("ColorSpace \"rec2020\" WorldBegin"), "not supported yet");
+  EXPECT_EQ(messages("ColorSpace \"rec2020\" WorldBegin"), "");
+  const SceneDescription scene = parseGood("ColorSpace \"rec2020\" WorldBegin AttributeBegin ColorSpace \"sRGB\" "
+                                   "Shape \"a\" \"rgb c\" [1 0 0] AttributeEnd Shape \"b\" \"rgb c\" [1 0 0]");
+  EXPECT_EQ(scene.shapes[0].shape.parameters[0].colorSpace, "");
+  EXPECT_EQ(scene.shapes[1].shape.parameters[0].colorSpace, "rec2020");
   EXPECT_CONTAINS(messages("ColorSpace \"foo\" WorldBegin"), "accepted: \"srgb\"");
 }
 

@@ -25,6 +25,28 @@ TEST(Spectrum, WhiteOfXyz) {
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(white[i], 1, 2e-4);
 }
 
+TEST(Spectrum, ColorSpaces) {
+  // ITU-R BT.2087-0, the inverse of its matrix M2, on a colour within both gamuts.
+  const Rgbd wide = rgbInColorSpace("rec2020", {0.5, 0.4, 0.3}, SpectrumKind::ILLUMINANT);
+  const Rgbd narrow{0.57337, 0.38837, 0.28627};
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(wide[i], narrow[i], 2e-4);
+  for (const std::string& name : namedColorSpaces()) {
+    for (const SpectrumKind kind : {SpectrumKind::ALBEDO, SpectrumKind::UNBOUNDED}) {
+      const Rgbd grey = rgbInColorSpace(name, Rgbd(0.5), kind);
+      for (int i = 0; i < 3; ++i) EXPECT_NEAR(grey[i], 0.5, 1e-12) << name;
+    }
+    for (const Rgbd& pure : {Rgbd(1, 0, 0), Rgbd(0, 1, 0), Rgbd(0, 0, 1)}) {
+      const Rgbd c = rgbInColorSpace(name, pure, SpectrumKind::ALBEDO);
+      EXPECT_GE(std::min({c.r, c.g, c.b}), 0) << name;
+      EXPECT_LE(std::max({c.r, c.g, c.b}), 1) << name;
+    }
+  }
+  // An emission keeps its colour: white of ACES.
+  const Vec2d white = chromaticity(rgbInColorSpace("aces2065-1", Rgbd(1), SpectrumKind::ILLUMINANT));
+  EXPECT_NEAR(white.x, 0.32168, 2e-4);
+  EXPECT_NEAR(white.y, 0.33767, 2e-4);
+}
+
 TEST(Spectrum, ConstantsStayExact) {
   for (double c : {0.0, 0.18, 1.0}) {
     EXPECT_EQ(rgbOfSpectrum({{400, 700}, {c, c}}, SpectrumKind::ALBEDO), Rgbd(c));

@@ -45,6 +45,11 @@ SampledSpectrum readSpectrumFile(const std::string& path);
 /** What turns the white of a phase of daylight, below 4000 K of a black body, into that of Rec. 709: von
  * Kries adaptation of linear Rec. 709 colours in Bradford's cone space, as in pbrt. */
 Mat3d whiteBalance(double kelvin);
+/** pbrt's names of colour spaces, for which rgbInColorSpace has primaries and white. */
+const std::vector<std::string>& namedColorSpaces();
+/** Linear Rec. 709 of an rgb value in a named colour space, moved into the gamut. An emission keeps its
+ * colour; a factor is what it does to the white of its space, so that grey stays grey. */
+Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind kind);
 /** CIE XYZ (2°) of linear Rec. 709. */
 Vec3d xyzOfRgb(const Rgbd& rgb);
 /** Linear Rec. 709 of CIE XYZ (2°), white D65. */
