@@ -159,8 +159,8 @@ void registerFilters(PlugIns& plugIns) {
   filters.add(
       {{.name = "sinc",
         .summary = "The ideal low pass under Lanczos's window: sharp, with more ringing.",
-        .parameters = radiusParameters("4", {realParameter("tau", "3", "cycles of the sine within the window")
-                                                 .range(0.01, 100)}),
+        .parameters = radiusParameters(
+            "4", {realParameter("tau", "3", "cycles of the sine within the window").range(0.01, 100)}),
         .examples = {""}},
        [](const Parameters& p, const NoContext&) {
          const auto axis = [&](float radius) {

@@ -156,8 +156,7 @@ Rgbd Parameters::spectrumOf(const Bound& b, const ParsedParameter& v) const {
         fail(b.name, "the spectrum of parameter \"" + b.name + "\" leaves its range");
   };
   if (v.type == "float") return Rgbd(v.numbers[0]);
-  if (v.type == "rgb")
-    return rgbInColorSpace(v.colorSpace, {v.numbers[0], v.numbers[1], v.numbers[2]}, b.kind);
+  if (v.type == "rgb") return {v.numbers[0], v.numbers[1], v.numbers[2]};
   if (v.type == "blackbody") return rgbOfBlackbody(v.numbers[0], b.kind);
   if (v.strings.empty()) {
     const SampledSpectrum spectrum = spectrumFromPairs(v.numbers); // checked when it was bound
@@ -211,8 +210,7 @@ std::vector<Rgbd> Parameters::spectra(const std::string& wanted) const {
   const auto& v = b.value.numbers;
   std::vector<Rgbd> out;
   if (b.value.type == "rgb") {
-    for (size_t i = 0; i + 2 < v.size(); i += 3)
-      out.push_back(rgbInColorSpace(b.value.colorSpace, {v[i], v[i + 1], v[i + 2]}, b.kind));
+    for (size_t i = 0; i + 2 < v.size(); i += 3) out.emplace_back(v[i], v[i + 1], v[i + 2]);
   } else if (b.value.type == "float") {
     for (double x : v) out.emplace_back(x);
   } else if (b.value.type == "blackbody") {

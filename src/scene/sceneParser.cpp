@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "recurse/scene/spectrum.h"
 #include "scene/directiveNames.h"
 #include "scene/parameterParser.h"
 #include "scene/pbrt3.h"
@@ -33,7 +34,9 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
        "The camera, placed by the inverse of the current transform; defines the coordinate system "
        "\"camera\".",
        &P::camera},
-      {"ColorSpace", "\"name\"", ANYWHERE, "The colour space of the rgb values that follow: \"srgb\" (linear Rec. 709), \"rec2020\", \"dci-p3\", \"aces2065-1\"; pictures are Rec. 709.",
+      {"ColorSpace", "\"name\"", ANYWHERE,
+       "The colour space of the rgb values that follow: \"srgb\" (linear Rec. 709), \"rec2020\", \"dci-p3\", "
+       "\"aces2065-1\"; pictures are Rec. 709.",
        &P::colorSpace},
       {"ConcatTransform", "[ 16 numbers ]", ANYWHERE,
        "Multiplies the current transform by a matrix, given column by column.", &P::concatTransform},
@@ -223,11 +226,17 @@ Token SceneParser::takeString(const Token& directive, const char* what) {
   return tokens->take();
 }
 
-std::vector<ParsedParameter> SceneParser::takeParameters(const std::string& directory) {
+std::vector<ParsedParameter> SceneParser::takeParameters(const std::string& directory, SpectrumKind kind) {
   std::vector<ParsedParameter> parameters = parseParameters(*tokens, log, directory);
-  if (!state.colorSpace.empty())
-    for (ParsedParameter& p : parameters)
-      if (p.type == "rgb") p.colorSpace = state.colorSpace;
+  if (state.colorSpace.empty()) return parameters;
+  for (ParsedParameter& p : parameters) {
+    if (p.type != "rgb") continue;
+    auto& v = p.numbers;
+    for (size_t i = 0; i + 2 < v.size(); i += 3) {
+      const Rgbd c = rgbInColorSpace(state.colorSpace, {v[i], v[i + 1], v[i + 2]}, kind);
+      for (int k = 0; k < 3; ++k) v[i + size_t(k)] = c[k];
+    }
+  }
   return parameters;
 }
 
@@ -238,7 +247,8 @@ ParsedDirective SceneParser::takePlugIn(const Token& directive) {
   d.location = name.location();
   d.directory = name.source->directory;
   d.topDirectory = files.topDirectory;
-  d.parameters = takeParameters(d.directory);
+  const bool isLight = directive.text == "LightSource" || directive.text == "AreaLightSource";
+  d.parameters = takeParameters(d.directory, isLight ? SpectrumKind::ILLUMINANT : SpectrumKind::UNBOUNDED);
   for (const ParsedParameter& p : d.parameters)
     if (p.type == "blackbody" && p.numbers.size() == 2) looksOld(p.location);
   if (log.sawOldType) looksOld(d.location);

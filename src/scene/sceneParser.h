@@ -38,7 +38,7 @@ struct GraphicsState {
   MaterialReference material;
   int areaLight = -1;
   MediumReference medium;
-  std::string colorSpace; ///< of rgb values that follow, as in ParsedParameter
+  std::string colorSpace; ///< of rgb values that follow; empty: linear Rec. 709
   /** Shared, because states are copied far more often than they change. */
   std::array<std::shared_ptr<const std::vector<ParsedParameter>>, ATTRIBUTE_TARGETS> attributes;
 };
@@ -70,8 +70,9 @@ class SceneParser {
   void looksOld(const SourceLocation& where);
   void checkPlugInAge(const char* directive, const ParsedDirective& d);
   Token takeString(const Token& directive, const char* what);
-  /** Parameters of a directive, told the colour space that holds here. */
-  std::vector<ParsedParameter> takeParameters(const std::string& directory);
+  /** Parameters of a directive; rgb values come out as linear Rec. 709 from the colour space that holds here.
+   */
+  std::vector<ParsedParameter> takeParameters(const std::string& directory, SpectrumKind kind);
   ParsedDirective takePlugIn(const Token& directive);
   ParsedDirective takePlugIn(const Token& directive, AttributeTarget target);
   void moveTypeOut(ParsedDirective& d, const std::string& what);

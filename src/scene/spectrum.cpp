@@ -130,14 +130,14 @@ Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind ki
   // ITU-R BT.2020-2; SMPTE RP 431-2 with the white of displays, as pbrt; SMPTE ST 2065-1.
   static const Mat3d REC2020 =
       TO_REC709({{{0.708, 0.292}, {0.170, 0.797}, {0.131, 0.046}}}, {0.3127, 0.3290});
-  static const Mat3d DCI_P3 =
-      TO_REC709({{{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}}}, {0.3127, 0.3290});
+  static const Mat3d DCI_P3 = TO_REC709({{{0.680, 0.320}, {0.265, 0.690}, {0.150, 0.060}}}, {0.3127, 0.3290});
   static const Mat3d ACES =
       TO_REC709({{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}}}, {0.32168, 0.33767});
   const Mat3d& matrix = name == "rec2020" ? REC2020 : name == "dci-p3" ? DCI_P3 : ACES;
   if (kind == SpectrumKind::ILLUMINANT) return intoGamut(matrix * value);
-  const Rgbd factor = intoGamut(matrix * value / (matrix * Rgbd(1)));
-  return kind == SpectrumKind::ALBEDO ? glm::min(factor, Rgbd(1)) : factor;
+  // What absorbs and never amplifies goes on so.
+  return glm::min(intoGamut(matrix * value / (matrix * Rgbd(1))),
+                  Rgbd(std::max({1.0, value.r, value.g, value.b})));
 }
 
 Vec3d xyzOfRgb(const Rgbd& rgb) {

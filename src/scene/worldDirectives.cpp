@@ -73,7 +73,8 @@ void SceneParser::attributeEnd(const Token& t) {
 void SceneParser::attribute(const Token& t) {
   const Token target = takeString(t, "what it is for");
   const std::string name = target.value();
-  std::vector<ParsedParameter> parameters = takeParameters("");
+  std::vector<ParsedParameter> parameters =
+      takeParameters("", name == "light" ? SpectrumKind::ILLUMINANT : SpectrumKind::UNBOUNDED);
   size_t index = 0;
   while (index < ATTRIBUTE_TARGETS && name != ATTRIBUTE_TARGET_NAMES[index]) ++index;
   if (index == ATTRIBUTE_TARGETS)

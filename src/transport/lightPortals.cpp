@@ -54,12 +54,9 @@ std::vector<size_t> distantLights(const Scene& scene) {
 
 } // namespace
 
-void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
-  constexpr int ACROSS = 128, MAX_DEPTH = 5, LEVELS = 6; // 2^LEVELS boxes at the most
-  boxes.clear();
-  scene = sceneToLearn.bounds();
-  const std::vector<size_t> distant = distantLights(sceneToLearn);
-  if (distant.empty() && sceneToLearn.environment().empty()) return;
+void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t>& distant, uint64_t seed,
+                             std::vector<Exit>& exits, TransportCounts& counts) {
+  constexpr int ACROSS = 128, MAX_DEPTH = 5;
   const PathClasses allPaths;
   std::vector<std::vector<Exit>> rows(ACROSS);
   std::vector<TransportCounts> rowCounts(ACROSS);
@@ -81,7 +78,7 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
       const auto leave = [&](const Hit* hit) {
         if (hit || seenByCamera) return;
         const float weight = maxComponent(path.throughput);
-        rows[y].push_back({path.ray.origin, std::min(weight, 1.0f)});
+        rows[y].push_back({path.ray.origin, std::min(weight, 1.0f), path.ray.direction});
       };
       while (walker.next(path, vertex, sampler, leave)) {
         if (vertex.isConnectable()) {
@@ -91,19 +88,78 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
             const auto light = sceneToLearn.lights()[distant[which]].sampleLi(vertex.point().position, 0, {});
             if (light && glm::dot(light->direction, vertex.point().normalTowards(vertex.wi)) > 0 &&
                 visible(sceneToLearn, vertex.hit, vertex.wi, *light, path.nesting, rowCounts[y]))
-              rows[y].push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
+              rows[y].push_back(
+                  {vertex.point().position, std::min(maxComponent(path.throughput), 1.0f), Vec3f(0)});
           }
         }
         if (!walker.scatter(path, vertex, sampler)) break;
       }
     }
   });
-  std::vector<Exit> exits;
   for (size_t y = 0; y < ACROSS; ++y) {
     exits.insert(exits.end(), rows[y].begin(), rows[y].end());
     counts.add(rowCounts[y]);
   }
-  constexpr size_t ENOUGH = 64; // fewer tell too little of where the rest comes in
+}
+
+void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
+  constexpr size_t OTHERS = 64, CLOSEST = 8; // paths by the same hole are the closest, up to some eight holes
+  constexpr float PARALLEL = 0.05f;          // square of the sine of an angle that tells nothing
+  struct Approach {
+    float distance2, along;
+  };
+  std::vector<Exit> moved(exits.size());
+  std::vector<char> known(exits.size());
+  parallelFor(exits.size(), [&](size_t i) {
+    const Exit& own = exits[i];
+    moved[i] = own;
+    known[i] = own.direction == Vec3f(0);
+    if (known[i]) return;
+    Sampler sampler(seed, 0x43524f5353ull, static_cast<uint32_t>(i));
+    std::vector<Approach> approaches;
+    for (size_t k = 0; k < OTHERS; ++k) {
+      const auto j = std::min(exits.size() - 1,
+                              static_cast<size_t>(sampler.next1D() * static_cast<float>(exits.size())));
+      const Exit& other = exits[j];
+      const float cosine = glm::dot(own.direction, other.direction);
+      if (other.direction == Vec3f(0) || !(1 - cosine * cosine > PARALLEL)) continue;
+      const Vec3f between = other.position - own.position;
+      const float a = glm::dot(own.direction, between), b = glm::dot(other.direction, between);
+      const float along = (a - cosine * b) / (1 - cosine * cosine);
+      const float otherAlong = (cosine * a - b) / (1 - cosine * cosine);
+      if (!(along > 0 && otherAlong > 0)) continue;
+      const Vec3f gap = between + other.direction * otherAlong - own.direction * along;
+      approaches.push_back({lengthSquared(gap), along});
+    }
+    if (approaches.size() < 2 * CLOSEST) return;
+    std::nth_element(approaches.begin(), approaches.begin() + CLOSEST, approaches.end(),
+                     [](const Approach& a, const Approach& b) { return a.distance2 < b.distance2; });
+    std::nth_element(approaches.begin(), approaches.begin() + CLOSEST / 2, approaches.begin() + CLOSEST,
+                     [](const Approach& a, const Approach& b) { return a.along < b.along; });
+    moved[i].position += own.direction * approaches[CLOSEST / 2].along;
+    known[i] = true;
+  });
+  std::vector<Exit> found;
+  for (size_t i = 0; i < exits.size(); ++i)
+    if (known[i]) found.push_back(moved[i]);
+  exits = std::move(found);
+}
+
+void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, ExitPlace place, TransportCounts& counts) {
+  constexpr int LEVELS = 6;                        // 2^LEVELS boxes at the most
+  constexpr size_t ENOUGH = 64, MANY = 8 * ENOUGH; // fewer tell too little of where the rest comes in
+  constexpr int ROUNDS = 4;
+  boxes.clear();
+  scene = sceneToLearn.bounds();
+  const std::vector<size_t> distant = distantLights(sceneToLearn);
+  if (distant.empty() && sceneToLearn.environment().empty()) return;
+  std::vector<Exit> exits;
+  for (int round = 0; round < ROUNDS; ++round) {
+    findExits(sceneToLearn, distant, hashCombine(seed, uint64_t(round)), exits, counts);
+    // A hole that hardly any path finds is looked at more closely, but no room that is closed.
+    if (exits.size() >= MANY || exits.size() < ENOUGH / ROUNDS) break;
+  }
+  if (place == ExitPlace::CROSSING) moveToCrossings(exits, seed);
   if (exits.size() < ENOUGH) return;
   constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
   split(exits.begin(), exits.end(), LEVELS, MARGIN * scene.radius);
@@ -119,6 +175,8 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
 void LightPortals::split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels,
                          float margin) {
   constexpr ptrdiff_t FEW = 32;
+  // Photons that come in where no leaf is would be hundreds of times as strong as others.
+  constexpr float INNER = 0.25f, GROWTH = 0.05f;
   Bounds3f bounds;
   float weight = 0;
   for (auto e = first; e != last; ++e) {
@@ -128,8 +186,12 @@ void LightPortals::split(std::vector<Exit>::iterator first, std::vector<Exit>::i
   if (levels == 0 || last - first < 2 * FEW) {
     bounds.lower -= margin;
     bounds.upper += margin;
-    boxes.push_back({bounds, weight, 0});
+    boxes.push_back({bounds, weight, true, 0});
     return;
+  }
+  if (levels % 2 == 0) {
+    const Vec3f more = bounds.diagonal() * GROWTH + margin;
+    boxes.push_back({{bounds.lower - more, bounds.upper + more}, INNER * weight, false, 0});
   }
   const int axis = widestAxis(bounds.diagonal());
   const auto middle = first + (last - first) / 2;
@@ -143,6 +205,7 @@ float LightPortals::openPart() const {
   // A convex body's silhouette is a quarter of its surface, over all directions (Cauchy).
   float open = 0;
   for (const Box& box : boxes) {
+    if (!box.leaf) continue;
     const Vec3f d = box.bounds.diagonal();
     open += (d.x * d.y + d.y * d.z + d.z * d.x) / 2;
   }

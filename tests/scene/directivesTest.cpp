@@ -205,10 +205,11 @@ TEST(Directives, Blocks) {
 
 TEST(Directives, ColorSpaces) {
   EXPECT_EQ(messages("ColorSpace \"rec2020\" WorldBegin"), "");
-  const SceneDescription scene = parseGood("ColorSpace \"rec2020\" WorldBegin AttributeBegin ColorSpace \"sRGB\" "
-                                   "Shape \"a\" \"rgb c\" [1 0 0] AttributeEnd Shape \"b\" \"rgb c\" [1 0 0]");
-  EXPECT_EQ(scene.shapes[0].shape.parameters[0].colorSpace, "");
-  EXPECT_EQ(scene.shapes[1].shape.parameters[0].colorSpace, "rec2020");
+  const SceneDescription scene =
+      parseGood("ColorSpace \"rec2020\" WorldBegin AttributeBegin ColorSpace \"sRGB\" "
+                "Shape \"a\" \"rgb c\" [1 0 0] AttributeEnd Shape \"b\" \"rgb c\" [1 0 0]");
+  EXPECT_EQ(scene.shapes[0].shape.parameters[0].numbers, std::vector<double>({1, 0, 0}));
+  EXPECT_NE(scene.shapes[1].shape.parameters[0].numbers, std::vector<double>({1, 0, 0}));
   EXPECT_CONTAINS(messages("ColorSpace \"foo\" WorldBegin"), "accepted: \"srgb\"");
 }
 

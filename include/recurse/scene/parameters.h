@@ -44,8 +44,6 @@ struct ParsedParameter {
   SourceLocation valueLocation; ///< of the first value
   /** That file names in it are relative to, where an Include makes that another one than the directive's. */
   std::string directory;
-  /** What an rgb value is in: a name of namedColorSpaces(); empty for linear Rec. 709. */
-  std::string colorSpace;
 };
 
 /** A use of a plug-in: `Shape "sphere" "float radius" 2`. */

@@ -1,8 +1,8 @@
 /** @file
  * Where light from infinitely far comes in: boxes around the places from which camera paths see out of the
- * scene, such as the panes of a window. Photons of that light start through these boxes rather than over the
- * whole scene's disc, of which a window is a tiny part. Any ray's density is known, so that nothing becomes
- * biased.
+ * scene, such as the panes of a window, or around those where such paths cross, such as a hole in a wall.
+ * Photons of that light start through these boxes rather than over the whole scene's disc, of which a window
+ * is a tiny part. Any ray's density is known, so that nothing becomes biased.
  */
 #pragma once
 
@@ -14,9 +14,13 @@ namespace recurse {
 
 class LightPortals {
  public:
+  /** What stands for a path that leaves the scene: its last vertex, or where other such paths come close to
+   * its last segment. */
+  enum class ExitPlace { VERTEX, CROSSING };
+
   /** Follows camera paths until they leave the scene, by chance or towards a light in one direction; without
    * effect where there is no light from infinitely far. */
-  void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
+  void learn(const Scene& scene, uint64_t seed, ExitPlace place, TransportCounts& counts);
   bool active() const { return !boxes.empty(); }
   size_t size() const { return boxes.size(); }
   /** Lights by the power that comes in. */
@@ -32,13 +36,18 @@ class LightPortals {
   struct Box {
     Bounds3f bounds;
     float chance;   ///< of this box
+    bool leaf;      ///< others enclose leaves, for what comes in between
     float upToHere; ///< chances of this box and those before it
   };
   /** A place where a path has left the scene. */
   struct Exit {
     Vec3f position;
     float weight;
+    Vec3f direction; ///< (0, 0, 0) towards a light in one direction
   };
+  static void findExits(const Scene& scene, const std::vector<size_t>& distant, uint64_t seed,
+                        std::vector<Exit>& exits, TransportCounts& counts);
+  static void moveToCrossings(std::vector<Exit>& exits, uint64_t seed);
   /** `met`: a box that the ray is known to meet, whatever rounding says. */
   float pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const;
   /** Silhouettes of the boxes over the scene's disc, at most 1. */
