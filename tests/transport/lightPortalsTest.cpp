@@ -95,6 +95,7 @@ TEST(LightPortals, ARoomWithAHoleIsAsBrightAsByPaths) {
 }
 
 TEST(LightPortals, SceneWithoutLights) {
-  const Rendered dark = renderText(view(4, "0 0 4  0 0 0  0 1 0", 40) + "Shape \"sphere\"", "photonmap", "", 2);
+  const Rendered dark =
+      renderText(view(4, "0 0 4  0 0 0  0 1 0", 40) + "Shape \"sphere\"", "photonmap", "", 2);
   EXPECT_EQ(dark.mean(), 0);
 }
