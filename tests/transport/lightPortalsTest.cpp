@@ -13,7 +13,7 @@ constexpr float HALF = 0.2f; ///< of the hole in the roof
 
 /** A closed room with a hole in its roof, and light from all around. */
 std::string roomWithHole(const std::string& pane = "") {
-  return view(24, "-1.6 1.3 -1.8  1 .5 1  0 1 0", 60) + R"(
+  return view(16, "-1.6 1.3 -1.8  1 .5 1  0 1 0", 60) + R"(
 LightSource "infinite" "rgb L" [1 1 1]
 Material "diffuse" "rgb reflectance" [.7 .7 .7]
 Shape "trianglemesh" "integer indices" [0 1 2 0 2 3 4 5 1 4 1 0 5 6 2 5 2 1 6 7 3 6 3 2 7 4 0 7 0 3]
@@ -83,7 +83,7 @@ TEST(LightPortals, PhotonsFindAHoleWithoutAPane) {
 }
 
 TEST(LightPortals, ARoomWithAHoleIsAsBrightAsByPaths) {
-  const int count = samples(64);
+  const int count = samples(32);
   for (const std::string pane : {"", "Material \"thindielectric\" Shape \"bilinearmesh\" \"point3 P\" "
                                      "[-.25 2.55 -.25 .25 2.55 -.25 -.25 2.55 .25 .25 2.55 .25]"}) {
     const Rendered path = renderText(roomWithHole(pane), "path", "", 4 * count);
