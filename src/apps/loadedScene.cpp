@@ -173,11 +173,10 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
        "geometry " + bytesText(double(scene.memoryBytes())) + textures + ", film " + bytesText(filmBytes));
   line("time",
        "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));
-  line("in short", loaded.warnings == 0
-                       ? std::string("rendered as the file says")
-                       : "rendered, but for " +
-                             counted(loaded.warnings, "thing that a warning", "things that warnings") +
-                             " above tell of");
+  line("in short", loaded.warnings == 0 ? std::string("rendered as the file says")
+                                        : "rendered, but for " +
+                                              counted(loaded.warnings, "thing that a warning above tells of",
+                                                      "things that warnings above tell of"));
   return out;
 }
 

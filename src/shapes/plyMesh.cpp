@@ -542,7 +542,8 @@ void registerPlyMesh(PlugIns& plugIns) {
                            .require(),
                        realParameter("displacement", "", "texture that moves the surface; not rendered yet")
                            .withTexture(),
-                       realParameter("edgelength", "", "edge length for displacement; not rendered yet")},
+                       realParameter("edgelength", "", "edge length for displacement; not rendered yet"),
+                       ignoredParameter(ParameterType::BOOLEAN, "uvdisplacement", "of displacement")},
         .examples = {}},
        makePlyMesh});
 }

@@ -16,6 +16,8 @@ namespace {
 
 /** The part of photons that start over the whole disc, for what no camera path has found. */
 constexpr float DISC_PART = 0.1f;
+/** Fewer tell too little of where the rest comes in. */
+constexpr size_t MIN_EXITS = 64;
 
 /** Areas of a box's three sides, as seen along a direction. */
 Vec3f projectedSides(const Bounds3f& box, const Vec3f& direction) {
@@ -145,9 +147,8 @@ void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
   exits = std::move(found);
 }
 
-void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, ExitPlace place, TransportCounts& counts) {
-  constexpr int LEVELS = 6;                        // 2^LEVELS boxes at the most
-  constexpr size_t ENOUGH = 64, MANY = 8 * ENOUGH; // fewer tell too little of where the rest comes in
+void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
+  constexpr size_t MANY = 8 * MIN_EXITS;
   constexpr int ROUNDS = 4;
   boxes.clear();
   scene = sceneToLearn.bounds();
@@ -157,11 +158,19 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, ExitPlace pla
   for (int round = 0; round < ROUNDS; ++round) {
     findExits(sceneToLearn, distant, hashCombine(seed, uint64_t(round)), exits, counts);
     // A hole that hardly any path finds is looked at more closely, but no room that is closed.
-    if (exits.size() >= MANY || exits.size() < ENOUGH / ROUNDS) break;
+    if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
   }
-  if (place == ExitPlace::CROSSING) moveToCrossings(exits, seed);
-  if (exits.size() < ENOUGH) return;
+  LightPortals crossings = *this;
+  enclose(exits);
+  moveToCrossings(exits, seed);
+  crossings.enclose(exits);
+  if (crossings.active() && crossings.openPart() < openPart()) *this = std::move(crossings);
+}
+
+void LightPortals::enclose(std::vector<Exit>& exits) {
+  constexpr int LEVELS = 6;       // 2^LEVELS leaves at the most
   constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
+  if (exits.size() < MIN_EXITS) return;
   split(exits.begin(), exits.end(), LEVELS, MARGIN * scene.radius);
   float all = 0;
   for (const Box& box : boxes) all += box.chance;
@@ -209,11 +218,11 @@ float LightPortals::openPart() const {
     const Vec3f d = box.bounds.diagonal();
     open += (d.x * d.y + d.y * d.z + d.z * d.x) / 2;
   }
-  return std::min(1.0f, open * scene.pdfDisc());
+  return open * scene.pdfDisc();
 }
 
 LightTable LightPortals::lightsByPower(const LightTable& all) const {
-  const double part = active() ? double(openPart()) : 1;
+  const double part = active() ? std::min(1.0, double(openPart())) : 1;
   std::vector<const Light*> lights;
   std::vector<double> powers;
   for (size_t i = 0; i < all.size(); ++i) {

@@ -50,8 +50,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   if (pass.index == 0) {
     guidance = {};
     portals = {};
-    if (guided && scene.lights().size() > 0)
-      learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
+    if (guided) learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
@@ -193,20 +192,14 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   // A search for the nearest photons of one map wants them to be of nearly equal power.
   if (progressive) {
     const uint64_t without = countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts);
-    constexpr uint64_t WORTH_IT = 2; // photons through boxes differ in power
-    LightPortals best;
-    uint64_t least = std::max<uint64_t>(1, WORTH_IT * without);
-    for (const auto place : {LightPortals::ExitPlace::VERTEX, LightPortals::ExitPlace::CROSSING}) {
-      portals.learn(scene, seed, place, statistics.counts);
-      lights = portals.lightsByPower(scene.lights());
-      if (!portals.active()) continue;
-      const uint64_t useful = countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts);
-      if (useful < least) continue;
-      best = portals;
-      least = WORTH_IT * useful;
-    }
-    portals = best;
+    portals.learn(scene, seed, statistics.counts);
     lights = portals.lightsByPower(scene.lights());
+    constexpr uint64_t WORTH_IT = 2; // photons through boxes differ in power
+    if (portals.active() &&
+        countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts) < WORTH_IT * without) {
+      portals = {};
+      lights = portals.lightsByPower(scene.lights());
+    }
   }
   if (portals.active())
     statistics.notes.push_back(formatted(

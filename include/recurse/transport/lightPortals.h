@@ -14,13 +14,10 @@ namespace recurse {
 
 class LightPortals {
  public:
-  /** What stands for a path that leaves the scene: its last vertex, or where other such paths come close to
-   * its last segment. */
-  enum class ExitPlace { VERTEX, CROSSING };
-
   /** Follows camera paths until they leave the scene, by chance or towards a light in one direction; without
-   * effect where there is no light from infinitely far. */
-  void learn(const Scene& scene, uint64_t seed, ExitPlace place, TransportCounts& counts);
+   * effect where there is no light from infinitely far. What stands for a path is its last vertex, or where
+   * other such paths come close to its last segment: the one with the smaller boxes. */
+  void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
   bool active() const { return !boxes.empty(); }
   size_t size() const { return boxes.size(); }
   /** Lights by the power that comes in. */
@@ -50,8 +47,10 @@ class LightPortals {
   static void moveToCrossings(std::vector<Exit>& exits, uint64_t seed);
   /** `met`: a box that the ray is known to meet, whatever rounding says. */
   float pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const;
-  /** Silhouettes of the boxes over the scene's disc, at most 1. */
+  /** Silhouettes of the leaves over the scene's disc. */
   float openPart() const;
+  /** Boxes around the exits; none where those are too few. */
+  void enclose(std::vector<Exit>& exits);
   void split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels, float margin);
 
   std::vector<Box> boxes;
