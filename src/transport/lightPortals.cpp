@@ -185,7 +185,7 @@ void LightPortals::split(std::vector<Exit>::iterator first, std::vector<Exit>::i
                          float margin) {
   constexpr ptrdiff_t FEW = 32;
   // Photons that come in where no leaf is would be hundreds of times as strong as others.
-  constexpr float INNER = 0.25f, GROWTH = 0.05f;
+  constexpr float INNER = 0.1f, GROWTH = 0.05f;
   Bounds3f bounds;
   float weight = 0;
   for (auto e = first; e != last; ++e) {
