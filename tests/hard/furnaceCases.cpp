@@ -49,7 +49,7 @@ void addFurnaceCases(HardCases& cases) {
     cases.push_back({6, "furnace of mirrors of " + shown("%g", r), false, [r](const Report& report) {
                        const std::string e = number(1 - r);
                        Budget budget;
-                       budget.samples = budget.photonSamples = r > 0.999 ? 4 : 32;
+                       budget.samples = budget.photonSamples = r > 0.999 ? 12 : 32;
                        budget.photons = 100;
                        budget.tolerance = budget.photonTolerance = 2e-3;
                        checkMean(report, "",

@@ -1,18 +1,7 @@
 /** @file
  * Weights of all techniques that can make the same path from both of its ends: the balance heuristic (Veach
- * 1997, section 9.2.2) over hits, shadow rays, connections, splats and merged photons (Georgiev et al. 2012,
- * "Light Transport Simulation with Vertex Connection and Merging"), in which merged photons count for as many
- * as are independent (Grittmann et al. 2021, "Correlation-Aware Multiple Importance Sampling for
- * Bidirectional Rendering Algorithms").
- *
- * A path has k edges, from x_0 at the camera to x_k at the light. Technique C_i connects x_i with x_i+1, what
- * the camera walked to with what the light walked to: C_0 is a splat, C_k-1 a shadow ray, C_k a hit of the
- * light. M_i merges a photon with x_i. With F_j and B_j the densities with which walks from the camera and
- * from the light come to x_j,
- *
- *     P(C_i) = F_1 … F_i B_i+1 … B_k   (1)        P(M_i) = P(C_i) B_i m_i   (2)
- *
- * and each technique is weighted by its number of samples times its density over the sum of these.
+ * 1997, section 9.2.2) with merged photons (Georgiev et al. 2012), of which correlated ones count for fewer
+ * (Grittmann et al. 2021). Numbers of formulas are those of doc-files/notes/bidirectional-weights.md.
  */
 #pragma once
 
@@ -51,16 +40,8 @@ struct WeightedPath {
   size_t edges() const { return vertices.size() - 1; }
 };
 
-/**
- * Finds m_i for all x_i: the photons times their area times the part of them that is independent. With Q the
- * chance that the camera's walk finds the same vertices up to x_i again, to within an area A, and S the same
- * for the light's walk, this part is
- *
- *     c_i = Q / (Q + S - Q S)   (3)
- *
- * but at least one photon, and all at x_1. Photons that come straight from a light are not merged: shadow
- * rays find the same paths without blur.
- */
+/** Finds m_i for all x_i by (3). Photons that come straight from a light are not merged: shadow rays find the
+ * same paths without blur. */
 void countMerges(const WeightedPath& path);
 
 /** The weight of C_i, 0 <= i < k. */

@@ -1,12 +1,8 @@
 /** @file
- * Flights through media: where light scatters next, and what of it arrives.
- *
- * In media whose extinction differs by channel every event has three densities. One channel, the hero, draws
- * all events of a path; their densities by the other channels are carried along relative to the hero's, and
- * what a path brings is divided by their mean: the one-sample balance heuristic over channels and techniques
- * (Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light transport"). Grids
- * are crossed by null collisions (Woodcock et al. 1965) with bounds by cells; homogeneous media by closed
- * form.
+ * Flights through media: where light scatters next, and what of it arrives. One colour channel, the hero,
+ * draws all events of a path, weighted by the one-sample balance heuristic over channels and techniques
+ * (Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light transport");
+ * doc-files/notes/media.md says more.
  */
 #pragma once
 

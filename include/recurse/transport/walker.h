@@ -1,10 +1,10 @@
 /** @file
  * The walk: one loop follows paths from either end through surfaces and media, and hands its caller a vertex
- * at a time.
+ * at a time:
  *
- *     for (Vertex v; walker.next(path, v, sampler, onEmission);) {
+ *     while (walker.next(path, vertex, sampler)) {
  *       ... store, connect, gather, shadow rays ...
- *       if (!walker.scatter(path, v, sampler)) break;
+ *       if (!walker.scatter(path, vertex, sampler)) break;
  *     }
  */
 #pragma once
