@@ -5,55 +5,26 @@ It must load without errors and without any network, and show the numbers of con
 
 import csv
 import json
-import os
-import subprocess
-import sys
-import tempfile
-import unittest
 
-from browser import Browser, BrowserError
-
-PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
-SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "cornell-mix.pbrt")
-browser = None
+from pageTest import SCENE, OfflinePage, browser, main, recurse
 
 
-class ConvergePage(unittest.TestCase):
+class ConvergePage(OfflinePage):
     @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory(prefix="recurse-converge-page-")
-        cls.folder = cls.temporary.name + "/study"
-        subprocess.run(
-            [PROGRAM, "converge", SCENE, "-o", cls.folder, "-q", "--resolution", "32x32", "--samples", "1,4,16",
-             "--reference-error", "0.05", "--run", "path=--integrator path",
-             "--run", "pm=--integrator photonmap --photons 20k"], check=True, stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL)
+    def make(cls):
+        recurse("converge", SCENE, "-o", cls.folder, "-q", "--resolution", "32x32", "--samples", "1,4,16",
+                "--reference-error", "0.05", "--run", "path=--integrator path",
+                "--run", "pm=--integrator photonmap --photons 20k")
         with open(cls.folder + "/points.csv", encoding="utf-8") as file:
             cls.points = list(csv.DictReader(file))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
 
     def setUp(self):
         browser.open(self.folder + "/index.html", "document.body.dataset.ready === 'yes'")
 
-    def tearDown(self):
-        self.assertEqual(browser.complaints, [])
-        self.assertEqual([url for url in browser.requests if not url.startswith(("file://", "data:", "blob:"))], [])
-
-    def text(self, selector):
-        return browser.evaluate(f"document.querySelector({json.dumps(selector)}).textContent")
-
     def chart(self, expression):
         return browser.evaluate(f"(() => {{ const chart = Chart.getChart('plot'); return {expression}; }})()")
 
-    def select(self, name, value):
-        browser.evaluate(f"(() => {{ const e = document.getElementById('{name}'); e.value = {json.dumps(value)};"
-                         "e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('change')); })()")
-        browser.settle()
-
-    def colourAt(self, x, y):
+    def stageColour(self, x, y):
         """Of the stage, at fractions of its size."""
         return browser.evaluate(
             "(() => { const v = document.getElementById('view'), copy = document.createElement('canvas');"
@@ -78,7 +49,7 @@ class ConvergePage(unittest.TestCase):
         self.assertAlmostEqual(line[0]["x"] * line[0]["y"] / (line[1]["x"] * line[1]["y"]), 1, 6)
 
     def testOtherMeasures(self):
-        self.select("measure", "1")
+        self.set("measure", "1")
         self.assertIn("(x−r)²/(r²+ε), ε 0.01, no trim", self.text("#definition"))
         point = next(p for p in self.points if p["run"] == "path")
         self.assertAlmostEqual(self.chart("chart.data.datasets[0].data[0].y") / float(point["relmse"]), 1, 6)
@@ -95,21 +66,21 @@ class ConvergePage(unittest.TestCase):
     def testPicturesAndErrors(self):
         self.assertIn("path, ", self.text("#nameA"))
         self.assertIn("pm, ", self.text("#nameB"))
-        self.select("left", "reference")
+        self.set("left", "reference")
         self.assertEqual(self.text("#nameA"), "reference")
-        lit = self.colourAt(0.45, 0.5)
+        lit = self.stageColour(0.45, 0.5)
         self.assertGreater(sum(lit[:3]), 60)
         # The error of the reference against itself is none: the darkest colour of the scale.
-        self.select("show", "error")
-        self.assertEqual(self.colourAt(0.45, 0.5)[:3], browser.evaluate(
+        self.set("show", "error")
+        self.assertEqual(self.stageColour(0.45, 0.5)[:3], browser.evaluate(
             "JSON.parse(document.getElementById('data').textContent).colours[0]"))
-        self.assertNotEqual(self.colourAt(0.55, 0.5)[:3], self.colourAt(0.45, 0.5)[:3])
+        self.assertNotEqual(self.stageColour(0.55, 0.5)[:3], self.stageColour(0.45, 0.5)[:3])
         self.assertFalse(browser.evaluate("document.getElementById('scale').hidden"))
-        self.select("budget", "0")
+        self.set("budget", "0")
         self.assertEqual(self.text("#budgetText"), "1")
         # The slider moves the line between the two.
-        self.select("split", "100")
-        self.assertNotEqual(self.colourAt(0.4, 0.5)[:3], browser.evaluate(
+        self.set("split", "100")
+        self.assertNotEqual(self.stageColour(0.4, 0.5)[:3], browser.evaluate(
             "JSON.parse(document.getElementById('data').textContent).colours[0]"))
 
     def testPixel(self):
@@ -120,14 +91,4 @@ class ConvergePage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not PROGRAM:
-        sys.exit("usage: python3 convergePageTest.py PROGRAM")
-    try:
-        browser = Browser()
-    except BrowserError as error:
-        sys.exit(f"The page cannot be tested: {error}")
-    try:
-        outcome = unittest.main(argv=sys.argv[:1] + sys.argv[2:], exit=False, verbosity=2).result
-    finally:
-        browser.close()
-    sys.exit(not outcome.wasSuccessful())
+    main()

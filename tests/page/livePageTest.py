@@ -9,7 +9,6 @@ import re
 import socket
 import struct
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -17,12 +16,9 @@ import unittest
 import urllib.error
 import urllib.request
 
-from browser import Browser, BrowserError
+from pageTest import PROGRAM, SCENE, Page, browser, main
 
-PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
-SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "cornell-mix.pbrt")
 SIZE = 32
-browser = None
 
 
 class Render:
@@ -68,7 +64,7 @@ def until(condition, seconds=30):
         time.sleep(0.1)
 
 
-class LivePage(unittest.TestCase):
+class LivePage(Page):
     def setUp(self):
         self.render = Render("--live")
         self.assertIsNotNone(self.render.url)
@@ -77,25 +73,9 @@ class LivePage(unittest.TestCase):
     def tearDown(self):
         self.render.close()
 
-    def text(self, identifier):
-        return browser.evaluate(f"document.getElementById('{identifier}').textContent")
-
-    def place(self, x, y):
-        """Where the middle of a pixel is in the window; the picture is fitted into the stage."""
-        zoom, left, top, width, height = browser.evaluate(
-            "(() => { const b = document.getElementById('view').getBoundingClientRect();"
-            "return [parseInt(document.getElementById('zoomText').textContent) / 100,"
-            "b.left, b.top, b.width, b.height]; })()")
-        return (left + (width - SIZE * zoom) / 2 + (x + 0.5) * zoom, top + (height - SIZE * zoom) / 2 + (y + 0.5) * zoom)
-
     def shownPixel(self, x, y):
         browser.settle()
-        x, y = self.place(x, y)
-        return browser.evaluate(
-            "(() => { const v = document.getElementById('view'), b = v.getBoundingClientRect();"
-            "const c = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
-            f"c.drawImage(v, {x} - b.left, {y} - b.top, 1, 1, 0, 0, 1, 1);"
-            "return [...c.getImageData(0, 0, 1, 1).data]; })()")[:3]
+        return self.colourAt((x, y), SIZE)
 
     def version(self):
         return int(browser.evaluate("document.body.dataset.version ?? '0'"))
@@ -104,10 +84,10 @@ class LivePage(unittest.TestCase):
         browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
         first = self.version()
         until(lambda: self.version() > first)  # it grows
-        self.assertIn(f"{SIZE}x{SIZE}", self.text("label"))
-        self.assertIn("samples", "samples " + self.text("samples"))
-        self.assertGreater(float(self.text("samples")), 0)
-        self.assertRegex(self.text("left"), r"\d")
+        self.assertIn(f"{SIZE}x{SIZE}", self.text("#label"))
+        self.assertIn("samples", "samples " + self.text("#samples"))
+        self.assertGreater(float(self.text("#samples")), 0)
+        self.assertRegex(self.text("#left"), r"\d")
 
         # Brighter by the slider, and as the program itself develops it.
         dark = sum(self.shownPixel(9, 24))
@@ -117,7 +97,7 @@ class LivePage(unittest.TestCase):
         browser.evaluate("document.getElementById('operator').value = 'none',"
                          "document.getElementById('operator').dispatchEvent(new Event('change'))")
         until(lambda: "none" in browser.evaluate("document.body.dataset.shown"))
-        shown, stops = self.shownPixel(9, 24), float(self.text("exposureText"))
+        shown, stops = self.shownPixel(9, 24), float(self.text("#exposureText"))
         linear = json.loads(self.render.get("pixel?x=9&y=24"))
         for value, byte in zip(linear, shown):
             x = min(value * 2 ** stops, 1)
@@ -125,16 +105,16 @@ class LivePage(unittest.TestCase):
             self.assertAlmostEqual(byte, expected, delta=12)  # the picture grows between the questions
 
         # Values of a pixel.
-        browser.clickAt(*self.place(9, 24))
-        until(lambda: len(self.text("pixelShown").split()) == 3)
-        for shown, value in zip(self.text("pixelShown").split(), linear):
+        browser.clickAt(*self.place((9, 24), SIZE))
+        until(lambda: len(self.text("#pixelShown").split()) == 3)
+        for shown, value in zip(self.text("#pixelShown").split(), linear):
             self.assertAlmostEqual(float(shown), value, delta=0.1 * value + 0.01)
 
         # The button ends the render, which writes what there is.
         browser.click("document.getElementById('stop')")
         self.assertEqual(self.render.wait(), 130)
         self.assertTrue(os.path.exists(self.render.output))
-        until(lambda: self.text("phase") in ("ended", "finished"))
+        until(lambda: self.text("#phase") in ("ended", "finished"))
         self.assertEqual([c for c in browser.complaints if "ERR_CONNECTION" not in c], [])
         self.assertTrue(all(url.startswith((self.render.url, "data:")) for url in browser.requests), browser.requests)
 
@@ -215,13 +195,4 @@ class DisplayServer(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not PROGRAM:
-        raise SystemExit(__doc__)
-    try:
-        browser = Browser()
-    except BrowserError as problem:
-        raise SystemExit(str(problem))
-    try:
-        unittest.main(argv=sys.argv[:1])
-    finally:
-        browser.close()
+    main()

@@ -4,49 +4,20 @@ It must load without errors and without any network, and show the numbers of met
 """
 
 import json
-import os
-import subprocess
-import sys
-import tempfile
-import unittest
 
-from browser import Browser, BrowserError
-
-PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
-SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "cornell-mix.pbrt")
-browser = None
+from pageTest import SCENE, OfflinePage, browser, main, recurse
 
 
-class MethodsPage(unittest.TestCase):
+class MethodsPage(OfflinePage):
     @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory(prefix="recurse-methods-page-")
-        cls.folder = cls.temporary.name + "/out"
-        subprocess.run(
-            [PROGRAM, "methods", SCENE, "-o", cls.folder, "-q", "--resolution", "32x32", "--spp", "4",
-             "--reference-spp", "64", "--method", "raycast", "--method", "whitted", "--method", "path"],
-            check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    def make(cls):
+        recurse("methods", SCENE, "-o", cls.folder, "-q", "--resolution", "32x32", "--spp", "4",
+                "--reference-spp", "64", "--method", "raycast", "--method", "whitted", "--method", "path")
         with open(cls.folder + "/methods.json", encoding="utf-8") as file:
             cls.data = json.load(file)
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
     def setUp(self):
         browser.open(self.folder + "/index.html", "document.body.dataset.ready === 'yes'")
-
-    def tearDown(self):
-        self.assertEqual(browser.complaints, [])
-        self.assertEqual([url for url in browser.requests if not url.startswith(("file://", "data:", "blob:"))], [])
-
-    def texts(self, selector):
-        return browser.evaluate(f"[...document.querySelectorAll({json.dumps(selector)})].map((e) => e.textContent)")
-
-    def set(self, name, value):
-        browser.evaluate(f"(() => {{ const e = document.getElementById('{name}'); e.value = {json.dumps(value)};"
-                         "e.dispatchEvent(new Event('input')); })()")
-        browser.settle()
 
     def brightness(self, card):
         return browser.evaluate(
@@ -88,14 +59,4 @@ class MethodsPage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not PROGRAM:
-        sys.exit("usage: python3 methodsPageTest.py PROGRAM")
-    try:
-        browser = Browser()
-    except BrowserError as error:
-        sys.exit(f"The page cannot be tested: {error}")
-    try:
-        outcome = unittest.main(argv=sys.argv[:1] + sys.argv[2:], exit=False, verbosity=2).result
-    finally:
-        browser.close()
-    sys.exit(not outcome.wasSuccessful())
+    main()

@@ -5,28 +5,16 @@ It must load without errors and without any network, and show at a pixel what th
 
 import base64
 import json
-import os
 import re
 import struct
-import subprocess
-import sys
-import tempfile
-import unittest
 import zlib
 
-from browser import Browser, BrowserError
+from pageTest import SCENE, OfflinePage, browser, main, recurse
 
-PROGRAM = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else None
-SCENE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "scenes", "cornell-mix.pbrt")
 SIZE = 32
 PIXEL = (20, 23)
 # Half floats have eleven bits, and the page prints four digits.
 TOLERANCE = 2 ** -11 + 5.1e-4
-browser = None
-
-
-def recurse(*arguments):
-    return subprocess.run([PROGRAM, *arguments], check=True, stdout=subprocess.PIPE, text=True).stdout
 
 
 def pixelOf(folder, pixel):
@@ -48,10 +36,9 @@ def displayed(linear, exposure):
     return 255 * (12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055)
 
 
-class StillsPage(unittest.TestCase):
+class StillsPage(OfflinePage):
     @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory(prefix="recurse-stills-page-")
+    def make(cls):
         folder = cls.temporary.name
         cls.photons, cls.path, cls.overlap = folder + "/photons", folder + "/path", folder + "/overlap"
         common = (SCENE, "-q", "--resolution", "%dx%d" % (SIZE, SIZE), "--spp", "4")
@@ -59,46 +46,17 @@ class StillsPage(unittest.TestCase):
         recurse("stills", *common, "-o", cls.path, "--integrator", "path", "--compare", cls.photons)
         recurse("stills", *common, "-o", cls.overlap, "--class", "a=LD+E", "--class", "b=L[SD]E")
 
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
     def open(self, folder):
         browser.open(folder + "/index.html", "document.body.dataset.ready")
         browser.settle()
         self.names = browser.evaluate("[...document.querySelectorAll('#classes b')].map((b) => b.textContent)")
 
-    def tearDown(self):
-        self.assertEqual(browser.complaints, [])
-        outside = [url for url in browser.requests if not url.startswith(("file:", "data:", "blob:"))]
-        self.assertEqual(outside, [])
-
-    def text(self, selector):
-        return browser.evaluate(f"document.querySelector({json.dumps(selector)}).textContent")
-
     def values(self, selector):
         return [float(v) for v in self.text(selector).split()]
 
-    def place(self, pixel):
-        """Where the middle of a pixel is in the window; the picture is fitted into the stage."""
-        zoom, left, top, width, height = browser.evaluate(
-            "(() => { const b = document.getElementById('view').getBoundingClientRect();"
-            "return [parseInt(document.getElementById('zoomText').textContent) / 100,"
-            "b.left, b.top, b.width, b.height]; })()")
-        origin = (left + (width - SIZE * zoom) / 2, top + (height - SIZE * zoom) / 2)
-        return [origin[i] + (pixel[i] + 0.5) * zoom for i in (0, 1)]
-
     def markPixel(self):
-        browser.clickAt(*self.place(PIXEL))
+        browser.clickAt(*self.place(PIXEL, SIZE))
         self.assertEqual(self.text("#pixelPlace"), "x %d  y %d" % PIXEL)
-
-    def colourAt(self, pixel):
-        x, y = self.place(pixel)
-        return browser.evaluate(
-            "(() => { const v = document.getElementById('view'), b = v.getBoundingClientRect();"
-            "const c = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
-            f"c.drawImage(v, {x} - b.left, {y} - b.top, 1, 1, 0, 0, 1, 1);"
-            "return [...c.getImageData(0, 0, 1, 1).data]; })()")[:3]
 
     def assertColours(self, shown, expected, what=""):
         self.assertEqual(len(shown), 3, what)
@@ -108,7 +66,7 @@ class StillsPage(unittest.TestCase):
     def assertShows(self, linear):
         """The picture itself, not just the numbers beside it."""
         exposure = float(self.text("#exposureText").replace("−", "-"))
-        for shown, value in zip(self.colourAt(PIXEL), linear):
+        for shown, value in zip(self.colourAt(PIXEL, SIZE), linear):
             # The exposure is printed with one digit after the point.
             low, high = displayed(value, exposure - 0.06), displayed(value, exposure + 0.06)
             self.assertTrue(low - 1.5 <= shown <= high + 1.5, (shown, low, high))
@@ -237,14 +195,4 @@ class StillsPage(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not PROGRAM:
-        sys.exit("usage: python3 stillsPageTest.py PROGRAM")
-    try:
-        browser = Browser()
-    except BrowserError as error:
-        sys.exit(f"The page cannot be tested: {error}")
-    try:
-        outcome = unittest.main(argv=sys.argv[:1] + sys.argv[2:], exit=False, verbosity=2).result
-    finally:
-        browser.close()
-    sys.exit(not outcome.wasSuccessful())
+    main()
