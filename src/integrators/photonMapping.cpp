@@ -355,9 +355,10 @@ class PhotonMapping final : public Integrator {
     PhotonQuery indirect;
     if (direct.rest > 0) {
       const PhotonLayer& caustics = photons.caustics();
-      merging = addPhotons(scene, caustics, causticIrradiances, photons.query(caustics, hit.point, wi),
-                           scattering, hit.point, path, sampler, out);
-      indirect = photons.query(photons.indirect(), hit.point, wi);
+      merging = addPhotons(scene, caustics, causticIrradiances,
+                           photons.query(caustics, hit.point, wi, scattering.lobes()), scattering, hit.point,
+                           path, sampler, out);
+      indirect = photons.query(photons.indirect(), hit.point, wi, scattering.lobes());
       weighIndirect(path, indirect);
       const GatherSettings& gather = indirect.settings;
       indirect.settings.merging = gather.rest > 0 || gather.merging > 0
@@ -452,7 +453,7 @@ class PhotonMapping final : public Integrator {
     } else {
       // A map that is blurred over more than the distance is not to be seen by a surface close by.
       const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
-      gather.rest = path.distance < blur ? 0 : 1;
+      gather.rest = path.distance < blur || !photons.paysInstead(query) ? 0 : 1;
     }
   }
 

@@ -144,9 +144,18 @@ class Estimate {
 struct Support {
   GatherRegion region;
   float radius2 = 0;
+  float wanted2 = 0;      ///< before what was found to be surface made it smaller
+  bool empty = false;     ///< there are no photons, and what is surface was not looked at
   float part = 1;         ///< of the kernel's weight that a surface bears
   bool byNearest = false; ///< the photons are in the scratch
 };
+
+/** Finite for any radius: long before, photons have all the weight. */
+float mergingWithin(float perArea, float radius2) { return std::min(perArea * PI * radius2, 1e30f); }
+
+bool anyWithin(const PhotonMap& map, const GatherRegion& region) {
+  return map.accumulateWithin(region, 0u, [](uint32_t& any, const PhotonBlock& block) { any |= block.mask; });
+}
 
 /** `region`: the place. A disc smaller than `least` is widened to it. `error` bounds that of the centre. */
 Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region,
@@ -177,7 +186,12 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
     disc.region.flatness = settings.flatness;
     search();
   }
+  disc.wanted2 = disc.radius2;
   if (!boundary) return disc;
+  if (!disc.byNearest && disc.region.radius > flat && !anyWithin(map, disc.region)) {
+    disc.empty = true;
+    return disc;
+  }
   const auto fit = [&] {
     disc.part = coveredFraction(*boundary, error, settings.kernel, disc.region, counts);
     const bool smaller = square(disc.region.radius) < 0.99f * disc.radius2;
@@ -237,7 +251,9 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   const Support disc = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
                                          boundary, scratch, out.counts);
 
-  result.merging = settings.merging * PI * disc.radius2;
+  result.merging = mergingWithin(settings.merging, disc.wanted2);
+  result.radius = disc.region.radius;
+  if (disc.empty) return result;
   Estimate estimate(scattering, point, eye, settings, result.merging, out.pathClasses(), cameraState);
   if (estimate.oneSum()) {
     const PowerSum sum = sumPower(map, disc, settings.kernel, scratch, estimate.arrives());
@@ -259,7 +275,6 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
     });
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
-  result.radius = disc.region.radius;
   if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (disc.radius2 * disc.part)));
   return result;
 }
@@ -273,7 +288,8 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
   place.normal = normal;
   thread_local PhotonScratch scratch;
   const Support disc = findKernelSupport(map, settings, place, error, 0, boundary, scratch, counts);
-  const float merging = settings.merging * PI * square(settings.radius);
+  if (disc.empty) return BLACK;
+  const float merging = mergingWithin(settings.merging, square(settings.radius));
   const PowerSum s =
       sumPower(map, disc, settings.kernel, scratch, [&](Float8 weight, const PhotonBlock& block) {
         if (!settings.weighedAgainstRays || !block.reverseRatios) return weight;

@@ -50,7 +50,8 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   if (pass.index == 0) {
     guidance = {};
     portals = {};
-    if (guided) learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
+    if (guided && scene.lights().size() > 0)
+      learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
@@ -75,7 +76,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   statistics.balanceSeconds = secondsSince(start);
   statistics.mapBytes =
       causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + volumeMap.memoryBytes();
-  if (pass.index == 0) learnRadii(scene, statistics);
+  if (pass.index == 0) learnRadii(scene, shoot.shadowRays, statistics);
   return statistics;
 }
 
@@ -93,7 +94,10 @@ void PhotonPass::learnVolumePart(const Scene& scene, const PathClasses& classes,
       std::min(1.0, MOST * double(TRIALS) / double(std::max<size_t>(1, shot.inMedia.size()))));
 }
 
-void PhotonPass::learnRadii(const Scene& scene, ForwardStatistics& statistics) {
+void PhotonPass::learnRadii(const Scene& scene, const LightSampler* shadowRays,
+                            ForwardStatistics& statistics) {
+  const RayAlternative rays{static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()),
+                            shadowRays};
   const GatherSettings requested{
       settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
   const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
@@ -115,15 +119,31 @@ void PhotonPass::learnRadii(const Scene& scene, ForwardStatistics& statistics) {
                                  layer == &indirectLayer ? statistics : unsaid);
     if (progressive || settings.edges)
       layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
-                         statistics.counts);
+                         rays, statistics.counts);
   }
   causticsKnown = causticLayer.map.size() * MIN_STORED >= emitted;
 }
 
-PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const {
+namespace {
+
+/** Of a search, over that of a camera path of a few surfaces; measured on rooms. */
+float searchCost(const PhotonQuery& query, LobeSet lobes) {
+  constexpr float PHOTONS = 0.1f;    ///< eight at a time
+  constexpr float SCATTERING = 0.6f; ///< of one photon after the other by a BSDF that is not Lambertian
+  constexpr float AROUND = 0.8f;     ///< rays that look for the edges of the surface
+  const CachedRadius& place = query.place;
+  const bool isFlat = place.known && query.settings.radius <= place.known->flat - place.away;
+  return PHOTONS + (lobes & LAMBERTIAN ? 0 : SCATTERING) + (isFlat ? 0 : AROUND);
+}
+
+} // namespace
+
+PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
+                              LobeSet lobes) const {
   PhotonQuery here{layer.choice.settings, {}};
   if (progressive || settings.edges) here.place = layer.cache.at(point.position, point.normalTowards(wi));
   if (progressive) here.settings = searchWithin(layer, here.place.radius);
+  here.cost = searchCost(here, lobes);
   if (&layer == &causticLayer && !settings.directLight) {
     here.settings.weighedAgainstRays = true;
     here.settings.merging =
@@ -154,10 +174,11 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
   double error2 = stain * variance + double(place.bias2);
   if (place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
+  if (query.cost >= place.worth.beside) return;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance / error2);
   // Other paths find light that comes by several surfaces with an error about as large as the light itself.
-  gather.rest =
-      static_cast<float>(std::clamp((squared / (squared + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
+  const auto byRays = double(place.worth.raysVariance);
+  gather.rest = static_cast<float>(std::clamp((byRays / (byRays + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
 }
 
 float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, const Vec3f& point,

@@ -3,7 +3,10 @@
  */
 #include "recurse/transport/radiusCache.h"
 
+#include <cfloat>
+
 #include "recurse/core/parallel.h"
+#include "recurse/transport/directLight.h"
 
 namespace recurse {
 
@@ -41,6 +44,8 @@ struct SupportErrors {
   std::array<double, AREAS> variance{};       ///< of the photons' number
   std::array<double, AREAS> bias2{}; ///< by how much, squared, the next disc differs beyond what is noise
   std::array<double, AREAS> noise{}; ///< the variance of that difference
+  std::array<double, AREAS> rays2{}; ///< second moment of the same estimate by a ray that goes on
+  double direct = 0, direct2 = 0;    ///< irradiance by one shadow ray, and its second moment
   double irradiance = 0;             ///< by the own disc
 
   void add(const SupportErrors& e, double scale) {
@@ -48,8 +53,11 @@ struct SupportErrors {
       variance[j] += e.variance[j] * scale;
       bias2[j] += e.bias2[j] * scale;
       noise[j] += e.noise[j] * scale;
+      rays2[j] += e.rays2[j] * scale;
     }
     irradiance += e.irradiance * scale;
+    direct += e.direct * scale;
+    direct2 += e.direct2 * scale;
   }
   /** Bias between a disc and the next that chance does not explain. */
   double sureBias2(size_t j) const {
@@ -87,10 +95,45 @@ float ofArea(size_t j) {
   return std::exp2(0.5f * (static_cast<float>(j) - static_cast<float>(SupportErrors::OWN)));
 }
 
-/** `region`: of the place's own radius. */
+using Place = RadiusCache::Place;
+
+float channelSum(const Rgb& c) { return c.r + c.g + c.b; }
+
+/** Irradiance within `radius`, its channels added up, as if the disc were all surface. */
+float meanPower(const PhotonMap& photons, GatherRegion region, float radius) {
+  region.radius = radius;
+  float sum = 0;
+  photons.visitWithin(region, [&](const PhotonBlock& block) {
+    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
+      sum += channelSum(block.power(std::countr_zero(rest)));
+  });
+  return sum * INV_PI / square(radius);
+}
+
+/** The irradiance that one shadow ray finds, its channels added up. */
+double directIrradiance(const Scene& scene, const LightSampler& lights, const Place& place, Sampler& sampler,
+                        TransportCounts& counts) {
+  SurfacePoint point{};
+  point.position = place.position;
+  point.error = Vec3f(place.error);
+  point.geometricNormal = point.shadingNormal = place.normal;
+  const SampledLight choice(scene.lights(), lights, lightSampleContext(lights, point, place.normal), sampler);
+  const std::optional<LiSample> light = choice.sampleLi(point);
+  if (!light || !(light->pdf > 0)) return 0;
+  const float cosine = glm::dot(place.normal, light->direction);
+  if (cosine <= 0) return 0;
+  ++counts.rays;
+  if (scene.occluded(shadowRay(point, *light))) return 0;
+  return double(channelSum(light->radiance) * cosine / (light->pdf * choice.chosen.probability));
+}
+
+/** `region`: of the place's own radius; `emitted`: see PhotonMoments. */
 SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
-                            BoundaryCorrection& boundary, TransportCounts& counts) {
+                            BoundaryCorrection& boundary, float emitted, TransportCounts& counts) {
   constexpr size_t AREAS = SupportErrors::AREAS;
+  /** What a ray finds so much brighter than all is together, once in as many samples, is a firefly; it is not
+   * weighed by more. */
+  constexpr float MAX_BRIGHTNESS = 100;
   const float own = region.radius;
   alignas(32) float inverse[AREAS], norm[AREAS];
   for (size_t j = 0; j < AREAS; ++j) { // the largest comes last: its half-spaces stay
@@ -100,7 +143,8 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
     inverse[j] = 1 / radius2;
     norm[j] = INV_PI / (radius2 * part);
   }
-  Float8 sum(0), variance(0), noise(0);
+  Float8 sum(0), variance(0), noise(0), rays(0);
+  const float rarest = MAX_BRIGHTNESS * meanPower(photons, region, own);
   const __m256i next = _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 7);
   withKernel(kernel, [&](auto k) {
     photons.visitWithin(region, [&](const PhotonBlock& block) {
@@ -108,15 +152,18 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
       block.distance2.store(d2);
       for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
         const int lane = std::countr_zero(rest);
-        const Rgb power = block.power(lane);
+        const float total = channelSum(block.power(lane));
         const Float8 q = Float8(d2[lane]) * Float8::load(inverse);
         const Float8 inside = less(q, Float8(1));
         const Float8 brings = (kernelShape<decltype(k)::value>(min(q, Float8(1))) & inside) *
-                              Float8::load(norm) * Float8(power.r + power.g + power.b);
+                              Float8::load(norm) * Float8(total);
         const Float8 difference = brings - Float8(_mm256_permutevar8x32_ps(brings.v, next));
         sum += brings;
         variance += brings * brings;
         noise += difference * difference;
+        const float ratio = block.reverseRatios ? std::abs(block.reverseRatios[lane]) : 0;
+        const float density = ratio * absDot(block.direction(lane), region.normal) * INV_PI;
+        rays += brings * Float8(std::min(total * emitted / std::max(density, FLT_MIN), rarest));
       }
     });
   });
@@ -124,6 +171,7 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   for (size_t j = 0; j < AREAS; ++j) {
     const int lane = static_cast<int>(j);
     e.variance[j] = double(variance[lane]);
+    e.rays2[j] = double(rays[lane]);
     if (j + 1 == AREAS) break;
     e.noise[j] = double(noise[lane]);
     e.bias2[j] = square(double(sum[lane]) - double(sum[lane + 1])) - e.noise[j];
@@ -132,14 +180,12 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   return e;
 }
 
-using Place = RadiusCache::Place;
-
 /** Finds out how far to look at places, by the photons of a first map. */
 class PlaceFinder {
  public:
   PlaceFinder(const Scene& scene, const PhotonMap& first, const GatherSettings& search,
-              TransportCounts& counts)
-      : scene(scene), first(first), search(search), counts(counts) {}
+              const RayAlternative& rays, TransportCounts& counts)
+      : scene(scene), first(first), search(search), rays(rays), counts(counts) {}
 
   /** Places at every `every`-th photon and at all points seen, with the distance to the k-th photon. Those of
    * photons come first; their number goes to `ofPhotons`. */
@@ -193,7 +239,9 @@ class PlaceFinder {
       GatherRegion region = regionAt(places[i]);
       BoundaryCorrection boundary = surroundingsOf(places[i], i);
       region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
-      errors[m] = supportErrors(first, region, search.kernel, places[i].error, boundary, partCounts);
+      errors[m] =
+          supportErrors(first, region, search.kernel, places[i].error, boundary, rays.emitted, partCounts);
+      if (rays.lights) addDirect(places[i], i, errors[m], partCounts);
     });
     double mean = 0;
     for (const SupportErrors& e : errors) mean += e.irradiance / static_cast<double>(errors.size());
@@ -230,6 +278,7 @@ class PlaceFinder {
       double bias2 = 0;
       for (size_t j = 0; j < best; ++j) bias2 += absolute.sureBias2(j);
       places[i].bias2 = static_cast<float>(biasWeight * bias2 / evidence);
+      if (rays.lights) places[i].worth = worth(absolute, best, double(places[i].bias2), evidence);
       if (best == SupportErrors::OWN) return;
       const float radius = places[i].radius * ofArea(best);
       settle(
@@ -249,6 +298,29 @@ class PlaceFinder {
         f(i, scratch, partCounts[part]);
     });
     for (const TransportCounts& c : partCounts) counts.add(c);
+  }
+
+  void addDirect(const Place& place, size_t key, SupportErrors& e, TransportCounts& partCounts) const {
+    constexpr int SAMPLES = 4;
+    Sampler sampler(1, 0, static_cast<uint32_t>(key));
+    for (int i = 0; i < SAMPLES; ++i) {
+      const double found = directIrradiance(scene, *rays.lights, place, sampler, partCounts);
+      e.direct += found / SAMPLES;
+      e.direct2 += square(found) / SAMPLES;
+    }
+  }
+
+  /** What a gather is worth by sums over `evidence` places. */
+  static GatherWorth worth(const SupportErrors& sum, size_t best, double bias2, int evidence) {
+    constexpr double OTHER = 0.05; // relative variance of a pixel for all reasons that are not looked at
+    const double n = evidence, irradiance2 = square(sum.irradiance / n);
+    const double all2 = square((sum.irradiance + sum.direct) / n);
+    const double byRays = std::max(0.0, sum.rays2[best] / n - irradiance2);
+    const double byPhotons = sum.variance[best] / n + bias2;
+    const double byBoth = byRays > 0 ? byRays * byPhotons / (byRays + byPhotons) : 0;
+    const double rest = std::max(0.0, sum.direct2 / n - square(sum.direct / n)) + OTHER * all2;
+    return {static_cast<float>((rest + byRays) / (rest + byBoth) - 1),
+            static_cast<float>((all2 + byRays) / (all2 + byPhotons)), static_cast<float>(byRays)};
   }
 
   float kthDistance(GatherRegion region, PhotonScratch& scratch) const {
@@ -307,20 +379,22 @@ class PlaceFinder {
   const Scene& scene;
   const PhotonMap& first;
   const GatherSettings& search;
+  const RayAlternative& rays;
   TransportCounts& counts;
 };
 
 } // namespace
 
 void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
-                        const GatherSettings& search, double alpha, TransportCounts& counts) {
+                        const GatherSettings& search, double alpha, const RayAlternative& rays,
+                        TransportCounts& counts) {
   limit = search.radius;
   lift = 2 * scene.bounds().radius;
   places.clear();
   // A small picture does not look long enough at the places to be worth many.
   constexpr size_t EVERY = 4, MIN_COUNT = 1024, MAX_COUNT = 65536;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
-  PlaceFinder finder(scene, first, search, counts);
+  PlaceFinder finder(scene, first, search, rays, counts);
   size_t ofPhotons = 0;
   if (!first.empty())
     places = finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, MIN_COUNT, MAX_COUNT)), seen,

@@ -212,7 +212,7 @@ class PhotonWalk {
       if (s->specular())
         ratio.leave(s->direction, hit.point);
       else
-        ratio = ratioAfter(depth - 1, hit, scattering, wi, s->direction);
+        ratio = ratioAfter(ratio, depth - 1, hit, scattering, wi, s->direction);
       ray = spawn(hit.point, s->direction);
     }
   }
@@ -227,9 +227,12 @@ class PhotonWalk {
   };
 
   /** Of a photon that leaves a surface by a non-delta lobe: known for what came straight from the light. */
-  ReverseRatio ratioAfter(int depth, const Hit& hit, const ScatteringPoint& scattering, const Vec3f& wi,
-                          const Vec3f& direction) const {
-    if (depth > 0 || !settings.shadowRays) return {};
+  ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
+                          const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
+    if (!settings.shadowRays) return {};
+    if (depth > 0)
+      return before.furtherOn(scattering.pdfNonDelta(direction, wi), scattering.pdfNonDelta(wi, direction),
+                              direction, hit.point);
     const LightSampler& sampler = *settings.shadowRays;
     const float chosen =
         sampler.probability(scene.lights(), lightSampleContext(sampler, hit.point, direction), origin.light);
@@ -291,7 +294,7 @@ class PhotonWalk {
         sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
         sentOut.state = state;
         sentOut.caustic = false;
-        sentOut.ratio = ratioAfter(from.depth - 1, hit, scattering, wi, direction);
+        sentOut.ratio = ratioAfter(from.ratio, from.depth - 1, hit, scattering, wi, direction);
         sentOut.nesting.scatters(hit, wi, direction);
         sentOut.ray = spawn(hit.point, direction);
         waiting.emplace_back(std::move(sentOut), own);

@@ -272,7 +272,7 @@ TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
   GatherSettings search;
   search.nearest = 20;
   search.radius = 1;
-  field.build(*scene, map, {}, search, 0, counts);
+  field.build(*scene, map, {}, search, 0, {}, counts);
   const CachedRadius before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
   const CachedRadius behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
   ASSERT_TRUE(behind.known);
@@ -297,7 +297,7 @@ TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
     const auto radius = [&](double alpha) {
       RadiusCache field;
       TransportCounts counts;
-      field.build(*scene, map, {}, search, alpha, counts);
+      field.build(*scene, map, {}, search, alpha, {}, counts);
       double mean = 0;
       for (int i = 0; i < 100; ++i)
         mean += double(field.at(Vec3f(-0.2f + 0.004f * float(i), 0, 0), {0, 0, 1}).radius);

@@ -46,6 +46,13 @@ class ReverseRatio {
     const float density = arrivals * pdf;
     return ReverseRatio(density > 0 ? absDot(direction, from.geometricNormal) / density : 0);
   }
+  /** Of a photon that has met other non-delta surfaces before and leaves by a non-delta lobe, with `pdf`,
+   * where a ray would be sent back the same way with `pdfBack` [1/sr]. Negative: merged photons do not weigh
+   * by it. */
+  ReverseRatio furtherOn(float pdfBack, float pdf, const Vec3f& direction, const SurfacePoint& from) const {
+    return ReverseRatio(pdf > 0 ? -std::abs(ratio) * pdfBack / pdf * absDot(direction, from.geometricNormal)
+                                : 0);
+  }
   /** The photon arrives at a surface. */
   void arrive(const Vec3f& direction, const SurfacePoint& at) {
     divideBy(absDot(direction, at.geometricNormal));

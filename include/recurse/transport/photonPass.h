@@ -38,6 +38,7 @@ struct PhotonLayer {
 struct PhotonQuery {
   GatherSettings settings;
   CachedRadius place;
+  float cost = 0; ///< of the search, about, over that of a camera path
 };
 
 class PhotonPass {
@@ -69,10 +70,16 @@ class PhotonPass {
 
   /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
    * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
-  PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi) const;
+  PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
+                    LobeSet lobes) const;
   /** Weighs photons of the indirect layer against the rays that its surface sends on, by what is known of
    * both errors there; `footprint` is the width of a pixel. */
   void weighAgainstRays(PhotonQuery& query, float footprint) const;
+  /** Whether to read the indirect layer takes less than to go on, for the variance that it saves. */
+  bool paysInstead(const PhotonQuery& query) const {
+    return !progressive || !query.place.known ||
+           query.cost < indirectLayer.cache.place(query.place.index).worth.instead;
+  }
   /** The search with such a radius of the first pass. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
 
@@ -85,7 +92,7 @@ class PhotonPass {
   /** How many photons in media to keep. */
   void learnVolumePart(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                        const ForwardControl& control, ForwardStatistics& statistics);
-  void learnRadii(const Scene& scene, ForwardStatistics& statistics);
+  void learnRadii(const Scene& scene, const LightSampler* shadowRays, ForwardStatistics& statistics);
   uint64_t photonCount(const Scene& scene) const;
 
   PhotonPassSettings settings;

@@ -9,6 +9,7 @@
 
 #include "recurse/transport/cameraProbe.h"
 #include "recurse/transport/gather.h"
+#include "recurse/transport/lightSampler.h"
 
 namespace recurse {
 
@@ -28,15 +29,31 @@ struct CachedRadius {
   size_t index = 0;                     ///< of that place
 };
 
+/** How much more than a camera path an estimate by photons may take and yet pay, by the variance that it
+ * saves (efficiency as in Grittmann et al. 2022, "Efficiency-Aware Multiple Importance Sampling for
+ * Bidirectional Rendering Algorithms"). Infinite where nothing is known. */
+struct GatherWorth {
+  float beside = INFINITE;  ///< a ray that goes on, and shares the light with it
+  float instead = INFINITE; ///< of such a ray
+  float raysVariance = 0;   ///< of what one such ray estimates [W²/m⁴]
+};
+
+/** What camera rays would do in the place of photons. */
+struct RayAlternative {
+  float emitted = 0;                    ///< photons, as PhotonQuery's `merging` counts them
+  const LightSampler* lights = nullptr; ///< for shadow rays; null: rays do not share light with photons
+};
+
 class RadiusCache {
  public:
   /** Takes at places all over a first photon map, and at places that are seen, the distance to the k-th
    * photon, and at most search.radius, and what the surface is like around them. k = search.nearest; 0:
    * search.radius everywhere. With alpha > 0, that of radiusScale(), the distance is a first guess: where
-   * discs of another area promise less error over many passes, they are taken. The geometric normals of
-   * `seen` point to where they are seen from. The map is not needed afterwards. */
+   * discs of another area promise less error over many passes, they are taken; and what a search is worth is
+   * found out by `rays`. The geometric normals of `seen` point to where they are seen from. The map is not
+   * needed afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
-             const GatherSettings& search, double alpha, TransportCounts& counts);
+             const GatherSettings& search, double alpha, const RayAlternative& rays, TransportCounts& counts);
   /** How far to look at a point with this geometric normal: the radius of the nearest of the places, and no
    * less than the way there. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
@@ -51,6 +68,7 @@ class RadiusCache {
      * square of the bias weighs beside it over many passes [W²/m⁴]. The variance is infinite where no photon
      * tells. */
     float irradiance = 0, variance = INFINITE, bias2 = 0;
+    GatherWorth worth;
     Neighbourhood around;
   };
   const Place& place(size_t i) const { return places[i]; }
