@@ -1,6 +1,6 @@
 /** @file
- * Files of a scene, one after the other in pieces: first the path, then the content, an empty piece at the end of
- * each.
+ * Files of a scene, one after the other in pieces: first the path, then the content, an empty piece at the
+ * end of each.
  */
 #include "apps/sentScene.h"
 

@@ -18,7 +18,8 @@ void sendNoScene(const Cluster& cluster);
 /** At the others: its files in a temporary folder, for as long as this lives. */
 class ReceivedScene {
  public:
-  /** Waits for sendScene(). Throws Error where the leading process has none, or the files cannot be written. */
+  /** Waits for sendScene(). Throws Error where the leading process has none, or the files cannot be written.
+   */
   explicit ReceivedScene(const Cluster& cluster);
   ~ReceivedScene();
   ReceivedScene(const ReceivedScene&) = delete;

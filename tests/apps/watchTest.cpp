@@ -32,19 +32,20 @@ TEST_F(Watch, RendersAgainAfterChangesAndErrors) {
   write("more.pbrt", "Material \"diffuse\"\n");
   const std::string with = scene("", "Include \"more.pbrt\"\nShape \"sphere\" \"float radius\" .2\n");
   write("scene.pbrt", with);
-  const Outcome o = run({"render", "scene.pbrt", "--watch", "-o", "w.exr", "--integrator", "path"}, [&](pid_t child) {
-    EXPECT_TRUE(said(WAITING, 1));
-    EXPECT_EQ(readImage(file("w.exr")).width, 24);
-    const std::vector<float> before = readImage(file("w.exr")).pixels;
-    write("more.pbrt", "Material \"diffuse\" \"rgb reflectance\" [ 0 .9 0 ]\n"); // an included file
-    EXPECT_TRUE(said(WAITING, 2));
-    EXPECT_FALSE(readImage(file("w.exr")).pixels == before);
-    write("scene.pbrt", with + "Shape \"nonsense\"\n");
-    EXPECT_TRUE(said("unknown Shape", 1) && said(WAITING, 3));
-    write("scene.pbrt", with);
-    EXPECT_TRUE(said(WAITING, 4));
-    ::kill(child, SIGINT);
-  });
+  const Outcome o =
+      run({"render", "scene.pbrt", "--watch", "-o", "w.exr", "--integrator", "path"}, [&](pid_t child) {
+        EXPECT_TRUE(said(WAITING, 1));
+        EXPECT_EQ(readImage(file("w.exr")).width, 24);
+        const std::vector<float> before = readImage(file("w.exr")).pixels;
+        write("more.pbrt", "Material \"diffuse\" \"rgb reflectance\" [ 0 .9 0 ]\n"); // an included file
+        EXPECT_TRUE(said(WAITING, 2));
+        EXPECT_FALSE(readImage(file("w.exr")).pixels == before);
+        write("scene.pbrt", with + "Shape \"nonsense\"\n");
+        EXPECT_TRUE(said("unknown Shape", 1) && said(WAITING, 3));
+        write("scene.pbrt", with);
+        EXPECT_TRUE(said(WAITING, 4));
+        ::kill(child, SIGINT);
+      });
   EXPECT_EQ(o.status, 0) << o.err;
   EXPECT_TRUE(has(o.err, "\n6x4 pixels") || o.err.starts_with("6x4 pixels")) << o.err;
   EXPECT_TRUE(has(o.err, "\n24x16 pixels")) << o.err;
@@ -52,13 +53,14 @@ TEST_F(Watch, RendersAgainAfterChangesAndErrors) {
 }
 
 TEST_F(Watch, EndsARenderThatIsUnderWay) {
-  const Outcome o = run({"render", "scene.pbrt", "--watch", "-o", "w.exr", "--integrator", "path", "--spp", "100000000"},
-                        [&](pid_t child) {
-                          sleepSeconds(1);
-                          write("scene.pbrt", scene() + "Shape \"nonsense\"\n");
-                          EXPECT_TRUE(said("unknown Shape", 1));
-                          ::kill(child, SIGINT);
-                        });
+  const Outcome o =
+      run({"render", "scene.pbrt", "--watch", "-o", "w.exr", "--integrator", "path", "--spp", "100000000"},
+          [&](pid_t child) {
+            sleepSeconds(1);
+            write("scene.pbrt", scene() + "Shape \"nonsense\"\n");
+            EXPECT_TRUE(said("unknown Shape", 1));
+            ::kill(child, SIGINT);
+          });
   EXPECT_EQ(o.status, 0) << o.err;
 }
 

@@ -14,8 +14,9 @@ using namespace recurse;
 namespace {
 
 /** Two units of height on 40 pixels, seen along z without perspective. */
-const std::string HEAD = "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
-                         "PixelFilter \"box\"\nLookAt 0 0 -9  0 0 0  0 1 0\nCamera \"orthographic\"\nWorldBegin\n";
+const std::string HEAD =
+    "Film \"rgb\" \"integer xresolution\" 40 \"integer yresolution\" 40\n"
+    "PixelFilter \"box\"\nLookAt 0 0 -9  0 0 0  0 1 0\nCamera \"orthographic\"\nWorldBegin\n";
 
 /** Sum of the parts of all pixels that each id of a matte covers. */
 std::map<uint32_t, double> coverage(const Image& image, const std::string& matte) {
@@ -53,13 +54,14 @@ TEST(Cryptomatte, HashesNamesByTheConvention) {
 }
 
 TEST(Cryptomatte, CoversWhatObjectsCover) {
-  const Image image = mattes("MakeNamedMaterial \"wood\" \"string type\" \"diffuse\"\n"
-                             "ObjectBegin \"ball\"\nNamedMaterial \"wood\"\nShape \"sphere\" \"float radius\" .3\nObjectEnd\n"
-                             "AttributeBegin\nTranslate -.5 .5 0\nObjectInstance \"ball\"\nAttributeEnd\n"
-                             "AttributeBegin\nTranslate .5 -.5 0\nObjectInstance \"ball\"\nAttributeEnd\n"
-                             "AttributeBegin\nAreaLightSource \"diffuse\"\nMaterial \"interface\"\nTranslate -.5 -.5 0\n"
-                             "Shape \"disk\" \"float radius\" .4\nAttributeEnd\n"
-                             "Material \"conductor\"\nTranslate .6 .6 0\nShape \"disk\" \"float radius\" .2\n");
+  const Image image =
+      mattes("MakeNamedMaterial \"wood\" \"string type\" \"diffuse\"\n"
+             "ObjectBegin \"ball\"\nNamedMaterial \"wood\"\nShape \"sphere\" \"float radius\" .3\nObjectEnd\n"
+             "AttributeBegin\nTranslate -.5 .5 0\nObjectInstance \"ball\"\nAttributeEnd\n"
+             "AttributeBegin\nTranslate .5 -.5 0\nObjectInstance \"ball\"\nAttributeEnd\n"
+             "AttributeBegin\nAreaLightSource \"diffuse\"\nMaterial \"interface\"\nTranslate -.5 -.5 0\n"
+             "Shape \"disk\" \"float radius\" .4\nAttributeEnd\n"
+             "Material \"conductor\"\nTranslate .6 .6 0\nShape \"disk\" \"float radius\" .2\n");
   ASSERT_EQ(image.channels.size(), 24u);
   const double disc = INV_PI > 0 ? 400 / double(INV_PI) : 0; // pixels of a disc of radius 1
   auto objects = coverage(image, "CryptoObject");
@@ -74,9 +76,11 @@ TEST(Cryptomatte, CoversWhatObjectsCover) {
   ASSERT_EQ(materials.size(), 2u); // the lamp has none
   EXPECT_NEAR(materials[cryptomatteId("wood")], disc * 0.18, 1.2);
   EXPECT_NEAR(materials[cryptomatteId("conductor")], disc * 0.04, 0.4);
-  for (const auto& [key, name] : {std::pair("3ae39a5", "CryptoObject"), std::pair("be359d6", "CryptoMaterial")})
+  for (const auto& [key, name] :
+       {std::pair("3ae39a5", "CryptoObject"), std::pair("be359d6", "CryptoMaterial")})
     EXPECT_EQ(image.metadata.at("cryptomatte/" + std::string(key) + "/name"), name);
-  EXPECT_EQ(image.metadata.at("cryptomatte/be359d6/manifest").find("\"wood\":\""), image.metadata.at("cryptomatte/be359d6/manifest").find("\"wood\""));
+  EXPECT_EQ(image.metadata.at("cryptomatte/be359d6/manifest").find("\"wood\":\""),
+            image.metadata.at("cryptomatte/be359d6/manifest").find("\"wood\""));
   EXPECT_NE(image.metadata.at("cryptomatte/3ae39a5/manifest").find("\"ball.2\":"), std::string::npos);
 }
 
@@ -89,7 +93,9 @@ TEST(Cryptomatte, RanksFallAndAddUpToNoMoreThanTheWhole) {
       float sum = 0;
       for (int rank = 0; rank < 6; ++rank) {
         sum += p[2 * rank + 1];
-        if (rank > 0) { EXPECT_LE(p[2 * rank + 1], p[2 * rank - 1]); }
+        if (rank > 0) {
+          EXPECT_LE(p[2 * rank + 1], p[2 * rank - 1]);
+        }
       }
       EXPECT_LE(sum, 1.0001f);
     }

@@ -1,6 +1,6 @@
 /** @file
- * Cryptomatte (Friedman and Jones 2015, specification 1.2.0): which objects and materials a pixel shows, and how
- * much of it each covers, so that a compositor can cut any of them out with soft edges.
+ * Cryptomatte (Friedman and Jones 2015, specification 1.2.0): which objects and materials a pixel shows, and
+ * how much of it each covers, so that a compositor can cut any of them out with soft edges.
  */
 #pragma once
 
@@ -24,9 +24,9 @@ struct CryptomatteSettings {
 
 /**
  * Channels CryptoObject00.R ... CryptoObject02.A and the same of CryptoMaterial: the six that cover most of a
- * pixel, each with its id (as the bits of a float) and the part that it covers, weighed by the pixel's filter without
- * its negative lobes. The metadata names them (`cryptomatte/KEY/manifest`). What emits and what scatters is seen;
- * camera rays that leave the scene see nothing.
+ * pixel, each with its id (as the bits of a float) and the part that it covers, weighed by the pixel's filter
+ * without its negative lobes. The metadata names them (`cryptomatte/KEY/manifest`). What emits and what
+ * scatters is seen; camera rays that leave the scene see nothing.
  */
 Image renderCryptomattes(const Scene& scene, const CryptomatteSettings& settings);
 
