@@ -132,8 +132,8 @@ void forEachFile(const SceneDescription& d, const InMemory& inMemory, const OnDi
     addParameters(directive.parameters);
     if (directive.attributes) addParameters(*directive.attributes);
   };
-  for (const ParsedDirective* one :
-       {&d.film, &d.camera, &d.filter, &d.sampler, &d.integrator, &d.accelerator})
+  for (const ParsedDirective* one : // the film's file is written, not read
+       {&d.camera, &d.filter, &d.sampler, &d.integrator, &d.accelerator})
     add(*one);
   for (const ParsedDirective& material : d.materials) add(material);
   for (const auto& [name, material] : d.namedMaterials) add(material);
@@ -161,7 +161,10 @@ std::vector<std::string> filesOf(const SceneDescription& description) {
 
 std::string contentHash(const SceneDescription& description) {
   Hash hash;
-  for (const auto& source : description.sources) hash.add(source->text);
+  // In an order that does not depend on where the files are.
+  std::set<std::string_view> texts;
+  for (const auto& source : description.sources) texts.insert(source->text);
+  for (const std::string_view text : texts) hash.add(std::string(text));
   forEachFile(
       description, [&](const auto& content) { hash.add(content); },
       [&](const std::filesystem::path& path) {

@@ -13,6 +13,7 @@
 namespace recurse::apps {
 
 struct LoadedScene {
+  std::shared_ptr<const void> place; ///< of files that go when it does; null: they stay
   std::string fileName;
   SceneDescription description;
   std::unique_ptr<Scene> scene;

@@ -135,8 +135,10 @@ LoadedScene load(const RenderCommandOptions& o, const SceneOverrides& overrides)
   if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction);
   if (!cluster()) badUsage("--send-scene: for recurse-mpi");
   if (!cluster()->leads()) {
-    const ReceivedScene scene(*cluster());
-    return loadAndBuild(scene.fileName(), overrides, o.render.integrator);
+    const auto received = std::make_shared<const ReceivedScene>(*cluster());
+    LoadedScene loaded = loadAndBuild(received->fileName(), overrides, o.render.integrator);
+    loaded.place = received; // textures are read while it renders
+    return loaded;
   }
   std::optional<LoadedScene> loaded;
   try {

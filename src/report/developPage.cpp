@@ -13,12 +13,9 @@ std::string developPage(const Image& picture, const DevelopSettings& settings, c
   nlohmann::ordered_json pixels;
   addPixels(pixels, light.picture);
   pixels["name"] = title;
-  const nlohmann::ordered_json data = {{"title", title},
-                                       {"width", picture.width},
-                                       {"height", picture.height},
-                                       {"exposure", light.stops},
-                                       {"operator", operatorName},
-                                       {"picture", std::move(pixels)}};
+  const nlohmann::ordered_json data = {{"title", title},           {"width", picture.width},
+                                       {"height", picture.height}, {"exposure", light.stops},
+                                       {"operator", operatorName}, {"picture", std::move(pixels)}};
   return htmlPage({page::DEVELOP_HTML,
                    title,
                    {page::PAGE_CSS, page::STILLS_CSS},

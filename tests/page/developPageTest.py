@@ -50,8 +50,9 @@ class DevelopPage(unittest.TestCase):
             "(() => { const v = document.getElementById('view'), d = v.width / v.getBoundingClientRect().width;"
             "const zoom = parseInt(document.getElementById('zoomText').textContent) / 100;"
             f"const place = (size, i) => (size / d - {SIZE} * zoom) / 2 + (i + 0.5) * zoom;"
-            "const c = v.getContext('2d');"
-            f"return [...c.getImageData(place(v.width, {pixel[0]}) * d, place(v.height, {pixel[1]}) * d, 1, 1).data];"
+            "const c = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
+            f"c.drawImage(v, place(v.width, {pixel[0]}) * d, place(v.height, {pixel[1]}) * d, 1, 1, 0, 0, 1, 1);"
+            "return [...c.getImageData(0, 0, 1, 1).data];"
             " })()")[:3]
 
     def developed(self, exposure, operator):
