@@ -11,7 +11,8 @@ namespace {
 
 std::string nameOf(const ShapeDescription& s) {
   for (const ParsedParameter& p : s.shape.parameters)
-    if (p.name == "filename" && p.strings.size() == 1) return std::filesystem::path(p.strings[0]).stem().string();
+    if (p.name == "filename" && p.strings.size() == 1)
+      return std::filesystem::path(p.strings[0]).stem().string();
   return s.shape.type;
 }
 

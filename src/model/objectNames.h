@@ -13,8 +13,8 @@ namespace recurse {
 class ObjectNamer {
  public:
   explicit ObjectNamer(ObjectNames& names) : names(names) {}
-  /** Of a shape; `instance`: the one that it is a part of, or null. Parts of the top level come first, and those of one
-   * instance one after the other. */
+  /** Of a shape; `instance`: the one that it is a part of, or null. Parts of the top level come first, and
+   * those of one instance one after the other. */
   uint32_t objectOf(const ShapeDescription* shape, const InstanceDescription* instance);
   /** The same for a shape at the top level. */
   uint32_t objectAtTop(const ShapeDescription* shape, const InstanceDescription* instance);

@@ -188,7 +188,8 @@ class SceneBuilder {
   void buildTrees() {
     ObjectNamer objects(scene->objectNames);
     for (size_t i = 0; i < shapes.groups().size(); ++i) {
-      auto& made = scene->groups.emplace_back(std::make_unique<GeometryGroup>(scene->device, overrides.compact));
+      auto& made =
+          scene->groups.emplace_back(std::make_unique<GeometryGroup>(scene->device, overrides.compact));
       made->reserve(shapes.groups()[i].placed.size());
       for (const ShapeGroups::Placed& p : shapes.groups()[i].placed) {
         const auto light = lightOf.find(p.shape);
@@ -206,8 +207,7 @@ class SceneBuilder {
     for (const ShapeGroups::Instance& i : shapes.instances()) {
       const MatrixTrack track = shapes.sceneFromGroup(i);
       scene->shapesMove = scene->shapesMove || track.moves();
-      scene->groups.front()->addInstance(*scene->groups[i.group], track,
-                                         objects.objectOf(i.from, i.partOf));
+      scene->groups.front()->addInstance(*scene->groups[i.group], track, objects.objectOf(i.from, i.partOf));
     }
     scene->groups.front()->commit();
   }

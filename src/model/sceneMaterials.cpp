@@ -131,7 +131,8 @@ std::map<const Material*, std::string> SceneMaterials::names() const {
   ObjectNames kinds;
   for (size_t i = 0; i < materialsByIndex.size(); ++i) {
     const std::string& kind = c.description.materials[i].type;
-    if (const Material* m = materialsByIndex[i].second) out[m] = kinds[kinds.add(kind.empty() ? "diffuse" : kind)];
+    if (const Material* m = materialsByIndex[i].second)
+      out[m] = kinds[kinds.add(kind.empty() ? "diffuse" : kind)];
   }
   return out;
 }

@@ -151,7 +151,8 @@ bool ShapeGroups::build() {
       const auto object = c.description.objects.find(i.object);
       if (object == c.description.objects.end()) continue;
       for (const ShapeDescription& s : object->second.shapes)
-        if (s.areaLight >= 0 && !movesAlone(s, i)) addShape(s, i.worldFromInstance * s.worldFromObject, top, &i);
+        if (s.areaLight >= 0 && !movesAlone(s, i))
+          addShape(s, i.worldFromInstance * s.worldFromObject, top, &i);
     }
   });
   c.sceneOrigin = all.front().origin;
