@@ -19,6 +19,8 @@ class Cluster {
   virtual bool leads() const = 0;
   /** Threads for this process where nobody says. */
   virtual int threads() const = 0;
+  /** Called by all: what the leading one gives, no longer than 1 GB. */
+  virtual std::string tellAll(std::string text) const = 0;
   /** Called by all with what the samples depend on. Throws Error, in the leading one with who differs. */
   virtual void join(const std::map<std::string, std::string>& identity) = 0;
   /** As recurse::render(), called by all with the same scene and settings. Only the film of the leading one

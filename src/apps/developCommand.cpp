@@ -1,11 +1,15 @@
 /** @file
  * `recurse develop`: a picture without bounds in, pictures for a display out.
  */
+#include <algorithm>
+#include <array>
+#include <filesystem>
 #include <set>
 
 #include "apps/commands.h"
 #include "apps/developOptions.h"
 #include "apps/optionText.h"
+#include "recurse/core/atomicFile.h"
 
 namespace recurse::apps {
 
@@ -18,13 +22,24 @@ struct DevelopCommandOptions {
   bool sheet = false, quiet = false;
 };
 
+/** Operators that pages have. */
+constexpr std::array<std::string_view, 5> OF_PAGES = {"none", "filmic", "aces", "reinhard", "drago"};
+
+bool isPage(const std::string& name) { return name.ends_with(".html"); }
+
 ExitStatus developPicture(const DevelopCommandOptions& o) {
   const DevelopSettings settings = o.develop.settings();
   std::set<std::string> names;
   for (const std::string& name : o.outputs) {
-    checkImageWritable(name);
-    if (!isDisplayFormat(name))
-      badUsage("-o: " + name + " is not for a display; accepted: .png .jpg .jpeg .tif .tiff");
+    if (isPage(name))
+      checkFileWritable(name);
+    else
+      checkImageWritable(name);
+    if (!isPage(name) && !isDisplayFormat(name))
+      badUsage("-o: " + name + " is not for a display; accepted: .png .jpg .jpeg .tif .tiff .html");
+    if (isPage(name) && !std::count(OF_PAGES.begin(), OF_PAGES.end(), o.develop.toneMap))
+      badUsage("--tonemap: pages have none, filmic, aces, reinhard and drago, with their defaults");
+    if (isPage(name) && o.sheet) badUsage("--sheet: not for the page " + name);
     if (!names.insert(name).second) badUsage("-o: " + name + " is given twice");
   }
   const Image picture = readImage(o.input);
@@ -32,7 +47,12 @@ ExitStatus developPicture(const DevelopCommandOptions& o) {
   developed.picture.metadata["recurse:developed"] = o.develop.text(developed.stops);
   std::string written;
   for (const std::string& name : o.outputs) {
-    writeImage(name, developed.picture, {.encoded = true});
+    if (isPage(name))
+      writeFileAtomically(name,
+                          developPage(picture, settings, std::filesystem::path(o.input).filename().string(),
+                                      o.develop.toneMap));
+    else
+      writeImage(name, developed.picture, {.encoded = true});
     written += (written.empty() ? "" : ", ") + name;
   }
   if (!o.quiet)
@@ -53,7 +73,10 @@ void addDevelopCommand(CLI::App& app, Command& chosen) {
   command->add_option("picture", o.input, "A picture with linear values: .exr, .hdr, .pfm")
       ->required()
       ->type_name("PICTURE");
-  command->add_option("-o,--output", o.outputs, "Picture to write, several allowed: .png .jpg .tif")
+  command
+      ->add_option("-o,--output", o.outputs,
+                   "Picture to write, several allowed: .png .jpg .tif; .html: a page with sliders for "
+                   "exposure and operator")
       ->required()
       ->type_name("FILE")
       ->expected(1)
@@ -69,7 +92,8 @@ void addDevelopCommand(CLI::App& app, Command& chosen) {
                   "  recurse develop picture.exr -o evening.png --white-balance 3200 --bloom 0.3\n"
                   "  recurse develop picture.exr -o plain.png --exposure 0 --tonemap none\n"
                   "  OCIO=config.ocio recurse develop picture.exr -o film.tif --tonemap none --display ocio\n"
-                  "  recurse develop picture.exr -o operators.png --sheet");
+                  "  recurse develop picture.exr -o operators.png --sheet\n"
+                  "  recurse develop picture.exr -o look.html");
   command->callback([options, &chosen] { chosen = [options] { return developPicture(*options); }; });
 }
 

@@ -51,6 +51,7 @@ void installInterruptHandlers() {
 }
 
 void requestStop() { stopRequested = true; }
+void withdrawStop() { stopRequested = false; }
 
 GracefulStop::GracefulStop() { ++graceful; }
 GracefulStop::~GracefulStop() { --graceful; }

@@ -13,6 +13,8 @@ void installInterruptHandlers();
 
 /** Does what the first signal does where a GracefulStop lives. */
 void requestStop();
+/** Takes requestStop() back. */
+void withdrawStop();
 
 /** While one lives, the first signal only sets the flag. */
 class GracefulStop {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "apps/modelScene.h"
 #include "apps/optionText.h"
@@ -41,22 +42,41 @@ std::string typeOf(const ParsedDirective& directive, const char* otherwise) {
   return directive.given() ? directive.type : otherwise;
 }
 
+/** For a picture with fewer pixels of what the file and the overrides ask for. */
+SceneOverrides reduced(SceneOverrides overrides, const SceneDescription& description, int reduction) {
+  if (reduction <= 1) return overrides;
+  Diagnostics told; // again when the scene is built
+  ParsedDirective directive = description.film;
+  if (!directive.given()) directive.type = "rgb";
+  const auto film = plugIns().films.make(directive, {}, told, true);
+  if (!film) return overrides;
+  if (overrides.width == 0 && overrides.cropWindow[0] == overrides.cropWindow[1]) {
+    const auto part = [](int x, int size) { return float(x) / float(size); };
+    overrides.cropWindow = {part(film->crop.x0, film->width), part(film->crop.x1, film->width),
+                            part(film->crop.y0, film->height), part(film->crop.y1, film->height)};
+  }
+  overrides.width = std::max(1, (overrides.width > 0 ? overrides.width : film->width) / reduction);
+  overrides.height = std::max(1, (overrides.height > 0 ? overrides.height : film->height) / reduction);
+  return overrides;
+}
+
 } // namespace
 
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
-                         const IntegratorOptions& options) {
+                         const IntegratorOptions& options, int reduction) {
   LoadedScene out;
   out.fileName = fileName;
   Diagnostics diagnostics;
   const auto loadStart = std::chrono::steady_clock::now();
   out.description = loadSceneOrModel(fileName, diagnostics);
+  out.files = filesOf(out.description); // models that pieces are made of are not named afterwards
   expandImports(out.description, diagnostics, overrides.lenient);
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
   out.integratorDirective = options.directive(out.description.integrator);
   out.integrator = makeIntegrator(out.integratorDirective, overrides.lenient, diagnostics);
   // A description with errors is built as well, as far as that goes: one run tells all that is wrong.
-  out.scene = buildScene(out.description, overrides, diagnostics);
+  out.scene = buildScene(out.description, reduced(overrides, out.description, reduction), diagnostics);
   out.buildSeconds = secondsSince(buildStart);
   renderMediaByPath(out, diagnostics);
   diagnostics.throwIfErrors();
@@ -81,34 +101,39 @@ void renderMediaByPath(LoadedScene& loaded, Diagnostics& diagnostics) {
   loaded.integrator = makeIntegrator(path, false, diagnostics);
 }
 
-std::string contentHash(const SceneDescription& description) {
-  Hash hash;
-  const auto addFile = [&hash](const std::string& directory, const std::string& name) {
-    const std::filesystem::path path = std::filesystem::path(directory) / name;
+namespace {
+
+/** Calls inMemory(content) for each file in memory that the description names, and onDisk(path) for each
+ * other string that may be that of a file: mesh, texture, spectrum. */
+template <class InMemory, class OnDisk>
+void forEachFile(const SceneDescription& d, const InMemory& inMemory, const OnDisk& onDisk) {
+  const auto exists = [](const std::filesystem::path& path) {
     std::error_code ignored;
-    if (!std::filesystem::is_regular_file(path, ignored)) return false;
-    std::ifstream in(path, std::ios::binary);
-    hash.add(std::string(std::istreambuf_iterator<char>(in), {}));
-    return true;
+    return std::filesystem::is_regular_file(path, ignored);
   };
   const auto add = [&](const ParsedDirective& directive) {
     const auto addParameters = [&](const std::vector<ParsedParameter>& parameters) {
       for (const ParsedParameter& p : parameters)
-        for (const std::string& name : p.strings) // may be that of a file: mesh, texture, spectrum
-          if (const auto inMemory =
-                  directive.files ? directive.files->find(name) : MemoryFiles::const_iterator();
-              directive.files && inMemory != directive.files->end())
-            hash.add(*inMemory->second);
-          else if (!name.empty() && !addFile(p.directory.empty() ? directive.directory : p.directory, name))
-            addFile(directive.topDirectory, name);
+        for (const std::string& name : p.strings) {
+          if (directive.files)
+            if (const auto found = directive.files->find(name); found != directive.files->end()) {
+              inMemory(*found->second);
+              continue;
+            }
+          if (name.empty()) continue;
+          for (const std::string& directory :
+               {p.directory.empty() ? directive.directory : p.directory, directive.topDirectory})
+            if (const auto path = std::filesystem::path(directory) / name; exists(path)) {
+              onDisk(path);
+              break;
+            }
+        }
     };
     addParameters(directive.parameters);
     if (directive.attributes) addParameters(*directive.attributes);
   };
-  const SceneDescription& d = description;
-  for (const auto& source : d.sources) hash.add(source->text);
-  for (const ParsedDirective* one :
-       {&d.film, &d.camera, &d.filter, &d.sampler, &d.integrator, &d.accelerator})
+  for (const ParsedDirective* one : // the film's file is written, not read
+       {&d.camera, &d.filter, &d.sampler, &d.integrator, &d.accelerator})
     add(*one);
   for (const ParsedDirective& material : d.materials) add(material);
   for (const auto& [name, material] : d.namedMaterials) add(material);
@@ -119,6 +144,33 @@ std::string contentHash(const SceneDescription& description) {
   for (const auto& [name, object] : d.objects)
     for (const ShapeDescription& shape : object.shapes) add(shape.shape);
   for (const LightDescription& light : d.lights) add(light.light);
+}
+
+} // namespace
+
+std::vector<std::string> filesOf(const SceneDescription& description) {
+  std::set<std::string> files;
+  std::error_code ignored;
+  for (const auto& source : description.sources)
+    if (std::filesystem::is_regular_file(source->name, ignored)) files.insert(source->name);
+  forEachFile(
+      description, [](const auto&) {},
+      [&](const std::filesystem::path& path) { files.insert(path.string()); });
+  return {files.begin(), files.end()};
+}
+
+std::string contentHash(const SceneDescription& description) {
+  Hash hash;
+  // In an order that does not depend on where the files are.
+  std::set<std::string_view> texts;
+  for (const auto& source : description.sources) texts.insert(source->text);
+  for (const std::string_view text : texts) hash.add(std::string(text));
+  forEachFile(
+      description, [&](const auto& content) { hash.add(content); },
+      [&](const std::filesystem::path& path) {
+        std::ifstream in(path, std::ios::binary);
+        hash.add(std::string(std::istreambuf_iterator<char>(in), {}));
+      });
   return hash.text();
 }
 

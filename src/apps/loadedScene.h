@@ -13,23 +13,29 @@
 namespace recurse::apps {
 
 struct LoadedScene {
+  std::shared_ptr<const void> place; ///< of files that go when it does; null: they stay
   std::string fileName;
   SceneDescription description;
   std::unique_ptr<Scene> scene;
   ParsedDirective integratorDirective;
   std::unique_ptr<Integrator> integrator;
+  std::vector<std::string> files; ///< that it was read from, by their paths
   double loadSeconds = 0, buildSeconds = 0;
   size_t warnings = 0; ///< already printed
 };
 
 /** Throws Error (BAD_SCENE) when the file cannot be read, SceneError with everything that is wrong with it,
- * and Error (BAD_USAGE) for options that do not fit. Prints warnings on standard error. */
+ * and Error (BAD_USAGE) for options that do not fit. Prints warnings on standard error. Width and height of
+ * the picture are divided by `reduction`. */
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
-                         const IntegratorOptions& options);
+                         const IntegratorOptions& options, int reduction = 1);
 
 /** Puts path in the place of an integrator that does not render the media of the scene, with a
  * warning. */
 void renderMediaByPath(LoadedScene& loaded, Diagnostics& diagnostics);
+
+/** The files that a description names and that there are, each once. */
+std::vector<std::string> filesOf(const SceneDescription& description);
 
 /** A hash of all files that the scene was read from, and of nothing else. */
 std::string contentHash(const SceneDescription& description);

@@ -12,6 +12,8 @@
 #include "apps/filmViewers.h"
 #include "apps/optionText.h"
 #include "apps/renderOptions.h"
+#include "apps/sentScene.h"
+#include "apps/watch.h"
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/parallel.h"
 #include "recurse/transport/featureLayers.h"
@@ -29,7 +31,8 @@ struct RenderCommandOptions {
   ViewerOptions viewers;
   bool resume = false, throughSpecular = false;
   ExtraLayers extra;
-  bool check = false;
+  bool check = false, watch = false, sendScene = false;
+  int reduction = 1; ///< what width and height of the picture are divided by
 };
 
 void checkOutputs(const RenderCommandOptions& o, const std::vector<std::string>& outputs) {
@@ -79,32 +82,23 @@ RenderPlan planOf(const RenderCommandOptions& o) {
   return plan;
 }
 
-/** Checks --layers before the render. */
-FeatureSettings featuresOf(const RenderCommandOptions& o, const std::vector<std::string>& outputs) {
+/** Checks --layers before the render. `layered`: the scene's film asks for layers. */
+FeatureSettings featuresOf(const RenderCommandOptions& o, const std::vector<std::string>& outputs,
+                           bool layered) {
   FeatureSettings out;
-  if (o.layers.empty()) {
-    if (o.throughSpecular) badUsage("--layers-through: needs --layers");
-    return out;
-  }
-  out.layers = split(o.layers, ',');
   out.throughSpecular = o.throughSpecular;
-  requireFeatureLayers(out.layers);
-  if (std::none_of(outputs.begin(), outputs.end(), [](const auto& name) { return name.ends_with(".exr"); }))
-    badUsage("--layers: only .exr can hold them; add -o FILE.exr");
-  return out;
-}
-
-/** The picture with the channels of another one after its own. */
-Image withLayers(const Image& picture, const Image& more) {
-  std::vector<std::string> channels = picture.channels;
-  channels.insert(channels.end(), more.channels.begin(), more.channels.end());
-  Image out(picture.width, picture.height, channels);
-  out.metadata = picture.metadata;
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x) {
-      float* const rest = std::copy_n(picture.at(x, y), picture.channels.size(), out.at(x, y));
-      std::copy_n(more.at(x, y), more.channels.size(), rest);
-    }
+  const bool hasExr =
+      std::any_of(outputs.begin(), outputs.end(), [](const auto& name) { return name.ends_with(".exr"); });
+  if (!o.layers.empty()) {
+    out.layers = split(o.layers, ',');
+    requireFeatureLayers(out.layers);
+    if (!hasExr) badUsage("--layers: only .exr can hold them; add -o FILE.exr");
+  } else if (layered && hasExr) { // as far as pbrt has them too
+    for (const FeatureLayer& layer : featureLayers())
+      if (*layer.channels) out.layers.emplace_back(layer.name);
+  } else if (o.throughSpecular) {
+    badUsage("--layers-through: needs --layers");
+  }
   return out;
 }
 
@@ -134,7 +128,30 @@ RenderCommandOptions withoutOutputs(RenderCommandOptions o) {
   return o;
 }
 
-ExitStatus renderScene(const RenderCommandOptions& given) {
+using OnLoaded = std::function<void(const std::vector<std::string>& files)>;
+
+/** Of the scene, or of what the leading process sends. */
+LoadedScene load(const RenderCommandOptions& o, const SceneOverrides& overrides) {
+  if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction);
+  if (!cluster()) badUsage("--send-scene: for recurse-mpi");
+  if (!cluster()->leads()) {
+    const auto received = std::make_shared<const ReceivedScene>(*cluster());
+    LoadedScene loaded = loadAndBuild(received->fileName(), overrides, o.render.integrator);
+    loaded.place = received; // textures are read while it renders
+    return loaded;
+  }
+  std::optional<LoadedScene> loaded;
+  try {
+    loaded = loadAndBuild(o.render.scene, overrides, o.render.integrator);
+  } catch (...) {
+    sendNoScene(*cluster());
+    throw;
+  }
+  sendScene(*cluster(), *loaded);
+  return std::move(*loaded);
+}
+
+ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
   const bool leads = !cluster() || cluster()->leads();
   const RenderCommandOptions o = leads ? given : withoutOutputs(given);
   RenderPlan plan = planOf(o);
@@ -143,7 +160,8 @@ ExitStatus renderScene(const RenderCommandOptions& given) {
       o.paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{o.paths, o.paths}});
   checkOutputs(o, o.outputs);
   const ThreadPool pool(plan.threads > 0 || !cluster() ? plan.threads : cluster()->threads());
-  const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
+  const LoadedScene loaded = load(o, plan.overrides);
+  if (onLoaded) onLoaded(loaded.files);
   if (o.check) {
     print(sceneReport(loaded, classes.layerCount()));
     return ExitStatus::DONE;
@@ -151,7 +169,7 @@ ExitStatus renderScene(const RenderCommandOptions& given) {
   std::vector<std::string> outputs = o.outputs;
   if (outputs.empty() && !(o.sampleRange && !o.checkpoint.empty())) outputs = {defaultOutput(loaded)};
   if (leads) checkOutputs(o, outputs);
-  const FeatureSettings features = featuresOf(o, outputs);
+  const FeatureSettings features = featuresOf(o, outputs, leads && loaded.scene->film().layered);
 
   FilmViewers viewers(o.viewers, o.develop, std::filesystem::path(o.render.scene).filename().string(),
                       requestStop);
@@ -169,7 +187,7 @@ ExitStatus renderScene(const RenderCommandOptions& given) {
       rendering.report("recurse render", o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths));
   report.extra = o.extra;
   Image image = pictureOf(rendering.film(), report);
-  if (!features.layers.empty()) image = withLayers(image, renderFeatures(*loaded.scene, features));
+  if (!features.layers.empty()) image = withChannels(image, renderFeatures(*loaded.scene, features));
   std::vector<std::string> written = outputs;
   // One output that fails must not take the others along.
   std::string failures;
@@ -196,6 +214,21 @@ ExitStatus renderScene(const RenderCommandOptions& given) {
   if (!rendering.checkpointFailure().empty()) attempt([&] { throw Error(rendering.checkpointFailure()); });
   if (!failures.empty()) throw Error(failures);
   return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+}
+
+/** Renders at a quarter of the width and height, then in full, whenever the scene changes. */
+ExitStatus renderAgainAndAgain(const RenderCommandOptions& given) {
+  if (cluster()) badUsage("--watch: one process only");
+  for (const auto& [isGiven, option] :
+       {std::pair(given.check, "--check"), std::pair(!given.checkpoint.empty(), "--checkpoint"),
+        std::pair(given.sampleRange.has_value(), "--sample-range"), std::pair(given.viewers.live, "--live")})
+    if (isGiven) badUsage(std::string("--watch: not together with ") + option);
+  constexpr int FIRST_REDUCTION = 4;
+  return watchScene(given.render.scene, [&](bool first, const OnLoaded& onLoaded) {
+    RenderCommandOptions o = given;
+    o.reduction = first ? FIRST_REDUCTION : 1;
+    renderScene(o, onLoaded);
+  });
 }
 
 } // namespace
@@ -243,10 +276,17 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       ->add_option(
           "--layers", o.layers,
           "Add features of what the pixels see to .exr: albedo, normal (shading, towards the viewer), "
-          "geonormal (of the surface itself), depth (distance), position (in world space)")
+          "geonormal (of the surface itself), depth (distance), position (in world space), cryptoobject and "
+          "cryptomaterial (mattes by the Cryptomatte convention)")
       ->type_name("NAME,NAME...");
   command->add_flag("--layers-through", o.throughSpecular,
                     "For --layers: of what is seen in mirrors and through smooth glass");
+  command->add_flag(
+      "--watch", o.watch,
+      "Render again when a file of the scene changes, at a quarter of the width and height first, "
+      "until Ctrl-C");
+  command->add_flag("--send-scene", o.sendScene,
+                    "For recurse-mpi: rank 0 alone reads the scene, and sends its files to the others");
   command->add_flag("--check", o.check, "Load the scene, report what it contains and needs, do not render");
   command->footer(
       "Examples:\n"
@@ -264,10 +304,13 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       "  recurse render scene.pbrt -o layers.exr --layers albedo,normal,depth\n"
       "  recurse render scene.pbrt -o long.exr --spp 4096 --live\n"
       "  recurse render scene.pbrt -o long.exr --spp 4096 --preview look.png --every 30s\n"
+      "  recurse render scene.pbrt -o look.png --watch --time-limit 20s\n"
       "  recurse render scene.pbrt --check\n\n"
       "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
       "complete one.");
-  command->callback([options, &chosen] { chosen = [options] { return renderScene(*options); }; });
+  command->callback([options, &chosen] {
+    chosen = [options] { return options->watch ? renderAgainAndAgain(*options) : renderScene(*options); };
+  });
 }
 
 } // namespace recurse::apps

@@ -63,6 +63,7 @@ void RenderOptions::addTo(CLI::App& command) {
       "What pictures on surfaces may take in memory, such as 2G; the rest is in a temporary file, in TMPDIR "
       "or "
       "/var/tmp (default: what they need)");
+  command.add_flag("--compact", compact, "The scene's tree in about half of the memory; rays take longer");
   add("--stats", statistics, "FILE", "Write statistics as JSON");
   add("--progress", progress, "WAY", "auto, plain, json or off, on standard error (default: auto)")
       ->check(CLI::IsMember({"auto", "plain", "json", "off"}))
@@ -93,6 +94,7 @@ RenderPlan RenderOptions::plan() const {
   }
   if (cropWindow) plan.overrides.cropWindow = parseCropWindow("--cropwindow", *cropWindow);
   plan.overrides.lenient = lenient;
+  plan.overrides.compact = compact;
   plan.adaptive = adaptive;
   return plan;
 }

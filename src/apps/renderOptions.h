@@ -43,7 +43,7 @@ struct RenderOptions {
   std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow,
       textureMemory, memory;
   std::string statistics, progress = "auto";
-  bool quiet = false, verbose = false, lenient = false, adaptive = false;
+  bool quiet = false, verbose = false, lenient = false, compact = false, adaptive = false;
 
   /** The scene file, which is the first positional argument. */
   void addSceneTo(CLI::App& command);

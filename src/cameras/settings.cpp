@@ -108,13 +108,14 @@ void registerRgbFilm(PlugIns& plugIns) {
        }});
   PlugIn<FilmSettings, NoContext> layered = *plugIns.films.find("rgb");
   layered.name = "gbuffer";
-  layered.summary = "rgb by the parameters of pbrt's film with layers; only its picture is written.";
+  layered.summary = "rgb, and in .exr the layers albedo, normal, geonormal, depth and position of --layers.";
   layered.parameters.push_back(
-      ignoredParameter(ParameterType::STRING, "coordinatesystem", "of layers that are not written"));
+      ignoredParameter(ParameterType::STRING, "coordinatesystem", "the layers are in world space"));
   layered.make = [make = layered.make](const Parameters& p, const NoContext& none) {
-    p.warn("",
-           "only the picture of a \"gbuffer\" film is written, without layers of normals, depth or albedo");
-    return make(p, none);
+    p.warn("", "the layers of a \"gbuffer\" film have the names of --layers, and are in world space");
+    auto film = make(p, none);
+    if (film) film->layered = true;
+    return film;
   };
   plugIns.films.add(layered);
 }

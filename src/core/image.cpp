@@ -197,6 +197,20 @@ bool isDisplayFormat(const std::string& fileName) {
   return contentByExtension(fileName) == Content::DISPLAY_RGB;
 }
 
+Image withChannels(const Image& picture, const Image& more) {
+  std::vector<std::string> channels = picture.channels;
+  channels.insert(channels.end(), more.channels.begin(), more.channels.end());
+  Image out(picture.width, picture.height, channels);
+  out.metadata = picture.metadata;
+  out.metadata.insert(more.metadata.begin(), more.metadata.end());
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      float* const rest = std::copy_n(picture.at(x, y), picture.channels.size(), out.at(x, y));
+      std::copy_n(more.at(x, y), more.channels.size(), rest);
+    }
+  return out;
+}
+
 int Image::channel(const std::string& name) const {
   const auto found = std::find(channels.begin(), channels.end(), name);
   return found == channels.end() ? -1 : static_cast<int>(found - channels.begin());

@@ -207,8 +207,9 @@ RTCDevice newDevice() {
 
 } // namespace
 
-GeometryGroup::GeometryGroup(RTCDevice device) : device(device), tree(rtcNewScene(device)) {
-  rtcSetSceneFlags(tree, RTC_SCENE_FLAG_ROBUST);
+GeometryGroup::GeometryGroup(RTCDevice device, bool compact) : device(device), tree(rtcNewScene(device)) {
+  const int flags = RTC_SCENE_FLAG_ROBUST | (compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE);
+  rtcSetSceneFlags(tree, static_cast<RTCSceneFlags>(flags));
 }
 
 GeometryGroup::~GeometryGroup() { rtcReleaseScene(tree); }
@@ -280,7 +281,8 @@ void GeometryGroup::add(const SceneGeometry& added) {
   rtcReleaseGeometry(g);
 }
 
-void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup) {
+void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup,
+                                uint32_t object) {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(g, group.tree);
   const auto steps = static_cast<unsigned>(sceneFromGroup.steps().size());
@@ -293,7 +295,8 @@ void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& s
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() + instances.size()));
   rtcReleaseGeometry(g);
-  instances.push_back({&group, sceneFromGroup, glm::transpose(glm::inverse(Mat3d(sceneFromGroup.first())))});
+  instances.push_back(
+      {&group, sceneFromGroup, glm::transpose(glm::inverse(Mat3d(sceneFromGroup.first()))), object});
 }
 
 EmbreeScene::EmbreeScene()
@@ -351,6 +354,7 @@ void EmbreeScene::complete(const PositionHit& met, float time, Wanted wanted, Hi
   hit.lightIndex = g.lightIndex;
   hit.mesh = g.meshIndex;
   hit.media = g.media;
+  hit.object = instance ? instance->object : g.object;
 }
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {

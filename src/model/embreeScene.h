@@ -27,12 +27,14 @@ struct SceneGeometry {
   const CurveShape* curve = nullptr;  ///< the same
   bool compound = false;              ///< the shape's components have materials of their own
   int meshIndex = -1;                 ///< Hit::mesh
+  uint32_t object = 0;                ///< Hit::object, where it is no part of an instance
 };
 
 /** Shapes with a tree of their own: the top level, or one object definition. */
 class GeometryGroup {
  public:
-  explicit GeometryGroup(RTCDevice device);
+  /** `compact`: in less memory, and slower. */
+  GeometryGroup(RTCDevice device, bool compact);
   ~GeometryGroup();
   GeometryGroup(const GeometryGroup&) = delete;
   GeometryGroup& operator=(const GeometryGroup&) = delete;
@@ -40,13 +42,14 @@ class GeometryGroup {
   /** Reserves the places of `count` geometries; they must not move once they are attached. */
   void reserve(size_t count) { geometries.reserve(count); }
   void add(const SceneGeometry& geometry);
-  void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup);
+  void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup, uint32_t object);
   void commit() { rtcCommitScene(tree); }
 
   struct Instance {
     const GeometryGroup* group;
     MatrixTrack sceneFromGroup;
     glm::dmat3 normalFromGroup; ///< inverse transpose, of an instance that does not move
+    uint32_t object;            ///< Hit::object
   };
   const SceneGeometry& geometry(uint32_t id) const { return geometries[id]; }
   const Instance& instance(uint32_t id) const { return instances[id - geometries.size()]; }

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "model/embreeScene.h"
+#include "model/objectNames.h"
 #include "model/shapeGroups.h"
 #include "recurse/model/sceneImport.h"
 #include "recurse/model/triangleMesh.h"
@@ -39,6 +40,7 @@ class SceneBuilder {
     buildLights();
     buildMedia();
     if (!complete) return nullptr;
+    scene->materialNames = materials.names();
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
     return std::move(scene);
@@ -184,12 +186,15 @@ class SceneBuilder {
   // ---- trees
 
   void buildTrees() {
+    ObjectNamer objects(scene->objectNames);
     for (size_t i = 0; i < shapes.groups().size(); ++i) {
-      auto& made = scene->groups.emplace_back(std::make_unique<GeometryGroup>(scene->device));
+      auto& made =
+          scene->groups.emplace_back(std::make_unique<GeometryGroup>(scene->device, overrides.compact));
       made->reserve(shapes.groups()[i].placed.size());
       for (const ShapeGroups::Placed& p : shapes.groups()[i].placed) {
         const auto light = lightOf.find(p.shape);
         SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get(), p.media};
+        if (i == 0) g.object = objects.objectAtTop(p.from, p.partOf);
         if (light != lightOf.end()) std::tie(g.light, g.lightIndex) = light->second;
         if (const TriangleMesh* mesh = p.shape->triangleMesh(); mesh && i == 0) {
           g.meshIndex = static_cast<int>(scene->sceneMeshes.size());
@@ -202,7 +207,7 @@ class SceneBuilder {
     for (const ShapeGroups::Instance& i : shapes.instances()) {
       const MatrixTrack track = shapes.sceneFromGroup(i);
       scene->shapesMove = scene->shapesMove || track.moves();
-      scene->groups.front()->addInstance(*scene->groups[i.group], track);
+      scene->groups.front()->addInstance(*scene->groups[i.group], track, objects.objectOf(i.from, i.partOf));
     }
     scene->groups.front()->commit();
   }

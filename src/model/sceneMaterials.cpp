@@ -124,6 +124,19 @@ void SceneMaterials::fillNested(const Material& m, const MediumInterface& media,
                         "a material of its own for each medium, with a priority that no other has");
 }
 
+std::map<const Material*, std::string> SceneMaterials::names() const {
+  std::map<const Material*, std::string> out;
+  for (const auto& [name, m] : materialsByName)
+    if (m.material) out[m.material] = name;
+  ObjectNames kinds;
+  for (size_t i = 0; i < materialsByIndex.size(); ++i) {
+    const std::string& kind = c.description.materials[i].type;
+    if (const Material* m = materialsByIndex[i].second)
+      out[m] = kinds[kinds.add(kind.empty() ? "diffuse" : kind)];
+  }
+  return out;
+}
+
 void SceneMaterials::numberNested(std::vector<float>& indices, std::vector<uint16_t>& media) {
   std::stable_sort(nested.begin(), nested.end(),
                    [](const Material* a, const Material* b) { return a->priority() > b->priority(); });

@@ -30,6 +30,8 @@ class SceneMaterials final : public TextureLookup {
 
   /** What is inside of a dielectric with priority is told by its material alone. */
   void fillNested(const Material& m, const MediumInterface& media, const SourceLocation& where);
+  /** Of those that were made: the name in the file, or the kind with a number. */
+  std::map<const Material*, std::string> names() const;
   /** Numbers the dielectrics with priority, the strongest first; for each number its index and its medium. */
   void numberNested(std::vector<float>& indices, std::vector<uint16_t>& media);
 

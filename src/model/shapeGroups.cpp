@@ -52,7 +52,8 @@ ShapeGroups::ShapeGroups(BuildContext& context, SceneMaterials& materials, Scene
   c.sceneOrigin = originOf(b);
 }
 
-void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Group& group) {
+void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Group& group,
+                           const InstanceDescription* partOf) {
   if (c.enoughErrors()) return;
   const MediumInterface around = media.numbers(s.medium, s.shape.location);
   const Material* m = materials.material(s.material);
@@ -75,7 +76,7 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
                         "coordinates below 1e18");
     return;
   }
-  group.placed.push_back({shape.get(), m, &s, around});
+  group.placed.push_back({shape.get(), m, &s, around, partOf});
   shapes.push_back(std::move(shape));
 }
 
@@ -150,7 +151,8 @@ bool ShapeGroups::build() {
       const auto object = c.description.objects.find(i.object);
       if (object == c.description.objects.end()) continue;
       for (const ShapeDescription& s : object->second.shapes)
-        if (s.areaLight >= 0 && !movesAlone(s, i)) addShape(s, i.worldFromInstance * s.worldFromObject, top);
+        if (s.areaLight >= 0 && !movesAlone(s, i))
+          addShape(s, i.worldFromInstance * s.worldFromObject, top, &i);
     }
   });
   c.sceneOrigin = all.front().origin;
@@ -179,17 +181,17 @@ bool ShapeGroups::build() {
       });
     }
     if (!all[groupOf[i.object]].placed.empty())
-      placedInstances.push_back({groupOf[i.object], motionOf(i), {}});
+      placedInstances.push_back({groupOf[i.object], motionOf(i), {}, nullptr, &i});
     for (const ShapeDescription& s : object->second.shapes)
-      if (movesAlone(s, i)) addMoving(s, motionOf(i), i.location);
+      if (movesAlone(s, i)) addMoving(s, motionOf(i), i.location, &i);
   }
   for (const ShapeDescription& s : c.description.shapes)
-    if (s.worldFromObjectLast) addMoving(s, {}, s.shape.location);
+    if (s.worldFromObjectLast) addMoving(s, {}, s.shape.location, nullptr);
   return !c.diagnostics.hasErrors();
 }
 
 void ShapeGroups::addMoving(const ShapeDescription& s, const AnimatedTransform& instance,
-                            const SourceLocation& where) {
+                            const SourceLocation& where, const InstanceDescription* partOf) {
   if (c.enoughErrors()) return;
   const AnimatedTransform motion = motionOf(s);
   const auto volume = [&](const Mat4d& a, const Mat4d& b) { return glm::determinant(Mat3d(a) * Mat3d(b)); };
@@ -204,7 +206,7 @@ void ShapeGroups::addMoving(const ShapeDescription& s, const AnimatedTransform& 
   addPlace(s, s.worldFromObject, place);
   g.origin = originOf(place);
   fillGroup(g, [&] { addShape(s, s.worldFromObject, g); });
-  if (!g.placed.empty()) placedInstances.push_back({index, instance, motion});
+  if (!g.placed.empty()) placedInstances.push_back({index, instance, motion, &s, partOf});
 }
 
 MatrixTrack ShapeGroups::sceneFromGroup(const Instance& i) const {

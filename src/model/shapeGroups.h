@@ -20,6 +20,7 @@ class ShapeGroups final : public ShapeLookup {
     const Material* material;
     const ShapeDescription* from;
     MediumInterface media;
+    const InstanceDescription* partOf; ///< null: stands by itself
   };
   struct Group {
     Vec3d origin{0}; ///< taken off the object's positions
@@ -29,6 +30,8 @@ class ShapeGroups final : public ShapeLookup {
   struct Instance {
     size_t group;
     AnimatedTransform instance, shape;
+    const ShapeDescription* from;      ///< where it is a shape alone
+    const InstanceDescription* partOf; ///< null: stands by itself
   };
 
   /** What is made is kept in `shapes`. Guesses the scene's origin. */
@@ -52,11 +55,13 @@ class ShapeGroups final : public ShapeLookup {
  private:
   static Bounds3d boundsOf(const Group& g);
   /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
-  void addShape(const ShapeDescription& s, const Mat4d& placement, Group& group);
+  void addShape(const ShapeDescription& s, const Mat4d& placement, Group& group,
+                const InstanceDescription* partOf = nullptr);
   /** Fills a group; a second time, better centred, when the first guess of its place was bad. */
   template <class Fill> void fillGroup(Group& group, const Fill& fill);
   /** A moving shape as a group of its own, as it is at the start. */
-  void addMoving(const ShapeDescription& s, const AnimatedTransform& instance, const SourceLocation& where);
+  void addMoving(const ShapeDescription& s, const AnimatedTransform& instance, const SourceLocation& where,
+                 const InstanceDescription* partOf);
 
   BuildContext& c;
   SceneMaterials& materials;

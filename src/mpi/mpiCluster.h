@@ -33,6 +33,7 @@ class MpiCluster final : public Cluster {
   bool isRendering() const { return inRender; }
   /** Called once all have joined. */
   std::function<void()> onJoined = [] {};
+  std::string tellAll(std::string text) const override;
   void join(const std::map<std::string, std::string>& identity) override;
   /** In the place of join(), by a process that cannot. */
   void fail(const std::string& why);
@@ -46,8 +47,6 @@ class MpiCluster final : public Cluster {
  private:
   /** What each rank says, at rank 0. */
   std::vector<std::string> gather(const std::string& text) const;
-  /** What rank 0 says, at all. */
-  std::string tellAll(std::string text) const;
   void meet(const std::string& text);
 
   int rank = 0, size = 1, ownThreads = 0;

@@ -78,6 +78,14 @@ double stopsFor(const Exposure& exposure, const Image& picture) {
   return metered + exposure.stops;
 }
 
+Developed beforeExposure(const Image& picture, const DevelopSettings& settings) {
+  Developed out{colourOf(picture), 0};
+  applyWhiteBalance(out.picture, settings.whiteBalance);
+  out.stops = stopsFor(settings.exposure, out.picture);
+  applyBloom(out.picture, settings.bloom, settings.bloomDegrees);
+  return out;
+}
+
 Developed develop(const Image& picture, const DevelopSettings& settings) {
   Developed out{colourOf(picture), 0};
   applyWhiteBalance(out.picture, settings.whiteBalance);

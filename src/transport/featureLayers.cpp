@@ -10,6 +10,7 @@
 
 #include "recurse/core/error.h"
 #include "recurse/core/parallel.h"
+#include "recurse/transport/cryptomatte.h"
 #include "recurse/transport/walker.h"
 
 namespace recurse {
@@ -80,7 +81,9 @@ const std::vector<FeatureLayer>& featureLayers() {
       {"normal", "XYZ", "shading normal, towards the viewer, in world space"},
       {"geonormal", "XYZ", "normal of the surface itself"},
       {"depth", "Z", "length of the way from the eye"},
-      {"position", "XYZ", "place in world space"}};
+      {"position", "XYZ", "place in world space"},
+      {"cryptoobject", "", "Cryptomatte of objects"},
+      {"cryptomaterial", "", "Cryptomatte of materials"}};
   return ALL;
 }
 
@@ -102,6 +105,11 @@ void requireFeatureLayers(const std::vector<std::string>& names) {
 
 Image renderFeatures(const Scene& scene, const FeatureSettings& settings) {
   requireFeatureLayers(settings.layers);
+  const auto requested = [&](const char* name) {
+    return std::find(settings.layers.begin(), settings.layers.end(), name) != settings.layers.end();
+  };
+  const Image mattes = renderCryptomattes(scene, {requested("cryptoobject"), requested("cryptomaterial"),
+                                                  settings.throughSpecular, settings.seed});
   struct Channel {
     int feature, component;
   };
@@ -115,6 +123,7 @@ Image renderFeatures(const Scene& scene, const FeatureSettings& settings) {
       names.push_back(name + "." + layer->channels[c]);
     }
   }
+  if (names.empty()) return mattes;
   const PixelBounds& crop = scene.film().crop;
   Image out(crop.width(), crop.height(), names);
   parallelFor(size_t(out.height), [&](size_t row) {
@@ -143,7 +152,7 @@ Image renderFeatures(const Scene& scene, const FeatureSettings& settings) {
       }
     }
   });
-  return out;
+  return mattes.channels.empty() ? out : withChannels(out, mattes);
 }
 
 } // namespace recurse

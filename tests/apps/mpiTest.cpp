@@ -93,6 +93,26 @@ TEST_F(Mpi, WhoHasAnotherSceneIsNamed) {
   EXPECT_FALSE(exists("r.exr"));
 }
 
+TEST_F(Mpi, RanksWithoutTheFilesGetThem) {
+  std::filesystem::create_directories(file("parts/meshes"));
+  write("parts/floor.pbrt", "Shape \"plymesh\" \"string filename\" \"meshes/../meshes/a.ply\"\n");
+  write("parts/meshes/a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 .2 0\n1 .2 0\n0 .2 1\n3 0 1 2\n");
+  write("scene.pbrt", scene("", "Include \"parts/floor.pbrt\"\n"));
+  const std::vector<float> truth = whole(" --integrator path --spp 8");
+  // Rank 1 is where there is no such file.
+  write("rank.sh",
+        "#!/bin/sh\n[ $OMPI_COMM_WORLD_RANK = 1 ] && cd /\n"
+        "exec " RECURSE_MPI_PROGRAM " render ${1:-scene.pbrt} --integrator path --spp 8 --send-scene -q "
+        "-o r.exr\n");
+  ASSERT_EQ(shell(ranks(2, "sh rank.sh")), 0) << log();
+  EXPECT_TRUE(readImage(file("r.exr")).pixels == truth);
+  EXPECT_EQ(shell(ranks(2, "sh rank.sh") + "none.pbrt"), 1);
+  EXPECT_TRUE(has(log(), "cannot read none.pbrt")) << log();
+}
+
 TEST_F(Mpi, LimitsHold) {
   ASSERT_EQ(shell(ranks(2) + "render scene.pbrt --integrator path --time-limit 0.5s -o r.exr --stats s.json"),
             0)

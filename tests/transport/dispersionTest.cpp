@@ -4,6 +4,7 @@
 #include "classRendering.h"
 
 #include "recurse/model/dispersion.h"
+#include "recurse/model/scatteringPoint.h"
 #include "recurse/scene/spectrum.h"
 
 using namespace recurse;

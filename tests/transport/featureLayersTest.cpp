@@ -16,7 +16,8 @@ Image features(const std::string& text, FeatureSettings settings) {
 
 std::vector<std::string> allLayers() {
   std::vector<std::string> names;
-  for (const FeatureLayer& layer : featureLayers()) names.emplace_back(layer.name);
+  for (const FeatureLayer& layer : featureLayers())
+    if (*layer.channels) names.emplace_back(layer.name); // not the mattes
   return names;
 }
 

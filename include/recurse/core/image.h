@@ -35,6 +35,9 @@ struct Image {
   }
 };
 
+/** A picture with the channels and metadata of another one of the same size after its own. */
+Image withChannels(const Image& picture, const Image& more);
+
 /** Where R, G, B are among a file's channels, then its others; a single channel stands for all three. Throws
  * Error naming the file when there are neither. */
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);

@@ -134,6 +134,7 @@ struct FilmSettings {
    */
   float maxComponent = INFINITE;
   std::optional<Mat3f> whiteBalance; ///< of Rec. 709 colours; none: as they are
+  bool layered = false;              ///< features of what is seen are asked for as well
 };
 
 /** The pixels of a film whose centres' cells lie in a window given as parts of the whole, as pbrt rounds

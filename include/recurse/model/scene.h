@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,12 +32,32 @@ struct Hit {
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
   int mesh = -1;                        ///< in Scene::meshes(); -1: another shape, or a part of an instance
   MediumInterface media;                ///< on both sides, where the surface is their boundary
+  uint32_t object = 0;                  ///< by Scene::objectName()
 };
 
 /** A triangle mesh at rest that is no part of an instance. */
 struct SceneMesh {
   const TriangleMesh* mesh = nullptr;
   const Material* material = nullptr; ///< null: it does not scatter
+};
+
+/** Names of a scene's objects. An object is an instance of an ObjectBegin, or a shape that stands by itself,
+ * which is called after its file or its kind. */
+class ObjectNames {
+ public:
+  /** A new object, numbered from 0. */
+  uint32_t add(const std::string& name);
+  /** The same names for the same scene: those that are not alone with theirs have a number, `tree.2`. */
+  std::string operator[](uint32_t object) const;
+
+ private:
+  struct Object {
+    uint32_t name, copy;
+  };
+  std::map<std::string, uint32_t> known;
+  std::vector<std::string> names;
+  std::vector<uint32_t> copies; ///< for each of names
+  std::vector<Object> objects;
 };
 
 /** A light chosen from the table. */
@@ -108,6 +129,10 @@ class Scene {
   /** World coordinates of the scene's origin: what was taken off every position. */
   const Vec3d& origin() const { return sceneOrigin; }
   const SceneContents& contents() const { return sceneContents; }
+  /** What a hit's object is called. */
+  std::string objectName(uint32_t object) const { return objectNames[object]; }
+  /** The name in the file, or the kind with a number; empty for what has none. */
+  std::string materialName(const Material* material) const;
   /** Dielectrics with priority that a scene may have, those of the same matter counted once. */
   static constexpr size_t MAX_NESTED = 32;
   /** Their refractive indices, the strongest first. */
@@ -144,6 +169,8 @@ class Scene {
   SceneBounds sceneBounds;
   Vec3d sceneOrigin{0};
   SceneContents sceneContents;
+  ObjectNames objectNames;
+  std::map<const Material*, std::string> materialNames;
   std::vector<float> nestedDielectrics;
   std::vector<std::unique_ptr<Medium>> sceneMedia;
   std::vector<uint16_t> nestedMedia;   ///< one for each of nestedDielectrics, where there are media
@@ -161,6 +188,7 @@ struct SceneOverrides {
   int width = 0, height = 0;                   ///< 0: as in the file
   std::array<float, 4> cropWindow{0, 0, 0, 0}; ///< x0 x1 y0 y1 in [0,1]; x0 == x1: as in the file
   bool lenient = false;                        ///< unknown parameters are warnings
+  bool compact = false;                        ///< trees that take less memory and more time
 };
 
 /**

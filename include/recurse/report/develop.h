@@ -74,6 +74,14 @@ struct Developed {
   double stops = 0;
 };
 
+/** The picture as it is before exposure, linear and without bounds, with white balance and bloom; and the
+ * stops. */
+Developed beforeExposure(const Image& picture, const DevelopSettings& settings);
+/** A page that exposes the picture and shows it by an operator as its sliders say; all of it in one file.
+ * Operators: none, filmic, aces, reinhard, drago, with their defaults. */
+std::string developPage(const Image& picture, const DevelopSettings& settings, const std::string& title,
+                        const std::string& operatorName);
+
 /** Values that are not finite or negative count as black. */
 Developed develop(const Image& picture, const DevelopSettings& settings);
 

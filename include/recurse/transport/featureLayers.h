@@ -1,5 +1,6 @@
 /** @file
- * Features of what a pixel sees, for compositing and for denoisers: albedo, normals, depth, position.
+ * Features of what a pixel sees, for compositing and for denoisers: albedo, normals, depth, position, and
+ * mattes of objects and materials.
  */
 #pragma once
 
@@ -15,7 +16,7 @@ namespace recurse {
  * none does; of the albedo that 0 is a part of the mean. */
 struct FeatureLayer {
   const char* name;
-  const char* channels; ///< letters: "RGB", "XYZ", "Z"
+  const char* channels; ///< letters: "RGB", "XYZ", "Z"; empty for mattes
   const char* meaning;
 };
 const std::vector<FeatureLayer>& featureLayers();
@@ -29,7 +30,7 @@ struct FeatureSettings {
   uint64_t seed = 0;
 };
 
-/** The channels LAYER.LETTER of the film's part of the picture. */
+/** The channels LAYER.LETTER of the film's part of the picture, and those of mattes (cryptomatte.h). */
 Image renderFeatures(const Scene& scene, const FeatureSettings& settings);
 
 } // namespace recurse

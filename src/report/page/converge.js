@@ -161,7 +161,7 @@ function startPictures(data, reference) {
   const view = new View(element("view"), data.width, data.height);
   view.pictures = [document.createElement("canvas"), document.createElement("canvas")];
   const names = [...data.runs.map((run) => run.name), REFERENCE];
-  let exposure = data.exposure;
+  let exposure = data.exposure, operator = "none";
   for (const id of ["left", "right"]) {
     for (const name of names) element(id).append(new Option(name));
     element(id).addEventListener("change", update);
@@ -207,13 +207,13 @@ function startPictures(data, reference) {
       const picture = pictureOf(id), canvas = view.pictures[side];
       if (!picture) { canvas.width = canvas.height = 1; }
       else if (error) paintError(canvas, picture.values);
-      else paint(canvas, picture.values, data.width, data.height, exposure);
+      else paintBy(operator, canvas, picture.values, data.width, data.height, exposure);
       element(side === 0 ? "nameA" : "nameB").textContent = nameOf(id, picture);
     });
     element("budgetText").textContent = budget();
     element("exposure").value = exposure;
     element("exposureText").textContent = `${exposure < 0 ? "−" : "+"}${Math.abs(exposure).toFixed(1)}`;
-    element("exposure").disabled = error;
+    element("exposure").disabled = element("operator").disabled = error;
     element("scale").hidden = !error;
     tellPixel();
     view.draw();
@@ -236,6 +236,7 @@ function startPictures(data, reference) {
 
   for (const id of ["budget", "show"]) element(id).addEventListener("input", update);
   element("exposure").addEventListener("input", (event) => { exposure = Number(event.target.value); update(); });
+  offerOperators(element("operator"), operator, (name) => { operator = name; update(); });
   element("split").addEventListener("input", (event) => view.setSplit(event.target.value / 1000));
   element("zoomIn").addEventListener("click", () => view.zoomBy(2));
   element("zoomOut").addEventListener("click", () => view.zoomBy(0.5));

@@ -12,7 +12,7 @@ async function start() {
   let shown = set.additive ? SUM : BEAUTY;
   let compared = null; // { set, what }
   let lastCompared = null;
-  let exposure = set.beauty.exposure;
+  let exposure = set.beauty.exposure, operator = "none";
   const rows = [];
 
   /** The class of the other set that has the name of ours. */
@@ -32,10 +32,10 @@ async function start() {
     + (other ? ` · ${from.label}` : "");
 
   function paintShown() {
-    paint(view.pictures[0], valuesOf(set, shown), data.width, data.height, exposure);
+    paintBy(operator, view.pictures[0], valuesOf(set, shown), data.width, data.height, exposure);
     const values = compared && valuesOf(compared.set, resolved(compared.what));
     view.pictures[1] = values ? view.pictures[1] ?? document.createElement("canvas") : null;
-    if (values) paint(view.pictures[1], values, data.width, data.height, exposure);
+    if (values) paintBy(operator, view.pictures[1], values, data.width, data.height, exposure);
     element("nameA").textContent = nameOf(set, shown);
     element("nameB").textContent = compared
       ? nameOf(compared.set, resolved(compared.what)) + (values ? "" : " (has no such class)") : "";
@@ -197,6 +197,7 @@ async function start() {
   click("zoomOut", () => view.zoomBy(0.5));
   click("fit", () => view.fit());
   element("exposure").addEventListener("input", (event) => setExposure(Number(event.target.value)));
+  offerOperators(element("operator"), operator, (name) => { operator = name; update(); });
   element("split").addEventListener("input", (event) => view.setSplit(event.target.value / 1000));
   view.onSplit = (split) => { element("split").value = split * 1000; };
   view.onZoom = (zoom) => { element("zoomText").textContent = `${Math.round(zoom * 100)} %`; };
