@@ -237,9 +237,9 @@ const std::string WISPS =
     "\"rgb sigma_a\" [0 .2 .1  .6 0 .1  .4 .4 0  .2 .2 .3] "
     "\"rgb sigma_s\" [0 .2 .9  .6 .1 .2  .1 .2 0  .4 .9 .3] \"float g\" .4";
 
-/** A room with a glass ball under a wide lamp, full of a medium. */
-std::string foggyRoom(int size, const std::string& medium = FOG) {
-  return "MakeNamedMedium \"fog\" \"string type\" " + medium + "\nMediumInterface \"\" \"fog\"\n" +
+/** A room of fog with a glass ball under a wide lamp. */
+std::string foggyRoom(int size) {
+  return "MakeNamedMedium \"fog\" \"string type\" " + FOG + "\nMediumInterface \"\" \"fog\"\n" +
          view(size, "0 0 -.95  0 0 1  0 1 0", 80) + R"(
 MediumInterface "fog" "fog"
 Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
@@ -276,10 +276,10 @@ Film renderMediaClasses(const Scene& scene, const std::string& integrator, const
 
 namespace {
 
-void expectWhatPathFinds(const std::string& medium, int size, const std::vector<PathClass>& asked) {
-  const auto scene = sceneFrom(foggyRoom(size, medium));
+void expectWhatPathFinds(const std::string& text, const std::vector<PathClass>& asked) {
+  const auto scene = sceneFrom(text);
   const PathClasses classes(asked);
-  const Film truth = renderMediaClasses(*scene, "path", "", classes, samples(128 * size));
+  const Film truth = renderMediaClasses(*scene, "path", "", classes, samples(2048));
   for (const std::string parameters : {"\"integer lightsamples\" 8", "\"string direct\" \"photons\""}) {
     const Film film = renderMediaClasses(*scene, "photonmap", parameters, classes, SANITIZED ? 4 : 64);
     // In time for sanitizers a caustic alone is not known well enough.
@@ -302,21 +302,27 @@ void expectWhatPathFinds(const std::string& medium, int size, const std::vector<
 } // namespace
 
 TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
-  expectWhatPathFinds(FOG, 16,
-                      {{"all", "all"},
-                       {"single", "LVE"},
-                       {"caustic", "LS+VE"},
-                       {"through", "LVS+E"},
-                       {"lit", "LD+VE"},
-                       {"multiple", "LV+VE"},
-                       {"fogOnWalls", "L(V|S)*VDE"},
-                       {"walls", "LD+E"},
-                       {"secondary", "LD*VDV*DE"}});
+  expectWhatPathFinds(foggyRoom(16), {{"all", "all"},
+                                      {"single", "LVE"},
+                                      {"caustic", "LS+VE"},
+                                      {"through", "LVS+E"},
+                                      {"lit", "LD+VE"},
+                                      {"multiple", "LV+VE"},
+                                      {"fogOnWalls", "L(V|S)*VDE"},
+                                      {"walls", "LD+E"},
+                                      {"secondary", "LD*VDV*DE"}});
 }
 
 TEST(GridPhotons, FindWhatPathFindsClassByClass) {
-  expectWhatPathFinds(WISPS, 8,
-                      {{"multiple", "L(D|S|V)+VE"}, {"fogOnWalls", "L(V|S)*VDE"}, {"walls", "LD+E"}});
+  // Wisps over a floor, under an even sky, which paths find easily.
+  expectWhatPathFinds(
+      view(6, "0 -3 1  0 0 -.4  0 0 1", 50) + "MakeNamedMedium \"wisps\" \"string type\" " + WISPS + "\n" +
+          EVEN_SKY +
+          "Material \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"trianglemesh\" \"integer "
+          "indices\" [0 1 2 0 2 3] \"point3 P\" [-2 -2 -1.1 2 -2 -1.1 2 2 -1.1 -2 2 -1.1]\n"
+          "MediumInterface \"wisps\" \"\"\nMaterial \"interface\"\nShape \"box\" \"point3 p1\" [-1 -1 -1] "
+          "\"point3 p2\" [1 1 1]\n",
+      {{"all", "all"}, {"multiple", "L(D|V)+VE"}, {"onFloor", "LV+DE"}, {"floor", "LD+E"}});
 }
 
 TEST(MediaPhotons, WhiteFurnaceAsFarAsTheEdge) {
