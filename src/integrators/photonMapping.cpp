@@ -119,10 +119,10 @@ class PhotonMapping final : public Integrator {
 
   std::vector<EstimatorDomain> domains() const override;
 
-  /** Those of closed form: what a path loses in them is known. */
+  /** No photons start in media. */
   bool supportsMedia(const Scene& scene) const override {
     for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
-      if (!scene.medium(i)->isHomogeneous() || scene.medium(i)->isEmissive()) return false;
+      if (scene.medium(i)->isEmissive()) return false;
     return true;
   }
 
@@ -177,38 +177,48 @@ class PhotonMapping final : public Integrator {
     const uint16_t number = path.nesting.medium(scene);
     const Medium* medium = scene.medium(number);
     if (!medium) return true;
-    const MediumPoint coefficients = medium->at(path.ray.origin);
-    if (path.depth != settings.maxDepth && !isBlack(coefficients.scattering))
-      addScattering(scene, path, number, end, sampler, out);
-    path.throughput *= flight::transmittance(coefficients.extinction(), end);
+    const RayTransmittance transmittance(*medium, path.ray, end, sampler);
+    if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
+    path.throughput *= transmittance.to(end);
     return !isBlack(path.throughput);
   }
 
+  static constexpr uint32_t HERO = 64; ///< tells its number from those of branches
+
   /** Light that the medium scatters once more: direct by a shadow ray, other by photons along the way. */
-  void addScattering(const Scene& scene, const PathState& path, uint16_t number, float end, Sampler& sampler,
-                     PathRadiance& out) const {
+  void addScattering(const Scene& scene, const PathState& path, uint16_t number, float end,
+                     const RayTransmittance& transmittance, Sampler& sampler, PathRadiance& out) const {
     const CameraState camera = out.pathClasses().step(path.camera, PathEvent::V);
     const Rgb throughput = path.throughput * path.share;
     if (out.pathClasses().dead(camera) || isBlack(throughput)) return;
     const Medium& medium = *scene.medium(number);
     const Vec3f& direction = path.ray.direction;
-    const MediumPoint point = medium.at(path.ray.origin);
-    const Rgb extinction = point.extinction();
     photons.inMedia().visitAlong(path.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
       if (p.medium != number) return;
       const float f = medium.phase->value(-glm::dot(unpackDirection(p.direction), direction));
       ++out.counts.photonsFound;
-      out.add(LightState(p.pathState), camera,
-              throughput * flight::transmittance(extinction, t) * p.power * (f * kernel));
+      out.add(LightState(p.pathState), camera, throughput * transmittance.to(t) * p.power * (f * kernel));
     });
     if (settings.directLight) return;
-    const auto [t, pdf] = sampleScattering(extinction, end, sampler);
-    if (!(pdf > 0)) return;
+    const int hero = std::min(2, static_cast<int>(3 * sampler.fork(HERO).next1D()));
+    SpectralPath spectral{throughput};
+    float t = 0;
+    if (medium.isHomogeneous()) {
+      const MediumPoint point = medium.at(path.ray.origin);
+      if (isBlack(point.scattering)) return;
+      const auto [distance, pdf] = sampleScattering(point.extinction(), end, sampler);
+      if (!(pdf > 0)) return;
+      t = distance;
+      spectral.throughput *= transmittance.to(t) * point.scattering / pdf;
+    } else {
+      const Collision c = flyThrough(medium, path.ray, end, hero, sampler, spectral, [](const Rgb&) {});
+      if (!c.scatters || isBlack(spectral.throughput)) return;
+      t = c.t;
+    }
     Hit hit;
     hit.point = pointInMedium(path.ray, t);
-    const SpectralPath spectral{throughput * flight::transmittance(extinction, t) * point.scattering / pdf};
     const LitVertex vertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
-                           path.nesting, spectral, 0,       camera,     false};
+                           path.nesting, spectral, hero,    camera,     false};
     addSampledLightInMedia(scene, lights, {hit.point.position}, vertex, settings.lightSamples, NO_PANES,
                            sampler, out);
   }
@@ -603,8 +613,8 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
                         "where that pays"),
        booleanParameter("edges", "true",
                         "divide by the area of what is surface within a search, which rays find out near "
-                        "edges, walls and on curved surfaces; false: by the whole disc's, which is darker "
-                        "there"),
+                        "edges, walls and on curved surfaces, and in media by what lies inside of them; "
+                        "false: by the whole disc's, which is darker there"),
        integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
        realParameter(
            "weightlimit", "0.03",

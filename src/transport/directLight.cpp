@@ -96,10 +96,10 @@ void addSampledLight(const Scene& scene, const LightSampler& guide, const LightS
         unshadowedRadiance(scattering, eye, throughput, *light, choice.chosen.probability, samples, allowed);
     if (isBlack(radiance)) continue;
     Transmittance free;
-    if (scene.hasMedia()) { // homogeneous ones, so that any channel will do
+    if (scene.hasMedia()) {
       SpectralTransmittance through;
       free.panes =
-          passTowardsLight(scene, hit, eye, nesting, *light, 0, maxPanes, sampler, through, out.counts);
+          passTowardsLight(scene, hit, eye, nesting, *light, NO_HERO, maxPanes, sampler, through, out.counts);
       free.value = through.value;
     } else {
       free = transmittance(scene, hit, eye, *light, nesting, maxPanes, out.counts);

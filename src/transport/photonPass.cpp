@@ -72,6 +72,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
   constexpr float WIDEST = 0.05f; // of the scene: wider would show nothing
   volumeMap.build(std::move(shot.inMedia), radiusOverFirst, WIDEST * scene.bounds().radius);
+  if (settings.edges) volumeMap.findBounds(scene, pass.time, statistics.counts);
   statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
   statistics.balanceSeconds = secondsSince(start);
   statistics.mapBytes =

@@ -21,10 +21,89 @@ float radiusIn(const Bounds3f& box, size_t count) {
   return std::cbrt(PHOTONS / static_cast<float>(count)) * std::cbrt(e.x) * std::cbrt(e.y) * std::cbrt(e.z);
 }
 
+/** The part of the Epanechnikov kernel of a unit disc before a chord at a distance from the middle, below 0
+ * beyond it: its integral over the chord goes by (1 - x²)^(3/2). */
+float partBefore(float chord) {
+  if (chord >= 1) return 1;
+  if (chord <= -1) return 0;
+  const float x2 = square(chord);
+  return 0.5f + (chord * (5 - 2 * x2) * std::sqrt(1 - x2) + 3 * std::asin(chord)) / (3 * PI);
+}
+
 } // namespace
+
+void DiscBounds::add(const Vec3f& normal, float distance) {
+  constexpr float ALIKE = 0.9f; // the same surface, or one with a soft bend
+  for (size_t i = 0; i < count; ++i)
+    if (glm::dot(planes[i].normal, normal) > ALIKE) {
+      if (distance < planes[i].distance) planes[i] = {normal, distance};
+      return;
+    }
+  if (!full()) planes[count++] = {normal, distance};
+}
+
+bool DiscBounds::cuts(const Vec3f& away) const {
+  return std::any_of(planes.begin(), planes.begin() + static_cast<std::ptrdiff_t>(count),
+                     [&](const Plane& p) { return glm::dot(p.normal, away) > p.distance; });
+}
+
+float DiscBounds::fraction(const Vec3f& direction, float radius) const {
+  constexpr float LEAST = 0.01f;
+  std::array<float, MAX_COUNT> lost{};
+  float left = 1;
+  for (size_t i = 0; i < count; ++i) {
+    const float sine = std::sqrt(std::max(0.0f, 1 - square(glm::dot(planes[i].normal, direction))));
+    lost[i] = sine * radius > planes[i].distance ? 1 - partBefore(planes[i].distance / (sine * radius)) : 0;
+    // What opposite planes take off does not overlap.
+    float factor = 1 - lost[i];
+    for (size_t k = 0; k < i; ++k)
+      if (glm::dot(planes[i].normal, planes[k].normal) < -0.5f)
+        factor = std::max(0.0f, 1 - lost[i] - lost[k]) / (1 - lost[k]);
+    left *= factor;
+  }
+  return std::max(left, LEAST);
+}
+
+void VolumePhotonMap::findBounds(const Scene& scene, float time, TransportCounts& counts) {
+  constexpr size_t TASKS = 64;
+  struct Found {
+    std::vector<DiscBounds> bounds;
+    TransportCounts counts;
+  };
+  std::vector<Found> found(TASKS);
+  boundsOf.assign(photons.size(), NO_BOUNDS);
+  parallelFor(TASKS, [&](size_t task) {
+    for (size_t i = photons.size() * task / TASKS; i < photons.size() * (task + 1) / TASKS; ++i) {
+      DiscBounds b;
+      for (int way = 0; way < 6; ++way) {
+        Ray ray{photons[i].position, Vec3f(0), radii[i], time};
+        ray.direction[way / 2] = way % 2 ? 1.0f : -1.0f;
+        Hit hit;
+        ++found[task].counts.rays;
+        if (!scene.intersectPosition(ray, hit)) continue;
+        const float cosine = glm::dot(hit.point.geometricNormal, ray.direction);
+        if (cosine != 0)
+          b.add(hit.point.geometricNormal * std::copysign(1.0f, cosine), hit.t * std::abs(cosine));
+      }
+      if (b.empty()) continue;
+      boundsOf[i] = static_cast<uint32_t>(found[task].bounds.size());
+      found[task].bounds.push_back(b);
+    }
+  });
+  bounds.clear();
+  for (size_t task = 0; task < TASKS; ++task) {
+    const auto first = static_cast<uint32_t>(bounds.size());
+    for (size_t i = photons.size() * task / TASKS; i < photons.size() * (task + 1) / TASKS; ++i)
+      if (boundsOf[i] != NO_BOUNDS) boundsOf[i] += first;
+    bounds.insert(bounds.end(), found[task].bounds.begin(), found[task].bounds.end());
+    counts.add(found[task].counts);
+  }
+}
 
 void VolumePhotonMap::build(std::vector<VolumePhoton> all, float scale, float widest) {
   photons = std::move(all);
+  boundsOf.clear();
+  bounds.clear();
   levels = 0;
   while (levels < MAX_LEVELS && photons.size() >> levels > LEAF) ++levels;
   for (uint32_t level = 0; level < levels; ++level)

@@ -335,7 +335,8 @@ TEST(Integrators, EmptyAndDarkScenes) {
   for (const Way& way : allWays("100")) {
     EXPECT_EQ(renderText(view(4, "0 0 3  0 0 0  0 1 0", 40), way.integrator, way.parameters, 2).mean(), 0);
     EXPECT_EQ(
-        renderText(view(4, "0 0 4  0 0 0  0 1 0", 40) + "Shape \"sphere\"", way.integrator, "", 2).mean(),
+        renderText(view(4, "0 0 4  0 0 0  0 1 0", 40) + "Shape \"sphere\"", way.integrator, way.parameters, 2)
+            .mean(),
         0); // without any lights, and all that is learned
     EXPECT_EQ(renderText(floorUnder(""), way.integrator, way.parameters, 2).mean(), 0);
     EXPECT_EQ(renderText(floorUnder("LightSource \"point\" \"rgb I\" [0 0 0] \"point3 from\" [0 0 1]"),

@@ -6,7 +6,9 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "recurse/core/sampler.h"
 #include "recurse/model/medium.h"
@@ -104,8 +106,12 @@ Collision flyThrough(const Medium& medium, const Ray& ray, float end, int hero, 
   return {};
 }
 
+/** The hero of what carries no densities: ratio tracking by the densest channel's bound, where no weight is
+ * above 1. */
+constexpr int NO_HERO = -1;
+
 /** Carries a shadow ray through as far as `end`: by closed form where there is one, by ratio tracking else.
- */
+ * Without a hero only `value` has a meaning. */
 inline void passThrough(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
                         SpectralTransmittance& s) {
   constexpr float LOW = 0.05f, LOST = 0.75f; // of light that is hardly worth following
@@ -117,7 +123,8 @@ inline void passThrough(const Medium& medium, const Ray& ray, float end, int her
       s.own *= t;
       continue;
     }
-    const float majorant = part.majorant[hero];
+    if (hero == NO_HERO) part.majorant = Rgb(maxComponent(part.majorant));
+    const float majorant = part.majorant[std::max(hero, 0)];
     for (float t = part.begin;;) {
       const float step = flight::sampleDistance(majorant, sampler);
       const bool arrives = !(t + step < part.end);
@@ -143,5 +150,57 @@ inline void passThrough(const Medium& medium, const Ray& ray, float end, int her
     }
   }
 }
+
+/** Transmittance from the origin of a ray of unit direction to every place on it before `end`: closed form,
+ * or in heterogeneous media one run of ratio tracking, whose steps have the right mean at each place. */
+class RayTransmittance {
+ public:
+  RayTransmittance(const Medium& medium, const Ray& ray, float end, Sampler& sampler)
+      : homogeneous(medium.isHomogeneous()) {
+    if (homogeneous)
+      extinction = medium.at(ray.origin).extinction();
+    else
+      track(medium, ray, end, sampler);
+  }
+
+  Rgb to(float t) const {
+    if (homogeneous) return flight::transmittance(extinction, t);
+    const auto after = std::upper_bound(steps.begin(), steps.end(), t,
+                                        [](float at, const Step& step) { return at < step.t; });
+    return after == steps.begin() ? Rgb(1) : std::prev(after)->value;
+  }
+
+ private:
+  struct Step {
+    float t;
+    Rgb value; ///< from t on
+  };
+
+  void track(const Medium& medium, const Ray& ray, float end, Sampler& sampler) {
+    constexpr float LOW = 0.01f; // is followed by roulette
+    Rgb value(1);
+    MajorantSegments segments = medium.segments(ray, end);
+    for (MajorantSegment part; segments.next(part);) {
+      const float majorant = maxComponent(part.majorant);
+      for (float t = part.begin;;) {
+        t += flight::sampleDistance(majorant, sampler);
+        if (!(t < part.end)) break;
+        value *= glm::max(1.0f - medium.at(ray.at(t)).extinction() / majorant, Rgb(0));
+        if (const float left = maxComponent(value); left < LOW) {
+          if (sampler.next1D() * LOW < left)
+            value *= LOW / left;
+          else
+            value = Rgb(0);
+        }
+        steps.push_back({t, value});
+        if (isBlack(value)) return;
+      }
+    }
+  }
+
+  bool homogeneous;
+  Rgb extinction{0};
+  std::vector<Step> steps;
+};
 
 } // namespace recurse

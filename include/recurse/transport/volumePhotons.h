@@ -5,9 +5,12 @@
  */
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "recurse/core/ray.h"
+#include "recurse/model/scene.h"
+#include "recurse/transport/integrator.h"
 #include "recurse/transport/photon.h"
 
 namespace recurse {
@@ -21,16 +24,43 @@ struct VolumePhoton {
   uint8_t pathState = 0;     ///< LightState after the events before this one
 };
 
+/** Where a photon's disc ends: planes of the surfaces around it. */
+class DiscBounds {
+ public:
+  /** The surface in a distance [scene units]; `normal` is unit and points away from the photon. */
+  void add(const Vec3f& normal, float distance);
+  bool full() const { return count == MAX_COUNT; }
+  bool empty() const { return count == 0; }
+  /** Whether a point, seen from the photon, lies beyond a surface. */
+  bool cuts(const Vec3f& away) const;
+  /** The part of the kernel's integral over the disc across `direction` that is left; nearly, where two
+   * planes meet in the disc. */
+  float fraction(const Vec3f& direction, float radius) const;
+
+ private:
+  static constexpr size_t MAX_COUNT = 3;
+  struct Plane {
+    Vec3f normal;
+    float distance;
+  };
+  std::array<Plane, MAX_COUNT> planes;
+  size_t count = 0;
+};
+
 /** The photons of a pass in a complete binary tree of boxes; immutable once built. */
 class VolumePhotonMap {
  public:
   /** `scale`: of the radii over those that the photons' density calls for; `widest`: none is above. The same
    * for any number of threads. */
   void build(std::vector<VolumePhoton> photons, float scale, float widest);
+  /** Finds surfaces within the radii: what of a disc lies beyond them counts no more, and the rest as much
+   * more. */
+  void findBounds(const Scene& scene, float time, TransportCounts& counts);
   size_t size() const { return photons.size(); }
   size_t memoryBytes() const {
     return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) +
-           boxes.capacity() * sizeof(Bounds3f);
+           boxes.capacity() * sizeof(Bounds3f) + boundsOf.capacity() * sizeof(uint32_t) +
+           bounds.capacity() * sizeof(DiscBounds);
   }
 
   /** Calls visit(photon, t, kernel) for each photon near the ray of unit direction that it passes at 0 < t <
@@ -56,8 +86,14 @@ class VolumePhotonMap {
         const Vec3f way = photons[i].position - ray.origin;
         const float t = glm::dot(way, ray.direction), radius2 = square(radii[i]);
         const float distance2 = lengthSquared(way - ray.direction * t);
-        if (t > 0 && t < end && distance2 < radius2)
-          visit(photons[i], t, 2 * INV_PI / radius2 * (1 - distance2 / radius2)); // Epanechnikov's
+        if (!(t > 0 && t < end && distance2 < radius2)) continue;
+        float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov's
+        if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
+          const DiscBounds& b = bounds[boundsOf[i]];
+          if (b.cuts(ray.direction * t - way)) continue;
+          kernel /= b.fraction(ray.direction, radii[i]);
+        }
+        visit(photons[i], t, kernel);
       }
     }
   }
@@ -84,6 +120,9 @@ class VolumePhotonMap {
   uint32_t levels = 0; ///< that of the leaves
   std::vector<VolumePhoton> photons;
   std::vector<float> radii;
+  static constexpr uint32_t NO_BOUNDS = UINT32_MAX;
+  std::vector<uint32_t> boundsOf; ///< by photon: its place in `bounds`; empty if they are not asked for
+  std::vector<DiscBounds> bounds;
   std::vector<Bounds3f> boxes; ///< of the photons' discs, level by level
 };
 
