@@ -16,8 +16,8 @@ constexpr double STEEPNESS = 4.5;
 class Cloud final : public Medium {
  public:
   Cloud(const Parameters& p, const MediumContext& context)
-      : whole(readMediumPoint(p)), box(p, context), density(p.real("density")), wispiness(p.real("wispiness")),
-        frequency(p.real("frequency")) {
+      : whole(readMediumPoint(p)), box(p, context), density(p.real("density")),
+        wispiness(p.real("wispiness")), frequency(p.real("frequency")) {
     const Vec3d p0 = p.vector3("p0"), p1 = p.vector3("p1");
     lower = glm::min(p0, p1);
     extent = glm::max(p0, p1) - lower;
@@ -58,7 +58,8 @@ class Cloud final : public Medium {
     double sum = 0;
     height = 0.5;
     fineness = 1;
-    for (int i = 0; i < OCTAVES; ++i, height *= 0.5, fineness *= FINER) sum += height * perlinNoise(q * fineness);
+    for (int i = 0; i < OCTAVES; ++i, height *= 0.5, fineness *= FINER)
+      sum += height * perlinNoise(q * fineness);
     const double torn = std::clamp((1 - p.y) * STEEPNESS * density * sum, 0.0, 1.0);
     return std::clamp(torn + 2 * std::max(0.0, 0.5 - p.y), 0.0, 1.0);
   }
@@ -84,11 +85,12 @@ void registerCloud(PlugIns& plugIns) {
   parameters.push_back(realParameter("density", "1", "how much of the noise is cloud").range(0, 1e6));
   parameters.push_back(realParameter("wispiness", "1", "how far the noise is pulled about").range(0, 1e3));
   parameters.push_back(realParameter("frequency", "5", "of the noise [1/length]").range(0, 1e6));
-  plugIns.media.add({{.name = "cloud",
-                      .summary = "A cloud by noise in a box: full at its bottom, up to y = 0.5, and torn above.",
-                      .parameters = parameters,
-                      .examples = {"", "\"float density\" 2 \"float wispiness\" 0 \"point3 p0\" [-1 0 -1]"}},
-                     [](const Parameters& p, const MediumContext& c) { return std::make_unique<Cloud>(p, c); }});
+  plugIns.media.add(
+      {{.name = "cloud",
+        .summary = "A cloud by noise in a box: full at its bottom, up to y = 0.5, and torn above.",
+        .parameters = parameters,
+        .examples = {"", "\"float density\" 2 \"float wispiness\" 0 \"point3 p0\" [-1 0 -1]"}},
+       [](const Parameters& p, const MediumContext& c) { return std::make_unique<Cloud>(p, c); }});
 }
 
 } // namespace recurse

@@ -43,8 +43,8 @@ std::vector<ParameterSpec> gridBoxParameters() {
 
 HeatGlow::HeatGlow(const Parameters& p, const GridBox& box, SampledGrid<float> given)
     : box(box), temperatures(std::move(given)),
-      offset(static_cast<float>(
-          p.real(p.has("temperaturecutoff") ? "temperaturecutoff" : "temperatureoffset"))),
+      offset(
+          static_cast<float>(p.real(p.has("temperaturecutoff") ? "temperaturecutoff" : "temperatureoffset"))),
       scale(static_cast<float>(p.real("temperaturescale"))) {
   const glm::ivec3 size = temperatures.size();
   for (int z = 0; z < size.z; ++z)

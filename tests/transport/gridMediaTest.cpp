@@ -53,8 +53,10 @@ TEST(GridMedia, BoundsHoldEverywhere) {
 
 TEST(GridMedia, ACloudIsFullAtItsBottom) {
   Diagnostics diagnostics;
-  const auto cloud = makeMedium("cloud", "\"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] \"rgb sigma_s\" [2 3 4] \"rgb sigma_a\" [1 0 0]",
-                                diagnostics);
+  const auto cloud = makeMedium(
+      "cloud",
+      "\"point3 p0\" [-1 -1 -1] \"point3 p1\" [1 1 1] \"rgb sigma_s\" [2 3 4] \"rgb sigma_a\" [1 0 0]",
+      diagnostics);
   std::mt19937 random(7);
   double low = 0, high = 0;
   for (int i = 0; i < 500; ++i) {
@@ -74,14 +76,18 @@ TEST(GridMedia, ACloudIsFullAtItsBottom) {
 TEST(GridMedia, WhatIsHotGlows) {
   // One cell so wide that the medium is even where it is seen.
   const double kelvin = 3000;
-  const Rgbd expected = rgbOfBlackbody(kelvin, SpectrumKind::ILLUMINANT) *
-                        (luminance(rgbOfBlackbody(kelvin, SpectrumKind::UNBOUNDED)) * 2 * (1 - std::exp(-1.5)));
+  const Rgbd expected =
+      rgbOfBlackbody(kelvin, SpectrumKind::ILLUMINANT) *
+      (luminance(rgbOfBlackbody(kelvin, SpectrumKind::UNBOUNDED)) * 2 * (1 - std::exp(-1.5)));
   const Rendered r = renderText(
       view(2, "0 0 -1  0 0 1  0 1 0", 0.1) +
-          "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"point3 p0\" [-9000 -9000 -9000] \"point3 p1\" "
+          "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"point3 p0\" [-9000 -9000 -9000] \"point3 "
+          "p1\" "
           "[9000 9000 9000] \"float density\" 1 \"float temperature\" 1600 \"float temperatureoffset\" 100 "
-          "\"float temperaturescale\" 2 \"float Lescale\" 2 \"rgb sigma_a\" [1.5 1.5 1.5] \"rgb sigma_s\" [0 0 0]\n"
-          "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"box\" \"point3 p1\" [-2 -2 0] \"point3 p2\" "
+          "\"float temperaturescale\" 2 \"float Lescale\" 2 \"rgb sigma_a\" [1.5 1.5 1.5] \"rgb sigma_s\" [0 "
+          "0 0]\n"
+          "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"box\" \"point3 p1\" [-2 -2 0] "
+          "\"point3 p2\" "
           "[2 2 1]\n",
       "path", "", samples(4096));
   for (int c = 0; c < 3; ++c)
