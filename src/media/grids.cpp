@@ -2,47 +2,19 @@
  * Media on regular grids in a box: one density for all coefficients (uniformgrid), or coefficients of each
  * cell (rgbgrid).
  */
-#include "recurse/model/mediumParameters.h"
+#include "recurse/model/gridMedium.h"
 #include "recurse/model/plugIns.h"
-#include "recurse/model/sampledGrid.h"
 
 namespace recurse {
 
 namespace {
 
-/** The box of a grid: its points in the unit cube. */
-class GridBox {
- public:
-  GridBox(const Parameters& p, const MediumContext& context) {
-    const Vec3d p0 = p.vector3("p0"), p1 = p.vector3("p1"), lower = glm::min(p0, p1),
-                extent = glm::max(p0, p1) - lower;
-    if (!(extent.x > 0 && extent.y > 0 && extent.z > 0))
-      p.fail("p1", "the grid's box is flat", "p0 and p1 that differ in each coordinate");
-    Mat4d sceneFromUnit(1);
-    for (int i = 0; i < 3; ++i) sceneFromUnit[i][i] = extent[i];
-    sceneFromUnit[3] = Vec4d(lower, 1);
-    sceneFromUnit = context.sceneFromMedium * sceneFromUnit;
-    const double determinant = glm::determinant(Mat3d(sceneFromUnit));
-    if (!std::isfinite(determinant) || determinant == 0)
-      p.fail("", "the medium's transform flattens it: it cannot be inverted");
-    unitFromScene = glm::inverse(sceneFromUnit);
-  }
-  Vec3f point(const Vec3f& scene) const { return Vec3f(transformPoint(unitFromScene, Vec3d(scene))); }
-  MajorantSegments segments(const MajorantGrid& grid, const Rgb& extinction, const Ray& ray,
-                            float end) const {
-    return {grid, extinction, point(ray.origin), Vec3f(Mat3d(unitFromScene) * Vec3d(ray.direction)), end};
-  }
-
- private:
-  Mat4d unitFromScene{1};
-};
-
 std::vector<ParameterSpec> boxParameters() {
-  return {integerParameter("nx", "1", "cells along x").range(1, 1 << 16),
-          integerParameter("ny", "1", "cells along y").range(1, 1 << 16),
-          integerParameter("nz", "1", "cells along z").range(1, 1 << 16),
-          arrayParameter(ParameterType::POINT3, "p0", 1, "0 0 0", "a corner of the grid's box"),
-          arrayParameter(ParameterType::POINT3, "p1", 1, "1 1 1", "the corner opposite")};
+  std::vector<ParameterSpec> parameters = gridBoxParameters();
+  for (const char* name : {"nx", "ny", "nz"})
+    parameters.push_back(
+        integerParameter(name, "1", std::string("cells along ") + name[1]).range(1, 1 << 16));
+  return parameters;
 }
 
 glm::ivec3 readSize(const Parameters& p) { return {p.integer("nx"), p.integer("ny"), p.integer("nz")}; }
@@ -63,27 +35,17 @@ SampledGrid<T> readGrid(const Parameters& p, const std::string& name, const Valu
   return {size, std::move(converted)};
 }
 
-class UniformGrid final : public Medium {
- public:
-  UniformGrid(const Parameters& p, const MediumContext& context)
-      : box(p, context), whole(readMediumPoint(p)),
-        density(readGrid<float>(p, "density", p.reals("density"))),
-        majorants(majorantsOf(density.size(), [&](const glm::ivec3& i) { return density.value(i); })) {}
-  MediumPoint at(const Vec3f& position) const override {
-    const float d = density.at(box.point(position));
-    return {whole.absorption * d, whole.scattering * d, whole.emission * d};
+std::unique_ptr<Medium> makeUniformGrid(const Parameters& p, const MediumContext& context) {
+  const GridBox box(p, context);
+  const MediumPoint whole = readMediumPoint(p);
+  HeatGlow glow;
+  if (p.hasValue("temperature")) {
+    if (p.has("Le")) p.fail("temperature", "the light is given twice", "Le or temperature");
+    glow = HeatGlow(p, box, readGrid<float>(p, "temperature", p.reals("temperature")));
   }
-  MajorantSegments segments(const Ray& ray, float end) const override {
-    return box.segments(majorants, whole.extinction(), ray, end);
-  }
-  bool isEmissive() const override { return !isBlack(whole.emission); }
-
- private:
-  GridBox box;
-  MediumPoint whole; ///< of density 1
-  SampledGrid<float> density;
-  MajorantGrid majorants;
-};
+  return std::make_unique<DensityGrid>(whole, box, readGrid<float>(p, "density", p.reals("density")),
+                                       std::move(glow));
+}
 
 class RgbGrid final : public Medium {
  public:
@@ -135,14 +97,18 @@ void registerUniformGrid(PlugIns& plugIns) {
                                       "of each cell, x fastest; multiplies sigma_a and sigma_s")
                            .range(0, 1e18)
                            .require());
+  parameters.push_back(arrayParameter(ParameterType::REAL, "temperature", 0, "",
+                                      "of each cell: what absorbs glows as black bodies do"));
+  for (const ParameterSpec& s : heatParameters()) parameters.push_back(s);
   plugIns.media.add(
       {{.name = "uniformgrid",
         .summary = "A medium whose density is given on a regular grid in a box.",
         .parameters = parameters,
         .examples =
             {"\"float density\" 1",
-             "\"integer nx\" 2 \"integer ny\" 2 \"integer nz\" 2 \"float density\" [ 0 1 2 3 4 5 6 7 ]"}},
-       [](const Parameters& p, const MediumContext& c) { return std::make_unique<UniformGrid>(p, c); }});
+             "\"integer nx\" 2 \"integer ny\" 2 \"integer nz\" 2 \"float density\" [ 0 1 2 3 4 5 6 7 ]",
+             "\"integer nx\" 2 \"float density\" [ 1 2 ] \"float temperature\" [ 1500 3000 ]"}},
+       makeUniformGrid});
 }
 
 void registerRgbGrid(PlugIns& plugIns) {

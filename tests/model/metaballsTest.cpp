@@ -17,16 +17,25 @@ struct Interval {
   double low, high;
 };
 
-/** The quartic field along a line, and bounds of it over a part of the line. */
+/** A field along a line, and bounds of it over a part of the line. */
 struct Field {
   std::vector<Ball> balls;
   double threshold = 0.5;
+  std::string kind;
+
+  /** By the squared distance in radii. */
+  double fall(double q) const {
+    if (q >= 1) return 0;
+    if (kind == "wyvill") return 1 - 22 / 9.0 * q + 17 / 9.0 * q * q - 4 / 9.0 * q * q * q;
+    if (kind == "blinn") return std::pow(1 - q, 4) + square((1 - q) * q);
+    return square(1 - q);
+  }
 
   double at(const Vec3d& p) const {
     double f = -threshold;
     for (const Ball& b : balls) {
       const double q = glm::dot(p - b.center, p - b.center) / square(b.radius);
-      if (q < 1) f += b.strength * square(1 - q);
+      f += b.strength * fall(q);
     }
     return f;
   }
@@ -39,7 +48,6 @@ struct Field {
         return glm::dot(away, away) / square(b.radius);
       };
       const double qHigh = std::max(q(t0), q(t1)), qLow = q(std::clamp(middle, t0, t1));
-      const auto fall = [](double x) { return x < 1 ? square(1 - x) : 0; };
       const double low = b.strength * fall(qHigh), high = b.strength * fall(qLow);
       f.low += std::min(low, high);
       f.high += std::max(low, high);
@@ -68,6 +76,7 @@ TEST(Metaballs, AreMetWhereIntervalArithmeticFindsThem) {
   size_t rays = 0, crossed = 0, disagreed = 0;
   for (int scene = 0; scene < 40; ++scene) {
     Field field;
+    field.kind = scene % 4 == 1 ? "wyvill" : scene % 4 == 3 ? "blinn" : "quartic";
     std::string p, radius, strength;
     const int count = 1 + scene % 8;
     for (int i = 0; i < count; ++i) {
@@ -85,8 +94,9 @@ TEST(Metaballs, AreMetWhereIntervalArithmeticFindsThem) {
       number << b.strength << " ";
       strength += number.str();
     }
-    const auto shape = make("metaballs", "\"point3 P\" [" + p + "] \"float radius\" [" + radius +
-                                             "] \"float strength\" [" + strength + "]");
+    const auto shape =
+        make("metaballs", "\"point3 P\" [" + p + "] \"float radius\" [" + radius + "] \"float strength\" [" +
+                              strength + "] \"string field\" \"" + field.kind + "\"");
     const auto solid = shape->asSolid();
     for (int i = 0; i < 500; ++i) {
       const Vec3d o = random.direction() * 3.0;

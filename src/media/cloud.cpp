@@ -1,0 +1,96 @@
+/** @file
+ * A cloud by noise, after that of pbrt-v4: dense at the bottom of its box, and torn further up.
+ */
+#include "recurse/model/gridMedium.h"
+#include "recurse/model/noise.h"
+#include "recurse/model/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr double FINER = 1.99; ///< an octave over the one before
+constexpr int TURNS = 2, OCTAVES = 5;
+constexpr double STEEPNESS = 4.5;
+
+class Cloud final : public Medium {
+ public:
+  Cloud(const Parameters& p, const MediumContext& context)
+      : whole(readMediumPoint(p)), box(p, context), density(p.real("density")),
+        wispiness(p.real("wispiness")), frequency(p.real("frequency")) {
+    const Vec3d p0 = p.vector3("p0"), p1 = p.vector3("p1");
+    lower = glm::min(p0, p1);
+    extent = glm::max(p0, p1) - lower;
+    constexpr int SLICES = 32;
+    std::vector<float> bounds;
+    for (int i = 0; i < SLICES; ++i)
+      bounds.push_back(static_cast<float>(boundBetween(lower.y + extent.y * (i - 1e-3) / SLICES,
+                                                       lower.y + extent.y * (i + 1 + 1e-3) / SLICES)));
+    majorants = MajorantGrid({1, SLICES, 1}, std::move(bounds));
+  }
+
+  MediumPoint at(const Vec3f& position) const override {
+    const Vec3d unit(box.point(position));
+    if (glm::any(glm::lessThan(unit, Vec3d(0))) || glm::any(glm::greaterThan(unit, Vec3d(1)))) return {};
+    const auto d = static_cast<float>(densityAt(lower + extent * unit));
+    return {whole.absorption * d, whole.scattering * d, whole.emission * d};
+  }
+  MajorantSegments segments(const Ray& ray, float end) const override {
+    return box.segments(majorants, whole.extinction(), ray, end);
+  }
+  bool isEmissive() const override { return !isBlack(whole.emission); }
+
+ private:
+  /** The slope of the noise, by differences as wide as pbrt-v4's. */
+  static Vec3d slope(const Vec3d& p) {
+    constexpr double STEP = 0.01;
+    const double n = perlinNoise(p);
+    return (Vec3d(perlinNoise(p + Vec3d(STEP, 0, 0)), perlinNoise(p + Vec3d(0, STEP, 0)),
+                  perlinNoise(p + Vec3d(0, 0, STEP))) -
+            n) /
+           STEP;
+  }
+  double densityAt(const Vec3d& p) const {
+    Vec3d q = p * frequency;
+    double height = 0.05 * wispiness, fineness = 10;
+    for (int i = 0; i < TURNS && wispiness > 0; ++i, height *= 0.5, fineness *= FINER)
+      q += slope(q * fineness) * height;
+    double sum = 0;
+    height = 0.5;
+    fineness = 1;
+    for (int i = 0; i < OCTAVES; ++i, height *= 0.5, fineness *= FINER)
+      sum += height * perlinNoise(q * fineness);
+    const double torn = std::clamp((1 - p.y) * STEEPNESS * density * sum, 0.0, 1.0);
+    return std::clamp(torn + 2 * std::max(0.0, 0.5 - p.y), 0.0, 1.0);
+  }
+  /** No density between two heights is above. */
+  double boundBetween(double y0, double y1) const {
+    constexpr double HIGHEST = 1.04; // |noise|, whose sum of octaves is nearly as large at most
+    const double torn = std::max(std::abs(1 - y0), std::abs(1 - y1)) * STEEPNESS * density * HIGHEST;
+    return std::min(1.0, std::min(1.0, torn) + 2 * std::max(0.0, 0.5 - y0));
+  }
+
+  MediumPoint whole;
+  GridBox box;
+  double density, wispiness, frequency;
+  Vec3d lower{0}, extent{1};
+  MajorantGrid majorants;
+};
+
+} // namespace
+
+void registerCloud(PlugIns& plugIns) {
+  std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
+  for (const ParameterSpec& s : gridBoxParameters()) parameters.push_back(s);
+  parameters.push_back(realParameter("density", "1", "how much of the noise is cloud").range(0, 1e6));
+  parameters.push_back(realParameter("wispiness", "1", "how far the noise is pulled about").range(0, 1e3));
+  parameters.push_back(realParameter("frequency", "5", "of the noise [1/length]").range(0, 1e6));
+  plugIns.media.add(
+      {{.name = "cloud",
+        .summary = "A cloud by noise in a box: full at its bottom, up to y = 0.5, and torn above.",
+        .parameters = parameters,
+        .examples = {"", "\"float density\" 2 \"float wispiness\" 0 \"point3 p0\" [-1 0 -1]"}},
+       [](const Parameters& p, const MediumContext& c) { return std::make_unique<Cloud>(p, c); }});
+}
+
+} // namespace recurse
