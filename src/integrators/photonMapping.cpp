@@ -487,7 +487,7 @@ class PhotonMapping final : public Integrator {
       if (!isBlack(e))
         out.add(LightState(0), path.camera,
                 path.throughput * e * scattering.value(wi, point.normalTowards(wi)));
-      return search.merging * PI * square(search.radius);
+      return mergingWithin(search.merging, square(search.radius));
     }
     BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
                                 query.place.away};

@@ -10,6 +10,7 @@
 #include <zlib.h>
 
 #include "recurse/core/error.h"
+#include "report/page/embedded.h"
 
 namespace recurse {
 
@@ -117,11 +118,12 @@ std::string htmlPage(const HtmlPage& parts, const nlohmann::ordered_json& data) 
   for (std::string_view library : parts.libraries)
     scripts += "<script>\n" + std::string(library) + "\n</script>\n";
   scripts += "<script>\n\"use strict\";\n(() => {\n" + joined(parts.scripts) + "})();\n</script>";
-  std::string page(parts.html);
+  std::string page(page::FRAME_HTML);
   // The marks are replaced from the end on, so that nothing that was put in is searched.
   replaceMark(page, "<!--SCRIPT-->", scripts);
   replaceMark(page, "<!--DATA-->",
               "<script type=\"application/json\" id=\"data\">" + forHtml(data) + "</script>");
+  replaceMark(page, "<!--CONTENT-->\n", std::string(parts.content));
   replaceMark(page, "<!--STYLE-->", "<style>\n" + joined(parts.styles) + "</style>");
   replaceMark(page, "<!--TITLE-->", "<title>" + escaped(parts.title) + "</title>");
   return page;

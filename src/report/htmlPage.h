@@ -19,7 +19,7 @@ void addPixels(nlohmann::ordered_json& json, const Image& image);
 
 /** The parts that a page is made of. */
 struct HtmlPage {
-  std::string_view html; ///< with the marks TITLE, STYLE, DATA and SCRIPT as comments
+  std::string_view content; ///< header and main element; frame.html is around them
   std::string title;
   std::vector<std::string_view> styles, libraries, scripts; ///< libraries: scripts that stay apart
 };

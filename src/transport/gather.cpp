@@ -150,9 +150,6 @@ struct Support {
   bool byNearest = false; ///< the photons are in the scratch
 };
 
-/** Finite for any radius: long before, photons have all the weight. */
-float mergingWithin(float perArea, float radius2) { return std::min(perArea * PI * radius2, 1e30f); }
-
 bool anyWithin(const PhotonMap& map, const GatherRegion& region) {
   return map.accumulateWithin(region, 0u, [](uint32_t& any, const PhotonBlock& block) { any |= block.mask; });
 }

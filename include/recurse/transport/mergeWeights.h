@@ -97,6 +97,10 @@ class MergeRatio {
   float ratio = 0;
 };
 
+/** The merging of a kernel's support by that of unit area; finite for any radius, since long before photons
+ * have all the weight. */
+inline float mergingWithin(float perArea, float radius2) { return std::min(perArea * PI * radius2, 1e30f); }
+
 /** The weight of a merged photon; `pdf`: with which the BSDF sends a ray its way [1/sr]; `rest`: the weight
  * of photons whose ratio is not known. */
 inline float photonWeight(float reverseRatio, float merging, float pdf, float rest) {
