@@ -12,7 +12,7 @@ namespace recurse {
 
 namespace {
 
-constexpr int GAP = 8, TEXT_SIZE = 2, CAPTION = LINE_STEP * TEXT_SIZE + GAP;
+constexpr int SPACING = 8, LETTER_SIZE = 2, CAPTION = LINE_STEP * LETTER_SIZE + SPACING;
 constexpr int LARGEST = 480; ///< side of a picture in the sheet [pixels]
 
 /** Linear means of square blocks, so that the longer side is at most LARGEST. */
@@ -37,13 +37,13 @@ Image reduced(const Image& picture) {
 Developed operatorSheet(const Image& picture, const DevelopSettings& settings) {
   const auto& operators = plugIns().toneMaps.entries();
   const Image small = reduced(picture);
-  const int cellWidth = small.width + GAP, cellHeight = small.height + CAPTION;
+  const int cellWidth = small.width + SPACING, cellHeight = small.height + CAPTION;
   // Half as wide again as high, as far as whole columns allow.
   const double count = double(operators.size());
   const int columns =
       std::clamp(int(std::lround(std::sqrt(1.5 * count * cellHeight / cellWidth))), 1, int(count));
   const int rows = (int(operators.size()) + columns - 1) / columns;
-  Developed sheet{Image(columns * cellWidth + GAP, rows * cellHeight + GAP, {"R", "G", "B"}), 0};
+  Developed sheet{Image(columns * cellWidth + SPACING, rows * cellHeight + SPACING, {"R", "G", "B"}), 0};
   std::fill(sheet.picture.pixels.begin(), sheet.picture.pixels.end(), 0.1f);
   sheet.picture.metadata = picture.metadata;
   for (size_t i = 0; i < operators.size(); ++i) {
@@ -53,11 +53,12 @@ Developed operatorSheet(const Image& picture, const DevelopSettings& settings) {
         plugIns().toneMaps.make(parseParameterText(operators[i].name, ""), NoContext{}, diagnostics);
     const Developed developed = develop(small, one);
     sheet.stops = developed.stops;
-    const int left = GAP + int(i) % columns * cellWidth, top = GAP + int(i) / columns * cellHeight;
+    const int left = SPACING + int(i) % columns * cellWidth, top = SPACING + int(i) / columns * cellHeight;
     for (int y = 0; y < small.height; ++y)
       for (int x = 0; x < small.width; ++x)
         std::copy_n(developed.picture.at(x, y), 3, sheet.picture.at(left + x, top + y));
-    drawText(sheet.picture, left, top + small.height + GAP / 2, operators[i].name, Rgb(0.9f), TEXT_SIZE);
+    drawText(sheet.picture, left, top + small.height + SPACING / 2, operators[i].name, Rgb(0.9f),
+             LETTER_SIZE);
   }
   return sheet;
 }
