@@ -177,8 +177,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   if (place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
   if (query.cost >= place.worth.beside) return;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance / error2);
-  // Other paths find light that comes by several surfaces with an error about as large as the light itself.
-  const auto byRays = double(place.worth.raysVariance);
+  // What rays err by where that is not known is about as large as the light itself.
+  const double byRays = std::isfinite(place.worth.beside) ? double(place.worth.raysVariance) : squared;
   gather.rest = static_cast<float>(std::clamp((byRays / (byRays + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
 }
 
