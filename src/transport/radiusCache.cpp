@@ -127,7 +127,7 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Pl
   return double(channelSum(light->radiance) * cosine / (light->pdf * choice.chosen.probability));
 }
 
-/** `region`: of the place's own radius; `emitted`: see PhotonMoments. */
+/** `region`: of the place's own radius; `emitted`: see RayAlternative. */
 SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
                             BoundaryCorrection& boundary, float emitted, TransportCounts& counts) {
   constexpr size_t AREAS = SupportErrors::AREAS;

@@ -102,7 +102,7 @@ class MergeRatio {
 inline float mergingWithin(float perArea, float radius2) { return std::min(perArea * PI * radius2, 1e30f); }
 
 /** The weight of a merged photon; `pdf`: with which the BSDF sends a ray its way [1/sr]; `rest`: the weight
- * of photons whose ratio is not known. */
+ * of photons whose ratio is not above 0. */
 inline float photonWeight(float reverseRatio, float merging, float pdf, float rest) {
   return reverseRatio > 0 ? merging / std::max(merging + reverseRatio * pdf, FLT_MIN) : rest;
 }

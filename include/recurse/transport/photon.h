@@ -48,7 +48,8 @@ struct Photon {
   uint8_t pathState = 0;     ///< LightState after the events before this surface
   bool caustic = false;      ///< nothing but mirrors and glass, or nothing at all, between light and surface
   PackedDirection normal;    ///< geometric, unit, on the side that the photon came from
-  /** How likely a camera ray finds the same path, see mergeWeights.h; 0 where that is not known. */
+  /** How likely a camera ray finds the same path, see mergeWeights.h; 0 where none does, or it is not known.
+   * Negative: of light that came by several non-delta surfaces; such photons do not weigh by it. */
   float reverseRatio = 0;
 };
 static_assert(sizeof(Photon) <= 40);

@@ -29,7 +29,7 @@ struct CachedRadius {
   size_t index = 0;                     ///< of that place
 };
 
-/** How much more than a camera path an estimate by photons may take and yet pay, by the variance that it
+/** What an estimate by photons may take at most [camera paths] and yet pay, by the variance that it
  * saves (efficiency as in Grittmann et al. 2022, "Efficiency-Aware Multiple Importance Sampling for
  * Bidirectional Rendering Algorithms"). Infinite where nothing is known. */
 struct GatherWorth {
