@@ -213,14 +213,20 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   lights = portals.lightsByPower(scene.lights());
   // A search for the nearest photons of one map wants them to be of nearly equal power.
   if (progressive) {
-    const uint64_t without = countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts);
-    portals.learn(scene, seed, statistics.counts);
-    lights = portals.lightsByPower(scene.lights());
-    constexpr uint64_t WORTH_IT = 2; // photons through boxes differ in power
-    if (portals.active() &&
-        countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts) < WORTH_IT * without) {
-      portals = {};
+    LightPortals found;
+    found.learn(scene, seed, statistics.counts);
+    if (found.active()) {
+      constexpr uint64_t WORTH_IT = 2; // photons through boxes differ in power
+      const auto useful = [&] {
+        return countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts);
+      };
+      const uint64_t without = useful();
+      portals = std::move(found);
       lights = portals.lightsByPower(scene.lights());
+      if (useful() < WORTH_IT * without) {
+        portals = {};
+        lights = portals.lightsByPower(scene.lights());
+      }
     }
   }
   if (portals.active())

@@ -77,8 +77,7 @@ class PhotonPass {
   void weighAgainstRays(PhotonQuery& query, float footprint) const;
   /** Whether to read the indirect layer takes less than to go on, for the variance that it saves. */
   bool paysInstead(const PhotonQuery& query) const {
-    return !progressive || !query.place.known ||
-           query.cost < indirectLayer.cache.place(query.place.index).worth.instead;
+    return !query.place.known || query.cost < indirectLayer.cache.place(query.place.index).worth.instead;
   }
   /** The search with such a radius of the first pass. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
