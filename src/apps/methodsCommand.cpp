@@ -148,12 +148,12 @@ double figure(const Stills& stills, const char* name) {
 }
 
 /** As fine as the claims, unless that is too fine to be rendered at once. */
-void chooseClasses(MethodsReport& report, const std::vector<std::string>& claims) {
+void chooseClasses(MethodsReport& report, const std::vector<std::string>& claims, bool withMedia) {
   try {
-    report.classes = refineClasses(defaultStillClasses(), claims);
+    report.classes = refineClasses(defaultStillClasses(withMedia), claims);
     const PathClasses rendered(planStills(report.classes).classes);
   } catch (const Error&) {
-    report.classes = defaultStillClasses();
+    report.classes = defaultStillClasses(withMedia);
     report.isExact = false;
   }
 }
@@ -190,7 +190,7 @@ ExitStatus compareMethods(const MethodsOptions& options) {
     method.suppositions = loaded.integrator->suppositions();
     if (!loaded.integrator->claims().empty()) claims.push_back(method.claims);
   }
-  chooseClasses(report, claims);
+  chooseClasses(report, claims, loaded.scene->hasMedia());
   const StillsPlan stillsPlan = planStills(report.classes);
   const std::string size = std::to_string(crop.width()) + "x" + std::to_string(crop.height());
   Pictures pictures(loaded, stillsPlan, o.folder,

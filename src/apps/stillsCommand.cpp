@@ -21,8 +21,8 @@ struct StillsOptions {
   std::vector<std::string> classes;
 };
 
+/** The plan of the classes that are asked for. */
 StillsPlan planOf(const StillsOptions& o) {
-  if (o.classes.empty()) return planStills(defaultStillClasses());
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) {
     const size_t equals = text.find('=');
@@ -46,8 +46,8 @@ void checkComparable(const Stills& other, const Scene& scene, const std::string&
 
 ExitStatus renderStills(const StillsOptions& o) {
   const RenderPlan plan = o.render.plan();
-  const StillsPlan stillsPlan = planOf(o);
-  const PathClasses classes(stillsPlan.classes);
+  std::optional<StillsPlan> asked;
+  if (!o.classes.empty()) asked = planOf(o);
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
   std::optional<Stills> other;
   if (!o.compare.empty()) other = readStills(o.compare);
@@ -55,6 +55,8 @@ ExitStatus renderStills(const StillsOptions& o) {
   const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
   if (other) checkComparable(*other, *loaded.scene, o.compare);
   checkStillsWritable(o.folder);
+  const StillsPlan stillsPlan = asked ? *asked : planStills(defaultStillClasses(loaded.scene->hasMedia()));
+  const PathClasses classes(stillsPlan.classes);
 
   std::string classOptions;
   for (const std::string& text : o.classes) classOptions += " --class " + shellQuoted(text);
@@ -99,7 +101,7 @@ void addStillsCommand(CLI::App& app, Command& chosen) {
   command
       ->add_option("--class", o.classes,
                    "A class of paths, such as caustic=LS+DE, several allowed; see 'recurse classes' "
-                   "(default: ten that make up the whole picture)")
+                   "(default: ten that make up the whole picture, and six more where there are media)")
       ->type_name("NAME=EXPR")
       ->expected(1)
       ->take_all();

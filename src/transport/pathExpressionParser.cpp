@@ -344,7 +344,7 @@ const std::vector<NamedPathClass>& namedPathClasses() {
   return classes;
 }
 
-std::vector<PathClass> defaultStillClasses() {
+std::vector<PathClass> defaultStillClasses(bool withMedia) {
   std::vector<PathClass> classes = {
       {"emitted", "LE"},
       {"direct-diffuse", "LDE"},
@@ -356,6 +356,18 @@ std::vector<PathClass> defaultStillClasses() {
       {"interreflection-more", "LD{5,}E"},
       {"specular-of-diffuse", "LD+S+E"},
   };
+  if (withMedia) {
+    // Every path with a V is in one of these.
+    const std::vector<PathClass> media = {
+        {"medium-direct", "LVE"},
+        {"medium-caustic", "LS+VE"},
+        {"medium-lit-by-surfaces", "LS*D[SD]*VE"},
+        {"medium-multiple", "L.*V.*VE"},
+        {"specular-of-medium", "L.*VS+E"},
+        {"surface-lit-by-medium", "L.*V[SD]*DS*E"},
+    };
+    classes.insert(classes.end(), media.begin(), media.end());
+  }
   std::string others;
   for (const PathClass& c : classes) others += (others.empty() ? "" : "|") + c.expression;
   classes.push_back({"remainder", "all - (" + others + ")"});

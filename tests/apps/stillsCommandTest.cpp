@@ -35,6 +35,25 @@ TEST_F(StillsCommand, WritesEverythingAndTellsShares) {
   EXPECT_TRUE(has(info.out, "recurse stills scene.pbrt")) << info.out;
 }
 
+TEST_F(StillsCommand, ShowsMediaWhereThereAre) {
+  ASSERT_EQ(run({"stills", "scene.pbrt", "-o", "clear", "-q", "--integrator", "path"}).status, 0);
+  EXPECT_FALSE(exists("clear/common/medium-direct.png"));
+  write("fog.pbrt", scene("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\n"
+                          "MediumInterface \"\" \"fog\"\n"));
+  const Outcome o = run({"stills", "fog.pbrt", "-o", "fog", "--integrator", "path"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  for (const char* name : {"medium-direct", "medium-caustic", "medium-multiple", "surface-lit-by-medium"}) {
+    EXPECT_TRUE(exists("fog/common/" + std::string(name) + ".png")) << name;
+    EXPECT_TRUE(has(o.out, name)) << o.out;
+  }
+  EXPECT_TRUE(has(o.out, "LS+VE")) << o.out;
+  // Those who ask for classes get no others.
+  ASSERT_EQ(
+      run({"stills", "fog.pbrt", "-o", "asked", "-q", "--integrator", "path", "--class", "v=medium"}).status,
+      0);
+  EXPECT_FALSE(exists("asked/common/medium-direct.png"));
+}
+
 TEST_F(StillsCommand, TellsOverlapsAndWhatIsLeftOver) {
   const Outcome o = run(
       {"stills", "scene.pbrt", "-o", "s", "--integrator", "path", "--class", "a=LD+E", "--class", "b=LDE"});

@@ -98,11 +98,13 @@ TEST(Stills, ClassesAddUpWithEveryIntegrator) {
 }
 
 TEST(Stills, DefaultClassesNeedNothingAdded) {
-  const StillsPlan plan = planStills(defaultStillClasses());
-  EXPECT_TRUE(plan.additive());
-  EXPECT_EQ(plan.shown, defaultStillClasses().size());
-  EXPECT_EQ(plan.classes.size(), plan.shown);
-  EXPECT_TRUE(plan.remarks.empty());
+  for (const bool media : {false, true}) {
+    const StillsPlan plan = planStills(defaultStillClasses(media));
+    EXPECT_TRUE(plan.additive());
+    EXPECT_EQ(plan.shown, defaultStillClasses(media).size());
+    EXPECT_EQ(plan.classes.size(), plan.shown);
+    EXPECT_TRUE(plan.remarks.empty());
+  }
 }
 
 TEST(Stills, WhatIsLeftOverBecomesAClass) {

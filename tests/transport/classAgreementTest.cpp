@@ -142,13 +142,13 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
     if (fs::exists(shared / "reference" / name))
       scenes.emplace_back(name, smallScene(shared / "reference" / name));
 
-  const PathClasses stills = withTotal(defaultStillClasses());
   const PathClasses few = withTotal({{"lens", "L.*SE"}, {"none", "LE"}, {"rest", "all - (L.*SE | LE)"}});
   const std::vector<Way> differing = waysThatShareOutDifferently(), all = everyWay();
   std::vector<Way> many = differing; // and of all every fifth, where nearly any two choices meet
   for (size_t i = 0; i < all.size(); i += 5) many.push_back(all[i]);
   for (const auto& [name, scene] : scenes) {
     ASSERT_TRUE(scene) << name;
+    const PathClasses stills = withTotal(defaultStillClasses(scene->hasMedia()));
     for (const Way& way : scene == scenes.front().second ? many : differing) {
       // The patch that shoots next is the one with the largest sum over classes, which rounding may change.
       if (way.integrator == "radiosity") continue;

@@ -474,6 +474,7 @@ void expectJoins(const std::vector<PathClass>& list) {
 
 TEST(PathClasses, ManyAtOnce) {
   expectJoins(defaultStillClasses());
+  expectJoins(defaultStillClasses(true));
   std::vector<PathClass> named;
   for (const NamedPathClass& c : namedPathClasses()) named.push_back({c.name, c.name});
   expectJoins(named);
@@ -540,17 +541,26 @@ TEST(PathClasses, LimitsAreErrorsThatSayWhatToDo) {
 }
 
 TEST(PathClasses, DefaultStillsAreDisjointAndComplete) {
-  const ClassesReport report = analyseClasses(defaultStillClasses());
-  EXPECT_TRUE(report.overlaps.empty());
-  EXPECT_TRUE(report.leftOver.isEmpty());
-  for (const auto& e : report.entries) EXPECT_FALSE(e.examples.empty()) << e.pathClass.name;
-  const PathClasses classes(defaultStillClasses());
-  forAllWords(6, [&](const std::string& events) {
-    LightState s = classes.lightStart();
-    for (const char c : events) s = classes.step(s, eventOf(c));
-    const LayerMask mask = classes.join(s, classes.cameraStart());
-    EXPECT_TRUE(mask != 0 && (mask & (mask - 1)) == 0) << events;
-  });
+  for (const bool media : {false, true}) {
+    const ClassesReport report = analyseClasses(defaultStillClasses(media));
+    EXPECT_TRUE(report.overlaps.empty());
+    EXPECT_TRUE(report.leftOver.isEmpty());
+    for (const auto& e : report.entries) EXPECT_FALSE(e.examples.empty()) << e.pathClass.name;
+    const PathClasses classes(defaultStillClasses(media));
+    forAllWords(6, [&](const std::string& events) {
+      LightState s = classes.lightStart();
+      for (const char c : events) s = classes.step(s, eventOf(c));
+      const LayerMask mask = classes.join(s, classes.cameraStart());
+      EXPECT_TRUE(mask != 0 && (mask & (mask - 1)) == 0) << events;
+    });
+  }
+}
+
+TEST(PathClasses, StillsOfMediaLeaveNothingOfThemOver) {
+  // The layers of surfaces are the same, and what is left over has no V.
+  const std::vector<PathClass> surfaces = defaultStillClasses(), media = defaultStillClasses(true);
+  for (size_t i = 0; i + 1 < surfaces.size(); ++i) EXPECT_EQ(media[i].expression, surfaces[i].expression);
+  EXPECT_TRUE(PathAutomaton::compile(media.back().expression).subsetOf(PathAutomaton::compile("surface")));
 }
 
 // --- Domains and reports

@@ -99,7 +99,8 @@ struct NamedPathClass {
 /** All named classes, the simple ones first. */
 const std::vector<NamedPathClass>& namedPathClasses();
 
-/** The classes of `recurse stills` unless others are asked for: disjoint, and together every path. */
-std::vector<PathClass> defaultStillClasses();
+/** The classes of `recurse stills` unless others are asked for: disjoint, and together every path.
+ * `withMedia`: paths that media scatter are told apart too. */
+std::vector<PathClass> defaultStillClasses(bool withMedia = false);
 
 } // namespace recurse
