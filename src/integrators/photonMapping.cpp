@@ -119,11 +119,14 @@ class PhotonMapping final : public Integrator {
 
   std::vector<EstimatorDomain> domains() const override;
 
-  /** No photons start in media. */
+  /** Photons cannot start in a medium without end. */
   bool supportsMedia(const Scene& scene) const override {
-    for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
-      if (scene.medium(i)->isEmissive()) return false;
-    return true;
+    bool emits = false;
+    for (uint16_t i = 1; i <= scene.mediumCount(); ++i) emits = emits || scene.medium(i)->isEmissive();
+    if (!emits) return true;
+    TransportCounts counts;
+    const Medium* outside = scene.medium(mediumOutside(scene, counts));
+    return !outside || !outside->isEmissive() || glm::length(outside->bounds().diagonal()) < INFINITE;
   }
 
  private:
@@ -136,6 +139,7 @@ class PhotonMapping final : public Integrator {
     Hit hit;
     for (;;) {
       const bool met = intersect(scene, path.ray, hit, out.counts);
+      if (scene.hasMedia() && met) path.nesting.approach(hit, path.ray.direction);
       if (scene.hasMedia() && !passMedium(scene, path, met ? hit.t : INFINITE, sampler, out)) return;
       if (!met) {
         addEnvironment(scene, path, out);
@@ -178,6 +182,8 @@ class PhotonMapping final : public Integrator {
     const Medium* medium = scene.medium(number);
     if (!medium) return true;
     const RayTransmittance transmittance(*medium, path.ray, end, sampler);
+    // Once a non-delta surface has been met, photons bring what media emit.
+    if (path.nonDelta == 0 || settings.directLight) addLight(path, transmittance.emitted(), out);
     if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
     path.throughput *= transmittance.to(end);
     return !isBlack(path.throughput);
@@ -536,8 +542,12 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
                    std::to_string(settings.lightSamples) + " for each non-delta surface a path meets",
                    "direct light"});
     all.push_back({"BSDF rays", "LDS*E", each, "direct light", true});
+    all.push_back({"photons of media that glow", "LDS*E", each, "direct light"});
     all.push_back({"shadow rays in media", "LVS*E",
-                   std::to_string(settings.lightSamples) + " for each part of a path in a medium", ""});
+                   std::to_string(settings.lightSamples) + " for each part of a path in a medium",
+                   "direct light in media"});
+    all.push_back({"photons in media of media that glow", "LVS*E",
+                   "one estimate for each part of a path in a medium", "direct light in media"});
   }
   all.push_back({"photons in media", settings.directLight ? "L(S|D|V)*VS*E" : "L(S|D|V)+VS*E",
                  "one estimate for each part of a path in a medium", ""});

@@ -39,6 +39,7 @@ class Cloud final : public Medium {
     return box.segments(majorants, whole.extinction(), ray, end);
   }
   bool isEmissive() const override { return !isBlack(whole.emission); }
+  Bounds3f bounds() const override { return box.bounds(); }
 
  private:
   /** The slope of the noise, by differences as wide as pbrt-v4's. */

@@ -81,6 +81,7 @@ class RgbGrid final : public Medium {
     return box.segments(majorants, Rgb(1), ray, end);
   }
   bool isEmissive() const override { return !emission.empty(); }
+  Bounds3f bounds() const override { return box.bounds(); }
 
  private:
   GridBox box;

@@ -34,6 +34,8 @@ GridBox::GridBox(const Parameters& p, const Mat4d& sceneFromUnit) {
   if (!std::isfinite(determinant) || determinant == 0)
     p.fail("", "the medium's transform flattens it: it cannot be inverted");
   unitFromScene = glm::inverse(sceneFromUnit);
+  for (int corner = 0; corner < 8; ++corner)
+    sceneBounds.add(Vec3f(transformPoint(sceneFromUnit, Vec3d(corner & 1, corner >> 1 & 1, corner >> 2))));
 }
 
 std::vector<ParameterSpec> gridBoxParameters() {

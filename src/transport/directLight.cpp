@@ -33,6 +33,7 @@ int passTowardsLight(const Scene& scene, const Hit& from, const Vec3f& wi, Nesti
   Hit hit;
   for (int passed = 0;;) {
     const bool met = intersect(scene, ray, hit, counts);
+    if (met) nesting.approach(hit, light.direction);
     if (const Medium* medium = scene.medium(nesting.medium(scene))) {
       const float length = glm::length(ray.direction);
       Ray unit = ray;

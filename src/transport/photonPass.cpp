@@ -56,6 +56,9 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
   if (scene.hasMedia()) {
+    if (pass.index == 0 && !glowing.learn(scene, pass.seed, pass.time, statistics.counts))
+      statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
+    shoot.media = &glowing;
     if (pass.index == 0) learnVolumePart(scene, classes, pass, shoot, control, statistics);
     shoot.volumePart = volumePart;
   }

@@ -46,6 +46,13 @@ class PhotonWalk {
     base = entered = 0;
     float pick = n[0];
     const LightTable& lights = settings.lights ? *settings.lights : scene.lights();
+    const float byMedia = partOfMedia(lights);
+    storesDirect = settings.direct;
+    if (byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia)) {
+      storesDirect = true;
+      shootFromMedium(n, start.weight / byMedia, time, sampler);
+      return start;
+    }
     const size_t index = lights.chooseIndex(pick);
     const Light& source = lights[index];
     if (!(lights.probability(index) > 0)) return start;
@@ -59,7 +66,8 @@ class PhotonWalk {
       pdf.position = emission->pdfPosition;
     }
     origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), lights.probability(index)};
-    const Rgb flux = emission->flux / (lights.probability(index) * static_cast<float>(settings.photons));
+    const Rgb flux =
+        emission->flux / (lights.probability(index) * (1 - byMedia) * static_cast<float>(settings.photons));
     base = maxComponent(flux);
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
@@ -69,7 +77,8 @@ class PhotonWalk {
     const Ray ray{emission->origin, emission->direction, INFINITE, time};
     Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
     if (scene.hasMedia()) {
-      flight.nesting.startIn(mediumAround(ray, scene.lightMedium(index)));
+      const uint16_t declared = scene.lightMedium(index);
+      flight.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
       flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     }
     walk(std::move(flight), sampler);
@@ -106,14 +115,31 @@ class PhotonWalk {
     int hero = 0; ///< the channel that draws distances
   };
 
-  /** The medium that a ray starts in: what the file says, else what the next boundary has on this side. */
-  uint16_t mediumAround(Ray ray, uint16_t declared) const {
-    if (declared) return declared;
-    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
-      if (hit.media.isBoundary())
-        return isNested(hit) || glm::dot(ray.direction, hit.point.geometricNormal) < 0 ? hit.media.outside
-                                                                                       : hit.media.inside;
-    return 0;
+  /** Of the photons, that glowing media emit: by power, but where there are lights too not nearly all. */
+  float partOfMedia(const LightTable& lights) const {
+    constexpr double MOST = 0.9;
+    if (!settings.media || settings.media->empty()) return 0;
+    double byLights = 0;
+    for (size_t i = 0; i < lights.size(); ++i) byLights += double(maxComponent(lights[i].power()));
+    if (!(byLights > 0)) return 1;
+    const double byMedia = settings.media->power();
+    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MOST, MOST));
+  }
+
+  /** A photon of a glowing medium, `weight` over the density of all that was chosen before. */
+  void shootFromMedium(const EmissionGuide::Numbers& n, float weight, float time, Sampler& sampler) {
+    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
+    const Rgb flux = power * (weight / static_cast<float>(settings.photons));
+    if (isBlack(flux)) return;
+    if (!recurse::isFinite(flux)) {
+      ++counts.nonFinite;
+      return;
+    }
+    if (classes.dead(classes.lightStart())) return;
+    const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
+    Flight flight{ray, flux, classes.lightStart(), nesting, {}};
+    flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    walk(std::move(flight), sampler);
   }
 
   enum class Through { PASSES, SCATTERS, ENDS };
@@ -137,7 +163,7 @@ class PhotonWalk {
     const LightState after = classes.step(flight.state, PathEvent::V);
     if (classes.dead(after)) return Through::ENDS;
     const Vec3f position = flight.ray.at(c.t), direction = flight.ray.direction;
-    if ((flight.depth > 0 || settings.direct) &&
+    if ((flight.depth > 0 || storesDirect) &&
         (settings.volumePart >= 1 || sampler.next1D() < settings.volumePart))
       inMedia.push_back(
           {position, packDirection(direction), flight.flux / settings.volumePart, number, flight.state.byte});
@@ -159,6 +185,7 @@ class PhotonWalk {
     for (;;) {
       const bool met = intersect(scene, ray, hit, counts);
       if (scene.hasMedia()) {
+        if (met) nesting.approach(hit, ray.direction);
         const Through through = flyInMedium(flight, met ? hit.t : INFINITE, sampler);
         if (through == Through::ENDS) return;
         if (through == Through::SCATTERS) continue;
@@ -192,7 +219,7 @@ class PhotonWalk {
       const Vec3f wi = -ray.direction;
       ratio.arrive(ray.direction, hit.point);
       const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
-      if (scattering.hasNonDelta() && !classes.dead(stateD) && (depth > 0 || settings.direct))
+      if (scattering.hasNonDelta() && !classes.dead(stateD) && (depth > 0 || storesDirect))
         store(hit.point, scattering, wi, flux, state, caustic, ratio);
       ++depth;
       const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : NON_DELTA_LOBES) |
@@ -339,6 +366,7 @@ class PhotonWalk {
   std::vector<Cone> cones; ///< of the last surface
   Origin origin;
   float base = 0, entered = 0;
+  bool storesDirect = true; ///< see ShootSettings::direct
   BsdfArena arena;
 };
 
@@ -347,7 +375,8 @@ class PhotonWalk {
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
                          const ShootSettings& settings, const ForwardControl& control) {
   ShotPhotons shot;
-  if (scene.lights().size() == 0 || settings.photons == 0) return shot;
+  const bool dark = scene.lights().size() == 0 && !(settings.media && !settings.media->empty());
+  if (dark || settings.photons == 0) return shot;
   const size_t batches = (settings.photons + BATCH - 1) / BATCH;
   std::vector<std::vector<Photon>> stored(batches);
   std::vector<std::vector<VolumePhoton>> inMedia(batches);

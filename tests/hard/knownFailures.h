@@ -24,8 +24,6 @@ constexpr const char* THIN_FACES = "out of the axes the faces are 8 units of rou
 constexpr const char* NO_SHADOW_RAY = "no ray from the eye meets a point light";
 constexpr const char* BY_POWER =
     "photons start by the power of lights, and lights with no photons are chosen by it too: once in 1e40";
-constexpr const char* OUTSIDE = "a camera on a boundary is outside, unless MediumInterface says otherwise";
-constexpr const char* ONE_FACE = "of two boundaries in one plane a ray meets one";
 
 constexpr KnownFailure KNOWN_FAILURES[] = {
     {"sphere of radius 1e-4 seen from 1e4: pinhole across the axes", "*", FINE_DIRECTIONS},
@@ -38,8 +36,6 @@ constexpr KnownFailure KNOWN_FAILURES[] = {
     {"two rooms: floor lit by a point light of 1e-20 beside 1e20 behind a wall", "*", BY_POWER},
     {"two rooms: floor lit by a lamp of 1e-20 beside 1e20 behind a wall", "photonmap, direct photons",
      BY_POWER},
-    {"camera and boundary: the camera on a boundary", "*", OUTSIDE},
-    {"media that touch: slabs that touch", "*", ONE_FACE},
 };
 
 /** The reason when the row is a known failure, else null. */

@@ -19,13 +19,6 @@ Budget ofPaths(double tolerance) {
   return b;
 }
 
-/** Grids are for paths alone. */
-Budget ofPath(double tolerance) {
-  Budget b = ofPaths(tolerance);
-  b.only = [](const Way& way) { return way.integrator == "path"; };
-  return b;
-}
-
 std::string medium(const std::string& absorption, const std::string& scattering,
                    const std::string& more = {}) {
   return "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ " + absorption + " " +
@@ -45,6 +38,12 @@ std::string slab(const std::string& medium, double size, double eye, double widt
 }
 
 void thickness(const Report& report) {
+  // What emits all that it absorbs hides the sky behind.
+  checkMean(report, "optical thickness 10000, glows", slab(medium("1e4", "0", "\"rgb Le\" [ 3 3 3 ]"), 1, -1),
+            3, ofPaths(2e-3));
+  // Light is turned back from the first free paths, or not for thousands of events.
+  checkMean(report, "optical thickness 10000, scatters", slab(medium("0", "1e4"), 1, -1, 1, 1, 16), 1,
+            ofPaths(2e-2));
   for (const double depth : {1e-6, 1.0, 5.0}) {
     const std::string d = number(depth), name = "optical thickness " + shown("%g", depth);
     Budget budget = ofPaths(2e-3);
@@ -57,9 +56,12 @@ void thickness(const Report& report) {
 }
 
 void needles(const Report& report) {
+  // Of photons hardly any fly along the camera's ray, and those count thousandfold.
+  Budget budget = ofPaths(5e-3);
+  budget.only = [](const Way& way) { return way.integrator == "path"; };
   for (const double g : {-0.99, 0.99})
     checkMean(report, "g = " + shown("%g", g), slab(medium("0", "3", "\"float g\" " + number(g)), 1, -1), 1,
-              ofPath(5e-3));
+              budget);
 }
 
 void scales(const Report& report) {
@@ -72,6 +74,10 @@ void boundary(const Report& report) {
   // On the boundary, as inside: the file says what the camera stands in.
   const std::string text = slab(medium("1", "0"), 1, 0);
   checkMean(report, "the camera on a boundary", text, std::exp(-1.0), ofPaths(2e-3));
+  // Turned round it looks out of the medium, whatever the file says.
+  const std::string out = view(2, 2, "0 0 1  0 0 2  0 1 0", orthographic(1e-3));
+  const std::string inside = text.substr(text.find("MakeNamedMedium"));
+  checkMean(report, "the camera on a boundary, looking out", out + inside, 1, ofPaths(2e-3));
 }
 
 void overlap(const Report& report) {
@@ -79,6 +85,15 @@ void overlap(const Report& report) {
   const std::string second = "Shape \"box\" \"point3 p1\" [ -20 -20 1 ] \"point3 p2\" [ 20 20 2 ]\n";
   checkMean(report, "slabs that touch", slab(medium(".5", "0"), 1, -1) + second, std::exp(-1.0),
             ofPaths(2e-3));
+  // Another medium, seen from either end.
+  const std::string other = "MakeNamedMedium \"n\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 1 1 1 ] "
+                            "\"rgb sigma_s\" [ 0 0 0 "
+                            "]\nMediumInterface \"n\" \"\"\n";
+  const std::string both = slab(medium(".5", "0"), 1, -1) + other + second;
+  checkMean(report, "slabs of two media", both, std::exp(-1.5), ofPaths(2e-3));
+  checkMean(report, "slabs of two media, from behind",
+            view(2, 2, "0 0 3  0 0 0  0 1 0", orthographic(1e-3)) + both.substr(both.find("MakeNamedMedium")),
+            std::exp(-1.5), ofPaths(2e-3));
 }
 
 void oneCell(const Report& report) {
@@ -88,7 +103,7 @@ void oneCell(const Report& report) {
                  "p1\" [ 20 20 1 "
                  "] \"float density\" 1 \"rgb sigma_a\" [ 1 1 1 ] \"rgb sigma_s\" [ 0 0 0 ]\n",
                  1, -1),
-            std::exp(-0.75), ofPath(1e-2));
+            std::exp(-0.75), ofPaths(1e-2));
 }
 
 } // namespace

@@ -79,17 +79,19 @@ TEST(GridMedia, WhatIsHotGlows) {
   const Rgbd expected =
       rgbOfBlackbody(kelvin, SpectrumKind::ILLUMINANT) *
       (luminance(rgbOfBlackbody(kelvin, SpectrumKind::UNBOUNDED)) * 2 * (1 - std::exp(-1.5)));
-  const Rendered r = renderText(
+  const std::string text =
       view(2, "0 0 -1  0 0 1  0 1 0", 0.1) +
-          "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"point3 p0\" [-9000 -9000 -9000] \"point3 "
-          "p1\" "
-          "[9000 9000 9000] \"float density\" 1 \"float temperature\" 1600 \"float temperatureoffset\" 100 "
-          "\"float temperaturescale\" 2 \"float Lescale\" 2 \"rgb sigma_a\" [1.5 1.5 1.5] \"rgb sigma_s\" [0 "
-          "0 0]\n"
-          "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"box\" \"point3 p1\" [-2 -2 0] "
-          "\"point3 p2\" "
-          "[2 2 1]\n",
-      "path", "", samples(4096));
-  for (int c = 0; c < 3; ++c)
-    EXPECT_NEAR(double(r.value(0)[c]) / expected[c], 1, SANITIZED ? 0.2 : 0.05) << c;
+      "MakeNamedMedium \"m\" \"string type\" \"uniformgrid\" \"point3 p0\" [-9000 -9000 -9000] \"point3 "
+      "p1\" "
+      "[9000 9000 9000] \"float density\" 1 \"float temperature\" 1600 \"float temperatureoffset\" 100 "
+      "\"float temperaturescale\" 2 \"float Lescale\" 2 \"rgb sigma_a\" [1.5 1.5 1.5] \"rgb sigma_s\" [0 "
+      "0 0]\n"
+      "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"box\" \"point3 p1\" [-2 -2 0] "
+      "\"point3 p2\" "
+      "[2 2 1]\n";
+  for (const char* integrator : {"path", "photonmap"}) {
+    const Rendered r = renderText(text, integrator, "", samples(4096));
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(double(r.value(0)[c]) / expected[c], 1, SANITIZED ? 0.2 : 0.05) << integrator << " " << c;
+  }
 }

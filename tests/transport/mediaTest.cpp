@@ -325,6 +325,50 @@ TEST(GridPhotons, FindWhatPathFindsClassByClass) {
       {{"all", "all"}, {"multiple", "L(D|V)+VE"}, {"onFloor", "LV+DE"}, {"floor", "LD+E"}});
 }
 
+TEST(GlowPhotons, FindWhatPathFindsClassByClass) {
+  // The only light: wisps that glow over a floor.
+  const std::string glow =
+      WISPS.substr(0, WISPS.find("\"float g\"")) + "\"rgb Le\" [4 3 2  6 4 2  1 2 5  3 3 3] \"float g\" .4";
+  expectWhatPathFinds(
+      view(6, "0 -3 1  0 0 -.4  0 0 1", 50) + "MakeNamedMedium \"wisps\" \"string type\" " + glow +
+          "\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"trianglemesh\" \"integer "
+          "indices\" [0 1 2 0 2 3] \"point3 P\" [-2 -2 -1.1 2 -2 -1.1 2 2 -1.1 -2 2 -1.1]\n"
+          "MediumInterface \"wisps\" \"\"\nMaterial \"interface\"\nShape \"box\" \"point3 p1\" [-1 -1 -1] "
+          "\"point3 p2\" [1 1 1]\n",
+      {{"all", "all"},
+       {"seen", "LE"},
+       {"floor", "LDE"},
+       {"single", "LVE"},
+       {"multiple", "L(D|V)+VE"},
+       {"onFloor", "LV+DE"}});
+}
+
+TEST(GlowPhotons, IsothermalEnclosure) {
+  // Walls that emit (1 - albedo) and a medium that emits by its absorption: 1 everywhere.
+  const auto scene = sceneFrom(
+      "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 .5 1] \"rgb sigma_s\" [1 .5 "
+      ".2] \"rgb Le\" [1 1 1]\nMediumInterface \"\" \"m\"\n" +
+      view(8, "0 0 0  0 0 1  0 1 0", 90) +
+      "MediumInterface \"\" \"m\"\nReverseOrientation\nMaterial \"diffuse\" \"rgb reflectance\" [.4 .4 .4]\n"
+      "AreaLightSource \"diffuse\" \"rgb L\" [.6 .6 .6]\nShape \"sphere\" \"float radius\" 1\n");
+  for (const char* direct : {"shadowrays", "photons"})
+    expectColour(
+        meanOfMedium(renderScene(*scene, "photonmap", "\"string direct\" \"" + std::string(direct) + "\"",
+                                 SANITIZED ? 2 : 16)),
+        Rgbd(1), SANITIZED ? 0.05 : 0.015, direct);
+}
+
+TEST(GlowPhotons, AMediumWithoutEndIsForPaths) {
+  const std::string glowing = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb Le\" [1 1 1]\n";
+  const std::string ball = "Material \"interface\"\nShape \"sphere\" \"float radius\" 1\n";
+  const auto photonmap = integratorFrom("photonmap", "");
+  EXPECT_FALSE(photonmap->supportsMedia(*sceneFrom(glowing + "MediumInterface \"\" \"m\"\n" +
+                                                   view(2, "0 0 -3  0 0 1  0 1 0", 40) +
+                                                   "MediumInterface \"\" \"m\"\n" + ball)));
+  EXPECT_TRUE(photonmap->supportsMedia(
+      *sceneFrom(glowing + view(2, "0 0 -3  0 0 1  0 1 0", 40) + "MediumInterface \"m\" \"\"\n" + ball)));
+}
+
 TEST(MediaPhotons, WhiteFurnaceAsFarAsTheEdge) {
   // What absorbs nothing, under a sky of 1, is 1 everywhere. Along the sides of the box half of a photon's
   // disc is outside.

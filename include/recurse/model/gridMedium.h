@@ -20,6 +20,7 @@ class GridBox {
   /** Fails where the transform has no inverse. */
   GridBox(const Parameters& p, const Mat4d& sceneFromUnit);
 
+  Bounds3f bounds() const { return sceneBounds; }
   Vec3f point(const Vec3f& scene) const { return Vec3f(transformPoint(unitFromScene, Vec3d(scene))); }
   MajorantSegments segments(const MajorantGrid& grid, const Rgb& extinction, const Ray& ray,
                             float end) const {
@@ -28,6 +29,7 @@ class GridBox {
 
  private:
   Mat4d unitFromScene{1};
+  Bounds3f sceneBounds;
 };
 
 /** p0 and p1. */
@@ -73,6 +75,7 @@ class DensityGrid final : public Medium {
     return box.segments(majorants, whole.extinction(), ray, end);
   }
   bool isEmissive() const override { return !isBlack(whole.emission) || !glow.empty(); }
+  Bounds3f bounds() const override { return box.bounds(); }
 
  private:
   MediumPoint whole;

@@ -82,6 +82,8 @@ class Medium {
   /** The same everywhere, so that transmittance has a closed form: the bound is the extinction. */
   virtual bool isHomogeneous() const { return false; }
   virtual bool isEmissive() const { return false; }
+  /** There is nothing of the medium outside; infinite where that is known of no box. */
+  virtual Bounds3f bounds() const { return {Vec3f(-INFINITE), Vec3f(INFINITE)}; }
 
   std::unique_ptr<const PhaseFunction> phase; ///< never null in a scene
 };

@@ -151,16 +151,22 @@ inline void passThrough(const Medium& medium, const Ray& ray, float end, int her
   }
 }
 
-/** Transmittance from the origin of a ray of unit direction to every place on it before `end`: closed form,
- * or in heterogeneous media one run of ratio tracking, whose steps have the right mean at each place. */
+/** Transmittance from the origin of a ray of unit direction to every place on it before `end`, and what the
+ * medium emits up to there: closed forms, or in heterogeneous media one run of ratio tracking, whose steps
+ * have the right mean at each place. */
 class RayTransmittance {
  public:
   RayTransmittance(const Medium& medium, const Ray& ray, float end, Sampler& sampler)
       : homogeneous(medium.isHomogeneous()) {
-    if (homogeneous)
-      extinction = medium.at(ray.origin).extinction();
-    else
+    if (!homogeneous) {
       track(medium, ray, end, sampler);
+      return;
+    }
+    const MediumPoint point = medium.at(ray.origin);
+    extinction = point.extinction();
+    for (int c = 0; c < 3; ++c)
+      if (point.emission[c] > 0)
+        emission[c] = point.emission[c] / extinction[c] * -std::expm1(-extinction[c] * end);
   }
 
   Rgb to(float t) const {
@@ -169,6 +175,8 @@ class RayTransmittance {
                                         [](float at, const Step& step) { return at < step.t; });
     return after == steps.begin() ? Rgb(1) : std::prev(after)->value;
   }
+  /** Radiance of the medium on the whole way. */
+  const Rgb& emitted() const { return emission; }
 
  private:
   struct Step {
@@ -185,7 +193,9 @@ class RayTransmittance {
       for (float t = part.begin;;) {
         t += flight::sampleDistance(majorant, sampler);
         if (!(t < part.end)) break;
-        value *= glm::max(1.0f - medium.at(ray.at(t)).extinction() / majorant, Rgb(0));
+        const MediumPoint point = medium.at(ray.at(t));
+        emission += value * point.emission / majorant;
+        value *= glm::max(1.0f - point.extinction() / majorant, Rgb(0));
         if (const float left = maxComponent(value); left < LOW) {
           if (sampler.next1D() * LOW < left)
             value *= LOW / left;
@@ -199,7 +209,7 @@ class RayTransmittance {
   }
 
   bool homogeneous;
-  Rgb extinction{0};
+  Rgb extinction{0}, emission{0};
   std::vector<Step> steps;
 };
 

@@ -29,6 +29,12 @@ class Nesting {
   }
   /** For a walk that begins in a medium. */
   void startIn(uint16_t medium) { around = medium; }
+  /** The walk is about to meet a boundary: the medium on the way is the one on this side of it. Another one
+   * was known where the walk began on a boundary, or where two lie in one plane, of which rays meet one. */
+  void approach(const Hit& hit, const Vec3f& direction) {
+    if (!hit.media.isBoundary() || isNested(hit) || depth != decltype(depth){}) return;
+    around = glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside : hit.media.inside;
+  }
   /** The walk leaves a surface, or what looks like none, in `direction`: on that side it is in the medium
    * there. */
   void enterMedium(const Hit& hit, const Vec3f& direction) {

@@ -98,6 +98,7 @@ class PhotonPass {
   PhotonLayer causticLayer, indirectLayer;
   VolumePhotonMap volumeMap;
   float volumePart = 1;    ///< see ShootSettings, from the first pass
+  EmissiveMedia glowing;   ///< learned before the first pass, for all
   LightPortals portals;    ///< learned before the first pass, for all
   LightTable lights;       ///< by what comes in
   PhotonGuidance guidance; ///< the same

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "recurse/transport/emissionGuide.h"
+#include "recurse/transport/emissiveMedia.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/lightPortals.h"
 #include "recurse/transport/lightSampler.h"
@@ -31,7 +32,10 @@ struct ShootSettings {
   uint64_t photons = 0; ///< emitted
   int maxDepth =
       -1; ///< most scattering events of a photon, the one where it is stored included; -1: no limit
-  bool direct = true;                    ///< store photons that come straight from a light as well
+  /** Store photons that come straight from a light as well. Those of media always are: nothing else finds
+   * their light. */
+  bool direct = true;
+  const EmissiveMedia* media = nullptr;  ///< that emit as well as the lights; null: none
   const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
   const LightPortals* portals = nullptr; ///< where light from infinitely far comes in; null: everywhere
   const LightTable* lights = nullptr;    ///< by which lights are chosen; null: the scene's

@@ -53,6 +53,7 @@ template <class State> class Walker {
     for (;;) {
       const bool met = intersect(scene, path.ray, vertex.hit, counts);
       vertex.medium = nullptr;
+      if (media && met) path.nesting.approach(vertex.hit, path.ray.direction);
       if (media && fly(path, vertex, met ? vertex.hit.t : INFINITE, sampler, mediumEmission)) {
         if (isBlack(path.throughput) || endsByDepth(path)) return false;
         arriveInMedium(path, vertex);
