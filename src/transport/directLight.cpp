@@ -125,7 +125,7 @@ Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, size_t wh
   const Rgb radiance = light.radiance(direction);
   if (!ray.weighted) return radiance;
   const float lightPdf = guide.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
-                         light.pdfLi(ray.from.position, direction);
+                         guide.pdfLi(light, ray.from.position, direction);
   return radiance * metWeight(lightSamples, lightPdf, ray.pdf, inMedia);
 }
 

@@ -18,6 +18,8 @@ namespace {
 constexpr float DISC_PART = 0.1f;
 /** Fewer tell too little of where the rest comes in. */
 constexpr size_t MIN_EXITS = 64;
+/** Square root of the camera paths of a round. */
+constexpr int MAX_ACROSS = 128;
 
 /** Areas of a box's three sides, as seen along a direction. */
 Vec3f projectedSides(const Bounds3f& box, const Vec3f& direction) {
@@ -56,21 +58,21 @@ std::vector<size_t> distantLights(const Scene& scene) {
 
 } // namespace
 
-void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t>& distant, uint64_t seed,
-                             std::vector<Exit>& exits, TransportCounts& counts) {
-  constexpr int ACROSS = 128, MAX_DEPTH = 5;
+void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t>& distant, int across,
+                             uint64_t seed, std::vector<Exit>& exits, TransportCounts& counts) {
+  constexpr int MAX_DEPTH = 5;
   const PathClasses allPaths;
-  std::vector<std::vector<Exit>> rows(ACROSS);
-  std::vector<TransportCounts> rowCounts(ACROSS);
+  std::vector<std::vector<Exit>> rows(static_cast<size_t>(across));
+  std::vector<TransportCounts> rowCounts(rows.size());
   const PixelBounds& crop = sceneToLearn.film().crop;
-  parallelFor(ACROSS, [&](size_t y) {
+  parallelFor(rows.size(), [&](size_t y) {
     constexpr uint64_t STREAM = 0x504f5254414cull;
     Walker<CameraState> walker(sceneToLearn, allPaths, rowCounts[y], MAX_DEPTH, false);
-    for (int x = 0; x < ACROSS; ++x) {
+    for (int x = 0; x < across; ++x) {
       Sampler sampler(hashCombine(seed, STREAM), y, static_cast<uint32_t>(x));
       CameraSample sample;
-      sample.film = {float(crop.x0) + (float(x) + 0.5f) / ACROSS * float(crop.width()),
-                     float(crop.y0) + (float(y) + 0.5f) / ACROSS * float(crop.height())};
+      sample.film = {float(crop.x0) + (float(x) + 0.5f) / float(across) * float(crop.width()),
+                     float(crop.y0) + (float(y) + 0.5f) / float(across) * float(crop.height())};
       if (sceneToLearn.moves()) sample.time = sceneToLearn.camera().timeAt(sampler.next1D());
       const std::optional<CameraRay> ray = sceneToLearn.camera().validRay(sample);
       if (!ray) continue;
@@ -98,7 +100,7 @@ void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t
       }
     }
   });
-  for (size_t y = 0; y < ACROSS; ++y) {
+  for (size_t y = 0; y < rows.size(); ++y) {
     exits.insert(exits.end(), rows[y].begin(), rows[y].end());
     counts.add(rowCounts[y]);
   }
@@ -148,30 +150,52 @@ void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
 }
 
 void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
+  constexpr int LEVELS = 6;
+  learnFrom(sceneToLearn, distantLights(sceneToLearn), MAX_ACROSS, LEVELS, seed, counts);
+}
+
+int LightPortals::pathsAcross(const Scene& scene) {
+  const FilmSettings& film = scene.film();
+  return std::clamp(static_cast<int>(std::sqrt(double(film.width) * double(film.height))), 1, MAX_ACROSS);
+}
+
+std::vector<Bounds3f> LightPortals::openings(const Scene& scene, uint64_t seed, int levels,
+                                             TransportCounts& counts) {
+  constexpr float GROWTH = 0.05f; // what is open between exits and the edge
+  LightPortals portals;
+  portals.learnFrom(scene, {}, pathsAcross(scene), levels, seed, counts);
+  std::vector<Bounds3f> found;
+  for (const Box& box : portals.boxes) {
+    const Vec3f more = box.bounds.diagonal() * GROWTH;
+    if (box.leaf) found.push_back({box.bounds.lower - more, box.bounds.upper + more});
+  }
+  return found;
+}
+
+void LightPortals::learnFrom(const Scene& sceneToLearn, const std::vector<size_t>& distant, int across,
+                             int levels, uint64_t seed, TransportCounts& counts) {
   constexpr size_t MANY = 8 * MIN_EXITS;
   constexpr int ROUNDS = 4;
   boxes.clear();
   scene = sceneToLearn.bounds();
-  const std::vector<size_t> distant = distantLights(sceneToLearn);
   if (distant.empty() && sceneToLearn.environment().empty()) return;
   std::vector<Exit> exits;
   for (int round = 0; round < ROUNDS; ++round) {
-    findExits(sceneToLearn, distant, hashCombine(seed, uint64_t(round)), exits, counts);
+    findExits(sceneToLearn, distant, across, hashCombine(seed, uint64_t(round)), exits, counts);
     // A hole that hardly any path finds is looked at more closely, but no room that is closed.
     if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
   }
   LightPortals crossings = *this;
-  enclose(exits);
+  enclose(exits, levels);
   moveToCrossings(exits, seed);
-  crossings.enclose(exits);
+  crossings.enclose(exits, levels);
   if (crossings.active() && crossings.openPart() < openPart()) *this = std::move(crossings);
 }
 
-void LightPortals::enclose(std::vector<Exit>& exits) {
-  constexpr int LEVELS = 6;       // 2^LEVELS leaves at the most
+void LightPortals::enclose(std::vector<Exit>& exits, int levels) {
   constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
   if (exits.size() < MIN_EXITS) return;
-  split(exits.begin(), exits.end(), LEVELS, MARGIN * scene.radius);
+  split(exits.begin(), exits.end(), levels, MARGIN * scene.radius);
   float all = 0;
   for (const Box& box : boxes) all += box.chance;
   float sum = 0;

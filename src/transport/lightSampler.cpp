@@ -361,10 +361,11 @@ void LightSampler::lookForLight(const Scene& scene, const Hit& hit, const Vec3f&
 
 TransportCounts LightSampler::learn(const Scene& scene) {
   *this = {};
+  TransportCounts counts = portals.learn(scene);
   const LightTable& lights = scene.lights();
-  if (lights.size() < 2) return {};
+  if (lights.size() < 2) return counts;
   buildTree(lights);
-  if (!active()) return {};
+  if (!active()) return counts;
   // More than what a picture of so many pixels takes a small part of the time for is not worth it.
   constexpr size_t MIN_COUNT = 4096, MAX_COUNT = 131072, BATCH = 1024, LOOKS = 4;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
@@ -391,7 +392,6 @@ TransportCounts LightSampler::learn(const Scene& scene) {
     for (size_t c = 0; c < clusters.size(); ++c)
       tables[c] = static_cast<float>(sum += double(nodes[clusters[c].node].power));
   });
-  TransportCounts counts;
   for (const Found& f : found) counts.add(f.counts);
   return counts;
 }

@@ -56,8 +56,8 @@ double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightS
            directionToEnd(end, from.position);
   }
   case LightKind::ENVIRONMENT:
-    return pick *
-           double(static_cast<const EnvironmentLight*>(end.light)->pdfLi(from.position, -end.ray.direction));
+    return pick * double(lights.pdfLi(*static_cast<const EnvironmentLight*>(end.light), from.position,
+                                      -end.ray.direction));
   case LightKind::POINT:
   case LightKind::DISTANT:
     break;

@@ -45,17 +45,18 @@ inline bool lightIsSampled(const Scene& scene, const PathClasses& classes, Camer
 
 /** The numbers of one shadow ray, and the light that they choose. */
 struct SampledLight {
+  const LightSampler* sampler;
   ChosenLight chosen;
   float pick; ///< what the choice left over
   Vec2f u;
 
   SampledLight(const LightTable& lights, const LightSampler& guide, const LightSampleContext& place,
-               Sampler& sampler)
-      : pick(sampler.next1D()), u(sampler.next2D()) {
+               Sampler& random)
+      : sampler(&guide), pick(random.next1D()), u(random.next2D()) {
     chosen = guide.choose(lights, place, pick);
   }
   std::optional<LiSample> sampleLi(const SurfacePoint& point) const {
-    if (chosen.probability > 0) return chosen.light->sampleLiAt(point.time, point.position, pick, u);
+    if (chosen.probability > 0) return sampler->sampleLi(*chosen.light, point.time, point.position, pick, u);
     return {};
   }
 };

@@ -18,6 +18,13 @@ class LightPortals {
    * effect where there is no light from infinitely far. What stands for a path is its last vertex, or where
    * other such paths come close to its last segment: the one with the smaller boxes. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
+  /** Boxes around where camera paths leave the scene other than from what the camera sees first; 2^levels of
+   * them at the most, none where there are too few paths to tell. */
+  static std::vector<Bounds3f> openings(const Scene& scene, uint64_t seed, int levels,
+                                        TransportCounts& counts);
+  /** Square root of the number of paths that a picture of so many pixels takes a small part of the time for.
+   */
+  static int pathsAcross(const Scene& scene);
   bool active() const { return !boxes.empty(); }
   size_t size() const { return boxes.size(); }
   /** Lights by the power that comes in. */
@@ -42,15 +49,17 @@ class LightPortals {
     float weight;
     Vec3f direction; ///< (0, 0, 0) towards a light in one direction
   };
-  static void findExits(const Scene& scene, const std::vector<size_t>& distant, uint64_t seed,
+  static void findExits(const Scene& scene, const std::vector<size_t>& distant, int across, uint64_t seed,
                         std::vector<Exit>& exits, TransportCounts& counts);
   static void moveToCrossings(std::vector<Exit>& exits, uint64_t seed);
   /** `met`: a box that the ray is known to meet, whatever rounding says. */
   float pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const;
   /** Silhouettes of the leaves over the scene's disc. */
   float openPart() const;
-  /** Boxes around the exits; none where those are too few. */
-  void enclose(std::vector<Exit>& exits);
+  void learnFrom(const Scene& scene, const std::vector<size_t>& distant, int across, int levels,
+                 uint64_t seed, TransportCounts& counts);
+  /** Boxes around the exits, 2^levels leaves at the most; none where those are too few. */
+  void enclose(std::vector<Exit>& exits, int levels);
   void split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels, float margin);
 
   std::vector<Box> boxes;

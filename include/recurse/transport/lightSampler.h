@@ -10,6 +10,7 @@
 
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/nesting.h"
+#include "recurse/transport/portalSampler.h"
 
 namespace recurse {
 
@@ -34,8 +35,8 @@ struct LightSampleContext {
  */
 class LightSampler {
  public:
-  /** Shoots photons as far as the first surface, where there is more than one light. The same for any seed
-   * and any number of threads. Returns what that took. */
+  /** Finds portals; shoots photons as far as the first surface, where there is more than one light. The same
+   * for any seed and any number of threads. Returns what that took. */
   TransportCounts learn(const Scene& scene);
 
   bool active() const { return !order.empty(); }
@@ -48,6 +49,17 @@ class LightSampler {
   }
   float probability(const LightTable& lights, const LightSampleContext& place, uint32_t light) const {
     return active() ? probabilityLearned(place, light) : lights.probability(light);
+  }
+  /** Light of a chosen one towards a point, as Light::sampleLiAt() or through portals. */
+  std::optional<LiSample> sampleLi(const Light& light, float time, const Vec3f& point, float pick,
+                                   const Vec2f& u) const {
+    if (portals.active() && light.kind() == LightKind::ENVIRONMENT)
+      return portals.sampleLi(static_cast<const EnvironmentLight&>(light), point, pick, u);
+    return light.sampleLiAt(time, point, pick, u);
+  }
+  /** Density of such directions [1/sr]. */
+  float pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const {
+    return portals.pdfLi(light, from, direction);
   }
 
  private:
@@ -109,6 +121,7 @@ class LightSampler {
   std::vector<double> irradiances(const LightTable& lights, Arrivals arrivals, Sampler sampler) const;
   void buildTable(const LightTable& lights, Arrivals arrivals, Sampler sampler, float* table) const;
 
+  PortalSampler portals;
   std::vector<uint32_t> order, rank; ///< lights by place in the tree, and the other way round
   std::vector<Node> nodes;
   std::vector<Cluster> clusters;

@@ -1,0 +1,131 @@
+/** @file
+ * Shadow rays through learned portals: densities, and the light of a hole against its solid angle.
+ */
+#include "recurse/transport/portalSampler.h"
+#include "transport/rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+constexpr float HOLE_HALF_WIDTH = 0.2f; ///< of the hole in the roof, at 1.25 above the middle
+
+/** A closed room with a hole in its roof, and the same light from all around. */
+std::string roomWithRoofLight(int width = 96) {
+  return view(width, "-1.6 1.3 -1.8  1 .5 1  0 1 0", 60) + R"(
+LightSource "infinite" "rgb L" [1 1 1]
+Material "diffuse" "rgb reflectance" [.7 .7 .7]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3 4 5 1 4 1 0 5 6 2 5 2 1 6 7 3 6 3 2 7 4 0 7 0 3]
+  "point3 P" [-2 0 -2  2 0 -2  2 0 2  -2 0 2  -2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2]
+Shape "trianglemesh" "integer indices" [0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]
+  "point3 P" [-2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2  -.2 2.5 -.2  .2 2.5 -.2  .2 2.5 .2  -.2 2.5 .2]
+)";
+}
+
+/** Whether a ray leaves by the hole; the room's middle is at `center`. */
+bool leavesByHole(const Vec3f& point, const Vec3f& direction, const Vec3f& center) {
+  if (!(direction.y > 0)) return false;
+  const Vec3f at = point + direction * ((center.y + 1.25f - point.y) / direction.y) - center;
+  return std::abs(at.x) < HOLE_HALF_WIDTH && std::abs(at.z) < HOLE_HALF_WIDTH;
+}
+
+/** Mean and second moment of the irradiance through the hole by shadow rays. */
+struct ShadowMoments {
+  double mean = 0, second = 0;
+};
+template <class Sample> ShadowMoments irradianceThroughHole(const Vec3f& point, const Vec3f& center, const Sample& sample) {
+  constexpr int N = 400000;
+  ShadowMoments sum;
+  Sampler sampler(5, 0, 0);
+  for (int i = 0; i < N; ++i) {
+    const float pick = sampler.next1D();
+    const std::optional<LiSample> s = sample(pick, sampler.next2D());
+    if (!s || !leavesByHole(point, s->direction, center)) continue;
+    const double brought = double(s->radiance.r * s->direction.y / s->pdf);
+    sum.mean += brought / N;
+    sum.second += brought * brought / N;
+  }
+  return sum;
+}
+
+} // namespace
+
+TEST(PortalSampler, BringsTheLightOfAHoleWithLittleVariance) {
+  const auto scene = sceneFrom(roomWithRoofLight());
+  ASSERT_TRUE(scene);
+  PortalSampler portals;
+  portals.learn(*scene);
+  ASSERT_TRUE(portals.active());
+  const EnvironmentLight& light = *scene->environment()[0];
+  const Vec3f center = scene->bounds().center;
+  for (const Vec3f& place : {Vec3f(0, -1.25f, 0), Vec3f(1, -1.25f, -0.7f), Vec3f(-1.5f, -1, 1.5f)}) {
+    const Vec3f point = center + place;
+    // The cosine over the hole's solid angle, by midpoints.
+    constexpr int CELLS = 200;
+    double expected = 0;
+    for (int x = 0; x < CELLS; ++x)
+      for (int z = 0; z < CELLS; ++z) {
+        const Vec3d at((2 * (x + 0.5) / CELLS - 1) * double(HOLE_HALF_WIDTH), 1.25,
+                       (2 * (z + 0.5) / CELLS - 1) * double(HOLE_HALF_WIDTH));
+        const Vec3d way = at - Vec3d(place);
+        expected += square(way.y) / square(glm::dot(way, way)) * square(2 * double(HOLE_HALF_WIDTH) / CELLS);
+      }
+    const ShadowMoments through = irradianceThroughHole(point, center, [&](float pick, const Vec2f& u) {
+      return portals.sampleLi(light, point, pick, u);
+    });
+    const ShadowMoments own = irradianceThroughHole(
+        point, center, [&](float pick, const Vec2f& u) { return light.sampleLi(point, pick, u); });
+    EXPECT_NEAR(through.mean / expected, 1, 0.01);
+    EXPECT_LT(through.second, own.second / 10);
+  }
+}
+
+TEST(PortalSampler, DensitiesAreThoseOfTheSamples) {
+  const auto scene = sceneFrom(roomWithRoofLight());
+  ASSERT_TRUE(scene);
+  PortalSampler portals;
+  portals.learn(*scene);
+  ASSERT_TRUE(portals.active());
+  const EnvironmentLight& light = *scene->environment()[0];
+  const Vec3f center = scene->bounds().center;
+  constexpr int N = 400000;
+  for (const Vec3f& place : {Vec3f(0.1f, -1, 0), Vec3f(1.9f, 1.2f, 0.3f), Vec3f(0, 1.25f, 0), Vec3f(0.5f, 4, 0)}) {
+    Sampler sampler(7, 0, 0);
+    double sphere = 0;
+    for (int i = 0; i < N; ++i) {
+      const float pick = sampler.next1D();
+      const std::optional<LiSample> s = portals.sampleLi(light, center + place, pick, sampler.next2D());
+      ASSERT_TRUE(s);
+      EXPECT_NEAR(portals.pdfLi(light, center + place, s->direction), s->pdf, 1e-3f * s->pdf);
+      sphere += 1 / double(s->pdf) / N;
+    }
+    EXPECT_NEAR(sphere / (4 * M_PI), 1, 0.02);
+  }
+}
+
+TEST(PortalSampler, IsLeftOutUnderTheOpenSky) {
+  const auto scene = sceneFrom(view(96, "0 2 5  0 0 0  0 1 0", 60) + R"(
+LightSource "infinite" "rgb L" [1 1 1]
+Shape "bilinearmesh" "point3 P" [-9 0 -9  9 0 -9  -9 0 9  9 0 9]
+Shape "sphere")");
+  ASSERT_TRUE(scene);
+  PortalSampler portals;
+  portals.learn(*scene);
+  EXPECT_FALSE(portals.active());
+}
+
+TEST(PortalSampler, TheRoomIsAsBrightAsWithoutPortals) {
+  constexpr int SMALL = 8; // so few camera paths find no portals
+  const auto scene = sceneFrom(roomWithRoofLight(SMALL));
+  ASSERT_TRUE(scene);
+  PortalSampler portals;
+  portals.learn(*scene);
+  ASSERT_FALSE(portals.active());
+  const int count = samples(16);
+  const Rendered with = renderText(roomWithRoofLight(), "path", "", count);
+  const Rendered without = renderText(roomWithRoofLight(SMALL), "path", "", 2000 * count);
+  const double error = std::hypot(with.standardError(), without.standardError());
+  EXPECT_LT(error, 0.02 * without.mean());
+  EXPECT_NEAR(with.mean() / without.mean(), 1, 0.005 + 3 * error / without.mean());
+}
