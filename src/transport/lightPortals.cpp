@@ -140,7 +140,8 @@ void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
                      [](const Approach& a, const Approach& b) { return a.distance2 < b.distance2; });
     std::nth_element(approaches.begin(), approaches.begin() + CLOSEST / 2, approaches.begin() + CLOSEST,
                      [](const Approach& a, const Approach& b) { return a.along < b.along; });
-    moved[i].position += own.direction * approaches[CLOSEST / 2].along;
+    moved[i].along = approaches[CLOSEST / 2].along;
+    moved[i].position += own.direction * moved[i].along;
     known[i] = true;
   });
   std::vector<Exit> found;
@@ -149,53 +150,50 @@ void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
   exits = std::move(found);
 }
 
-void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
-  constexpr int LEVELS = 6;
-  learnFrom(sceneToLearn, distantLights(sceneToLearn), MAX_ACROSS, LEVELS, seed, counts);
-}
-
-int LightPortals::pathsAcross(const Scene& scene) {
-  const FilmSettings& film = scene.film();
-  return std::clamp(static_cast<int>(std::sqrt(double(film.width) * double(film.height))), 1, MAX_ACROSS);
-}
-
-std::vector<Bounds3f> LightPortals::openings(const Scene& scene, uint64_t seed, int levels,
-                                             TransportCounts& counts) {
-  constexpr float GROWTH = 0.05f; // what is open between exits and the edge
-  LightPortals portals;
-  portals.learnFrom(scene, {}, pathsAcross(scene), levels, seed, counts);
-  std::vector<Bounds3f> found;
-  for (const Box& box : portals.boxes) {
-    const Vec3f more = box.bounds.diagonal() * GROWTH;
-    if (box.leaf) found.push_back({box.bounds.lower - more, box.bounds.upper + more});
-  }
-  return found;
-}
-
-void LightPortals::learnFrom(const Scene& sceneToLearn, const std::vector<size_t>& distant, int across,
-                             int levels, uint64_t seed, TransportCounts& counts) {
+std::vector<LightPortals::Exit> LightPortals::exitsOf(const Scene& scene, const std::vector<size_t>& distant,
+                                                      int across, uint64_t seed, TransportCounts& counts) {
   constexpr size_t MANY = 8 * MIN_EXITS;
   constexpr int ROUNDS = 4;
-  boxes.clear();
-  scene = sceneToLearn.bounds();
-  if (distant.empty() && sceneToLearn.environment().empty()) return;
   std::vector<Exit> exits;
   for (int round = 0; round < ROUNDS; ++round) {
-    findExits(sceneToLearn, distant, across, hashCombine(seed, uint64_t(round)), exits, counts);
+    findExits(scene, distant, across, hashCombine(seed, uint64_t(round)), exits, counts);
     // A hole that hardly any path finds is looked at more closely, but no room that is closed.
     if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
   }
+  return exits;
+}
+
+std::vector<LightPortals::Exit> LightPortals::crossings(const Scene& scene, uint64_t seed,
+                                                        TransportCounts& counts) {
+  const FilmSettings& film = scene.film();
+  const double pixels = double(film.width) * double(film.height);
+  const int across = std::clamp(static_cast<int>(std::sqrt(pixels)), 1, MAX_ACROSS);
+  std::vector<Exit> exits = exitsOf(scene, {}, across, seed, counts);
+  std::vector<Exit> crossings = exits;
+  moveToCrossings(crossings, seed);
+  if (crossings.size() >= MIN_EXITS) return crossings;
+  if (exits.size() < MIN_EXITS) exits.clear(); // else all leave from a pane
+  return exits;
+}
+
+void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
+  boxes.clear();
+  scene = sceneToLearn.bounds();
+  const std::vector<size_t> distant = distantLights(sceneToLearn);
+  if (distant.empty() && sceneToLearn.environment().empty()) return;
+  std::vector<Exit> exits = exitsOf(sceneToLearn, distant, MAX_ACROSS, seed, counts);
   LightPortals crossings = *this;
-  enclose(exits, levels);
+  enclose(exits);
   moveToCrossings(exits, seed);
-  crossings.enclose(exits, levels);
+  crossings.enclose(exits);
   if (crossings.active() && crossings.openPart() < openPart()) *this = std::move(crossings);
 }
 
-void LightPortals::enclose(std::vector<Exit>& exits, int levels) {
+void LightPortals::enclose(std::vector<Exit>& exits) {
+  constexpr int LEVELS = 6;       // 2^LEVELS leaves at the most
   constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
   if (exits.size() < MIN_EXITS) return;
-  split(exits.begin(), exits.end(), levels, MARGIN * scene.radius);
+  split(exits.begin(), exits.end(), LEVELS, MARGIN * scene.radius);
   float all = 0;
   for (const Box& box : boxes) all += box.chance;
   float sum = 0;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "recurse/core/parallel.h"
-#include "recurse/transport/lightPortals.h"
 #include "recurse/transport/walker.h"
 
 namespace recurse {
@@ -18,69 +17,140 @@ constexpr uint64_t SHADOW_PORTAL_STREAM = 0x574e44575321ull;
 
 } // namespace
 
-void PortalSampler::findSides(const Vec3f& point, Sides& sides) const {
-  sides.count = 0;
-  float sum = 0;
-  for (size_t b = 0; b < boxes.size(); ++b) {
-    const Bounds3f& box = boxes[b];
-    const Vec3f d = box.diagonal(), way = (box.lower + box.upper) * 0.5f - point;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (point[axis] >= box.lower[axis] && point[axis] <= box.upper[axis]) continue;
-      const float at = point[axis] < box.lower[axis] ? box.lower[axis] : box.upper[axis];
-      Vec3f towards = way;
-      towards[axis] = at - point[axis];
-      const float area = d[(axis + 1) % 3] * d[(axis + 2) % 3], distance2 = lengthSquared(towards);
-      const float omega = area * std::abs(towards[axis]) / (distance2 * std::sqrt(distance2));
-      if (!(omega > 0)) continue;
-      sides.all[sides.count++] = {b, axis, at, area, sum += std::min(omega, 2 * PI)};
+PortalSampler::Opening PortalSampler::fit(std::span<const LightPortals::Exit> exits) {
+  constexpr size_t CANDIDATES = 8; // quantiles of crossings, and of last vertices: panes
+  constexpr int HALVINGS = 6;
+  constexpr float GROWTH = 0.05f; // what is open beyond the outermost paths
+  const size_t outliers = exits.size() / 100;
+  Opening best;
+  best.area = INFINITE;
+  std::vector<float> u, v, coordinates;
+  const auto consider = [&](int axis, float at) {
+    u.clear();
+    v.clear();
+    for (const LightPortals::Exit& e : exits) {
+      const float t = (at - e.position[axis]) / e.direction[axis];
+      if (!(t >= -e.along - 1e-3f * e.along && t < INFINITE)) continue;
+      u.push_back(e.position[(axis + 1) % 3] + t * e.direction[(axis + 1) % 3]);
+      v.push_back(e.position[(axis + 2) % 3] + t * e.direction[(axis + 2) % 3]);
     }
-  }
+    if (u.size() < exits.size() - 2 * outliers) return false;
+    Opening opening{axis, at, Vec2f(0), Vec2f(0), 0};
+    for (int k = 0; k < 2; ++k) {
+      std::vector<float>& x = k == 0 ? u : v;
+      const auto low = x.begin() + std::ptrdiff_t(outliers), high = x.end() - 1 - std::ptrdiff_t(outliers);
+      std::nth_element(x.begin(), low, x.end());
+      opening.lower[k] = *low;
+      std::nth_element(low, high, x.end());
+      opening.upper[k] = *high;
+    }
+    const Vec2f more = (opening.upper - opening.lower) * GROWTH;
+    opening.lower -= more;
+    opening.upper += more;
+    opening.area = (opening.upper.x - opening.lower.x) * (opening.upper.y - opening.lower.y);
+    if (!(opening.area > 0 && opening.area < best.area)) return false;
+    best = opening;
+    return true;
+  };
+  float step = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool atVertex : {false, true}) {
+      coordinates.clear();
+      for (const LightPortals::Exit& e : exits)
+        coordinates.push_back(e.position[axis] - (atVertex ? e.along * e.direction[axis] : 0));
+      std::sort(coordinates.begin(), coordinates.end());
+      for (size_t i = 0; i <= CANDIDATES; ++i)
+        if (consider(axis, coordinates[i * (coordinates.size() - 1) / CANDIDATES]))
+          step = (coordinates.back() - coordinates.front()) / CANDIDATES;
+    }
+  for (int i = 0; i < HALVINGS && best.area < INFINITE; ++i, step /= 2)
+    if (!consider(best.axis, best.at + step)) consider(best.axis, best.at - step);
+  return best;
 }
 
-float PortalSampler::pdfThrough(const Sides& sides, const Vec3f& point, const Vec3f& direction) const {
-  float sum = 0, before = 0;
-  for (size_t i = 0; i < sides.count; ++i) {
-    const Side& side = sides.all[i];
-    const float part = side.upToHere - std::exchange(before, side.upToHere);
-    const float t = (side.at - point[side.axis]) / direction[side.axis];
-    if (!(t > 0 && t < INFINITE)) continue;
-    const Bounds3f& box = boxes[side.box];
-    bool inside = true;
-    for (int k = 1; k < 3; ++k) {
-      const int axis = (side.axis + k) % 3;
-      const float x = point[axis] + t * direction[axis];
-      inside = inside && x >= box.lower[axis] && x <= box.upper[axis];
+void PortalSampler::divide(std::span<LightPortals::Exit> exits, const Opening& whole, int levels) {
+  constexpr size_t MIN_PATHS = 32;
+  constexpr int PARTS = 8;
+  constexpr float SMALLER = 0.7f; // two openings are worth it
+  const auto splitAt = [&](int axis, int part) {
+    const size_t left = exits.size() * size_t(part) / PARTS;
+    std::nth_element(exits.begin(), exits.begin() + std::ptrdiff_t(left), exits.end(),
+                     [&](const auto& a, const auto& b) { return a.position[axis] < b.position[axis]; });
+    return left;
+  };
+  if (levels > 0 && exits.size() >= 2 * MIN_PATHS) {
+    float least = INFINITE;
+    int axis = 0, part = PARTS / 2;
+    for (int a = 0; a < 3; ++a)
+      for (int p = 1; p < PARTS; ++p) {
+        const size_t left = splitAt(a, p);
+        if (std::min(left, exits.size() - left) < MIN_PATHS) continue;
+        const float area = fit(exits.first(left)).area + fit(exits.subspan(left)).area;
+        if (!(area < least)) continue;
+        least = area;
+        axis = a;
+        part = p;
+      }
+    if (least < SMALLER * whole.area || whole.area == INFINITE) {
+      const size_t left = splitAt(axis, part);
+      divide(exits.first(left), fit(exits.first(left)), levels - 1);
+      divide(exits.subspan(left), fit(exits.subspan(left)), levels - 1);
+      return;
     }
-    if (inside) sum += part * square(t) / (side.area * std::abs(direction[side.axis]));
   }
-  return sum / sides.solidAngle();
+  if (whole.area < INFINITE) openings.push_back(whole);
+}
+
+float PortalSampler::solidAngles(const Vec3f& point, SolidAngles& upToHere) const {
+  float sum = 0;
+  for (size_t i = 0; i < openings.size(); ++i) {
+    const Opening& o = openings[i];
+    const float away = o.at - point[o.axis];
+    const Vec2f aside = (o.lower + o.upper) * 0.5f - Vec2f(point[(o.axis + 1) % 3], point[(o.axis + 2) % 3]);
+    const float distance2 = square(away) + glm::dot(aside, aside);
+    if (away != 0) sum += std::min(o.area * std::abs(away) / (distance2 * std::sqrt(distance2)), 2 * PI);
+    upToHere[i] = sum;
+  }
+  return sum;
+}
+
+float PortalSampler::pdfThrough(const SolidAngles& upToHere, const Vec3f& point,
+                                const Vec3f& direction) const {
+  float sum = 0, before = 0;
+  for (size_t i = 0; i < openings.size(); ++i) {
+    const Opening& o = openings[i];
+    const float part = upToHere[i] - std::exchange(before, upToHere[i]);
+    const float t = (o.at - point[o.axis]) / direction[o.axis];
+    if (!(t > 0 && t < INFINITE)) continue;
+    const int a = (o.axis + 1) % 3, b = (o.axis + 2) % 3;
+    const Vec2f at(point[a] + t * direction[a], point[b] + t * direction[b]);
+    if (at.x >= o.lower.x && at.x <= o.upper.x && at.y >= o.lower.y && at.y <= o.upper.y)
+      sum += part * square(t) / (o.area * std::abs(direction[o.axis]));
+  }
+  return sum / before;
 }
 
 std::optional<LiSample> PortalSampler::sampleLi(const EnvironmentLight& light, const Vec3f& point, float pick,
                                                 const Vec2f& u) const {
-  Sides sides;
-  if (active()) findSides(point, sides);
-  const float all = sides.solidAngle();
+  SolidAngles upToHere;
+  const float all = active() ? solidAngles(point, upToHere) : 0;
   if (!(all > 0)) return light.sampleLi(point, pick, u);
   if (pick >= throughPortals) {
     pick = std::min((pick - throughPortals) / (1 - throughPortals), ONE_MINUS_EPSILON);
     std::optional<LiSample> beside = light.sampleLi(point, pick, u);
     if (beside)
       beside->pdf = (1 - throughPortals) * beside->pdf +
-                    throughPortals * pdfThrough(sides, point, beside->direction);
+                    throughPortals * pdfThrough(upToHere, point, beside->direction);
     return beside;
   }
-  const float chosen = pick / throughPortals * all;
-  const Side& side = *std::upper_bound(sides.all.begin(), sides.all.begin() + sides.count - 1, chosen,
-                                       [](float value, const Side& s) { return value < s.upToHere; });
-  const Bounds3f& box = boxes[side.box];
-  Vec3f target(0);
-  target[side.axis] = side.at;
-  for (int k = 1; k < 3; ++k) {
-    const int axis = (side.axis + k) % 3;
-    target[axis] = box.lower[axis] + u[k - 1] * (box.upper[axis] - box.lower[axis]);
-  }
-  const Vec3f towards = target - point;
+  const auto last = upToHere.begin() + std::ptrdiff_t(openings.size()) - 1;
+  const auto chosen = std::upper_bound(upToHere.begin(), last, pick / throughPortals * all);
+  const Opening& o = openings[size_t(chosen - upToHere.begin())];
+  const Vec2f at = o.lower + u * (o.upper - o.lower);
+  Vec3f towards(0);
+  towards[o.axis] = o.at - point[o.axis];
+  towards[(o.axis + 1) % 3] = at.x - point[(o.axis + 1) % 3];
+  towards[(o.axis + 2) % 3] = at.y - point[(o.axis + 2) % 3];
   const float distance = glm::length(towards);
   if (!(distance > 0)) return {};
   LiSample through;
@@ -89,18 +159,16 @@ std::optional<LiSample> PortalSampler::sampleLi(const EnvironmentLight& light, c
   through.distance = INFINITE;
   through.radiance = light.radiance(through.direction);
   through.pdf = (1 - throughPortals) * light.pdfLi(point, through.direction) +
-                throughPortals * pdfThrough(sides, point, through.direction);
+                throughPortals * pdfThrough(upToHere, point, through.direction);
   if (!(through.pdf > 0)) return {};
   return through;
 }
 
 float PortalSampler::pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const {
   const float own = light.pdfLi(from, direction);
-  if (!active()) return own;
-  Sides sides;
-  findSides(from, sides);
-  if (!(sides.solidAngle() > 0)) return own;
-  return (1 - throughPortals) * own + throughPortals * pdfThrough(sides, from, direction);
+  SolidAngles upToHere;
+  if (!active() || !(solidAngles(from, upToHere) > 0)) return own;
+  return (1 - throughPortals) * own + throughPortals * pdfThrough(upToHere, from, direction);
 }
 
 std::vector<double> PortalSampler::secondMoments(const Scene& scene, const std::vector<float>& parts,
@@ -109,7 +177,8 @@ std::vector<double> PortalSampler::secondMoments(const Scene& scene, const std::
   constexpr int MAX_DEPTH = 3;
   const PathClasses allPaths;
   const auto& lights = scene.environment();
-  const auto across = std::min(MAX_ACROSS, static_cast<size_t>(LightPortals::pathsAcross(scene)));
+  const FilmSettings& film = scene.film();
+  const auto across = std::min(MAX_ACROSS, size_t(std::sqrt(double(film.width) * double(film.height))));
   std::vector<std::vector<double>> rows(across, std::vector<double>(parts.size()));
   std::vector<TransportCounts> rowCounts(across);
   const PixelBounds& crop = scene.film().crop;
@@ -163,13 +232,18 @@ TransportCounts PortalSampler::learn(const Scene& scene) {
   *this = {};
   TransportCounts counts;
   if (scene.environment().empty()) return counts;
-  boxes = LightPortals::openings(scene, SHADOW_PORTAL_STREAM, LEVELS, counts);
-  if (boxes.empty()) return counts;
+  constexpr size_t MAX_EXITS = 512; // tell as much of a few rectangles as all
+  std::vector<LightPortals::Exit> exits = LightPortals::crossings(scene, SHADOW_PORTAL_STREAM, counts);
+  for (size_t i = 0; exits.size() > MAX_EXITS && i < MAX_EXITS; ++i)
+    exits[i] = exits[i * exits.size() / MAX_EXITS];
+  exits.resize(std::min(exits.size(), MAX_EXITS));
+  if (!exits.empty()) divide(exits, fit(exits), LEVELS);
+  if (openings.empty()) return counts;
   throughPortals = 0.5f; // of the shadow rays that all parts are judged by
   const std::vector<double> moments = secondMoments(scene, parts, counts);
   const auto least = std::min_element(moments.begin(), moments.end()) - moments.begin();
   throughPortals = *moments.begin() > WORTH_IT * moments[least] ? parts[least] : 0;
-  if (!active()) boxes.clear();
+  if (!active()) openings.clear();
   return counts;
 }
 

@@ -12,7 +12,7 @@ namespace {
 constexpr float HOLE_HALF_WIDTH = 0.2f; ///< of the hole in the roof, at 1.25 above the middle
 
 /** A closed room with a hole in its roof, and the same light from all around. */
-std::string roomWithRoofLight(int width = 96) {
+std::string roomWithRoofLight(int width = 96, const std::string& pane = "") {
   return view(width, "-1.6 1.3 -1.8  1 .5 1  0 1 0", 60) + R"(
 LightSource "infinite" "rgb L" [1 1 1]
 Material "diffuse" "rgb reflectance" [.7 .7 .7]
@@ -20,7 +20,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3 4 5 1 4 1 0 5 6 2 5 2 1 6 7 
   "point3 P" [-2 0 -2  2 0 -2  2 0 2  -2 0 2  -2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2]
 Shape "trianglemesh" "integer indices" [0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]
   "point3 P" [-2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2  -.2 2.5 -.2  .2 2.5 -.2  .2 2.5 .2  -.2 2.5 .2]
-)";
+)" + pane;
 }
 
 /** Whether a ray leaves by the hole; the room's middle is at `center`. */
@@ -34,7 +34,8 @@ bool leavesByHole(const Vec3f& point, const Vec3f& direction, const Vec3f& cente
 struct ShadowMoments {
   double mean = 0, second = 0;
 };
-template <class Sample> ShadowMoments irradianceThroughHole(const Vec3f& point, const Vec3f& center, const Sample& sample) {
+template <class Sample>
+ShadowMoments irradianceThroughHole(const Vec3f& point, const Vec3f& center, const Sample& sample) {
   constexpr int N = 400000;
   ShadowMoments sum;
   Sampler sampler(5, 0, 0);
@@ -71,9 +72,8 @@ TEST(PortalSampler, BringsTheLightOfAHoleWithLittleVariance) {
         const Vec3d way = at - Vec3d(place);
         expected += square(way.y) / square(glm::dot(way, way)) * square(2 * double(HOLE_HALF_WIDTH) / CELLS);
       }
-    const ShadowMoments through = irradianceThroughHole(point, center, [&](float pick, const Vec2f& u) {
-      return portals.sampleLi(light, point, pick, u);
-    });
+    const ShadowMoments through = irradianceThroughHole(
+        point, center, [&](float pick, const Vec2f& u) { return portals.sampleLi(light, point, pick, u); });
     const ShadowMoments own = irradianceThroughHole(
         point, center, [&](float pick, const Vec2f& u) { return light.sampleLi(point, pick, u); });
     EXPECT_NEAR(through.mean / expected, 1, 0.01);
@@ -90,7 +90,8 @@ TEST(PortalSampler, DensitiesAreThoseOfTheSamples) {
   const EnvironmentLight& light = *scene->environment()[0];
   const Vec3f center = scene->bounds().center;
   constexpr int N = 400000;
-  for (const Vec3f& place : {Vec3f(0.1f, -1, 0), Vec3f(1.9f, 1.2f, 0.3f), Vec3f(0, 1.25f, 0), Vec3f(0.5f, 4, 0)}) {
+  for (const Vec3f& place :
+       {Vec3f(0.1f, -1, 0), Vec3f(1.9f, 1.2f, 0.3f), Vec3f(0, 1.25f, 0), Vec3f(0.5f, 4, 0)}) {
     Sampler sampler(7, 0, 0);
     double sphere = 0;
     for (int i = 0; i < N; ++i) {
@@ -102,6 +103,16 @@ TEST(PortalSampler, DensitiesAreThoseOfTheSamples) {
     }
     EXPECT_NEAR(sphere / (4 * M_PI), 1, 0.02);
   }
+}
+
+TEST(PortalSampler, APaneIsAPortal) {
+  const auto scene =
+      sceneFrom(roomWithRoofLight(96, "Material \"thindielectric\" Shape \"bilinearmesh\" \"point3 P\" "
+                                      "[-.2 2.5 -.2 .2 2.5 -.2 -.2 2.5 .2 .2 2.5 .2]"));
+  ASSERT_TRUE(scene);
+  PortalSampler portals;
+  portals.learn(*scene);
+  EXPECT_TRUE(portals.active());
 }
 
 TEST(PortalSampler, IsLeftOutUnderTheOpenSky) {

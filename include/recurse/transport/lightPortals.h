@@ -18,13 +18,16 @@ class LightPortals {
    * effect where there is no light from infinitely far. What stands for a path is its last vertex, or where
    * other such paths come close to its last segment: the one with the smaller boxes. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
-  /** Boxes around where camera paths leave the scene other than from what the camera sees first; 2^levels of
-   * them at the most, none where there are too few paths to tell. */
-  static std::vector<Bounds3f> openings(const Scene& scene, uint64_t seed, int levels,
-                                        TransportCounts& counts);
-  /** Square root of the number of paths that a picture of so many pixels takes a small part of the time for.
-   */
-  static int pathsAcross(const Scene& scene);
+  /** A place where a path has left the scene, or where others that have left cross it. */
+  struct Exit {
+    Vec3f position;
+    float weight;
+    Vec3f direction; ///< (0, 0, 0) towards a light in one direction
+    float along = 0; ///< from its last vertex
+  };
+  /** Crossings of camera paths that leave the scene, of as many as a picture of so many pixels takes a small
+   * part of the time for; none where too few do. */
+  static std::vector<Exit> crossings(const Scene& scene, uint64_t seed, TransportCounts& counts);
   bool active() const { return !boxes.empty(); }
   size_t size() const { return boxes.size(); }
   /** Lights by the power that comes in. */
@@ -43,23 +46,19 @@ class LightPortals {
     bool leaf;      ///< others enclose leaves, for what comes in between
     float upToHere; ///< chances of this box and those before it
   };
-  /** A place where a path has left the scene. */
-  struct Exit {
-    Vec3f position;
-    float weight;
-    Vec3f direction; ///< (0, 0, 0) towards a light in one direction
-  };
+  /** Exits of `across`² camera paths. */
   static void findExits(const Scene& scene, const std::vector<size_t>& distant, int across, uint64_t seed,
                         std::vector<Exit>& exits, TransportCounts& counts);
+  /** Of as many as it takes to tell. */
+  static std::vector<Exit> exitsOf(const Scene& scene, const std::vector<size_t>& distant, int across,
+                                   uint64_t seed, TransportCounts& counts);
   static void moveToCrossings(std::vector<Exit>& exits, uint64_t seed);
   /** `met`: a box that the ray is known to meet, whatever rounding says. */
   float pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const;
   /** Silhouettes of the leaves over the scene's disc. */
   float openPart() const;
-  void learnFrom(const Scene& scene, const std::vector<size_t>& distant, int across, int levels,
-                 uint64_t seed, TransportCounts& counts);
-  /** Boxes around the exits, 2^levels leaves at the most; none where those are too few. */
-  void enclose(std::vector<Exit>& exits, int levels);
+  /** Boxes around the exits; none where those are too few. */
+  void enclose(std::vector<Exit>& exits);
   void split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels, float margin);
 
   std::vector<Box> boxes;

@@ -6,11 +6,10 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
-#include "recurse/model/light.h"
-#include "recurse/model/scene.h"
-#include "recurse/transport/integrator.h"
+#include "recurse/transport/lightPortals.h"
 
 namespace recurse {
 
@@ -29,29 +28,29 @@ class PortalSampler {
   float pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const;
 
  private:
-  static constexpr int LEVELS = 4; // 2^LEVELS boxes at the most: each is weighed for each shadow ray
-  static constexpr size_t MAX_SIDES = 3 << LEVELS;
-  /** A side of a box that is seen from a point. */
-  struct Side {
-    size_t box;
-    int axis;
-    float at;   ///< its coordinate on the axis
-    float area; ///< its own
-    float upToHere; ///< estimates of solid angles, of it and those before it
+  /** A rectangle across an axis, which light passes either way. */
+  struct Opening {
+    int axis = 0;
+    float at = 0;       ///< on the axis
+    Vec2f lower, upper; ///< on the next two axes
+    float area = 0;
   };
-  struct Sides {
-    std::array<Side, MAX_SIDES> all;
-    size_t count = 0;
-    float solidAngle() const { return count > 0 ? all[count - 1].upToHere : 0; }
-  };
-  void findSides(const Vec3f& point, Sides& sides) const;
-  /** Density of directions through the sides that are seen from the point [1/sr]. */
-  float pdfThrough(const Sides& sides, const Vec3f& point, const Vec3f& direction) const;
+  /** An opening that seems the smaller the better, of those that nearly all of the paths leave by. */
+  static Opening fit(std::span<const LightPortals::Exit> exits);
+  void divide(std::span<LightPortals::Exit> exits, const Opening& whole, int levels);
+
+  /** Estimates of the solid angles that openings are seen in, each with those before it. */
+  static constexpr int LEVELS = 4; // 2^LEVELS openings at the most: each is weighed for each shadow ray
+  using SolidAngles = std::array<float, 1 << LEVELS>;
+  /** Returns the sum. */
+  float solidAngles(const Vec3f& point, SolidAngles& upToHere) const;
+  /** Density of directions through the openings [1/sr]. */
+  float pdfThrough(const SolidAngles& upToHere, const Vec3f& point, const Vec3f& direction) const;
   /** Second moments of light by shadow rays at vertices of camera paths, for each of `parts`. */
   std::vector<double> secondMoments(const Scene& scene, const std::vector<float>& parts,
                                     TransportCounts& counts);
 
-  std::vector<Bounds3f> boxes; ///< disjoint but for their margins
+  std::vector<Opening> openings;
   float throughPortals = 0;
 };
 
