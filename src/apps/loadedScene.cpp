@@ -78,20 +78,20 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   // A description with errors is built as well, as far as that goes: one run tells all that is wrong.
   out.scene = buildScene(out.description, reduced(overrides, out.description, reduction), diagnostics);
   out.buildSeconds = secondsSince(buildStart);
-  renderMediaByPath(out, diagnostics);
+  renderByPathIfNeeded(out, diagnostics);
   diagnostics.throwIfErrors();
   out.warnings = diagnostics.all().size();
   std::fputs(diagnostics.format().c_str(), stderr);
   return out;
 }
 
-void renderMediaByPath(LoadedScene& loaded, Diagnostics& diagnostics) {
-  if (!loaded.scene || !loaded.scene->hasMedia() || !loaded.integrator ||
-      loaded.integrator->supportsMedia(*loaded.scene))
-    return;
-  diagnostics.warning(loaded.integratorDirective.location,
-                      "\"" + loaded.integratorDirective.type +
-                          "\" does not render media such as those of the scene: it is rendered by \"path\"");
+void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics) {
+  if (!loaded.scene || !loaded.integrator) return;
+  const std::string unsupported = unsupportedPart(*loaded.integrator, *loaded.scene);
+  if (unsupported.empty()) return;
+  diagnostics.warning(loaded.integratorDirective.location, "\"" + loaded.integratorDirective.type +
+                                                               "\" does not render " + unsupported +
+                                                               ": it is rendered by \"path\"");
   ParsedDirective path;
   path.type = "path";
   path.location = loaded.integratorDirective.location;

@@ -30,9 +30,8 @@ struct LoadedScene {
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
                          const IntegratorOptions& options, int reduction = 1);
 
-/** Puts path in the place of an integrator that does not render the media of the scene, with a
- * warning. */
-void renderMediaByPath(LoadedScene& loaded, Diagnostics& diagnostics);
+/** Puts path in the place of an integrator that does not render all of the scene, with a warning. */
+void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics);
 
 /** The files that a description names and that there are, each once. */
 std::vector<std::string> filesOf(const SceneDescription& description);

@@ -302,7 +302,7 @@ class PhotonMapping final : public Integrator {
   /** What light that is met shares with shadow rays: nothing from the camera on or after mirrors and glass.
    */
   BsdfRay directWeights(const PathState& path) const {
-    return path.nonDelta == 0 || path.delta || settings.directLight ? BsdfRay() : path.bsdfRay;
+    return path.nonDelta == 0 || path.delta ? BsdfRay() : path.bsdfRay;
   }
 
   void addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
@@ -351,9 +351,38 @@ class PhotonMapping final : public Integrator {
 
   // -------------------------------------------------------------------------------------- non-delta lobes
 
+  /** The same where no photons are kept: by shadow rays, and by a ray that finds all other light. */
+  void addByRays(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
+                 Sampler& sampler, PathRadiance& out) const {
+    path.camera = out.pathClasses().step(path.camera, PathEvent::D);
+    path.throughput *= std::exchange(path.share, 1);
+    path.direct = {};
+    path.shared = {};
+    if (out.pathClasses().dead(path.camera) || !goesOn(path, sampler)) return;
+    const Vec3f wi = -path.ray.direction;
+    const LightSampleContext context = lightSampleContext(lights, hit.point, wi);
+    addDirectLight(scene, path, context, {}, hit, scattering, sampler, out);
+    Sampler branch = sampler.fork(DeltaScatters::MAX_COUNT + 2);
+    const std::optional<Scatter> s = scattering.scatterNonDelta(wi, Transport::RADIANCE, branch);
+    if (!s) return;
+    ++path.nonDelta;
+    PathState next = path.after(hit, *s);
+    next.ray.width = next.ray.spread = 0;
+    next.distance = 0;
+    next.delta = false;
+    next.lightShare = 1;
+    next.bsdfRay = {context, s->pdf, true};
+    next.merge = MergeRatio();
+    trace(scene, next, branch, out);
+  }
+
   /** Light that non-delta lobes send along the path: direct, by photons, and by a ray that goes on. */
   void addNonDelta(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
                    Sampler& sampler, PathRadiance& out) const {
+    if (!scattering.keepsPhotons()) {
+      addByRays(scene, std::move(path), hit, scattering, sampler, out);
+      return;
+    }
     path.camera = out.pathClasses().step(path.camera, PathEvent::D);
     if (out.pathClasses().dead(path.camera) || !goesOn(path, sampler)) return;
     const Vec3f wi = -path.ray.direction;
@@ -406,7 +435,7 @@ class PhotonMapping final : public Integrator {
       else
         next.shared = {direct, unshared * s->weight, scattering.pdfNonDelta(s->direction, wi),
                        absDot(s->direction, hit.point.geometricNormal)};
-      next.bsdfRay = {context, s->pdf, true};
+      next.bsdfRay = settings.directLight ? BsdfRay() : BsdfRay{context, s->pdf, true};
       next.merge = MergeRatio(merging, s->pdf, s->direction, hit.point);
       if (next.share > 0 || next.direct.merged > 0 || mayMeetLight(scene)) trace(scene, next, branch, out);
     }

@@ -77,6 +77,7 @@ class SimplePhotonMap final : public Integrator {
     }
   }
 
+  bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override {
     return {{"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},
             {"photon map", "L(S|D)*DS*E", "one estimate at the first non-delta surface", ""}};

@@ -91,6 +91,7 @@ class VirtualPointLights final : public Integrator {
                ? ""
                : "surfaces close to each other light each other less than they do: corners are dark";
   }
+  bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override {
     std::vector<EstimatorDomain> all = {
         {"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},

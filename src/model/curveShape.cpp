@@ -99,6 +99,7 @@ SurfacePoint CurveShape::surfaceAt(uint32_t segment, const HitParameters& parame
   s.geometricNormal = s.shadingNormal = Vec3f(glm::normalize(normal)) * side;
   // A flat curve turns with the ray: the next one starts beyond its width.
   s.error = Vec3f(static_cast<float>(2 * c.radius)) + magnitude(s.position) * 0x1p-22f;
+  s.curve = curveKind == Kind::RIBBON ? SurfacePoint::Curve::FIXED : SurfacePoint::Curve::FACES_RAY;
   s.dpdu = Vec3f(c.tangent * segments);
   s.dpdv = Vec3f(dpdv * (2 * c.radius));
   s.uv = {static_cast<float>((segment + double(parameters.uv.x)) / segments),

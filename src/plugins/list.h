@@ -36,6 +36,7 @@ RECURSE_PLUG_IN(TorranceSparrow)
 RECURSE_PLUG_IN(Ward)
 RECURSE_PLUG_IN(AshikhminShirley)
 RECURSE_PLUG_IN(Measured)
+RECURSE_PLUG_IN(Hair)
 RECURSE_PLUG_IN(Mix)
 RECURSE_PLUG_IN(Interface)
 // Textures

@@ -28,9 +28,11 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
       const ScatteringPoint scattering(*bsdf, hit.point);
       if (scattering.hasNonDelta()) {
         std::optional<Scatter> s;
-        if (weighting.ever() && !(scattering.lobes() & LAMBERTIAN))
+        const bool kept = scattering.keepsPhotons();
+        if (!kept || (weighting.ever() && !(scattering.lobes() & LAMBERTIAN)))
           s = scattering.scatterNonDelta(-ray.direction, Transport::RADIANCE, sampler);
-        if (!s || weighting.followed(s->pdf) < 0.5f) {
+        if (!kept && !s) return {};
+        if (kept && (!s || weighting.followed(s->pdf) < 0.5f)) {
           hit.point.geometricNormal = hit.point.normalTowards(-ray.direction);
           return VisiblePoint{hit.point, ray.width};
         }

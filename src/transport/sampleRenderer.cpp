@@ -145,8 +145,8 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
       moves(scene.moves()), tilesX((film.bounds().width() + TILE - 1) / TILE),
       tilesY((film.bounds().height() + TILE - 1) / TILE) {
   statistics.threads = threadCount();
-  if (scene.hasMedia() && !integrator.supportsMedia(scene))
-    throw Error("the integrator does not render media such as those of the scene");
+  if (const std::string unsupported = unsupportedPart(integrator, scene); !unsupported.empty())
+    throw Error("the integrator does not render " + unsupported);
   integrator.prepare(scene, classes);
   if (integrator.splats()) {
     film.enableSplats(splatUnit(scene));

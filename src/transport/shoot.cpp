@@ -219,7 +219,7 @@ class PhotonWalk {
       const Vec3f wi = -ray.direction;
       ratio.arrive(ray.direction, hit.point);
       const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
-      if (scattering.hasNonDelta() && !classes.dead(stateD) && (depth > 0 || storesDirect))
+      if (scattering.keepsPhotons() && !classes.dead(stateD) && (depth > 0 || storesDirect))
         store(hit.point, scattering, wi, flux, state, caustic, ratio);
       ++depth;
       const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : NON_DELTA_LOBES) |
@@ -256,7 +256,8 @@ class PhotonWalk {
   /** Of a photon that leaves a surface by a non-delta lobe: known for what came straight from the light. */
   ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
                           const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
-    if (!settings.shadowRays) return {};
+    // Both ends would have to agree on the normal of a curve.
+    if (!settings.shadowRays || !scattering.keepsPhotons()) return {};
     if (depth > 0)
       return before.furtherOn(scattering.pdfNonDelta(direction, wi), scattering.pdfNonDelta(wi, direction),
                               direction, hit.point);

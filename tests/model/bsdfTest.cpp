@@ -211,7 +211,8 @@ bool hasNonDelta(const Bsdf& bsdf) { return (bsdf.lobes() & NON_DELTA_LOBES) != 
 /** Refractive index on the side of w. */
 float indexAt(const Bsdf& bsdf, const Vec3f& w) { return w.z > 0 ? 1 : bsdf.eta(); }
 
-/** Mean and its standard error of what all lobes scatter of the flux from wi. */
+/** Mean and its standard error of what all lobes scatter of the flux from wi; of what is not reciprocal, of
+ * the radiance that is seen from there in light of radiance 1. */
 struct Albedo {
   Rgbd mean{0}, error{0};
 };
@@ -226,7 +227,8 @@ Albedo scatteredFlux(const Bsdf& bsdf, const Vec3f& wi, int n, uint32_t seed) {
       const auto wo = bsdf.sample(wi, u, random.next());
       const float pdf = wo ? bsdf.pdf(wi, *wo) : 0;
       if (!(pdf > 0)) continue;
-      const Rgbd w(bsdf.value(wi, *wo) * (std::abs(wo->z) / pdf));
+      const Rgb value = bsdf.isReciprocal() ? bsdf.value(wi, *wo) : bsdf.value(*wo, wi);
+      const Rgbd w(value * (std::abs(wo->z) / pdf));
       sum += w;
       sum2 += w * w;
     }
@@ -413,6 +415,12 @@ TEST(BsdfReciprocity, ValuesAndDensities) {
   forEachBsdf([](const Bsdf& bsdf) {
     if (!hasNonDelta(bsdf)) return;
     TestRandom random(5);
+    if (!bsdf.isReciprocal()) { // which it must not say of itself for nothing
+      const Vec3f a = random.direction(), b = random.direction();
+      EXPECT_GT(maxComponent(glm::abs(bsdf.value(a, b) - bsdf.value(b, a))),
+                0.01f * maxComponent(bsdf.value(a, b)));
+      return;
+    }
     const auto check = [&](const Vec3f& a, const Vec3f& b) {
       const double na = double(indexAt(bsdf, a)), nb = double(indexAt(bsdf, b));
       const Rgbd ab = Rgbd(bsdf.value(a, b)) * (na / nb), ba = Rgbd(bsdf.value(b, a)) * (nb / na);
@@ -450,10 +458,14 @@ TEST(BsdfPasses, WeightsAreValueTimesCosineOverDensity) {
         const auto photon = s.diffuseForwardScatter(wi, again);
         ASSERT_TRUE(photon);
         EXPECT_EQ(photon->direction, eye->direction);
+        const Rgb flux = s.evaluateFlux(wi, eye->direction) / eye->pdf;
         for (int k = 0; k < 3; ++k) {
           EXPECT_NEAR(eye->weight[k], f[k], 1e-4f * (f[k] + 1e-3f));
+          EXPECT_NEAR(photon->weight[k], flux[k], 1e-4f * (flux[k] + 1e-3f));
           // Flux and radiance differ by the square of the refractive indices.
-          EXPECT_NEAR(photon->weight[k], f[k] * square(eye->eta), 1e-3f * (photon->weight[k] + 1e-3f));
+          if (bsdf.isReciprocal()) {
+            EXPECT_NEAR(photon->weight[k], f[k] * square(eye->eta), 1e-3f * (photon->weight[k] + 1e-3f));
+          }
         }
       }
   });
@@ -596,6 +608,50 @@ TEST(BsdfPasses, ForwardEqualsBackward) {
   });
 }
 
+TEST(BsdfPasses, HairThatTurnsToTheRayIsTheSameFromEitherEnd) {
+  // The same for a curve along x, which is as wide to all; a tube's normals go from side to side.
+  const auto g = [](const Vec3f& w) { return 1 + 0.5 * double(w.x) + 0.6 * double(w.y * w.z); };
+  const auto h = [](const Vec3f& w) { return 1 - 0.4 * double(w.x * w.y) + 0.7 * double(w.z); };
+  const auto N = uint32_t(samples(1 << 14));
+  BsdfArena arena;
+  for (const MaterialUse& use : everyUse())
+    for (const bool tube : {false, true}) {
+      if (!(use.material->lobes() & (FIBRE | LAMBERTIAN))) continue;
+      SCOPED_TRACE(use.text + (tube ? " tube" : " flat"));
+      Rgbd mean[2], variance[2];
+      for (int pass = 0; pass < 2; ++pass) {
+        Rgbd sum(0), sum2(0);
+        TestRandom random(31 + uint32_t(pass));
+        for (uint32_t i = 0; i < N; ++i) {
+          const Vec3f from = random.direction();
+          const float across = random.next(), width = std::sqrt(1 - square(from.x));
+          SurfacePoint point = flatPoint();
+          point.curve = SurfacePoint::Curve::FACES_RAY;
+          point.uv = {0.5f, across};
+          const float turned = std::atan2(from.z, from.y) + (tube ? float(M_PI) * (across - 0.5f) : 0.0f);
+          point.geometricNormal = point.shadingNormal = {0, std::cos(turned), std::sin(turned)};
+          arena.reset();
+          const Bsdf* bsdf = use.material->bsdfAt(point, arena);
+          if (!bsdf || !hasNonDelta(*bsdf)) break;
+          Sampler sampler(random.below(1u << 30), 5, i);
+          const ScatteringPoint s(*bsdf, point);
+          EXPECT_FALSE(s.keepsPhotons());
+          const auto step = s.scatterNonDelta(from, pass ? Transport::RADIANCE : Transport::FLUX, sampler);
+          if (!step) continue;
+          const Rgbd x = Rgbd(step->weight) * double(width) *
+                         (pass ? h(from) * g(step->direction) : g(from) * h(step->direction));
+          ASSERT_TRUE(isFinite(Rgb(x)));
+          sum += x;
+          sum2 += x * x;
+        }
+        mean[pass] = sum / double(N);
+        variance[pass] = glm::max(sum2 / double(N) - mean[pass] * mean[pass], 0.0) / double(N);
+      }
+      for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(mean[0][k], mean[1][k], 4.5 * std::sqrt(variance[0][k] + variance[1][k]) + 1e-5);
+    }
+}
+
 TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
   forEachBsdf([](const Bsdf& bsdf) {
     const ScatteringPoint s(bsdf, flatPoint());
@@ -604,7 +660,7 @@ TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
       Rgbd sum(0), sum2(0);
       for (uint32_t i = 0; i < N; ++i) {
         Sampler each(9, 1, i);
-        const auto step = s.scatter(wi, Transport::FLUX, each);
+        const auto step = s.scatter(wi, bsdf.isReciprocal() ? Transport::FLUX : Transport::RADIANCE, each);
         if (!step) continue;
         const Rgbd w(step->weight);
         sum += w;

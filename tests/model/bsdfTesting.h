@@ -64,6 +64,7 @@ inline SurfacePoint flatPoint() {
   SurfacePoint p{};
   p.geometricNormal = p.shadingNormal = {0, 0, 1};
   p.dpdu = {1, 0, 0};
+  p.uv = {.3f, .3f}; // which matters to hair
   return p;
 }
 

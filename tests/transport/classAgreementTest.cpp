@@ -152,8 +152,7 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
     for (const Way& way : scene == scenes.front().second ? many : differing) {
       // The patch that shoots next is the one with the largest sum over classes, which rounding may change.
       if (way.integrator == "radiosity") continue;
-      if (scene->hasMedia() && !integratorFrom(way.integrator, way.parameters)->supportsMedia(*scene))
-        continue;
+      if (!unsupportedPart(*integratorFrom(way.integrator, way.parameters), *scene).empty()) continue;
       const Way small = withPhotons(way, samples(4000));
       const std::string what = name + " " + way.integrator + way.parameters;
       const ClassRender apart = renderClasses(*scene, small, stills, 2, 5);

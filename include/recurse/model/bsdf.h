@@ -23,7 +23,7 @@ namespace recurse {
 
 /** Kinds of scattering, and sets of them. Delta lobes (MIRROR, REFRACTION) are S in path classes, the others
  * D. */
-enum Lobe : uint8_t {
+enum Lobe : uint16_t {
   NO_LOBE = 0,
   REFLECTION = 1,   ///< non-delta, to the side it came from
   TRANSMISSION = 2, ///< non-delta, to the other side
@@ -41,8 +41,11 @@ enum Lobe : uint8_t {
   STRAIGHT = 64,
   /** Besides REFRACTION: it depends on SurfacePoint::wavelength. */
   DISPERSIVE = 128,
+  /** Besides others: it scatters as a thread does. value(wi, wo) |wi.z| is bounded, value() is not, so that
+   * no photons are kept there; and it is not reciprocal. */
+  FIBRE = 256,
 };
-using LobeSet = uint8_t;
+using LobeSet = uint16_t;
 
 /** One delta lobe for a given wi. */
 struct DeltaScatter {
@@ -70,7 +73,8 @@ struct DeltaScatters {
  * Scattering at one point, in the local frame: z is the shading normal, on the outer side of the surface.
  * Both directions are unit and point away from the surface: wi where the walk came from, wo where it goes on.
  * value is for flux that comes from wi and goes to wo; radiance is the same with both exchanged. It must be
- * reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b, a) n(b)².
+ * reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b, a) n(b)²; only a FIBRE
+ * need not be.
  */
 class Bsdf {
  public:
@@ -90,6 +94,7 @@ class Bsdf {
   virtual Rgb albedo(const Vec3f& /*wi*/) const { return BLACK; }
   /** Refractive index below the surface over that above, by which the TRANSMISSION lobe bends. */
   virtual float eta() const { return 1; }
+  bool isReciprocal() const { return !(lobes() & FIBRE); }
   /** True where nothing is absorbed, so that a white furnace stays white to within a hundredth. */
   virtual bool lossless() const { return false; }
 

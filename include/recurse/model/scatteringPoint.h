@@ -34,14 +34,18 @@ struct Scatter {
 class ScatteringPoint {
  public:
   ScatteringPoint(const Bsdf& bsdf, const SurfacePoint& point)
-      : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal),
-        lobeSet(bsdf.lobes()) {
+      : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal), lobeSet(bsdf.lobes()),
+        curve(point.curve) {
     if (lobeSet & ANISOTROPIC) frame = Frame(point.shadingNormal, point.dpdu);
     if (lobeSet & LAMBERTIAN) constant = bsdf.value({0, 0, 1}, {0, 0, 1});
   }
 
   LobeSet lobes() const { return lobeSet; }
   bool hasNonDelta() const { return (lobeSet & NON_DELTA_LOBES) != 0; }
+  /** Whether a density of photons makes sense here; elsewhere rays find what they would tell. */
+  bool keepsPhotons() const {
+    return hasNonDelta() && curve == SurfacePoint::Curve::NONE && !(lobeSet & FIBRE);
+  }
   bool hasDelta() const { return (lobeSet & DELTA_LOBES) != 0; }
 
   /** The non-delta BSDF alone [1/sr] for radiance that arrives from wo and leaves towards wi: what a photon's
@@ -60,8 +64,9 @@ class ScatteringPoint {
 
   /** The non-delta BSDF times the cosine of `wo`, for a photon that came from `wi` and goes on to `wo`. */
   Rgb evaluateFlux(const Vec3f& wi, const Vec3f& wo) const {
-    return value(wo, wi) *
-           (absDot(wo, frame.z) * shadingNormalFactor(wi, frame.toLocal(wi), wo, frame.toLocal(wo)));
+    const Vec3f localI = frame.toLocal(wi), localO = frame.toLocal(wo);
+    const Rgb f = lobeSet & LAMBERTIAN ? value(wo, wi) : leaks(wi, wo) ? BLACK : fluxValue(localI, localO);
+    return f * (std::abs(localO.z) * shadingNormalFactor(wi, localI, wo, localO));
   }
 
   /** Density with which scatter chooses wo by a non-delta lobe [1/sr], for the same allowed lobes. */
@@ -134,7 +139,7 @@ class ScatteringPoint {
     if (!(s.pdf > 0) || leaks(wi, s.direction)) return {};
     s.lobe = local.z * wo->z > 0 ? REFLECTION : TRANSMISSION;
     // Radiance goes the other way; where it is refracted that is the factor 1/η².
-    const Rgb f = transport == Transport::FLUX ? bsdf.value(local, *wo) : bsdf.value(*wo, local);
+    const Rgb f = transport == Transport::FLUX ? fluxValue(local, *wo) : bsdf.value(*wo, local);
     s.weight = f * (std::abs(wo->z) / s.pdf);
     if (s.lobe == TRANSMISSION) s.eta = local.z > 0 ? bsdf.eta() : 1 / bsdf.eta();
     if (transport == Transport::FLUX) s.weight *= shadingNormalFactor(wi, local, s.direction, *wo);
@@ -174,6 +179,16 @@ class ScatteringPoint {
   const Vec3f& normal() const { return frame.z; }
 
  private:
+  /** The BSDF for flux from wi to wo. A hair has turned to the photon, and the eye sees another side of it.
+   * Across the whole width both meet the same, mirrored, if they exchange their inclinations to the hair and
+   * keep their azimuths. */
+  Rgb fluxValue(const Vec3f& wi, const Vec3f& wo) const {
+    if (!(lobeSet & FIBRE) || curve != SurfacePoint::Curve::FACES_RAY) return bsdf.value(wi, wo);
+    const float across = std::sqrt((1 - square(wi.x)) / (1 - square(wo.x)));
+    if (!(across > 0 && across < INFINITE)) return BLACK;
+    return bsdf.value({wi.x, wo.y * across, wo.z * across}, {wo.x, wi.y / across, wi.z / across});
+  }
+
   /** The quotient of a constant BSDF times the cosine and a density in proportion to the cosine is the
    * albedo: most surfaces of most scenes, so no virtual function is asked. */
   std::optional<Scatter> scatterLambertian(const Vec3f& wi, Transport transport, const Vec2f& u) const {
@@ -244,6 +259,7 @@ class ScatteringPoint {
   Frame frame;
   Vec3f geometricNormal;
   LobeSet lobeSet;
+  SurfacePoint::Curve curve;
   Rgb constant{0}; ///< the value of a Lambertian BSDF
 };
 

@@ -44,6 +44,8 @@ struct SurfacePoint {
   float time = 0;         ///< of the ray that came, and of those that leave; see Ray::time
   float wavelength = 0;   ///< by which a dispersive material refracts [nm]; 0: it does not disperse
   bool isWhite = true;    ///< the light has all wavelengths, and `wavelength` is one that was drawn
+  /** Curves are too thin for a density of photons. Most of them turn to the ray that meets them. */
+  enum class Curve : uint8_t { NONE, FIXED, FACES_RAY } curve = Curve::NONE;
 
   /** The geometric normal on the side that `direction` points to. */
   Vec3f normalTowards(const Vec3f& direction) const {

@@ -31,6 +31,7 @@ class Bidirectional : public Integrator {
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override;
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
+  bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override;
 
  private:

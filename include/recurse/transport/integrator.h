@@ -181,6 +181,8 @@ class Integrator {
   }
   /** Whether it renders the media of the scene. */
   virtual bool supportsMedia(const Scene&) const { return false; }
+  /** Whether it renders what is made of a FIBRE: both ends of a path do not agree on its densities. */
+  virtual bool supportsFibres() const { return true; }
   /** The estimators and the paths that each one takes into account. */
   virtual std::vector<EstimatorDomain> domains() const = 0;
   /** The paths that the method claims, where it leaves out others by its nature; empty: all at surfaces. */
@@ -189,5 +191,12 @@ class Integrator {
    * nothing. */
   virtual std::string suppositions() const { return {}; }
 };
+
+/** What of the scene the integrator does not render, in words; empty: nothing. */
+inline std::string unsupportedPart(const Integrator& integrator, const Scene& scene) {
+  if (scene.hasMedia() && !integrator.supportsMedia(scene)) return "media such as those of the scene";
+  if ((scene.contents().lobes & FIBRE) && !integrator.supportsFibres()) return "hair";
+  return {};
+}
 
 } // namespace recurse
