@@ -6,7 +6,7 @@ JOBS=${RECURSE_JOBS:-$(nproc)}
 BUILD_PACKAGES=(g++ cmake ninja-build ccache libglm-dev libopenimageio-dev libtbb-dev libflann-dev
     libembree-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev zlib1g-dev libfftw3-dev libassimp-dev libzip-dev libcpp-httplib-dev
     libjs-chart.js)
-TEST_PACKAGES=(chromium python3 gnuplot-nox libopenmpi-dev openmpi-bin procps) # the HTML pages are tested in a browser
+TEST_PACKAGES=(libnanovdb-dev chromium python3 gnuplot-nox libopenmpi-dev openmpi-bin procps) # the HTML pages are tested in a browser
 
 say() { printf '%s\n' "$*" >&2; }
 

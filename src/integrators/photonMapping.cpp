@@ -59,6 +59,7 @@ struct PathState {
   // Since the last of these:
   float distance = 0;   ///< travelled [scene units]
   bool delta = false;   ///< by mirrors and glass
+  bool byRays = true;   ///< no photons are kept there: it is the camera, or on a curve
   float share = 1;      ///< of the indirect light there that is for this path to find
   PhotonShare direct;   ///< the same of the direct light there
   SharedRay shared;     ///< of light that is met at once
@@ -182,8 +183,8 @@ class PhotonMapping final : public Integrator {
     const Medium* medium = scene.medium(number);
     if (!medium) return true;
     const RayTransmittance transmittance(*medium, path.ray, end, sampler);
-    // Once a non-delta surface has been met, photons bring what media emit.
-    if (path.nonDelta == 0 || settings.directLight) addLight(path, transmittance.emitted(), out);
+    // Photons bring what media emit to where they are kept.
+    if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), out);
     if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
     path.throughput *= transmittance.to(end);
     return !isBlack(path.throughput);
@@ -371,6 +372,7 @@ class PhotonMapping final : public Integrator {
     next.distance = 0;
     next.delta = false;
     next.lightShare = 1;
+    next.byRays = true;
     next.bsdfRay = {context, s->pdf, true};
     next.merge = MergeRatio();
     trace(scene, next, branch, out);
@@ -424,6 +426,7 @@ class PhotonMapping final : public Integrator {
       next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
       next.distance = 0;
       next.delta = false;
+      next.byRays = false;
       // Photons around a Lambertian surface are all added up.
       next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
       next.share = direct.rest > 0 ? 1 - indirect.settings.rest * (1 - next.lightShare) : 0;

@@ -43,18 +43,31 @@ std::vector<ParameterSpec> gridBoxParameters() {
           arrayParameter(ParameterType::POINT3, "p1", 1, "1 1 1", "the corner opposite")};
 }
 
-HeatGlow::HeatGlow(const Parameters& p, const GridBox& box, SampledGrid<float> given)
-    : box(box), temperatures(std::move(given)),
-      offset(
-          static_cast<float>(p.real(p.has("temperaturecutoff") ? "temperaturecutoff" : "temperatureoffset"))),
-      scale(static_cast<float>(p.real("temperaturescale"))) {
-  const glm::ivec3 size = temperatures.size();
+namespace {
+
+float largest(const SampledGrid<float>& grid) {
+  const glm::ivec3 size = grid.size();
+  float most = 0;
   for (int z = 0; z < size.z; ++z)
     for (int y = 0; y < size.y; ++y)
-      for (int x = 0; x < size.x; ++x)
-        hottest = std::max(hottest, (temperatures.value({x, y, z}) - offset) * scale);
+      for (int x = 0; x < size.x; ++x) most = std::max(most, grid.value({x, y, z}));
+  return most;
+}
+
+} // namespace
+
+HeatGlow::HeatGlow(const Parameters& p, const GridBox& box, SampledGrid<float> given)
+    : HeatGlow(p, largest(given)) {
+  this->box = box;
+  temperatures = std::move(given);
+}
+
+HeatGlow::HeatGlow(const Parameters& p, float highest)
+    : offset(
+          static_cast<float>(p.real(p.has("temperaturecutoff") ? "temperaturecutoff" : "temperatureoffset"))),
+      scale(static_cast<float>(p.real("temperaturescale"))) {
   // Interpolated towards the zeros outside it may be hotter.
-  hottest = std::max(hottest, -offset * scale);
+  hottest = std::max((highest - offset) * scale, -offset * scale);
   if (!std::isfinite(hottest)) p.fail("temperaturescale", "temperatures that are too high");
   const double strength = p.real("Lescale");
   if (!(double(hottest) > COLD) || !(strength > 0)) return;
@@ -65,8 +78,8 @@ HeatGlow::HeatGlow(const Parameters& p, const GridBox& box, SampledGrid<float> g
   }
 }
 
-Rgb HeatGlow::radianceAt(const Vec3f& scene) const {
-  const float kelvin = (temperatures.at(box.point(scene)) - offset) * scale;
+Rgb HeatGlow::radiance(float temperature) const {
+  const float kelvin = (temperature - offset) * scale;
   const auto cold = static_cast<float>(COLD);
   if (!(kelvin > cold)) return BLACK;
   const float place = std::min((kelvin - cold) / (hottest - cold), 1.0f) * static_cast<float>(TABLE_SIZE - 1);

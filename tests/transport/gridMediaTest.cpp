@@ -1,8 +1,11 @@
 /** @file
  * Media on grids and by noise: bounds, shape, glow.
  */
+#include <filesystem>
+#include <fstream>
 #include <random>
 
+#include "model/nanoVdbTesting.h"
 #include "recurse/scene/spectrum.h"
 #include "rendering.h"
 
@@ -94,4 +97,105 @@ TEST(GridMedia, WhatIsHotGlows) {
     for (int c = 0; c < 3; ++c)
       EXPECT_NEAR(double(r.value(0)[c]) / expected[c], 1, SANITIZED ? 0.2 : 0.05) << integrator << " " << c;
   }
+}
+
+namespace {
+
+/** A NanoVDB file for the time of a test. */
+class SmokeFile {
+ public:
+  explicit SmokeFile(const std::vector<WrittenGrid>& grids)
+      : path((std::filesystem::temp_directory_path() / "recurse-smoke.nvdb").string()) {
+    std::ofstream(path, std::ios::binary) << NanoVdbWriter::file(grids);
+  }
+  ~SmokeFile() { std::filesystem::remove(path); }
+  std::string parameter() const { return "\"string filename\" \"" + path + "\" "; }
+  const std::string path;
+};
+
+/** Cells of a density along x, wherever they are along the others. */
+WrittenGrid layers(const std::string& name, int cells, float value) {
+  WrittenGrid g;
+  g.name = name;
+  for (int x = 0; x < cells; ++x)
+    for (int y = -8; y < 8; ++y)
+      for (int z = -8; z < 8; ++z) g(x, y, z) = value * static_cast<float>(1 + x);
+  return g;
+}
+
+} // namespace
+
+TEST(GridMedia, NanoVdbIsTheMediumOfItsGrid) {
+  WrittenGrid grid = layers("density", 8, 0.5f);
+  grid.voxel = 0.125;
+  grid.origin = {-0.5, 0, 0};
+  const SmokeFile file({grid});
+  Diagnostics diagnostics;
+  const auto medium =
+      makeMedium("nanovdb", file.parameter() + "\"rgb sigma_s\" [1 2 3] \"float scale\" 2", diagnostics);
+  ASSERT_TRUE(medium) << diagnostics.format();
+  expectBounded(*medium, "nanovdb");
+  EXPECT_FALSE(medium->isEmissive());
+  // Value 0.5 (1 + x) at x / 8 - 0.5; between them it is linear, and after the last it falls to nothing.
+  for (const double x : {0.0, 0.25, 3.5, 6.75})
+    EXPECT_NEAR(double(medium->at({float(x / 8 - 0.5), .2f, -.3f}).scattering.g), 4 * 0.5 * (1 + x), 1e-5);
+  EXPECT_NEAR(double(medium->at({7.75f / 8 - 0.5f, 0, 0}).scattering.r), 2 * 4 * 0.25, 1e-5);
+  EXPECT_EQ(medium->at({8.1f / 8 - 0.5f, 0, 0}).extinction(), BLACK);
+  EXPECT_EQ(medium->at({-0.51f, 0, 0}).extinction(), BLACK);
+}
+
+TEST(GridMedia, NanoVdbLetsThroughWhatItsDensityDoes) {
+  WrittenGrid grid = layers("density", 8, 0.25f);
+  const SmokeFile file({grid});
+  // Along x: whole cells of densities 0.25, 0.5 … 2, linear between, and down to 0 after the last.
+  double thickness = 0;
+  for (int x = 0; x < 8; ++x) thickness += 0.25 * (1 + x + (x < 7 ? 2 + x : 0)) / 2;
+  const Rendered r = renderText(
+      view(2, "-3 0 0  1 0 0  0 0 1", 0.1) +
+          "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMakeNamedMedium \"m\" \"string type\" \"nanovdb\" " +
+          file.parameter() +
+          "\"rgb sigma_a\" [.3 .3 .3] \"rgb sigma_s\" [0 0 0]\n"
+          "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\" \"float radius\" 40\n",
+      "path", "", samples(1 << 16));
+  EXPECT_NEAR(r.mean(), std::exp(-0.3 * thickness), 4 * r.standardError());
+  EXPECT_LT(r.standardError(), (SANITIZED ? 0.03 : 0.008) * r.mean());
+}
+
+TEST(GridMedia, NanoVdbGlowsByItsTemperatures) {
+  const SmokeFile file({layers("density", 8, 1), layers("temperature", 8, 400)});
+  Diagnostics diagnostics;
+  const auto medium = makeMedium("nanovdb", file.parameter() + "\"rgb sigma_s\" [0 0 0]", diagnostics);
+  ASSERT_TRUE(medium) << diagnostics.format();
+  EXPECT_TRUE(medium->isEmissive());
+  const double kelvin = 400 * 5.5;
+  const Rgbd expected = rgbOfBlackbody(kelvin, SpectrumKind::ILLUMINANT) *
+                        (5.5 * double(luminance(rgbOfBlackbody(kelvin, SpectrumKind::UNBOUNDED))));
+  const Rgb found = medium->at({4.5f, 0, 0}).emission;
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(double(found[c]) / expected[c], 1, 0.01) << c;
+}
+
+TEST(GridMedia, NanoVdbFilesThatDoNotDoAreNamed) {
+  const auto errorOf = [](const SmokeFile& file) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(makeMedium("nanovdb", file.parameter(), diagnostics));
+    return diagnostics.format();
+  };
+  const auto has = [](const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  };
+  has(errorOf(SmokeFile({layers("fog", 2, 1), layers("flames", 2, 1)})),
+      "recurse-smoke.nvdb has no grid \"density\"");
+  has(errorOf(SmokeFile({layers("fog", 2, 1), layers("flames", 2, 1)})), "its grids are \"fog\", \"flames\"");
+  has(errorOf(SmokeFile({layers("density", 2, 1e20f)})), "too high for single precision");
+  {
+    const SmokeFile cut({layers("density", 2, 1)});
+    std::filesystem::resize_file(cut.path, 400);
+    has(errorOf(cut), "recurse-smoke.nvdb: ");
+  }
+  const SmokeFile negative({layers("density", 2, -1)});
+  Diagnostics diagnostics;
+  const auto none = makeMedium("nanovdb", negative.parameter(), diagnostics);
+  ASSERT_TRUE(none);
+  has(diagnostics.format(), "negative densities count as none");
+  EXPECT_EQ(none->at({1, 0, 0}).extinction(), BLACK);
 }

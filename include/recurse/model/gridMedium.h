@@ -42,9 +42,12 @@ class HeatGlow {
   HeatGlow() = default;
   /** Goes by temperatureoffset, temperaturescale and Lescale. */
   HeatGlow(const Parameters& p, const GridBox& box, SampledGrid<float> temperatures);
+  /** The same for temperatures that are kept elsewhere, `highest` at most. */
+  HeatGlow(const Parameters& p, float highest);
 
   bool empty() const { return table.empty(); }
-  Rgb radianceAt(const Vec3f& scene) const;
+  Rgb radianceAt(const Vec3f& scene) const { return radiance(temperatures.at(box.point(scene))); }
+  Rgb radiance(float temperature) const;
 
  private:
   GridBox box;
