@@ -3,6 +3,7 @@
  * line enters or leaves a ball's reach the field along it is a polynomial, whose roots are isolated.
  */
 #include "recurse/core/polynomialRoots.h"
+#include "recurse/model/ballField.h"
 #include "recurse/model/boxTree.h"
 #include "recurse/model/mappedShape.h"
 #include "recurse/model/plugIns.h"
@@ -33,10 +34,9 @@ BernsteinForm<N + M> product(const BernsteinForm<N>& a, const BernsteinForm<M>& 
   return c;
 }
 
-/** (1 - q)² of the squared distance q in units of the radius; as POV-Ray's blobs. */
 struct Quartic {
   static constexpr size_t DEGREE = 4;
-  static double value(double q) { return square(1 - q); }
+  static double value(double q) { return quarticField(q); }
   static double derivative(double q) { return -2 * (1 - q); }
   static BernsteinForm<DEGREE> along(const BernsteinForm<2>& q) {
     const BernsteinForm<2> w{1 - q[0], 1 - q[1], 1 - q[2]};
@@ -44,10 +44,9 @@ struct Quartic {
   }
 };
 
-/** 1 - 22/9 q + 17/9 q² - 4/9 q³ (Wyvill, McPheeters, Wyvill, "Data Structure for Soft Objects", 1986). */
 struct Wyvill {
   static constexpr size_t DEGREE = 6;
-  static double value(double q) { return 1 + q * (-22 + q * (17 - 4 * q)) / 9; }
+  static double value(double q) { return wyvillField(q); }
   static double derivative(double q) { return (-22 + q * (34 - 12 * q)) / 9; }
   static BernsteinForm<DEGREE> along(const BernsteinForm<2>& q) {
     // (1 - q)² (1 - 4/9 q), whose factors are never negative
@@ -56,11 +55,9 @@ struct Wyvill {
   }
 };
 
-/** Blinn's exp(-4 q) (1982, "A Generalization of Algebraic Surface Drawing"), let down to 0 at q = 1 as
- * (1 - q)² ((1 - q)² + q²), which keeps its slope in the middle and is nowhere off by more than 0.02. */
 struct Blinn {
   static constexpr size_t DEGREE = 8;
-  static double value(double q) { return square(1 - q) * (square(1 - q) + square(q)); }
+  static double value(double q) { return blinnField(q); }
   static double derivative(double q) { return (1 - q) * (-4 + q * (10 - 8 * q)); }
   static BernsteinForm<DEGREE> along(const BernsteinForm<2>& q) {
     const BernsteinForm<4> falling = Quartic::along(q), squared = product<2, 2>(q, q);
@@ -312,7 +309,8 @@ void registerMetaballs(PlugIns& plugIns) {
                                         "how far each ball's field reaches; one for all or one each");
   plugIns.shapes.add(
       {{.name = "metaballs",
-        .summary = "The surface where the fields of balls add up to a threshold; a solid.",
+        .summary = "The surface where the fields of balls add up to a threshold; a solid. The texture "
+                   "\"metaballs\" blends colours by the same fields.",
         .parameters =
             {arrayParameter(ParameterType::POINT3, "P", 0, "", "middles of the balls").require(),
              radius.positive(),

@@ -304,6 +304,43 @@ TEST(Noise, WindyAndMarble) {
   expectNear(marble->value(pointAt({3, 0, 1})), Rgb(.5f, .5f, .5f) * 1.5f, 1e-3);
 }
 
+TEST(Texture, ValuesOfBallsAreBlendedByTheirFields) {
+  const std::string
+      balls = "\"point3 P\" [-1 0 0  1 0 0  0 9 0] \"float radius\" [2 2.5 1] \"float strength\" [1 3 -1] ",
+      colours = "\"rgb values\" [1 0 .5  0 1 .5  7 7 7] ";
+  const Vec3f p(.25f, .5f, -.3f);
+  const double q[2] = {(1.25 * 1.25 + .25 + .09) / 4, (.75 * .75 + .25 + .09) / 6.25};
+  for (const auto& [name, field] : std::map<std::string, double (*)(double)>{
+           {"quartic", [](double x) { return (1 - x) * (1 - x); }},
+           {"wyvill", [](double x) { return 1 - 22 / 9. * x + 17 / 9. * x * x - 4 / 9. * x * x * x; }},
+           {"blinn", [](double x) { return (1 - x) * (1 - x) * ((1 - x) * (1 - x) + x * x); }}}) {
+    const auto t = makeTexture("metaballs", balls + colours + "\"string field\" \"" + name + "\"");
+    const double a = field(q[0]), b = 3 * field(q[1]);
+    expectNear(t->value(pointAt(p)), Rgb(float(a / (a + b)), float(b / (a + b)), .5f), 1e-6, name);
+  }
+  // In reach of one of them, and of none; what takes away has no colour.
+  const auto t = makeTexture("metaballs", balls + colours);
+  expectNear(t->value(pointAt({-2.5f, 0, 0})), {1, 0, .5f}, 1e-6);
+  expectNear(t->value(pointAt({40, 0, 0})), {0, 1, .5f}, 1e-6);
+  expectNear(t->value(pointAt({0, 9, 0})), {0, 1, .5f}, 1e-6);
+  // They move with their transform, as the shape does.
+  Mat4d moved(2);
+  moved[3] = Vec4d(5, 6, 7, 1);
+  expectNear(makeTexture("metaballs", balls + colours, true, moved)->value(pointAt(Vec3f(5, 6, 7) + 2.f * p)),
+             t->value(pointAt(p)), 1e-6);
+  EXPECT_NEAR(makeTexture("metaballs", balls + "\"float values\" [.2 .2 .9]", false)->value(pointAt(p)).g, .2,
+              1e-6);
+  const auto refused = [&](const std::string& parameters, const std::string& part) {
+    Diagnostics diagnostics;
+    EXPECT_FALSE(tryTexture("metaballs", parameters, {Textures(), false}, diagnostics));
+    EXPECT_NE(diagnostics.format().find(part), std::string::npos) << diagnostics.format();
+  };
+  refused(balls + "\"float values\" [1 2]", "2 given for 3 positions");
+  refused(balls + colours, "a float texture is given colours");
+  refused("\"point3 P\" [0 0 0] \"float strength\" 0 \"float values\" [1]",
+          "no ball has a positive strength");
+}
+
 TEST(Texture, DotsAreDiscsInSomeCells) {
   const auto t = makeTexture("dots", "\"float inside\" .8 \"float outside\" .1", false);
   constexpr int CELLS = 24, FINE = 40;
