@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "path.h"
+#include "recurse/core/text.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
+#include "recurse/transport/estimatorTrial.h"
 #include "recurse/transport/irradianceCache.h"
 #include "recurse/transport/mergeWeights.h"
 #include "recurse/transport/photonPass.h"
@@ -18,7 +21,8 @@ namespace recurse {
 namespace {
 
 struct PhotonMappingSettings : PhotonPassSettings {
-  int passes = 0; ///< see Integrator::passes
+  int passes = 0;    ///< see Integrator::passes
+  bool trial = true; ///< of path tracing, which is taken where it errs less
   int lightSamples = 1;
   bool shareIrradiance = true; ///< the rays of final gathers read irradiance found out once near each place
   int finalGather = -1;        ///< rays from the first non-delta surface of a path; -1: one, where that pays
@@ -98,8 +102,13 @@ class PhotonMapping final : public Integrator {
 
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
+    if (pass.index == 0)
+      pathTracer.reset();
+    else if (pathTracer)
+      return {};
     ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
     statistics.counts.add(std::exchange(learned, {}));
+    if (pass.index == 0 && mayLeaveItToPaths(scene)) tryPaths(scene, classes, pass, control, statistics);
     recordSampler = Sampler(pass.seed, pass.index, 0);
     const bool oneClass = classes.lightStateCount() == 1; // else some photons count and some do not
     const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;
@@ -110,12 +119,23 @@ class PhotonMapping final : public Integrator {
 
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
+    if (pathTracer) {
+      pathTracer->backward(scene, ray, sampler, out);
+      return;
+    }
     PathState path;
     path.ray = ray;
     path.camera = out.pathClasses().cameraStart();
     path.nesting = nestingAt(scene, ray, out.counts);
     path.nesting.startIn(scene.cameraMedium());
     trace(scene, path, sampler, out);
+  }
+
+  void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
+    if (pathTracer)
+      pathTracer->backwardBatch(scene, paths);
+    else
+      Integrator::backwardBatch(scene, paths);
   }
 
   std::vector<EstimatorDomain> domains() const override;
@@ -133,6 +153,53 @@ class PhotonMapping final : public Integrator {
  private:
   /** Whether paths decide by themselves where to read the map of indirect light. */
   bool mayGoOn() const { return settings.finalGather < 0 && photons.isProgressive(); }
+
+  // ------------------------------------------------------------------------------------- photons or paths
+
+  /** Whether path tracing finds all light that photons do, and a trial is little work beside the picture. */
+  bool mayLeaveItToPaths(const Scene& scene) const {
+    if (!settings.trial || !mayGoOn() || settings.nearest > 0 || settings.radius > 0 || settings.directLight)
+      return false;
+    bool met = true; // by rays
+    for (size_t i = 0; i < scene.lights().size(); ++i) {
+      const LightKind kind = scene.lights()[i].kind();
+      met = met && (kind == LightKind::AREA || kind == LightKind::ENVIRONMENT);
+    }
+    return scene.lights().size() > 0 && (met || photons.caustics().map.empty()) &&
+           scene.film().crop.area() >= EstimatorTrial::PIXELS;
+  }
+
+  /** Leaves the picture to path tracing where a few blocks of it tell that photons are not worth their work.
+   */
+  void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                const ForwardControl& control, ForwardStatistics& statistics) {
+    constexpr uint64_t STREAM = 0x747269616cull;
+    constexpr double PASS_RAY = 2; // to shoot, store and sort, over a ray of a camera path
+    const Pass other{hashCombine(pass.seed, STREAM), 1, false, pass.time};
+    const EstimatorTrial trial(scene, classes, other.seed, pass.time);
+    std::unique_ptr<Integrator> tracer = makePath(settings.maxDepth, settings.lightSamples);
+    tracer->prepare(scene, classes);
+    statistics.counts.add(tracer->forward(scene, classes, pass, control).counts);
+    EstimatorTrial::Rounds traced{trial.take(*tracer, 0), trial.take(*tracer, 1)}, mapped;
+    mapped[0] = trial.take(*this, 0);
+    const ForwardStatistics shot =
+        photons.with(other, scene, classes, control, lights, [&] { mapped[1] = trial.take(*this, 1); });
+    for (const EstimatorTrial::Rounds* rounds : {&traced, &mapped})
+      for (const TrialSamples& samples : *rounds) statistics.counts.add(samples.counts);
+    statistics.counts.add(shot.counts);
+    if (control.stopped()) return;
+    EstimatorTrial::Figures byMap = EstimatorTrial::figures(mapped, traced),
+                            byPaths = EstimatorTrial::figures(traced, mapped);
+    byMap.work += PASS_RAY * double(shot.counts.rays) / double(scene.film().crop.area());
+    byPaths.add(photons.causticVarianceByRays());
+    const double ratio = byMap.errorOver(byPaths);
+    if (!(ratio > 1)) return;
+    statistics.notes.push_back(formatted(
+        "photons: the picture is left to path tracing, which by a trial errs %.2g times less for the "
+        "same work (\"bool trial\" false: photons anyway)",
+        ratio));
+    pathTracer = std::move(tracer);
+  }
 
   /** Follows a path to the end: emitted light, and at each surface what its lobes bring. */
   void trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const {
@@ -557,7 +624,8 @@ class PhotonMapping final : public Integrator {
   PhotonMappingSettings settings;
   PhotonPass photons;
   LightSampler lights;
-  TransportCounts learned; ///< what that took, until it has been told
+  std::unique_ptr<Integrator> pathTracer; ///< renders in the place of all else; null: photons pay
+  TransportCounts learned;                ///< what that took, until it has been told
   /** At the records of the layers, of this pass; empty where no rays go on. */
   IrradianceCache irradiances, causticIrradiances;
   Sampler recordSampler{0, 0, 0};
@@ -707,13 +775,18 @@ void registerPhotonMapping(PlugIns& plugIns) {
                  "passes", "",
                  "photon maps, each with new photons, smaller radius and its share of the samples; 0: "
                  "one for each sample, the default; 1: the classic method with one map")
-                 .range(0, 1e9)}),
+                 .range(0, 1e9),
+             booleanParameter(
+                 "trial", "true",
+                 "a progressive render tries path tracing on a few blocks of the picture, and is "
+                 "left to it where that errs less for the same work; false: photons anyway")}),
         .examples = {"",
                      "\"integer passes\" 1 \"integer photons\" 20000 \"string direct\" \"photons\" \"float "
                      "radius\" .1",
                      "\"integer passes\" 1 \"integer photons\" 20000 \"integer finalgather\" 4"}},
        [](const Parameters& p, const NoContext&) {
          PhotonMappingSettings s = common(p);
+         s.trial = p.boolean("trial");
          s.passes = p.hasValue("passes") ? p.integer("passes") : 0;
          if (p.hasValue("photons") && p.hasValue("passes"))
            s.photons = static_cast<uint64_t>(p.integer("photons"));
@@ -733,6 +806,7 @@ void registerPhotonMapping(PlugIns& plugIns) {
         .examples = {""}},
        [](const Parameters& p, const NoContext&) {
          PhotonMappingSettings s = common(p);
+         s.trial = false;
          const int n = p.hasValue("photons") ? p.integer("photons") : p.integer("photonsperiteration");
          s.photons = n > 0 ? static_cast<uint64_t>(n) : 0;
          return std::make_unique<PhotonMapping>(s);

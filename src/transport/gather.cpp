@@ -34,6 +34,7 @@ class Estimate {
     }
   }
 
+  bool isLambertian() const { return lambertian; }
   /** The most common case, quick: a Lambertian BSDF, and paths of all classes alike. */
   bool oneSum() const { return lambertian && states == 1 && listed == 1; }
   void set(const Vec3f8& power) { lanes[0] = power; }
@@ -272,6 +273,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
     });
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
+  if (!estimate.isLambertian()) out.counts.photonsScattered += static_cast<uint64_t>(result.found);
   if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (disc.radius2 * disc.part)));
   return result;
 }

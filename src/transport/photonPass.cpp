@@ -84,6 +84,21 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   return statistics;
 }
 
+ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const PathClasses& classes,
+                                   const ForwardControl& control, const LightSampler& shadowRays,
+                                   const std::function<void()>& use) {
+  PhotonMap caustics = std::move(causticLayer.map), indirect = std::move(indirectLayer.map);
+  VolumePhotonMap inMedia = std::move(volumeMap);
+  const float scale = radiusOverFirst;
+  const ForwardStatistics statistics = run(scene, classes, other, control, shadowRays);
+  use();
+  causticLayer.map = std::move(caustics);
+  indirectLayer.map = std::move(indirect);
+  volumeMap = std::move(inMedia);
+  radiusOverFirst = scale;
+  return statistics;
+}
+
 void PhotonPass::learnVolumePart(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                  ShootSettings shoot, const ForwardControl& control,
                                  ForwardStatistics& statistics) {
@@ -126,6 +141,17 @@ void PhotonPass::learnRadii(const Scene& scene, const LightSampler* shadowRays,
                          rays, statistics.counts);
   }
   causticsKnown = causticLayer.map.size() * MIN_STORED >= emitted;
+  causticRays = 0;
+  for (const VisiblePoint& visible : manySeen) {
+    const auto at = [&](const PhotonLayer& layer) {
+      const CachedRadius near = layer.cache.at(visible.point.position, visible.point.geometricNormal);
+      return near.known ? &layer.cache.place(near.index) : nullptr;
+    };
+    const RadiusCache::Place *caustic = at(causticLayer), *other = at(indirectLayer);
+    if (!caustic || !(caustic->worth.raysVariance > 0)) continue;
+    const double all = double(caustic->worth.irradiance) + (other ? double(other->irradiance) : 0);
+    causticRays += double(caustic->worth.raysVariance) / square(all) / double(manySeen.size());
+  }
 }
 
 namespace {

@@ -320,7 +320,8 @@ class PlaceFinder {
     const double byBoth = byRays > 0 ? byRays * byPhotons / (byRays + byPhotons) : 0;
     const double rest = std::max(0.0, sum.direct2 / n - square(sum.direct / n)) + OTHER * all2;
     return {static_cast<float>((rest + byRays) / (rest + byBoth) - 1),
-            static_cast<float>((all2 + byRays) / (all2 + byPhotons)), static_cast<float>(byRays)};
+            static_cast<float>((all2 + byRays) / (all2 + byPhotons)), static_cast<float>(byRays),
+            static_cast<float>(std::sqrt(all2))};
   }
 
   float kthDistance(GatherRegion region, PhotonScratch& scratch) const {

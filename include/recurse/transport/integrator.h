@@ -33,12 +33,14 @@ struct TransportCounts {
   double truncatedThroughput = 0; ///< throughput lost to depth and weight limits, summed over eye paths
   uint64_t gathers = 0;           ///< density estimates
   uint64_t photonsFound = 0;      ///< over all gathers
+  uint64_t photonsScattered = 0;  ///< of them those whose BSDF was evaluated one by one
   void add(const TransportCounts& o) {
     rays += o.rays;
     nonFinite += o.nonFinite;
     truncatedThroughput += o.truncatedThroughput;
     gathers += o.gathers;
     photonsFound += o.photonsFound;
+    photonsScattered += o.photonsScattered;
   }
 };
 

@@ -49,6 +49,11 @@ class PhotonPass {
   ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
                         const ForwardControl& control, const LightSampler& shadowRays);
 
+  /** Calls `use` with the maps of another pass than the first in the place of these. */
+  ForwardStatistics with(const Pass& other, const Scene& scene, const PathClasses& classes,
+                         const ForwardControl& control, const LightSampler& shadowRays,
+                         const std::function<void()>& use);
+
   /** Photons that nothing but mirrors and glass lies behind, and with `directLight` those straight from
    * lights. */
   const PhotonLayer& caustics() const { return causticLayer; }
@@ -58,6 +63,9 @@ class PhotonPass {
   const VolumePhotonMap& inMedia() const { return volumeMap; }
   /** Fewer than one in MIN_STORED photons of the first pass came down on surfaces: they tell too little. */
   bool useless() const { return tooFew; }
+  /** Relative variance of what one camera ray from each visible place finds of caustics, the mean over all.
+   */
+  double causticVarianceByRays() const { return causticRays; }
   bool isProgressive() const { return progressive; }
   /** Radius of this pass over that of the first. */
   float scale() const { return radiusOverFirst; }
@@ -103,6 +111,7 @@ class PhotonPass {
   LightTable lights;       ///< by what comes in
   PhotonGuidance guidance; ///< the same
   uint64_t emitted = 0;
+  double causticRays = 0; ///< see causticVarianceByRays
   bool progressive = false, tooFew = false, causticsKnown = false;
   float radiusOverFirst = 1;
 };

@@ -36,6 +36,7 @@ struct GatherWorth {
   float beside = INFINITE;  ///< a ray that goes on, and shares the light with it
   float instead = INFINITE; ///< of such a ray
   float raysVariance = 0;   ///< of what one such ray estimates [W²/m⁴]
+  float irradiance = 0;     ///< of the layer's photons and the direct light together [W/m²]
 };
 
 /** What camera rays would do in the place of photons. */

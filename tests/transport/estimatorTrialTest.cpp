@@ -1,0 +1,102 @@
+/** @file
+ * Trials of estimators, and what photonmap makes of them.
+ */
+#include "rendering.h"
+
+#include <random>
+
+#include "recurse/transport/estimatorTrial.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Large enough for a trial. */
+constexpr int SIZE = 96;
+
+/** A ball with a nearly smooth coat on a floor of the same, under an open sky. */
+std::string coats() {
+  return view(SIZE, "0 1.5 4  0 .4 0  0 1 0", 40) + "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+                                                    "Material \"coateddiffuse\" \"float roughness\" .001\n"
+                                                    "Shape \"sphere\" \"float radius\" .6\n"
+                                                    "Translate 0 -.6 0\n"
+                                                    "Shape \"disk\" \"float radius\" 5\n";
+}
+
+/** A glass ball in a box with a small lamp. */
+std::string glassBall(const std::string& lamp) {
+  return view(SIZE, "0 0 3.9  0 0 0  0 1 0", 39.3) + R"(
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  -1 1 1  1 1 1  1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  1 1 -1  1 -1 -1 ]
+)" + lamp +
+         R"(
+AttributeBegin
+Material "dielectric"
+Translate 0 -.5 0
+Shape "sphere" "float radius" .4
+AttributeEnd
+)";
+}
+
+bool isLeftToPaths(const Rendered& r) {
+  for (const std::string& note : r.statistics.notes)
+    if (note.find("left to path tracing") != std::string::npos) return true;
+  return false;
+}
+
+} // namespace
+
+TEST(EstimatorTrial, FiguresAreVariancesByScale) {
+  std::mt19937 random(1);
+  std::normal_distribution<float> normal;
+  constexpr float MEAN = 2, PIXEL = 0.3f, SHARED = 0.1f;
+  constexpr int BLOCK_PIXELS = EstimatorTrial::BLOCK * EstimatorTrial::BLOCK;
+  EstimatorTrial::Rounds noisy, exact;
+  for (int k = 0; k < 2; ++k) {
+    float shared = 0;
+    for (int i = 0; i < EstimatorTrial::PIXELS; ++i) {
+      if (i % BLOCK_PIXELS == 0) shared = SHARED * normal(random);
+      noisy[size_t(k)].luminance.push_back(MEAN + shared + PIXEL * normal(random));
+      exact[size_t(k)].luminance.push_back(MEAN);
+    }
+    noisy[size_t(k)].counts.rays = exact[size_t(k)].counts.rays = 3 * EstimatorTrial::PIXELS;
+  }
+  const EstimatorTrial::Figures f = EstimatorTrial::figures(noisy, exact);
+  // The denominator is what it should be but for a hundredth of the mean square.
+  const double ofPixels = (PIXEL * PIXEL + SHARED * SHARED) / (1.01 * MEAN * MEAN);
+  const double ofBlocks = (PIXEL * PIXEL / BLOCK_PIXELS + SHARED * SHARED) / (1.01 * MEAN * MEAN);
+  EXPECT_NEAR(f.ofPixels, ofPixels, 0.1 * ofPixels);
+  EXPECT_NEAR(f.ofBlocks, ofBlocks, 0.4 * ofBlocks); // 144 blocks
+  EXPECT_DOUBLE_EQ(f.work, 3);
+  EXPECT_EQ(EstimatorTrial::figures(exact, noisy).ofPixels, 0);
+
+  EstimatorTrial::Figures slower = f;
+  slower.work *= 2;
+  slower.add(0);
+  EXPECT_DOUBLE_EQ(slower.errorOver(f), 2);
+}
+
+TEST(EstimatorTrial, PhotonmapLeavesCoatsUnderTheSkyToPaths) {
+  const auto scene = sceneFrom(coats());
+  const Rendered paths = renderScene(*scene, "path", "", 2), chosen = renderScene(*scene, "photonmap", "", 2);
+  EXPECT_TRUE(isLeftToPaths(chosen));
+  for (size_t i = 0; i < paths.pixels(); ++i) ASSERT_EQ(chosen.value(i), paths.value(i)) << i;
+  EXPECT_FALSE(isLeftToPaths(renderScene(*scene, "photonmap", "\"bool trial\" false", 2)));
+}
+
+TEST(EstimatorTrial, PhotonmapKeepsPhotonsForCaustics) {
+  const char* lamp = R"(
+AttributeBegin
+Translate 0 .95 0
+AreaLightSource "diffuse" "rgb L" [ 900 900 900 ]
+Shape "sphere" "float radius" .02
+AttributeEnd
+)";
+  EXPECT_FALSE(isLeftToPaths(renderText(glassBall(lamp), "photonmap", "", 1)));
+  // Path tracing does not find a point light's caustic, whatever its own noise.
+  EXPECT_FALSE(isLeftToPaths(renderText(
+      glassBall("LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 .9 0]"), "photonmap", "", 1)));
+}
