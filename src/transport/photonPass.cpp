@@ -126,7 +126,7 @@ void PhotonPass::learnRadii(const Scene& scene, const LightSampler* shadowRays,
                                     settings.weighting, statistics.counts);
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
-  tooFew = stored * MIN_STORED < emitted;
+  tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
   if (tooFew && emitted > 0 && volumeMap.size() == 0 && scene.lights().size() > 0)
     statistics.warnings.push_back(formatted(
         "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "

@@ -61,7 +61,7 @@ class PhotonPass {
   const PhotonLayer& indirect() const { return indirectLayer; }
   /** Those in media that have scattered before, and with `directLight` all. */
   const VolumePhotonMap& inMedia() const { return volumeMap; }
-  /** Fewer than one in MIN_STORED photons of the first pass came down on surfaces: they tell too little. */
+  /** Fewer than one in MIN_STORED photons of the first pass, or than MIN_MAP, came down on surfaces. */
   bool useless() const { return tooFew; }
   /** Relative variance of what one camera ray from each visible place finds of caustics, the mean over all.
    */
@@ -91,6 +91,9 @@ class PhotonPass {
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
 
   static constexpr uint64_t MIN_STORED = 1000;
+  /** Fewer photons in a map tell too little as well: an estimate by eight of them would average over a
+   * hundredth of all that is lit, a stain as wide as a wall. */
+  static constexpr size_t MIN_MAP = 800;
 
  private:
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
