@@ -80,7 +80,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   statistics.balanceSeconds = secondsSince(start);
   statistics.mapBytes =
       causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + volumeMap.memoryBytes();
-  if (pass.index == 0) learnRadii(scene, shoot.shadowRays, statistics);
+  if (pass.index == 0) learnRadii(scene, classes, shoot.shadowRays, statistics);
   return statistics;
 }
 
@@ -113,7 +113,7 @@ void PhotonPass::learnVolumePart(const Scene& scene, const PathClasses& classes,
       std::min(1.0, MOST * double(TRIALS) / double(std::max<size_t>(1, shot.inMedia.size()))));
 }
 
-void PhotonPass::learnRadii(const Scene& scene, const LightSampler* shadowRays,
+void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler* shadowRays,
                             ForwardStatistics& statistics) {
   const RayAlternative rays{static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()),
                             shadowRays};
@@ -127,7 +127,8 @@ void PhotonPass::learnRadii(const Scene& scene, const LightSampler* shadowRays,
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
-  if (tooFew && emitted > 0 && volumeMap.size() == 0 && scene.lights().size() > 0)
+  const bool areAllWanted = classes.lightStateCount() == 1; // else none may be, as in LDE
+  if (tooFew && areAllWanted && emitted > 0 && volumeMap.size() == 0 && scene.lights().size() > 0)
     statistics.warnings.push_back(formatted(
         "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "
         "lights will be noisy",

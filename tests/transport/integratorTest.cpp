@@ -9,6 +9,7 @@
 
 #include "recurse/core/image.h"
 #include "recurse/transport/gather.h"
+#include "recurse/transport/pathExpression.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -344,6 +345,24 @@ TEST(Integrators, EmptyAndDarkScenes) {
                   .mean(),
               0);
   }
+}
+
+TEST(Integrators, WarnOfFewPhotonsWhereTheyAreWanted) {
+  const auto scene = sceneFrom(floorUnder("LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 0 1]"));
+  const auto warns = [&](const std::string& paths) {
+    const auto integrator = integratorFrom("photonmap", "");
+    const PathClasses classes(std::vector<PathClass>{{"one", paths}});
+    Film film(scene->film().crop, 1);
+    RenderSettings settings;
+    settings.samplesPerPixel = 1;
+    const std::atomic<bool> stop{false};
+    for (const std::string& w :
+         render(*scene, *integrator, classes, settings, film, stop, nullptr, nullptr).warnings)
+      if (w.find("photons came down") != std::string::npos) return true;
+    return false;
+  };
+  EXPECT_TRUE(warns("all")); // nothing is met after the floor
+  EXPECT_FALSE(warns("LDE"));
 }
 
 TEST(Integrators, InstancesLookLikeCopies) {

@@ -102,7 +102,8 @@ class PhotonPass {
   /** How many photons in media to keep. */
   void learnVolumePart(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                        const ForwardControl& control, ForwardStatistics& statistics);
-  void learnRadii(const Scene& scene, const LightSampler* shadowRays, ForwardStatistics& statistics);
+  void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler* shadowRays,
+                  ForwardStatistics& statistics);
   uint64_t photonCount(const Scene& scene) const;
 
   PhotonPassSettings settings;
