@@ -24,7 +24,7 @@ std::string tuft(const std::string& material, const std::string& type) {
 }
 
 const char* const HAIR = "Material \"hair\" \"rgb sigma_a\" [.1 .3 .6] \"float beta_n\" .4";
-const char* const LAMP =
+const char* const HAIR_LAMP =
     "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 20 20 20 ]\nTranslate 1.5 -1 2\n"
     "Shape \"sphere\" \"float radius\" .4\nAttributeEnd\n";
 const char* const GROUND =
@@ -50,7 +50,7 @@ TEST(Hair, WhiteHairVanishesInAFurnace) {
 
 TEST(Hair, PhotonsBringTheSameLightAsRays) {
   for (const char* material : {HAIR, "Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]"}) {
-    const auto scene = sceneFrom(view(16, VIEW, 40) + LAMP + GROUND + tuft(material, "cylinder"));
+    const auto scene = sceneFrom(view(16, VIEW, 40) + HAIR_LAMP + GROUND + tuft(material, "cylinder"));
     const Rendered rays = renderScene(*scene, "path", "", samples(1024));
     for (const char* parameters :
          {"\"integer passes\" 32 \"integer photons\" 20000",
@@ -63,7 +63,7 @@ TEST(Hair, PhotonsBringTheSameLightAsRays) {
 }
 
 TEST(Hair, NoPhotonIsKeptOnIt) {
-  const auto scene = sceneFrom(view(8, VIEW, 40) + LAMP + tuft(HAIR, "flat"));
+  const auto scene = sceneFrom(view(8, VIEW, 40) + HAIR_LAMP + tuft(HAIR, "flat"));
   const Rendered r = renderScene(
       *scene, "photonmap", "\"integer passes\" 1 \"integer photons\" 5000 \"string direct\" \"photons\"", 4);
   EXPECT_EQ(r.statistics.photonsStored, 0u);
@@ -71,7 +71,7 @@ TEST(Hair, NoPhotonIsKeptOnIt) {
 }
 
 TEST(Hair, WhatNeedsReciprocityLeavesItToPath) {
-  const auto scene = sceneFrom(view(8, VIEW, 40) + LAMP + tuft(HAIR, "flat"));
+  const auto scene = sceneFrom(view(8, VIEW, 40) + HAIR_LAMP + tuft(HAIR, "flat"));
   for (const char* name : {"bdpt", "vcm", "lightpath", "vpl", "simplephotonmap"})
     EXPECT_EQ(unsupportedPart(*integratorFrom(name, ""), *scene), "hair") << name;
   for (const char* name : {"path", "simplepath", "photonmap", "whitted"})
