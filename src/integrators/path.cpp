@@ -2,8 +2,6 @@
  * The unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It
  * is the truth that the photon map is compared with.
  */
-#include "path.h"
-
 #include <utility>
 
 #include "recurse/core/inPlace.h"
@@ -293,10 +291,6 @@ class Path final : public Integrator {
 };
 
 } // namespace
-
-std::unique_ptr<Integrator> makePath(int maxDepth, int lightSamples) {
-  return std::make_unique<Path>(maxDepth, lightSamples);
-}
 
 void registerPath(PlugIns& plugIns) {
   static const std::string SAME_PICTURE = "the picture is the same in the end, what is hard to find is not";

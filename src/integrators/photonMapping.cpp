@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "path.h"
 #include "recurse/core/text.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/transport/directLight.h"
@@ -177,7 +176,11 @@ class PhotonMapping final : public Integrator {
     constexpr double PASS_RAY = 2; // to shoot, store and sort, over a ray of a camera path
     const Pass other{hashCombine(pass.seed, STREAM), 1, false, pass.time};
     const EstimatorTrial trial(scene, classes, other.seed, pass.time);
-    std::unique_ptr<Integrator> tracer = makePath(settings.maxDepth, settings.lightSamples);
+    Diagnostics diagnostics;
+    std::unique_ptr<Integrator> tracer = plugIns().integrators.make(
+        parseParameterText("path", formatted("\"integer maxdepth\" %d \"integer lightsamples\" %d",
+                                             settings.maxDepth, settings.lightSamples)),
+        {}, diagnostics);
     tracer->prepare(scene, classes);
     statistics.counts.add(tracer->forward(scene, classes, pass, control).counts);
     EstimatorTrial::Rounds traced{trial.take(*tracer, 0), trial.take(*tracer, 1)}, mapped;
