@@ -151,7 +151,9 @@ class PhotonWalk {
     SpectralPath spectral{flight.flux, flight.own, Rgb(1)};
     const Collision c =
         flyThrough(*medium, flight.ray, end, flight.hero, sampler, spectral, [](const Rgb&) {});
-    const float before = maxComponent(flight.flux);
+    // Single channels go up and down with their densities; their mean does not, and roulette by it keeps
+    // powers alike.
+    const float before = flight.flux.r + flight.flux.g + flight.flux.b;
     flight.flux = spectral.throughput;
     flight.own = spectral.own;
     if (isBlack(flight.flux)) return Through::ENDS;
@@ -168,7 +170,7 @@ class PhotonWalk {
       inMedia.push_back(
           {position, packDirection(direction), flight.flux / settings.volumePart, number, flight.state.byte});
     ++flight.depth;
-    const float chance = std::min(1.0f, maxComponent(flight.flux) / before);
+    const float chance = std::min(1.0f, (flight.flux.r + flight.flux.g + flight.flux.b) / before);
     if (!russianRoulette(chance, flight.depth, sampler, flight.flux)) return Through::ENDS;
     flight.state = after;
     flight.caustic = false;
