@@ -82,7 +82,7 @@ class NanoVdbWriter {
     size_t tile = root + ROOT;
     for (auto& [at, place] : uppers) {
       place = grow(b, UPPER);
-      const auto part = [&](size_t axis) { return uint64_t(uint32_t(at[axis]) >> 12); };
+      const auto part = [&corner = at](size_t axis) { return uint64_t(uint32_t(corner[axis]) >> 12); };
       put(b, tile, part(0) << 42 | part(1) << 21 | part(2));
       put(b, tile + 8, int64_t(place - root));
       tile += TILE;
