@@ -223,6 +223,7 @@ TEST(Media, WrongOnesAreTold) {
   tells("\"string type\" \"uniformgrid\" \"float density\" 1e20", "density");
   tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"point3 p1\" [0 1 1]", "flat");
   tells("\"string type\" \"rgbgrid\"", "neither");
+  tells("\"string type\" \"rgbgrid\" \"rgb sigma_a\" [1e18 0 0]", "steps through the grid");
   tells("\"string type\" \"homogeneous\" \"string preset\" \"Wholemilks\"", "Wholemilk");
 }
 
