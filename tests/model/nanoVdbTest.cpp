@@ -169,7 +169,8 @@ TEST(NanoVdb, NoBytesAreTrusted) {
   std::mt19937 random(9);
   int refused = 0, taken = 0;
   std::string bytes = good;
-  for (int run = 0; run < samples(4000); ++run) {
+  const int runs = samples(4000);
+  for (int run = 0; run < runs; ++run) {
     std::vector<std::pair<size_t, char>> before;
     for (uint32_t n = 1 + random() % 3; n > 0; --n) {
       const size_t at = places[random() % places.size()];
@@ -186,8 +187,8 @@ TEST(NanoVdb, NoBytesAreTrusted) {
     }
     for (size_t i = before.size(); i-- > 0;) bytes[before[i].first] = before[i].second;
   }
-  EXPECT_GT(refused, 100);
-  EXPECT_GT(taken, 100);
+  EXPECT_GT(40 * refused, runs);
+  EXPECT_GT(40 * taken, runs);
 }
 
 #ifdef RECURSE_HAS_NANOVDB
