@@ -133,7 +133,7 @@ TEST(PortalSampler, TheRoomIsAsBrightAsWithoutPortals) {
   PortalSampler portals;
   portals.learn(*scene);
   ASSERT_FALSE(portals.active());
-  const int count = samples(16);
+  const int count = 16;
   const Rendered with = renderText(roomWithRoofLight(), "path", "", count);
   const Rendered without = renderText(roomWithRoofLight(SMALL), "path", "", 2000 * count);
   const double error = std::hypot(with.standardError(), without.standardError());
