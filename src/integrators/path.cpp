@@ -153,7 +153,7 @@ class Path final : public Integrator {
                            w.throughput * emittedRadiance(scene, settings.guide, hit, direction, w.last,
                                                           settings.lightSamples));
         w.width += w.spread * hit.t;
-        drawWavelength(scene, rays[i], w.wavelength, hit);
+        drawWavelength(scene, w.wavelength, w.path->sampler, hit);
         const Bsdf* bsdf =
             bsdfAt(scene, hit, direction, {direction, w.width * w.path->ray.sampleSpacing}, w.nesting, arena);
         if (!bsdf) {

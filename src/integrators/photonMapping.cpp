@@ -224,7 +224,7 @@ class PhotonMapping final : public Integrator {
           !(hit.material->lobes() & DELTA_LOBES))
         return;
       arena.reset();
-      drawWavelength(scene, path.ray, path.wavelength, hit);
+      drawWavelength(scene, path.wavelength, sampler, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, path.ray.direction, footprint(path.ray), path.nesting, arena);
       if (!bsdf) {
         path.nesting.enterMedium(hit, path.ray.direction);

@@ -194,7 +194,7 @@ class PhotonWalk {
       }
       if (!met) return;
       arena.reset();
-      drawWavelength(scene, ray, wavelength, hit);
+      drawWavelength(scene, wavelength, sampler, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
       if (!bsdf) {
         nesting.enterMedium(hit, ray.direction);

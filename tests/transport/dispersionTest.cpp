@@ -125,6 +125,29 @@ Shape "sphere"
   for (const char* integrator : {"simplepath", "photonmap", "whitted", "bdpt"}) check(integrator, 256, 0.04);
 }
 
+/** The samples of a pixel share the spectrum out among them. */
+TEST(Dispersion, WavelengthsOfAPixelAreStratified) {
+  constexpr int N = 64, COLOURS = 10000;
+  const ThreadPool pool;
+  const auto scene = sceneFrom(view(16, "0 0 4  0 0 0  0 1 0", 8) + R"(
+LightSource "infinite" "rgb L" [ 1 1 1 ]
+Material "dielectric" "spectrum eta" "glass-F11"
+Shape "sphere"
+)");
+  double independent = 0; // squared error of N wavelengths, all three colours
+  for (int i = 0; i < COLOURS; ++i) {
+    const Rgb e = wavelengthColour(sampleWavelength((static_cast<float>(i) + 0.5f) / COLOURS)) - Rgb(1);
+    independent += double(glm::dot(e, e)) / COLOURS / N;
+  }
+  const Rendered r = renderScene(*scene, "path", "", samples(N));
+  double error = 0;
+  for (size_t p = 0; p < r.pixels(); ++p) {
+    const Rgb e = r.value(p) - Rgb(1);
+    error += double(glm::dot(e, e)) / double(r.pixels());
+  }
+  EXPECT_LT(error, 0.5 * independent);
+}
+
 /** Light is split alike by whoever follows it: behind a prism of the eye's side, and in caustics. */
 TEST(Dispersion, EyePathsAndPhotonsAgree) {
   const ThreadPool pool;

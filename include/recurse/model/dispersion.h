@@ -1,7 +1,7 @@
 /** @file
  * Light of one wavelength among colours: from the first dispersive refraction on a path has a wavelength, and
  * the colour that white light takes on by it (Wilkie et al. 2014 draw it before; what is mirrored before that
- * refraction stays white here, so that all wavelengths are in one sample).
+ * refraction stays white here, so that all wavelengths are in one sample; doc-files/notes/dispersion.md).
  */
 #pragma once
 

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <limits>
 
 #include "recurse/core/sampler.h"
@@ -80,23 +79,13 @@ inline bool intersectPosition(const Scene& scene, const Ray& ray, Hit& hit, Tran
   return scene.intersectPosition(ray, hit);
 }
 
-/** A number in [0, 1) that looks random. */
-inline float unitHash(const Ray& ray) {
-  uint64_t key = 0;
-  for (int i = 0; i < 3; ++i)
-    key = hashCombine(key, uint64_t(std::bit_cast<uint32_t>(ray.origin[i])) << 32 |
-                               std::bit_cast<uint32_t>(ray.direction[i]));
-  return unitFloat(static_cast<uint32_t>(key >> 32));
-}
-
 /** Before bsdfAt(): a dispersive surface refracts by the wavelength of the walk, or of white light by one
- * that is drawn. So that other scenes pay nothing, no number of the sampler's is used, but a hash of the ray.
- */
-inline void drawWavelength(const Scene& scene, const Ray& ray, float wavelength, Hit& hit) {
+ * that is drawn. */
+inline void drawWavelength(const Scene& scene, float wavelength, Sampler& sampler, Hit& hit) {
   if (!(scene.contents().lobes & DISPERSIVE) || !hit.material || !(hit.material->lobes() & DISPERSIVE))
     return;
   hit.point.isWhite = wavelength == 0;
-  hit.point.wavelength = wavelength > 0 ? wavelength : sampleWavelength(unitHash(ray));
+  hit.point.wavelength = wavelength > 0 ? wavelength : sampleWavelength(sampler.next1D());
 }
 
 /** After a step: light that has been refracted by a wavelength keeps it. Returns the colour that white light

@@ -68,7 +68,7 @@ template <class State> class Walker {
       arena.reset();
       const Footprint footprint =
           path.width > 0 ? Footprint{path.ray.direction, path.width * path.sampleSpacing} : Footprint();
-      drawWavelength(scene, path.ray, path.wavelength, vertex.hit);
+      drawWavelength(scene, path.wavelength, sampler, vertex.hit);
       const Bsdf* bsdf = bsdfAt(scene, vertex.hit, path.ray.direction, footprint, path.nesting, arena);
       if (bsdf) {
         if (endsByDepth(path)) return false;
