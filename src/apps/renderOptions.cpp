@@ -166,7 +166,6 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
   if (!plan.checkpoint.empty() || cluster())
     kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
   if (cluster()) {
-    if (plan.adaptive) throw Error("--adaptive: one process only", ExitStatus::BAD_USAGE);
     auto identity = kept.identity;
     identity["seed"] = std::to_string(settings.seed);
     cluster()->join(identity);

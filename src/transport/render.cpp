@@ -159,7 +159,6 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   std::vector<TransportCounts> tileCounts(tiles);
   const int64_t first = settings.firstSample, last = settings.endSample > 0 ? settings.endSample : wanted;
   SampleAllocation* const allocation = settings.allocation;
-  if (allocation) allocation->setMapPerSample(passes == 0 || passes == wanted);
   const uint64_t samplesBefore = film.totalSamples();
   std::atomic<uint64_t> samplesDone{samplesBefore}, raysDone{0};
   std::atomic<bool> timeUp{settings.timeLimit > 0 && samplesBefore > 0 &&
@@ -251,7 +250,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     }
     const Clock::time_point roundStart = Clock::now();
     const int64_t stageEnd = allocation ? std::min(SampleAllocation::stageEnd(sample), last) : last;
-    if (allocation) allocation->begin(sample, stageEnd, settings.seed, film);
+    if (allocation) allocation->begin(sample, stageEnd, settings.seed);
     const int64_t end = std::min({renderer.passEnd(pass), sample + round, stageEnd});
     // How many samples of a pixel there are to be at the end of the round.
     const auto due = [&](size_t pixel) {
@@ -261,7 +260,8 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
       // None is left where the tile was done before the round was interrupted.
       const uint64_t before = film.samples(pixel), after = std::max(before, due(pixel));
       return SampleRenderer::PixelSamples{uint64_t(first) + before, uint64_t(first) + after,
-                                          allocation ? allocation->pilotsLeft(pixel, end) : 0};
+                                          allocation ? allocation->pilotsDone(pixel) : 0,
+                                          allocation ? allocation->pilotsDue(end) : 0};
     };
     std::atomic<size_t> tilesDone{0};
     parallelFor(tiles, [&](size_t number) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include "recurse/core/parallel.h"
@@ -123,11 +124,6 @@ int64_t SampleAllocation::pilots(int64_t from, int64_t sample) const {
   return before(sample) - before(from);
 }
 
-uint64_t SampleAllocation::pilotsLeft(size_t pixel, int64_t sample) const {
-  const auto wanted = uint64_t(pilotsUpTo(stage.first) + pilots(stage.first, sample));
-  return wanted - std::min(wanted, pixels[pixel].pilots);
-}
-
 uint64_t SampleAllocation::due(size_t pixel, int64_t sample) const {
   const Pixel& p = pixels[pixel];
   const auto done = uint64_t(sample - stage.first), all = uint64_t(stage.end - stage.first),
@@ -144,14 +140,61 @@ uint64_t SampleAllocation::due(size_t pixel, int64_t sample) const {
          spread(p.extra - single, done, all);
 }
 
-void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed, const Film& film) {
+void SampleAllocation::addStagePilots() {
+  const auto before = uint64_t(pilotsUpTo(stage.first)), count = uint64_t(pilots(stage.first, stage.end));
+  parallelFor(height, [&](size_t y) {
+    for (uint64_t n = before; n < before + count; ++n)
+      for (size_t i = y * width; i < (y + 1) * width; ++i) {
+        Pixel& p = pixels[i];
+        const auto luminance = double(stagePilots[i * MAX_PILOTS + size_t(n - before)]);
+        p.luminance += luminance;
+        p.luminanceSquared += luminance * luminance;
+        p.difference += n / BLOCK % 2 == 0 ? luminance : -luminance;
+        if ((n + 1) % (2 * BLOCK) == 0) {
+          p.differencesSquared += p.difference * p.difference;
+          p.difference = 0;
+        }
+        if (mapPerSample) p.pair = i % width % 2 == 0 ? luminance : p.pair + pixels[i - 1].pair * luminance;
+        p.pilots = before + count;
+      }
+  });
+}
+
+std::vector<std::byte> SampleAllocation::plan() const {
+  std::vector<std::byte> out(sizeof stage + pixels.size() * 2 * sizeof(uint32_t));
+  std::memcpy(out.data(), &stage, sizeof stage);
+  std::byte* to = out.data() + sizeof stage;
+  for (const Pixel& p : pixels)
+    for (const uint32_t& number : {p.before, p.extra}) {
+      std::memcpy(to, &number, sizeof number);
+      to += sizeof number;
+    }
+  return out;
+}
+
+void SampleAllocation::setPlan(std::span<const std::byte> plan) {
+  std::memcpy(&stage, plan.data(), sizeof stage);
+  const std::byte* from = plan.data() + sizeof stage;
+  for (Pixel& p : pixels)
+    for (uint32_t* number : {&p.before, &p.extra}) {
+      std::memcpy(number, from, sizeof *number);
+      from += sizeof *number;
+    }
+}
+
+void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
   if (stage.end == end) return; // an interrupted one
+  std::vector<uint64_t> has(pixels.size());
+  if (stage.end > 0) {
+    for (size_t i = 0; i < pixels.size(); ++i) has[i] = due(i, stage.end);
+    addStagePilots();
+  }
   stage = {sample, end, seed};
   double left = double(end) * double(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
-    pixels[i].before = static_cast<uint32_t>(film.samples(i));
+    pixels[i].before = static_cast<uint32_t>(has[i]);
     pixels[i].extra = 0;
-    left -= double(film.samples(i)) + double(pilots(sample, end));
+    left -= double(has[i]) + double(pilots(sample, end));
   }
   if (sample == 0 || !(left > 0)) return;
 

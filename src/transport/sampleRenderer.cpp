@@ -63,9 +63,9 @@ class EyeBatch {
       r.abandon = abandon;
     }
   }
-  /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: the allocation
-   * is told of it. */
-  void add(uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner, bool pilot) {
+  /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: number of a
+   * pilot, of which the allocation is told. */
+  void add(uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner, std::optional<size_t> pilot) {
     if (abandoned) return;
     Place& place = places[count++];
     CameraPath& path = paths.emplace_back(Sampler(round.seed, stream, index), radiance[paths.size()]);
@@ -97,7 +97,7 @@ class EyeBatch {
       path += !place.seesNothing;
       expose(scene.film(), seen);
       film.add(place.pixel, place.weight, seen.values(), seen.total());
-      if (place.pilot) allocation->addPilot(place.pixel, double(luminance(seen.total())));
+      if (place.pilot) allocation->addPilot(place.pixel, *place.pilot, luminance(seen.total()));
       ++samplesTaken;
     }
     paths.clear();
@@ -112,7 +112,8 @@ class EyeBatch {
   struct Place {
     size_t pixel;
     float weight;
-    bool pilot, seesNothing;
+    std::optional<size_t> pilot;
+    bool seesNothing;
   };
   const Scene& scene;
   const Integrator& integrator;
@@ -145,6 +146,7 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
       moves(scene.moves()), tilesX((film.bounds().width() + TILE - 1) / TILE),
       tilesY((film.bounds().height() + TILE - 1) / TILE) {
   statistics.threads = threadCount();
+  if (settings.allocation) settings.allocation->setMapPerSample(passCount == 0 || passCount == wanted);
   if (const std::string unsupported = unsupportedPart(integrator, scene); !unsupported.empty())
     throw Error("the integrator does not render " + unsupported);
   integrator.prepare(scene, classes);
@@ -207,22 +209,21 @@ SampleRenderer::TileResult
 SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t pixel)>& samplesOf,
                            TransportCounts& counts, const std::atomic<bool>* abandon) {
   const PixelBounds& bounds = film.bounds();
-  const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
-  const int x1 = std::min(x0 + TILE, bounds.width()), y1 = std::min(y0 + TILE, bounds.height());
   Round round{settings.seed, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
   EyeBatch batch(scene, integrator, classes, counts, round, film, sampleSplatter ? &*sampleSplatter : nullptr,
                  settings.allocation, sampleSplatter ? nullptr : abandon);
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) {
-      const size_t pixel = size_t(y) * size_t(bounds.width()) + size_t(x);
-      // Keyed by the place on the whole film, so that a crop is a part of the same picture.
-      const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
-      const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
-      const PixelSamples samples = samplesOf(pixel);
-      for (uint64_t n = samples.first; n < samples.end; ++n)
-        batch.add(stream, static_cast<uint32_t>(n), pixel, corner, n - samples.first < samples.pilots);
+  forEachPixel(tile, [&](size_t pixel, int x, int y) {
+    // Keyed by the place on the whole film, so that a crop is a part of the same picture.
+    const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
+    const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
+    const PixelSamples samples = samplesOf(pixel);
+    for (uint64_t n = samples.first; n < samples.end; ++n) {
+      const uint64_t pilot = samples.firstPilot + (n - samples.first);
+      batch.add(stream, static_cast<uint32_t>(n), pixel, corner,
+                pilot < samples.endPilot ? std::optional<size_t>(pilot) : std::nullopt);
     }
+  });
   batch.flush();
   return {batch.taken(), batch.isAbandoned()};
 }

@@ -14,7 +14,8 @@ namespace recurse {
 UnitRenderer::UnitRenderer(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                            const RenderSettings& settings, const std::function<void(const std::string&)>& log)
     : film(scene.film().crop, classes.layerCount()),
-      renderer(scene, integrator, classes, settings, film, log), tileCounts(renderer.tiles()) {
+      renderer(scene, integrator, classes, settings, film, log), allocation(settings.allocation),
+      tileCounts(renderer.tiles()) {
   control.stop = &stopping;
   control.progress = [this](double fraction) { photonsDone = fraction; };
   thread = std::thread([this] { work(); });
@@ -80,7 +81,7 @@ void UnitRenderer::work() {
       if (item.film)
         std::swap(film, *item.film);
       else
-        done.left = render(item.unit);
+        done.left = render(item.unit), done.pilots = pilotsOf(item.unit);
       done.statistics = statistics();
     } catch (...) {
       failure = std::current_exception();
@@ -119,6 +120,29 @@ std::vector<WorkUnit> UnitRenderer::render(const WorkUnit& unit) {
   return left;
 }
 
+void UnitRenderer::forEachPilots(const WorkUnit& unit,
+                                 const std::function<void(std::span<float>)>& use) const {
+  if (!allocation) return;
+  const size_t first = allocation->pilotsDue(unit.firstSample), end = allocation->pilotsDue(unit.endSample);
+  for (int64_t tile = unit.firstTile; tile < unit.endTile; ++tile)
+    renderer.forEachPixel(size_t(tile),
+                          [&](size_t pixel, int, int) { use(allocation->pilotsOf(pixel, first, end)); });
+}
+
+std::vector<float> UnitRenderer::pilotsOf(const WorkUnit& unit) const {
+  std::vector<float> out;
+  forEachPilots(unit, [&](std::span<float> pilots) { out.insert(out.end(), pilots.begin(), pilots.end()); });
+  return out;
+}
+
+void UnitRenderer::setPilots(const WorkUnit& unit, const std::vector<float>& pilots) const {
+  auto from = pilots.begin();
+  forEachPilots(unit, [&](std::span<float> of) {
+    std::copy_n(from, of.size(), of.begin());
+    from += std::ptrdiff_t(of.size());
+  });
+}
+
 std::vector<WorkUnit> UnitRenderer::renderPass(const WorkUnit& unit) {
   std::vector<char> isDone(size_t(unit.endTile - unit.firstTile), 0);
   parallelFor(isDone.size(), [&](size_t i) {
@@ -127,8 +151,12 @@ std::vector<WorkUnit> UnitRenderer::renderPass(const WorkUnit& unit) {
     TransportCounts counts;
     renderer.renderTile(
         tile,
-        [&](size_t) {
-          return SampleRenderer::PixelSamples{uint64_t(unit.firstSample), uint64_t(unit.endSample), 0};
+        [&](size_t pixel) {
+          if (allocation)
+            return SampleRenderer::PixelSamples{
+                allocation->due(pixel, unit.firstSample), allocation->due(pixel, unit.endSample),
+                allocation->pilotsDue(unit.firstSample), allocation->pilotsDue(unit.endSample)};
+          return SampleRenderer::PixelSamples{uint64_t(unit.firstSample), uint64_t(unit.endSample)};
         },
         counts, nullptr);
     isDone[i] = 1;

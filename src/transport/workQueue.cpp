@@ -43,6 +43,10 @@ int64_t WorkQueue::passOf(int64_t sample) const {
 std::pair<int64_t, int64_t> WorkQueue::extent(double wanted, int workers) const {
   const WorkUnit& front = units.front();
   const int64_t width = front.endTile - front.firstTile;
+  if (passes == 1 && wholePasses) {
+    const int64_t count = front.endSample - front.firstSample;
+    return {count, std::clamp<int64_t>(int64_t(wanted / double(count)), 1, width)};
+  }
   if (passes == 1) {
     const auto count = int64_t(wanted / double(width));
     return count > 0 ? std::pair(count, width) : std::pair(int64_t(1), std::max<int64_t>(1, int64_t(wanted)));
@@ -54,6 +58,9 @@ std::pair<int64_t, int64_t> WorkQueue::extent(double wanted, int workers) const 
   const int64_t share = sharers == 1 ? width : std::min(width, (tiles + sharers - 1) / sharers);
   // As many passes as fit; a part of one where it has a great many samples.
   int64_t end = passBegin(pass + 1);
+  const int64_t inPass = std::min(end, front.endSample) - front.firstSample;
+  if (wholePasses && double(inPass) * double(share) > LONG_PASS * wanted)
+    return {inPass, std::max<int64_t>(1, int64_t(LONG_PASS * wanted / double(inPass)))};
   if (double(end - front.firstSample) * double(share) > LONG_PASS * wanted)
     return {std::max<int64_t>(1, int64_t(LONG_PASS * wanted / double(share))), share};
   while (end < front.endSample && double(passBegin(pass + 2) - front.firstSample) * double(share) <= wanted)

@@ -62,3 +62,18 @@ TEST(WorkQueue, PassesStayWholeWhileThereAreEnoughForAll) {
   WorkQueue last(4, 10, 1 + 1, {WorkUnit{2, 4, 0, 10}});
   EXPECT_EQ(last.take(1e9, 5)->endTile, 2);
 }
+
+TEST(WorkQueue, SamplesOfATileStayTogetherWhereTheyMust) {
+  for (const int passes : {1, 4}) {
+    WorkQueue queue(256, 10, passes, {WorkUnit{64, 128, 0, 10}});
+    queue.keepPassesWhole();
+    double size = 0;
+    while (const auto unit = queue.take(100, 4)) {
+      EXPECT_EQ(unit->firstSample, 64);
+      EXPECT_EQ(unit->endSample, 128);
+      EXPECT_LT(unit->endTile - unit->firstTile, 10);
+      size += unit->size();
+    }
+    EXPECT_EQ(size, 640);
+  }
+}

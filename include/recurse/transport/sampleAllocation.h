@@ -40,6 +40,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -63,7 +64,7 @@ class SampleAllocation {
     /** With a map for each pass: in columns of even number the latest pilot sample, in those after them the
      * sum of products of both's. */
     double pair = 0;
-    uint64_t pilots = 0;
+    uint64_t pilots = 0; ///< that were taken
     uint32_t before = 0; ///< samples when the stage began
     uint32_t extra = 0;  ///< samples in the stage beside pilot samples
   };
@@ -81,44 +82,54 @@ class SampleAllocation {
   /** Samples of each pixel on average from one look at the errors to the next, at most; before that it is as
    * many as there have been. */
   static constexpr int64_t LONGEST_STAGE = 64;
+  /** Pilot samples of a pixel in a stage, at most. */
+  static constexpr size_t MAX_PILOTS = std::max(EVEN, LONGEST_STAGE / PILOT_PERIOD);
 
   /** `imagingRatio`: of the picture to the film. */
   explicit SampleAllocation(const PixelBounds& bounds, double imagingRatio = 1)
       : width(size_t(bounds.width())), height(size_t(bounds.height())), dark(0.1 / imagingRatio),
-        pixels(bounds.area()) {}
+        pixels(bounds.area()), stagePilots(bounds.area() * MAX_PILOTS) {}
 
   /** Where the stage ends that sample number `sample` of the average pixel is in. */
   static int64_t stageEnd(int64_t sample);
-  /** Deals out the stage up to `end`, where `sample` begins one and that has not been done yet. */
-  void begin(int64_t sample, int64_t end, uint64_t seed, const Film& film);
+  /** Where the stage ends that was dealt out last; 0: none was. */
+  int64_t dealtUpTo() const { return stage.end; }
+  /** Deals out the stage from `sample` up to `end`, unless that has been done. All pixels must have what was
+   * due before. */
+  void begin(int64_t sample, int64_t end, uint64_t seed);
   /** Call before the first sample: each sample of the average pixel has a photon map of its own. */
   void setMapPerSample(bool is) { mapPerSample = is; }
 
   /** How many samples of a pixel there are to be when the average pixel has `sample`, within the stage. */
   uint64_t due(size_t pixel, int64_t sample) const;
-  /** How many pilot samples the pixel still lacks when the average pixel has `sample`, within the stage: they
-   * come first. */
-  uint64_t pilotsLeft(size_t pixel, int64_t sample) const;
-  /** Of two pixels side by side, the left one in a column of even number, the left one first. */
-  void addPilot(size_t pixel, double luminance) {
-    Pixel& p = pixels[pixel];
-    p.luminance += luminance;
-    p.luminanceSquared += luminance * luminance;
-    p.difference += p.pilots / BLOCK % 2 == 0 ? luminance : -luminance;
-    if (++p.pilots % (2 * BLOCK) == 0) {
-      p.differencesSquared += p.difference * p.difference;
-      p.difference = 0;
-    }
-    if (mapPerSample)
-      p.pair = pixel % width % 2 == 0 ? luminance : p.pair + pixels[pixel - 1].pair * luminance;
+  /** Pilot samples of each pixel in the stage when the average pixel has `sample`. */
+  uint64_t pilotsDue(int64_t sample) const { return uint64_t(pilots(stage.first, sample)); }
+  /** How many of them the pixel has had. */
+  uint64_t pilotsDone(size_t pixel) const {
+    return pixels[pixel].pilots - std::min(pixels[pixel].pilots, uint64_t(pilotsUpTo(stage.first)));
+  }
+  /** Tells of pilot sample `number` of the stage, in any order; any thread, for different pixels. */
+  void addPilot(size_t pixel, size_t number, float luminance) {
+    stagePilots[pixel * MAX_PILOTS + number] = luminance;
+    ++pixels[pixel].pilots;
+  }
+  /** Pilot samples [first, end) of the stage of a pixel, for those who add them up elsewhere. */
+  std::span<float> pilotsOf(size_t pixel, size_t first, size_t end) {
+    return std::span(stagePilots).subspan(pixel * MAX_PILOTS + first, end - first);
   }
 
   /** What it takes in memory, and of state(), for so many pixels. */
-  static double bytes(double pixels) { return sizeof(Stage) + sizeof(Pixel) * pixels; }
-  /** The numbers that it consists of, as they lie in memory, to be kept and put back. */
-  std::array<std::span<std::byte>, 2> state() {
-    return {std::as_writable_bytes(std::span(&stage, 1)), std::as_writable_bytes(std::span(pixels))};
+  static double bytes(double pixels) {
+    return sizeof(Stage) + (sizeof(Pixel) + MAX_PILOTS * sizeof(float)) * pixels;
   }
+  /** The numbers that it consists of, as they lie in memory, to be kept and put back. */
+  std::array<std::span<std::byte>, 3> state() {
+    return {std::as_writable_bytes(std::span(&stage, 1)), std::as_writable_bytes(std::span(pixels)),
+            std::as_writable_bytes(std::span(stagePilots))};
+  }
+  /** What due() and pilotsDue() depend on, for another process that renders a part of the stage. */
+  std::vector<std::byte> plan() const;
+  void setPlan(std::span<const std::byte> plan);
 
  private:
   /** What a pixel gets samples in proportion to. */
@@ -130,6 +141,8 @@ class SampleAllocation {
   int64_t pilots(int64_t from, int64_t sample) const;
   /** Pilot samples of each pixel when the average one has `sample`, at the end of a stage. */
   int64_t pilotsUpTo(int64_t sample) const;
+  /** Adds the stage's pilot samples to what is known of the pixels. */
+  void addStagePilots();
   std::vector<Need> needs() const;
   void tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
                      const std::vector<double>& brightness) const;
@@ -140,6 +153,7 @@ class SampleAllocation {
   bool mapPerSample = false;
   Stage stage;
   std::vector<Pixel> pixels;
+  std::vector<float> stagePilots; ///< luminances, MAX_PILOTS of each pixel
 };
 
 } // namespace recurse

@@ -4,6 +4,7 @@
  */
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 
@@ -14,9 +15,10 @@ namespace recurse {
 
 class SampleRenderer {
  public:
-  /** Samples [first, end) of a pixel, of them so many pilots at the beginning for the allocation. */
+  /** Samples [first, end) of a pixel. At the beginning are pilots [firstPilot, endPilot) of the allocation's
+   * stage. */
   struct PixelSamples {
-    uint64_t first = 0, end = 0, pilots = 0;
+    uint64_t first = 0, end = 0, firstPilot = 0, endPilot = 0;
   };
   struct TileResult {
     uint64_t samples = 0;
@@ -47,6 +49,14 @@ class SampleRenderer {
   /** A square of so many pixels, fewer at the border. */
   static constexpr int TILE = 16;
   size_t tiles() const { return size_t(tilesX) * size_t(tilesY); }
+  /** Calls use(pixel, x, y) for the pixels of a tile, row by row; x and y are those on the film's bounds. */
+  template <class Use> void forEachPixel(size_t tile, const Use& use) const {
+    const PixelBounds& bounds = film.bounds();
+    const int x0 = int(tile % size_t(tilesX)) * TILE, y0 = int(tile / size_t(tilesX)) * TILE;
+    const int x1 = std::min(x0 + TILE, bounds.width()), y1 = std::min(y0 + TILE, bounds.height());
+    for (int y = y0; y < y1; ++y)
+      for (int x = x0; x < x1; ++x) use(size_t(y) * size_t(bounds.width()) + size_t(x), x, y);
+  }
   /** Renders samples of the pass whose photons were shot last into the film; of a pixel as many as
    * `samplesOf(pixel)` says. Any thread, for different tiles. `abandon`: breaks off when it becomes true; not
    * where samples splat, which cannot be taken back. */

@@ -6,7 +6,9 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <functional>
 #include <mutex>
+#include <span>
 #include <thread>
 #include <vector>
 
@@ -22,6 +24,7 @@ class UnitRenderer {
     int64_t id = 0;
     double seconds = 0;
     std::vector<WorkUnit> left;  ///< what stop() kept from being done
+    std::vector<float> pilots;   ///< of RenderSettings::allocation: see pilotsOf()
     RenderStatistics statistics; ///< of all units so far, without samples
   };
   /** What happened since the last time. */
@@ -31,7 +34,8 @@ class UnitRenderer {
     std::exception_ptr failure;
   };
 
-  /** As SampleRenderer; the film is its own. */
+  /** As SampleRenderer; the film is its own. With an allocation units lie within the stage that it has dealt
+   * out, and begin and end as passes or the stage do. */
   UnitRenderer(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                const RenderSettings& settings, const std::function<void(const std::string&)>& log);
   ~UnitRenderer();
@@ -59,6 +63,11 @@ class UnitRenderer {
   RenderStatistics statistics() const;
   const SampleRenderer& samples() const { return renderer; }
 
+  /** Luminances of the pilot samples of a unit, one tile after the other, where there is an allocation. */
+  std::vector<float> pilotsOf(const WorkUnit& unit) const;
+  /** Puts them in their places in the allocation, from where the unit was rendered. */
+  void setPilots(const WorkUnit& unit, const std::vector<float>& pilots) const;
+
  private:
   struct Item {
     int64_t id = 0;
@@ -67,11 +76,14 @@ class UnitRenderer {
   };
   void work();
   std::vector<WorkUnit> render(const WorkUnit& unit);
+  /** Calls use(pilots of a pixel) for the pixels of the unit. */
+  void forEachPilots(const WorkUnit& unit, const std::function<void(std::span<float>)>& use) const;
   /** Tiles of the unit whose samples of a pass were not done. */
   std::vector<WorkUnit> renderPass(const WorkUnit& unit);
 
   Film film;
   SampleRenderer renderer;
+  SampleAllocation* allocation;
   ForwardControl control;
   std::atomic<bool> stopping{false}, ending{false};
   std::atomic<double> tileSamplesDone{0}, photonsDone{0};

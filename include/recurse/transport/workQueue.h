@@ -28,6 +28,8 @@ class WorkQueue {
   WorkQueue(int64_t samples, int64_t tiles, int passes);
   /** The same with what is left of a render. */
   WorkQueue(int64_t samples, int64_t tiles, int passes, std::vector<WorkUnit> left);
+  /** Units keep all samples of a pass that their tiles have in the queue. */
+  void keepPassesWhole() { wholePasses = true; }
 
   bool empty() const { return units.empty(); }
   const std::vector<WorkUnit>& left() const { return units; }
@@ -55,6 +57,7 @@ class WorkQueue {
 
   int64_t samples, tiles;
   int passes;
+  bool wholePasses = false;
   std::vector<WorkUnit> units; ///< by first sample and tile
 };
 

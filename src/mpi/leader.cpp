@@ -1,0 +1,355 @@
+/** @file
+ * Dealing out, adding up, and when to end.
+ */
+#include "mpi/leader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "recurse/core/error.h"
+#include "recurse/transport/sampleAllocation.h"
+
+namespace recurse::apps {
+
+namespace {
+
+/** Seconds of a unit, where there is a choice: dealing them out costs next to nothing then, and whoever is
+ * slow holds up the others for so long at most. */
+constexpr double UNIT_SECONDS = 1;
+/** Looking at the error takes no more than one part in so many of the time. */
+constexpr double ERROR_PART = 20;
+
+/** The rank that deals out. */
+class Leader {
+ public:
+  Leader(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings, Film& film,
+         const std::atomic<bool>& stop, const std::function<void(const RenderProgress&)>& progress)
+      : worker(worker), names(names), settings(settings), film(film), stop(stop), progress(progress),
+        ranks(names.size()), samples(worker.renderer.samples()), tiles(double(samples.tiles())),
+        firstSample(settings.firstSample),
+        lastSample(settings.endSample > 0 ? settings.endSample : samples.samples()),
+        allocation(settings.allocation),
+        queue(samples.samples(), int64_t(samples.tiles()), samples.passes(), workLeft()),
+        start(Clock::now() - std::chrono::duration_cast<Clock::duration>(
+                                 std::chrono::duration<double>(settings.from.statistics.renderSeconds))),
+        here(Clock::now()), saved(here), looked(here), errorLooked(here), lookAfter(settings.lookAfter),
+        before(double(film.totalSamples()) / double(film.bounds().area()) * tiles) {
+    if (!allocation) return;
+    queue.keepPassesWhole();
+    if (allocation->dealtUpTo() > 0) sendAll(Command::STAGE);
+  }
+
+  RenderStatistics lead() {
+    if (settings.errorTarget > 0 && before > 0) lookAtError();
+    if (settings.timeLimit > 0 && before > 0 && elapsed() > settings.timeLimit) end(StopReason::TIME);
+    while (!isOver()) {
+      bool quiet = true;
+      while (auto message = receivedReport()) {
+        take(message->first, message->second);
+        quiet = false;
+      }
+      for (const FullReport& r : worker.reports(stop)) take(LEADER, r);
+      if (worker.reduced()) addFilms();
+      if (saveDue && isFilmKnown()) save();
+      watch();
+      beginStage();
+      deal();
+      reduceIfDue();
+      tellProgress();
+      if (quiet) std::this_thread::sleep_for(worker.isReducing() ? BUSY_POLL : IDLE_POLL);
+    }
+    for (int r = 0; r < int(ranks.size()); ++r)
+      if (r != LEADER) send(r, {Command::END, 0, {}});
+    if (!reason) lookAtError();
+    if (settings.save) save();
+    RenderStatistics out = statistics();
+    countSamples(film, out);
+    out.error = error;
+    out.notes = worker.renderer.statistics().notes;
+    for (const std::string& w : worker.renderer.statistics().warnings) out.warnings.push_back(w);
+    out.stopReason = reason.value_or(StopReason::SAMPLES);
+    out.oneMap = samples.passes() == 1 && out.photonsEmitted > 0;
+    out.gatherSeconds = std::max(0.0, out.renderSeconds - out.photonSeconds - out.balanceSeconds);
+    return out;
+  }
+
+ private:
+  struct Rank {
+    int units = 0;       ///< that it has
+    double unitSize = 0; ///< of the last one
+    double speed = 0;    ///< samples of a tile in a second; 0: not known yet
+    FullReport last;
+  };
+  struct Dealt {
+    int64_t id = 0;
+    WorkUnit unit;
+    int64_t reduction = 0; ///< that it will be in
+    bool finished = false;
+  };
+
+  std::vector<WorkUnit> workLeft() const {
+    if (settings.from.left) return *settings.from.left;
+    const int64_t next = std::max(firstSample, settings.from.sample);
+    const auto due = [&](size_t pixel) {
+      return allocation && next > 0 ? allocation->due(pixel, next) : uint64_t(next - firstSample);
+    };
+    for (size_t i = 0; i < film.bounds().area(); ++i)
+      if (film.samples(i) != due(i))
+        throw Error("--resume: one process was interrupted while it had not gone once over the picture; one "
+                    "has to go on with it");
+    return {WorkUnit{next, allocation ? allocation->dealtUpTo() : lastSample, 0, int64_t(samples.tiles())}};
+  }
+  double elapsed() const { return secondsSince(start); }
+  void send(int rank, const Command& c) {
+    if (rank == LEADER)
+      worker.obey(c);
+    else
+      sendCommand(rank, c);
+  }
+  void sendAll(Command::Kind kind) {
+    for (int r = 0; r < int(ranks.size()); ++r)
+      if (r != LEADER) send(r, {kind, 0, {}});
+    send(LEADER, {kind, 0, {}});
+  }
+
+  void take(int from, const FullReport& r) {
+    Rank& rank = ranks[size_t(from)];
+    if (!r.failure.empty()) throw Error(names[size_t(from)] + ": " + r.failure);
+    if (r.stop) stopped = true;
+    rank.last = r;
+    if (r.finished < 0) return;
+    --rank.units;
+    const auto d =
+        std::find_if(dealt.begin(), dealt.end(), [&](const Dealt& u) { return u.id == r.finished; });
+    double done = d->unit.size();
+    for (const WorkUnit& left : r.left) {
+      queue.giveBack(left);
+      done -= left.size();
+    }
+    if (done > 0 && r.seconds > 0) rank.speed = done / r.seconds;
+    anythingNew = anythingNew || done > 0;
+    if (from != LEADER) worker.renderer.setPilots(d->unit, r.pilots);
+    d->finished = true;
+    if (d->reduction <= reductionsDone) dealt.erase(d);
+  }
+
+  int unitsOut() const {
+    int out = 0;
+    for (const Rank& r : ranks) out += r.units;
+    return out;
+  }
+  bool everyPixelHasASample() const {
+    if (before >= tiles) return true;
+    if (!queue.empty() && queue.nextSample() <= firstSample) return false;
+    return std::none_of(dealt.begin(), dealt.end(),
+                        [&](const Dealt& d) { return !d.finished && d.unit.firstSample <= firstSample; });
+  }
+
+  /** Whether it is to end early. */
+  void watch() {
+    if (reason) return;
+    if (stop || stopped) return end(StopReason::INTERRUPTED);
+    if (settings.timeLimit <= 0) return;
+    if (everyPixelHasASample()) {
+      if (firstSampleEnd == 0) firstSampleEnd = elapsed();
+      if (elapsed() + reductionSeconds > std::max(settings.timeLimit, firstSampleEnd)) end(StopReason::TIME);
+    } else if (unitsOut() > 0 && worker.renderer.tileSamples() > 0 &&
+               elapsed() > settings.timeLimit + settings.firstSampleTime) {
+      end(StopReason::TIME);
+    }
+  }
+  void end(StopReason why) {
+    reason = why;
+    if (unitsOut() > 0) sendAll(Command::STOP);
+  }
+
+  bool isWorkLeft() const { return !queue.empty() || (allocation && allocation->dealtUpTo() < lastSample); }
+  /** A stage of adaptive samples follows from all samples of those before. */
+  void beginStage() {
+    if (reason || !allocation || !queue.empty() || unitsOut() > 0 || !isWorkLeft()) return;
+    const int64_t first = allocation->dealtUpTo();
+    allocation->begin(first, std::min(SampleAllocation::stageEnd(first), lastSample), settings.seed);
+    queue.giveBack({first, allocation->dealtUpTo(), 0, int64_t(samples.tiles())});
+    sendAll(Command::STAGE);
+  }
+
+  void deal() {
+    if (reason) return;
+    const int workers = int(ranks.size());
+    for (bool any = true; any && !queue.empty();) {
+      any = false;
+      for (int r = 0; r < workers && !queue.empty(); ++r) {
+        Rank& rank = ranks[size_t(r)];
+        // A second one is on its way while the first is worked on, but not where they run out.
+        const bool plenty = queue.size() > 4 * double(workers) * rank.unitSize && rank.speed > 0;
+        if (rank.units >= (plenty ? 2 : 1)) continue;
+        double wanted =
+            rank.speed > 0 ? UNIT_SECONDS * rank.speed : std::min(tiles, queue.size()) / (8 * workers);
+        if (settings.timeLimit > 0 && rank.speed > 0 && queue.nextSample() > firstSample) {
+          const double fits =
+              (settings.timeLimit - elapsed() - reductionSeconds) * rank.speed - rank.units * rank.unitSize;
+          if (queue.smallest(workers) > fits) continue;
+          wanted = std::min(wanted, fits);
+        }
+        const std::optional<WorkUnit> unit = queue.take(wanted, workers);
+        if (!unit) continue;
+        rank.unitSize = unit->size();
+        ++rank.units;
+        dealt.push_back({++lastId, *unit, reductionsBegun + 1, false});
+        send(r, {Command::UNIT, lastId, *unit});
+        any = true;
+      }
+    }
+    // What is left takes too long for the time.
+    if (!queue.empty() && unitsOut() == 0) reason = StopReason::TIME;
+  }
+
+  bool isReducing() const { return reductionsDone < reductionsBegun; }
+  void reduceIfDue() {
+    if (isReducing()) return;
+    const bool over = unitsOut() == 0 && (!isWorkLeft() || reason);
+    const bool due = !reason && ((settings.save && secondsSince(saved) > settings.saveInterval) ||
+                                 (settings.look && secondsSince(looked) > lookAfter) ||
+                                 (settings.errorTarget > 0 && secondsSince(errorLooked) > errorInterval));
+    if (!anythingNew || !(over || due)) return;
+    anythingNew = false;
+    ++reductionsBegun;
+    reductionStart = Clock::now();
+    sendAll(Command::TAKE_FILM);
+  }
+  void addFilms() {
+    film.add(*worker.sum);
+    Worker::clear(*worker.sum);
+    ++reductionsDone;
+    reductionSeconds = std::min(secondsSince(reductionStart), UNIT_SECONDS);
+    std::erase_if(dealt, [&](const Dealt& d) { return d.finished && d.reduction <= reductionsDone; });
+    if (reason) return;
+    if (settings.errorTarget > 0) lookAtError();
+    saveDue = settings.save && secondsSince(saved) > settings.saveInterval;
+    if (settings.look && secondsSince(looked) > lookAfter) {
+      lookAfter = settings.look();
+      looked = Clock::now();
+    }
+  }
+  bool isOver() const {
+    return unitsOut() == 0 && !isReducing() && !anythingNew && (!isWorkLeft() || reason);
+  }
+
+  void lookAtError() {
+    const Clock::time_point now = Clock::now();
+    const double is = film.relativeError();
+    errorLooked = Clock::now();
+    errorInterval = std::max(0.5, ERROR_PART * (reductionSeconds + secondsSince(now)));
+    if (!std::isfinite(is)) return;
+    error = is;
+    if (settings.errorTarget > 0 && error <= settings.errorTarget && !reason &&
+        (isWorkLeft() || unitsOut() > 0))
+      end(StopReason::ERROR);
+  }
+
+  RenderStatistics statistics() const {
+    RenderStatistics out = settings.from.statistics;
+    for (const Rank& r : ranks) {
+      RenderStatistics one;
+      r.last.figures.addTo(one);
+      one.photonSeconds /= double(ranks.size()); // they work at the same time
+      one.balanceSeconds /= double(ranks.size());
+      Figures(one).addTo(out);
+      out.threads += static_cast<int>(r.last.threads);
+    }
+    out.passes = static_cast<int>(double(film.totalSamples()) / double(film.bounds().area()));
+    out.renderSeconds = elapsed();
+    return out;
+  }
+
+  /** All units have been reported that are in the film. */
+  bool isFilmKnown() const {
+    return std::none_of(dealt.begin(), dealt.end(),
+                        [&](const Dealt& d) { return !d.finished && d.reduction <= reductionsDone; });
+  }
+  void save() {
+    std::vector<WorkUnit> left = queue.left();
+    for (const Dealt& d : dealt)
+      if (d.reduction > reductionsDone) left.push_back(d.unit);
+    RenderPosition position{allocation ? allocation->dealtUpTo() : samples.samples(), statistics(), {}};
+    for (const WorkUnit& unit : left) position.sample = std::min(position.sample, unit.firstSample);
+    position.statistics.notes.clear();
+    position.statistics.warnings.clear();
+    position.left = std::move(left);
+    settings.save(position);
+    saved = Clock::now();
+    saveDue = false;
+  }
+
+  void tellProgress() {
+    if (!progress || secondsSince(told) < 0.1) return;
+    told = Clock::now();
+    RenderProgress p;
+    p.elapsed = elapsed();
+    double done = worker.renderer.tileSamples(), rays = double(worker.renderer.rays());
+    for (size_t r = 1; r < ranks.size(); ++r) {
+      done += ranks[r].last.tileSamples;
+      rays += double(ranks[r].last.rays);
+    }
+    p.error = error;
+    if (done == 0) {
+      p.phase = "photons";
+      p.fraction = worker.renderer.photonProgress();
+      return progress(p);
+    }
+    p.phase = "picture";
+    p.samplesPerPixel = (before + done) / tiles;
+    const double working = secondsSince(here);
+    p.raysPerSecond = rays / working;
+    double left = INFINITY;
+    if (settings.samplesPerPixel > 0) {
+      double size = queue.size();
+      for (const Dealt& d : dealt)
+        if (!d.finished) size += d.unit.size();
+      if (allocation) size += double(lastSample - allocation->dealtUpTo()) * tiles;
+      left = size / (done / working);
+    }
+    if (settings.errorTarget > 0 && error > 0)
+      left = std::min(left, working * ((error / settings.errorTarget) * (error / settings.errorTarget) - 1));
+    if (settings.timeLimit > 0) left = std::min(left, settings.timeLimit - p.elapsed);
+    left = std::max(left, 0.0);
+    p.secondsLeft = left;
+    p.fraction = working / (working + left);
+    progress(p);
+  }
+
+  Worker& worker;
+  const std::vector<std::string>& names;
+  const RenderSettings& settings;
+  Film& film;
+  const std::atomic<bool>& stop;
+  const std::function<void(const RenderProgress&)>& progress;
+  std::vector<Rank> ranks;
+  const SampleRenderer& samples;
+  double tiles;
+  int64_t firstSample, lastSample;
+  SampleAllocation* allocation;
+  WorkQueue queue;
+  std::vector<Dealt> dealt; ///< not finished, or not in the film yet
+  int64_t lastId = 0, reductionsBegun = 0, reductionsDone = 0;
+  bool anythingNew = false; ///< in the films of the ranks
+  bool stopped = false, saveDue = false;
+  std::optional<StopReason> reason;
+  Clock::time_point start, here, saved, looked, errorLooked, reductionStart{}, told{};
+  double lookAfter, errorInterval = 0.5, reductionSeconds = 0, firstSampleEnd = 0;
+  double before; ///< tile samples that the film began with
+  double error = -1;
+};
+
+} // namespace
+
+RenderStatistics lead(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings,
+                      Film& film, const std::atomic<bool>& stop,
+                      const std::function<void(const RenderProgress&)>& progress) {
+  return Leader(worker, names, settings, film, stop, progress).lead();
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,88 @@
+/** @file
+ * What the leading rank and the others tell each other.
+ */
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "recurse/transport/render.h"
+#include "recurse/transport/workQueue.h"
+
+namespace recurse::apps {
+
+constexpr int LEADER = 0;
+
+using Clock = std::chrono::steady_clock;
+inline double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/** From the leader to a rank. */
+struct Command {
+  enum Kind : int64_t { UNIT, TAKE_FILM, STAGE, STOP, END };
+  int64_t kind = UNIT, id = 0;
+  WorkUnit unit;
+};
+
+/** The numbers of RenderStatistics that add up. */
+struct Figures {
+  double photonSeconds = 0, balanceSeconds = 0, processorSeconds = 0, truncatedThroughput = 0;
+  uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0, mapBytes = 0, rays = 0, nonFinite = 0,
+           gathers = 0, photonsFound = 0;
+  int64_t forwardPasses = 0;
+
+  Figures() = default;
+  explicit Figures(const RenderStatistics& s)
+      : photonSeconds(s.photonSeconds), balanceSeconds(s.balanceSeconds),
+        processorSeconds(s.processorSeconds), truncatedThroughput(s.counts.truncatedThroughput),
+        photonsEmitted(s.photonsEmitted), photonsStored(s.photonsStored), photonsRefused(s.photonsRefused),
+        mapBytes(s.mapBytes), rays(s.counts.rays), nonFinite(s.counts.nonFinite), gathers(s.counts.gathers),
+        photonsFound(s.counts.photonsFound), forwardPasses(s.forwardPasses) {}
+  void addTo(RenderStatistics& s) const {
+    s.photonSeconds += photonSeconds;
+    s.balanceSeconds += balanceSeconds;
+    s.processorSeconds += processorSeconds;
+    s.counts.truncatedThroughput += truncatedThroughput;
+    s.photonsEmitted += photonsEmitted;
+    s.photonsStored += photonsStored;
+    s.photonsRefused += photonsRefused;
+    s.mapBytes = std::max<size_t>(s.mapBytes, mapBytes);
+    s.counts.rays += rays;
+    s.counts.nonFinite += nonFinite;
+    s.counts.gathers += gathers;
+    s.counts.photonsFound += photonsFound;
+    s.forwardPasses += static_cast<int>(forwardPasses);
+  }
+};
+
+/** From a rank to the leader. Units that are left, pilot samples and the text of a failure come after it. */
+struct Report {
+  int64_t finished = -1; ///< a unit; -1: none
+  double seconds = 0;    ///< that it took
+  double tileSamples = 0, photonProgress = 0;
+  uint64_t rays = 0;
+  int64_t stop = 0, threads = 0;
+  Figures figures;
+  uint64_t leftCount = 0, pilotCount = 0, failureBytes = 0;
+};
+struct FullReport : Report {
+  std::vector<WorkUnit> left;
+  std::vector<float> pilots; ///< UnitRenderer::Done
+  std::string failure;
+};
+
+void sendCommand(int rank, const Command& command);
+/** The next command of the leader that has arrived. */
+std::optional<Command> receivedCommand();
+
+void sendReport(const FullReport& report);
+/** The next report that has arrived, and who it is from. */
+std::optional<std::pair<int, FullReport>> receivedReport();
+
+} // namespace recurse::apps
