@@ -26,15 +26,16 @@ constexpr double ERROR_PART = 20;
 class Leader {
  public:
   Leader(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings, Film& film,
-         const std::atomic<bool>& stop, const std::function<void(const RenderProgress&)>& progress)
+         Clock::time_point began, const std::atomic<bool>& stop,
+         const std::function<void(const RenderProgress&)>& progress)
       : worker(worker), names(names), settings(settings), film(film), stop(stop), progress(progress),
         ranks(names.size()), samples(worker.renderer.samples()), tiles(double(samples.tiles())),
         firstSample(settings.firstSample),
         lastSample(settings.endSample > 0 ? settings.endSample : samples.samples()),
         allocation(settings.allocation),
         queue(samples.samples(), int64_t(samples.tiles()), samples.passes(), workLeft()),
-        start(Clock::now() - std::chrono::duration_cast<Clock::duration>(
-                                 std::chrono::duration<double>(settings.from.statistics.renderSeconds))),
+        start(began - std::chrono::duration_cast<Clock::duration>(
+                          std::chrono::duration<double>(settings.from.statistics.renderSeconds))),
         here(Clock::now()), saved(here), looked(here), errorLooked(here), lookAfter(settings.lookAfter),
         before(double(film.totalSamples()) / double(film.bounds().area()) * tiles) {
     if (!allocation) return;
@@ -347,9 +348,9 @@ class Leader {
 } // namespace
 
 RenderStatistics lead(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings,
-                      Film& film, const std::atomic<bool>& stop,
+                      Film& film, Clock::time_point start, const std::atomic<bool>& stop,
                       const std::function<void(const RenderProgress&)>& progress) {
-  return Leader(worker, names, settings, film, stop, progress).lead();
+  return Leader(worker, names, settings, film, start, stop, progress).lead();
 }
 
 } // namespace recurse::apps

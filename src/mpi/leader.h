@@ -13,9 +13,10 @@
 
 namespace recurse::apps {
 
-/** As recurse::render(), while all others follow(); `names` are those of the ranks. */
+/** As recurse::render(), which began at `start`, while all others follow(); `names` are those of the ranks.
+ */
 RenderStatistics lead(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings,
-                      Film& film, const std::atomic<bool>& stop,
+                      Film& film, Clock::time_point start, const std::atomic<bool>& stop,
                       const std::function<void(const RenderProgress&)>& progress);
 
 } // namespace recurse::apps

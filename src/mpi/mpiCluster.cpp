@@ -13,6 +13,7 @@
 #include <sched.h>
 
 #include "mpi/leader.h"
+#include "mpi/sharedPhotons.h"
 #include "recurse/core/error.h"
 #include "recurse/core/parallel.h"
 
@@ -36,6 +37,29 @@ std::map<std::string, std::string> identityOf(const std::string& text) {
 }
 /** What a rank sends that cannot join. */
 constexpr char FAILED = '!';
+
+/** The photons of the only pass. Where that is stopped somewhere each rank shoots them when it needs them. */
+void shootTogether(Worker& worker, const std::atomic<bool>& stop,
+                   const std::function<void(const RenderProgress&)>& progress) {
+  std::atomic<bool> stopping{stop.load()};
+  SharedPhotons sharing(stopping);
+  ForwardControl control;
+  control.stop = &stopping;
+  control.sharing = &sharing;
+  const Clock::time_point start = Clock::now();
+  Clock::time_point told = start;
+  control.progress = [&](double fraction) {
+    if (stop) stopping = true;
+    if (!progress || secondsSince(told) < 0.1) return;
+    told = Clock::now();
+    RenderProgress p;
+    p.phase = "photons";
+    p.fraction = fraction;
+    p.elapsed = secondsSince(start);
+    progress(p);
+  };
+  worker.renderer.shootOnlyPass(control);
+}
 
 } // namespace
 
@@ -140,10 +164,13 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
   Worker worker(scene, integrator, classes, settings,
                 leads() ? log : std::function<void(const std::string&)>(), leads());
   RenderStatistics statistics;
+  const Clock::time_point start = Clock::now();
+  if (size > 1 && worker.renderer.samples().passes() == 1)
+    shootTogether(worker, stop, leads() ? progress : nullptr);
   if (leads()) {
     // It has to have room for what the ranks' films have.
     if (worker.sum->splats()) film.enableSplats(worker.sum->splats()->unit());
-    statistics = lead(worker, names, settings, film, stop, progress);
+    statistics = lead(worker, names, settings, film, start, stop, progress);
   } else {
     follow(worker, stop);
   }

@@ -64,8 +64,9 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   }
   ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
   statistics.counts.add(shot.counts);
-  statistics.photonsEmitted = emitted = shot.emitted;
-  statistics.photonsStored = shot.stored.size() + shot.inMedia.size();
+  emitted = shot.emitted;
+  statistics.photonsEmitted = shot.emittedHere;
+  statistics.photonsStored = shot.storedHere;
   statistics.shootSeconds = secondsSince(start);
 
   start = std::chrono::steady_clock::now();

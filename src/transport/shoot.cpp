@@ -4,7 +4,10 @@
 #include "recurse/transport/shoot.h"
 
 #include <algorithm>
+#include <cstring>
 #include <mutex>
+#include <span>
+#include <type_traits>
 #include <utility>
 
 #include "recurse/core/memory.h"
@@ -373,6 +376,30 @@ class PhotonWalk {
   BsdfArena arena;
 };
 
+/** Photons of a batch for another process. */
+std::vector<std::byte> packed(const std::vector<Photon>& stored, const std::vector<VolumePhoton>& inMedia) {
+  static_assert(std::is_trivially_copyable_v<Photon> && std::is_trivially_copyable_v<VolumePhoton>);
+  const uint64_t count = stored.size();
+  const auto first = std::as_bytes(std::span(&count, 1)), second = std::as_bytes(std::span(stored)),
+             third = std::as_bytes(std::span(inMedia));
+  std::vector<std::byte> out;
+  out.reserve(first.size() + second.size() + third.size());
+  for (const auto& part : {first, second, third}) out.insert(out.end(), part.begin(), part.end());
+  return out;
+}
+
+void unpack(std::span<const std::byte> bytes, std::vector<Photon>& stored,
+            std::vector<VolumePhoton>& inMedia) {
+  uint64_t count = 0;
+  std::memcpy(&count, bytes.data(), sizeof count);
+  const std::span<const std::byte> second = bytes.subspan(sizeof count, count * sizeof(Photon)),
+                                   third = bytes.subspan(sizeof count + second.size());
+  stored.resize(count);
+  inMedia.resize(third.size() / sizeof(VolumePhoton));
+  if (!second.empty()) std::memcpy(static_cast<void*>(stored.data()), second.data(), second.size());
+  if (!third.empty()) std::memcpy(static_cast<void*>(inMedia.data()), third.data(), third.size());
+}
+
 } // namespace
 
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
@@ -400,14 +427,28 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
       telling.unlock();
     }
   };
-  // The first batches tell how many photons will be stored.
-  const size_t first = std::min(batches, FIRST_BATCHES);
-  parallelFor(first, shootBatch);
   size_t total = 0;
-  for (const auto& s : stored) total += s.size();
-  const double expected = double(total) * double(batches) / double(first);
-  requireMemory(formatted("a map of %.3g photons", expected), MAP_COPIES * sizeof(Photon) * expected);
-  parallelFor(batches - first, [&](size_t b) { shootBatch(first + b); });
+  const auto shootBatches = [&](size_t first, size_t end) {
+    parallelFor(end - first, [&](size_t i) { shootBatch(first + i); });
+    for (size_t b = first; b < end; ++b) {
+      total += stored[b].size();
+      shot.storedHere += stored[b].size() + inMedia[b].size();
+    }
+    shot.emittedHere += std::min(settings.photons, end * BATCH) - std::min(settings.photons, first * BATCH);
+    const double expected = double(total) * double(settings.photons) / double(shot.emittedHere);
+    requireMemory(formatted("a map of %.3g photons", expected), MAP_COPIES * sizeof(Photon) * expected);
+  };
+  if (control.sharing && batches > FIRST_BATCHES) {
+    const bool isComplete = control.sharing->share(
+        batches, shootBatches, [&](size_t b) { return packed(stored[b], inMedia[b]); },
+        [&](size_t b, std::span<const std::byte> bytes) { unpack(bytes, stored[b], inMedia[b]); });
+    if (!isComplete) return shot;
+  } else {
+    // The first batches tell how many photons will be stored.
+    const size_t first = std::min(batches, FIRST_BATCHES);
+    shootBatches(0, first);
+    if (first < batches) shootBatches(first, batches);
+  }
   total = 0;
   for (const auto& s : stored) total += s.size();
   shot.stored.reserve(total);

@@ -31,6 +31,13 @@ UnitRenderer::~UnitRenderer() {
   thread.join();
 }
 
+bool UnitRenderer::shootOnlyPass(ForwardControl& control) {
+  setThreadFloatMode();
+  const bool isComplete = renderer.shootPass(0, false, control);
+  if (isComplete) shotPass = 0;
+  return isComplete;
+}
+
 void UnitRenderer::add(int64_t id, const WorkUnit& unit) {
   const std::lock_guard lock(mutex);
   items.push_back({id, unit, nullptr});
@@ -102,7 +109,7 @@ std::vector<WorkUnit> UnitRenderer::render(const WorkUnit& unit) {
   WorkUnit rest = unit;
   while (rest.firstSample < rest.endSample && !stopping) {
     const int64_t pass = renderer.passOf(rest.firstSample);
-    const bool splats = rest.splats && rest.firstSample == renderer.passBegin(pass);
+    const bool splats = rest.splats && film.splats() && rest.firstSample == renderer.passBegin(pass);
     if (shotPass != pass || splats) {
       // All others look back at the first.
       if (shotPass < 0 && pass > 0 && !renderer.shootPass(0, false, control)) break;

@@ -81,6 +81,15 @@ TEST_F(Mpi, AnyNumberOfRanksMakesTheSamePicture) {
   }
 }
 
+TEST_F(Mpi, OneMapIsShotByAllTogether) {
+  write("scene.pbrt", "Integrator \"photonmap\" \"integer passes\" 1\n" + scene());
+  const std::string settings = " --photons 300000 --spp 1";
+  const std::vector<float> truth = whole(settings);
+  ASSERT_EQ(shell(ranks(2) + "render scene.pbrt -q -o r.exr --stats s.json" + settings), 0) << log();
+  EXPECT_TRUE(readImage(file("r.exr")).pixels == truth);
+  EXPECT_TRUE(has(contents(file("s.json")), "\"photons_emitted\": 300000,")) << contents(file("s.json"));
+}
+
 TEST_F(Mpi, KilledRanksCostNothingButTime) {
   std::mt19937 random(7);
   for (const std::string settings :

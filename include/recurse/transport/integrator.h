@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <functional>
 #include <span>
 #include <string>
@@ -135,12 +136,27 @@ struct ForwardStatistics {
   std::vector<std::string> warnings; ///< what will be seen in the picture, in words
 };
 
+/** Processes that make the same pass at the same time, and share its photons. */
+class PhotonSharing {
+ public:
+  virtual ~PhotonSharing() = default;
+  /**
+   * Called by all: calls shoot(first, end) for the batches out of `count` that fall to this process, then
+   * use(batch, bytes) for each of the others with what shot(batch) returned where it was shot. False where it
+   * was stopped somewhere: nothing is to be used.
+   */
+  virtual bool share(size_t count, const std::function<void(size_t first, size_t end)>& shoot,
+                     const std::function<std::vector<std::byte>(size_t batch)>& shot,
+                     const std::function<void(size_t batch, std::span<const std::byte>)>& use) = 0;
+};
+
 /** The forward pass reports its progress here and looks whether it should stop. */
 struct ForwardControl {
   std::function<void(double fraction)> progress = [](double) {};
   const std::atomic<bool>* stop = nullptr;
   /** Where Integrator::splats(): for this pass's light paths; null for a pass whose splats are there. */
   Splatter* splatter = nullptr;
+  PhotonSharing* sharing = nullptr; ///< null: all photons are shot here
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 };
 

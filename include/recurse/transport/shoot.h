@@ -50,7 +50,9 @@ struct ShotPhotons {
   std::vector<Photon> stored;        ///< powers are divided by the number emitted
   std::vector<VolumePhoton> inMedia; ///< the same
   uint64_t emitted = 0;
-  TransportCounts counts;
+  uint64_t emittedHere = 0; ///< of them by this process, see PhotonSharing
+  uint64_t storedHere = 0;  ///< the same, in media too
+  TransportCounts counts;   ///< here
 };
 
 /**

@@ -42,6 +42,9 @@ class UnitRenderer {
   UnitRenderer(const UnitRenderer&) = delete;
   UnitRenderer& operator=(const UnitRenderer&) = delete;
 
+  /** Shoots the photons of the only pass, before anything is added, on the thread that calls. False where it
+   * was stopped. */
+  bool shootOnlyPass(ForwardControl& control);
   /** To be rendered after all that was added before. */
   void add(int64_t id, const WorkUnit& unit);
   /** After the units that were added before: exchanges the film with this one, which must be empty, and stay
