@@ -14,7 +14,8 @@ namespace recurse::apps {
 
 PictureThread::PictureThread(Present present) : present(std::move(present)), thread([this] { work(); }) {}
 
-PictureThread::~PictureThread() {
+void PictureThread::end() {
+  if (!thread.joinable()) return;
   {
     const std::lock_guard<std::mutex> guard(mutex);
     ends = true;
@@ -159,9 +160,14 @@ void FilmViewers::show(const RenderProgress& progress) {
   if (live) live->show(progress);
 }
 
-void FilmViewers::finish(const Image& picture) {
+void FilmViewers::finish(const Image& picture, const std::function<void(const std::string&)>& say) {
   for (Viewer& viewer : viewers)
     if (!viewer.isPreview) viewer.thread->offer(picture);
+  for (Viewer& viewer : viewers) {
+    viewer.thread->end();
+    if (const std::string failure = viewer.thread->takeFailure(); !failure.empty() && !viewer.isPreview)
+      say("warning: " + failure);
+  }
   viewers.clear();
   if (!live) return;
   live->show(picture);

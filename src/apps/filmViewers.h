@@ -28,7 +28,9 @@ class PictureThread {
 
   explicit PictureThread(Present present);
   /** Waits until the last picture was presented. */
-  ~PictureThread();
+  ~PictureThread() { end(); }
+  /** The same; nothing is to be offered after it. */
+  void end();
 
   /** Takes the place of a picture that still waits. */
   void offer(Image picture);
@@ -73,7 +75,7 @@ class FilmViewers {
   double look(const std::function<Image()>& picture, const std::function<void(const std::string&)>& say);
   void show(const RenderProgress& progress);
   /** The last picture. The preview is left to the caller, as its other outputs are. */
-  void finish(const Image& picture);
+  void finish(const Image& picture, const std::function<void(const std::string&)>& say);
   /** Where the page is; empty without one. */
   std::string url() const { return live ? live->url() : ""; }
 

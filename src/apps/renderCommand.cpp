@@ -202,7 +202,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   };
   std::erase_if(written,
                 [&](const std::string& name) { return !attempt([&] { writer.write(name, image); }); });
-  viewers.finish(image);
+  viewers.finish(image, [](const std::string& text) { std::fputs((text + "\n").c_str(), stderr); });
   if (const std::string& preview = o.viewers.preview;
       !preview.empty() && attempt([&] { writer.write(preview, image); }))
     written.push_back(preview);

@@ -89,8 +89,11 @@ TevClient::~TevClient() { disconnect(); }
 void TevClient::connect() {
   addrinfo wanted{}, *found = nullptr;
   wanted.ai_socktype = SOCK_STREAM;
+  const auto fail = [&](const std::string& why) {
+    throw Error("--display-server: " + host + ":" + port + ": " + why + "; the render goes on without it");
+  };
   if (const int status = ::getaddrinfo(host.c_str(), port.c_str(), &wanted, &found); status != 0)
-    throw Error("--display-server: " + host + ":" + port + ": " + ::gai_strerror(status));
+    fail(::gai_strerror(status));
   int reason = 0;
   for (const addrinfo* a = found; a && socket < 0; a = a->ai_next) {
     socket = ::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
@@ -101,9 +104,8 @@ void TevClient::connect() {
     disconnect();
   }
   ::freeaddrinfo(found);
-  if (socket < 0)
-    throw Error("--display-server: " + host + ":" + port + ": " + std::strerror(reason) +
-                "; the render goes on without it");
+  // What connecting says that took longer than TIMEOUT.
+  if (socket < 0) fail(reason == EINPROGRESS ? "no answer" : std::strerror(reason));
 }
 
 void TevClient::disconnect() {

@@ -267,6 +267,11 @@ OpenImage openImage(const FileReference& file) {
   return image;
 }
 
+std::string readFailure(const OIIO::ImageInput& input) {
+  const std::string said = input.geterror();
+  return said.empty() ? "it is cut off or damaged" : said;
+}
+
 } // namespace detail
 
 Image readImage(const FileReference& file) {
@@ -277,7 +282,7 @@ Image readImage(const FileReference& file) {
   const size_t stored = size_t(spec.nchannels);
   std::vector<float> pixels(size_t(spec.width) * size_t(spec.height) * stored);
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
-    throw Error(fileName + ": cannot be read: " + input->geterror());
+    throw Error(fileName + ": cannot be read: " + detail::readFailure(*input.input));
 
   const bool grey = order[0] == order[1];
   std::vector<std::string> names;

@@ -23,5 +23,7 @@ struct OpenImage {
 
 /** A picture of two dimensions at the start of its pixels. Throws Error naming the file and the reason. */
 OpenImage openImage(const FileReference& file);
+/** Why pixels could not be read, where not all formats say it. */
+std::string readFailure(const OIIO::ImageInput& input);
 
 } // namespace recurse::detail

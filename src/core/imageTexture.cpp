@@ -92,7 +92,7 @@ Pixels readPixels(const FileReference& file, const ImageEncoding& encoding, Imag
                count = size_t(p.width) * size_t(p.height);
   std::vector<std::byte> all(count * stored * each);
   if (!input->read_image(0, 0, 0, spec.nchannels, p.type, all.data()))
-    throw Error(fileName + ": cannot be read: " + input->geterror());
+    throw Error(fileName + ": cannot be read: " + detail::readFailure(*input.input));
   if (p.channels == spec.nchannels && order[0] == 0 && order[size_t(p.channels) - 1] == p.channels - 1) {
     p.bytes = detail::PixelStore(std::move(all));
   } else {

@@ -4,6 +4,11 @@
 #include "program.h"
 
 #include <cmath>
+#include <limits>
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <nlohmann/json.hpp>
 
@@ -259,6 +264,81 @@ TEST_F(ProgramRender, OneUnwritableOutputKeepsTheOthers) {
   EXPECT_EQ(o.status, 1);
   EXPECT_TRUE(has(o.err, "gone/a.exr")) << o.err;
   EXPECT_TRUE(exists("b.exr"));
+}
+
+namespace {
+
+/** A port of this machine that somebody has, and listens to where `listens`. */
+class TakenPort {
+ public:
+  explicit TakenPort(bool listens) : socket(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    EXPECT_EQ(::bind(socket, reinterpret_cast<sockaddr*>(&address), size), 0);
+    EXPECT_EQ(::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size), 0);
+    if (listens) {
+      EXPECT_EQ(::listen(socket, 1), 0);
+    }
+    name = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  }
+  ~TakenPort() { ::close(socket); }
+  TakenPort(const TakenPort&) = delete;
+  TakenPort& operator=(const TakenPort&) = delete;
+  std::string name;
+
+ private:
+  int socket;
+};
+
+/** A latitude-longitude map of grey, with one pixel of another value. */
+std::string environmentMap(int width, int height, float pixel) {
+  std::string out = "PF\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+  for (int i = 0; i < width * height * 3; ++i) {
+    const float value = i / 3 == width * height / 3 ? pixel : 0.5f;
+    out.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  return out;
+}
+
+} // namespace
+
+TEST_F(ProgramRender, WithoutItsDisplayServerItGoesOn) {
+  const TakenPort nobody(false);
+  const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1", "-q", "-o", "a.exr",
+                         "--display-server", nobody.name});
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(has(o.err, nobody.name + ": Connection refused; the render goes on without it")) << o.err;
+  EXPECT_TRUE(exists("a.exr"));
+}
+
+TEST_F(ProgramRender, APortInUseIsSaidBeforeTheRender) {
+  const TakenPort taken(true);
+  const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1", "-o", "a.exr",
+                         "--live", "--live-address", taken.name});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "cannot listen at " + taken.name) && has(o.err, "in use")) << o.err;
+}
+
+TEST_F(ProgramRender, EnvironmentMapsAtTheEdgeAreRendered) {
+  const std::string lit = scene("", "LightSource \"infinite\" \"string filename\" \"map.pfm\"\n");
+  write("lit.pbrt", lit);
+  const auto render = [&](int width, int height, float pixel) {
+    write("map.pfm", environmentMap(width, height, pixel));
+    return run({"render", "lit.pbrt", "--integrator", "path", "--spp", "2", "-q", "-o", "a.pfm"});
+  };
+  for (const auto& [width, pixel] : {std::pair(1, 0.5f), std::pair(32, 1e30f), std::pair(32, -1.0f)}) {
+    const Outcome o = render(width, (width + 1) / 2, pixel);
+    ASSERT_EQ(o.status, 0) << o.err;
+    EXPECT_EQ(has(o.err, "negative"), pixel < 0) << o.err;
+    for (const float value : recurse::readImage(file("a.pfm")).pixels) ASSERT_TRUE(std::isfinite(value));
+  }
+  const Outcome o = render(32, 16, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(o.status, 3);
+  EXPECT_TRUE(has(o.err, "is no number")) << o.err;
+  write("map.pfm", environmentMap(32, 16, 1).substr(0, 400));
+  EXPECT_TRUE(has(run({"render", "lit.pbrt", "-q"}).err, "it is cut off or damaged"));
 }
 
 TEST_F(ProgramRender, TheFilmLimitsSamplesAndBalancesWhite) {
