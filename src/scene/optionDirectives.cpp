@@ -2,6 +2,7 @@
  * Directives before WorldBegin: camera, film, samples, options.
  */
 #include <algorithm>
+#include <array>
 
 #include "recurse/scene/spectrum.h"
 #include "scene/parameterParser.h"
@@ -100,6 +101,10 @@ void SceneParser::option(const Token& t) {
   Diagnostics found;
   bindParameters(alone, {*spec}, found, false);
   for (const Diagnostic& d : found.all()) log.error(d.location, d.message, d.accepted);
+  constexpr std::array CHANGE_PICTURES = {"disablepixeljitter", "disabletexturefiltering", "forcediffuse"};
+  if (std::find(CHANGE_PICTURES.begin(), CHANGE_PICTURES.end(), name) != CHANGE_PICTURES.end() &&
+      !p.booleans.empty() && p.booleans[0])
+    log.warning(p.location, "the option \"" + name + "\" is without effect: pbrt's picture is another one");
   scene.options[name] = std::move(p);
 }
 

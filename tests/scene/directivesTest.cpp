@@ -41,6 +41,8 @@ TEST(Directives, Options) {
   EXPECT_TRUE(s.options.at("disablepixeljitter").booleans.at(0));
   EXPECT_EQ(s.options.at("msereferenceimage").strings.at(0), "a.exr");
   EXPECT_CONTAINS(messages("Option \"seeed\" 7 WorldBegin"), "did you mean \"seed\"");
+  EXPECT_CONTAINS(messages("Option \"force-diffuse\" true WorldBegin"), "\"forcediffuse\" is without effect");
+  EXPECT_EQ(messages("Option \"forcediffuse\" false WorldBegin"), "");
   EXPECT_CONTAINS(messages("Option \"seed\" 7.5 WorldBegin"), "whole number");
   EXPECT_CONTAINS(messages("Option \"seed\" true WorldBegin"), "expected a number");
 }
