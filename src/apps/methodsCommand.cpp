@@ -249,6 +249,8 @@ ExitStatus compareMethods(const MethodsOptions& options) {
       method.stills = std::move(*stills);
       method.seconds = figure(method.stills, "seconds");
       method.samplesPerPixel = figure(method.stills, "samples");
+      if (method.samplesPerPixel < 1)
+        throw Error(formatted("its time was over with %.2g samples a pixel", method.samplesPerPixel));
     } catch (const Error& error) {
       if (error.status() == ExitStatus::BAD_USAGE) throw;
       method.failure = error.what();

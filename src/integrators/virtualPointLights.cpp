@@ -3,9 +3,12 @@
  * all that the camera sees. What comes from near by is bounded, and rays that go on bring the rest (Kollig
  * and Keller 2004, "Illumination in the Presence of Weak Singularities").
  */
+#include "recurse/core/text.h"
 #include "recurse/model/plugIns.h"
+#include "recurse/transport/cameraProbe.h"
 #include "recurse/transport/localShading.h"
 #include "recurse/transport/pathEnds.h"
+#include "recurse/transport/shoot.h"
 #include "recurse/transport/walker.h"
 
 namespace recurse {
@@ -59,6 +62,7 @@ class VirtualPointLights final : public Integrator {
     virtualLights.clear();
     arena.reset();
     if (scene.lights().size() == 0) return statistics;
+    if (pass.index == 0) learnGuide(scene, classes, pass, control, statistics);
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i)
       trace(scene, classes, pass,
             Sampler(hashCombine(pass.seed, pass.index), VIRTUAL_LIGHT_STREAM, static_cast<uint32_t>(i)),
@@ -106,10 +110,28 @@ class VirtualPointLights final : public Integrator {
   }
 
  private:
+  /** Of a sun or sky outside hardly a path comes into a room: they are sent where the eye looks. */
+  void learnGuide(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                  const ForwardControl& control, ForwardStatistics& statistics) {
+    constexpr uint64_t TRIALS = 32768; // a round
+    ShootSettings trial;
+    trial.photons = TRIALS;
+    trial.maxDepth = settings.maxDepth;
+    const VisibleRegion region = probeRegion(scene, {}, statistics.counts);
+    constexpr bool WITH_TARGETS = false;
+    guide = learnGuidance(scene, classes, pass.seed, trial, region, control, statistics.counts, WITH_TARGETS)
+                .emission;
+    if (guide.active())
+      statistics.notes.push_back(formatted(
+          "virtual lights: sent where the eye looks, each worth %.3g times what it is worth without",
+          guide.gain()));
+  }
+
   void trace(const Scene& scene, const PathClasses& classes, const Pass& pass, Sampler sampler,
              TransportCounts& counts) {
     Walker<LightState> walker(scene, classes, counts, settings.maxDepth);
-    const std::optional<LightStart> start = startLightSubpath(scene, classes, pass.time, sampler, counts);
+    const std::optional<LightStart> start =
+        startLightSubpath(scene, classes, pass.time, sampler, counts, guide);
     if (!start) return;
     LightSubpath path = start->path;
     LightVertex vertex;
@@ -187,6 +209,7 @@ class VirtualPointLights final : public Integrator {
   VplSettings settings;
   LightSampler lights;
   float bound = INFINITE; ///< of the geometric term
+  EmissionGuide guide;    ///< of the light paths
   // Of the pass:
   std::vector<VirtualLight> virtualLights;
   BsdfArena arena; ///< of their BSDFs

@@ -27,6 +27,7 @@ class Cloud final : public Medium {
       bounds.push_back(static_cast<float>(boundBetween(lower.y + extent.y * (i - 1e-3) / SLICES,
                                                        lower.y + extent.y * (i + 1 + 1e-3) / SLICES)));
     majorants = MajorantGrid({1, SLICES, 1}, std::move(bounds));
+    box.checkSteps(p, "", majorants, whole.extinction());
   }
 
   MediumPoint at(const Vec3f& position) const override {

@@ -2,7 +2,6 @@
  * Media on regular grids in a box: one density for all coefficients (uniformgrid), or coefficients of each
  * cell (rgbgrid).
  */
-#include "recurse/core/text.h"
 #include "recurse/model/gridMedium.h"
 #include "recurse/model/plugIns.h"
 
@@ -44,8 +43,10 @@ std::unique_ptr<Medium> makeUniformGrid(const Parameters& p, const MediumContext
     if (p.has("Le")) p.fail("temperature", "the light is given twice", "Le or temperature");
     glow = HeatGlow(p, box, readGrid<float>(p, "temperature", p.reals("temperature")));
   }
-  return std::make_unique<DensityGrid>(whole, box, readGrid<float>(p, "density", p.reals("density")),
-                                       std::move(glow));
+  auto medium = std::make_unique<DensityGrid>(whole, box, readGrid<float>(p, "density", p.reals("density")),
+                                              std::move(glow));
+  medium->checkSteps(p);
+  return medium;
 }
 
 class RgbGrid final : public Medium {
@@ -63,24 +64,13 @@ class RgbGrid final : public Medium {
     if (absorption.empty() && scattering.empty()) p.fail("", "the grid has neither sigma_a nor sigma_s");
     if (!emission.empty() && absorption.empty())
       p.fail("Le", "what does not absorb does not emit", "sigma_a, which Le is multiplied by");
-    Rgb densest(0);
     majorants = majorantsOf(readSize(p), [&](const glm::ivec3& i) {
       Rgb sum(0);
       if (!absorption.empty()) sum += absorption.value(i);
       if (!scattering.empty()) sum += scattering.value(i);
-      densest = glm::max(densest, sum);
       return maxComponent(sum);
     });
-    // Flights are bounded by the densest channel, and light of the clearest meets null collisions all the
-    // way.
-    constexpr double MOST = 1e6;
-    const double across = double(glm::length(box.bounds().diagonal()));
-    const double null = double(maxComponent(densest) - std::min({densest.r, densest.g, densest.b})) * across;
-    if (null > MOST)
-      p.fail(absorption.empty() ? "sigma_s" : "sigma_a",
-             "one channel is so much denser than another that light of the clear one would take " +
-                 formatted("%.2g", null) + " steps through the grid",
-             "at most 1e6 mean free paths between them");
+    box.checkSteps(p, absorption.empty() ? "sigma_s" : "sigma_a", majorants, Rgb(1));
   }
   MediumPoint at(const Vec3f& position) const override {
     const Vec3f p = box.point(position);

@@ -56,6 +56,7 @@ class NanoVdbMedium final : public Medium {
     if (density.grid().smallest() < 0) p.warn("filename", file + ": negative densities count as none");
     box = GridBox(p, density.sceneFromUnit());
     majorants = density.grid().majorants();
+    box.checkSteps(p, "filename", majorants, whole.extinction());
     temperature = PlacedGrid(p, readNanoVdb(file, bytes, "temperature", names), context);
     if (temperature.grid().empty()) return;
     if (p.has("Le")) p.fail("Le", "the light is given twice: " + file + " has temperatures");

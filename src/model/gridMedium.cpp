@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "recurse/core/text.h"
 #include "recurse/scene/spectrum.h"
 
 namespace recurse {
@@ -36,6 +37,22 @@ GridBox::GridBox(const Parameters& p, const Mat4d& sceneFromUnit) {
   unitFromScene = glm::inverse(sceneFromUnit);
   for (int corner = 0; corner < 8; ++corner)
     sceneBounds.add(Vec3f(transformPoint(sceneFromUnit, Vec3d(corner & 1, corner >> 1 & 1, corner >> 2))));
+}
+
+void GridBox::checkSteps(const Parameters& p, const char* parameter, const MajorantGrid& grid,
+                         const Rgb& extinction) const {
+  constexpr double MOST = 1e6;
+  float highest = 0;
+  for (int z = 0; z < grid.size().z; ++z)
+    for (int y = 0; y < grid.size().y; ++y)
+      for (int x = 0; x < grid.size().x; ++x) highest = std::max(highest, grid.at({x, y, z}));
+  const double steps =
+      double(highest) * double(maxComponent(extinction)) * double(glm::length(sceneBounds.diagonal()));
+  if (steps > MOST)
+    p.fail(parameter,
+           "at its densest the medium is so dense that light may take " + formatted("%.2g", steps) +
+               " steps through the grid, even where it is clear",
+           "at most 1e6 mean free paths across the grid's box, or a homogeneous medium");
 }
 
 std::vector<ParameterSpec> gridBoxParameters() {

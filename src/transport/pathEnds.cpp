@@ -66,15 +66,18 @@ double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightS
 }
 
 std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
-                                            Sampler& sampler, TransportCounts& counts) {
-  float pick = sampler.next1D();
-  const float part = sampler.next1D();
+                                            Sampler& sampler, TransportCounts& counts,
+                                            const EmissionGuide& guide) {
+  const float which = sampler.next1D(), part = sampler.next1D();
   const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+  EmissionGuide::Numbers n{which, part, place.x, place.y, direction.x, direction.y};
+  const float guided = guide.active() ? guide.warp(n, sampler.next1D()) : 1;
+  float pick = n[0];
   const size_t index = scene.lights().chooseIndex(pick);
   const float probability = scene.lights().probability(index);
   if (!(probability > 0) || classes.dead(classes.lightStart())) return {};
   const Light& light = scene.lights()[index];
-  const std::optional<LeSample> emission = light.sampleLe({part, place, direction, time});
+  const std::optional<LeSample> emission = light.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
   if (!emission || isBlack(emission->flux)) return {};
   if (!isFinite(emission->flux)) {
     ++counts.nonFinite;
@@ -88,7 +91,7 @@ std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasse
   LightSubpath& path = start.path;
   path.ray = {emission->origin, emission->direction, INFINITE, time};
   path.from = emission->origin;
-  path.throughput = emission->flux / probability;
+  path.throughput = emission->flux / (probability * guided);
   path.state = classes.lightStart();
   path.nesting = nestingAt(scene, path.ray, counts);
   path.parallel = end.isInfinite();

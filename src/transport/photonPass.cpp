@@ -235,11 +235,7 @@ GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRad
 void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                                const ShootSettings& shoot, const ForwardControl& control,
                                ForwardStatistics& statistics) {
-  constexpr int PROBES = 96;
-  const float spacing = std::sqrt(float(scene.film().crop.area())) / PROBES;
-  VisibleRegion region;
-  for (const VisiblePoint& place : probeCamera(scene, PROBES, 1, settings.weighting, statistics.counts))
-    if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
+  const VisibleRegion region = probeRegion(scene, settings.weighting, statistics.counts);
   portals = {};
   lights = portals.lightsByPower(scene.lights());
   // A search for the nearest photons of one map wants them to be of nearly equal power.

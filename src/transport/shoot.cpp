@@ -598,7 +598,7 @@ uint64_t countUsefulPhotons(const Scene& scene, const PathClasses& classes, uint
 
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
-                             const ForwardControl& control, TransportCounts& counts) {
+                             const ForwardControl& control, TransportCounts& counts, bool targets) {
   constexpr uint64_t TRIALS = 8 * BATCH;
   constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
   constexpr double RISES = 1.1, WORTH_IT = 1.5;
@@ -635,7 +635,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
     }
   };
   const Trials plain = learn();
-  if (double(plain.inRegion) < FEW * double(plain.stored) && !control.stopped()) {
+  if (targets && double(plain.inRegion) < FEW * double(plain.stored) && !control.stopped()) {
     const EmissionGuide without = guide;
     trial.targets = dxtranSpheresAround(scene, region.all(), plain.landed);
     if (!trial.targets.empty()) {

@@ -3,6 +3,7 @@
  */
 #include "hardCase.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <set>
@@ -35,8 +36,10 @@ void Report::holds(const std::string& detail, const std::string& integrator, con
 
 bool thorough = false;
 
-std::vector<Way> allWays(double photons, const std::string& more) {
-  std::vector<Way> ways;
+namespace {
+
+/** Calls visit(entry, integrator) for each integrator of the registry. */
+template <class Visit> void forIntegrators(const Visit& visit) {
   std::set<std::type_index> seen;
   for (const auto& entry : plugIns().integrators.entries()) {
     // Other names of an integrator are not other integrators.
@@ -46,11 +49,34 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     const Integrator& integrator = *made;
     if (!seen.insert(typeid(integrator)).second) continue;
     // It is there to be read, and has no remedy for what is hard.
-    if (entry.name == "simplephotonmap") continue;
-    // Of splats a picture does not tell how much is noise.
-    if (integrator.splats()) continue;
-    // A method that leaves out paths by its nature does not claim these pictures.
-    if (!integrator.claims().empty()) continue;
+    if (entry.name != "simplephotonmap") visit(entry, integrator);
+  }
+}
+
+/** Of splats a picture does not tell how much is noise, and who leaves out paths does not claim all pictures.
+ */
+bool isOtherMethod(const Integrator& integrator) {
+  return integrator.splats() || !integrator.claims().empty();
+}
+
+} // namespace
+
+std::vector<Method> otherMethods() {
+  std::vector<Method> methods;
+  forIntegrators([&](const auto& entry, const Integrator& integrator) {
+    if (!isOtherMethod(integrator)) return;
+    const bool merges = std::any_of(entry.parameters.begin(), entry.parameters.end(),
+                                    [](const ParameterSpec& p) { return p.name == "photons" && !p.ignored; });
+    methods.push_back(
+        {{entry.name, "", entry.name, merges, false}, integrator.claims(), integrator.suppositions()});
+  });
+  return methods;
+}
+
+std::vector<Way> allWays(double photons, const std::string& more) {
+  std::vector<Way> ways;
+  forIntegrators([&](const auto& entry, const Integrator& integrator) {
+    if (isOtherMethod(integrator)) return;
     const auto parameter = [&](const char* name) -> const ParameterSpec* {
       for (const ParameterSpec& p : entry.parameters)
         if (p.name == name && !p.ignored) return &p;
@@ -58,7 +84,7 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     };
     if (!parameter("photons")) {
       ways.push_back({entry.name, "", entry.name, false, false});
-      continue;
+      return;
     }
     const std::string base = std::string(parameter("passes") ? "\"integer passes\" 1 " : "") +
                              "\"integer photons\" " +
@@ -66,7 +92,7 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     const ParameterSpec* direct = parameter("direct");
     if (!direct) {
       ways.push_back({entry.name, base, entry.name, true, true});
-      continue;
+      return;
     }
     for (const std::string& choice : direct->choices) {
       const bool byDefault = choice == direct->defaultText;
@@ -75,7 +101,7 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     }
     if (thorough && parameter("passes"))
       ways.push_back({entry.name, base + " \"integer passes\" 4", entry.name + ", 4 passes", true, false});
-  }
+  });
   return ways;
 }
 
@@ -114,14 +140,14 @@ std::string Rendered::unsound() const {
   return {};
 }
 
-Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed) {
+Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed,
+                     const PathClasses& classes) {
   const ThreadPool pool;
   Diagnostics diagnostics;
   const auto made =
       plugIns().integrators.make(parseParameterText(way.integrator, way.parameters), {}, diagnostics);
   diagnostics.throwIfErrors();
-  const PathClasses classes;
-  Rendered out{Film(scene.film().crop, 1), {}};
+  Rendered out{Film(scene.film().crop, classes.layerCount()), {}};
   RenderSettings settings;
   settings.samplesPerPixel = samplesPerPixel;
   settings.seed = seed;
@@ -135,6 +161,76 @@ Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, u
   return renderScene(scene, way, SANITIZED ? std::max(1, n / 32) : thorough ? 4 * n : n, seed);
 }
 
+namespace {
+
+/** The means of the light that each method does not claim, by the photon map, which finds all. */
+std::vector<double> unclaimedLight(const Scene& scene, const std::vector<Method>& methods) {
+  std::vector<PathClass> classes;
+  for (const Method& m : methods)
+    classes.push_back({m.way.integrator, m.claims.empty() ? "L.*E" : "!(" + m.claims + ")"});
+  const Way all{"photonmap", "\"integer passes\" 1 \"integer photons\" 20000", "", true, false};
+  const Rendered r = renderScene(scene, all, 16, 1, PathClasses(classes));
+  std::vector<double> means;
+  for (size_t i = 0; i < methods.size(); ++i) {
+    double sum = 0;
+    for (size_t p = 0; p < r.pixels() && !methods[i].claims.empty(); ++p)
+      sum += double(luminance(r.film.value(p, i)));
+    means.push_back(sum / double(r.pixels()));
+  }
+  return means;
+}
+
+/** One row for each: an answer, or the relative error. Noise is told by pictures with seeds of their own. */
+void checkOtherMethods(const Report& report, const std::string& detail, const Scene& scene, double expected,
+                       const Budget& budget) {
+  constexpr int PICTURES = 8;
+  constexpr double MOST_NOISE = 5.4; // standard errors by so few pictures, once in 1000
+  const std::vector<Method> methods = otherMethods();
+  const std::vector<double> unclaimed = unclaimedLight(scene, methods);
+  for (size_t i = 0; i < methods.size(); ++i) {
+    const Method& m = methods[i];
+    const auto answers = [&](const std::string& answer) {
+      report.holds(detail, m.way.label, answer, true, {});
+    };
+    Diagnostics diagnostics;
+    const auto integrator =
+        plugIns().integrators.make(parseParameterText(m.way.integrator, ""), {}, diagnostics);
+    if (const std::string part = unsupportedPart(*integrator, scene); !part.empty()) {
+      answers("does not render " + part);
+      continue;
+    }
+    if (unclaimed[i] > budget.tolerance / 2 * std::abs(expected)) {
+      answers("does not claim these paths");
+      continue;
+    }
+    if (!m.suppositions.empty()) {
+      answers("supposes otherwise");
+      continue;
+    }
+    double sum = 0, squares = 0;
+    std::string problem;
+    for (uint64_t seed = 1; seed <= PICTURES && problem.empty(); ++seed) {
+      const Rendered r = renderScene(scene, m.way, std::max(1, budget.samples / PICTURES), seed);
+      problem = r.unsound();
+      sum += r.mean();
+      squares += square(r.mean());
+    }
+    const double mean = sum / PICTURES;
+    const double noise = MOST_NOISE *
+                         std::sqrt(std::max(0.0, squares / PICTURES - square(mean)) / (PICTURES - 1)) /
+                         std::abs(expected);
+    if (problem.empty() && noise > MAX_NOISE) {
+      answers("finds too few of these paths");
+      continue;
+    }
+    const double tolerance = m.way.usesPhotons ? budget.photonTolerance : budget.tolerance;
+    report.atMost(detail, m.way.label, "relative error", std::abs(mean / expected - 1), tolerance + noise,
+                  problem);
+  }
+}
+
+} // namespace
+
 void checkMean(const Report& report, const std::string& detail, const std::string& sceneText, double expected,
                const Budget& budget, bool indirect) {
   const auto scene = sceneFrom(sceneText);
@@ -147,6 +243,7 @@ void checkMean(const Report& report, const std::string& detail, const std::strin
     if (problem.empty() && noise > MAX_NOISE) problem = "the noise is so large that the bound says nothing";
     report.atMost(detail, way.label, "relative error", std::abs(r.mean() / expected - 1), bound, problem);
   }
+  if (thorough && !budget.only) checkOtherMethods(report, detail, *scene, expected, budget);
 }
 
 std::string number(double x) { return shown("%.17g", x); }

@@ -75,6 +75,14 @@ extern bool thorough;
  */
 std::vector<Way> allWays(double photons, const std::string& more = {});
 
+/** The other integrators: those that leave out paths, or suppose something, by their nature, and those whose
+ * light paths splat. */
+struct Method {
+  Way way;
+  std::string claims, suppositions; ///< as of Integrator
+};
+std::vector<Method> otherMethods();
+
 /** What a case may spend, and how near it must come. */
 struct Budget {
   int samples = 64;      ///< a pixel, for ways without photons
@@ -112,13 +120,15 @@ struct Rendered {
   std::string unsound() const;
 };
 
-Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed = 1);
+Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed = 1,
+                     const PathClasses& classes = PathClasses());
 /** With the budget's samples; sanitizers slow a render down tenfold, and get a 32nd. */
 Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, uint64_t seed = 1);
 
 /**
  * One row for every way: how far the mean of the picture is from what is expected. `indirect` says that the
- * map holds light that matters even when direct light comes from shadow rays.
+ * map holds light that matters even when direct light comes from shadow rays. For `--heavy` the other methods
+ * are asked too, and may answer that they do not claim all of the scene's paths.
  */
 void checkMean(const Report& report, const std::string& detail, const std::string& sceneText, double expected,
                const Budget& budget, bool indirect = false);

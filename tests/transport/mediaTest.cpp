@@ -224,6 +224,11 @@ TEST(Media, WrongOnesAreTold) {
   tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"point3 p1\" [0 1 1]", "flat");
   tells("\"string type\" \"rgbgrid\"", "neither");
   tells("\"string type\" \"rgbgrid\" \"rgb sigma_a\" [1e18 0 0]", "steps through the grid");
+  tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"rgb sigma_s\" [1e18 0 0]",
+        "steps through the grid");
+  tells("\"string type\" \"uniformgrid\" \"integer nx\" 3 \"float density\" [0 0 1e18]",
+        "steps through the grid");
+  tells("\"string type\" \"cloud\" \"float scale\" 1e12", "steps through the grid");
   tells("\"string type\" \"homogeneous\" \"string preset\" \"Wholemilks\"", "Wholemilk");
 }
 

@@ -21,6 +21,10 @@ class GridBox {
   GridBox(const Parameters& p, const Mat4d& sceneFromUnit);
 
   Bounds3f bounds() const { return sceneBounds; }
+  /** Fails where flights may take millions of steps, which is for ever: they go by the free paths of the
+   * densest place around them in the densest channel, however clear it is where they are. */
+  void checkSteps(const Parameters& p, const char* parameter, const MajorantGrid& grid,
+                  const Rgb& extinction) const;
   Vec3f point(const Vec3f& scene) const { return Vec3f(transformPoint(unitFromScene, Vec3d(scene))); }
   MajorantSegments segments(const MajorantGrid& grid, const Rgb& extinction, const Ray& ray,
                             float end) const {
@@ -68,6 +72,7 @@ class DensityGrid final : public Medium {
       : whole(whole), box(box), density(std::move(densities)), glow(std::move(glow)),
         majorants(majorantsOf(density.size(), [&](const glm::ivec3& i) { return density.value(i); })) {}
 
+  void checkSteps(const Parameters& p) const { box.checkSteps(p, "density", majorants, whole.extinction()); }
   MediumPoint at(const Vec3f& position) const override {
     const float d = density.at(box.point(position));
     MediumPoint m{whole.absorption * d, whole.scattering * d, whole.emission * d};

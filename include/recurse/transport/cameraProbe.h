@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "recurse/transport/emissionGuide.h"
 #include "recurse/transport/gatherWeighting.h"
 #include "recurse/transport/walk.h"
 
@@ -20,5 +21,8 @@ struct VisiblePoint {
  * surface; rays that see none are left out. Rough lobes that `sharing` leaves to rays count as mirrors. */
 std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts);
+
+/** What is seen at these places, as a region that light is to be sent to. */
+VisibleRegion probeRegion(const Scene& scene, const GatherWeighting& weighting, TransportCounts& counts);
 
 } // namespace recurse

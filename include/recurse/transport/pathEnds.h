@@ -5,6 +5,7 @@
 #pragma once
 
 #include "recurse/transport/bidirectionalWeights.h"
+#include "recurse/transport/emissionGuide.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/lightSampler.h"
 #include "recurse/transport/pathVertex.h"
@@ -36,13 +37,15 @@ double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightS
                     const LightEnd& end);
 
 /** Samples a light path's start by numbers of the sampler. Empty: nothing is emitted. The end's pdfNext is
- * not set: it is that of the first vertex. */
+ * not set: it is that of the first vertex. A `guide` changes the flux, and the densities do not know of it.
+ */
 struct LightStart {
   LightSubpath path;
   LightEnd end;
 };
 std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
-                                            Sampler& sampler, TransportCounts& counts);
+                                            Sampler& sampler, TransportCounts& counts,
+                                            const EmissionGuide& guide = {});
 
 /** A point that is to be seen from a vertex, as a light would be. */
 inline LiSample visibilityTarget(const Vec3f& position, const Vec3f& direction, float distance) {

@@ -77,10 +77,10 @@ uint64_t countUsefulPhotons(const Scene& scene, const PathClasses& classes, uint
 /**
  * Learns from trial photons where those start that come down in the region: as few as will do, where most do
  * so anyway, and the guide is then not active. The region becomes a target where few photons come down in it
- * and many do that are sent there. `counts` gets what the trials cost.
+ * and many do that are sent there, unless there are to be no `targets`. `counts` gets what the trials cost.
  */
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
-                             const ForwardControl& control, TransportCounts& counts);
+                             const ForwardControl& control, TransportCounts& counts, bool targets = true);
 
 } // namespace recurse
