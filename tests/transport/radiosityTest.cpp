@@ -21,14 +21,21 @@ std::string box(const std::string& walls) {
 
 } // namespace
 
-/** Where all emits E and reflects ρ, all that is seen is E / (1 - ρ). */
+/** Where all emits E and reflects ρ, all that is seen is E / (1 - ρ): in an empty box, and beside two cubes
+ * that touch at a corner. */
 TEST(Radiosity, FurnaceOfAClosedBox) {
   const ThreadPool pool;
-  for (const double albedo : {0.5, 0.8}) {
+  const auto cube = [](const char* place) {
+    return std::string("AttributeBegin\nTranslate ") + place + "\nScale .1 .1 .1\nReverseOrientation\n" +
+           box("") + "AttributeEnd\n";
+  };
+  const std::string cubes = cube(".5 .1 0") + cube(".7 .3 .2");
+  for (const auto& [albedo, more] : {std::pair<double, std::string>{0.5, ""}, {0.8, ""}, {0.8, cubes}}) {
     const auto scene = sceneFrom(
         view(12, "0 0 0  1 .3 .2  0 0 1", 80) +
         box("AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ " +
-            std::to_string(albedo) + " " + std::to_string(albedo) + " 0 ]\n"));
+            std::to_string(albedo) + " " + std::to_string(albedo) + " 0 ]\n") +
+        more);
     const Rendered r = renderScene(
         *scene, "radiosity", "\"float patchsize\" .5 \"integer rays\" " + std::to_string(samples(400000)),
         samples(64));
