@@ -260,17 +260,31 @@ class PlaceFinder {
       measured.nearest(region, NEAREST, scratch);
       SupportErrors all, absolute; // relative errors, which the choice goes by, and errors [W²/m⁴]
       int evidence = 0;
-      measured.visitNearest(scratch, [&](const PhotonBlock& block) {
-        for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-          const size_t m = measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
-          if (!places[i].around.sees(places[judged[m]].position)) continue;
-          const SupportErrors& e = errors[m];
-          if (!(e.irradiance > 0)) continue;
-          all.add(e, 1 / (square(e.irradiance) + square(DARK * mean)));
-          absolute.add(e, 1);
-          ++evidence;
-        }
-      });
+      double brightest = 0, brightest2 = 0; // of the place that happened to see the rarest light
+      const auto addEvidence = [&](bool onlySeen) {
+        measured.visitNearest(scratch, [&](const PhotonBlock& block) {
+          for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+            const size_t m =
+                measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
+            if (onlySeen && !places[i].around.sees(places[judged[m]].position)) continue;
+            const SupportErrors& e = errors[m];
+            if (!(e.irradiance > 0)) continue;
+            all.add(e, 1 / (square(e.irradiance) + square(DARK * mean)));
+            absolute.add(e, 1);
+            if (e.direct2 > brightest2) {
+              brightest = e.direct;
+              brightest2 = e.direct2;
+            }
+            ++evidence;
+          }
+        });
+      };
+      addEvidence(true);
+      if (evidence == 0) addEvidence(false);
+      if (evidence > 1) {
+        absolute.direct -= brightest;
+        absolute.direct2 -= brightest2;
+      }
       if (all.variance[0] == 0) return;
       const size_t best = all.best(biasWeight);
       places[i].irradiance = static_cast<float>(absolute.irradiance / evidence);
