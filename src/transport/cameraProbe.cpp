@@ -76,7 +76,7 @@ std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t s
 
 VisibleRegion probeRegion(const Scene& scene, const GatherWeighting& weighting, TransportCounts& counts) {
   constexpr int PROBES = 96;
-  const float spacing = std::sqrt(float(scene.film().crop.area())) / PROBES;
+  const float spacing = std::sqrt(float(scene.film().whole().area())) / PROBES;
   VisibleRegion region;
   for (const VisiblePoint& place : probeCamera(scene, PROBES, 1, weighting, counts))
     if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
