@@ -63,25 +63,28 @@ SceneOverrides reduced(SceneOverrides overrides, const SceneDescription& descrip
 } // namespace
 
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
-                         const IntegratorOptions& options, int reduction) {
+                         const IntegratorOptions& options, int reduction, AnimationFrame* frame) {
   LoadedScene out;
   out.fileName = fileName;
   Diagnostics diagnostics;
   const auto loadStart = std::chrono::steady_clock::now();
-  out.description = loadSceneOrModel(fileName, diagnostics);
+  KeptParts* kept = frame ? &frame->kept : nullptr;
+  out.description = loadSceneOrModel(fileName, diagnostics, frame ? frame->number : 0);
   out.files = filesOf(out.description); // models that pieces are made of are not named afterwards
-  expandImports(out.description, diagnostics, overrides.lenient);
+  expandImports(out.description, diagnostics, overrides.lenient, kept);
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
   out.integratorDirective = options.directive(out.description.integrator);
   out.integrator = makeIntegrator(out.integratorDirective, overrides.lenient, diagnostics);
   // A description with errors is built as well, as far as that goes: one run tells all that is wrong.
-  out.scene = buildScene(out.description, reduced(overrides, out.description, reduction), diagnostics);
+  out.scene = buildScene(out.description, reduced(overrides, out.description, reduction), diagnostics, kept);
   out.buildSeconds = secondsSince(buildStart);
   renderByPathIfNeeded(out, diagnostics);
   diagnostics.throwIfErrors();
   out.warnings = diagnostics.all().size();
-  std::fputs(diagnostics.format().c_str(), stderr);
+  const std::string warnings = diagnostics.format();
+  if (!frame || frame->warnings != warnings) std::fputs(warnings.c_str(), stderr);
+  if (frame) frame->warnings = warnings;
   return out;
 }
 
@@ -188,6 +191,16 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
             " from column " + std::to_string(film.crop.x0) + ", row " + std::to_string(film.crop.y0);
   if (film.imagingRatio != 1) size += ", scaled by " + formatted("%.6g", double(film.imagingRatio));
   line("film", size + ", file " + film.fileName);
+  std::string tracks;
+  double first = 0, last = 0;
+  for (const TrackDescription& track : loaded.description.tracks) {
+    first = tracks.empty() ? track.firstTime : std::min(first, track.firstTime);
+    last = tracks.empty() ? track.lastTime : std::max(last, track.lastTime);
+    tracks += (tracks.empty() ? "" : ", ") + track.name;
+  }
+  if (!tracks.empty())
+    line("animation", "frame " + formatted("%.6g", loaded.description.frame) + "; keyframes from " +
+                          formatted("%.6g", first) + " to " + formatted("%.6g", last) + " of " + tracks);
   line("camera", typeOf(loaded.description.camera, "perspective") + ", filter " +
                      typeOf(loaded.description.filter, "as default"));
   line("samples", std::to_string(scene.sampler().pixelSamples) + " per pixel, seed " +

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "apps/integratorOptions.h"
+#include "recurse/model/keptParts.h"
 #include "recurse/model/scene.h"
 #include "recurse/scene/sceneDescription.h"
 
@@ -24,11 +25,21 @@ struct LoadedScene {
   size_t warnings = 0; ///< already printed
 };
 
+/** A frame of an animation, and what it takes from the one before. */
+struct AnimationFrame {
+  int number = 0;
+  KeptParts kept;
+  std::shared_ptr<const LoadedScene> before; ///< whose textures' pictures are still in memory
+  bool isFirst = true;
+  std::string warnings; ///< of the frame before, which are not told again
+};
+
 /** Throws Error (BAD_SCENE) when the file cannot be read, SceneError with everything that is wrong with it,
  * and Error (BAD_USAGE) for options that do not fit. Prints warnings on standard error. Width and height of
- * the picture are divided by `reduction`. */
+ * the picture are divided by `reduction`. Without `frame` it is that of number 0. */
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
-                         const IntegratorOptions& options, int reduction = 1);
+                         const IntegratorOptions& options, int reduction = 1,
+                         AnimationFrame* frame = nullptr);
 
 /** Puts path in the place of an integrator that does not render all of the scene, with a warning. */
 void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics);

@@ -94,8 +94,8 @@ std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const std::s
   return scene;
 }
 
-SceneDescription loadSceneOrModel(const std::string& fileName, Diagnostics& diagnostics) {
-  if (!isModelFile(fileName)) return loadScene(fileName, diagnostics);
+SceneDescription loadSceneOrModel(const std::string& fileName, Diagnostics& diagnostics, double frame) {
+  if (!isModelFile(fileName)) return loadScene(fileName, diagnostics, frame);
   const std::unique_ptr<ModelScene> model = modelScene(fileName, "", diagnostics);
   if (!model) {
     diagnostics.throwIfErrors();

@@ -25,6 +25,6 @@ std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const std::s
                                        Diagnostics& diagnostics);
 
 /** Reads a scene file, or a model as a scene. */
-SceneDescription loadSceneOrModel(const std::string& fileName, Diagnostics& diagnostics);
+SceneDescription loadSceneOrModel(const std::string& fileName, Diagnostics& diagnostics, double frame = 0);
 
 } // namespace recurse::apps

@@ -32,7 +32,9 @@ struct RenderCommandOptions {
   bool resume = false, throughSpecular = false;
   ExtraLayers extra;
   bool check = false, watch = false, sendScene = false;
-  int reduction = 1; ///< what width and height of the picture are divided by
+  std::string frames;
+  AnimationFrame* frame = nullptr; ///< of an animation
+  int reduction = 1;               ///< what width and height of the picture are divided by
 };
 
 void checkOutputs(const RenderCommandOptions& o, const std::vector<std::string>& outputs) {
@@ -132,7 +134,7 @@ using OnLoaded = std::function<void(const std::vector<std::string>& files)>;
 
 /** Of the scene, or of what the leading process sends. */
 LoadedScene load(const RenderCommandOptions& o, const SceneOverrides& overrides) {
-  if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction);
+  if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction, o.frame);
   if (!cluster()) badUsage("--send-scene: for recurse-mpi");
   if (!cluster()->leads()) {
     const auto received = std::make_shared<const ReceivedScene>(*cluster());
@@ -151,6 +153,51 @@ LoadedScene load(const RenderCommandOptions& o, const SceneOverrides& overrides)
   return std::move(*loaded);
 }
 
+/** The name of a frame's file: its number in the place of the last '#'s, else before the extension. */
+std::string numberedName(const std::string& name, int frame) {
+  constexpr size_t DIGITS = 4;
+  const std::filesystem::path path = name;
+  std::string file = path.filename().string(), number = std::to_string(frame);
+  const size_t end = file.find_last_of('#');
+  if (end == std::string::npos) {
+    number.insert(0, DIGITS - std::min(DIGITS, number.size()), '0');
+    file = path.stem().string() + "-" + number + path.extension().string();
+  } else {
+    size_t begin = end;
+    while (begin > 0 && file[begin - 1] == '#') --begin;
+    const size_t digits = end + 1 - begin;
+    number.insert(0, digits - std::min(digits, number.size()), '0');
+    file.replace(begin, digits, number);
+  }
+  return (path.parent_path() / file).string();
+}
+
+/** Tells what a frame took from the one before, whose scene is not needed any more. */
+void startFrame(AnimationFrame& frame, const std::shared_ptr<const LoadedScene>& loaded,
+                const RenderCommandOptions& o) {
+  if (loaded->description.tracks.empty())
+    badUsage("--frames: " + o.render.scene + " has no Animate directive, so that all frames are the same");
+  if (!o.render.quiet) {
+    std::string kept;
+    const auto add = [&kept](const auto& parts, const char* what) {
+      const size_t all = parts.kept + parts.made;
+      if (parts.kept > 0)
+        kept += (kept.empty() ? "; as before: " : ", ") + std::to_string(parts.kept) + " of " +
+                std::to_string(all) + " " + what;
+    };
+    add(frame.kept.models, "models");
+    add(frame.kept.shapes, "shapes");
+    add(frame.kept.trees, "objects' trees");
+    add(frame.kept.media, "media");
+    std::fputs(("frame " + std::to_string(frame.number) + ": built in " +
+                durationText(loaded->loadSeconds + loaded->buildSeconds) + kept + "\n")
+                   .c_str(),
+               stderr);
+  }
+  frame.isFirst = !frame.before;
+  frame.before = loaded;
+}
+
 ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
   const bool leads = !cluster() || cluster()->leads();
   const RenderCommandOptions o = leads ? given : withoutOutputs(given);
@@ -160,14 +207,19 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
       o.paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{o.paths, o.paths}});
   checkOutputs(o, o.outputs);
   const ThreadPool pool(plan.threads > 0 || !cluster() ? plan.threads : cluster()->threads());
-  const LoadedScene loaded = load(o, plan.overrides);
+  const auto held = std::make_shared<const LoadedScene>(load(o, plan.overrides));
+  const LoadedScene& loaded = *held;
   if (onLoaded) onLoaded(loaded.files);
+  if (o.frame) startFrame(*o.frame, held, o);
   if (o.check) {
-    print(sceneReport(loaded, classes.layerCount()));
+    if (!o.frame || o.frame->isFirst) print(sceneReport(loaded, classes.layerCount()));
     return ExitStatus::DONE;
   }
   std::vector<std::string> outputs = o.outputs;
-  if (outputs.empty() && !(o.sampleRange && !o.checkpoint.empty())) outputs = {defaultOutput(loaded)};
+  if (outputs.empty() && !(o.sampleRange && !o.checkpoint.empty())) {
+    outputs = {defaultOutput(loaded)};
+    if (o.frame) outputs[0] = numberedName(outputs[0], o.frame->number);
+  }
   if (leads) checkOutputs(o, outputs);
   const FeatureSettings features = featuresOf(o, outputs, leads && loaded.scene->film().layered);
 
@@ -184,7 +236,8 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
                             [&](const RenderProgress& progress) { viewers.show(progress); });
   if (!leads) return ExitStatus::DONE;
   RenderReport report =
-      rendering.report("recurse render", o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths));
+      rendering.report("recurse render", (o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths)) +
+                                             (o.frame ? " --frames " + std::to_string(o.frame->number) : ""));
   report.extra = o.extra;
   Image image = pictureOf(rendering.film(), report);
   if (!features.layers.empty()) image = withChannels(image, renderFeatures(*loaded.scene, features));
@@ -229,6 +282,31 @@ ExitStatus renderAgainAndAgain(const RenderCommandOptions& given) {
     o.reduction = first ? FIRST_REDUCTION : 1;
     renderScene(o, onLoaded);
   });
+}
+
+/** One picture after the other; stops where one is interrupted. */
+ExitStatus renderFrames(const RenderCommandOptions& given) {
+  for (const auto& [isGiven, option] :
+       {std::pair(given.watch, "--watch"), std::pair(!given.checkpoint.empty(), "--checkpoint"),
+        std::pair(given.sampleRange.has_value(), "--sample-range"), std::pair(given.viewers.live, "--live"),
+        std::pair(given.sendScene, "--send-scene")})
+    if (isGiven) badUsage(std::string("--frames: not together with ") + option);
+  constexpr int64_t LAST_FRAME = 9999999;
+  const std::vector<std::string> range = split(given.frames, ':');
+  if (range.size() > 2)
+    badUsage("--frames: '" + given.frames + "' is not FIRST:LAST, such as 0:48, nor one frame's number");
+  const int64_t first = parseCount("--frames", range.front(), 0, LAST_FRAME);
+  const int64_t last = parseCount("--frames", range.back(), first, LAST_FRAME);
+  AnimationFrame frame;
+  for (int64_t n = first; n <= last; ++n) {
+    RenderCommandOptions o = given;
+    frame.number = static_cast<int>(n);
+    o.frame = &frame;
+    for (std::string& name : o.outputs) name = numberedName(name, frame.number);
+    if (!o.render.statistics.empty()) o.render.statistics = numberedName(o.render.statistics, frame.number);
+    if (const ExitStatus status = renderScene(o); status != ExitStatus::DONE) return status;
+  }
+  return ExitStatus::DONE;
 }
 
 } // namespace
@@ -285,6 +363,15 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       "--watch", o.watch,
       "Render again when a file of the scene changes, at a quarter of the width and height first, "
       "until Ctrl-C");
+  command
+      ->add_option(
+          "--frames", o.frames,
+          "Frames of a scene with Animate directives, FIRST to LAST inclusive or one alone, each a picture: "
+          "'-o film.png' writes film-0000.png and so on, '-o film##.png' film00.png. The exposure of .png is "
+          "chosen for each: --exposure 0 keeps it. Files that are read, "
+          "shapes and objects that do not change are not built again; lights, materials and the tree over "
+          "all are. A --time-limit holds for each frame")
+      ->type_name("FIRST:LAST");
   command->add_flag("--send-scene", o.sendScene,
                     "For recurse-mpi: rank 0 alone reads the scene, and sends its files to the others");
   command->add_flag("--check", o.check, "Load the scene, report what it contains and needs, do not render");
@@ -305,11 +392,15 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
       "  recurse render scene.pbrt -o long.exr --spp 4096 --live\n"
       "  recurse render scene.pbrt -o long.exr --spp 4096 --preview look.png --every 30s\n"
       "  recurse render scene.pbrt -o look.png --watch --time-limit 20s\n"
+      "  recurse render scenes/animation.pbrt --frames 0:48 -o film.png\n"
       "  recurse render scene.pbrt --check\n\n"
       "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
       "complete one.");
   command->callback([options, &chosen] {
-    chosen = [options] { return options->watch ? renderAgainAndAgain(*options) : renderScene(*options); };
+    chosen = [options] {
+      if (!options->frames.empty()) return renderFrames(*options);
+      return options->watch ? renderAgainAndAgain(*options) : renderScene(*options);
+    };
   });
 }
 

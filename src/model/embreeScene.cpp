@@ -207,7 +207,8 @@ RTCDevice newDevice() {
 
 } // namespace
 
-GeometryGroup::GeometryGroup(RTCDevice device, bool compact) : device(device), tree(rtcNewScene(device)) {
+GeometryGroup::GeometryGroup(std::shared_ptr<const EmbreeDevice> device, bool compact)
+    : device(std::move(device)), tree(rtcNewScene(this->device->get())) {
   const int flags = RTC_SCENE_FLAG_ROBUST | (compact ? RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_NONE);
   rtcSetSceneFlags(tree, static_cast<RTCSceneFlags>(flags));
 }
@@ -215,7 +216,7 @@ GeometryGroup::GeometryGroup(RTCDevice device, bool compact) : device(device), t
 GeometryGroup::~GeometryGroup() { rtcReleaseScene(tree); }
 
 RTCGeometry GeometryGroup::newTriangles(const TriangleMesh& mesh, SceneGeometry& stored) const {
-  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  RTCGeometry g = rtcNewGeometry(device->get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   const auto& positions = mesh.positions();
   const auto& indices = mesh.indices();
   // Embree reads 16 bytes a vertex, so the last one must not end at the end of our array: let it own a copy.
@@ -233,7 +234,7 @@ RTCGeometry GeometryGroup::newTriangles(const TriangleMesh& mesh, SceneGeometry&
 }
 
 RTCGeometry GeometryGroup::newCurve(const CurveShape& curve, SceneGeometry& stored) const {
-  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE);
+  RTCGeometry g = rtcNewGeometry(device->get(), RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE);
   const auto copy = [&](RTCBufferType type, RTCFormat format, const auto& values) {
     using Value = typename std::decay_t<decltype(values)>::value_type;
     std::copy(values.begin(), values.end(),
@@ -252,7 +253,7 @@ RTCGeometry GeometryGroup::newCurve(const CurveShape& curve, SceneGeometry& stor
 }
 
 RTCGeometry GeometryGroup::newUserGeometry(SceneGeometry& stored) const {
-  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  RTCGeometry g = rtcNewGeometry(device->get(), RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(g, stored.shape->primitiveCount());
   rtcSetGeometryUserData(g, &stored);
   rtcSetGeometryBoundsFunction(
@@ -262,20 +263,28 @@ RTCGeometry GeometryGroup::newUserGeometry(SceneGeometry& stored) const {
   return g;
 }
 
-void GeometryGroup::add(const SceneGeometry& added) {
-  geometries.push_back(added);
-  SceneGeometry& stored = geometries.back();
+bool scatters(const Shape& shape, const Material* material) {
+  const auto isSeen = [](const Material* m) { return m && m->lobes() != NO_LOBE; };
+  const std::vector<const Material*> components = shape.componentMaterials();
+  return components.empty() ? isSeen(material) : std::any_of(components.begin(), components.end(), isSeen);
+}
+
+void GeometryGroup::update(size_t id, const SceneGeometry& geometry) {
+  SceneGeometry& stored = geometries[id];
+  stored = geometry;
   stored.mesh = stored.shape->triangleMesh();
   stored.curve = dynamic_cast<const CurveShape*>(stored.shape);
+  stored.compound = !stored.shape->componentMaterials().empty();
+}
+
+void GeometryGroup::add(const SceneGeometry& added) {
+  geometries.emplace_back();
+  update(geometries.size() - 1, added);
+  SceneGeometry& stored = geometries.back();
   RTCGeometry g = stored.mesh    ? newTriangles(*stored.mesh, stored)
                   : stored.curve ? newCurve(*stored.curve, stored)
                                  : newUserGeometry(stored);
-  const std::vector<const Material*> components = stored.shape->componentMaterials();
-  stored.compound = !components.empty();
-  const auto isSeen = [](const Material* m) { return m && m->lobes() != NO_LOBE; };
-  const bool scatters =
-      stored.compound ? std::any_of(components.begin(), components.end(), isSeen) : isSeen(stored.material);
-  rtcSetGeometryMask(g, scatters ? SEEN | CASTS_SHADOW : SEEN);
+  rtcSetGeometryMask(g, scatters(*stored.shape, stored.material) ? SEEN | CASTS_SHADOW : SEEN);
   rtcCommitGeometry(g);
   rtcAttachGeometryByID(tree, g, static_cast<unsigned>(geometries.size() - 1));
   rtcReleaseGeometry(g);
@@ -283,7 +292,7 @@ void GeometryGroup::add(const SceneGeometry& added) {
 
 void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup,
                                 uint32_t object) {
-  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  RTCGeometry g = rtcNewGeometry(device->get(), RTC_GEOMETRY_TYPE_INSTANCE);
   rtcSetGeometryInstancedScene(g, group.tree);
   const auto steps = static_cast<unsigned>(sceneFromGroup.steps().size());
   rtcSetGeometryTimeStepCount(g, steps);
@@ -299,22 +308,19 @@ void GeometryGroup::addInstance(const GeometryGroup& group, const MatrixTrack& s
       {&group, sceneFromGroup, glm::transpose(glm::inverse(Mat3d(sceneFromGroup.first()))), object});
 }
 
-EmbreeScene::EmbreeScene()
-    : device(newDevice()),
-      packets(rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) {
+EmbreeDevice::EmbreeDevice() : handle(newDevice()) {
   rtcSetDeviceMemoryMonitorFunction(
-      device,
-      [](void* scene, ssize_t added, bool) {
-        static_cast<EmbreeScene*>(scene)->bytes += added;
+      handle,
+      [](void* device, ssize_t added, bool) {
+        static_cast<EmbreeDevice*>(device)->taken += added;
         return true;
       },
       this);
 }
 
-EmbreeScene::~EmbreeScene() {
-  while (!groups.empty()) groups.pop_back();
-  rtcReleaseDevice(device);
-}
+EmbreeScene::EmbreeScene(std::shared_ptr<const EmbreeDevice> device)
+    : device(std::move(device)),
+      packets(rtcGetDeviceProperty(this->device->get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) {}
 
 EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray) const {
   RTCRayHit rayHit;

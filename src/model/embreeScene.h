@@ -30,11 +30,30 @@ struct SceneGeometry {
   uint32_t object = 0;                ///< Hit::object, where it is no part of an instance
 };
 
+/** Embree, and what it takes in memory. */
+class EmbreeDevice {
+ public:
+  EmbreeDevice();
+  ~EmbreeDevice() { rtcReleaseDevice(handle); }
+  EmbreeDevice(const EmbreeDevice&) = delete;
+  EmbreeDevice& operator=(const EmbreeDevice&) = delete;
+
+  RTCDevice get() const { return handle; }
+  size_t bytes() const { return static_cast<size_t>(taken.load()); }
+
+ private:
+  std::atomic<int64_t> taken{0};
+  RTCDevice handle;
+};
+
+/** Whether any ray is stopped by a shape with this material. */
+bool scatters(const Shape& shape, const Material* material);
+
 /** Shapes with a tree of their own: the top level, or one object definition. */
 class GeometryGroup {
  public:
   /** `compact`: in less memory, and slower. */
-  GeometryGroup(RTCDevice device, bool compact);
+  GeometryGroup(std::shared_ptr<const EmbreeDevice> device, bool compact);
   ~GeometryGroup();
   GeometryGroup(const GeometryGroup&) = delete;
   GeometryGroup& operator=(const GeometryGroup&) = delete;
@@ -42,6 +61,8 @@ class GeometryGroup {
   /** Reserves the places of `count` geometries; they must not move once they are attached. */
   void reserve(size_t count) { geometries.reserve(count); }
   void add(const SceneGeometry& geometry);
+  /** For a tree that is kept: the same shape with what hits on it mean in another scene. */
+  void update(size_t id, const SceneGeometry& geometry);
   void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup, uint32_t object);
   void commit() { rtcCommitScene(tree); }
 
@@ -61,7 +82,7 @@ class GeometryGroup {
   RTCGeometry newCurve(const CurveShape& curve, SceneGeometry& stored) const;
   RTCGeometry newUserGeometry(SceneGeometry& stored) const;
 
-  RTCDevice device;
+  std::shared_ptr<const EmbreeDevice> device;
   RTCScene tree;
   std::vector<SceneGeometry> geometries; ///< by Embree's geometry id
   std::vector<Instance> instances;       ///< by id, after the geometries
@@ -69,15 +90,14 @@ class GeometryGroup {
 
 class EmbreeScene final : public Scene {
  public:
-  EmbreeScene();
-  ~EmbreeScene() override;
+  explicit EmbreeScene(std::shared_ptr<const EmbreeDevice> device);
 
   bool intersect(const Ray& ray, Hit& hit) const override;
   bool intersectPosition(const Ray& ray, Hit& hit) const override;
   bool occluded(const Ray& ray) const override;
   void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const override;
   void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const override;
-  size_t memoryBytes() const override { return static_cast<size_t>(bytes.load()); }
+  size_t memoryBytes() const override { return device->bytes(); }
 
  private:
   friend class SceneBuilder;
@@ -95,14 +115,13 @@ class EmbreeScene final : public Scene {
   enum class Wanted { SURFACE, PLACE };
   void complete(const PositionHit& met, float time, Wanted wanted, Hit& hit) const;
 
-  RTCDevice device;
+  std::shared_ptr<const EmbreeDevice> device;
   bool packets; ///< Embree has packets of rays on this processor
-  std::atomic<int64_t> bytes{0};
   std::vector<std::unique_ptr<Texture>> textures;
   std::vector<std::unique_ptr<Material>> materials;
-  std::vector<std::unique_ptr<Shape>> shapes;
+  std::vector<std::shared_ptr<Shape>> shapes;
   std::vector<std::unique_ptr<Light>> ownLights;
-  std::vector<std::unique_ptr<GeometryGroup>> groups; ///< [0] is the top level
+  std::vector<std::shared_ptr<GeometryGroup>> groups; ///< [0] is the top level
 };
 
 } // namespace recurse

@@ -8,6 +8,7 @@
 #include "model/embreeScene.h"
 #include "model/objectNames.h"
 #include "model/shapeGroups.h"
+#include "recurse/model/keptParts.h"
 #include "recurse/model/sceneImport.h"
 #include "recurse/model/triangleMesh.h"
 
@@ -25,12 +26,19 @@ void Scene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked)
 /** The work of buildScene, with what it has to remember meanwhile. */
 class SceneBuilder {
  public:
-  SceneBuilder(const SceneDescription& description, const SceneOverrides& overrides, Diagnostics& diagnostics)
-      : description(description), overrides(overrides), diagnostics(diagnostics),
-        scene(std::make_unique<EmbreeScene>()), context{description, overrides.lenient, diagnostics,
-                                                        scene->sceneOrigin},
+  SceneBuilder(const SceneDescription& description, const SceneOverrides& overrides, Diagnostics& diagnostics,
+               KeptParts* kept)
+      : description(description), overrides(overrides), diagnostics(diagnostics), kept(kept),
+        device(kept && kept->device ? kept->device : std::make_shared<EmbreeDevice>()),
+        scene(std::make_unique<EmbreeScene>(device)), context{description, overrides.lenient, diagnostics,
+                                                              scene->sceneOrigin},
         materials(context, scene->textures, scene->materials), media(context),
-        shapes(context, materials, media, scene->shapes) {}
+        shapes(context, materials, media, scene->shapes, kept) {
+    if (!kept) return;
+    kept->device = device;
+    kept->shapes.kept = kept->shapes.made = kept->trees.kept = kept->trees.made = 0;
+    kept->media.kept = kept->media.made = 0;
+  }
 
   std::unique_ptr<Scene> build() {
     buildFilm();
@@ -121,8 +129,16 @@ class SceneBuilder {
 
   /** Makes the media that were asked for, once it is known where the scene is. */
   void buildMedia() {
-    for (size_t i = 0; i < media.count() && !context.enoughErrors(); ++i)
-      scene->sceneMedia.push_back(media.make(i));
+    std::multimap<std::string, std::shared_ptr<Medium>> all;
+    for (size_t i = 0; i < media.count() && !context.enoughErrors(); ++i) {
+      const std::string key = kept ? media.key(i) : "";
+      std::shared_ptr<Medium> medium = kept ? kept->media.take(key) : nullptr;
+      if (kept) ++(medium ? kept->media.kept : kept->media.made);
+      if (!medium) medium = media.make(i);
+      all.emplace(key, medium);
+      scene->sceneMedia.push_back(std::move(medium));
+    }
+    if (kept) kept->media.replace(std::move(all));
     scene->sceneContents.media = media.count();
   }
 
@@ -187,11 +203,19 @@ class SceneBuilder {
 
   void buildTrees() {
     ObjectNamer objects(scene->objectNames);
+    std::multimap<KeptParts::TreeKey, std::shared_ptr<GeometryGroup>> trees;
     for (size_t i = 0; i < shapes.groups().size(); ++i) {
-      auto& made =
-          scene->groups.emplace_back(std::make_unique<GeometryGroup>(scene->device, overrides.compact));
-      made->reserve(shapes.groups()[i].placed.size());
-      for (const ShapeGroups::Placed& p : shapes.groups()[i].placed) {
+      const std::vector<ShapeGroups::Placed>& placed = shapes.groups()[i].placed;
+      KeptParts::TreeKey key;
+      for (const ShapeGroups::Placed& p : placed) key.emplace_back(p.shape, scatters(*p.shape, p.material));
+      std::shared_ptr<GeometryGroup> tree = kept && i > 0 ? kept->trees.take(key) : nullptr;
+      const bool isKept = tree != nullptr;
+      if (kept && i > 0) ++(isKept ? kept->trees.kept : kept->trees.made);
+      if (!tree) tree = std::make_shared<GeometryGroup>(device, overrides.compact);
+      scene->groups.push_back(tree);
+      if (!isKept) tree->reserve(placed.size());
+      for (size_t k = 0; k < placed.size(); ++k) {
+        const ShapeGroups::Placed& p = placed[k];
         const auto light = lightOf.find(p.shape);
         SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get(), p.media};
         if (i == 0) g.object = objects.objectAtTop(p.from, p.partOf);
@@ -200,10 +224,12 @@ class SceneBuilder {
           g.meshIndex = static_cast<int>(scene->sceneMeshes.size());
           scene->sceneMeshes.push_back({mesh, p.material});
         }
-        made->add(g);
+        isKept ? tree->update(k, g) : tree->add(g);
       }
-      if (i > 0) made->commit();
+      if (i > 0 && !isKept) tree->commit();
+      if (i > 0) trees.emplace(std::move(key), std::move(tree));
     }
+    if (kept) kept->trees.replace(std::move(trees));
     for (const ShapeGroups::Instance& i : shapes.instances()) {
       const MatrixTrack track = shapes.sceneFromGroup(i);
       scene->shapesMove = scene->shapesMove || track.moves();
@@ -215,6 +241,8 @@ class SceneBuilder {
   const SceneDescription& description;
   const SceneOverrides& overrides;
   Diagnostics& diagnostics;
+  KeptParts* kept; ///< null: nothing is
+  std::shared_ptr<EmbreeDevice> device;
   std::unique_ptr<EmbreeScene> scene;
   BuildContext context;
   SceneMaterials materials;
@@ -224,11 +252,11 @@ class SceneBuilder {
 };
 
 std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
-                                  Diagnostics& diagnostics) {
-  if (!hasImports(description)) return SceneBuilder(description, overrides, diagnostics).build();
+                                  Diagnostics& diagnostics, KeptParts* kept) {
+  if (!hasImports(description)) return SceneBuilder(description, overrides, diagnostics, kept).build();
   SceneDescription expanded = description;
-  expandImports(expanded, diagnostics, overrides.lenient);
-  return SceneBuilder(expanded, overrides, diagnostics).build();
+  expandImports(expanded, diagnostics, overrides.lenient, kept);
+  return SceneBuilder(expanded, overrides, diagnostics, kept).build();
 }
 
 } // namespace recurse

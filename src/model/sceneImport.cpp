@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "recurse/model/keptParts.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/scene/loader.h"
 
@@ -204,13 +205,14 @@ template <class Visit> void forEachDirective(SceneDescription& scene, const Visi
 
 class ImportExpander {
  public:
-  ImportExpander(SceneDescription& scene, Diagnostics& diagnostics, bool lenient)
-      : scene(scene), diagnostics(diagnostics), lenient(lenient) {}
+  ImportExpander(SceneDescription& scene, Diagnostics& diagnostics, bool lenient, KeptParts* kept)
+      : scene(scene), diagnostics(diagnostics), lenient(lenient), kept(kept) {}
 
   void expand() {
     expand(scene.shapes, nullptr);
     for (auto& [name, object] : scene.objects) expand(object.shapes, &object);
     scene.objects.merge(newObjects);
+    if (kept) kept->models.replace(std::move(models));
   }
 
  private:
@@ -228,8 +230,13 @@ class ImportExpander {
       }
       const ImportContext context{"import" + std::to_string(++count) + ":",
                                   "import" + std::to_string(count) + "/"};
-      if (const auto import = all.imports.make(s.shape, context, diagnostics, lenient))
-        place(*import, s, object, shapes);
+      const std::string key = kept ? keyOf(s.shape) + context.prefix : "";
+      std::shared_ptr<SceneImport> import = kept ? kept->models.take(key) : nullptr;
+      if (kept) ++(import ? kept->models.kept : kept->models.made);
+      if (!import) import = all.imports.make(s.shape, context, diagnostics, lenient);
+      if (!import) continue;
+      place(*import, s, object, shapes);
+      if (kept) models.emplace(key, std::move(import));
     }
   }
 
@@ -314,6 +321,8 @@ class ImportExpander {
   SceneDescription& scene;
   Diagnostics& diagnostics;
   bool lenient;
+  KeptParts* kept; ///< null: nothing is
+  std::multimap<std::string, std::shared_ptr<SceneImport>> models;
   int count = 0, materialOffset = 0, areaLightOffset = 0;
   std::map<std::string, ObjectDescription> newObjects;
 };
@@ -334,8 +343,9 @@ bool hasImports(const SceneDescription& scene) {
                                                 [&](const auto& o) { return anyImport(o.second.shapes); });
 }
 
-void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient) {
-  ImportExpander(scene, diagnostics, lenient).expand();
+void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient, KeptParts* kept) {
+  if (kept) kept->models.kept = kept->models.made = 0;
+  ImportExpander(scene, diagnostics, lenient, kept).expand();
 }
 
 } // namespace recurse

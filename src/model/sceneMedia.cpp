@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "recurse/core/text.h"
+#include "recurse/model/keptParts.h"
 #include "recurse/model/scene.h"
 
 namespace recurse {
@@ -30,7 +31,12 @@ uint16_t SceneMedia::number(const std::string& name, const SourceLocation& usedA
   return known->second = static_cast<uint16_t>(used.size());
 }
 
-std::unique_ptr<Medium> SceneMedia::make(size_t index) const {
+std::string SceneMedia::key(size_t index) const {
+  return keyOf(c.description.media.at(used[index]),
+               recentred(c.description.worldFromMedium.at(used[index]), c.sceneOrigin));
+}
+
+std::shared_ptr<Medium> SceneMedia::make(size_t index) const {
   const ParsedDirective& d = c.description.media.at(used[index]);
   const Mat4d& worldFromMedium = c.description.worldFromMedium.at(used[index]);
   ParsedDirective body = d, phase = d;

@@ -22,7 +22,9 @@ class SceneMedia {
   size_t count() const { return used.size(); }
   /** Medium `index` + 1 and its phase function, each with those of the directive's parameters that it
    * declares. Null after an error. */
-  std::unique_ptr<Medium> make(size_t index) const;
+  std::shared_ptr<Medium> make(size_t index) const;
+  /** What tells whether it would be made the same. */
+  std::string key(size_t index) const;
 
  private:
   BuildContext& c;

@@ -44,12 +44,40 @@ bool movesAlone(const ShapeDescription& s, const InstanceDescription& i) {
 } // namespace
 
 ShapeGroups::ShapeGroups(BuildContext& context, SceneMaterials& materials, SceneMedia& media,
-                         std::vector<std::unique_ptr<Shape>>& shapes)
-    : c(context), materials(materials), media(media), shapes(shapes) {
+                         std::vector<std::shared_ptr<Shape>>& shapes, KeptParts* kept)
+    : c(context), materials(materials), media(media), shapes(shapes), kept(kept) {
   Bounds3d b;
   for (const ShapeDescription& s : c.description.shapes) addPlace(s, s.worldFromObject, b);
   for (const InstanceDescription& i : c.description.instances) b.add(Vec3d(i.worldFromInstance[3]));
   c.sceneOrigin = originOf(b);
+}
+
+std::shared_ptr<Shape> ShapeGroups::makeShape(const ShapeDescription& s, const ShapeContext& context,
+                                              std::string& key) {
+  const auto isTexture = [](const ParsedParameter& p) { return p.type == "texture"; };
+  const auto none = [&](const std::vector<ParsedParameter>& list) {
+    return std::none_of(list.begin(), list.end(), isTexture);
+  };
+  if (kept && none(s.shape.parameters) && (!s.shape.attributes || none(*s.shape.attributes))) {
+    key = keyOf(s.shape, context.sceneFromObject) + (s.reverseOrientation ? "r" : "");
+    if (std::shared_ptr<Shape> shape = kept->shapes.take(key)) {
+      ++kept->shapes.kept;
+      return shape;
+    }
+  }
+  const size_t askedBefore = objectsAsked;
+  std::shared_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, c.diagnostics, c.lenient);
+  if (kept) ++kept->shapes.made;
+  if (objectsAsked > askedBefore) key.clear();
+  return shape;
+}
+
+void ShapeGroups::keepShapes() {
+  if (!kept) return;
+  std::multimap<std::string, std::shared_ptr<Shape>> all;
+  for (size_t i = 0; i < shapes.size(); ++i)
+    if (!keys[i].empty()) all.emplace(keys[i], shapes[i]);
+  kept->shapes.replace(std::move(all));
 }
 
 void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Group& group,
@@ -64,7 +92,8 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
     return;
   }
   const ShapeContext context{sceneFromObject, s.reverseOrientation, &materials, this, m};
-  std::unique_ptr<Shape> shape = plugIns().shapes.make(s.shape, context, c.diagnostics, c.lenient);
+  std::string key;
+  std::shared_ptr<Shape> shape = makeShape(s, context, key);
   if (!shape || shape->primitiveCount() == 0) return;
   const bool scatters = (m && m->lobes() != NO_LOBE) || !shape->componentMaterials().empty();
   if (s.areaLight < 0 && !scatters && !around.isBoundary()) return;
@@ -78,10 +107,12 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
   }
   group.placed.push_back({shape.get(), m, &s, around, partOf});
   shapes.push_back(std::move(shape));
+  keys.push_back(std::move(key));
 }
 
 std::vector<ComponentShape> ShapeGroups::object(const Parameters& p, const std::string& parameter,
                                                 const std::string& name, const ShapeContext& context) {
+  ++objectsAsked;
   const auto found = c.description.objects.find(name);
   if (found == c.description.objects.end()) {
     const std::vector<std::string> names = namesOf(c.description.objects);
@@ -136,6 +167,7 @@ template <class Fill> void ShapeGroups::fillGroup(Group& group, const Fill& fill
   group.origin = originOf(b);
   group.placed.clear();
   shapes.resize(shapesBefore);
+  keys.resize(shapesBefore);
   fill();
 }
 
@@ -187,6 +219,7 @@ bool ShapeGroups::build() {
   }
   for (const ShapeDescription& s : c.description.shapes)
     if (s.worldFromObjectLast) addMoving(s, {}, s.shape.location, nullptr);
+  keepShapes();
   return !c.diagnostics.hasErrors();
 }
 

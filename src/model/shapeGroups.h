@@ -7,6 +7,7 @@
 
 #include "model/sceneMaterials.h"
 #include "model/sceneMedia.h"
+#include "recurse/model/keptParts.h"
 #include "recurse/model/moving.h"
 #include "recurse/model/scene.h"
 
@@ -34,9 +35,9 @@ class ShapeGroups final : public ShapeLookup {
     const InstanceDescription* partOf; ///< null: stands by itself
   };
 
-  /** What is made is kept in `shapes`. Guesses the scene's origin. */
+  /** What is made is kept in `shapes`. Guesses the scene's origin. `kept` may be null. */
   ShapeGroups(BuildContext& context, SceneMaterials& materials, SceneMedia& media,
-              std::vector<std::unique_ptr<Shape>>& shapes);
+              std::vector<std::shared_ptr<Shape>>& shapes, KeptParts* kept);
 
   /** Makes all shapes, and corrects the scene's origin. False after an error. */
   bool build();
@@ -54,6 +55,11 @@ class ShapeGroups final : public ShapeLookup {
 
  private:
   static Bounds3d boundsOf(const Group& g);
+  /** A shape of the frame before where nothing has changed, else a new one. `key`: what it is kept by; empty
+   * where it depends on more than its directive. */
+  std::shared_ptr<Shape> makeShape(const ShapeDescription& s, const ShapeContext& context, std::string& key);
+  /** Leaves the shapes to the next frame. */
+  void keepShapes();
   /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
   void addShape(const ShapeDescription& s, const Mat4d& placement, Group& group,
                 const InstanceDescription* partOf = nullptr);
@@ -66,7 +72,10 @@ class ShapeGroups final : public ShapeLookup {
   BuildContext& c;
   SceneMaterials& materials;
   SceneMedia& media;
-  std::vector<std::unique_ptr<Shape>>& shapes;
+  std::vector<std::shared_ptr<Shape>>& shapes;
+  KeptParts* kept;
+  std::vector<std::string> keys; ///< of `shapes`
+  size_t objectsAsked = 0;       ///< how often shapes have asked for objects
   std::deque<Group> all;
   std::vector<Instance> placedInstances;
   std::vector<std::string> objectsUnderWay; ///< whose shapes are being made into others

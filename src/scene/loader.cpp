@@ -11,8 +11,10 @@ using namespace sceneFile;
 
 namespace {
 
-SceneDescription readScene(SourceFiles& files, const Source& top, Diagnostics& diagnostics) {
+SceneDescription readScene(SourceFiles& files, const Source& top, Diagnostics& diagnostics,
+                           double frame = 0) {
   SceneDescription scene;
+  scene.frame = frame;
   scene.fileName = top.text->name;
   files.topDirectory = top.directory;
   SceneParser(scene, files, diagnostics).parse(top);
@@ -22,9 +24,9 @@ SceneDescription readScene(SourceFiles& files, const Source& top, Diagnostics& d
 
 } // namespace
 
-SceneDescription loadScene(const std::string& fileName, Diagnostics& diagnostics) {
+SceneDescription loadScene(const std::string& fileName, Diagnostics& diagnostics, double frame) {
   SourceFiles files;
-  return readScene(files, files.open(fileName), diagnostics);
+  return readScene(files, files.open(fileName), diagnostics, frame);
 }
 
 SceneDescription parseScene(const std::string& text, const std::string& name, const std::string& directory,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "recurse/scene/track.h"
 #include "scene/parameterTypes.h"
 #include "scene/sceneParser.h"
 
@@ -110,7 +111,14 @@ std::string directiveReference() {
   for (const DirectiveInfo& d : directiveInfos())
     out += "| " + code(d.name) + " | " + code(d.arguments) + " | " + placeText(d.place) + " | " +
            cell(d.summary) + " |\n";
-  return out + "\n`Option` sets:\n\n" + parameterTable(optionSpecs());
+  out += "\n`Option` sets:\n\n" + parameterTable(optionSpecs());
+  return out +
+         "\n`Animate \"name\"` takes the following. `recurse render --frames FIRST:LAST` renders frames; "
+         "without "
+         "it, the scene is that of frame 0. A frame is the scene with the track's numbers written out:\n"
+         "`Animate \"ball\" \"float times\" [ 0 24 ] \"float values\" [ 0 0 1  0 0 5 ]` and "
+         "`Translate $ball`.\n\n" +
+         parameterTable(trackSpecs());
 }
 
 std::string plugInReference(const std::vector<const PlugInInfo*>& plugIns) {

@@ -22,6 +22,11 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
       {"ActiveTransform", "All | StartTime | EndTime", ANYWHERE,
        "Which of the two transforms of a moving object the following directives change.",
        &P::activeTransform},
+      {"Animate", "\"name\" parameters", ANYWHERE,
+       "Numbers that change from frame to frame, see below: `$name` stands for them wherever numbers may "
+       "stand "
+       "in what follows.",
+       &P::animate},
       {"AreaLightSource", "\"name\" parameters", IN_WORLD,
        "The following shapes emit light; \"\" as the name ends that.", &P::areaLightSource},
       {"Attribute", "\"shape|light|material|medium|texture\" parameters", ANYWHERE,
@@ -127,6 +132,7 @@ void SceneParser::parse(const Source& top) {
       return;
     }
     parseTokens(top);
+    reportUnusedTracks();
     if (!inWorld) {
       SourceLocation where;
       where.source = top.text; // no line: it is nowhere

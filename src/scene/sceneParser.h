@@ -117,6 +117,10 @@ class SceneParser {
   void option(const Token&);
   void worldBegin(const Token&);
 
+  // track.cpp
+  void animate(const Token&);
+  void reportUnusedTracks();
+
   // worldDirectives.cpp
   struct OpenBlock {
     enum class Kind { ATTRIBUTE, OBJECT } kind;

@@ -42,6 +42,12 @@ class SourceFiles {
   std::vector<std::shared_ptr<const SourceText>> all() const;
 
   std::string topDirectory;
+  /** The text that stands for `$name`. */
+  struct TrackText {
+    const Source* source = nullptr;
+    size_t uses = 0;
+  };
+  std::map<std::string, TrackText, std::less<>> tracks;
 
  private:
   std::map<std::string, std::unique_ptr<Source>> files;

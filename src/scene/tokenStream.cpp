@@ -16,6 +16,8 @@ const Token& TokenStream::peek() {
     const Token token = stack.back().next();
     if (token.isWord("Include"))
       include(token);
+    else if (token.kind == TokenKind::WORD && token.text.front() == '$')
+      spliceTrack(token);
     else if (token.kind == TokenKind::END && stack.size() > 1)
       stack.pop_back();
     else
@@ -49,6 +51,21 @@ void TokenStream::include(const Token& directive) {
     return;
   }
   if (const Source* source = resolve(name, "Include")) stack.emplace_back(*source);
+}
+
+void TokenStream::spliceTrack(const Token& reference) {
+  const auto found = files.tracks.find(reference.text.substr(1));
+  if (found == files.tracks.end()) {
+    std::vector<std::string> names;
+    for (const auto& [name, text] : files.tracks) names.push_back("$" + name);
+    std::string accepted;
+    for (const std::string& name : nearestNames(std::string(reference.text.substr(0, 64)), names))
+      accepted += (accepted.empty() ? "" : " ") + name;
+    throw SceneError(reference.location(), "there is no track " + reference.shown() + " yet",
+                     accepted.empty() ? "the name of an Animate directive above" : accepted);
+  }
+  ++found->second.uses;
+  stack.emplace_back(*found->second.source);
 }
 
 void TokenStream::collectOpen(std::vector<const Source*>& chain) const {

@@ -37,6 +37,8 @@ class TokenStream {
 
  private:
   void include(const Token& directive);
+  /** Goes on with the numbers of the track that `$name` stands for. Throws SceneError. */
+  void spliceTrack(const Token& reference);
   void collectOpen(std::vector<const Source*>& chain) const;
 
   SourceFiles& files;

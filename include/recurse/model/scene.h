@@ -22,6 +22,8 @@
 
 namespace recurse {
 
+class KeptParts;
+
 /** Where a ray met the scene. */
 struct Hit {
   SurfacePoint point;
@@ -172,7 +174,7 @@ class Scene {
   ObjectNames objectNames;
   std::map<const Material*, std::string> materialNames;
   std::vector<float> nestedDielectrics;
-  std::vector<std::unique_ptr<Medium>> sceneMedia;
+  std::vector<std::shared_ptr<Medium>> sceneMedia;
   std::vector<uint16_t> nestedMedia;   ///< one for each of nestedDielectrics, where there are media
   std::vector<uint16_t> mediaOfLights; ///< as in the light table
   uint16_t mediumOfCamera = 0;
@@ -193,9 +195,9 @@ struct SceneOverrides {
 
 /**
  * Makes every plug-in of the description. Everything wrong goes to `diagnostics`; the result is null when
- * there was an error.
+ * there was an error. `kept`: takes what it can from there, and leaves there what the next frame may take.
  */
 std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
-                                  Diagnostics& diagnostics);
+                                  Diagnostics& diagnostics, KeptParts* kept = nullptr);
 
 } // namespace recurse

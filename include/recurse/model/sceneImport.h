@@ -15,6 +15,7 @@
 namespace recurse {
 
 struct PlugIns;
+class KeptParts;
 
 /** A view that the file proposes. */
 struct ImportedCamera {
@@ -89,6 +90,7 @@ void attachFiles(SceneDescription& scene, const std::shared_ptr<const MemoryFile
 /** True where a Shape directive names an importer. */
 bool hasImports(const SceneDescription& scene);
 /** Puts the pieces that importers make in the place of the Shape directives that name them. */
-void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient);
+void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient,
+                   KeptParts* kept = nullptr);
 
 } // namespace recurse

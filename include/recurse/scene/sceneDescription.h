@@ -62,8 +62,17 @@ struct TextureDescription {
   Mat4d worldFromTexture{1};
 };
 
+/** An Animate directive. */
+struct TrackDescription {
+  std::string name;
+  SourceLocation location;
+  double firstTime = 0, lastTime = 0; ///< of its keyframes
+};
+
 struct SceneDescription {
   std::string fileName;
+  double frame = 0; ///< whose numbers the tracks have
+  std::vector<TrackDescription> tracks;
   std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and what it includes
   ParsedDirective film, camera, filter, sampler, integrator, accelerator;
   Mat4d worldFromCamera{1};

@@ -1,0 +1,89 @@
+/** @file
+ * `recurse render --frames`: pictures of an animation.
+ */
+#include "program.h"
+
+#include "recurse/core/image.h"
+
+using namespace programTesting;
+using recurse::readImage;
+
+namespace {
+
+class Frames : public Program {
+ protected:
+  static std::string animated(const std::string& x, const std::string& glow) {
+    return scene("", "AttributeBegin Material \"diffuse\" \"rgb reflectance\" [ " + glow +
+                         " .2 .2 ]\nTranslate " + x +
+                         " .5 0\nShape \"sphere\" \"float radius\" .3\nAttributeEnd\n"
+                         "ObjectBegin \"post\" Shape \"cylinder\" \"float radius\" .1 ObjectEnd\n"
+                         "AttributeBegin Translate .8 0 " +
+                         x + " ObjectInstance \"post\" AttributeEnd\n");
+  }
+  void SetUp() override {
+    Program::SetUp();
+    write("film.pbrt", "Animate \"x\" \"float times\" [ 0 2 ] \"float values\" [ -.5 .5 ]\n"
+                       "Animate \"glow\" \"float times\" [ 0 4 ] \"float values\" [ 0 1 ]\n" +
+                           animated("$x", "$glow"));
+  }
+};
+
+} // namespace
+
+TEST_F(Frames, AreTheScenesWithTheirNumbersWrittenOut) {
+  for (const std::string integrator : {"photonmap", "path"}) {
+    const Outcome o = run({"render", "film.pbrt", "--frames", "0:2", "-o", "f.exr", "-o", "g#.pfm",
+                           "--integrator", integrator, "--stats", "s.json"});
+    ASSERT_EQ(o.status, 0) << o.err;
+    EXPECT_TRUE(has(o.err, "as before: 3 of 4 shapes, 1 of 1 objects' trees")) << o.err;
+    const char* values[3][2] = {{"-.5", "0"}, {"0", ".25"}, {".5", ".5"}};
+    for (int n = 0; n < 3; ++n) {
+      write("alone.pbrt", animated(values[n][0], values[n][1]));
+      const Outcome alone = run({"render", "alone.pbrt", "-o", "alone.exr", "--integrator", integrator});
+      ASSERT_EQ(alone.status, 0) << alone.err;
+      const std::string number = std::to_string(n);
+      EXPECT_TRUE(readImage(file("f-000" + number + ".exr")).pixels == readImage(file("alone.exr")).pixels)
+          << n;
+      EXPECT_TRUE(exists("g" + number + ".pfm") && exists("s-000" + number + ".json"));
+    }
+    EXPECT_FALSE(readImage(file("f-0000.exr")).pixels == readImage(file("f-0001.exr")).pixels);
+  }
+  // Begun anywhere, and the name that the scene gives.
+  const Outcome o = run({"render", "film.pbrt", "--frames", "2", "--integrator", "path"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(readImage(file("film-0002.exr")).pixels == readImage(file("f-0002.exr")).pixels);
+}
+
+TEST_F(Frames, AreCheckedWithoutRendering) {
+  const Outcome good = run({"render", "film.pbrt", "--frames", "1:3", "--check"});
+  EXPECT_EQ(good.status, 0) << good.err;
+  EXPECT_TRUE(has(good.out, "animation   frame 1; keyframes from 0 to 4 of x, glow")) << good.out;
+  EXPECT_TRUE(has(good.err, "frame 3: ")) << good.err;
+  const Outcome first = run({"render", "film.pbrt", "--check"});
+  EXPECT_TRUE(has(first.out, "animation   frame 0;")) << first.out;
+  // What only a later frame has wrong is found.
+  write("film.pbrt", "Animate \"x\" \"float times\" [ 0 2 ] \"float values\" [ 1 -1 ]\n" +
+                         scene("", "Shape \"sphere\" \"float radius\" $x\n"));
+  EXPECT_EQ(run({"render", "film.pbrt", "--frames", "0", "--check"}).status, 0);
+  const Outcome bad = run({"render", "film.pbrt", "--frames", "0:2", "--check"});
+  EXPECT_NE(bad.status, 0);
+  EXPECT_TRUE(has(bad.err, "radius")) << bad.err;
+}
+
+TEST_F(Frames, ErrorsSayWhatToDo) {
+  const auto fails = [&](std::vector<std::string> more, const std::string& words) {
+    std::vector<std::string> all = {"render", "film.pbrt"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Outcome o = run(all);
+    EXPECT_NE(o.status, 0);
+    EXPECT_TRUE(has(o.err, words)) << o.err;
+  };
+  fails({"--frames", "3:1"}, "from 3 to");
+  fails({"--frames", "1:2:3"}, "FIRST:LAST");
+  fails({"--frames", "a"}, "--frames: 'a'");
+  fails({"--frames", "0:1", "--watch"}, "not together with --watch");
+  fails({"--frames", "0:1", "--checkpoint", "c"}, "not together with --checkpoint");
+  const Outcome still = run({"render", "scene.pbrt", "--frames", "0:1"});
+  EXPECT_NE(still.status, 0);
+  EXPECT_TRUE(has(still.err, "no Animate directive")) << still.err;
+}
