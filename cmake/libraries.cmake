@@ -56,5 +56,7 @@ recurse_find(RecurseFlann::headers flann/algorithms/kdtree_single_index.h FLANN 
 recurse_find(RecurseZip::zip zip.h libzip libzip-dev zip)
 # Models of every common kind. The CMake package names a target of another path on each system.
 recurse_find(RecurseAssimp::assimp assimp/Importer.hpp Assimp libassimp-dev assimp)
+# Subdivision surfaces. The CMake package wants the part for graphics cards too.
+recurse_find(RecurseSubdivision::far opensubdiv/far/primvarRefiner.h OpenSubdiv libosd-dev osdCPU)
 # The fast Fourier transforms of bloom.
 recurse_find(RecurseFftw::fftw fftw3.h FFTW libfftw3-dev fftw3)

@@ -1,9 +1,14 @@
 /** @file
  * Subdivision surfaces of Catmull and Clark, "Recursively Generated B-Spline Surfaces on Arbitrary
- * Topological Meshes" (1978): faces are split level by level, then moved to the limit surface, with its
- * normals.
+ * Topological Meshes" (1978), with creases as in DeRose, Kass, Truong, "Subdivision Surfaces in Character
+ * Animation" (1998), by OpenSubdiv: faces are split level by level, then moved to the limit surface.
  */
-#include <unordered_map>
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/far/topologyDescriptor.h>
 
 #include "recurse/model/plugIns.h"
 #include "recurse/model/triangleMesh.h"
@@ -12,164 +17,196 @@ namespace recurse {
 
 namespace {
 
-constexpr double PI_D = 3.14159265358979323846;
+namespace far = OpenSubdiv::Far;
 
-struct Polygons {
+/** What a file says; sharpness up to 10, which is for ever. */
+struct ControlMesh {
   std::vector<Vec3d> positions;
   std::vector<Vec2d> uvs; ///< one for each position, or none
-  std::vector<std::vector<uint32_t>> faces;
+  std::vector<int> corners, indices;
+  std::vector<int> creases; ///< ends of edges, two by two
+  std::vector<float> creaseSharpness;
+  std::vector<int> sharpCorners;
+  std::vector<float> cornerSharpness;
+  std::vector<int> holes; ///< faces
+  bool cornersOfBoundary = false;
 };
 
-/** The edges of a mesh; a boundary edge has one face. */
-struct Edges {
-  struct Edge {
-    uint32_t a, b;
-    uint32_t face[2];
-    int faces = 0;
-    bool isBoundary() const { return faces == 1; }
-  };
-  std::vector<Edge> list;
-  std::vector<uint32_t> ofVertex, boundaryOfVertex; ///< numbers of edges at each
-
-  explicit Edges(const Polygons& mesh) : ofVertex(mesh.positions.size(), 0), boundaryOfVertex(ofVertex) {
-    std::unordered_map<uint64_t, bool> directed;
-    for (uint32_t f = 0; f < mesh.faces.size(); ++f)
-      for (size_t k = 0; k < mesh.faces[f].size(); ++k) {
-        const uint32_t a = mesh.faces[f][k], b = mesh.faces[f][(k + 1) % mesh.faces[f].size()];
-        if (!directed.emplace(key(a, b), true).second)
-          throw Error("the edge from position " + std::to_string(a) + " to " + std::to_string(b) +
-                      " belongs to two faces that are turned against each other, or to three");
-        const auto [found, isNew] = numbers.emplace(key(std::min(a, b), std::max(a, b)), list.size());
-        if (isNew) list.push_back({std::min(a, b), std::max(a, b), {0, 0}, 0});
-        Edge& e = list[found->second];
-        e.face[e.faces++] = f;
-      }
-    for (const Edge& e : list)
-      for (const uint32_t v : {e.a, e.b}) {
-        ++ofVertex[v];
-        boundaryOfVertex[v] += e.isBoundary();
-      }
-    for (size_t v = 0; v < ofVertex.size(); ++v)
-      if (boundaryOfVertex[v] > 2)
-        throw Error("at position " + std::to_string(v) + " parts of the surface touch in a point only");
-  }
-  size_t number(uint32_t a, uint32_t b) const { return numbers.at(key(std::min(a, b), std::max(a, b))); }
-
- private:
-  static uint64_t key(uint32_t a, uint32_t b) { return uint64_t(a) << 32 | b; }
-  std::unordered_map<uint64_t, size_t> numbers;
+/** A value as OpenSubdiv sums it up. */
+template <class V> struct Weighted {
+  V value{0};
+  void Clear() { value = V(0); }
+  void AddWithWeight(const Weighted& other, double weight) { value += weight * other.value; }
 };
 
-/** The values of the next level: of vertices, edges and faces in that order. */
+using Refiner = std::unique_ptr<far::TopologyRefiner>;
+
+Refiner refined(const ControlMesh& mesh, int levels) {
+  far::TopologyDescriptor d;
+  d.numVertices = static_cast<int>(mesh.positions.size());
+  d.numFaces = static_cast<int>(mesh.corners.size());
+  d.numVertsPerFace = mesh.corners.data();
+  d.vertIndicesPerFace = mesh.indices.data();
+  d.numCreases = static_cast<int>(mesh.creaseSharpness.size());
+  d.creaseVertexIndexPairs = mesh.creases.data();
+  d.creaseWeights = mesh.creaseSharpness.data();
+  d.numCorners = static_cast<int>(mesh.cornerSharpness.size());
+  d.cornerVertexIndices = mesh.sharpCorners.data();
+  d.cornerWeights = mesh.cornerSharpness.data();
+  d.numHoles = static_cast<int>(mesh.holes.size());
+  d.holeIndices = mesh.holes.data();
+  OpenSubdiv::Sdc::Options options;
+  options.SetVtxBoundaryInterpolation(mesh.cornersOfBoundary
+                                          ? OpenSubdiv::Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER
+                                          : OpenSubdiv::Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
+  using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
+  Refiner refiner(Factory::Create(d, Factory::Options(OpenSubdiv::Sdc::SCHEME_CATMARK, options)));
+  if (!refiner) throw Error("the faces do not make a surface");
+  far::TopologyRefiner::UniformOptions uniform(levels);
+  uniform.fullTopologyInLastLevel = true;
+  refiner->RefineUniform(uniform);
+  return refiner;
+}
+
+/** The values of the last level's vertices. */
 template <class V>
-std::vector<V> refined(const std::vector<V>& values, const Polygons& mesh, const Edges& edges) {
-  std::vector<V> ofFaces, ofEdges, out(values.size(), V(0));
-  std::vector<V> facesAround(values.size(), V(0)), middlesAround(values.size(), V(0));
-  for (const auto& face : mesh.faces) {
-    V sum(0);
-    for (const uint32_t v : face) sum += values[v];
-    ofFaces.push_back(sum / double(face.size()));
-    for (const uint32_t v : face) facesAround[v] += ofFaces.back();
+std::vector<Weighted<V>> interpolated(const far::TopologyRefiner& refiner, const std::vector<V>& values) {
+  std::vector<Weighted<V>> from(values.size()), to;
+  for (size_t i = 0; i < values.size(); ++i) from[i].value = values[i];
+  const far::PrimvarRefinerReal<double> primvars(refiner);
+  for (int level = 1; level <= refiner.GetMaxLevel(); ++level) {
+    to.assign(static_cast<size_t>(refiner.GetLevel(level).GetNumVertices()), {});
+    primvars.Interpolate(level, from, to);
+    from.swap(to);
   }
-  for (const Edges::Edge& e : edges.list) {
-    const V middle = 0.5 * (values[e.a] + values[e.b]);
-    ofEdges.push_back(e.isBoundary() ? middle
-                                     : 0.5 * middle + 0.25 * (ofFaces[e.face[0]] + ofFaces[e.face[1]]));
-    for (const uint32_t v : {e.a, e.b})
-      if (edges.boundaryOfVertex[v] == 0 || e.isBoundary()) middlesAround[v] += middle;
-  }
-  for (size_t v = 0; v < values.size(); ++v) {
-    const double n = edges.ofVertex[v];
-    if (edges.boundaryOfVertex[v] > 0)
-      out[v] = 0.5 * values[v] + 0.25 * middlesAround[v];
-    else if (n > 0)
-      out[v] = (facesAround[v] / n + 2.0 * middlesAround[v] / n + (n - 3) * values[v]) / n;
-    else
-      out[v] = values[v];
-  }
-  out.insert(out.end(), ofEdges.begin(), ofEdges.end());
-  out.insert(out.end(), ofFaces.begin(), ofFaces.end());
-  return out;
+  return from;
 }
 
-Polygons splitOnce(const Polygons& mesh) {
-  const Edges edges(mesh);
-  Polygons out;
-  out.positions = refined(mesh.positions, mesh, edges);
-  if (!mesh.uvs.empty()) out.uvs = refined(mesh.uvs, mesh, edges);
-  const auto firstEdge = static_cast<uint32_t>(mesh.positions.size());
-  const auto firstFace = firstEdge + static_cast<uint32_t>(edges.list.size());
-  for (uint32_t f = 0; f < mesh.faces.size(); ++f) {
-    const auto& face = mesh.faces[f];
-    const size_t n = face.size();
-    for (size_t k = 0; k < n; ++k)
-      out.faces.push_back(
-          {face[k], firstEdge + static_cast<uint32_t>(edges.number(face[k], face[(k + 1) % n])),
-           firstFace + f, firstEdge + static_cast<uint32_t>(edges.number(face[k], face[(k + n - 1) % n]))});
+/** Numbers the parts into which sharp edges cut the faces around a vertex; the boundary does not. */
+std::vector<int> sectors(const far::TopologyLevel& level, int v) {
+  const far::ConstIndexArray faces = level.GetVertexFaces(v);
+  std::vector<int> sector(static_cast<size_t>(faces.size()));
+  std::iota(sector.begin(), sector.end(), 0);
+  for (const int e : level.GetVertexEdges(v)) {
+    if (level.GetEdgeSharpness(e) > 0) continue;
+    const far::ConstIndexArray sides = level.GetEdgeFaces(e);
+    if (sides.size() != 2) continue;
+    const int a = sector[size_t(faces.FindIndex(sides[0]))], b = sector[size_t(faces.FindIndex(sides[1]))];
+    std::replace(sector.begin(), sector.end(), std::max(a, b), std::min(a, b));
   }
-  return out;
+  return sector;
 }
 
-/** Of quadrilaterals: the limit of each vertex, and its normal (Halstead, Kass, DeRose, "Efficient, Fair
- * Interpolation using Catmull-Clark Surfaces", 1993); on the boundary the mean of the faces' normals. */
-MeshData limitOf(const Polygons& mesh) {
-  const Edges edges(mesh);
-  const size_t count = mesh.positions.size();
-  // What follows a neighbour around a vertex, and the corner between the two.
-  std::vector<std::vector<std::array<uint32_t, 3>>> around(count);
-  std::vector<Vec3d> faceNormals(count, Vec3d(0)), boundaryEnds(count, Vec3d(0));
-  for (const auto& f : mesh.faces)
-    for (size_t k = 0; k < 4; ++k) {
-      const uint32_t v = f[k], next = f[(k + 1) % 4], across = f[(k + 2) % 4], last = f[(k + 3) % 4];
-      around[v].push_back({next, across, last});
-      faceNormals[v] +=
-          glm::cross(mesh.positions[next] - mesh.positions[v], mesh.positions[last] - mesh.positions[v]);
-    }
-  for (const Edges::Edge& e : edges.list)
-    if (e.isBoundary()) {
-      boundaryEnds[e.a] += mesh.positions[e.b];
-      boundaryEnds[e.b] += mesh.positions[e.a];
-    }
+/** Quadrilaterals of the last level, at their limits. Vertices on creases stand there once for each side. */
+MeshData limitOf(const ControlMesh& mesh, int levels) {
+  const Refiner refiner = refined(mesh, levels);
+  const far::TopologyLevel& last = refiner->GetLevel(levels);
+  const auto count = static_cast<size_t>(last.GetNumVertices());
+  const far::PrimvarRefinerReal<double> primvars(*refiner);
+  std::vector<Weighted<Vec3d>> limits(count), alongS(count), alongT(count);
+  primvars.Limit(interpolated(*refiner, mesh.positions), limits, alongS, alongT);
+  std::vector<Weighted<Vec2d>> uvs(mesh.uvs.empty() ? 0 : count);
+  if (!uvs.empty()) primvars.Limit(interpolated(*refiner, mesh.uvs), uvs);
+
+  std::vector<std::array<uint32_t, 4>> quads(static_cast<size_t>(last.GetNumFaces()));
+  std::vector<Vec3d> faceNormals(quads.size());
+  for (size_t f = 0; f < quads.size(); ++f) {
+    const far::ConstIndexArray v = last.GetFaceVertices(static_cast<int>(f));
+    for (int k = 0; k < 4; ++k) quads[f][size_t(k)] = static_cast<uint32_t>(v[k]);
+    faceNormals[f] = glm::cross(limits[quads[f][2]].value - limits[quads[f][0]].value,
+                                limits[quads[f][3]].value - limits[quads[f][1]].value);
+  }
   MeshData out;
-  out.uvs = mesh.uvs;
-  out.positions = mesh.positions;
-  out.normals = faceNormals;
+  const auto add = [&](size_t v, const Vec3d& normal) {
+    out.positions.push_back(limits[v].value);
+    out.normals.push_back(normal);
+    if (!uvs.empty()) out.uvs.push_back(uvs[v].value);
+  };
+  for (size_t v = 0; v < count; ++v) add(v, Vec3d(0)); // those of the control mesh come first
   for (size_t v = 0; v < count; ++v) {
-    auto& ring = around[v];
-    if (ring.empty()) continue;
-    if (edges.boundaryOfVertex[v] > 0) {
-      out.positions[v] = (4.0 * mesh.positions[v] + boundaryEnds[v]) / 6.0;
-      continue;
+    const far::ConstIndexArray faces = last.GetVertexFaces(static_cast<int>(v));
+    const std::vector<int> sector = sectors(last, static_cast<int>(v));
+    for (int s = 0; s < faces.size(); ++s) {
+      if (sector[size_t(s)] != s) continue; // each once, by its first face
+      Vec3d sum(0);
+      for (int i = 0; i < faces.size(); ++i)
+        if (sector[size_t(i)] == s) sum += faceNormals[size_t(faces[i])];
+      const Vec3d tangents = glm::cross(alongS[v].value, alongT[v].value);
+      const bool isWhole = std::count(sector.begin(), sector.end(), sector[0]) == faces.size();
+      const Vec3d normal = !isWhole || !(glm::length(tangents) > 0) ? sum
+                           : glm::dot(tangents, sum) < 0            ? -tangents
+                                                                    : tangents;
+      if (s == 0) {
+        out.normals[v] = normal;
+        continue;
+      }
+      for (int i = 0; i < faces.size(); ++i)
+        if (sector[size_t(i)] == s)
+          std::replace(quads[size_t(faces[i])].begin(), quads[size_t(faces[i])].end(), uint32_t(v),
+                       uint32_t(out.positions.size()));
+      add(v, normal);
     }
-    for (size_t i = 0; i + 1 < ring.size(); ++i) // in order: each begins where the one before ends
-      for (size_t k = i + 1; k < ring.size(); ++k)
-        if (ring[k][0] == ring[i][2]) {
-          std::swap(ring[i + 1], ring[k]);
-          break;
-        }
-    const double n = double(ring.size()), turn = 2 * PI_D / n;
-    const double weight = 1 + std::cos(turn) + std::cos(0.5 * turn) * std::sqrt(2 * (9 + std::cos(turn)));
-    Vec3d sum = n * n * mesh.positions[v], s(0), t(0);
-    for (size_t i = 0; i < ring.size(); ++i) {
-      const Vec3d &e = mesh.positions[ring[i][0]], &f = mesh.positions[ring[i][1]];
-      const double a = turn * double(i), b = turn * double(i + 1);
-      sum += 4.0 * e + f;
-      s += weight * std::cos(a) * e + (std::cos(a) + std::cos(b)) * f;
-      t += weight * std::sin(a) * e + (std::sin(a) + std::sin(b)) * f;
-    }
-    out.positions[v] = sum / (n * (n + 5));
-    const Vec3d normal = glm::cross(s, t);
-    out.normals[v] = glm::dot(normal, faceNormals[v]) < 0 ? -normal : normal;
   }
-  for (const auto& f : mesh.faces) {
-    out.triangles.emplace_back(f[0], f[1], f[2]);
-    out.triangles.emplace_back(f[0], f[2], f[3]);
+  for (size_t f = 0; f < quads.size(); ++f) {
+    if (last.IsFaceHole(static_cast<int>(f))) continue;
+    const auto& q = quads[f];
+    out.triangles.emplace_back(q[0], q[1], q[2]);
+    out.triangles.emplace_back(q[0], q[2], q[3]);
   }
   return out;
 }
 
-Polygons controlMesh(const Parameters& p) {
-  Polygons mesh;
+/** Throws Error where faces do not agree on which side is the outside. */
+std::set<std::pair<int, int>> edgesOf(const ControlMesh& mesh) {
+  std::set<std::pair<int, int>> directed;
+  size_t first = 0;
+  for (const int n : mesh.corners) {
+    for (int k = 0; k < n; ++k) {
+      const int a = mesh.indices[first + size_t(k)], b = mesh.indices[first + size_t((k + 1) % n)];
+      if (!directed.emplace(a, b).second)
+        throw Error("the edge from position " + std::to_string(a) + " to " + std::to_string(b) +
+                    " belongs to two faces that are turned against each other, or to three");
+    }
+    first += size_t(n);
+  }
+  return directed;
+}
+
+/** One number for all, or one for each of `count` things. */
+std::vector<float> sharpness(const Parameters& p, const std::string& name, size_t count, const char* things) {
+  std::vector<double> given = p.reals(name);
+  if (given.size() == 1) given.assign(count, given[0]);
+  if (given.size() != count)
+    p.fail(name,
+           std::to_string(given.size()) + " given for " + std::to_string(count) + " " + std::string(things),
+           "one for all, or one for each");
+  return {given.begin(), given.end()};
+}
+
+/** Numbers of things of which there are `count`. */
+std::vector<int> numbersOf(const Parameters& p, const std::string& name, size_t count, const char* things) {
+  const std::vector<int> numbers = p.has(name) ? p.integers(name) : std::vector<int>();
+  for (const int i : numbers)
+    if (i < 0 || size_t(i) >= count)
+      p.fail(name, "there is no " + std::string(things) + " " + std::to_string(i),
+             "0 to " + std::to_string(int64_t(count) - 1));
+  return numbers;
+}
+
+void readSharpness(const Parameters& p, ControlMesh& mesh) {
+  const size_t positions = mesh.positions.size();
+  mesh.creases = numbersOf(p, "creases", positions, "position");
+  if (mesh.creases.size() % 2 != 0)
+    p.fail("creases", "a number is left over", "the positions at both ends of each edge");
+  mesh.creaseSharpness = sharpness(p, "creasesharpness", mesh.creases.size() / 2, "creases");
+  mesh.sharpCorners = numbersOf(p, "sharpcorners", positions, "position");
+  mesh.cornerSharpness = sharpness(p, "cornersharpness", mesh.sharpCorners.size(), "corners");
+  mesh.holes = numbersOf(p, "holes", mesh.corners.size(), "face");
+  mesh.cornersOfBoundary = p.string("boundary") == "corner";
+}
+
+ControlMesh controlMesh(const Parameters& p) {
+  ControlMesh mesh;
   mesh.positions = p.vector3s("P");
   if (p.has("uv")) {
     mesh.uvs = p.vector2s("uv");
@@ -179,41 +216,43 @@ Polygons controlMesh(const Parameters& p) {
                  " positions",
              "one for each element of \"P\"");
   }
-  const std::vector<int> indices = p.integers("indices");
-  std::vector<int> corners;
-  if (p.has("corners")) corners = p.integers("corners");
-  if (corners.empty()) corners.assign(indices.size() / 4, 4);
+  mesh.indices = numbersOf(p, "indices", mesh.positions.size(), "position");
+  if (p.has("corners")) mesh.corners = p.integers("corners");
+  if (mesh.corners.empty()) mesh.corners.assign(mesh.indices.size() / 4, 4);
   size_t next = 0;
-  for (const int n : corners) {
-    if (next + size_t(n) > indices.size()) p.fail("corners", "they add up to more than there are indices");
-    auto& face = mesh.faces.emplace_back();
-    for (int k = 0; k < n; ++k) {
-      const int i = indices[next++];
-      if (i < 0 || size_t(i) >= mesh.positions.size())
-        p.fail("indices",
-               "index " + std::to_string(i) + " (number " + std::to_string(next) +
-                   " of the list) names no position",
-               "0 to " + std::to_string(int64_t(mesh.positions.size()) - 1));
-      if (std::find(face.begin(), face.end(), uint32_t(i)) != face.end())
-        p.fail("indices", "face " + std::to_string(mesh.faces.size() - 1) + " has a corner twice");
-      face.push_back(uint32_t(i));
-    }
+  for (size_t f = 0; f < mesh.corners.size(); ++f) {
+    const auto n = size_t(mesh.corners[f]);
+    if (next + n > mesh.indices.size()) p.fail("corners", "they add up to more than there are indices");
+    std::vector<int> face(mesh.indices.begin() + long(next), mesh.indices.begin() + long(next + n));
+    std::sort(face.begin(), face.end());
+    if (std::adjacent_find(face.begin(), face.end()) != face.end())
+      p.fail("indices", "face " + std::to_string(f) + " has a corner twice");
+    next += n;
   }
-  if (next != indices.size())
-    p.fail("indices", std::to_string(indices.size() - next) + " indices belong to no face",
+  if (next != mesh.indices.size())
+    p.fail("indices", std::to_string(mesh.indices.size() - next) + " indices belong to no face",
            "as many as \"corners\" add up to; four for each face without them");
+  readSharpness(p, mesh);
   return mesh;
 }
 
 std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext& context) {
-  Polygons mesh = controlMesh(p);
+  const ControlMesh mesh = controlMesh(p);
   const int levels = p.integer("levels");
   constexpr double MOST_FACES = 1e8;
-  if (double(mesh.faces.size()) * std::pow(4.0, levels) > MOST_FACES)
+  if (double(mesh.indices.size()) / 4 * std::pow(4.0, levels) > MOST_FACES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_FACES)) + " faces", "fewer levels");
   try {
-    for (int i = 0; i < levels; ++i) mesh = splitOnce(mesh);
-    return std::make_unique<TriangleMesh>(limitOf(mesh), context);
+    const std::set<std::pair<int, int>> edges = edgesOf(mesh);
+    for (size_t i = 0; i < mesh.creases.size(); i += 2) {
+      const int a = mesh.creases[i], b = mesh.creases[i + 1];
+      if (!edges.contains({a, b}) && !edges.contains({b, a}))
+        p.fail("creases",
+               "no face has an edge between positions " + std::to_string(a) + " and " + std::to_string(b));
+    }
+    return std::make_unique<TriangleMesh>(limitOf(mesh, levels), context);
+  } catch (const SceneError&) {
+    throw;
   } catch (const Error& e) {
     p.fail("indices", e.what());
   }
@@ -238,13 +277,35 @@ void registerCatmullClark(PlugIns& plugIns) {
                  .range(3, 1000),
              arrayParameter(ParameterType::POINT3, "P", 0, "", "positions of the control mesh").require(),
              arrayParameter(ParameterType::POINT2, "uv", 0, "",
-                            "texture coordinates at the positions, made smooth as these are")},
+                            "texture coordinates at the positions, made smooth as these are"),
+             arrayParameter(ParameterType::INTEGER, "creases", 0, "",
+                            "edges that stay sharp: the positions at both ends of each"),
+             arrayParameter(
+                 ParameterType::REAL, "creasesharpness", 0, "10",
+                 "how often each is split as a sharp edge before it is smoothed; one for all or one "
+                 "each; from the number of levels on it is sharp in the picture, 10 is for ever")
+                 .range(0, 10),
+             arrayParameter(ParameterType::INTEGER, "sharpcorners", 0, "",
+                            "numbers of positions that the surface goes through with a point"),
+             arrayParameter(ParameterType::REAL, "cornersharpness", 0, "10", "the same for these")
+                 .range(0, 10),
+             arrayParameter(ParameterType::INTEGER, "holes", 0, "",
+                            "numbers of faces that are left out, while the others are as if they were there"),
+             stringParameter(
+                 "boundary", "edge",
+                 "where the surface ends: a smooth curve, or one that goes through the positions of "
+                 "a single face with a corner")
+                 .oneOf({"edge", "corner"})},
         .examples =
             {"\"integer levels\" 2 \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1] "
              "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5]",
              "\"integer levels\" 1 \"point3 P\" [0 0 0  1 0 0  1 1 .3  0 1 0  2 .5 0] "
              "\"integer corners\" [4 3] \"integer indices\" [0 1 2 3  1 4 2] "
-             "\"point2 uv\" [0 0  .5 0  .5 1  0 1  1 .5]"}},
+             "\"point2 uv\" [0 0  .5 0  .5 1  0 1  1 .5]",
+             "\"integer levels\" 2 \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1] "
+             "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5] "
+             "\"integer creases\" [4 5  5 7  7 6  6 4] \"float creasesharpness\" [10 10 1.5 10] "
+             "\"integer sharpcorners\" [0] \"integer holes\" [0] \"string boundary\" \"corner\""}},
        makeCatmullClark});
 }
 

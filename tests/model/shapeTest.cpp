@@ -693,6 +693,14 @@ TEST(Shape, BadParametersAreExplained) {
                 "\"integer levels\" 12 \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
                 "[0 1 2 1 0 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2]"),
       "fewer levels");
+  const std::string square = "\"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 3] ";
+  has(complaint("catmullclark", square + "\"integer creases\" [0 1 2]"), "a number is left over");
+  has(complaint("catmullclark", square + "\"integer creases\" [0 4]"), "there is no position 4");
+  has(complaint("catmullclark", square + "\"integer creases\" [0 2]"), "no face has an edge between");
+  has(complaint("catmullclark", square + "\"integer creases\" [0 1] \"float creasesharpness\" [1 2]"),
+      "2 given for 1 creases");
+  has(complaint("catmullclark", square + "\"integer holes\" [1]"), "there is no face 1");
+  has(complaint("catmullclark", square + "\"integer sharpcorners\" [-1]"), "there is no position -1");
   has(complaint("curve", "\"point3 P\" [0 0 0 1 0 0 0 1 0]"), "3 control points do not make bezier curves");
   has(complaint("curve", "\"string type\" \"ribbon\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]"),
       "0 normals given for a ribbon");

@@ -83,6 +83,104 @@ TEST(CatmullClark, AGridIsABSpline) {
   EXPECT_GT(compared, 500);
 }
 
+namespace {
+
+const std::string CUBE = "\"point3 P\" [-1 -1 -1  1 -1 -1  -1 1 -1  1 1 -1  -1 -1 1  1 -1 1  -1 1 1  1 1 1] "
+                         "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5] ";
+
+/** A sheet of 7 by 3 squares with heights that depend on x alone, and its vertices next to (x, 1). */
+std::vector<Vec3f> sheet(const double (&heights)[8], const std::string& more, double x) {
+  std::ostringstream text;
+  text << "\"point3 P\" [";
+  for (int k = 0; k < 32; ++k) text << k % 8 << " " << k / 8 << " " << heights[k % 8] << " ";
+  text << "] \"integer indices\" [";
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 7; ++k)
+      text << row * 8 + k << " " << row * 8 + k + 1 << " " << row * 8 + k + 9 << " " << row * 8 + k + 8
+           << " ";
+  const auto shape = make("catmullclark", "\"integer levels\" 3 " + text.str() + "] " + more);
+  std::vector<Vec3f> found;
+  for (const Vec3f& p : shape->triangleMesh()->positions())
+    if (std::abs(p.x - float(x)) < 1e-5f && std::abs(p.y - 1) < 1e-5f) found.push_back(p);
+  return found;
+}
+
+} // namespace
+
+TEST(CatmullClark, ACornerOfACubeComesHalfWay) {
+  // Halstead's limit mask of three faces: (9 v + 4 Σ edges + Σ diagonals) / 24.
+  const auto shape = make("catmullclark", "\"integer levels\" 2 " + CUBE);
+  for (int k = 0; k < 8; ++k)
+    EXPECT_NEAR(glm::length(shape->triangleMesh()->positions()[size_t(k)]), std::sqrt(.75), 1e-6);
+}
+
+TEST(CatmullClark, SharpEdgesLeaveTheCubeAsItIs) {
+  const auto shape =
+      make("catmullclark", "\"integer levels\" 3 " + CUBE +
+                               "\"integer creases\" [0 1 1 3 3 2 2 0 4 5 5 7 7 6 6 4 0 4 1 5 2 6 3 7]");
+  const TriangleMesh& mesh = *shape->triangleMesh();
+  EXPECT_NEAR(shape->area(), 24, 1e-5);
+  for (const Vec3f& p : mesh.positions())
+    EXPECT_NEAR(std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}), 1, 1e-6);
+  // Flat faces up to the edges, which do not open the solid.
+  for (uint32_t i = 0; i < shape->primitiveCount(); ++i) {
+    const SurfacePoint p = shape->surfaceAt(i, HitParameters(Vec2f(.01f)));
+    EXPECT_NEAR(glm::dot(p.shadingNormal, p.geometricNormal), 1, 1e-6);
+  }
+  EXPECT_NO_THROW(shape->asSolid());
+}
+
+TEST(CatmullClark, ACreaseIsASplineOfItsPositions) {
+  // The loop around the top is a uniform cubic B-spline of its own: (p + 4 p + p) / 6 at the positions.
+  const auto shape =
+      make("catmullclark", "\"integer levels\" 3 " + CUBE + "\"integer creases\" [4 5 5 7 7 6 6 4]");
+  for (const int k : {4, 5, 6, 7}) {
+    const Vec3f p = shape->triangleMesh()->positions()[size_t(k)];
+    EXPECT_NEAR(std::abs(p.x), 2 / 3.0, 1e-6);
+    EXPECT_NEAR(std::abs(p.y), 2 / 3.0, 1e-6);
+    EXPECT_NEAR(p.z, 1, 1e-6);
+  }
+  // The lid within the crease is flat, and its normals are its own.
+  for (uint32_t i = 0; i < shape->primitiveCount(); ++i) {
+    const SurfacePoint p = shape->surfaceAt(i, HitParameters(Vec2f(1 / 3.0f)));
+    if (p.geometricNormal.z > .999f) {
+      EXPECT_NEAR(p.position.z, 1, 1e-6);
+      EXPECT_NEAR(p.shadingNormal.z, 1, 1e-6);
+    }
+  }
+}
+
+TEST(CatmullClark, SharpnessOneIsOneSharpStep) {
+  // Across the crease at x = 3: after one sharp step the neighbours are the middles of the edges, and the
+  // limit is (left + 4 h + right) / 6 of those; without it, of the heights themselves; with a sharp crease,
+  // h.
+  const double heights[8] = {0, 1, 2, 7, 3, 1, 0, 0};
+  const std::string crease = "\"integer creases\" [3 11  11 19  19 27] ";
+  for (const auto& [more, expected] :
+       {std::pair(std::string(), (2 + 4 * 7 + 3) / 6.0), std::pair(crease, 7.0),
+        std::pair(crease + "\"float creasesharpness\" 1", (4.5 + 4 * 7 + 5) / 6)}) {
+    const auto found = sheet(heights, more, 3);
+    ASSERT_GE(found.size(), 1u) << more;
+    for (const Vec3f& p : found) EXPECT_NEAR(p.z, expected, 1e-5) << more;
+  }
+  EXPECT_EQ(sheet(heights, crease, 3).size(), 2u); // a normal for each side
+}
+
+TEST(CatmullClark, SharpCornersAndCornersOfTheBoundaryStay) {
+  const auto shape = make("catmullclark", "\"integer levels\" 2 " + CUBE +
+                                              "\"integer sharpcorners\" [7] \"integer holes\" [0]");
+  const auto near = [](const Vec3f& a, const Vec3f& b) { return glm::length(a - b) < 1e-6f; };
+  EXPECT_TRUE(near(shape->triangleMesh()->positions()[7], Vec3f(1)));
+  EXPECT_NEAR(glm::length(shape->triangleMesh()->positions()[0]), std::sqrt(.75), 1e-6); // beside the hole
+  EXPECT_EQ(shape->primitiveCount(), 5u * 16 * 2);
+  EXPECT_THROW(shape->asSolid(), Error);
+  const std::string square = "\"point3 P\" [0 0 0  1 0 0  1 1 0  0 1 0] \"integer indices\" [0 1 2 3] ";
+  EXPECT_TRUE(
+      near(make("catmullclark", square + "\"string boundary\" \"corner\"")->triangleMesh()->positions()[2],
+           Vec3f(1, 1, 0)));
+  EXPECT_TRUE(near(make("catmullclark", square)->triangleMesh()->positions()[2], Vec3f(5 / 6.f, 5 / 6.f, 0)));
+}
+
 TEST(BezierPatch, LiesOnTheSurface) {
   // x = 3u, y = 3v, z a product of polynomials that Bernstein's stand for exactly: 3u(1-u) times 3v(1-v).
   std::string points;
