@@ -265,8 +265,10 @@ Bounds3d ShapeGroups::bounds() const {
     b.add(Vec3d(s.lower));
     b.add(Vec3d(s.upper));
   }
+  std::vector<Bounds3d> ofGroups; // of meshes that stand in many places it is asked for once
+  for (const Group& g : all) ofGroups.push_back(boundsOf(g));
   for (const Instance& i : placedInstances) {
-    const Bounds3d local = boundsOf(all[i.group]);
+    const Bounds3d& local = ofGroups[i.group];
     const MatrixTrack track = sceneFromGroup(i);
     for (const Mat4d& step : track.steps()) {
       const Mat4d m = step * translation(-all[i.group].origin);

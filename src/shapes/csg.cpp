@@ -41,6 +41,11 @@ class Csg final : public Shape {
     if (operation == Operation::INTERSECTION) box = commonBox();
     // Faces that coincide differ by rounding.
     coincidence = 0x1p-22 * glm::length(Vec3d(box.diagonal()));
+    // A ray that is looked at piece by piece need not ask all that lies behind what it meets. A piece that is
+    // a few shapes long has something in it where they are many; where they are few, it is the whole ray.
+    constexpr double SHAPES_LONG = 4;
+    for (const Bounds3d& b : boxes)
+      firstStretch += SHAPES_LONG * glm::length(b.diagonal()) / double(boxes.size());
     tree = BoxTree(boxes);
   }
 
@@ -50,11 +55,20 @@ class Csg final : public Shape {
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f& origin, const Vec3f& direction, float tMin,
                                         float tMax) const override {
     static thread_local std::vector<Solid::Crossing> found;
-    found.clear();
-    crossings(origin, direction, found);
-    for (const Solid::Crossing& c : found) {
-      const auto t = static_cast<float>(c.t);
-      if (t > tMin && t < tMax) return PrimitiveHit{t, c.parameters};
+    auto [begin, last] = withinBox(origin, direction);
+    begin = std::max(begin, double(tMin));
+    last = std::min(last, double(tMax));
+    for (double length = firstStretch; begin <= last; length *= 2) {
+      const double end = std::min(begin + length, last);
+      found.clear();
+      // All shapes that a point of the stretch may lie in; their crossings elsewhere mean nothing.
+      crossings(origin, direction, begin - coincidence, end + coincidence, found);
+      for (const Solid::Crossing& c : found) {
+        const auto t = static_cast<float>(c.t);
+        if (c.t >= begin && c.t <= end && t > tMin && t < tMax) return PrimitiveHit{t, c.parameters};
+      }
+      if (end >= last) break;
+      begin = end;
     }
     return {};
   }
@@ -86,11 +100,12 @@ class Csg final : public Shape {
 
   std::unique_ptr<Solid> asSolid() const override { return std::make_unique<CsgSolid>(*this); }
 
-  /** Appends the result's crossings in the order of t. */
-  void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Solid::Crossing>& found) const {
+  /** Appends the result's crossings between tMin and tMax in the order of t, and others beyond that may be
+   * wrong. */
+  void crossings(const Vec3d& origin, const Vec3d& direction, double tMin, double tMax,
+                 std::vector<Solid::Crossing>& found) const {
     const size_t first = found.size();
-    constexpr double FAR = std::numeric_limits<double>::infinity();
-    tree.visit(origin, direction, -FAR, FAR, [&](uint32_t i) {
+    tree.visit(origin, direction, tMin, tMax, [&](uint32_t i) {
       const Part& part = parts[i];
       const size_t before = found.size();
       part.solid->crossings(origin, direction, found);
@@ -113,7 +128,8 @@ class Csg final : public Shape {
    public:
     explicit CsgSolid(const Csg& csg) : csg(csg) {}
     void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
-      csg.crossings(origin, direction, found);
+      constexpr double FAR = std::numeric_limits<double>::infinity();
+      csg.crossings(origin, direction, -FAR, FAR, found);
     }
     bool normalsPointIn() const override { return csg.reversed; }
 
@@ -181,6 +197,20 @@ class Csg final : public Shape {
     found.resize(kept);
   }
 
+  /** Where the line enters and leaves the box, with some slack. */
+  std::pair<double, double> withinBox(const Vec3d& origin, const Vec3d& direction) const {
+    constexpr double FAR = std::numeric_limits<double>::infinity();
+    double begin = -FAR, end = FAR;
+    for (int i = 0; i < 3; ++i) {
+      if (direction[i] == 0) continue;
+      const double a = (double(box.lower[i]) - origin[i]) / direction[i],
+                   b = (double(box.upper[i]) - origin[i]) / direction[i];
+      begin = std::max(begin, std::min(a, b));
+      end = std::min(end, std::max(a, b));
+    }
+    return {begin - coincidence, end + coincidence};
+  }
+
   const Part& partOf(const HitParameters& parameters) const {
     const auto next = std::upper_bound(parts.begin(), parts.end(), parameters.component(),
                                        [](uint32_t c, const Part& p) { return c < p.firstComponent; });
@@ -206,7 +236,7 @@ class Csg final : public Shape {
   std::vector<const Material*> materials;
   std::vector<uint32_t> materialStarts; ///< the component that each material begins with
   bool reversed;
-  double coincidence = 0;
+  double coincidence = 0, firstStretch = 0; ///< [scene units]
   Bounds3f box;
   BoxTree tree;
 };
