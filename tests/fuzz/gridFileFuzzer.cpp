@@ -1,7 +1,7 @@
 /** @file
- * libFuzzer target: NanoVDB files. An even first byte: the others are a file. An odd one: they say what to change in
- * a good file, which is too large to be found by chance. Nothing may crash, hang, or throw anything but Error, and
- * what is read stays within the bounds that it says.
+ * libFuzzer target: NanoVDB files. An even first byte: the others are a file. An odd one: they say what to
+ * change in a good file, which is too large to be found by chance. Nothing may crash, hang, or throw anything
+ * but Error, and what is read stays within the bounds that it says.
  */
 #include <cstdint>
 #include <cstdlib>
@@ -66,7 +66,8 @@ void read(std::string_view bytes) {
     Vec3d point;
     for (int axis = 0; axis < 3; ++axis) {
       at[axis] = corner >> axis & 1 ? v.last()[axis] : v.first()[axis];
-      point[axis] = double(v.first()[axis]) + (double(v.last()[axis]) - double(v.first()[axis])) * (corner >> axis & 1 ? .7 : .1);
+      point[axis] = double(v.first()[axis]) +
+                    (double(v.last()[axis]) - double(v.first()[axis])) * (corner >> axis & 1 ? .7 : .1);
     }
     if (!(v.value(at) >= low && v.value(at) <= high)) std::abort();
     if (!(v.at(point) >= std::min(low, 0.0f) && v.at(point) <= std::max(high, 0.0f))) std::abort();

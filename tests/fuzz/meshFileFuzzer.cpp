@@ -1,6 +1,7 @@
 /** @file
- * libFuzzer target: any bytes at all as a model that Assimp reads; the first byte chooses the kind. Nothing of the
- * importer around it may crash, hang, or throw anything but SceneError, and what it writes must be a scene.
+ * libFuzzer target: any bytes at all as a model that Assimp reads; the first byte chooses the kind. Nothing
+ * of the importer around it may crash, hang, or throw anything but SceneError, and what it writes must be a
+ * scene.
  */
 #include <cstdint>
 #include <cstdio>
