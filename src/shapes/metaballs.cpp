@@ -275,16 +275,8 @@ template <class Field> class Metaballs final : public MappedShape {
 
 std::unique_ptr<Shape> makeMetaballs(const Parameters& p, const ShapeContext& context) {
   const std::vector<Vec3d> centers = p.vector3s("P");
-  const auto perBall = [&](const char* name) {
-    std::vector<double> values = p.reals(name);
-    if (values.size() == 1) values.assign(centers.size(), values.front());
-    if (values.size() != centers.size())
-      p.fail(name,
-             std::to_string(values.size()) + " given for " + std::to_string(centers.size()) + " positions",
-             "one for all, or one for each element of \"P\"");
-    return values;
-  };
-  const std::vector<double> radii = perBall("radius"), strengths = perBall("strength");
+  const std::vector<double> radii = numbersOfBalls(p, "radius", centers.size()),
+                            strengths = numbersOfBalls(p, "strength", centers.size());
   const double threshold = p.real("threshold");
   std::vector<Ball> balls;
   double sum = 0;

@@ -15,15 +15,10 @@ class BallBlend final : public Texture {
  public:
   BallBlend(const Parameters& p, const TextureContext& c) : space(c), field(ballField(p.string("field"))) {
     const std::vector<Vec3d> centers = p.vector3s("P");
-    const auto perBall = [&](const char* name) {
-      std::vector<double> values = p.reals(name);
-      if (values.size() == 1) values.assign(centers.size(), values.front());
-      requireEach(p, name, values.size(), centers.size(), "one for all, or one for each element of \"P\"");
-      return values;
-    };
-    const std::vector<double> radii = perBall("radius"), strengths = perBall("strength");
+    const std::vector<double> radii = numbersOfBalls(p, "radius", centers.size()),
+                              strengths = numbersOfBalls(p, "strength", centers.size());
     const std::vector<Rgbd> values = p.spectra("values");
-    requireEach(p, "values", values.size(), centers.size(), "one for each element of \"P\"");
+    requireEach(p, "values", values.size(), centers.size());
     for (const Rgbd& v : values)
       if (!c.spectrum && v != Rgbd(v.r))
         p.fail("values", "a float texture is given colours", "\"float values\"");
@@ -66,11 +61,6 @@ class BallBlend final : public Texture {
       return glm::dot(away, away);
     }
   };
-  static void requireEach(const Parameters& p, const char* name, size_t found, size_t wanted,
-                          const char* accepted) {
-    if (found != wanted)
-      p.fail(name, std::to_string(found) + " given for " + std::to_string(wanted) + " positions", accepted);
-  }
 
   TextureSpace space;
   BallField field;

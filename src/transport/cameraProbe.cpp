@@ -58,13 +58,11 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
 std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts) {
   std::vector<VisiblePoint> seen;
-  const PixelBounds& crop = scene.film().crop;
+  const PixelBounds film = scene.film().whole();
   for (int y = 0; y < across; ++y)
     for (int x = 0; x < across; ++x) {
-      const Vec2f film(float(crop.x0) + (float(x) + 0.5f) / float(across) * float(crop.width()),
-                       float(crop.y0) + (float(y) + 0.5f) / float(across) * float(crop.height()));
       Sampler sampler(seed, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
-      CameraSample sample{film};
+      CameraSample sample{film.middleOfCell(x, y, across)};
       if (scene.camera().usesLens()) sample.lens = sampler.next2D();
       if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
       const std::optional<CameraRay> ray = scene.camera().validRay(sample);

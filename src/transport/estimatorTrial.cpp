@@ -18,7 +18,7 @@ static_assert(BLOCK_PIXELS <= CAMERA_BATCH);
 } // namespace
 
 TrialSamples EstimatorTrial::take(const Integrator& integrator, uint32_t round) const {
-  const PixelBounds& crop = scene.film().crop;
+  const PixelBounds film = scene.film().whole();
   TrialSamples samples;
   samples.luminance.resize(PIXELS);
   std::vector<TransportCounts> counts(ALL_BLOCKS);
@@ -29,8 +29,8 @@ TrialSamples EstimatorTrial::take(const Integrator& integrator, uint32_t round) 
       return first + std::max(0.0f, static_cast<float>(across) - BLOCK) *
                          (static_cast<float>(number) + shift) / static_cast<float>(BLOCKS);
     };
-    const float x0 = corner(static_cast<float>(crop.x0), crop.width(), block % BLOCKS, u.x);
-    const float y0 = corner(static_cast<float>(crop.y0), crop.height(), block / BLOCKS, u.y);
+    const float x0 = corner(static_cast<float>(film.x0), film.width(), block % BLOCKS, u.x);
+    const float y0 = corner(static_cast<float>(film.y0), film.height(), block / BLOCKS, u.y);
     std::vector<PathRadiance> radiance(BLOCK_PIXELS, PathRadiance(classes, counts[block]));
     std::vector<CameraPath> paths;
     std::array<float, BLOCK_PIXELS> weights{};

@@ -64,15 +64,14 @@ void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t
   const PathClasses allPaths;
   std::vector<std::vector<Exit>> rows(static_cast<size_t>(across));
   std::vector<TransportCounts> rowCounts(rows.size());
-  const PixelBounds& crop = sceneToLearn.film().crop;
+  const PixelBounds film = sceneToLearn.film().whole();
   parallelFor(rows.size(), [&](size_t y) {
     constexpr uint64_t STREAM = 0x504f5254414cull;
     Walker<CameraState> walker(sceneToLearn, allPaths, rowCounts[y], MAX_DEPTH, false);
     for (int x = 0; x < across; ++x) {
       Sampler sampler(hashCombine(seed, STREAM), y, static_cast<uint32_t>(x));
       CameraSample sample;
-      sample.film = {float(crop.x0) + (float(x) + 0.5f) / float(across) * float(crop.width()),
-                     float(crop.y0) + (float(y) + 0.5f) / float(across) * float(crop.height())};
+      sample.film = film.middleOfCell(x, static_cast<int>(y), across);
       if (sceneToLearn.moves()) sample.time = sceneToLearn.camera().timeAt(sampler.next1D());
       const std::optional<CameraRay> ray = sceneToLearn.camera().validRay(sample);
       if (!ray) continue;

@@ -157,7 +157,7 @@ class PhotonMapping final : public Integrator {
       met = met && (kind == LightKind::AREA || kind == LightKind::ENVIRONMENT);
     }
     return scene.lights().size() > 0 && (met || photons.caustics().map.empty()) &&
-           scene.film().crop.area() >= EstimatorTrial::PIXELS;
+           scene.film().whole().area() >= EstimatorTrial::PIXELS;
   }
 
   /** Leaves the picture to path tracing where a few blocks of it tell that photons are not worth their work.
@@ -185,7 +185,7 @@ class PhotonMapping final : public Integrator {
     if (control.stopped()) return;
     EstimatorTrial::Figures byMap = EstimatorTrial::figures(mapped, traced),
                             byPaths = EstimatorTrial::figures(traced, mapped);
-    byMap.work += PASS_RAY * double(shot.counts.rays) / double(scene.film().crop.area());
+    byMap.work += PASS_RAY * double(shot.counts.rays) / double(scene.film().whole().area());
     byPaths.add(photons.causticVarianceByRays());
     const double ratio = byMap.errorOver(byPaths);
     constexpr double CLEARLY = 2; // a trial misses rare bright samples, of which paths have more

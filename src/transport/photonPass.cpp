@@ -122,7 +122,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
       settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
   const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
   // Dark places have hardly any photons that would tell of them.
-  const double across = std::sqrt(double(scene.film().crop.area())) / 4;
+  const double across = std::sqrt(double(scene.film().whole().area())) / 4;
   const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2,
                                     settings.weighting, statistics.counts);
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
@@ -143,8 +143,12 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
                          rays, statistics.counts);
   }
   causticsKnown = causticLayer.map.size() * MIN_STORED >= emitted;
-  causticRays = 0;
-  for (const VisiblePoint& visible : manySeen) {
+  causticRays = judged ? causticVarianceAt(manySeen) : 0;
+}
+
+double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
+  double sum = 0;
+  for (const VisiblePoint& visible : seen) {
     const auto at = [&](const PhotonLayer& layer) {
       const CachedRadius near = layer.cache.at(visible.point.position, visible.point.geometricNormal);
       return near.known ? &layer.cache.place(near.index) : nullptr;
@@ -152,8 +156,9 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
     const RadiusCache::Place *caustic = at(causticLayer), *other = at(indirectLayer);
     if (!caustic || !(caustic->worth.raysVariance > 0)) continue;
     const double all = double(caustic->worth.irradiance) + (other ? double(other->irradiance) : 0);
-    causticRays += double(caustic->worth.raysVariance) / square(all) / double(manySeen.size());
+    sum += double(caustic->worth.raysVariance) / square(all);
   }
+  return seen.empty() ? 0 : sum / double(seen.size());
 }
 
 namespace {

@@ -177,18 +177,16 @@ std::vector<double> PortalSampler::secondMoments(const Scene& scene, const std::
   constexpr int MAX_DEPTH = 3;
   const PathClasses allPaths;
   const auto& lights = scene.environment();
-  const FilmSettings& film = scene.film();
-  const auto across = std::min(MAX_ACROSS, size_t(std::sqrt(double(film.width) * double(film.height))));
+  const PixelBounds film = scene.film().whole();
+  const auto across = std::min(MAX_ACROSS, size_t(std::sqrt(double(film.area()))));
   std::vector<std::vector<double>> rows(across, std::vector<double>(parts.size()));
   std::vector<TransportCounts> rowCounts(across);
-  const PixelBounds& crop = scene.film().crop;
   parallelFor(across, [&](size_t y) {
     Walker<CameraState> walker(scene, allPaths, rowCounts[y], MAX_DEPTH, false);
     for (uint32_t x = 0; x < across; ++x) {
       Sampler sampler(SHADOW_PORTAL_STREAM, y, x);
       CameraSample sample;
-      sample.film = {float(crop.x0) + (float(x) + 0.5f) / float(across) * float(crop.width()),
-                     float(crop.y0) + (float(y) + 0.5f) / float(across) * float(crop.height())};
+      sample.film = film.middleOfCell(static_cast<int>(x), static_cast<int>(y), static_cast<int>(across));
       const std::optional<CameraRay> ray = scene.camera().validRay(sample);
       if (!ray) continue;
       CameraSubpath path = startCameraSubpath(scene, allPaths, *ray, rowCounts[y]);

@@ -97,12 +97,10 @@ void sizes(const Report& report) {
   const auto whole = sceneFrom(film("")), part = sceneFrom(film(" \"integer pixelbounds\" [ 20 21 11 12 ]"));
   for (const Way& way : allWays(5000)) {
     const Rendered a = renderScene(*whole, way, 4), p = renderScene(*part, way, 4);
-    // Where the search radius is found from what the picture shows, a crop has its own.
-    const double tolerance = way.usesPhotons ? 0.3 : 0;
     const double there = a.luminanceAt(11 * 33 + 20);
     report.atMost("crop of one pixel", way.label, "relative difference",
                   p.pixels() == 1 ? std::abs(p.luminanceAt(0) - there) / std::max(there, 1e-30) : INFINITY,
-                  tolerance, p.unsound());
+                  0, p.unsound());
   }
 }
 

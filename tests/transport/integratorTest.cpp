@@ -303,11 +303,17 @@ TEST(Integrators, CropIsAPartOfTheSamePicture) {
   std::string text = glassAndLamp(1, 0);
   text.insert(text.find("\nPixelFilter"), " \"integer pixelbounds\" [ 8 20 4 30 ]");
   const auto part = sceneFrom(text);
-  const Rendered a = renderScene(*whole, "path", "", 2), b = renderScene(*part, "path", "", 2);
-  ASSERT_EQ(b.pixels(), 12u * 26u);
-  for (int y = 4; y < 30; ++y)
-    for (int x = 8; x < 20; ++x)
-      ASSERT_EQ(a.value(size_t(y * 32 + x)), b.value(size_t((y - 4) * 12 + (x - 8))));
+  std::vector<Way> ways = allWays("1000");
+  ways.push_back({"photonmap", ""});
+  for (const Way& way : ways) {
+    const Rendered a = renderScene(*whole, way.integrator, way.parameters, 2),
+                   b = renderScene(*part, way.integrator, way.parameters, 2);
+    ASSERT_EQ(b.pixels(), 12u * 26u);
+    for (int y = 4; y < 30; ++y)
+      for (int x = 8; x < 20; ++x)
+        ASSERT_EQ(a.value(size_t(y * 32 + x)), b.value(size_t((y - 4) * 12 + (x - 8))))
+            << way.integrator << " " << way.parameters << " pixel " << x << ", " << y;
+  }
 }
 
 TEST(Integrators, DepthLimitCutsAndSaysHowMuch) {

@@ -2,26 +2,12 @@
  * Where light from far away comes in: densities against closed forms, and which photons get in.
  */
 #include "recurse/transport/lightPortals.h"
-#include "transport/rendering.h"
+#include "transport/roomWithHole.h"
 
 using namespace recurse;
 using namespace recurse::testing;
 
 namespace {
-
-constexpr float HALF = 0.2f; ///< of the hole in the roof
-
-/** A closed room with a hole in its roof, and light from all around. */
-std::string roomWithHole(const std::string& pane = "") {
-  return view(16, "-1.6 1.3 -1.8  1 .5 1  0 1 0", 60) + R"(
-LightSource "infinite" "rgb L" [1 1 1]
-Material "diffuse" "rgb reflectance" [.7 .7 .7]
-Shape "trianglemesh" "integer indices" [0 1 2 0 2 3 4 5 1 4 1 0 5 6 2 5 2 1 6 7 3 6 3 2 7 4 0 7 0 3]
-  "point3 P" [-2 0 -2  2 0 -2  2 0 2  -2 0 2  -2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2]
-Shape "trianglemesh" "integer indices" [0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]
-  "point3 P" [-2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2  -.2 2.5 -.2  .2 2.5 -.2  .2 2.5 .2  -.2 2.5 .2]
-)" + pane;
-}
 
 LightPortals portalsOf(const Scene& scene) {
   LightPortals portals;
@@ -30,11 +16,8 @@ LightPortals portalsOf(const Scene& scene) {
   return portals;
 }
 
-/** Whether a ray comes in by the hole; the room's middle is at `center`. */
 bool entersHole(const LeSample& sample, const Vec3f& center) {
-  const float t = (center.y + 1.25f - sample.origin.y) / sample.direction.y;
-  const Vec3f at = sample.origin + sample.direction * t - center;
-  return std::abs(at.x) < HALF && std::abs(at.z) < HALF;
+  return crossesHole(sample.origin, sample.direction, center);
 }
 
 /** A ray of a light in one direction, over the whole scene's disc. */
@@ -53,7 +36,7 @@ LeSample overDisc(const SceneBounds& bounds, const Vec3f& direction, const Vec2f
 } // namespace
 
 TEST(LightPortals, PhotonsFindAHoleWithoutAPane) {
-  const auto scene = sceneFrom(roomWithHole());
+  const auto scene = sceneFrom(roomWithHole(16));
   ASSERT_TRUE(scene);
   const LightPortals portals = portalsOf(*scene);
   ASSERT_TRUE(portals.active());
@@ -86,8 +69,8 @@ TEST(LightPortals, ARoomWithAHoleIsAsBrightAsByPaths) {
   const int count = samples(32);
   for (const std::string pane : {"", "Material \"thindielectric\" Shape \"bilinearmesh\" \"point3 P\" "
                                      "[-.25 2.55 -.25 .25 2.55 -.25 -.25 2.55 .25 .25 2.55 .25]"}) {
-    const Rendered path = renderText(roomWithHole(pane), "path", "", 4 * count);
-    const Rendered photons = renderText(roomWithHole(pane), "photonmap", "", count);
+    const Rendered path = renderText(roomWithHole(16, pane), "path", "", 4 * count);
+    const Rendered photons = renderText(roomWithHole(16, pane), "photonmap", "", count);
     const double error = std::hypot(path.standardError(), photons.standardError());
     EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.02 + 3 * error / path.mean()) << pane;
     EXPECT_GT(photons.statistics.photonsStored, photons.statistics.photonsEmitted / 20);

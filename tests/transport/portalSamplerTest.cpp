@@ -2,32 +2,15 @@
  * Shadow rays through learned portals: densities, and the light of a hole against its solid angle.
  */
 #include "recurse/transport/portalSampler.h"
-#include "transport/rendering.h"
+#include "transport/roomWithHole.h"
 
 using namespace recurse;
 using namespace recurse::testing;
 
 namespace {
 
-constexpr float HOLE_HALF_WIDTH = 0.2f; ///< of the hole in the roof, at 1.25 above the middle
-
-/** A closed room with a hole in its roof, and the same light from all around. */
-std::string roomWithRoofLight(int width = 96, const std::string& pane = "") {
-  return view(width, "-1.6 1.3 -1.8  1 .5 1  0 1 0", 60) + R"(
-LightSource "infinite" "rgb L" [1 1 1]
-Material "diffuse" "rgb reflectance" [.7 .7 .7]
-Shape "trianglemesh" "integer indices" [0 1 2 0 2 3 4 5 1 4 1 0 5 6 2 5 2 1 6 7 3 6 3 2 7 4 0 7 0 3]
-  "point3 P" [-2 0 -2  2 0 -2  2 0 2  -2 0 2  -2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2]
-Shape "trianglemesh" "integer indices" [0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7]
-  "point3 P" [-2 2.5 -2  2 2.5 -2  2 2.5 2  -2 2.5 2  -.2 2.5 -.2  .2 2.5 -.2  .2 2.5 .2  -.2 2.5 .2]
-)" + pane;
-}
-
-/** Whether a ray leaves by the hole; the room's middle is at `center`. */
 bool leavesByHole(const Vec3f& point, const Vec3f& direction, const Vec3f& center) {
-  if (!(direction.y > 0)) return false;
-  const Vec3f at = point + direction * ((center.y + 1.25f - point.y) / direction.y) - center;
-  return std::abs(at.x) < HOLE_HALF_WIDTH && std::abs(at.z) < HOLE_HALF_WIDTH;
+  return direction.y > 0 && crossesHole(point, direction, center);
 }
 
 /** Mean and second moment of the irradiance through the hole by shadow rays. */
@@ -53,7 +36,7 @@ ShadowMoments irradianceThroughHole(const Vec3f& point, const Vec3f& center, con
 } // namespace
 
 TEST(PortalSampler, BringsTheLightOfAHoleWithLittleVariance) {
-  const auto scene = sceneFrom(roomWithRoofLight());
+  const auto scene = sceneFrom(roomWithHole(96));
   ASSERT_TRUE(scene);
   PortalSampler portals;
   portals.learn(*scene);
@@ -82,7 +65,7 @@ TEST(PortalSampler, BringsTheLightOfAHoleWithLittleVariance) {
 }
 
 TEST(PortalSampler, DensitiesAreThoseOfTheSamples) {
-  const auto scene = sceneFrom(roomWithRoofLight());
+  const auto scene = sceneFrom(roomWithHole(96));
   ASSERT_TRUE(scene);
   PortalSampler portals;
   portals.learn(*scene);
@@ -107,8 +90,8 @@ TEST(PortalSampler, DensitiesAreThoseOfTheSamples) {
 
 TEST(PortalSampler, APaneIsAPortal) {
   const auto scene =
-      sceneFrom(roomWithRoofLight(96, "Material \"thindielectric\" Shape \"bilinearmesh\" \"point3 P\" "
-                                      "[-.2 2.5 -.2 .2 2.5 -.2 -.2 2.5 .2 .2 2.5 .2]"));
+      sceneFrom(roomWithHole(96, "Material \"thindielectric\" Shape \"bilinearmesh\" \"point3 P\" "
+                                 "[-.2 2.5 -.2 .2 2.5 -.2 -.2 2.5 .2 .2 2.5 .2]"));
   ASSERT_TRUE(scene);
   PortalSampler portals;
   portals.learn(*scene);
@@ -128,14 +111,14 @@ Shape "sphere")");
 
 TEST(PortalSampler, TheRoomIsAsBrightAsWithoutPortals) {
   constexpr int SMALL = 8; // so few camera paths find no portals
-  const auto scene = sceneFrom(roomWithRoofLight(SMALL));
+  const auto scene = sceneFrom(roomWithHole(SMALL));
   ASSERT_TRUE(scene);
   PortalSampler portals;
   portals.learn(*scene);
   ASSERT_FALSE(portals.active());
   const int count = 16;
-  const Rendered with = renderText(roomWithRoofLight(), "path", "", count);
-  const Rendered without = renderText(roomWithRoofLight(SMALL), "path", "", 2000 * count);
+  const Rendered with = renderText(roomWithHole(96), "path", "", count);
+  const Rendered without = renderText(roomWithHole(SMALL), "path", "", 2000 * count);
   const double error = std::hypot(with.standardError(), without.standardError());
   EXPECT_LT(error, 0.02 * without.mean());
   EXPECT_NEAR(with.mean() / without.mean(), 1, 0.005 + 3 * error / without.mean());

@@ -5,8 +5,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "recurse/core/vector.h"
+#include "recurse/scene/parameters.h"
 
 namespace recurse {
 
@@ -24,6 +26,20 @@ using BallField = double (*)(double q);
 /** One of these by its name in scene files. */
 inline BallField ballField(const std::string& name) {
   return name == "wyvill" ? wyvillField : name == "blinn" ? blinnField : quarticField;
+}
+
+/** Fails unless a parameter has one value for each position of "P". */
+inline void requireEach(const Parameters& p, const char* name, size_t found, size_t positions,
+                        const char* accepted = "one for each element of \"P\"") {
+  if (found != positions)
+    p.fail(name, std::to_string(found) + " given for " + std::to_string(positions) + " positions", accepted);
+}
+/** A number for each of `count` balls, where one may be given for all. */
+inline std::vector<double> numbersOfBalls(const Parameters& p, const char* name, size_t count) {
+  std::vector<double> values = p.reals(name);
+  if (values.size() == 1) values.assign(count, values.front());
+  requireEach(p, name, values.size(), count, "one for all, or one for each element of \"P\"");
+  return values;
 }
 
 } // namespace recurse

@@ -121,12 +121,19 @@ struct PixelBounds {
   int width() const { return x1 - x0; }
   int height() const { return y1 - y0; }
   size_t area() const { return size_t(width()) * size_t(height()); }
+  /** The middle of a cell, where `across` x `across` of them cover these pixels [pixels of the film]. */
+  Vec2f middleOfCell(int x, int y, int across) const {
+    return {float(x0) + (float(x) + 0.5f) / float(across) * float(width()),
+            float(y0) + (float(y) + 0.5f) / float(across) * float(height())};
+  }
 };
 
 /** The Film directive. */
 struct FilmSettings {
   int width = 1280, height = 720;
   PixelBounds crop; ///< the part that is rendered
+  /** All pixels: what is learned of a scene goes by these, so that a crop is a part of the same picture. */
+  PixelBounds whole() const { return {0, 0, width, height}; }
   std::string fileName;
   float imagingRatio = 1;  ///< pbrt's exposuretime · iso / 100, times the camera's exposure
   double diagonal = 0.035; ///< of a real film, for cameras with a lens system [m]

@@ -104,6 +104,8 @@ class PhotonPass {
                        const ForwardControl& control, ForwardStatistics& statistics);
   void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler* shadowRays,
                   ForwardStatistics& statistics);
+  /** Relative, of what one camera ray finds of caustics, the mean over visible places. */
+  double causticVarianceAt(std::span<const VisiblePoint> seen) const;
   uint64_t photonCount(const Scene& scene) const;
 
   PhotonPassSettings settings;
