@@ -211,10 +211,9 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
   double error2 = stain * variance + double(place.bias2);
   if (place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
-  if (query.cost >= place.worth.beside) return;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance / error2);
   // What rays err by where that is not known is about as large as the light itself.
-  const double byRays = std::isfinite(place.worth.beside) ? double(place.worth.raysVariance) : squared;
+  const double byRays = std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : squared;
   gather.rest = static_cast<float>(std::clamp((byRays / (byRays + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
 }
 

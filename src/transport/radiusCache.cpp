@@ -45,7 +45,7 @@ struct SupportErrors {
   std::array<double, AREAS> bias2{}; ///< by how much, squared, the next disc differs beyond what is noise
   std::array<double, AREAS> noise{}; ///< the variance of that difference
   std::array<double, AREAS> rays2{}; ///< second moment of the same estimate by a ray that goes on
-  double direct = 0, direct2 = 0;    ///< irradiance by one shadow ray, and its second moment
+  double direct = 0;                 ///< irradiance by shadow rays
   double irradiance = 0;             ///< by the own disc
 
   void add(const SupportErrors& e, double scale) {
@@ -57,7 +57,6 @@ struct SupportErrors {
     }
     irradiance += e.irradiance * scale;
     direct += e.direct * scale;
-    direct2 += e.direct2 * scale;
   }
   /** Bias between a disc and the next that chance does not explain. */
   double sureBias2(size_t j) const {
@@ -260,7 +259,6 @@ class PlaceFinder {
       measured.nearest(region, NEAREST, scratch);
       SupportErrors all, absolute; // relative errors, which the choice goes by, and errors [W²/m⁴]
       int evidence = 0;
-      double brightest = 0, brightest2 = 0; // of the place that happened to see the rarest light
       const auto addEvidence = [&](bool onlySeen) {
         measured.visitNearest(scratch, [&](const PhotonBlock& block) {
           for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
@@ -271,20 +269,12 @@ class PlaceFinder {
             if (!(e.irradiance > 0)) continue;
             all.add(e, 1 / (square(e.irradiance) + square(DARK * mean)));
             absolute.add(e, 1);
-            if (e.direct2 > brightest2) {
-              brightest = e.direct;
-              brightest2 = e.direct2;
-            }
             ++evidence;
           }
         });
       };
       addEvidence(true);
       if (evidence == 0) addEvidence(false);
-      if (evidence > 1) {
-        absolute.direct -= brightest;
-        absolute.direct2 -= brightest2;
-      }
       if (all.variance[0] == 0) return;
       const size_t best = all.best(biasWeight);
       places[i].irradiance = static_cast<float>(absolute.irradiance / evidence);
@@ -317,24 +307,17 @@ class PlaceFinder {
   void addDirect(const Place& place, size_t key, SupportErrors& e, TransportCounts& partCounts) const {
     constexpr int SAMPLES = 4;
     Sampler sampler(1, 0, static_cast<uint32_t>(key));
-    for (int i = 0; i < SAMPLES; ++i) {
-      const double found = directIrradiance(scene, *rays.lights, place, sampler, partCounts);
-      e.direct += found / SAMPLES;
-      e.direct2 += square(found) / SAMPLES;
-    }
+    for (int i = 0; i < SAMPLES; ++i)
+      e.direct += directIrradiance(scene, *rays.lights, place, sampler, partCounts) / SAMPLES;
   }
 
   /** What a gather is worth by sums over `evidence` places. */
   static GatherWorth worth(const SupportErrors& sum, size_t best, double bias2, int evidence) {
-    constexpr double OTHER = 0.05; // relative variance of a pixel for all reasons that are not looked at
     const double n = evidence, irradiance2 = square(sum.irradiance / n);
     const double all2 = square((sum.irradiance + sum.direct) / n);
     const double byRays = std::max(0.0, sum.rays2[best] / n - irradiance2);
     const double byPhotons = sum.variance[best] / n + bias2;
-    const double byBoth = byRays > 0 ? byRays * byPhotons / (byRays + byPhotons) : 0;
-    const double rest = std::max(0.0, sum.direct2 / n - square(sum.direct / n)) + OTHER * all2;
-    return {static_cast<float>((rest + byRays) / (rest + byBoth) - 1),
-            static_cast<float>((all2 + byRays) / (all2 + byPhotons)), static_cast<float>(byRays),
+    return {static_cast<float>((all2 + byRays) / (all2 + byPhotons)), static_cast<float>(byRays),
             static_cast<float>(std::sqrt(all2))};
   }
 

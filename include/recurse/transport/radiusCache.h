@@ -29,14 +29,14 @@ struct CachedRadius {
   size_t index = 0;                     ///< of that place
 };
 
-/** What an estimate by photons may take at most [camera paths] and yet pay, by the variance that it
- * saves (efficiency as in Grittmann et al. 2022, "Efficiency-Aware Multiple Importance Sampling for
- * Bidirectional Rendering Algorithms"). Infinite where nothing is known. */
+/** What photons save. */
 struct GatherWorth {
-  float beside = INFINITE;  ///< a ray that goes on, and shares the light with it
-  float instead = INFINITE; ///< of such a ray
-  float raysVariance = 0;   ///< of what one such ray estimates [W²/m⁴]
-  float irradiance = 0;     ///< of the layer's photons and the direct light together [W/m²]
+  /** What an estimate by photons may take at most [camera paths], to pay in the place of a ray that goes on,
+   * by the variance that it saves (efficiency as in Grittmann et al. 2022, "Efficiency-Aware Multiple
+   * Importance Sampling for Bidirectional Rendering Algorithms"). Infinite where nothing is known. */
+  float instead = INFINITE;
+  float raysVariance = 0; ///< of what one such ray estimates [W²/m⁴]
+  float irradiance = 0;   ///< of the layer's photons and the direct light together [W/m²]
 };
 
 /** What camera rays would do in the place of photons. */
