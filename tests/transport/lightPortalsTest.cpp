@@ -58,7 +58,7 @@ TEST(LightPortals, PhotonsFindAHoleWithoutAPane) {
     stronger += sample.flux.r > 0.1f;
   }
   // The mean flux through the hole is its part of the disc; by chance alone so many photons find it.
-  const double part = double(square(2 * HALF) * -direction.y * bounds.pdfDisc());
+  const double part = double(square(2 * HOLE_HALF_WIDTH) * -direction.y * bounds.pdfDisc());
   EXPECT_NEAR(sum / part, 1, 0.03);
   EXPECT_GT(inside, 20 * part * N);
   // Hardly any of them is far stronger than the others.
