@@ -212,8 +212,11 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   double error2 = stain * variance + double(place.bias2);
   if (place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance / error2);
-  // What rays err by where that is not known is about as large as the light itself.
-  const double byRays = std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : squared;
+  // Where it is not known what rays err by, as in scenes with media: most indirect light of a room comes from
+  // about a tenth of the directions.
+  constexpr double FEW_DIRECTIONS = 10;
+  const double byRays =
+      std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : FEW_DIRECTIONS * squared;
   gather.rest = static_cast<float>(std::clamp((byRays / (byRays + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
 }
 
