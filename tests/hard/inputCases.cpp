@@ -99,8 +99,8 @@ void sizes(const Report& report) {
     const Rendered a = renderScene(*whole, way, 4), p = renderScene(*part, way, 4);
     const double there = a.luminanceAt(11 * 33 + 20);
     report.atMost("crop of one pixel", way.label, "relative difference",
-                  p.pixels() == 1 ? std::abs(p.luminanceAt(0) - there) / std::max(there, 1e-30) : INFINITY,
-                  0, p.unsound());
+                  p.pixels() == 1 ? std::abs(p.luminanceAt(0) - there) / std::max(there, 1e-30) : INFINITY, 0,
+                  p.unsound());
   }
 }
 
