@@ -39,6 +39,16 @@ struct VirtualLight {
   ScatteringPoint scattering;
 };
 
+/** Whether a wanted path has a D on either side of where a virtual light is joined to what it lights. */
+bool joinsVirtualLights(const PathClasses& classes) {
+  for (size_t i = 0; i < classes.lightStateCount(); ++i)
+    for (size_t j = 0; j < classes.cameraStateCount(); ++j)
+      if (classes.join(classes.step(LightState(static_cast<uint8_t>(i)), PathEvent::D),
+                       classes.step(CameraState(static_cast<uint16_t>(j)), PathEvent::D)) != 0)
+        return true;
+  return false;
+}
+
 class VirtualPointLights final : public Integrator {
  public:
   explicit VirtualPointLights(const VplSettings& settings) : settings(settings) {}
@@ -61,7 +71,7 @@ class VirtualPointLights final : public Integrator {
     ForwardStatistics statistics;
     virtualLights.clear();
     arena.reset();
-    if (scene.lights().size() == 0) return statistics;
+    if (scene.lights().size() == 0 || !joinsVirtualLights(classes)) return statistics;
     if (pass.index == 0) learnGuide(scene, classes, pass, control, statistics);
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i)
       trace(scene, classes, pass,
