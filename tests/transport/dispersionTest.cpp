@@ -139,7 +139,7 @@ Shape "sphere"
     const Rgb e = wavelengthColour(sampleWavelength((static_cast<float>(i) + 0.5f) / COLOURS)) - Rgb(1);
     independent += double(glm::dot(e, e)) / COLOURS / N;
   }
-  const Rendered r = renderScene(*scene, "path", "", samples(N));
+  const Rendered r = renderScene(*scene, "path", "", N);
   double error = 0;
   for (size_t p = 0; p < r.pixels(); ++p) {
     const Rgb e = r.value(p) - Rgb(1);
