@@ -42,7 +42,7 @@ class SceneBuilder {
 
   std::unique_ptr<Scene> build() {
     buildFilm();
-    const bool complete = shapes.build();
+    const bool complete = shapes.build(scene->filmSettings);
     if (complete) measure();
     buildCamera();
     buildLights();

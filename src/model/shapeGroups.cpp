@@ -49,7 +49,52 @@ ShapeGroups::ShapeGroups(BuildContext& context, SceneMaterials& materials, Scene
   Bounds3d b;
   for (const ShapeDescription& s : c.description.shapes) addPlace(s, s.worldFromObject, b);
   for (const InstanceDescription& i : c.description.instances) b.add(Vec3d(i.worldFromInstance[3]));
-  c.sceneOrigin = originOf(b);
+  c.sceneOrigin = guessedOrigin = originOf(b);
+}
+
+std::unique_ptr<Dicing> ShapeGroups::dicingOf(const ShapeDescription& s, const Group& group) {
+  const auto displaces = [](const std::vector<ParsedParameter>& list) {
+    return std::any_of(list.begin(), list.end(),
+                       [](const ParsedParameter& p) { return p.name == "displacement"; });
+  };
+  const auto isDisplaced = [&](const ShapeDescription& shape) {
+    return displaces(shape.shape.parameters) ||
+           (shape.shape.attributes && displaces(*shape.shape.attributes));
+  };
+  // Others may be made of objects, of which some part is displaced.
+  const bool mayBe =
+      isDisplaced(s) ||
+      (s.shape.type == "csg" &&
+       std::any_of(c.description.objects.begin(), c.description.objects.end(), [&](const auto& o) {
+         return std::any_of(o.second.shapes.begin(), o.second.shapes.end(), isDisplaced);
+       }));
+  if (!mayBe) return nullptr;
+  if (!pixels) {
+    const SceneDescription& d = c.description;
+    CameraContext context;
+    context.sceneFromCamera =
+        AnimatedTransform(d.worldFromCamera, d.worldFromCameraLast.value_or(d.worldFromCamera))
+            .after(translation(-guessedOrigin));
+    context.startTime = d.startTime;
+    context.endTime = d.endTime;
+    context.width = film.width;
+    context.height = film.height;
+    context.diagonal = film.diagonal;
+    ParsedDirective directive = d.camera;
+    if (!directive.given()) directive.type = "perspective";
+    Diagnostics saidLater;
+    auto camera = plugIns().cameras.make(directive, context, saidLater, c.lenient);
+    if (!camera) return nullptr;
+    pixels = std::make_unique<PixelWidths>(std::move(camera), film);
+  }
+  std::vector<Mat4d> places;
+  const auto add = [&](const Mat4d& m) {
+    places.push_back(recentred(m, guessedOrigin) * translation(group.origin));
+  };
+  if (group.object.empty()) add(group.start);
+  for (const InstanceDescription& i : c.description.instances)
+    if (i.object == group.object) add(i.worldFromInstance);
+  return std::make_unique<ViewDicing>(*pixels, std::move(places));
 }
 
 std::shared_ptr<Shape> ShapeGroups::makeShape(const ShapeDescription& s, const ShapeContext& context,
@@ -91,7 +136,9 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
     c.diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
     return;
   }
-  const ShapeContext context{sceneFromObject, s.reverseOrientation, &materials, this, m};
+  const std::unique_ptr<Dicing> dicing = dicingOf(s, group);
+  const ShapeContext context{sceneFromObject, s.reverseOrientation,        &materials, this, m,
+                             dicing.get(),    group.origin - c.sceneOrigin};
   std::string key;
   std::shared_ptr<Shape> shape = makeShape(s, context, key);
   if (!shape || shape->primitiveCount() == 0) return;
@@ -126,8 +173,13 @@ std::vector<ComponentShape> ShapeGroups::object(const Parameters& p, const std::
   for (const ShapeDescription& s : found->second.shapes) {
     if (c.enoughErrors()) break;
     const Material* m = materials.material(s.material);
-    const ShapeContext inner{context.sceneFromObject * s.worldFromObject, s.reverseOrientation, &materials,
-                             this, m};
+    const ShapeContext inner{context.sceneFromObject * s.worldFromObject,
+                             s.reverseOrientation,
+                             &materials,
+                             this,
+                             m,
+                             context.dicing,
+                             context.textureShift};
     const double determinant = glm::determinant(Mat3d(inner.sceneFromObject));
     if (s.worldFromObjectLast)
       c.diagnostics.error(s.shape.location, "a part of another shape does not move by itself",
@@ -171,7 +223,8 @@ template <class Fill> void ShapeGroups::fillGroup(Group& group, const Fill& fill
   fill();
 }
 
-bool ShapeGroups::build() {
+bool ShapeGroups::build(const FilmSettings& filmSettings) {
+  film = filmSettings;
   Group& top = all.emplace_back();
   top.origin = c.sceneOrigin;
   std::map<std::string, size_t> groupOf;
@@ -204,6 +257,7 @@ bool ShapeGroups::build() {
     if (!groupOf.count(i.object)) {
       groupOf[i.object] = all.size();
       Group& g = all.emplace_back();
+      g.object = i.object;
       Bounds3d place;
       for (const ShapeDescription& s : object->second.shapes) addPlace(s, s.worldFromObject, place);
       g.origin = originOf(place);
@@ -235,6 +289,7 @@ void ShapeGroups::addMoving(const ShapeDescription& s, const AnimatedTransform& 
   }
   const size_t index = all.size();
   Group& g = all.emplace_back();
+  g.start = instance.start();
   Bounds3d place;
   addPlace(s, s.worldFromObject, place);
   g.origin = originOf(place);

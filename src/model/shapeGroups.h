@@ -7,6 +7,7 @@
 
 #include "model/sceneMaterials.h"
 #include "model/sceneMedia.h"
+#include "model/viewDicing.h"
 #include "recurse/model/keptParts.h"
 #include "recurse/model/moving.h"
 #include "recurse/model/scene.h"
@@ -26,6 +27,8 @@ class ShapeGroups final : public ShapeLookup {
   struct Group {
     Vec3d origin{0}; ///< taken off the object's positions
     std::vector<Placed> placed;
+    std::string object;     ///< whose instances it stands for; empty: it stands where `start` says
+    Mat4d start = Mat4d(1); ///< world from its space when the motion starts
   };
   /** A group in the scene: world from instance space, and that from the space of a shape that moves. */
   struct Instance {
@@ -39,8 +42,9 @@ class ShapeGroups final : public ShapeLookup {
   ShapeGroups(BuildContext& context, SceneMaterials& materials, SceneMedia& media,
               std::vector<std::shared_ptr<Shape>>& shapes, KeptParts* kept);
 
-  /** Makes all shapes, and corrects the scene's origin. False after an error. */
-  bool build();
+  /** Makes all shapes, those that are displaced for pixels of a film, and corrects the scene's origin. False
+   * after an error. */
+  bool build(const FilmSettings& film);
 
   /** [0] is the top level; addresses stay. */
   const std::deque<Group>& groups() const { return all; }
@@ -58,6 +62,8 @@ class ShapeGroups final : public ShapeLookup {
   /** A shape of the frame before where nothing has changed, else a new one. `key`: what it is kept by; empty
    * where it depends on more than its directive. */
   std::shared_ptr<Shape> makeShape(const ShapeDescription& s, const ShapeContext& context, std::string& key);
+  /** For a shape of the group, where it may be displaced; null: it is not. */
+  std::unique_ptr<Dicing> dicingOf(const ShapeDescription& s, const Group& group);
   /** Leaves the shapes to the next frame. */
   void keepShapes();
   /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
@@ -75,7 +81,10 @@ class ShapeGroups final : public ShapeLookup {
   std::vector<std::shared_ptr<Shape>>& shapes;
   KeptParts* kept;
   std::vector<std::string> keys; ///< of `shapes`
-  size_t objectsAsked = 0;       ///< how often shapes have asked for objects
+  FilmSettings film;
+  Vec3d guessedOrigin{0};
+  std::unique_ptr<PixelWidths> pixels; ///< made when first wanted
+  size_t objectsAsked = 0;             ///< how often shapes have asked for objects
   std::deque<Group> all;
   std::vector<Instance> placedInstances;
   std::vector<std::string> objectsUnderWay; ///< whose shapes are being made into others

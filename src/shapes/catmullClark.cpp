@@ -10,8 +10,8 @@
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
+#include "recurse/model/displacement.h"
 #include "recurse/model/plugIns.h"
-#include "recurse/model/triangleMesh.h"
 
 namespace recurse {
 
@@ -250,7 +250,7 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
         p.fail("creases",
                "no face has an edge between positions " + std::to_string(a) + " and " + std::to_string(b));
     }
-    return std::make_unique<TriangleMesh>(limitOf(mesh, levels), context);
+    return makeDisplacedMesh(limitOf(mesh, levels), p, context);
   } catch (const SceneError&) {
     throw;
   } catch (const Error& e) {
@@ -266,7 +266,7 @@ void registerCatmullClark(PlugIns& plugIns) {
         .summary =
             "A smooth surface that a mesh of polygons controls, by Catmull's and Clark's subdivision. Its "
             "outside is where the faces are seen counterclockwise from.",
-        .parameters =
+        .parameters = withDisplacement(
             {integerParameter("levels", "3", "how often each face is split").range(1, 12),
              arrayParameter(ParameterType::INTEGER, "indices", 0, "",
                             "numbers of positions, face by face, all turned the same way")
@@ -295,7 +295,7 @@ void registerCatmullClark(PlugIns& plugIns) {
                  "boundary", "edge",
                  "where the surface ends: a smooth curve, or one that goes through the positions of "
                  "a single face with a corner")
-                 .oneOf({"edge", "corner"})},
+                 .oneOf({"edge", "corner"})}),
         .examples =
             {"\"integer levels\" 2 \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1] "
              "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5]",

@@ -3,6 +3,9 @@
  * operands are sorted, and those kept where it goes into or out of the result (Roth, "Ray Casting for
  * Modeling Solids", 1982).
  */
+#include <mutex>
+
+#include "recurse/core/sampler.h"
 #include "recurse/model/boxTree.h"
 #include "recurse/model/plugIns.h"
 
@@ -46,6 +49,8 @@ class Csg final : public Shape {
     constexpr double SHAPES_LONG = 4;
     for (const Bounds3d& b : boxes)
       firstStretch += SHAPES_LONG * glm::length(b.diagonal()) / double(boxes.size());
+    if (!(firstStretch > 0)) firstStretch = std::numeric_limits<double>::infinity(); // shapes without size
+    canEmit = std::all_of(parts.begin(), parts.end(), [](const Part& p) { return p.shape->canBeSampled(); });
     tree = BoxTree(boxes);
   }
 
@@ -74,21 +79,31 @@ class Csg final : public Shape {
   }
 
   SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
-    const Part& part = partOf(parameters);
+    const Part& part = partOf(parameters.component());
     const uint32_t component = parameters.component() - part.firstComponent;
     HitParameters own = parameters;
     own.setComponent(component);
     SurfacePoint s = part.shape->surfaceAt(part.isCompound ? 0 : component, own);
-    if (part.turned) {
-      s.geometricNormal = -s.geometricNormal;
-      s.shadingNormal = -s.shadingNormal;
-    }
+    if (part.turned) turn(s);
     return s;
   }
 
-  bool canBeSampled() const override { return false; }
-  float area() const override { return 0; }
-  ShapeSample sampleArea(float, const Vec2f&) const override { return {}; }
+  /** Points are chosen on all of the operands' surfaces, and those that are none of the result's are refused.
+   */
+  bool canBeSampled() const override { return canEmit; }
+  float area() const override {
+    std::call_once(areasKnown, [this] { measureAreas(); });
+    return ownArea;
+  }
+  ShapeSample sampleArea(float pick, const Vec2f& u) const override {
+    std::call_once(areasKnown, [this] { measureAreas(); });
+    return samplePart(pick, u);
+  }
+  float pdfArea(uint32_t, const SurfacePoint& point) const override {
+    std::call_once(areasKnown, [this] { measureAreas(); });
+    const auto component = componentAt(point);
+    return component ? pdfOnPart(partOf(*component), *component, point) : 0;
+  }
 
   std::vector<const Material*> componentMaterials() const override { return materials; }
   const Material* materialAt(const HitParameters& parameters) const override {
@@ -211,10 +226,70 @@ class Csg final : public Shape {
     return {begin - coincidence, end + coincidence};
   }
 
-  const Part& partOf(const HitParameters& parameters) const {
-    const auto next = std::upper_bound(parts.begin(), parts.end(), parameters.component(),
+  const Part& partOf(uint32_t component) const {
+    const auto next = std::upper_bound(parts.begin(), parts.end(), component,
                                        [](uint32_t c, const Part& p) { return c < p.firstComponent; });
     return *(next - 1);
+  }
+
+  static void turn(SurfacePoint& s) {
+    s.geometricNormal = -s.geometricNormal;
+    s.shadingNormal = -s.shadingNormal;
+  }
+
+  /** The component whose surface the result has at a point, or so near that rounding tells no difference. */
+  std::optional<uint32_t> componentAt(const SurfacePoint& point) const {
+    static thread_local std::vector<Solid::Crossing> found;
+    found.clear();
+    const Vec3d normal = point.geometricNormal;
+    const double near = 8 * coincidence + 0x1p-20 * glm::length(Vec3d(point.position));
+    crossings(point.position, normal, -near, near, found);
+    const Solid::Crossing* nearest = nullptr;
+    for (const Solid::Crossing& c : found)
+      if (c.entering == reversed && std::abs(c.t) <= near &&
+          (!nearest || std::abs(c.t) < std::abs(nearest->t)))
+        nearest = &c;
+    return nearest ? std::optional(nearest->parameters.component()) : std::nullopt;
+  }
+
+  ShapeSample samplePart(float pick, const Vec2f& u) const {
+    const double chosen = double(pick) * cumulativeArea.back();
+    const auto next = std::upper_bound(cumulativeArea.begin(), cumulativeArea.end() - 1, chosen);
+    const auto i = static_cast<size_t>(next - cumulativeArea.begin());
+    const double before = i > 0 ? cumulativeArea[i - 1] : 0, own = cumulativeArea[i] - before;
+    const Part& part = parts[i];
+    ShapeSample s = part.shape->sampleArea(
+        own > 0 ? std::min(static_cast<float>((chosen - before) / own), ONE_MINUS_EPSILON) : 0, u);
+    if (part.turned) turn(s.point);
+    if (!(s.pdf > 0)) return {};
+    const auto component = componentAt(s.point);
+    if (!component || &partOf(*component) != &part) return {};
+    s.pdf = pdfOnPart(part, *component, s.point);
+    s.primitive = 0;
+    return s;
+  }
+
+  float pdfOnPart(const Part& part, uint32_t component, const SurfacePoint& point) const {
+    const auto i = static_cast<size_t>(&part - parts.data());
+    const double own = cumulativeArea[i] - (i > 0 ? cumulativeArea[i - 1] : 0);
+    const uint32_t primitive = part.isCompound ? 0 : component - part.firstComponent;
+    return static_cast<float>(own / cumulativeArea.back()) * part.shape->pdfArea(primitive, point);
+  }
+
+  /** Of the parts, and by points on them of the result. */
+  void measureAreas() const {
+    double sum = 0;
+    for (const Part& p : parts) cumulativeArea.push_back(sum += double(p.shape->area()));
+    if (!(sum > 0)) return;
+    constexpr uint32_t POINTS = 1 << 18; // a per cent where a tenth of the operands' surface is the result's
+    double own = 0;
+    for (uint32_t i = 0; i < POINTS; ++i) {
+      Sampler sampler(0, 0, i);
+      const float pick = (static_cast<float>(i) + sampler.next1D()) / POINTS;
+      const ShapeSample s = samplePart(std::min(pick, ONE_MINUS_EPSILON), sampler.next2D());
+      if (s.pdf > 0) own += 1 / double(s.pdf);
+    }
+    ownArea = static_cast<float>(own / POINTS);
   }
 
   /** The box that all operands have in common. */
@@ -239,6 +314,11 @@ class Csg final : public Shape {
   double coincidence = 0, firstStretch = 0; ///< [scene units]
   Bounds3f box;
   BoxTree tree;
+
+  bool canEmit = false;
+  mutable std::once_flag areasKnown;          ///< what follows is for lamps only
+  mutable std::vector<double> cumulativeArea; ///< of parts [0, i]
+  mutable float ownArea = 0;
 };
 
 std::unique_ptr<Shape> makeCsg(const Parameters& p, const ShapeContext& context) {
@@ -307,7 +387,9 @@ void registerCsg(PlugIns& plugIns) {
       {{.name = "csg",
         .summary =
             "A solid made of solids, which ObjectBegin defines: their union, their intersection, or the "
-            "first without the others. Where surfaces coincide, that of the operand named first counts.",
+            "first without the others. Where surfaces coincide, that of the operand named first counts. It "
+            "may "
+            "be a lamp where its operands may.",
         .parameters = {stringParameter("operation", "union", "what to make of the operands")
                            .oneOf({"union", "intersection", "difference"}),
                        arrayParameter(ParameterType::STRING, "operands", 0, "",

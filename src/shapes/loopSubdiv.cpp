@@ -4,8 +4,8 @@
  */
 #include <unordered_map>
 
+#include "recurse/model/displacement.h"
 #include "recurse/model/plugIns.h"
-#include "recurse/model/triangleMesh.h"
 
 namespace recurse {
 
@@ -201,7 +201,9 @@ std::unique_ptr<Shape> makeLoopSubdivision(const Parameters& p, const ShapeConte
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_TRIANGLES)) + " triangles",
            "fewer levels");
   try {
-    return std::make_unique<TriangleMesh>(subdivided(std::move(mesh), levels), context);
+    return makeDisplacedMesh(subdivided(std::move(mesh), levels), p, context);
+  } catch (const SceneError&) {
+    throw;
   } catch (const Error& e) {
     p.fail("indices", e.what());
   }
@@ -215,14 +217,14 @@ void registerLoopSubdiv(PlugIns& plugIns) {
         .summary = "A smooth surface that a mesh of triangles controls, by Loop's subdivision. As in pbrt-v4 "
                    "its outside "
                    "is where the triangles are seen clockwise from.",
-        .parameters =
+        .parameters = withDisplacement(
             {integerParameter("levels", "3", "how often each triangle is split into four").range(0, 12),
              arrayParameter(ParameterType::INTEGER, "indices", 0, "",
                             "three numbers of positions for each triangle, all turned the same way")
                  .range(0, std::numeric_limits<int>::max())
                  .require(),
              arrayParameter(ParameterType::POINT3, "P", 0, "", "positions of the control mesh").require(),
-             ignoredParameter(ParameterType::STRING, "scheme", "pbrt knows \"loop\" only")},
+             ignoredParameter(ParameterType::STRING, "scheme", "pbrt knows \"loop\" only")}),
         .examples = {"\"integer levels\" 2 \"point3 P\" [1 1 1  -1 -1 1  -1 1 -1  1 -1 -1] "
                      "\"integer indices\" [0 2 1  0 1 3  1 2 3  2 0 3]",
                      "\"integer levels\" 1 \"point3 P\" [0 0 0  1 0 .2  0 1 0  1 1 -.3  2 .5 0] "

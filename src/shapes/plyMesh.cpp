@@ -5,10 +5,11 @@
 #include <charconv>
 #include <cstring>
 #include <filesystem>
+#include <unordered_map>
 #include <zlib.h>
 
+#include "recurse/model/displacement.h"
 #include "recurse/model/plugIns.h"
-#include "recurse/model/triangleMesh.h"
 
 namespace recurse {
 
@@ -176,15 +177,32 @@ class PlyReader {
       else
         skipElement(e);
     }
+    refuseBrokenCorners();
     return std::move(mesh);
   }
 
+  /** How many vertices are broken, which no face uses. */
+  size_t brokenLeftOut() const { return broken.size(); }
+
  private:
-  [[noreturn]] void fail(const std::string& what) const {
-    const std::string where = inHeader || encoding == Encoding::TEXT
-                                  ? ":" + std::to_string(reportedLine ? reportedLine : in.lineNumber()) + ": "
-                                  : ": at byte " + std::to_string(in.offset()) + ": ";
-    throw Error(in.name() + where + what);
+  /** A line of a text, else a byte. */
+  uint64_t currentPlace() const {
+    const bool isLine = inHeader || encoding == Encoding::TEXT;
+    return !isLine ? in.offset() : reportedLine ? reportedLine : in.lineNumber();
+  }
+  [[noreturn]] void fail(const std::string& what) const { failAt(currentPlace(), what); }
+  [[noreturn]] void failAt(uint64_t place, const std::string& what) const {
+    const bool isLine = inHeader || encoding == Encoding::TEXT;
+    throw Error(in.name() + (isLine ? ":" : ": at byte ") + std::to_string(place) + ": " + what);
+  }
+
+  void refuseBrokenCorners() const {
+    if (broken.empty()) return;
+    for (const glm::uvec3& t : mesh.triangles)
+      for (int k = 0; k < 3; ++k)
+        if (const auto found = broken.find(t[k]); found != broken.end())
+          failAt(found->second.place,
+                 "vertex " + std::to_string(t[k]) + " has a " + found->second.what + " that is not finite");
   }
 
   // ---- header
@@ -426,8 +444,10 @@ class PlyReader {
         ++badNormals;
         return V(0); // stands for none: the face's own counts
       }
-      if (!std::isfinite(v[i]))
-        fail("vertex " + std::to_string(index) + " has a " + what + " that is not finite");
+      if (!std::isfinite(v[i])) { // which does no harm where no face uses the vertex
+        broken.emplace(static_cast<uint32_t>(index), BrokenVertex{currentPlace(), what});
+        return V(0);
+      }
     }
     return v;
   }
@@ -499,6 +519,11 @@ class PlyReader {
   int indexPlace = -1;                                     ///< among the face's
   MeshData mesh;
   uint64_t badNormals = 0; ///< that are not finite
+  struct BrokenVertex {
+    uint64_t place;
+    const char* what;
+  };
+  std::unordered_map<uint32_t, BrokenVertex> broken;
 
   // Where we are, for messages.
   bool inHeader = true;
@@ -509,8 +534,6 @@ class PlyReader {
 };
 
 std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& context) {
-  for (const char* name : {"displacement", "edgelength"})
-    if (p.has(name)) p.fail(name, "displacement of meshes is not rendered yet", "a mesh without it");
   const FileReference file = p.file("filename");
   const std::string& path = file.path;
   try {
@@ -519,7 +542,10 @@ std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& cont
     if (reader.normalsLeftOut() > 0)
       p.warn("filename", path + ": " + std::to_string(reader.normalsLeftOut()) +
                              " vertices have normals that are not finite; faces are shaded without them");
-    return std::make_unique<TriangleMesh>(std::move(mesh), context);
+    if (reader.brokenLeftOut() > 0)
+      p.warn("filename", path + ": " + std::to_string(reader.brokenLeftOut()) +
+                             " vertices are not finite; no face uses them");
+    return makeDisplacedMesh(std::move(mesh), p, context);
   } catch (const SceneError&) {
     throw;
   } catch (const Error& e) {
@@ -534,16 +560,12 @@ void registerPlyMesh(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "plymesh",
         .summary = "Triangles and polygons from a PLY file.",
-        .parameters = {stringParameter(
-                           "filename", "",
-                           "PLY file, text or binary, also compressed with gzip; vertices have x y z, "
-                           "and may have nx ny nz, and u v, s t, texture_u texture_v or "
-                           "texture_s texture_t")
-                           .require(),
-                       realParameter("displacement", "", "texture that moves the surface; not rendered yet")
-                           .withTexture(),
-                       realParameter("edgelength", "", "edge length for displacement; not rendered yet"),
-                       ignoredParameter(ParameterType::BOOLEAN, "uvdisplacement", "of displacement")},
+        .parameters = withDisplacement(
+            {stringParameter("filename", "",
+                             "PLY file, text or binary, also compressed with gzip; vertices have x y z, "
+                             "and may have nx ny nz, and u v, s t, texture_u texture_v or "
+                             "texture_s texture_t")
+                 .require()}),
         .examples = {}},
        makePlyMesh});
 }

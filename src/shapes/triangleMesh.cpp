@@ -1,7 +1,7 @@
 /** @file
  * Triangle meshes written in the scene file itself.
  */
-#include "recurse/model/triangleMesh.h"
+#include "recurse/model/displacement.h"
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
@@ -45,7 +45,9 @@ std::unique_ptr<Shape> makeTriangleMesh(const Parameters& p, const ShapeContext&
   if (p.has("S")) mesh.tangents = perVertex(p, "S", p.vector3s("S"), count);
   if (p.has("uv")) mesh.uvs = perVertex(p, "uv", p.vector2s("uv"), count);
   try {
-    return std::make_unique<TriangleMesh>(std::move(mesh), context);
+    return makeDisplacedMesh(std::move(mesh), p, context);
+  } catch (const SceneError&) {
+    throw;
   } catch (const Error& e) {
     p.fail("P", e.what());
   }
@@ -57,7 +59,7 @@ void registerTriangleMesh(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "trianglemesh",
         .summary = "Triangles that share vertices.",
-        .parameters =
+        .parameters = withDisplacement(
             {arrayParameter(
                  ParameterType::INTEGER, "indices", 0, "",
                  "three numbers of positions for each triangle; may be absent with three positions")
@@ -67,7 +69,7 @@ void registerTriangleMesh(PlugIns& plugIns) {
                             "normals at the vertices, interpolated for shading"),
              arrayParameter(ParameterType::VECTOR3, "S", 0, "", "tangents at the vertices"),
              arrayParameter(ParameterType::POINT2, "uv", 0, "", "texture coordinates at the vertices"),
-             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures")},
+             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures")}),
         .examples =
             {"\"point3 P\" [0 0 0 1 0 0 0 1 .5]",
              "\"integer indices\" [0 1 2 2 3 0] \"point3 P\" [-1 0 -1  -1 0 1  1 0 1  1 0 -1]",

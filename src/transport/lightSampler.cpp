@@ -84,20 +84,45 @@ LightSampleContext LightSampler::at(const Vec3f& position, const Vec3f& normal) 
   LightSampleContext place{position};
   const std::vector<Cell>& side = cells[sideOf(normal)];
   if (side.empty()) return place;
-  size_t i = 0;
-  while (side[i].axis < 3) i = position[int(side[i].axis)] < side[i].at ? i + 1 : side[i].other;
-  place.cell = side[i].other;
+  // Ways down the tree with the shares that go there; both ways where a border is near.
+  struct Way {
+    size_t cell;
+    float weight;
+  };
+  std::array<Way, LightSampleContext::MAX_CELLS> ways{{{0, 1}}};
+  size_t left = 1;
+  place.count = 0;
+  while (left > 0) {
+    auto [i, weight] = ways[--left];
+    while (side[i].axis < 3) {
+      const Cell& c = side[i];
+      const float beyond = position[int(c.axis)] - c.at;
+      const bool isNear = std::abs(beyond) < c.band && place.count + left + 1 < ways.size();
+      if (isNear) {
+        const float other = weight * (0.5f - 0.5f * std::abs(beyond) / c.band);
+        ways[left++] = {beyond < 0 ? c.other : i + 1, other};
+        weight -= other;
+      }
+      i = beyond < 0 ? i + 1 : c.other;
+    }
+    place.shares[place.count++] = {side[i].other, weight};
+  }
   return place;
 }
 
 ChosenLight LightSampler::chooseLearned(const LightTable& lights, const LightSampleContext& place,
                                         float& u) const {
-  const float* const table = &tables[place.cell * clusters.size()];
-  const auto c = static_cast<size_t>(std::upper_bound(table, table + clusters.size() - 1, u) - table);
-  const float below = c > 0 ? table[c - 1] : 0;
-  const double part = double(table[c] - below);
+  size_t c = 0;
+  for (size_t end = clusters.size() - 1; c < end;) {
+    const size_t middle = c + (end - c) / 2;
+    if (double(u) < upTo(place, middle))
+      end = middle;
+    else
+      c = middle + 1;
+  }
+  const double below = c > 0 ? upTo(place, c - 1) : 0, part = upTo(place, c) - below;
   const auto [light, probability] =
-      chooseBelow(clusters[c], place.position, double(u - below) / part, part, u);
+      chooseBelow(clusters[c], place.position, (double(u) - below) / part, part, u);
   return {&lights[order[light]], static_cast<float>(probability), order[light]};
 }
 
@@ -119,9 +144,8 @@ LightSampler::Chosen LightSampler::chooseBelow(const Cluster& cluster, const Vec
 float LightSampler::probabilityLearned(const LightSampleContext& place, uint32_t light) const {
   const uint32_t wanted = rank[light];
   if (order[wanted] != light) return 0; // it has no power
-  const float* const table = &tables[place.cell * clusters.size()];
   const uint32_t c = clusterOf[wanted];
-  double probability = double(table[c] - (c > 0 ? table[c - 1] : 0));
+  double probability = upTo(place, c) - (c > 0 ? upTo(place, c - 1) : 0);
   Descent way(*this, place.position, 0, clusters[c]);
   while (!way.atLight()) {
     const double left = way.left();
@@ -195,7 +219,10 @@ void LightSampler::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::
     const float at = arrivals[half].position[axis];
     if (at > box.lower[axis]) { // else all are at the same place
       buildCells(arrivals.first(half), cells, leaves);
-      cells[cell] = {static_cast<uint32_t>(axis), at, static_cast<uint32_t>(cells.size())};
+      // Half as wide as a leaf, of which a surface has so many in this extent.
+      const double leaves1d = std::sqrt(double(arrivals.size()) / double(MAX_ARRIVALS / 2));
+      const auto band = static_cast<float>(0.5 * double(box.diagonal()[axis]) / leaves1d);
+      cells[cell] = {static_cast<uint32_t>(axis), at, band, static_cast<uint32_t>(cells.size())};
       buildCells(arrivals.subspan(half), cells, leaves);
       return;
     }

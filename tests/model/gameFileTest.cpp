@@ -14,6 +14,7 @@
 #include "model/quake3Bsp.h"
 #include "recurse/core/image.h"
 #include "recurse/core/zipArchive.h"
+#include "recurse/model/keptParts.h"
 #include "recurse/model/plugIns.h"
 #include "sanitized.h"
 
@@ -190,6 +191,26 @@ TEST_F(GameFile, Md2IsInterpolatedBetweenKeyframes) {
   }
   load("Shape \"md2\" \"string filename\" \"m.md2\" \"float frame\" 1.5", true);
   EXPECT_NE(messages.find("has no frame 1.5"), std::string::npos) << messages;
+}
+
+TEST_F(GameFile, Md2IsAnimatedByATrack) {
+  write("m.md2", md2File());
+  write("film.pbrt", "Animate \"pose\" \"float times\" [ 0 8 ] \"float values\" [ 0 1 ]\nWorldBegin\n"
+                     "Shape \"md2\" \"string filename\" \"m.md2\" \"float frame\" $pose\n");
+  KeptParts kept;
+  // The triangle's edges are as long as the pose says, from 1 to 2.
+  for (const auto& [frame, size] : {std::pair(0.0, 1.0), {2.0, 1.25}, {5.0, 1.625}, {8.0, 2.0}}) {
+    Diagnostics diagnostics;
+    const SceneDescription description = loadScene(directory + "/film.pbrt", diagnostics, frame);
+    const std::unique_ptr<Scene> scene = buildScene(description, {}, diagnostics, &kept);
+    ASSERT_TRUE(scene) << diagnostics.format();
+    const Vec3d from(0.1, 1, 0);
+    for (const auto& [across, met] : {std::pair(size - 0.12, true), {size - 0.08, false}}) {
+      Hit hit;
+      const Vec3f origin(from + Vec3d(0, 0, 5 + across) - scene->origin());
+      EXPECT_EQ(scene->intersect({origin, {0, -1, 0}}, hit), met) << frame << " " << across;
+    }
+  }
 }
 
 TEST_F(GameFile, Md2WearsItsSkinTheRightWayUp) {

@@ -203,6 +203,18 @@ TEST_F(PlyMesh, CarriageReturnsSignsAndExponents) {
   EXPECT_EQ(mesh->positions()[1], Vec3f(1.5f, 0, 0));
 }
 
+TEST_F(PlyMesh, BrokenVerticesThatNoFaceUsesDoNoHarm) {
+  std::string text = TRIANGLE_HEADER;
+  text.replace(text.find("vertex 3"), 8, "vertex 5");
+  write(text + "0 0 0\nnan 0 0\n1 0 0\n0 inf nan\n0 1 0\n3 0 2 4\n");
+  const TriangleMesh* mesh = loadMesh();
+  ASSERT_TRUE(mesh);
+  EXPECT_NE(said.find("2 vertices are not finite; no face uses them"), std::string::npos) << said;
+  EXPECT_EQ(mesh->area(), 0.5f);
+  expectRefused(text + "0 0 0\nnan 0 0\n1 0 0\n0 inf nan\n0 1 0\n3 0 2 3\n",
+                ":13: vertex 3 has a position that is not finite");
+}
+
 TEST_F(PlyMesh, BrokenFilesAreExplained) {
   const std::string header = TRIANGLE_HEADER, vertices = "0 0 0\n1 0 0\n0 1 0\n";
   const auto replaced = [&](const std::string& what, const std::string& with) {
@@ -307,12 +319,12 @@ TEST_F(PlyMesh, FilesWithWrongBytesDoNoHarm) {
   }
 }
 
-TEST_F(PlyMesh, WhatIsNotRenderedYetIsSaid) {
+TEST_F(PlyMesh, WhatCannotBeDoneIsSaid) {
   write(house(Encoding::TEXT));
   EXPECT_FALSE(load("\"float edgelength\" 1"));
-  EXPECT_NE(said.find("displacement of meshes is not rendered yet"), std::string::npos) << said;
+  EXPECT_NE(said.find("nothing is displaced"), std::string::npos) << said;
   EXPECT_FALSE(load("\"texture displacement\" \"bumps\""));
-  EXPECT_NE(said.find("not rendered yet"), std::string::npos) << said;
+  EXPECT_NE(said.find("there are no textures here"), std::string::npos) << said;
   std::filesystem::remove(directory + "/mesh.ply");
   EXPECT_FALSE(load());
   EXPECT_NE(said.find("there is no file"), std::string::npos) << said;

@@ -292,6 +292,36 @@ TEST(Csg, MeshesAndBoxesMakeTheSameSolid) {
   EXPECT_GT(crossed, 10000);
 }
 
+TEST(Csg, SolidsWithoutSizeHaveAnEnd) {
+  // All positions of the mesh are rounded to one.
+  Operands o({{"point", "trianglemesh", CUBE_MESH}});
+  const Mat4d m = affine(diagonal(1e-30, 1e-30, 1e-30), {1, 1, 1});
+  for (const char* operation : {"union", "intersection", "difference"}) {
+    const auto csg = o.csg(operation, "\"point\" \"point\"", m);
+    EXPECT_FALSE(csg->intersect(0, {1, 1, 0}, {0, 0, 1}, 0, INFINITE)) << operation;
+    EXPECT_FALSE(csg->intersect(0, {1, 1, 0}, {0, 0, 1}, 0, 10)) << operation;
+  }
+}
+
+TEST(Csg, AreasAreThoseOfClosedForms) {
+  Operands o(
+      {{"ball", "sphere", ""},
+       {"half space", "box", "\"point3 p1\" [-2 -2 0] \"point3 p2\" [2 2 2]"},
+       {"drill", "cylinder", "\"float radius\" .6 \"float zmin\" -2 \"float zmax\" 2 \"bool caps\" true"},
+       {"half ball", "csg", csgOf("intersection", "\"ball\" \"half space\"")}});
+  const auto expectArea = [](const Shape& shape, double area) {
+    EXPECT_NEAR(double(shape.area()), area, 0.01 * area);
+  };
+  expectArea(*o.csg("intersection", "\"ball\" \"half space\""), 3 * PI_DOUBLE);
+  expectArea(*o.csg("difference", "\"ball\" \"half space\""), 3 * PI_DOUBLE);
+  // The zone of the sphere as high as the hole, 1.6, and the hole's wall.
+  expectArea(*o.csg("difference", "\"ball\" \"drill\""), 2 * PI_DOUBLE * 1.6 + 2 * PI_DOUBLE * .6 * 1.6);
+  // Of a solid in a solid, stretched: a spheroid's half with axes 1, 1, 2, and the disc.
+  const double e = std::sqrt(1 - 1 / 4.0);
+  expectArea(*o.csg("union", "\"half ball\" \"half ball\"", affine(diagonal(1, 1, 2), {0, 0, 0})),
+             PI_DOUBLE * (1 + 2 / e * std::asin(e)) + PI_DOUBLE);
+}
+
 TEST(Csg, OpenShapesAreTurnedDown) {
   const auto complaint = [](const char* plugIn, const char* parameters) {
     Operands o({{"ball", "sphere", ""}, {"other", plugIn, parameters}});

@@ -30,7 +30,8 @@ template <class F> void atPointsOfShapes(const F& test) {
       for (uint32_t i = 0; i < 200; ++i) {
         Sampler sampler(1, 2, i);
         const float pick = sampler.next1D();
-        test(entry.name + " " + example, shape->sampleArea(pick, sampler.next2D()).point);
+        const ShapeSample sample = shape->sampleArea(pick, sampler.next2D());
+        if (sample.pdf > 0) test(entry.name + " " + example, sample.point);
       }
     }
 }

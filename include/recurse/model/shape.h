@@ -18,6 +18,7 @@
 
 namespace recurse {
 
+class Dicing;
 class Material;
 class Solid;
 class TriangleMesh;
@@ -125,7 +126,8 @@ class Shape {
    * are not called. */
   virtual bool canBeSampled() const { return true; }
   virtual float area() const = 0;
-  /** A point of the whole shape; pdf per unit of area. `pick` chooses the primitive. */
+  /** A point of the whole shape; pdf per unit of area. `pick` chooses the primitive. A pdf of 0: none was
+   * found, which is a part of the density of the others. */
   virtual ShapeSample sampleArea(float pick, const Vec2f& u) const = 0;
   /** The density of sampleArea at a point of a primitive; constant 1/area() unless overridden. */
   virtual float pdfArea(uint32_t, const SurfacePoint&) const { return 1 / area(); }
@@ -191,6 +193,8 @@ struct ShapeContext {
   const TextureLookup* textures = nullptr; ///< null: no texture can be named
   ShapeLookup* shapes = nullptr;           ///< null: no object can be named
   const Material* material = nullptr;      ///< of the Shape directive; null: it does not scatter
+  const Dicing* dicing = nullptr;          ///< null: no camera sees it
+  Vec3d textureShift{0};                   ///< added to a position makes it what textures take for it
 };
 
 // Tools for shapes that compute in double precision.

@@ -14,10 +14,17 @@
 
 namespace recurse {
 
-/** A place that a light is chosen for: where it is, and which of the guide's cells it lies in. */
+/** A place that a light is chosen for: where it is, and which of the guide's cells it lies in or near, each
+ * with its share. */
 struct LightSampleContext {
+  static constexpr size_t MAX_CELLS = 4;
+  struct Share {
+    uint32_t cell = 0;
+    float weight = 1;
+  };
   Vec3f position{0};
-  uint32_t cell = 0;
+  uint32_t count = 1;
+  std::array<Share, MAX_CELLS> shares{};
 };
 
 /**
@@ -29,8 +36,9 @@ struct LightSampleContext {
  * Sampling of Many Lights with Adaptive Tree Splitting", 2018); s says how many photons p is worth. So
  * photons count where there are some, visibility and the light's shape included, and every light has a
  * probability wherever it has power. For the first levels of the tree the probabilities are kept by cells of
- * space, below they are p alone. They are functions of the place, so that whoever needs one for a weight
- * finds the same. That photons of direct light tell which lights to sample is Keller and Wald's idea
+ * space, and go over into each other between cells, whose borders would be seen as seams of noise; below they
+ * are p alone. They are functions of the place, so that whoever needs one for a weight finds the same. That
+ * photons of direct light tell which lights to sample is Keller and Wald's idea
  * ("Efficient Importance Sampling Techniques for the Photon Map", 2000).
  */
 class LightSampler {
@@ -79,8 +87,8 @@ class LightSampler {
   /** Splits space for the photons of one side. Leaves have axis 3. */
   struct Cell {
     uint32_t axis = 3;
-    float at = 0;
-    uint32_t other = 0; ///< the cell beyond `at`; the next one is below. Of leaves the table
+    float at = 0, band = 0; ///< so near to `at` both sides count
+    uint32_t other = 0;     ///< the cell beyond `at`; the next one is below. Of leaves the table
   };
   /** Light that came straight from a light to a surface, on the side of `normal`. */
   struct Arrival {
@@ -106,6 +114,15 @@ class LightSampler {
   Chosen chooseBelow(const Cluster& cluster, const Vec3f& position, double rest, double probability,
                      float& u) const;
   float probabilityLearned(const LightSampleContext& place, uint32_t light) const;
+  /** The probability at a place of all clusters as far as this one. */
+  double upTo(const LightSampleContext& place, size_t cluster) const {
+    double sum = 0;
+    for (uint32_t i = 0; i < place.count; ++i) {
+      const LightSampleContext::Share& s = place.shares[i];
+      sum += double(s.weight) * double(tables[s.cell * clusters.size() + cluster]);
+    }
+    return sum;
+  }
   /** A photon, as far as the first surface. */
   void shoot(const Scene& scene, uint32_t index, Found& found) const;
   /** What the eye sees, and a light that reaches it. */

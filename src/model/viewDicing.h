@@ -1,0 +1,44 @@
+/** @file
+ * How finely surfaces are divided for the camera's pixels.
+ */
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "recurse/model/camera.h"
+#include "recurse/model/displacement.h"
+
+namespace recurse {
+
+/** The camera of a scene at the start of its motion, in world space: how wide a pixel is where. */
+class PixelWidths {
+ public:
+  PixelWidths(std::unique_ptr<Camera> camera, const FilmSettings& film);
+  /** The least along a way from a to b [world units]; greater where the film sees neither end nor the middle.
+   */
+  double alongEdge(const Vec3d& a, const Vec3d& b) const;
+
+ private:
+  /** By how much edges may be longer at a place because it is out of sight. */
+  double slack(const Vec3d& place) const;
+
+  std::unique_ptr<Camera> camera;
+  Vec2d size; ///< of the film [pixels]
+  Vec3d eye{0};
+  double angle = 0, offset = 0; ///< between the rays of neighbouring pixels, and between their origins
+};
+
+/** Edges of a group of shapes that stands in one place or many. */
+class ViewDicing final : public Dicing {
+ public:
+  /** `places`: world from the space of the group. The nearest of them count. */
+  ViewDicing(const PixelWidths& pixels, std::vector<Mat4d> places);
+  double edgeLength(const Vec3d& a, const Vec3d& b) const override;
+
+ private:
+  const PixelWidths& pixels;
+  std::vector<Mat4d> places;
+};
+
+} // namespace recurse
