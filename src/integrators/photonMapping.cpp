@@ -29,6 +29,7 @@ PhotonMappingSettings common(const Parameters& p) {
   s.kernel = *parseKernel(p.string("kernel"));
   s.index = *parsePhotonIndex(p.string("photonindex"));
   s.alpha = p.real("alpha");
+  s.beams = p.string("volumephotons") == "beams";
   s.nearest = p.hasValue("gatherphotons") ? p.integer("gatherphotons") : 0;
   return s;
 }
@@ -70,6 +71,12 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
            "weightlimit", "0.03",
            "both branches at glass are followed while their weights are above this; below, one by roulette")
            .range(1e-6, 1),
+       stringParameter(
+           "volumephotons", "points",
+           "how light in media is kept: as points where it scatters, or as beams along its "
+           "flights, which only homogeneous media have; in thin ones beams show finer detail, and "
+           "take longer")
+           .oneOf({"points", "beams"}),
        realParameter("flatness", "0.2",
                      "height of the search region over its radius: low keeps light from round "
                      "the corner out, high finds photons on curved surfaces")

@@ -13,13 +13,23 @@ namespace recurse {
 
 namespace {
 
+/** Calls along(ray, end, medium) for each part of the way that lies in a medium. */
+template <class Along>
 std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Sampler sampler,
-                                         const GatherWeighting& weighting, TransportCounts& counts) {
+                                         const GatherWeighting& weighting, TransportCounts& counts,
+                                         Along&& along) {
   BsdfArena arena;
   Hit hit;
   Nesting nesting = nestingAt(scene, ray, counts);
+  nesting.startIn(scene.cameraMedium());
   for (int depth = 0; depth < LONG_WALK; ++depth) {
-    if (!intersect(scene, ray, hit, counts)) return {};
+    const bool met = intersect(scene, ray, hit, counts);
+    if (scene.hasMedia()) {
+      if (met) nesting.approach(hit, ray.direction);
+      if (const Medium* medium = scene.medium(nesting.medium(scene)))
+        along(ray, met ? hit.t : INFINITE, *medium);
+    }
+    if (!met) return {};
     ray.width += ray.spread * hit.t;
     arena.reset();
     const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
@@ -47,17 +57,19 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
             })->direction;
       }
     }
-    if (bsdf) nesting.scatters(hit, -ray.direction, direction);
-    static_cast<Ray&>(ray) = spawn(hit.point, direction);
+    if (bsdf)
+      nesting.scatters(hit, -ray.direction, direction);
+    else
+      nesting.enterMedium(hit, direction);
+    Ray next = spawn(hit.point, direction);
+    if (!bsdf && scene.hasMedia()) next.origin = originBehind(ray, hit);
+    static_cast<Ray&>(ray) = next;
   }
   return {};
 }
 
-} // namespace
-
-std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
-                                      const GatherWeighting& weighting, TransportCounts& counts) {
-  std::vector<VisiblePoint> seen;
+/** Calls probe(ray, sampler) for a grid of rays over the picture. */
+template <class Probe> void forCameraRays(const Scene& scene, int across, uint64_t seed, const Probe& probe) {
   const PixelBounds film = scene.film().whole();
   for (int y = 0; y < across; ++y)
     for (int x = 0; x < across; ++x) {
@@ -65,10 +77,46 @@ std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t s
       CameraSample sample{film.middleOfCell(x, y, across)};
       if (scene.camera().usesLens()) sample.lens = sampler.next2D();
       if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
-      const std::optional<CameraRay> ray = scene.camera().validRay(sample);
-      if (!ray) continue;
-      if (const auto place = firstDiffuse(scene, *ray, sampler, weighting, counts)) seen.push_back(*place);
+      if (const std::optional<CameraRay> ray = scene.camera().validRay(sample)) probe(*ray, sampler);
     }
+}
+
+/** What is seen of media along rays from the camera: less, as light that comes from there is taken off. */
+void addMedia(const Scene& scene, const GatherWeighting& weighting, VisibleRegion& region,
+              TransportCounts& counts) {
+  constexpr int PROBES = 32;
+  constexpr float NARROWEST = 1.0f / 128; // of the scene
+  constexpr float DARK = 0.03f;           // its square is not worth while
+  const float spacing = std::sqrt(float(scene.film().whole().area())) / PROBES;
+  const float least = NARROWEST * scene.bounds().radius;
+  forCameraRays(scene, PROBES, 1, [&](const CameraRay& start, const Sampler& sampler) {
+    Rgb left(1);
+    Sampler own = sampler.fork(1);
+    const auto along = [&](const CameraRay& ray, float end, const Medium& medium) {
+      const RayTransmittance transmittance(medium, ray, end, own);
+      const float last = std::min(end, 4 * scene.bounds().radius);
+      for (float t = 0; t < last;) {
+        const float size = std::max((ray.width + ray.spread * t) * spacing, least), middle = t + size;
+        const float seen = maxComponent(left * transmittance.to(std::min(middle, end)));
+        if (seen < DARK) break;
+        if (middle < last) region.addInMedium(ray.at(middle), size, square(seen));
+        t += 2 * size;
+      }
+      left *= transmittance.to(end);
+    };
+    firstDiffuse(scene, start, sampler, weighting, counts, along);
+  });
+}
+
+} // namespace
+
+std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
+                                      const GatherWeighting& weighting, TransportCounts& counts) {
+  std::vector<VisiblePoint> seen;
+  forCameraRays(scene, across, seed, [&](const CameraRay& ray, const Sampler& sampler) {
+    const auto pass = [](const CameraRay&, float, const Medium&) {};
+    if (const auto place = firstDiffuse(scene, ray, sampler, weighting, counts, pass)) seen.push_back(*place);
+  });
   return seen;
 }
 
@@ -78,6 +126,7 @@ VisibleRegion probeRegion(const Scene& scene, const GatherWeighting& weighting, 
   VisibleRegion region;
   for (const VisiblePoint& place : probeCamera(scene, PROBES, 1, weighting, counts))
     if (place.footprint > 0) region.add(place.point.position, place.footprint * std::max(spacing, 2.0f));
+  if (scene.hasMedia()) addMedia(scene, weighting, region, counts);
   return region;
 }
 

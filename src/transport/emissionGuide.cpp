@@ -20,7 +20,7 @@ double volumeOf(const EmissionGuide::Numbers& low, const EmissionGuide::Numbers&
 
 } // namespace
 
-uint64_t VisibleRegion::key(int level, const Vec3f& position) {
+uint64_t VisibleRegion::Cells::key(int level, const Vec3f& position) {
   const double side = std::ldexp(1.0, level);
   uint64_t key = mixBits(static_cast<uint64_t>(level + 4096));
   for (int axis = 0; axis < 3; ++axis)
@@ -29,8 +29,16 @@ uint64_t VisibleRegion::key(int level, const Vec3f& position) {
   return key;
 }
 
-void VisibleRegion::add(const Vec3f& position, float size) {
+void VisibleRegion::add(const Vec3f& position, float size, float weight) {
   places.push_back(position);
+  surfaces.add(position, size, weight);
+}
+
+void VisibleRegion::addInMedium(const Vec3f& position, float size, float weight) {
+  media.add(position, size, weight);
+}
+
+void VisibleRegion::Cells::add(const Vec3f& position, float size, float weight) {
   int level = 0;
   std::frexp(2 * size, &level); // the cell's side is at least 2·size
   if (std::find(levels.begin(), levels.end(), level) == levels.end()) levels.push_back(level);
@@ -42,13 +50,13 @@ void VisibleRegion::add(const Vec3f& position, float size) {
   }
   std::sort(keys.begin(), keys.end());
   const auto end = std::unique(keys.begin(), keys.end());
-  for (auto k = keys.begin(); k != end; ++k) cells[*k] += std::ldexp(1.0f, -2 * level);
+  for (auto k = keys.begin(); k != end; ++k) weights[*k] += std::ldexp(weight, -2 * level);
 }
 
-float VisibleRegion::importance(const Vec3f& position) const {
+float VisibleRegion::Cells::importance(const Vec3f& position) const {
   float sum = 0;
   for (const int level : levels)
-    if (const auto found = cells.find(key(level, position)); found != cells.end()) sum += found->second;
+    if (const auto found = weights.find(key(level, position)); found != weights.end()) sum += found->second;
   return sum;
 }
 

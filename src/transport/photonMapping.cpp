@@ -263,12 +263,7 @@ class PhotonMapping final : public Integrator {
     if (out.pathClasses().dead(camera) || isBlack(throughput)) return;
     const Medium& medium = *scene.medium(number);
     const Vec3f& direction = path.ray.direction;
-    photons.inMedia().visitAlong(path.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
-      if (p.medium != number) return;
-      const float f = medium.phase->value(-glm::dot(unpackDirection(p.direction), direction));
-      ++out.counts.photonsFound;
-      out.add(LightState(p.pathState), camera, throughput * transmittance.to(t) * p.power * (f * kernel));
-    });
+    addPhotonsAlong(path, number, medium, end, transmittance, throughput, camera, out);
     if (settings.directLight) return;
     const int hero = std::min(2, static_cast<int>(3 * sampler.fork(HERO).next1D()));
     SpectralPath spectral{throughput};
@@ -291,6 +286,29 @@ class PhotonMapping final : public Integrator {
                            path.nesting, spectral, hero,    camera,     false};
     addSampledLightInMedia(scene, lights, {hit.point.position}, vertex, settings.lightSamples, NO_PANES,
                            sampler, out);
+  }
+
+  /** Light that photons in the medium bring along the path. */
+  void addPhotonsAlong(const PathState& path, uint16_t number, const Medium& medium, float end,
+                       const RayTransmittance& transmittance, const Rgb& throughput, CameraState camera,
+                       PathRadiance& out) const {
+    const auto add = [&](const Vec3f& flight, const Rgb& scattered, float t, uint8_t pathState) {
+      const float f = medium.phase->value(-glm::dot(flight, path.ray.direction));
+      ++out.counts.photonsFound;
+      out.add(LightState(pathState), camera, throughput * transmittance.to(t) * scattered * f);
+    };
+    const MediaPhotons& inMedia = photons.inMedia();
+    inMedia.points.visitAlong(path.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
+      if (p.medium == number) add(unpackDirection(p.direction), p.power * kernel, t, p.pathState);
+    });
+    if (inMedia.beams.size() == 0 || !medium.isHomogeneous()) return;
+    const MediumPoint point = medium.at(path.ray.origin);
+    const Rgb extinction = point.extinction(), relative = extinction - thinnest(extinction);
+    inMedia.beams.visitAlong(path.ray, end, [&](const PhotonBeam& b, float s, float t, float kernel) {
+      if (b.medium == number)
+        add(b.direction, b.power * flight::transmittance(relative, s) * point.scattering * kernel, t,
+            b.pathState);
+    });
   }
 
   /** A distance within `end` by the transmittance of a channel that is chosen evenly, and its density by all.

@@ -41,26 +41,25 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.photons = photonCount(scene);
   shoot.maxDepth = settings.maxDepth;
   shoot.portals = &portals;
-  // What lies in media is not learned: photons that serve it would start too rarely. Nor is it known how
-  // densely photons that pass them arrive.
-  const bool guided = settings.guided && !scene.hasMedia();
+  // How densely photons arrive that pass media is not known.
   if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
-  if (guided) shoot.lights = &lights;
+  if (settings.guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
   if (pass.index == 0) {
     guidance = {};
     portals = {};
-    if (guided && scene.lights().size() > 0)
+    if (scene.hasMedia() && !glowing.learn(scene, pass.seed, pass.time, statistics.counts))
+      statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
+    if (scene.hasMedia()) shoot.media = &glowing;
+    if (settings.guided && scene.lights().size() > 0)
       learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
   if (scene.hasMedia()) {
-    if (pass.index == 0 && !glowing.learn(scene, pass.seed, pass.time, statistics.counts))
-      statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
     shoot.media = &glowing;
-    if (pass.index == 0) learnVolumePart(scene, classes, pass, shoot, control, statistics);
-    shoot.volumePart = volumePart;
+    if (pass.index == 0) learnMedia(scene, classes, pass, shoot, control, statistics);
+    shoot.inMedia = media;
   }
   ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
   statistics.counts.add(shot.counts);
@@ -74,13 +73,16 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
                                                    [](const Photon& p) { return p.caustic; });
   causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
   indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
-  constexpr float WIDEST = 0.05f; // of the scene: wider would show nothing
-  volumeMap.build(std::move(shot.inMedia), radiusOverFirst, WIDEST * scene.bounds().radius);
-  if (settings.edges) volumeMap.findBounds(scene, pass.time, statistics.counts);
+  constexpr float WIDEST = 0.05f;       // of the scene: wider would show nothing
+  constexpr float ONE_DIMENSION = 1.2f; // where the blur has one, the error falls fastest by 1/5, not 1/6
+  const float widest = WIDEST * scene.bounds().radius;
+  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest);
+  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest);
+  if (settings.edges) mediaPhotons.points.findBounds(scene, pass.time, statistics.counts);
   statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
   statistics.balanceSeconds = secondsSince(start);
   statistics.mapBytes =
-      causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + volumeMap.memoryBytes();
+      causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + mediaPhotons.memoryBytes();
   if (pass.index == 0) learnRadii(scene, classes, shoot.shadowRays, statistics);
   return statistics;
 }
@@ -89,29 +91,51 @@ ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const 
                                    const ForwardControl& control, const LightSampler& shadowRays,
                                    const std::function<void()>& use) {
   PhotonMap caustics = std::move(causticLayer.map), indirect = std::move(indirectLayer.map);
-  VolumePhotonMap inMedia = std::move(volumeMap);
+  MediaPhotons inMedia = std::move(mediaPhotons);
   const float scale = radiusOverFirst;
   const ForwardStatistics statistics = run(scene, classes, other, control, shadowRays);
   use();
   causticLayer.map = std::move(caustics);
   indirectLayer.map = std::move(indirect);
-  volumeMap = std::move(inMedia);
+  mediaPhotons = std::move(inMedia);
   radiusOverFirst = scale;
   return statistics;
 }
 
-void PhotonPass::learnVolumePart(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                                 ShootSettings shoot, const ForwardControl& control,
-                                 ForwardStatistics& statistics) {
+namespace {
+
+/** Whether beams are what a medium's light is kept as, where they are asked for: by closed forms only, and
+ * not where most of them are nearly parallel to what they light. */
+bool keepsBeams(const Medium& medium) {
+  constexpr float NEEDLE = 0.9f; // mean cosine
+  return medium.isHomogeneous() && thinnest(medium.at(Vec3f(0)).extinction()) > 0 &&
+         std::abs(medium.phase->meanCosine()) < NEEDLE;
+}
+
+} // namespace
+
+void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            ShootSettings shoot, const ForwardControl& control,
+                            ForwardStatistics& statistics) {
   constexpr uint64_t TRIALS = 4096;
-  constexpr double MOST = 4; // stored for each that is emitted: in thick media they scatter hundreds of times
+  // Kept for each photon that is emitted: in thick media they scatter hundreds of times, and a ray passes a
+  // hundred times as many beams as points.
+  constexpr double POINTS = 4, BEAMS = 0.25;
+  const auto partOf = [](double wanted, size_t stored) {
+    return static_cast<float>(std::min(1.0, wanted * double(TRIALS) / double(std::max<size_t>(1, stored))));
+  };
+  media = {};
+  media.byBeams.assign(scene.mediumCount() + 1u, false);
+  for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
+    media.byBeams[i] = settings.beams && keepsBeams(*scene.medium(i));
   shoot.photons = TRIALS;
+  shoot.inMedia = media;
   Pass trial = pass;
   trial.seed = hashCombine(pass.seed, TRIALS);
   const ShotPhotons shot = shootPhotons(scene, classes, trial, shoot, control);
   statistics.counts.add(shot.counts);
-  volumePart = static_cast<float>(
-      std::min(1.0, MOST * double(TRIALS) / double(std::max<size_t>(1, shot.inMedia.size()))));
+  media.pointPart = partOf(POINTS, shot.inMedia.size());
+  media.beamPart = partOf(BEAMS, shot.beams.size());
 }
 
 void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler* shadowRays,
@@ -129,7 +153,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
   const bool areAllWanted = classes.lightStateCount() == 1; // else none may be, as in LDE
-  if (tooFew && areAllWanted && emitted > 0 && volumeMap.size() == 0 && scene.lights().size() > 0)
+  if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
     statistics.warnings.push_back(formatted(
         "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "
         "lights will be noisy",
@@ -245,8 +269,9 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   const VisibleRegion region = probeRegion(scene, settings.weighting, statistics.counts);
   portals = {};
   lights = portals.lightsByPower(scene.lights());
-  // A search for the nearest photons of one map wants them to be of nearly equal power.
-  if (progressive) {
+  // A search for the nearest photons of one map wants them to be of nearly equal power. Paths that leave
+  // media leave them anywhere.
+  if (progressive && !scene.hasMedia()) {
     LightPortals found;
     found.learn(scene, seed, statistics.counts);
     if (found.active()) {
@@ -266,7 +291,8 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   if (portals.active())
     statistics.notes.push_back(formatted(
         "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));
-  guidance = recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts);
+  const bool targets = !scene.hasMedia(); // photons that media scatter know nothing of them
+  guidance = recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
   if (guidance.emission.active())
     statistics.notes.push_back(
         formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",

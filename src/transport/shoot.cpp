@@ -32,11 +32,25 @@ constexpr double MAP_COPIES = 2;
 /** Nearer than so many radii the target is too wide for a cone. */
 constexpr float NEAR_TARGET = 1.5f;
 
+/** What walks leave behind. */
+struct StoredPhotons {
+  std::vector<Photon> onSurfaces;
+  std::vector<VolumePhoton> inMedia;
+  std::vector<PhotonBeam> beams;
+
+  size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
+  void clear() {
+    onSurfaces.clear();
+    inMedia.clear();
+    beams.clear();
+  }
+};
+
 class PhotonWalk {
  public:
   PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
-             TransportCounts& counts, std::vector<Photon>& out, std::vector<VolumePhoton>& inMedia)
-      : scene(scene), classes(classes), settings(settings), counts(counts), out(out), inMedia(inMedia) {}
+             TransportCounts& counts, StoredPhotons& out)
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
 
   /** Returns what the photon started by, and one over its density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
@@ -145,12 +159,27 @@ class PhotonWalk {
     walk(std::move(flight), sampler);
   }
 
+  /** A short beam: as far as a flight by the thinnest channel goes, of which no channel is then amplified. */
+  void storeBeam(const Flight& flight, const Medium& medium, uint16_t number, float end, Sampler& sampler) {
+    const float part = settings.inMedia.beamPart;
+    if (part < 1 && sampler.next1D() >= part) return;
+    const float distance =
+        flight::sampleDistance(thinnest(medium.at(flight.ray.origin).extinction()), sampler);
+    out.beams.push_back({flight.ray.origin, flight.ray.direction, std::min(end, distance), flight.flux / part,
+                         number, flight.state.byte});
+  }
+
   enum class Through { PASSES, SCATTERS, ENDS };
   /** Flies through the medium on the way to `end`. Where it scatters a photon is stored, and sent on. */
   Through flyInMedium(Flight& flight, float end, Sampler& sampler) {
     const uint16_t number = flight.nesting.medium(scene);
     const Medium* medium = scene.medium(number);
     if (!medium) return Through::PASSES;
+    const LightState after = classes.step(flight.state, PathEvent::V);
+    const bool stored =
+        (flight.depth > 0 || storesDirect) && flight.depth != settings.maxDepth && !classes.dead(after);
+    const bool asBeam = settings.inMedia.isByBeams(number);
+    if (stored && asBeam) storeBeam(flight, *medium, number, end, sampler);
     SpectralPath spectral{flight.flux, flight.own, Rgb(1)};
     const Collision c =
         flyThrough(*medium, flight.ray, end, flight.hero, sampler, spectral, [](const Rgb&) {});
@@ -165,13 +194,12 @@ class PhotonWalk {
       counts.truncatedThroughput += double(maxComponent(flight.flux));
       return Through::ENDS;
     }
-    const LightState after = classes.step(flight.state, PathEvent::V);
     if (classes.dead(after)) return Through::ENDS;
     const Vec3f position = flight.ray.at(c.t), direction = flight.ray.direction;
-    if ((flight.depth > 0 || storesDirect) &&
-        (settings.volumePart >= 1 || sampler.next1D() < settings.volumePart))
-      inMedia.push_back(
-          {position, packDirection(direction), flight.flux / settings.volumePart, number, flight.state.byte});
+    const float part = settings.inMedia.pointPart;
+    if (stored && !asBeam && (part >= 1 || sampler.next1D() < part))
+      out.inMedia.push_back(
+          {position, packDirection(direction), flight.flux / part, number, flight.state.byte});
     ++flight.depth;
     const float chance = std::min(1.0f, (flight.flux.r + flight.flux.g + flight.flux.b) / before);
     if (!russianRoulette(chance, flight.depth, sampler, flight.flux)) return Through::ENDS;
@@ -359,15 +387,14 @@ class PhotonWalk {
     p.pathState = state.byte;
     p.caustic = caustic;
     p.reverseRatio = ratio.value();
-    out.push_back(p);
+    out.onSurfaces.push_back(p);
   }
 
   const Scene& scene;
   const PathClasses& classes;
   const ShootSettings& settings;
   TransportCounts& counts;
-  std::vector<Photon>& out;
-  std::vector<VolumePhoton>& inMedia;
+  StoredPhotons& out;
   std::vector<std::pair<Flight, Sampler>> waiting;
   std::vector<Cone> cones; ///< of the last surface
   Origin origin;
@@ -376,28 +403,40 @@ class PhotonWalk {
   BsdfArena arena;
 };
 
+template <class T> void appendBytes(const std::vector<T>& values, std::vector<std::byte>& out) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const uint64_t count = values.size();
+  for (const auto& part : {std::as_bytes(std::span(&count, 1)), std::as_bytes(std::span(values))})
+    out.insert(out.end(), part.begin(), part.end());
+}
+
+template <class T> void readBytes(std::span<const std::byte>& bytes, std::vector<T>& values) {
+  uint64_t count = 0;
+  std::memcpy(&count, bytes.data(), sizeof count);
+  values.resize(count);
+  const auto own = bytes.subspan(sizeof count, count * sizeof(T));
+  if (!own.empty()) std::memcpy(static_cast<void*>(values.data()), own.data(), own.size());
+  bytes = bytes.subspan(sizeof count + own.size());
+}
+
 /** Photons of a batch for another process. */
-std::vector<std::byte> packed(const std::vector<Photon>& stored, const std::vector<VolumePhoton>& inMedia) {
-  static_assert(std::is_trivially_copyable_v<Photon> && std::is_trivially_copyable_v<VolumePhoton>);
-  const uint64_t count = stored.size();
-  const auto first = std::as_bytes(std::span(&count, 1)), second = std::as_bytes(std::span(stored)),
-             third = std::as_bytes(std::span(inMedia));
+std::vector<std::byte> packed(const StoredPhotons& stored) {
   std::vector<std::byte> out;
-  out.reserve(first.size() + second.size() + third.size());
-  for (const auto& part : {first, second, third}) out.insert(out.end(), part.begin(), part.end());
+  appendBytes(stored.onSurfaces, out);
+  appendBytes(stored.inMedia, out);
+  appendBytes(stored.beams, out);
   return out;
 }
 
-void unpack(std::span<const std::byte> bytes, std::vector<Photon>& stored,
-            std::vector<VolumePhoton>& inMedia) {
-  uint64_t count = 0;
-  std::memcpy(&count, bytes.data(), sizeof count);
-  const std::span<const std::byte> second = bytes.subspan(sizeof count, count * sizeof(Photon)),
-                                   third = bytes.subspan(sizeof count + second.size());
-  stored.resize(count);
-  inMedia.resize(third.size() / sizeof(VolumePhoton));
-  if (!second.empty()) std::memcpy(static_cast<void*>(stored.data()), second.data(), second.size());
-  if (!third.empty()) std::memcpy(static_cast<void*>(inMedia.data()), third.data(), third.size());
+void unpack(std::span<const std::byte> bytes, StoredPhotons& stored) {
+  readBytes(bytes, stored.onSurfaces);
+  readBytes(bytes, stored.inMedia);
+  readBytes(bytes, stored.beams);
+}
+
+template <class T> void moveTo(std::vector<T>& all, std::vector<T>& part) {
+  all.insert(all.end(), part.begin(), part.end());
+  std::vector<T>().swap(part);
 }
 
 } // namespace
@@ -408,14 +447,13 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   const bool dark = scene.lights().size() == 0 && !(settings.media && !settings.media->empty());
   if (dark || settings.photons == 0) return shot;
   const size_t batches = (settings.photons + BATCH - 1) / BATCH;
-  std::vector<std::vector<Photon>> stored(batches);
-  std::vector<std::vector<VolumePhoton>> inMedia(batches);
+  std::vector<StoredPhotons> stored(batches);
   std::vector<TransportCounts> counts(batches);
   std::atomic<size_t> done{0};
   std::mutex telling;
   const auto shootBatch = [&](size_t b) {
     if (control.stopped()) return;
-    PhotonWalk walk(scene, classes, settings, counts[b], stored[b], inMedia[b]);
+    PhotonWalk walk(scene, classes, settings, counts[b], stored[b]);
     const uint64_t end = std::min(settings.photons, (b + 1) * BATCH);
     for (uint64_t i = b * BATCH; i < end; ++i)
       walk.shoot(
@@ -431,8 +469,8 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   const auto shootBatches = [&](size_t first, size_t end) {
     parallelFor(end - first, [&](size_t i) { shootBatch(first + i); });
     for (size_t b = first; b < end; ++b) {
-      total += stored[b].size();
-      shot.storedHere += stored[b].size() + inMedia[b].size();
+      total += stored[b].onSurfaces.size();
+      shot.storedHere += stored[b].size();
     }
     shot.emittedHere += std::min(settings.photons, end * BATCH) - std::min(settings.photons, first * BATCH);
     const double expected = double(total) * double(settings.photons) / double(shot.emittedHere);
@@ -440,8 +478,8 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   };
   if (control.sharing && batches > FIRST_BATCHES) {
     const bool isComplete = control.sharing->share(
-        batches, shootBatches, [&](size_t b) { return packed(stored[b], inMedia[b]); },
-        [&](size_t b, std::span<const std::byte> bytes) { unpack(bytes, stored[b], inMedia[b]); });
+        batches, shootBatches, [&](size_t b) { return packed(stored[b]); },
+        [&](size_t b, std::span<const std::byte> bytes) { unpack(bytes, stored[b]); });
     if (!isComplete) return shot;
   } else {
     // The first batches tell how many photons will be stored.
@@ -450,15 +488,12 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
     if (first < batches) shootBatches(first, batches);
   }
   total = 0;
-  for (const auto& s : stored) total += s.size();
+  for (const StoredPhotons& s : stored) total += s.onSurfaces.size();
   shot.stored.reserve(total);
-  for (auto& s : stored) {
-    shot.stored.insert(shot.stored.end(), s.begin(), s.end());
-    std::vector<Photon>().swap(s);
-  }
-  for (auto& m : inMedia) {
-    shot.inMedia.insert(shot.inMedia.end(), m.begin(), m.end());
-    std::vector<VolumePhoton>().swap(m);
+  for (StoredPhotons& s : stored) {
+    moveTo(shot.stored, s.onSurfaces);
+    moveTo(shot.inMedia, s.inMedia);
+    moveTo(shot.beams, s.beams);
   }
   for (const TransportCounts& c : counts) shot.counts.add(c);
   shot.emitted = settings.photons;
@@ -526,8 +561,8 @@ struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
   std::vector<Vec3f> landed; ///< a few of the places where photons were stored
   uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
+  double squares = 0, guided = 0; ///< of what photons bring: without a guide, and with the one they had
   TransportCounts counts;
-
   /** Whether targets are worth the photons that are sent there. */
   bool arrive() const {
     constexpr double ENOUGH = 0.2;
@@ -540,6 +575,8 @@ struct Trials {
     inRegion += o.inRegion;
     sent += o.sent;
     arrived += o.arrived;
+    squares += o.squares;
+    guided += o.guided;
     counts.add(o.counts);
   }
 };
@@ -550,9 +587,8 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
   std::vector<Trials> parts(batches);
   parallelFor(batches, [&](size_t b) {
     Trials& part = parts[b];
-    std::vector<Photon> stored;
-    std::vector<VolumePhoton> inMedia; // not learned from
-    PhotonWalk walk(scene, classes, settings, part.counts, stored, inMedia);
+    StoredPhotons stored;
+    PhotonWalk walk(scene, classes, settings, part.counts, stored);
     walk.region = &region;
     for (uint64_t i = b * BATCH; i < std::min(settings.photons, (b + 1) * BATCH); ++i) {
       stored.clear();
@@ -564,14 +600,24 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
       const double perPhoton = double(settings.photons) / double(start.weight);
       auto squares =
           double(walk.enteredImportance()) * square(double(walk.fullPower()) * double(settings.photons));
-      for (const Photon& p : stored) {
+      for (const Photon& p : stored.onSurfaces) {
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
         ++part.inRegion;
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
+      // What is scattered evenly is seen by 1/4π of it, on a white surface by 1/π; errors go by the square.
+      constexpr double BY_MEDIUM = 1.0 / 16;
+      for (const VolumePhoton& p : stored.inMedia) {
+        const auto importance = BY_MEDIUM * double(region.importanceInMedium(p.position));
+        if (importance == 0) continue;
+        ++part.inRegion;
+        squares += importance * square(double(maxComponent(p.power)) * perPhoton);
+      }
       part.stored += stored.size();
-      if (!stored.empty() && i % 16 == 0) part.landed.push_back(stored[0].position);
+      if (!stored.onSurfaces.empty() && i % 16 == 0) part.landed.push_back(stored.onSurfaces[0].position);
+      part.squares += double(start.weight) * squares;
+      part.guided += square(double(start.weight)) * squares;
       start.weight *= static_cast<float>(squares);
       if (start.weight > 0) part.useful.push_back(start);
     }
@@ -611,6 +657,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   // No more than a pass has: learning must not cost many times what it serves.
   trial.photons = std::min(TRIALS, settings.photons);
   uint64_t shot = 0;
+  double squares = 0, guided = 0; // of all rounds with a guide, each learned from those before
   // Returns the last round.
   const auto learn = [&] {
     guide = {};
@@ -618,6 +665,8 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
     for (int round = 1;; ++round) {
       const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
       counts.add(trials.counts);
+      if (round > 1) squares += trials.squares;
+      if (round > 1) guided += trials.guided;
       if (!trial.targets.empty() && !trials.arrive()) return trials;
       useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
       const double before = guide.gain();
@@ -645,7 +694,8 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
       }
     }
   }
-  if (guide.gain() < WORTH_IT) guide = {};
+  // What a few photons leave behind that media scatter hundreds of times tells less than it seems to.
+  if (guide.gain() < WORTH_IT || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.targets = trial.targets;
   return guidance;
 }

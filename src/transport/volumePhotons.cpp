@@ -104,45 +104,26 @@ void VolumePhotonMap::build(std::vector<VolumePhoton> all, float scale, float wi
   photons = std::move(all);
   boundsOf.clear();
   bounds.clear();
-  levels = 0;
-  while (levels < MAX_LEVELS && photons.size() >> levels > LEAF) ++levels;
-  for (uint32_t level = 0; level < levels; ++level)
-    parallelFor(size_t(1) << level, [&](size_t i) {
-      const auto at = [&](uint32_t l, size_t index) {
-        return photons.begin() + static_cast<std::ptrdiff_t>(firstOf(l, index));
-      };
-      const auto first = at(level, i), end = at(level, i + 1);
-      Bounds3f box;
-      for (auto p = first; p != end; ++p) box.add(p->position);
-      const int axis = widestAxis(box.diagonal());
-      std::nth_element(first, at(level + 1, 2 * i + 1), end,
-                       [axis](const VolumePhoton& a, const VolumePhoton& b) {
-                         return a.position[axis] < b.position[axis];
-                       });
-    });
+  tree.sort(photons, [](const VolumePhoton& p) { return p.position; });
   radii.resize(photons.size());
-  const uint32_t parts = levels - std::min(levels, LEVELS_OF_PART);
-  parallelFor(size_t(1) << parts, [&](size_t i) {
-    const size_t first = firstOf(parts, i), end = firstOf(parts, i + 1);
+  tree.forParts([&](size_t first, size_t end) {
     Bounds3f box;
-    for (size_t k = first; k < end; ++k) box.add(photons[k].position);
+    float power = 0;
+    for (size_t k = first; k < end; ++k) {
+      box.add(photons[k].position);
+      power += maxComponent(photons[k].power) / static_cast<float>(end - first);
+    }
     float radius = end > first ? radiusIn(box, end - first) : 0;
     if (!(radius > 0)) radius = widest; // all in one point
-    std::fill(radii.begin() + static_cast<std::ptrdiff_t>(first),
-              radii.begin() + static_cast<std::ptrdiff_t>(end), scale * std::min(radius, widest));
+    // Discs of strong ones among many weak ones are wider, so that they are no spots.
+    for (size_t k = first; k < end; ++k)
+      radii[k] = scale *
+                 std::min(radius * std::sqrt(std::max(1.0f, maxComponent(photons[k].power) / power)), widest);
   });
-  boxes.assign((size_t(2) << levels) - 1, Bounds3f());
-  const size_t leaves = (size_t(1) << levels) - 1;
-  parallelFor(size_t(1) << levels, [&](size_t i) {
-    for (size_t k = firstOf(levels, i); k < firstOf(levels, i + 1); ++k) {
-      boxes[leaves + i].add(photons[k].position - radii[k]);
-      boxes[leaves + i].add(photons[k].position + radii[k]);
-    }
+  tree.enclose([&](Bounds3f& box, size_t k) {
+    box.add(photons[k].position - radii[k]);
+    box.add(photons[k].position + radii[k]);
   });
-  for (size_t i = leaves; i-- > 0;) {
-    boxes[i].add(boxes[2 * i + 1]);
-    boxes[i].add(boxes[2 * i + 2]);
-  }
 }
 
 } // namespace recurse

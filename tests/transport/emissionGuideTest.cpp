@@ -173,6 +173,40 @@ TEST(EmissionGuide, SmallTableInALargeHall) {
   EXPECT_NEAR(c.mean[1] / truth.mean(), 1, 0.02 + 4 * truth.standardError() / truth.mean());
 }
 
+TEST(EmissionGuide, ABallOfMilkInAWideHall) {
+  // Of the photons of the lamp a few in a thousand come into the milk, and make stains there.
+  constexpr size_t SIZE = 16, BLOCK = 4;
+  const auto scene = sceneFrom(view(SIZE, "0 -2 .9  0 0 .3  0 0 1", 20) + R"(
+    MakeNamedMedium "milk" "string type" "homogeneous" "rgb sigma_a" [.5 .5 .5] "rgb sigma_s" [9 9 9]
+    LightSource "point" "point3 from" [0 -1 3] "rgb I" [10 10 10]
+    Material "diffuse" "rgb reflectance" [.2 .2 .2]
+    Shape "bilinearmesh" "point3 P" [-8 -8 0 8 -8 0 -8 8 0 8 8 0]
+    MediumInterface "milk" ""
+    Material "interface"
+    Translate 0 0 .32
+    Shape "sphere" "float radius" .3
+  )");
+  const Rendered truth = renderScene(*scene, "path", "", SANITIZED ? 512 : 4096);
+  const auto error = [&](const std::string& guided) {
+    const Rendered r = renderScene(*scene, "photonmap",
+                                   "\"integer photons\" 30000 \"integer passes\" 0 \"bool guided\" " + guided,
+                                   SANITIZED ? 8 : 32);
+    double sum = 0;
+    for (size_t y = 0; y < SIZE; y += BLOCK)
+      for (size_t x = 0; x < SIZE; x += BLOCK) {
+        double difference = 0;
+        for (size_t i = 0; i < BLOCK * BLOCK; ++i) {
+          const size_t pixel = (y + i / BLOCK) * SIZE + x + i % BLOCK;
+          difference += double(luminance(r.value(pixel)) - luminance(truth.value(pixel)));
+        }
+        sum += difference * difference;
+      }
+    return sum;
+  };
+  const double guided = error("true"), plain = error("false");
+  EXPECT_LT(guided, plain / 3);
+}
+
 TEST(EmissionGuide, WhereAllPhotonsCountNothingChanges) {
   const auto scene = sceneFrom(rooms(1));
   const auto picture = [&](const char* guided) {

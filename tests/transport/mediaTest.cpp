@@ -321,6 +321,35 @@ TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
                                       {"secondary", "LD*VDV*DE"}});
 }
 
+TEST(PhotonBeams, FindWhatPointsFindClassByClass) {
+  const auto scene = sceneFrom(foggyRoom(16));
+  const PathClasses classes({{"all", "all"},
+                             {"caustic", "LS+VE"},
+                             {"through", "LVS+E"},
+                             {"lit", "LD+VE"},
+                             {"multiple", "LV+VE"},
+                             {"secondary", "LD*VDV*DE"}});
+  const auto found = [&](const std::string& kept) {
+    return renderMediaClasses(*scene, "photonmap",
+                              "\"integer lightsamples\" 8 \"string volumephotons\" \"" + kept + "\"", classes,
+                              SANITIZED ? 4 : 96);
+  };
+  const Film points = found("points"), beams = found("beams");
+  for (size_t layer = 0; layer < (SANITIZED ? 1 : classes.layerCount()); ++layer) {
+    Rgb a(0), b(0);
+    for (size_t i = 0; i < points.bounds().area(); ++i) {
+      a += beams.value(i, layer);
+      b += points.value(i, layer);
+    }
+    for (int c = 0; c < 3; ++c)
+      EXPECT_NEAR(double(a[c] / b[c]), 1,
+                  SANITIZED                                ? 0.2
+                  : classes.classes()[layer].name == "all" ? 0.015
+                                                           : 0.04)
+          << classes.classes()[layer].name << " channel " << c;
+  }
+}
+
 TEST(GridPhotons, FindWhatPathFindsClassByClass) {
   // Wisps over a floor, under an even sky, which paths find easily.
   expectWhatPathFinds(
@@ -409,9 +438,11 @@ TEST(MediaPhotons, WhiteFurnaceAsFarAsTheEdge) {
 TEST(MediaPhotons, AreTheSameForAnyNumberOfThreads) {
   const auto scene = sceneFrom(foggyRoom(8));
   const PathClasses classes;
-  const Film one = renderMediaClasses(*scene, "photonmap", "", classes, 2, 1),
-             four = renderMediaClasses(*scene, "photonmap", "", classes, 2, 4);
-  for (size_t i = 0; i < one.bounds().area(); ++i) EXPECT_EQ(one.value(i, 0), four.value(i, 0)) << i;
+  for (const char* parameters : {"", "\"string volumephotons\" \"beams\""}) {
+    const Film one = renderMediaClasses(*scene, "photonmap", parameters, classes, 2, 1),
+               four = renderMediaClasses(*scene, "photonmap", parameters, classes, 2, 4);
+    for (size_t i = 0; i < one.bounds().area(); ++i) EXPECT_EQ(one.value(i, 0), four.value(i, 0)) << i;
+  }
 }
 
 TEST(MediaPhotons, KeepTheirPowerWhateverTheChannels) {
@@ -457,4 +488,64 @@ TEST(MediaPhotons, ABeamIsFoundWithinItsDiscs) {
   EXPECT_NEAR(sum / double(photons.size()), 1, 0.02);
   // And beyond the end of the ray there is none.
   map.visitAlong({{.5f, 0, -3}, {0, 0, 1}}, 2.9f, [](const VolumePhoton&, float, float) { FAIL(); });
+}
+
+TEST(PhotonBeams, BringInTheMeanWhatLiesAlongThem) {
+  // Parallel beams, evenly over a square, and rays that cross them at an angle: each ray passes one over the
+  // sine of the angle in a unit of what is across both.
+  std::vector<PhotonBeam> beams;
+  constexpr int N = 40;
+  for (int y = 0; y < N; ++y)
+    for (int x = 0; x < N; ++x)
+      beams.push_back({Vec3f(-2, (float(x) + 0.5f) / N, (float(y) + 0.5f) / N), Vec3f(1, 0, 0), 4, Rgb(1)});
+  for (const float scale : {1.0f, 0.5f}) {
+    PhotonBeamMap map;
+    map.build(beams, scale, 1);
+    ASSERT_EQ(map.size(), size_t(N * N));
+    for (const float angle : {0.3f, 1.0f, 1.5f}) {
+      const Vec3f direction(std::cos(angle), 0, std::sin(angle));
+      double sum = 0;
+      int passed = 0;
+      constexpr int RAYS = 2000;
+      for (int i = 0; i < RAYS; ++i) {
+        // Through the middle of the square, from one side to the other.
+        const Vec3f origin = Vec3f(0, 0.3f + 0.4f * (float(i) + 0.5f) / RAYS, 0.5f) - direction * 1.9f;
+        map.visitAlong({origin, direction}, 3.8f, [&](const PhotonBeam& b, float s, float t, float kernel) {
+          EXPECT_LT(std::abs(b.origin.y - origin.y), 0.05f * scale);
+          EXPECT_NEAR(b.origin.x + s, origin.x + t * direction.x, 1e-4);
+          sum += double(kernel) / RAYS;
+          ++passed;
+        });
+      }
+      // N beams in a unit of height at each of N depths.
+      const double expected = double(N) * N / std::sin(double(angle));
+      EXPECT_NEAR(sum / expected, 1, 0.02) << angle << " " << scale;
+      EXPECT_GT(passed, 0);
+    }
+    // Where the ray has ended there is none.
+    map.visitAlong({{0, 0.5f, -1}, {0, 0, 1}}, 0.9f, [](const PhotonBeam&, float, float, float) { FAIL(); });
+  }
+}
+
+TEST(PhotonBeams, SingleScatteringOfParallelLight) {
+  // As of path above, all of it by beams, the mean over a square window one wide.
+  const std::string text =
+      "Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nLookAt 0 0 -1  0 0 1  0 1 0\n"
+      "Camera \"orthographic\" \"float screenwindow\" [-.5 .5 -.5 .5]\nWorldBegin\n"
+      "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.1 .2 .6] \"rgb sigma_s\" [.4 "
+      ".3 "
+      ".2]\nMediumInterface \"m\" \"\"\n" +
+      MEDIUM_BOX +
+      "LightSource \"distant\" \"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"rgb L\" [3 3 3]\n";
+  const Rgbd scattering(.4, .3, .2), extinction(.5, .5, .8), half = extinction * 0.5;
+  const Rgbd meanArrives = glm::exp(-extinction * 2.0) * (glm::exp(half) - glm::exp(-half)) / extinction;
+  const Rgbd expected =
+      scattering / (4 * M_PI) * 3.0 * meanArrives * (1.0 - glm::exp(-extinction)) / extinction;
+  const Rendered r =
+      renderText(text, "photonmap",
+                 "\"string direct\" \"photons\" \"string volumephotons\" \"beams\" \"integer maxdepth\" 1 "
+                 "\"integer photons\" 20000 \"integer passes\" 0",
+                 SANITIZED ? 8 : 64);
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(double(meanOfMedium(r)[c]) / expected[c], 1, SANITIZED ? 0.15 : 0.03) << c;
 }

@@ -17,18 +17,30 @@ namespace recurse {
 class VisibleRegion {
  public:
   /** Everything within `size` > 0 of the position [scene units] belongs to it, and some more. */
-  void add(const Vec3f& position, float size);
+  void add(const Vec3f& position, float size, float weight = 1);
   bool contains(const Vec3f& position) const { return importance(position) > 0; }
   /** How many of the added places lie there in so much of a surface; 0 outside. */
-  float importance(const Vec3f& position) const;
-  bool empty() const { return cells.empty(); }
-  /** What was added. */
+  float importance(const Vec3f& position) const { return surfaces.importance(position); }
+  /** The same of places in media, in so much of what lies across the rays. */
+  void addInMedium(const Vec3f& position, float size, float weight);
+  float importanceInMedium(const Vec3f& position) const { return media.importance(position); }
+  bool empty() const { return surfaces.empty() && media.empty(); }
+  /** What was added on surfaces. */
   const std::vector<Vec3f>& all() const { return places; }
 
  private:
-  static uint64_t key(int level, const Vec3f& position);
-  std::unordered_map<uint64_t, float> cells;
-  std::vector<int> levels; ///< cells of side 2^level
+  class Cells {
+   public:
+    void add(const Vec3f& position, float size, float weight);
+    float importance(const Vec3f& position) const;
+    bool empty() const { return weights.empty(); }
+
+   private:
+    static uint64_t key(int level, const Vec3f& position);
+    std::unordered_map<uint64_t, float> weights;
+    std::vector<int> levels; ///< cells of side 2^level
+  };
+  Cells surfaces, media;
   std::vector<Vec3f> places;
 };
 

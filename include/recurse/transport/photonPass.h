@@ -23,6 +23,7 @@ struct PhotonPassSettings {
   bool edges = true; ///< estimates know where surfaces end
   float flatness = 0.2f;
   GatherWeighting weighting;
+  bool beams = false; ///< light in media is kept as beams where that is possible, not as points
   Kernel kernel = Kernel::EPANECHNIKOV;
   PhotonIndexKind index = PhotonIndexKind::KDTREE;
 };
@@ -32,6 +33,15 @@ struct PhotonLayer {
   PhotonMap map;
   GatherChoice choice; ///< from the first pass
   RadiusCache cache;   ///< from the first pass
+};
+
+/** Photons in media: of each medium either points or beams. */
+struct MediaPhotons {
+  VolumePhotonMap points;
+  PhotonBeamMap beams;
+
+  size_t size() const { return points.size() + beams.size(); }
+  size_t memoryBytes() const { return points.memoryBytes() + beams.memoryBytes(); }
 };
 
 /** How photons are searched at a point. */
@@ -60,7 +70,7 @@ class PhotonPass {
   /** All others. */
   const PhotonLayer& indirect() const { return indirectLayer; }
   /** Those in media that have scattered before, and with `directLight` all. */
-  const VolumePhotonMap& inMedia() const { return volumeMap; }
+  const MediaPhotons& inMedia() const { return mediaPhotons; }
   /** Fewer than one in MIN_STORED photons of the first pass, or than MIN_MAP, came down on surfaces. */
   bool useless() const { return tooFew; }
   /** Relative variance of what one camera ray from each visible place finds of caustics, the mean over all.
@@ -99,9 +109,9 @@ class PhotonPass {
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
-  /** How many photons in media to keep. */
-  void learnVolumePart(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
-                       const ForwardControl& control, ForwardStatistics& statistics);
+  /** Which media keep beams, and how many photons and beams to keep. */
+  void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
+                  const ForwardControl& control, ForwardStatistics& statistics);
   void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler* shadowRays,
                   ForwardStatistics& statistics);
   /** Relative, of what one camera ray finds of caustics, the mean over visible places. */
@@ -110,8 +120,8 @@ class PhotonPass {
 
   PhotonPassSettings settings;
   PhotonLayer causticLayer, indirectLayer;
-  VolumePhotonMap volumeMap;
-  float volumePart = 1;    ///< see ShootSettings, from the first pass
+  MediaPhotons mediaPhotons;
+  KeptInMedia media;       ///< from the first pass
   EmissiveMedia glowing;   ///< learned before the first pass, for all
   LightPortals portals;    ///< learned before the first pass, for all
   LightTable lights;       ///< by what comes in

@@ -11,6 +11,7 @@
 #include "recurse/transport/lightPortals.h"
 #include "recurse/transport/lightSampler.h"
 #include "recurse/transport/photon.h"
+#include "recurse/transport/photonBeams.h"
 #include "recurse/transport/volumePhotons.h"
 
 namespace recurse {
@@ -28,6 +29,15 @@ struct DxtranSphere {
   float importance = 0; ///< how much of what is seen lies in so much of a surface
 };
 
+/** What walks leave behind in media. Each medium keeps either points or beams, so that nothing is counted
+ * twice. */
+struct KeptInMedia {
+  std::vector<bool> byBeams;         ///< by medium; empty: none
+  float pointPart = 1, beamPart = 1; ///< of all, with so much more power
+
+  bool isByBeams(uint16_t medium) const { return medium < byBeams.size() && byBeams[medium]; }
+};
+
 struct ShootSettings {
   uint64_t photons = 0; ///< emitted
   int maxDepth =
@@ -43,12 +53,13 @@ struct ShootSettings {
    */
   const LightSampler* shadowRays = nullptr;
   std::vector<DxtranSphere> targets;
-  float volumePart = 1; ///< of the photons in media that are stored, with so much more power
+  KeptInMedia inMedia;
 };
 
 struct ShotPhotons {
   std::vector<Photon> stored;        ///< powers are divided by the number emitted
   std::vector<VolumePhoton> inMedia; ///< the same
+  std::vector<PhotonBeam> beams;     ///< the same
   uint64_t emitted = 0;
   uint64_t emittedHere = 0; ///< of them by this process, see PhotonSharing
   uint64_t storedHere = 0;  ///< the same, in media too

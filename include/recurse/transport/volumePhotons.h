@@ -10,6 +10,7 @@
 
 #include "recurse/core/ray.h"
 #include "recurse/model/scene.h"
+#include "recurse/transport/boxPyramid.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/photon.h"
 
@@ -58,72 +59,35 @@ class VolumePhotonMap {
   void findBounds(const Scene& scene, float time, TransportCounts& counts);
   size_t size() const { return photons.size(); }
   size_t memoryBytes() const {
-    return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) +
-           boxes.capacity() * sizeof(Bounds3f) + boundsOf.capacity() * sizeof(uint32_t) +
-           bounds.capacity() * sizeof(DiscBounds);
+    return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) + tree.memoryBytes() +
+           boundsOf.capacity() * sizeof(uint32_t) + bounds.capacity() * sizeof(DiscBounds);
   }
 
   /** Calls visit(photon, t, kernel) for each photon near the ray of unit direction that it passes at 0 < t <
    * end; `kernel` is 1/area across the ray, and its integral over the photon's disc 1. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
-    if (photons.empty()) return;
-    struct Place {
-      uint32_t level, index;
-    };
-    Place stack[MAX_LEVELS + 1];
-    int top = 0;
-    stack[top++] = {0, 0};
-    const Vec3f inverse = 1.0f / ray.direction;
-    while (top > 0) {
-      const Place p = stack[--top];
-      if (!meets(boxes[(size_t(1) << p.level) - 1 + p.index], ray.origin, inverse, end)) continue;
-      if (p.level < levels) {
-        stack[top++] = {p.level + 1, 2 * p.index};
-        stack[top++] = {p.level + 1, 2 * p.index + 1};
-        continue;
+    tree.visitAlong(ray, end, [&](size_t i) {
+      const Vec3f way = photons[i].position - ray.origin;
+      const float t = glm::dot(way, ray.direction), radius2 = square(radii[i]);
+      const float distance2 = lengthSquared(way - ray.direction * t);
+      if (!(t > 0 && t < end && distance2 < radius2)) return;
+      float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov's
+      if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
+        const DiscBounds& b = bounds[boundsOf[i]];
+        if (b.cuts(ray.direction * t - way)) return;
+        kernel /= b.fraction(ray.direction, radii[i]);
       }
-      for (size_t i = firstOf(p.level, p.index); i < firstOf(p.level, p.index + 1); ++i) {
-        const Vec3f way = photons[i].position - ray.origin;
-        const float t = glm::dot(way, ray.direction), radius2 = square(radii[i]);
-        const float distance2 = lengthSquared(way - ray.direction * t);
-        if (!(t > 0 && t < end && distance2 < radius2)) continue;
-        float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov's
-        if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
-          const DiscBounds& b = bounds[boundsOf[i]];
-          if (b.cuts(ray.direction * t - way)) continue;
-          kernel /= b.fraction(ray.direction, radii[i]);
-        }
-        visit(photons[i], t, kernel);
-      }
-    }
+      visit(photons[i], t, kernel);
+    });
   }
 
  private:
-  static constexpr uint32_t MAX_LEVELS = 28;
-  /** Photons of a leaf, and of a part whose density tells the radius. */
-  static constexpr size_t LEAF = 8;
-  static constexpr uint32_t LEVELS_OF_PART = 3;
-
-  /** Node `index` of a level has the photons from here to where the next one begins. */
-  size_t firstOf(uint32_t level, size_t index) const { return photons.size() * index >> level; }
-  static bool meets(const Bounds3f& box, const Vec3f& origin, const Vec3f& inverse, float end) {
-    // Of a ray in the plane of a side 0 · infinity is NaN, which min and max of this order pass over.
-    float enter = 0, leave = end;
-    for (int a = 0; a < 3; ++a) {
-      const float t0 = (box.lower[a] - origin[a]) * inverse[a], t1 = (box.upper[a] - origin[a]) * inverse[a];
-      enter = std::max(enter, std::min(t0, t1));
-      leave = std::min(leave, std::max(t0, t1));
-    }
-    return enter <= leave;
-  }
-
-  uint32_t levels = 0; ///< that of the leaves
+  BoxPyramid tree; ///< of the discs
   std::vector<VolumePhoton> photons;
   std::vector<float> radii;
   static constexpr uint32_t NO_BOUNDS = UINT32_MAX;
   std::vector<uint32_t> boundsOf; ///< by photon: its place in `bounds`; empty if they are not asked for
   std::vector<DiscBounds> bounds;
-  std::vector<Bounds3f> boxes; ///< of the photons' discs, level by level
 };
 
 } // namespace recurse
