@@ -10,6 +10,7 @@
 #include "model/nanoVdb.h"
 #include "model/nanoVdbTesting.h"
 #include "recurse/core/error.h"
+#include "recurse/core/memory.h"
 
 namespace {
 
@@ -78,6 +79,9 @@ void read(std::string_view bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size == 0) return 0;
+  // A file may claim a box as large as memory, which is less for a fuzzer.
+  static const bool LIMITED = (setMemoryLimit(1.5e9), true);
+  (void)LIMITED;
   try {
     if (data[0] % 2 == 0)
       read({reinterpret_cast<const char*>(data + 1), size - 1});
