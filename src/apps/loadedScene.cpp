@@ -70,8 +70,10 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   const auto loadStart = std::chrono::steady_clock::now();
   KeptParts* kept = frame ? &frame->kept : nullptr;
   out.description = loadSceneOrModel(fileName, diagnostics, frame ? frame->number : 0);
-  out.files = filesOf(out.description); // models that pieces are made of are not named afterwards
+  out.files = filesOf(out.description);
   expandImports(out.description, diagnostics, overrides.lenient, kept);
+  for (const std::string& file : out.description.importedFiles)
+    if (std::find(out.files.begin(), out.files.end(), file) == out.files.end()) out.files.push_back(file);
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
   out.integratorDirective = options.directive(out.description.integrator);

@@ -88,6 +88,7 @@ std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const std::s
                 "\nFilm \"rgb\" \"integer xresolution\" 800 \"integer yresolution\" 600\n" +
                 cameraText(*import) + "\nWorldBegin\n" + lightText(*import) + import->text;
   scene->files = std::make_shared<const MemoryFiles>(std::move(import->files));
+  scene->filesRead = std::move(import->filesRead);
   for (const std::string& s : import->taken) scene->note += (scene->note.empty() ? "" : ", ") + s;
   for (size_t i = 0; i < import->leftOut.size(); ++i)
     scene->note += (i == 0 ? "; left out: " : ", ") + import->leftOut[i];
@@ -104,6 +105,7 @@ SceneDescription loadSceneOrModel(const std::string& fileName, Diagnostics& diag
   SceneDescription scene = parseScene(model->text, fileName + " as a scene", "", diagnostics);
   attachFiles(scene, model->files);
   scene.importNotes.push_back(model->note);
+  scene.importedFiles = model->filesRead;
   return scene;
 }
 

@@ -16,6 +16,7 @@ bool isModelFile(const std::string& fileName);
 struct ModelScene {
   std::string text; ///< of a scene file
   std::shared_ptr<const MemoryFiles> files;
+  std::vector<std::string> filesRead;
   std::string note; ///< what was taken and left out
 };
 

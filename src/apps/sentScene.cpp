@@ -28,12 +28,6 @@ std::string absolutePath(const std::string& path) { return fs::absolute(path).st
 } // namespace
 
 void sendScene(const Cluster& cluster, const LoadedScene& loaded) {
-  if (!loaded.description.importNotes.empty()) {
-    sendNoScene(cluster);
-    throw Error("--send-scene: " + loaded.fileName +
-                    " takes in a model, whose files are not known; 'recurse convert' makes a scene of it",
-                ExitStatus::BAD_USAGE);
-  }
   cluster.tellAll(absolutePath(loaded.fileName));
   std::vector<char> piece(PIECE);
   for (const std::string& file : loaded.files) {

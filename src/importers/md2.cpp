@@ -17,6 +17,7 @@ class Md2Import {
         model(path, bytes) {}
 
   void run() {
+    import.filesRead = {path};
     import.up = {0, 0, 1};
     import.front = {1, 0, 0};
     const double frame = p.real("frame");
@@ -42,7 +43,7 @@ class Md2Import {
   std::string skinTexture() {
     if (p.has("skin")) {
       const std::string skin = p.filePath("skin");
-      return out.imageTexture("spectrum", out.addFile(skin, readFileBytes(skin)));
+      return out.imageTexture("spectrum", out.copyFile(skin));
     }
     std::vector<std::string> names = model.skins();
     names.push_back(
@@ -50,11 +51,11 @@ class Md2Import {
     const std::string directory = std::filesystem::path(path).parent_path().string();
     for (const std::string& name : names) {
       if (std::string found = findModelFile(directory, name); !found.empty() && found != path)
-        return out.imageTexture("spectrum", out.addFile(found, readFileBytes(found)));
+        return out.imageTexture("spectrum", out.copyFile(found));
       for (const char* extension : {".pcx", ".png", ".jpg", ".tga", ".bmp"}) {
         const std::string found =
             findModelFile(directory, std::filesystem::path(name).replace_extension(extension).string());
-        if (!found.empty()) return out.imageTexture("spectrum", out.addFile(found, readFileBytes(found)));
+        if (!found.empty()) return out.imageTexture("spectrum", out.copyFile(found));
       }
     }
     p.warn("filename",

@@ -3,10 +3,12 @@
  * the older ones of Wavefront's MTL and its like), pictures inside of the file or beside it, lights and
  * cameras.
  */
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <set>
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/GltfMaterial.h>
 #include <assimp/Importer.hpp>
 #include <assimp/ObjMaterial.h>
@@ -37,6 +39,21 @@ std::string counted(size_t count, const char* one, const char* many) {
 
 double clamp01(double x) { return x > 0 ? std::min(x, 1.0) : 0; } // 0 for what is no number
 
+/** Notes which files are read. */
+class NotingIoSystem : public Assimp::DefaultIOSystem {
+ public:
+  explicit NotingIoSystem(std::vector<std::string>& read) : read(read) {}
+
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
+    if (stream && std::find(read.begin(), read.end(), file) == read.end()) read.emplace_back(file);
+    return stream;
+  }
+
+ private:
+  std::vector<std::string>& read;
+};
+
 /** A colour or number that may be multiplied by a texture. */
 struct Value {
   Rgbd factor{1};
@@ -54,6 +71,7 @@ class MeshFileImport {
   void run() {
     // Lines and points have no surface.
     importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | aiPrimitiveType_POINT);
+    importer.SetIOHandler(new NotingIoSystem(import.filesRead)); // the importer's own from here
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
     scene = importer.ReadFile(path, aiProcess_Triangulate | aiProcess_SortByPType |
                                         aiProcess_JoinIdenticalVertices | aiProcess_ValidateDataStructure);
@@ -266,7 +284,7 @@ class MeshFileImport {
     const std::string file = findModelFile(directory, name);
     if (!file.empty()) {
       try {
-        return out.addFile(file, readFileBytes(file));
+        return out.copyFile(file);
       } catch (const Error& e) {
         p.warn("filename", e.what());
         return {};

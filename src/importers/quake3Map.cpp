@@ -40,6 +40,7 @@ class Quake3Import {
         metre(p.real("unitspermetre")), lightScale(p.real("lightscale")) {}
 
   void run() {
+    import.filesRead = {pakName};
     import.up = {0, 0, 1};
     import.front = {1, 0, 0};
     import.isInterior = true;

@@ -141,6 +141,12 @@ std::string ImportWriter::addFile(const std::string& hint, std::string content) 
   return name;
 }
 
+std::string ImportWriter::copyFile(const std::string& path) {
+  std::string content = readFileBytes(path);
+  import.filesRead.push_back(path);
+  return addFile(path, std::move(content));
+}
+
 std::string ImportWriter::meshShape(const std::string& hint, const MeshData& mesh, const Mat4d& placement,
                                     const std::string& parameters) {
   for (const Vec3d& p : mesh.positions) import.bounds.add(transformPoint(placement, p));
@@ -287,6 +293,7 @@ class ImportExpander {
       scene.worldFromCamera = at.worldFromObject * import.chosen->worldFromCamera;
       scene.worldFromCameraLast.reset();
     }
+    scene.importedFiles.insert(scene.importedFiles.end(), import.filesRead.begin(), import.filesRead.end());
     noteContents(import, at);
   }
 

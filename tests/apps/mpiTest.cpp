@@ -121,9 +121,21 @@ TEST_F(Mpi, RanksWithoutTheFilesGetThem) {
   write("rank.sh",
         "#!/bin/sh\n[ $OMPI_COMM_WORLD_RANK = 1 ] && cd /\n"
         "exec " RECURSE_MPI_PROGRAM " render ${1:-scene.pbrt} --integrator path --spp 8 --send-scene -q "
-        "-o r.exr\n");
+        "-o r.exr $SIZE\n");
   ASSERT_EQ(shell(ranks(2, "sh rank.sh")), 0) << log();
   EXPECT_TRUE(readImage(file("r.exr")).pixels == truth);
+  write("model.obj",
+        "mtllib model.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl red\nf 1/1 2/2 3/3\n");
+  write("model.mtl", "newmtl red\nKd 1 1 1\nmap_Kd skin.ppm\n");
+  write("skin.ppm", "P3 2 1 255 250 20 20 20 250 20\n");
+  for (const char* name : {"model.obj", "models.pbrt"}) {
+    write("models.pbrt", scene("", "Shape \"mesh\" \"string filename\" \"model.obj\"\n"));
+    ASSERT_EQ(shell(RECURSE_PROGRAM " render " + std::string(name) +
+                    " --integrator path --spp 8 --resolution 40x30 -q -o one.exr"),
+              0);
+    ASSERT_EQ(shell("SIZE='--resolution 40x30' " + ranks(2, "sh rank.sh") + name), 0) << log();
+    EXPECT_TRUE(readImage(file("r.exr")).pixels == readImage(file("one.exr")).pixels) << name;
+  }
   EXPECT_EQ(shell(ranks(2, "sh rank.sh") + "none.pbrt"), 1);
   EXPECT_TRUE(has(log(), "cannot read none.pbrt")) << log();
 }

@@ -26,8 +26,9 @@ struct ImportedCamera {
 
 /** What an importer made. */
 struct SceneImport {
-  std::string text;  ///< directives, as they stand after WorldBegin
-  MemoryFiles files; ///< by the names that the text calls them
+  std::string text;                   ///< directives, as they stand after WorldBegin
+  MemoryFiles files;                  ///< by the names that the text calls them
+  std::vector<std::string> filesRead; ///< paths of what it was made of: the model, and what lies beside it
   std::vector<ImportedCamera> cameras;
   const ImportedCamera* chosen = nullptr; ///< of them, by the parameter "camera"
   Bounds3d bounds;                        ///< of all shapes
@@ -52,6 +53,8 @@ class ImportWriter {
   std::string uniqueName(const std::string& hint);
   /** Keeps a file; returns the name for the text. */
   std::string addFile(const std::string& hint, std::string content);
+  /** The same with a file as it is. Throws Error where it cannot be read. */
+  std::string copyFile(const std::string& path);
   /** `Shape "plymesh"` of the mesh, with the parameters given; `placement` is only for the bounds. */
   std::string meshShape(const std::string& hint, const MeshData& mesh, const Mat4d& placement,
                         const std::string& parameters = {});

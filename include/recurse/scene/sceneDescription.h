@@ -90,7 +90,8 @@ struct SceneDescription {
   std::map<std::string, ObjectDescription> objects;
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
-  std::vector<std::string> importNotes; ///< what importers took from their files, and what not
+  std::vector<std::string> importNotes;   ///< what importers took from their files, and what not
+  std::vector<std::string> importedFiles; ///< paths of what they read
 };
 
 } // namespace recurse
