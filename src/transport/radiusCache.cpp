@@ -89,6 +89,24 @@ struct SupportErrors {
   }
 };
 
+/** What several places tell together. */
+struct Evidence {
+  SupportErrors relative, absolute; ///< relative errors, which the choice goes by, and errors [W²/m⁴]
+  double squared = 0;               ///< irradiances
+  int places = 0;
+
+  /** `dark2`: added to the squared irradiance that an error is relative to. */
+  void add(const SupportErrors& e, double dark2) {
+    if (!(e.irradiance > 0)) return;
+    relative.add(e, 1 / (square(e.irradiance) + dark2));
+    absolute.add(e, 1);
+    squared += square(e.irradiance);
+    ++places;
+  }
+  /** Of one place's own disc. */
+  double relativeVariance() const { return absolute.variance[SupportErrors::OWN] / squared; }
+};
+
 /** The radius of a disc over that of the place. */
 float ofArea(size_t j) {
   return std::exp2(0.5f * (static_cast<float>(j) - static_cast<float>(SupportErrors::OWN)));
@@ -220,9 +238,15 @@ class PlaceFinder {
     return places;
   }
 
-  /** Takes discs of other areas where those promise less error. `lifted`: see RadiusCache. */
-  void judge(std::vector<Place>& places, std::span<const Photon> lifted, size_t ofPhotons, double alpha) {
+  /** Takes discs of other areas where those promise less error. */
+  void judge(std::vector<Place>& places, size_t ofPhotons, double alpha) {
     constexpr size_t MAX_MEASURED = 4096; // of either kind
+    // One place has hardly any evidence, and many see the same photons: the more unequal those are in power,
+    // the farther it is looked, for as much evidence as so many equal ones give.
+    constexpr int NEAREST = 16;
+    constexpr float PHOTONS = 8;
+    constexpr double DARK = 0.3;
+    constexpr float COHERENT = 0.7f;
     std::vector<size_t> judged;
     const auto judgeSome = [&](size_t from, size_t end) {
       const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
@@ -234,7 +258,7 @@ class PlaceFinder {
     std::vector<SupportErrors> errors(judged.size());
     forAll(judged.size(), [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
       const size_t i = judged[m];
-      measuredAt[m] = lifted[i];
+      measuredAt[m].position = places[i].position;
       GatherRegion region = regionAt(places[i]);
       BoundaryCorrection boundary = surroundingsOf(places[i], i);
       region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
@@ -250,43 +274,44 @@ class PlaceFinder {
     // alpha of the first one's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
     // have the same order.
     const double biasWeight = (2 - alpha) / square(alpha);
+    const double dark2 = square(DARK * mean);
     forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
-      constexpr int NEAREST = 16; // one place has hardly any evidence
-      constexpr double DARK = 0.3;
+      Place& place = places[i];
       GatherRegion region;
-      region.center = lifted[i].position;
+      region.center = place.position;
       region.bothSides = true;
       measured.nearest(region, NEAREST, scratch);
-      SupportErrors all, absolute; // relative errors, which the choice goes by, and errors [W²/m⁴]
-      int evidence = 0;
-      const auto addEvidence = [&](bool onlySeen) {
-        measured.visitNearest(scratch, [&](const PhotonBlock& block) {
-          for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-            const size_t m =
-                measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
-            if (onlySeen && !places[i].around.sees(places[judged[m]].position)) continue;
-            const SupportErrors& e = errors[m];
-            if (!(e.irradiance > 0)) continue;
-            all.add(e, 1 / (square(e.irradiance) + square(DARK * mean)));
-            absolute.add(e, 1);
-            ++evidence;
-          }
-        });
+      Evidence evidence;
+      const auto add = [&](const PhotonBlock& block, bool onlySeen) {
+        for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+          const size_t m = measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
+          const Place& other = places[judged[m]];
+          const bool seen =
+              glm::dot(place.normal, other.normal) > COHERENT && place.around.sees(other.position);
+          if (seen || !onlySeen) evidence.add(errors[m], dark2);
+        }
       };
-      addEvidence(true);
-      if (evidence == 0) addEvidence(false);
-      if (all.variance[0] == 0) return;
-      const size_t best = all.best(biasWeight);
-      places[i].irradiance = static_cast<float>(absolute.irradiance / evidence);
-      places[i].variance = static_cast<float>(absolute.variance[best] / evidence);
+      measured.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, true); });
+      if (evidence.places == 0)
+        measured.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, false); });
+      if (evidence.places == 0) return;
+      Evidence nearest = std::exchange(evidence, {});
+      region.radius = place.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
+      measured.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
+      if (evidence.places < nearest.places) evidence = nearest;
+
+      const SupportErrors& errorsHere = evidence.absolute;
+      const size_t best = evidence.relative.best(biasWeight);
+      place.irradiance = static_cast<float>(errorsHere.irradiance / evidence.places);
+      place.variance = static_cast<float>(errorsHere.variance[best] / evidence.places);
       double bias2 = 0;
-      for (size_t j = 0; j < best; ++j) bias2 += absolute.sureBias2(j);
-      places[i].bias2 = static_cast<float>(biasWeight * bias2 / evidence);
-      if (rays.lights) places[i].worth = worth(absolute, best, double(places[i].bias2), evidence);
+      for (size_t j = 0; j < best; ++j) bias2 += errorsHere.sureBias2(j);
+      place.bias2 = static_cast<float>(biasWeight * bias2 / evidence.places);
+      if (rays.lights) place.worth = worth(errorsHere, best, double(place.bias2), evidence.places);
       if (best == SupportErrors::OWN) return;
-      const float radius = places[i].radius * ofArea(best);
+      const float radius = place.radius * ofArea(best);
       settle(
-          places[i], i, [&](const GatherRegion&) { return radius; }, partCounts);
+          place, i, [&](const GatherRegion&) { return radius; }, partCounts);
     });
   }
 
@@ -401,7 +426,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   for (size_t i = 0; i < places.size(); ++i)
     lifted[i].position = places[i].position + lift * places[i].normal;
   if (alpha > 0 && search.nearest > 0 && !places.empty()) {
-    finder.judge(places, lifted, ofPhotons, alpha);
+    finder.judge(places, ofPhotons, alpha);
     limit *= ofArea(SupportErrors::AREAS - 2);
   }
   index.build(lifted);

@@ -309,3 +309,37 @@ TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
   EXPECT_LT(widening(0.06f, 40), 1.05) << "stripes as wide as a disc do not";
   EXPECT_LT(widening(0.12f, 150), 1.05) << "nor do wider ones that more photons tell of";
 }
+
+TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  std::vector<Photon> list = onFloor(3, 2000); // even light, most of it by one photon in twenty
+  for (size_t i = 0; i < list.size(); i += 20) list[i].power *= 50.0f;
+  PhotonMap map;
+  map.build(list);
+  // A close view, of many places that look at the same photons.
+  std::vector<VisiblePoint> seen;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 60; ++x) {
+      VisiblePoint visible{};
+      visible.point.position = Vec3f(-0.2f + 0.4f * float(x) / 60, -0.2f + 0.4f * float(y) / 60, 0);
+      visible.point.geometricNormal = visible.point.shadingNormal = {0, 0, 1};
+      visible.footprint = 0.002f;
+      seen.push_back(visible);
+    }
+  GatherSettings search;
+  search.nearest = 8;
+  search.radius = 1;
+  TransportCounts counts;
+  RadiusCache nearest, judged;
+  nearest.build(*scene, map, seen, search, 0, {}, counts);
+  judged.build(*scene, map, seen, search, 2.0 / 3, {}, counts);
+  int smaller = 0;
+  for (const VisiblePoint& v : seen) {
+    const auto radius = [&](const RadiusCache& cache) {
+      return cache.at(v.point.position, {0, 0, 1}).radius;
+    };
+    smaller += radius(judged) < 0.99f * radius(nearest);
+  }
+  EXPECT_LT(smaller, 36) << "of 3600";
+}
