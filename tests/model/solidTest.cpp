@@ -221,13 +221,16 @@ TEST(Csg, IdentitiesOfSets) {
               {"b and c", "csg", csgOf("union", "\"b\" \"c\"")},
               {"a without b", "csg", csgOf("difference", "\"a\" \"b\"")},
               {"a without c", "csg", csgOf("difference", "\"a\" \"c\"")},
-              {"a with b", "csg", csgOf("intersection", "\"a\" \"b\"")}};
-  const std::array<std::pair<std::unique_ptr<Shape>, std::unique_ptr<Shape>>, 5> same = {
+              {"a with b", "csg", csgOf("intersection", "\"a\" \"b\"")},
+              {"all", "sphere", "\"float radius\" 50"},
+              {"not b", "csg", csgOf("difference", "\"all\" \"b\"")}};
+  const std::array<std::pair<std::unique_ptr<Shape>, std::unique_ptr<Shape>>, 6> same = {
       {{o.csg("union", "\"a\" \"b\""), o.csg("union", "\"b\" \"a\"")},
        {o.csg("intersection", "\"a\" \"b\" \"c\""), o.csg("intersection", "\"c\" \"a\" \"b\"")},
        {o.csg("difference", "\"a\" \"b and c\""), o.csg("difference", "\"a without b\" \"c\"")},
        {o.csg("difference", "\"a\" \"b\" \"c\""), o.csg("intersection", "\"a without b\" \"a without c\"")},
-       {o.csg("difference", "\"a\" \"b\""), o.csg("difference", "\"a\" \"a with b\"")}}};
+       {o.csg("difference", "\"a\" \"b\""), o.csg("difference", "\"a\" \"a with b\"")},
+       {o.csg("difference", "\"a\" \"b\""), o.csg("intersection", "\"a\" \"not b\"")}}};
   Random random(23);
   for (size_t k = 0; k < same.size(); ++k) {
     const auto one = same[k].first->asSolid(), other = same[k].second->asSolid();
