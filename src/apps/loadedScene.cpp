@@ -70,10 +70,8 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   const auto loadStart = std::chrono::steady_clock::now();
   KeptParts* kept = frame ? &frame->kept : nullptr;
   out.description = loadSceneOrModel(fileName, diagnostics, frame ? frame->number : 0);
-  out.files = filesOf(out.description);
   expandImports(out.description, diagnostics, overrides.lenient, kept);
-  for (const std::string& file : out.description.importedFiles)
-    if (std::find(out.files.begin(), out.files.end(), file) == out.files.end()) out.files.push_back(file);
+  out.files = filesOf(out.description);
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
   out.integratorDirective = options.directive(out.description.integrator);
@@ -154,7 +152,7 @@ void forEachFile(const SceneDescription& d, const InMemory& inMemory, const OnDi
 } // namespace
 
 std::vector<std::string> filesOf(const SceneDescription& description) {
-  std::set<std::string> files;
+  std::set<std::string> files(description.importedFiles.begin(), description.importedFiles.end());
   std::error_code ignored;
   for (const auto& source : description.sources)
     if (std::filesystem::is_regular_file(source->name, ignored)) files.insert(source->name);

@@ -44,7 +44,8 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
 /** Puts path in the place of an integrator that does not render all of the scene, with a warning. */
 void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics);
 
-/** The files that a description names and that there are, each once. */
+/** The files that a description without imports names and that there are, and those that its imports read,
+ * each once. */
 std::vector<std::string> filesOf(const SceneDescription& description);
 
 /** A hash of all files that the scene was read from, and of nothing else. */

@@ -46,7 +46,7 @@ class NotingIoSystem : public Assimp::DefaultIOSystem {
 
   Assimp::IOStream* Open(const char* file, const char* mode) override {
     Assimp::IOStream* stream = DefaultIOSystem::Open(file, mode);
-    if (stream && std::find(read.begin(), read.end(), file) == read.end()) read.emplace_back(file);
+    if (stream) read.emplace_back(file);
     return stream;
   }
 

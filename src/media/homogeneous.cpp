@@ -8,6 +8,17 @@ namespace recurse {
 
 namespace {
 
+/** A medium of the same albedos that is no denser than that, by channel: of what is so dense only those
+ * count. */
+MediumPoint limited(MediumPoint m, float maxExtinction) {
+  const Rgb extinction = m.extinction();
+  for (int c = 0; c < 3; ++c)
+    if (extinction[c] > maxExtinction)
+      for (Rgb* coefficient : {&m.absorption, &m.scattering, &m.emission})
+        (*coefficient)[c] *= maxExtinction / extinction[c];
+  return m;
+}
+
 class Homogeneous final : public Medium {
  public:
   explicit Homogeneous(const MediumPoint& medium) : medium(medium) {}
@@ -32,8 +43,8 @@ void registerHomogeneous(PlugIns& plugIns) {
                       .parameters = parameters,
                       .examples = {"", "\"rgb sigma_s\" [ 1 2 3 ] \"float scale\" 10",
                                    "\"string preset\" \"Wholemilk\"", "\"rgb Le\" [ 1 .5 .2 ]"}},
-                     [](const Parameters& p, const MediumContext&) {
-                       return std::make_unique<Homogeneous>(readMediumPoint(p));
+                     [](const Parameters& p, const MediumContext& c) {
+                       return std::make_unique<Homogeneous>(limited(readMediumPoint(p), c.maxExtinction));
                      }});
 }
 

@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,9 @@
 #include "recurse/scene/sceneDescription.h"
 
 namespace recurse {
+
+class Camera;
+struct FilmSettings;
 
 struct BuildContext {
   const SceneDescription& description;
@@ -28,6 +32,10 @@ struct BuildContext {
     return true;
   }
 };
+
+/** The camera for a film, in the space whose origin is at a place of the world. Null after an error. */
+std::unique_ptr<Camera> makeCamera(const SceneDescription& description, const FilmSettings& film,
+                                   const Vec3d& origin, Diagnostics& diagnostics, bool lenient);
 
 /** Squares of coordinates must fit single precision. False for what is no number. */
 inline bool representable(const Vec3f& p) {

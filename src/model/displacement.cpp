@@ -276,13 +276,7 @@ std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters&
     if (p.has("edgelength")) p.fail("edgelength", "nothing is displaced", "\"texture displacement\" as well");
     return std::make_unique<TriangleMesh>(std::move(mesh), context);
   }
-  TexturedRgb height;
-  if (p.texture("displacement").empty())
-    height.constant = Rgb(static_cast<float>(p.real("displacement")));
-  else if (context.textures)
-    height = context.textures->real(p, "displacement");
-  else
-    p.fail("displacement", "there are no textures here", "a number");
+  const TexturedRgb height = realOrTexture(context.textures, p, "displacement");
   if (!p.has("edgelength") && !context.dicing)
     p.fail("displacement", "nobody says how finely the surface is to be divided", "\"float edgelength\"");
   const TriangleMesh checked(mesh, context); // for what may be wrong with it

@@ -56,6 +56,25 @@ void checkClosed(const std::vector<glm::uvec3>& triangles) {
   }
 }
 
+uint64_t edgeKey(uint32_t a, uint32_t b) { return uint64_t(std::min(a, b)) << 32 | std::max(a, b); }
+
+/** The keys of edges that belong to one triangle only, in ascending order. */
+std::vector<uint64_t> openEdges(const std::vector<glm::uvec3>& triangles) {
+  std::vector<uint64_t> edges;
+  edges.reserve(3 * triangles.size());
+  for (const glm::uvec3& t : triangles)
+    for (int k = 0; k < 3; ++k)
+      if (t[k] != t[(k + 1) % 3]) edges.push_back(edgeKey(t[k], t[(k + 1) % 3]));
+  std::sort(edges.begin(), edges.end());
+  size_t kept = 0;
+  for (size_t first = 0, end = 0; first < edges.size(); first = end) {
+    while (end < edges.size() && edges[end] == edges[first]) ++end;
+    if (end - first == 1) edges[kept++] = edges[first];
+  }
+  edges.resize(kept);
+  return edges;
+}
+
 class MeshSolid final : public Solid {
  public:
   explicit MeshSolid(const TriangleMesh& mesh) : positions(mesh.positions()) {
@@ -124,6 +143,22 @@ class MeshSolid final : public Solid {
 };
 
 } // namespace
+
+std::vector<RimPiece> rimOf(const TriangleMesh& mesh) {
+  const std::vector<Vec3f>& positions = mesh.positions();
+  std::vector<glm::uvec3> triangles = mesh.indices();
+  if (openEdges(triangles).empty()) return {};
+  const std::vector<uint32_t> welded = weldedVertices(positions);
+  for (glm::uvec3& t : triangles) t = {welded[t.x], welded[t.y], welded[t.z]};
+  const std::vector<uint64_t> open = openEdges(triangles);
+  std::vector<RimPiece> rim;
+  for (const glm::uvec3& t : triangles)
+    for (int k = 0; k < 3; ++k)
+      if (const uint32_t a = t[k], b = t[(k + 1) % 3];
+          std::binary_search(open.begin(), open.end(), edgeKey(a, b)))
+        rim.push_back({positions[a], positions[b], positions[t[(k + 2) % 3]]});
+  return rim;
+}
 
 std::unique_ptr<Solid> makeMeshSolid(const TriangleMesh& mesh) { return std::make_unique<MeshSolid>(mesh); }
 

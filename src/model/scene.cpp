@@ -7,6 +7,7 @@
 
 #include "model/embreeScene.h"
 #include "model/objectNames.h"
+#include "model/openBoundaries.h"
 #include "model/shapeGroups.h"
 #include "recurse/model/keptParts.h"
 #include "recurse/model/sceneImport.h"
@@ -21,6 +22,31 @@ void Scene::intersectBatch(std::span<const Ray> rays, Coherence, std::span<Hit> 
 
 void Scene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const {
   for (size_t i = 0; i < rays.size(); ++i) blocked[i] = occluded(rays[i]);
+}
+
+namespace {
+
+ParsedDirective orDefault(const ParsedDirective& given, const char* type) {
+  ParsedDirective d = given;
+  if (!d.given()) d.type = type;
+  return d;
+}
+
+} // namespace
+
+std::unique_ptr<Camera> makeCamera(const SceneDescription& description, const FilmSettings& film,
+                                   const Vec3d& origin, Diagnostics& diagnostics, bool lenient) {
+  CameraContext context;
+  context.sceneFromCamera =
+      AnimatedTransform(description.worldFromCamera,
+                        description.worldFromCameraLast.value_or(description.worldFromCamera))
+          .after(translation(-origin));
+  context.startTime = description.startTime;
+  context.endTime = description.endTime;
+  context.width = film.width;
+  context.height = film.height;
+  context.diagonal = film.diagonal;
+  return plugIns().cameras.make(orDefault(description.camera, "perspective"), context, diagnostics, lenient);
 }
 
 /** The work of buildScene, with what it has to remember meanwhile. */
@@ -51,17 +77,12 @@ class SceneBuilder {
     scene->materialNames = materials.names();
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
+    warnOfOpenBoundaries(*scene, shapes, media, diagnostics);
     return std::move(scene);
   }
 
  private:
   static bool isUnit(const Vec3f& v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
-
-  static ParsedDirective orDefault(const ParsedDirective& given, const char* type) {
-    ParsedDirective d = given;
-    if (!d.given()) d.type = type;
-    return d;
-  }
 
   void buildFilm() {
     const PlugIns& all = plugIns();
@@ -89,18 +110,8 @@ class SceneBuilder {
   }
 
   void buildCamera() {
-    CameraContext context;
-    context.sceneFromCamera =
-        AnimatedTransform(description.worldFromCamera,
-                          description.worldFromCameraLast.value_or(description.worldFromCamera))
-            .after(translation(-scene->sceneOrigin));
-    context.startTime = description.startTime;
-    context.endTime = description.endTime;
-    context.width = scene->filmSettings.width;
-    context.height = scene->filmSettings.height;
-    context.diagonal = scene->filmSettings.diagonal;
-    scene->sceneCamera = plugIns().cameras.make(orDefault(description.camera, "perspective"), context,
-                                                diagnostics, overrides.lenient);
+    scene->sceneCamera =
+        makeCamera(description, scene->filmSettings, scene->sceneOrigin, diagnostics, overrides.lenient);
     if (!scene->sceneCamera) return;
     scene->filmSettings.imagingRatio *= scene->sceneCamera->exposureTime();
     const FilmSettings& f = scene->filmSettings;
@@ -127,14 +138,26 @@ class SceneBuilder {
     materials.numberNested(scene->nestedDielectrics, scene->nestedMedia);
   }
 
+  /** The extinction at which a mean free path is a few times what positions on the medium's boundary are
+   * rounded by, as a power of two: denser matter would keep the light that enters it. */
+  float maxExtinctionOf(uint16_t medium) const {
+    constexpr int RESOLVED_BITS = 20;
+    const Bounds3d b = shapes.boundsOfMedium(medium);
+    const Vec3d corner = glm::max(glm::abs(b.lower), glm::abs(b.upper));
+    const double largest = std::max(corner.x, std::max(corner.y, corner.z));
+    if (b.empty() || !(largest > 0)) return INFINITE;
+    return static_cast<float>(std::ldexp(1.0, RESOLVED_BITS - std::ilogb(largest)));
+  }
+
   /** Makes the media that were asked for, once it is known where the scene is. */
   void buildMedia() {
     std::multimap<std::string, std::shared_ptr<Medium>> all;
     for (size_t i = 0; i < media.count() && !context.enoughErrors(); ++i) {
-      const std::string key = kept ? media.key(i) : "";
+      const float maxExtinction = maxExtinctionOf(static_cast<uint16_t>(i + 1));
+      const std::string key = kept ? media.key(i, maxExtinction) : "";
       std::shared_ptr<Medium> medium = kept ? kept->media.take(key) : nullptr;
       if (kept) ++(medium ? kept->media.kept : kept->media.made);
-      if (!medium) medium = media.make(i);
+      if (!medium) medium = media.make(i, maxExtinction);
       all.emplace(key, medium);
       scene->sceneMedia.push_back(std::move(medium));
     }

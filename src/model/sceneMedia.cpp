@@ -31,12 +31,13 @@ uint16_t SceneMedia::number(const std::string& name, const SourceLocation& usedA
   return known->second = static_cast<uint16_t>(used.size());
 }
 
-std::string SceneMedia::key(size_t index) const {
+std::string SceneMedia::key(size_t index, float maxExtinction) const {
   return keyOf(c.description.media.at(used[index]),
-               recentred(c.description.worldFromMedium.at(used[index]), c.sceneOrigin));
+               recentred(c.description.worldFromMedium.at(used[index]), c.sceneOrigin)) +
+         " " + std::to_string(maxExtinction);
 }
 
-std::shared_ptr<Medium> SceneMedia::make(size_t index) const {
+std::shared_ptr<Medium> SceneMedia::make(size_t index, float maxExtinction) const {
   const ParsedDirective& d = c.description.media.at(used[index]);
   const Mat4d& worldFromMedium = c.description.worldFromMedium.at(used[index]);
   ParsedDirective body = d, phase = d;
@@ -57,8 +58,8 @@ std::shared_ptr<Medium> SceneMedia::make(size_t index) const {
     (ofPhase ? phase : body).parameters.push_back(p);
   }
   std::unique_ptr<PhaseFunction> function = phases.make(phase, {}, c.diagnostics, c.lenient);
-  std::unique_ptr<Medium> made =
-      plugIns().media.make(body, {recentred(worldFromMedium, c.sceneOrigin)}, c.diagnostics, c.lenient);
+  std::unique_ptr<Medium> made = plugIns().media.make(
+      body, {recentred(worldFromMedium, c.sceneOrigin), maxExtinction}, c.diagnostics, c.lenient);
   if (!function || !made) return nullptr;
   made->phase = std::move(function);
   return made;

@@ -20,11 +20,15 @@ class SceneMedia {
     return {number(names.inside, usedAt), number(names.outside, usedAt)};
   }
   size_t count() const { return used.size(); }
+  /** For messages. */
+  std::string title(uint16_t number) const {
+    return number ? "medium \"" + used[number - 1u] + "\"" : "empty space";
+  }
   /** Medium `index` + 1 and its phase function, each with those of the directive's parameters that it
    * declares. Null after an error. */
-  std::shared_ptr<Medium> make(size_t index) const;
+  std::shared_ptr<Medium> make(size_t index, float maxExtinction) const;
   /** What tells whether it would be made the same. */
-  std::string key(size_t index) const;
+  std::string key(size_t index, float maxExtinction) const;
 
  private:
   BuildContext& c;

@@ -36,6 +36,30 @@ float Shape::pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePo
   return solidAngleDensity(pdfArea(primitive, point), from, point);
 }
 
+std::vector<RimPiece> rimOfSweep(const std::function<Vec3d(double, double)>& p, bool uEnds, bool vLow,
+                                 bool vHigh) {
+  constexpr int PIECES = 16;
+  constexpr double HALF_LENGTH = 0.0002,
+                   INWARDS = 0.002; // of the unit square: bent by far less than a hundredth
+  std::vector<RimPiece> rim;
+  const auto addEdge = [&](const auto& along, double end) {
+    const double inner = end > 0.5 ? end - INWARDS : end + INWARDS;
+    for (int i = 0; i < PIECES; ++i) {
+      const double s = (i + 0.5) / PIECES;
+      const RimPiece piece{Vec3f(along(s - HALF_LENGTH, end)), Vec3f(along(s + HALF_LENGTH, end)),
+                           Vec3f(along(s, inner))};
+      if (piece.from != piece.to) rim.push_back(piece);
+    }
+  };
+  if (vLow) addEdge(p, 0);
+  if (vHigh) addEdge(p, 1);
+  if (!uEnds) return rim;
+  const auto turned = [&](double v, double u) { return p(u, v); };
+  addEdge(turned, 0);
+  addEdge(turned, 1);
+  return rim;
+}
+
 std::unique_ptr<Solid> Shape::asSolid() const { throw Error("it is not a closed surface"); }
 
 Bounds3f Shape::bounds() const {

@@ -70,20 +70,8 @@ std::unique_ptr<Dicing> ShapeGroups::dicingOf(const ShapeDescription& s, const G
        }));
   if (!mayBe) return nullptr;
   if (!pixels) {
-    const SceneDescription& d = c.description;
-    CameraContext context;
-    context.sceneFromCamera =
-        AnimatedTransform(d.worldFromCamera, d.worldFromCameraLast.value_or(d.worldFromCamera))
-            .after(translation(-guessedOrigin));
-    context.startTime = d.startTime;
-    context.endTime = d.endTime;
-    context.width = film.width;
-    context.height = film.height;
-    context.diagonal = film.diagonal;
-    ParsedDirective directive = d.camera;
-    if (!directive.given()) directive.type = "perspective";
     Diagnostics saidLater;
-    auto camera = plugIns().cameras.make(directive, context, saidLater, c.lenient);
+    auto camera = makeCamera(c.description, film, guessedOrigin, saidLater, c.lenient);
     if (!camera) return nullptr;
     pixels = std::make_unique<PixelWidths>(std::move(camera), film);
   }
@@ -199,9 +187,16 @@ std::vector<ComponentShape> ShapeGroups::object(const Parameters& p, const std::
   return made;
 }
 
-Bounds3d ShapeGroups::boundsOf(const Group& g) {
+namespace {
+
+bool every(const ShapeGroups::Placed&) { return true; }
+
+} // namespace
+
+template <class Counts> Bounds3d ShapeGroups::boundsOf(const Group& g, const Counts& counts) {
   Bounds3d b;
   for (const Placed& p : g.placed) {
+    if (!counts(p)) continue;
     const Bounds3f s = p.shape->bounds();
     if (s.empty()) continue;
     b.add(Vec3d(s.lower) + g.origin);
@@ -213,7 +208,7 @@ Bounds3d ShapeGroups::boundsOf(const Group& g) {
 template <class Fill> void ShapeGroups::fillGroup(Group& group, const Fill& fill) {
   const size_t shapesBefore = shapes.size();
   fill();
-  const Bounds3d b = boundsOf(group);
+  const Bounds3d b = boundsOf(group, every);
   if (b.empty() || c.diagnostics.hasErrors()) return;
   if (glm::length(b.center() - group.origin) <= 2 * glm::length(b.diagonal())) return;
   group.origin = originOf(b);
@@ -313,17 +308,27 @@ MatrixTrack ShapeGroups::sceneFromGroup(const Instance& i) const {
   return MatrixTrack(steps);
 }
 
-Bounds3d ShapeGroups::bounds() const {
+Bounds3d ShapeGroups::bounds() const { return boundsOfAll(every); }
+
+Bounds3d ShapeGroups::boundsOfMedium(uint16_t medium) const {
+  return boundsOfAll([&](const Placed& p) {
+    return p.media.isBoundary() && (p.media.inside == medium || p.media.outside == medium);
+  });
+}
+
+template <class Counts> Bounds3d ShapeGroups::boundsOfAll(const Counts& counts) const {
   Bounds3d b;
   for (const Placed& p : all.front().placed) {
+    if (!counts(p)) continue;
     const Bounds3f s = p.shape->bounds();
     b.add(Vec3d(s.lower));
     b.add(Vec3d(s.upper));
   }
   std::vector<Bounds3d> ofGroups; // of meshes that stand in many places it is asked for once
-  for (const Group& g : all) ofGroups.push_back(boundsOf(g));
+  for (const Group& g : all) ofGroups.push_back(boundsOf(g, counts));
   for (const Instance& i : placedInstances) {
     const Bounds3d& local = ofGroups[i.group];
+    if (local.empty()) continue;
     const MatrixTrack track = sceneFromGroup(i);
     for (const Mat4d& step : track.steps()) {
       const Mat4d m = step * translation(-all[i.group].origin);

@@ -52,13 +52,17 @@ class ShapeGroups final : public ShapeLookup {
   MatrixTrack sceneFromGroup(const Instance& i) const;
   /** Of all shapes, in the scene. */
   Bounds3d bounds() const;
+  /** Of those that bound a medium. */
+  Bounds3d boundsOfMedium(uint16_t medium) const;
   void count(SceneContents& contents) const;
 
   std::vector<ComponentShape> object(const Parameters& p, const std::string& parameter,
                                      const std::string& name, const ShapeContext& context) override;
 
  private:
-  static Bounds3d boundsOf(const Group& g);
+  /** Of those shapes that are counted: of a group in its instances' space, or of all in the scene. */
+  template <class Counts> static Bounds3d boundsOf(const Group& g, const Counts& counts);
+  template <class Counts> Bounds3d boundsOfAll(const Counts& counts) const;
   /** A shape of the frame before where nothing has changed, else a new one. `key`: what it is kept by; empty
    * where it depends on more than its directive. */
   std::shared_ptr<Shape> makeShape(const ShapeDescription& s, const ShapeContext& context, std::string& key);

@@ -94,13 +94,7 @@ class NormalMap final : public SurfaceDetail {
 };
 
 void readAlpha(Shape& shape, const Parameters& p, const ShapeContext& c) {
-  TexturedRgb alpha;
-  if (p.texture("alpha").empty())
-    alpha.constant = Rgb(static_cast<float>(p.real("alpha")));
-  else if (c.textures)
-    alpha = c.textures->real(p, "alpha");
-  else
-    p.fail("alpha", "there are no textures here", "a number");
+  const TexturedRgb alpha = realOrTexture(c.textures, p, "alpha");
   if (!alpha.texture && alpha.constant.r >= 1) return;
   shape.alpha = std::make_shared<const TexturedRgb>(alpha);
 }

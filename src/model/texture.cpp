@@ -5,6 +5,12 @@
 
 namespace recurse {
 
+TexturedRgb realOrTexture(const TextureLookup* textures, const Parameters& p, const std::string& name) {
+  if (p.texture(name).empty()) return {Rgb(static_cast<float>(p.real(name)))};
+  if (!textures) p.fail(name, "there are no textures here", "a number");
+  return textures->real(p, name);
+}
+
 TexturedRgb TextureContext::value(const Parameters& p, const std::string& name) const {
   if (!p.texture(name).empty()) return spectrum ? textures.rgb(p, name) : textures.real(p, name);
   const Rgb constant(p.spectrum(name));

@@ -215,6 +215,7 @@ SurfacePoint TriangleMesh::placeAt(uint32_t primitive, const HitParameters& para
 }
 
 std::unique_ptr<Solid> TriangleMesh::asSolid() const { return makeMeshSolid(*this); }
+std::vector<RimPiece> TriangleMesh::rim() const { return rimOf(*this); }
 
 void TriangleMesh::tabulateAreas() const {
   cumulativeArea.reserve(triangles.size());

@@ -40,7 +40,7 @@ class Leader {
         before(double(film.totalSamples()) / double(film.bounds().area()) * tiles) {
     if (!allocation) return;
     queue.keepPassesWhole();
-    if (allocation->dealtUpTo() > 0) sendAll(Command::STAGE);
+    if (allocation->dealtUpTo() > 0) shareStage();
   }
 
   RenderStatistics lead() {
@@ -62,8 +62,7 @@ class Leader {
       tellProgress();
       if (quiet) std::this_thread::sleep_for(worker.isReducing() ? BUSY_POLL : IDLE_POLL);
     }
-    for (int r = 0; r < int(ranks.size()); ++r)
-      if (r != LEADER) send(r, {Command::END, 0, {}});
+    sendOthers(Command::END);
     if (!reason) lookAtError();
     if (settings.save) save();
     RenderStatistics out = statistics();
@@ -110,10 +109,17 @@ class Leader {
     else
       sendCommand(rank, c);
   }
-  void sendAll(Command::Kind kind) {
+  void sendOthers(Command::Kind kind) {
     for (int r = 0; r < int(ranks.size()); ++r)
       if (r != LEADER) send(r, {kind, 0, {}});
+  }
+  void sendAll(Command::Kind kind) {
+    sendOthers(kind);
     send(LEADER, {kind, 0, {}});
+  }
+  void shareStage() {
+    sendOthers(Command::STAGE);
+    worker.shareStage(allocation->plan());
   }
 
   void take(int from, const FullReport& r) {
@@ -132,7 +138,7 @@ class Leader {
     }
     if (done > 0 && r.seconds > 0) rank.speed = done / r.seconds;
     anythingNew = anythingNew || done > 0;
-    if (from != LEADER) worker.renderer.setPilots(d->unit, r.pilots);
+    if (allocation) worker.renderer.setPilots(d->unit, r.pilots, *allocation);
     d->finished = true;
     if (d->reduction <= reductionsDone) dealt.erase(d);
   }
@@ -174,7 +180,7 @@ class Leader {
     const int64_t first = allocation->dealtUpTo();
     allocation->begin(first, std::min(SampleAllocation::stageEnd(first), lastSample), settings.seed);
     queue.giveBack({first, allocation->dealtUpTo(), 0, int64_t(samples.tiles())});
-    sendAll(Command::STAGE);
+    shareStage();
   }
 
   void deal() {

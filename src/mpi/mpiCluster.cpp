@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -161,7 +162,12 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
                                     const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
                                     const std::function<void(const RenderProgress&)>& progress,
                                     const std::function<void(const std::string&)>& log) {
-  Worker worker(scene, integrator, classes, settings,
+  // What the leader saves is not what its own worker writes to.
+  RenderSettings workerSettings = settings;
+  std::optional<SampleAllocation> workerAllocation;
+  if (leads() && settings.allocation)
+    workerSettings.allocation = &workerAllocation.emplace(*settings.allocation);
+  Worker worker(scene, integrator, classes, workerSettings,
                 leads() ? log : std::function<void(const std::string&)>(), leads());
   RenderStatistics statistics;
   const Clock::time_point start = Clock::now();
@@ -170,6 +176,8 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
   if (leads()) {
     // It has to have room for what the ranks' films have.
     if (worker.sum->splats()) film.enableSplats(worker.sum->splats()->unit());
+    if (settings.allocation)
+      settings.allocation->setMapPerSample(worker.renderer.samples().hasMapPerSample());
     statistics = lead(worker, names, settings, film, start, stop, progress);
   } else {
     follow(worker, stop);

@@ -23,7 +23,7 @@ constexpr double REPORT_SECONDS = 0.2;
 Worker::Worker(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                const RenderSettings& settings, const std::function<void(const std::string&)>& log, bool leads)
     : renderer(scene, integrator, classes, settings, log), outgoing(renderer.emptyFilm()),
-      reduction(outgoing), allocation(settings.allocation), leads(leads), processorStart(std::clock()) {
+      reduction(outgoing), allocation(settings.allocation), processorStart(std::clock()) {
   MPI_Comm_dup(MPI_COMM_WORLD, &stages);
   if (leads) sum.emplace(renderer.emptyFilm());
 }
@@ -33,18 +33,17 @@ Worker::~Worker() { MPI_Comm_free(&stages); }
 bool Worker::obey(const Command& c) {
   if (c.kind == Command::UNIT) renderer.add(c.id, c.unit);
   if (c.kind == Command::TAKE_FILM) filmWanted = true;
-  if (c.kind == Command::STAGE) shareStage();
+  if (c.kind == Command::STAGE) shareStage(allocation->plan());
   if (c.kind == Command::STOP) renderer.stop();
   return c.kind != Command::END;
 }
 
-void Worker::shareStage() {
+void Worker::shareStage(std::vector<std::byte> plan) {
   constexpr size_t PIECE = size_t(1) << 30; // counts of MPI are of 31 bits
-  std::vector<std::byte> plan = allocation->plan();
   for (size_t at = 0; at < plan.size(); at += PIECE)
     MPI_Bcast(plan.data() + at, static_cast<int>(std::min(PIECE, plan.size() - at)), MPI_BYTE, LEADER,
               stages);
-  if (!leads) allocation->setPlan(plan);
+  allocation->setPlan(plan);
 }
 
 std::vector<FullReport> Worker::reports(bool stop) {

@@ -33,6 +33,8 @@ class Worker {
 
   /** False at the end. */
   bool obey(const Command& command);
+  /** The leader's plan of adaptive samples goes to all, together. Elsewhere `plan` is of the right size. */
+  void shareStage(std::vector<std::byte> plan);
   /** What there is to be said now. */
   std::vector<FullReport> reports(bool stop);
   /** Goes on with the reduction. True when it has just ended, and the leader has the sum in films(). */
@@ -46,12 +48,8 @@ class Worker {
   std::optional<Film> sum; ///< of all ranks, at the leader
 
  private:
-  /** The leader's plan of adaptive samples goes to all. */
-  void shareStage();
-
   SampleAllocation* allocation;
   MPI_Comm stages; ///< for what shareStage() sends, apart from films that are on their way
-  bool leads;
   Figures figures;
   std::clock_t processorStart;
   Clock::time_point told{};

@@ -190,6 +190,19 @@ class BilinearMesh final : public Shape {
                    std::clamp(double(parameters.uv.y) + 0.5, 0.0, 1.0));
   }
 
+  std::vector<RimPiece> rim() const override {
+    std::vector<RimPiece> pieces;
+    for (const glm::uvec4& c : corners) {
+      const uint32_t around[] = {c.x, c.y, c.w, c.z};
+      for (size_t k = 0; k < 4; ++k) {
+        const Vec3f &from = vertices[around[k]], &to = vertices[around[(k + 1) % 4]];
+        const Vec3f opposite = 0.5f * (vertices[around[(k + 2) % 4]] + vertices[around[(k + 3) % 4]]);
+        if (from != to) pieces.push_back({from, to, opposite});
+      }
+    }
+    return pieces;
+  }
+
   float area() const override {
     return cumulativeArea.empty() ? 0 : static_cast<float>(cumulativeArea.back());
   }

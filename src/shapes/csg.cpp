@@ -92,15 +92,15 @@ class Csg final : public Shape {
    */
   bool canBeSampled() const override { return canEmit; }
   float area() const override {
-    std::call_once(areasKnown, [this] { measureAreas(); });
+    knowAreas();
     return ownArea;
   }
   ShapeSample sampleArea(float pick, const Vec2f& u) const override {
-    std::call_once(areasKnown, [this] { measureAreas(); });
+    knowAreas();
     return samplePart(pick, u);
   }
   float pdfArea(uint32_t, const SurfacePoint& point) const override {
-    std::call_once(areasKnown, [this] { measureAreas(); });
+    knowAreas();
     const auto component = componentAt(point);
     return component ? pdfOnPart(partOf(*component), *component, point) : 0;
   }
@@ -252,11 +252,18 @@ class Csg final : public Shape {
     return nearest ? std::optional(nearest->parameters.component()) : std::nullopt;
   }
 
+  void knowAreas() const {
+    std::call_once(areasKnown, [this] { measureAreas(); });
+  }
+
+  /** Of the parts before part i. */
+  double areaBefore(size_t i) const { return i > 0 ? cumulativeArea[i - 1] : 0; }
+
   ShapeSample samplePart(float pick, const Vec2f& u) const {
     const double chosen = double(pick) * cumulativeArea.back();
     const auto next = std::upper_bound(cumulativeArea.begin(), cumulativeArea.end() - 1, chosen);
     const auto i = static_cast<size_t>(next - cumulativeArea.begin());
-    const double before = i > 0 ? cumulativeArea[i - 1] : 0, own = cumulativeArea[i] - before;
+    const double before = areaBefore(i), own = cumulativeArea[i] - before;
     const Part& part = parts[i];
     ShapeSample s = part.shape->sampleArea(
         own > 0 ? std::min(static_cast<float>((chosen - before) / own), ONE_MINUS_EPSILON) : 0, u);
@@ -271,7 +278,7 @@ class Csg final : public Shape {
 
   float pdfOnPart(const Part& part, uint32_t component, const SurfacePoint& point) const {
     const auto i = static_cast<size_t>(&part - parts.data());
-    const double own = cumulativeArea[i] - (i > 0 ? cumulativeArea[i - 1] : 0);
+    const double own = cumulativeArea[i] - areaBefore(i);
     const uint32_t primitive = part.isCompound ? 0 : component - part.firstComponent;
     return static_cast<float>(own / cumulativeArea.back()) * part.shape->pdfArea(primitive, point);
   }
@@ -388,8 +395,7 @@ void registerCsg(PlugIns& plugIns) {
         .summary =
             "A solid made of solids, which ObjectBegin defines: their union, their intersection, or the "
             "first without the others. Where surfaces coincide, that of the operand named first counts. It "
-            "may "
-            "be a lamp where its operands may.",
+            "may be a lamp where its operands may.",
         .parameters = {stringParameter("operation", "union", "what to make of the operands")
                            .oneOf({"union", "intersection", "difference"}),
                        arrayParameter(ParameterType::STRING, "operands", 0, "",

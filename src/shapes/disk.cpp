@@ -74,6 +74,15 @@ class Disk final : public Shape {
 
   float area() const override { return totalArea; }
 
+  std::vector<RimPiece> rim() const override {
+    const auto point = [&](double u, double v) {
+      const double r = inner + (1 - inner) * v, phi = phiMax * u;
+      return center + axisX * (r * std::cos(phi)) + axisY * (r * std::sin(phi));
+    };
+    const bool isPartial = phiMax<TWO_PI, hasHole = inner> 0;
+    return rimOfSweep(point, isPartial, hasHole, true);
+  }
+
   ShapeSample sampleArea(float, const Vec2f& u) const override {
     ShapeSample s;
     Vec2f p;

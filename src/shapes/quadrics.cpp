@@ -55,6 +55,27 @@ class RevolvedQuadric final : public MappedShape {
             context.reverseOrientation, r);
   }
 
+  std::vector<RimPiece> rim() const override {
+    const auto at = [&](double u, double z, double rho) {
+      const double phi = phiMax * u + azimuthOfLine(z);
+      return inScene({rho * std::cos(phi), rho * std::sin(phi), z});
+    };
+    const auto side = [&](double u, double v) {
+      const double z = profile.zLow + (profile.zHigh - profile.zLow) * v;
+      return at(u, z, profile.radius(z));
+    };
+    std::vector<RimPiece> pieces =
+        rimOfSweep(side, phiMax < TWO_PI, !capped && profile.radius(profile.zLow) > 0,
+                   !capped && profile.radius(profile.zHigh) > 0);
+    if (capped && phiMax < TWO_PI)
+      for (const double z : {profile.zLow, profile.zHigh}) {
+        const auto cap = [&](double u, double v) { return at(u, z, profile.radius(z) * v); };
+        const std::vector<RimPiece> more = rimOfSweep(cap, true, false, false);
+        pieces.insert(pieces.end(), more.begin(), more.end());
+      }
+    return pieces;
+  }
+
  protected:
   enum Part : uint32_t { SIDE, LOW_CAP, HIGH_CAP };
   struct End {

@@ -112,6 +112,16 @@ class Sphere final : public Shape {
     return std::make_unique<WholeSphere>(*this);
   }
 
+  std::vector<RimPiece> rim() const override {
+    const auto point = [&](double u, double v) {
+      const double theta = thetaLow + (thetaHigh - thetaLow) * v, phi = sweep.phiMax * u;
+      return center + linear * Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
+                                     std::cos(theta));
+    };
+    const bool isPartial = sweep.phiMax<2 * PI_D, isCutBelow = sweep.zLow> - 1;
+    return rimOfSweep(point, isPartial, isCutBelow, sweep.zHigh < 1);
+  }
+
   ShapeSample sampleArea(float, const Vec2f& u) const override {
     const double z = sweep.zLow + (sweep.zHigh - sweep.zLow) * double(u.x), phi = sweep.phiMax * double(u.y);
     const double r = std::sqrt(std::max(0.0, 1 - z * z));

@@ -21,6 +21,14 @@ class Torus final : public MappedShape {
             context.reverseOrientation, 1);
   }
 
+  std::vector<RimPiece> rim() const override {
+    const auto point = [&](double u, double v) {
+      const double phi = phiMax * u, psi = TWO_PI * v, rho = major + minor * std::cos(psi);
+      return inScene({rho * std::cos(phi), rho * std::sin(phi), minor * std::sin(psi)});
+    };
+    return rimOfSweep(point, phiMax < TWO_PI, false, false);
+  }
+
  protected:
   void meet(const Line& line, Meetings& found) const override {
     const double speed = glm::length(line.direction);

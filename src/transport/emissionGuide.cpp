@@ -29,9 +29,9 @@ uint64_t VisibleRegion::Cells::key(int level, const Vec3f& position) {
   return key;
 }
 
-void VisibleRegion::add(const Vec3f& position, float size, float weight) {
+void VisibleRegion::add(const Vec3f& position, float size) {
   places.push_back(position);
-  surfaces.add(position, size, weight);
+  surfaces.add(position, size, 1);
 }
 
 void VisibleRegion::addInMedium(const Vec3f& position, float size, float weight) {

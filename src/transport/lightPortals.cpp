@@ -4,7 +4,7 @@
 #include "recurse/transport/lightPortals.h"
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 #include "recurse/core/parallel.h"
 #include "recurse/transport/directLight.h"
@@ -176,7 +176,7 @@ std::vector<LightPortals::Exit> LightPortals::crossings(const Scene& scene, uint
 }
 
 void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
-  boxes.clear();
+  boxes = {};
   scene = sceneToLearn.bounds();
   const std::vector<size_t> distant = distantLights(sceneToLearn);
   if (distant.empty() && sceneToLearn.environment().empty()) return;
@@ -188,53 +188,19 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
   if (crossings.active() && crossings.openPart() < openPart()) *this = std::move(crossings);
 }
 
-void LightPortals::enclose(std::vector<Exit>& exits) {
+void LightPortals::enclose(const std::vector<Exit>& exits) {
   constexpr int LEVELS = 6;       // 2^LEVELS leaves at the most
   constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
   if (exits.size() < MIN_EXITS) return;
-  split(exits.begin(), exits.end(), LEVELS, MARGIN * scene.radius);
-  float all = 0;
-  for (const Box& box : boxes) all += box.chance;
-  float sum = 0;
-  for (Box& box : boxes) {
-    box.chance /= all;
-    box.upToHere = sum += box.chance;
-  }
-}
-
-void LightPortals::split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels,
-                         float margin) {
-  constexpr ptrdiff_t FEW = 32;
-  // Photons that come in where no leaf is would be hundreds of times as strong as others.
-  constexpr float INNER = 0.1f, GROWTH = 0.05f;
-  Bounds3f bounds;
-  float weight = 0;
-  for (auto e = first; e != last; ++e) {
-    bounds.add(e->position);
-    weight += e->weight;
-  }
-  if (levels == 0 || last - first < 2 * FEW) {
-    bounds.lower -= margin;
-    bounds.upper += margin;
-    boxes.push_back({bounds, weight, true, 0});
-    return;
-  }
-  if (levels % 2 == 0) {
-    const Vec3f more = bounds.diagonal() * GROWTH + margin;
-    boxes.push_back({{bounds.lower - more, bounds.upper + more}, INNER * weight, false, 0});
-  }
-  const int axis = widestAxis(bounds.diagonal());
-  const auto middle = first + (last - first) / 2;
-  std::nth_element(first, middle, last,
-                   [&](const Exit& a, const Exit& b) { return a.position[axis] < b.position[axis]; });
-  split(first, middle, levels - 1, margin);
-  split(middle, last, levels - 1, margin);
+  std::vector<WeightedPlace> places;
+  for (const Exit& exit : exits) places.push_back({exit.position, exit.weight});
+  boxes = NestedBoxes(std::move(places), LEVELS, MARGIN * scene.radius);
 }
 
 float LightPortals::openPart() const {
   // A convex body's silhouette is a quarter of its surface, over all directions (Cauchy).
   float open = 0;
-  for (const Box& box : boxes) {
+  for (const NestedBoxes::Box& box : boxes) {
     if (!box.leaf) continue;
     const Vec3f d = box.bounds.diagonal();
     open += (d.x * d.y + d.y * d.z + d.z * d.x) / 2;
@@ -242,37 +208,20 @@ float LightPortals::openPart() const {
   return open * scene.pdfDisc();
 }
 
-LightTable LightPortals::lightsByPower(const LightTable& all) const {
-  const double part = active() ? std::min(1.0, double(openPart())) : 1;
-  std::vector<const Light*> lights;
-  std::vector<double> powers;
-  for (size_t i = 0; i < all.size(); ++i) {
-    const bool infinite = all[i].kind() == LightKind::DISTANT || all[i].kind() == LightKind::ENVIRONMENT;
-    lights.push_back(&all[i]);
-    powers.push_back(double(maxComponent(all[i].power())) * (infinite ? part : 1));
-  }
-  LightTable table;
-  table.build(lights, powers);
-  return table;
-}
-
 void LightPortals::redirect(LeSample& sample, float pick, const Vec2f& u) const {
   const Vec3f& w = sample.direction;
-  const Box* chosen = nullptr;
+  const NestedBoxes::Box* chosen = nullptr;
   if (pick >= DISC_PART) {
     pick = (pick - DISC_PART) / (1 - DISC_PART);
-    const auto box = std::upper_bound(boxes.begin(), boxes.end() - 1, pick,
-                                      [](float value, const Box& b) { return value < b.upToHere; });
-    chosen = &*box;
+    chosen = &boxes.choose(pick);
     // The sides towards the light, in proportion to what is seen of them.
-    const Vec3f sides = projectedSides(box->bounds, w);
-    float rest = std::clamp((pick - (box->upToHere - box->chance)) / box->chance, 0.0f, 1.0f) *
-                 (sides.x + sides.y + sides.z);
+    const Vec3f sides = projectedSides(chosen->bounds, w);
+    float rest = pick * (sides.x + sides.y + sides.z);
     int axis = 0;
     while (axis < 2 && (rest >= sides[axis] || sides[axis] == 0)) rest -= sides[axis++];
-    const Vec3f d = box->bounds.diagonal();
-    Vec3f point = box->bounds.lower;
-    if (w[axis] < 0) point[axis] = box->bounds.upper[axis];
+    const Vec3f d = chosen->bounds.diagonal();
+    Vec3f point = chosen->bounds.lower;
+    if (w[axis] < 0) point[axis] = chosen->bounds.upper[axis];
     point[(axis + 1) % 3] += u.x * d[(axis + 1) % 3];
     point[(axis + 2) % 3] += u.y * d[(axis + 2) % 3];
     sample.origin = point - w * (glm::dot(point - scene.center, w) + scene.radius);
@@ -282,9 +231,9 @@ void LightPortals::redirect(LeSample& sample, float pick, const Vec2f& u) const 
   sample.flux *= before / sample.pdfPosition;
 }
 
-float LightPortals::pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const {
+float LightPortals::pdf(const Vec3f& point, const Vec3f& direction, const NestedBoxes::Box* met) const {
   float sum = 0;
-  for (const Box& box : boxes)
+  for (const NestedBoxes::Box& box : boxes)
     if (&box == met || meets(box.bounds, point, direction))
       sum += box.chance / silhouette(box.bounds, direction);
   return DISC_PART * scene.pdfDisc() + (1 - DISC_PART) * sum;

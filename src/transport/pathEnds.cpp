@@ -7,14 +7,9 @@
 
 namespace recurse {
 
-bool LightEnd::isInfinite() const {
-  return light->kind() == LightKind::DISTANT || light->kind() == LightKind::ENVIRONMENT;
-}
+bool LightEnd::isInfinite() const { return light->isInfinite(); }
 
-bool LightEnd::isMet() const {
-  if (light->isDelta()) return false;
-  return light->kind() != LightKind::AREA || !static_cast<const AreaLight*>(light)->isUnseen();
-}
+bool LightEnd::isMet() const { return light->isMet(); }
 
 LightGeometry LightEnd::geometry() const {
   if (light->isDelta()) return LightGeometry::DELTA;

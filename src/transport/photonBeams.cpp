@@ -11,13 +11,10 @@ namespace recurse {
 namespace {
 
 /** Side of a square that in the mean one of parallel beams goes through, where so much length of them lies in
- * the box. A box that is flat counts as a tenth as thick as it is wide. */
+ * the box. */
 float spacingIn(const Bounds3f& box, double length) {
-  constexpr float FLAT = 0.1f;
-  const Vec3f extent = box.diagonal();
-  const float least = FLAT * std::max(extent.x, std::max(extent.y, extent.z));
-  const Vec3d e(glm::max(extent, Vec3f(least)));
-  return static_cast<float>(std::sqrt(e.x * e.y * e.z / length));
+  const Vec3d sides(thickSides(box));
+  return static_cast<float>(std::sqrt(sides.x * sides.y * sides.z / length));
 }
 
 } // namespace
@@ -50,12 +47,13 @@ void PhotonBeamMap::build(std::vector<PhotonBeam> all, float scale, float widest
   const auto point = [&](const Piece& p, float s) {
     return beams[p.beam].origin + beams[p.beam].direction * s;
   };
-  tree.sort(pieces, [&](const Piece& p) { return point(p, (p.begin + p.end) / 2); });
+  const auto middle = [&](const Piece& p) { return point(p, (p.begin + p.end) / 2); };
+  tree.sort(pieces, middle);
   tree.forParts([&](size_t first, size_t end) {
     Bounds3f part;
     double inPart = 0;
     for (size_t k = first; k < end; ++k) {
-      part.add(point(pieces[k], (pieces[k].begin + pieces[k].end) / 2));
+      part.add(middle(pieces[k]));
       inPart += double(pieces[k].end - pieces[k].begin);
     }
     float radius = inPart > 0 ? RADIUS * spacingIn(part, inPart) : 0;

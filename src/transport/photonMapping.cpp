@@ -149,13 +149,13 @@ class PhotonMapping final : public Integrator {
 
   /** Whether path tracing finds all light that photons do, and a trial is little work beside the picture. */
   bool mayLeaveItToPaths(const Scene& scene) const {
+    constexpr int MAX_LIGHT_SAMPLES = 64; // with more, a trial may take longer than the picture
+    if (settings.lightSamples > MAX_LIGHT_SAMPLES) return false;
     if (!settings.trial || !mayGoOn() || settings.nearest > 0 || settings.radius > 0 || settings.directLight)
       return false;
-    bool met = true; // by rays
-    for (size_t i = 0; i < scene.lights().size(); ++i) {
-      const LightKind kind = scene.lights()[i].kind();
-      met = met && (kind == LightKind::AREA || kind == LightKind::ENVIRONMENT);
-    }
+    bool met = true; // by rays, as lamps far away hardly are
+    for (uint32_t i = 0; i < scene.lights().size(); ++i)
+      met = met && scene.lights()[i].isMet() && !photons.isAimed(i);
     return scene.lights().size() > 0 && (met || photons.caustics().map.empty()) &&
            scene.film().whole().area() >= EstimatorTrial::PIXELS;
   }
@@ -333,7 +333,9 @@ class PhotonMapping final : public Integrator {
     Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
     if (isBlack(radiance)) return;
     const auto pdf = [&] {
-      return hit.areaLight->pdfLe({hit.point.position, -direction, hit.point.geometricNormal, hit.primitive});
+      return photons.pdfLe(
+          hit.lightIndex, *hit.areaLight,
+          {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
     };
     if (isShared(path)) {
       addShared(scene, path, hit.lightIndex, pdf(), radiance,
@@ -343,7 +345,7 @@ class PhotonMapping final : public Integrator {
     if (path.nonDelta > 0 && path.delta && !settings.directLight) {
       MergeRatio merge = path.merge;
       merge.arrive(direction, hit.point);
-      radiance *= merge.cameraWeight(pdf(), scene.lights().probability(hit.lightIndex));
+      radiance *= merge.cameraWeight(pdf(), photons.probability(scene, hit.lightIndex));
     }
     addLight(path, radiance, out);
   }
@@ -355,14 +357,14 @@ class PhotonMapping final : public Integrator {
       const Rgb radiance =
           environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
       if (isBlack(radiance)) continue;
-      const auto pdf = [&] {
-        return scene.environment()[i]->pdfLe({path.ray.origin, -direction, Vec3f(0), 0});
-      };
       const uint32_t index = scene.environmentIndices()[i];
+      const auto pdf = [&] {
+        return photons.pdfLe(index, *scene.environment()[i], {path.ray.origin, -direction, Vec3f(0), 0});
+      };
       if (isShared(path))
         addShared(scene, path, index, pdf(), radiance, INFINITE, out);
       else if (path.nonDelta > 0 && path.delta && !settings.directLight)
-        addLight(path, radiance * path.merge.cameraWeight(pdf(), scene.lights().probability(index)), out);
+        addLight(path, radiance * path.merge.cameraWeight(pdf(), photons.probability(scene, index)), out);
       else
         addLight(path, radiance, out);
     }
@@ -374,9 +376,8 @@ class PhotonMapping final : public Integrator {
   void addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
                  const Rgb& radiance, float distance, PathRadiance& out) const {
     const LightSampleContext& from = path.bsdfRay.from;
-    const float arrivals =
-        photons.arrivals(scene, light, pdf, from.position, -path.ray.direction, path.shared.cosine, distance,
-                         lights.probability(scene.lights(), from, light));
+    const float arrivals = photons.arrivals(scene, light, pdf, path.shared.cosine, distance,
+                                            lights.probability(scene.lights(), from, light));
     out.add(out.pathClasses().lightStart(), path.camera,
             path.shared.throughput * radiance * path.shared.share.camera(arrivals, path.shared.pdf));
   }
@@ -543,12 +544,12 @@ class PhotonMapping final : public Integrator {
       Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
                                         settings.lightSamples, NON_DELTA_LOBES);
       if (share.merged > 0)
-        radiance *= share.camera(photons.arrivals(scene, choice.chosen.index,
-                                                  choice.chosen.light->pdfLe(light->emitted()),
-                                                  hit.point.position, -light->direction,
-                                                  absDot(light->direction, hit.point.geometricNormal),
-                                                  light->distance, choice.chosen.probability),
-                                 scattering.pdfNonDelta(light->direction, wi));
+        radiance *= share.camera(
+            photons.arrivals(scene, choice.chosen.index,
+                             photons.pdfLe(choice.chosen.index, *choice.chosen.light, light->emitted()),
+                             absDot(light->direction, hit.point.geometricNormal), light->distance,
+                             choice.chosen.probability),
+            scattering.pdfNonDelta(light->direction, wi));
       if (isBlack(radiance)) continue;
       const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, NO_PANES, out.counts);
       if (!isBlack(free.value)) out.add(out.pathClasses().lightStart(), path.camera, radiance * free.value);

@@ -41,23 +41,26 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.photons = photonCount(scene);
   shoot.maxDepth = settings.maxDepth;
   shoot.portals = &portals;
+  shoot.aim = &aim;
   // How densely photons arrive that pass media is not known.
   if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
   if (settings.guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
+  if (scene.hasMedia()) {
+    if (pass.index == 0 && !glowing.learn(scene, pass.seed, pass.time, statistics.counts))
+      statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
+    shoot.media = &glowing;
+  }
   if (pass.index == 0) {
     guidance = {};
     portals = {};
-    if (scene.hasMedia() && !glowing.learn(scene, pass.seed, pass.time, statistics.counts))
-      statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
-    if (scene.hasMedia()) shoot.media = &glowing;
+    aim = {};
     if (settings.guided && scene.lights().size() > 0)
       learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
   if (scene.hasMedia()) {
-    shoot.media = &glowing;
     if (pass.index == 0) learnMedia(scene, classes, pass, shoot, control, statistics);
     shoot.inMedia = media;
   }
@@ -226,7 +229,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = true;
   gather.merging = gather.rest = 0;
-  if (tooFew || !query.place.known) return;
+  if (tooFew || indirectLayer.cache.size() == 0) return;
+  // Where no place looks the same way, as on strongly curved surfaces, the nearest one tells.
   const RadiusCache::Place& place = indirectLayer.cache.place(query.place.index);
   const auto variance = double(place.variance), squared = square(double(place.irradiance));
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
@@ -234,7 +238,7 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
       std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
   const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
   double error2 = stain * variance + double(place.bias2);
-  if (place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
+  if (!query.place.known || place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance / error2);
   // Where it is not known what rays err by, as in scenes with media: most indirect light of a room comes from
   // about a tenth of the directions.
@@ -244,14 +248,21 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   gather.rest = static_cast<float>(std::clamp((byRays / (byRays + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
 }
 
-float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, const Vec3f& point,
-                           const Vec3f& direction, float cosine, float distance, float chosen) const {
-  const LightKind kind = scene.lights()[light].kind();
-  LePdf started = pdf;
-  if ((kind == LightKind::DISTANT || kind == LightKind::ENVIRONMENT) && portals.active())
-    started.position = portals.pdf(point, direction);
-  const LightTable& table = settings.guided ? lights : scene.lights();
-  return arrivalDensity(kind, started, distance, cosine, table.probability(light), chosen);
+LePdf PhotonPass::pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {
+  LePdf pdf = light.pdfLe(ray);
+  if (aim.isAimed(index)) pdf.direction = aim.pdfDirection(light, ray, pdf.direction);
+  if (light.isInfinite() && portals.active()) pdf.position = portals.pdf(ray.origin, ray.direction);
+  return pdf;
+}
+
+float PhotonPass::probability(const Scene& scene, uint32_t light) const {
+  return (settings.guided ? lights : scene.lights()).probability(light);
+}
+
+float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
+                           float chosen) const {
+  return arrivalDensity(scene.lights()[light].kind(), pdf, distance, cosine, probability(scene, light),
+                        chosen);
 }
 
 GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRadius) const {
@@ -263,36 +274,65 @@ GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRad
   return now;
 }
 
+LightTable PhotonPass::lightsByPower(const LightTable& all) const {
+  const double open = portals.active() ? std::min(1.0, double(portals.openPart())) : 1;
+  std::vector<const Light*> each;
+  std::vector<double> powers;
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    each.push_back(&all[i]);
+    powers.push_back(double(maxComponent(all[i].power())) *
+                     (all[i].isInfinite() ? open : double(aim.powerPart(i))));
+  }
+  LightTable table;
+  table.build(each, powers);
+  return table;
+}
+
 void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                                const ShootSettings& shoot, const ForwardControl& control,
                                ForwardStatistics& statistics) {
   const VisibleRegion region = probeRegion(scene, settings.weighting, statistics.counts);
   portals = {};
-  lights = portals.lightsByPower(scene.lights());
-  // A search for the nearest photons of one map wants them to be of nearly equal power. Paths that leave
-  // media leave them anywhere.
-  if (progressive && !scene.hasMedia()) {
-    LightPortals found;
-    found.learn(scene, seed, statistics.counts);
-    if (found.active()) {
-      constexpr uint64_t WORTH_IT = 2; // photons through boxes differ in power
-      const auto useful = [&] {
-        return countUsefulPhotons(scene, classes, seed, shoot, region, statistics.counts);
-      };
-      const uint64_t without = useful();
-      portals = std::move(found);
-      lights = portals.lightsByPower(scene.lights());
-      if (useful() < WORTH_IT * without) {
-        portals = {};
-        lights = portals.lightsByPower(scene.lights());
-      }
+  aim = {};
+  lights = lightsByPower(scene.lights());
+  const bool targets = !scene.hasMedia(); // photons that media scatter know nothing of them
+  const auto learned = [&] {
+    return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
+  };
+  guidance = learned();
+  const auto keepIfUseful = [&](auto& known, auto found) {
+    constexpr double WORTH_IT = 2;                // of a variance of which trials know little
+    constexpr uint64_t FEW = 256, MANY_TIMES = 4; // of some 32,000
+    if (!found.active() || control.stopped()) return;
+    std::swap(known, found);
+    lights = lightsByPower(scene.lights());
+    PhotonGuidance with = learned();
+    // Where hardly a photon comes down, what it would bring is not known.
+    const bool areManyMore =
+        guidance.useful < FEW && with.useful >= MANY_TIMES * std::max<uint64_t>(1, guidance.useful);
+    const bool isBetter = with.secondMoment > 0 && with.secondMoment * WORTH_IT < guidance.secondMoment;
+    if (areManyMore || isBetter) {
+      guidance = std::move(with);
+      return;
     }
+    known = std::move(found);
+    lights = lightsByPower(scene.lights());
+  };
+  // A search for the nearest photons of one map wants them to be of nearly equal power.
+  if (progressive) {
+    LightPortals openings;
+    openings.learn(scene, seed, statistics.counts);
+    keepIfUseful(portals, std::move(openings));
+    PhotonAim farLamps;
+    farLamps.learn(scene, seed, statistics.counts);
+    keepIfUseful(aim, std::move(farLamps));
   }
   if (portals.active())
     statistics.notes.push_back(formatted(
         "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));
-  const bool targets = !scene.hasMedia(); // photons that media scatter know nothing of them
-  guidance = recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
+  if (aim.active())
+    statistics.notes.push_back(formatted("photons: %zu far lamp%s aimed at what camera paths meet",
+                                         aim.lampCount(), aim.lampCount() == 1 ? " is" : "s are"));
   if (guidance.emission.active())
     statistics.notes.push_back(
         formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",

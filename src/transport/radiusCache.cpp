@@ -247,6 +247,7 @@ class PlaceFinder {
     constexpr float PHOTONS = 8;
     constexpr double DARK = 0.3;
     constexpr float COHERENT = 0.7f;
+    constexpr float MAX_RATIO = 4; // of radii: places in a small pool of light tell nothing of wide discs
     std::vector<size_t> judged;
     const auto judgeSome = [&](size_t from, size_t end) {
       const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
@@ -256,9 +257,11 @@ class PlaceFinder {
     judgeSome(ofPhotons, places.size());
     std::vector<Photon> measuredAt(judged.size());
     std::vector<SupportErrors> errors(judged.size());
+    std::vector<float> radii(judged.size()); // before any is chosen anew
     forAll(judged.size(), [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
       const size_t i = judged[m];
       measuredAt[m].position = places[i].position;
+      radii[m] = places[i].radius;
       GatherRegion region = regionAt(places[i]);
       BoundaryCorrection boundary = surroundingsOf(places[i], i);
       region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
@@ -277,6 +280,7 @@ class PlaceFinder {
     const double dark2 = square(DARK * mean);
     forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
       Place& place = places[i];
+      const float radius = place.radius;
       GatherRegion region;
       region.center = place.position;
       region.bothSides = true;
@@ -286,6 +290,7 @@ class PlaceFinder {
         for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
           const size_t m = measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
           const Place& other = places[judged[m]];
+          if (!(std::max(radius, radii[m]) < MAX_RATIO * std::min(radius, radii[m]))) continue;
           const bool seen =
               glm::dot(place.normal, other.normal) > COHERENT && place.around.sees(other.position);
           if (seen || !onlySeen) evidence.add(errors[m], dark2);
@@ -296,7 +301,7 @@ class PlaceFinder {
         measured.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, false); });
       if (evidence.places == 0) return;
       Evidence nearest = std::exchange(evidence, {});
-      region.radius = place.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
+      region.radius = radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
       measured.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
       if (evidence.places < nearest.places) evidence = nearest;
 
@@ -309,9 +314,8 @@ class PlaceFinder {
       place.bias2 = static_cast<float>(biasWeight * bias2 / evidence.places);
       if (rays.lights) place.worth = worth(errorsHere, best, double(place.bias2), evidence.places);
       if (best == SupportErrors::OWN) return;
-      const float radius = place.radius * ofArea(best);
       settle(
-          place, i, [&](const GatherRegion&) { return radius; }, partCounts);
+          place, i, [&](const GatherRegion&) { return radius * ofArea(best); }, partCounts);
     });
   }
 

@@ -146,7 +146,7 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
       moves(scene.moves()), tilesX((film.bounds().width() + TILE - 1) / TILE),
       tilesY((film.bounds().height() + TILE - 1) / TILE) {
   statistics.threads = threadCount();
-  if (settings.allocation) settings.allocation->setMapPerSample(passCount == 0 || passCount == wanted);
+  if (settings.allocation) settings.allocation->setMapPerSample(hasMapPerSample());
   if (const std::string unsupported = unsupportedPart(integrator, scene); !unsupported.empty())
     throw Error("the integrator does not render " + unsupported);
   integrator.prepare(scene, classes);

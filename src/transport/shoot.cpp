@@ -74,14 +74,18 @@ class PhotonWalk {
     const Light& source = lights[index];
     if (!(lights.probability(index) > 0)) return start;
     std::optional<LeSample> emission = source.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
-    if (!emission || isBlack(emission->flux)) return start;
+    if (!emission) return start;
+    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
+    if (aimed) settings.aim->redirect(source, *emission, pick, {n[4], n[5]});
+    if (isBlack(emission->flux)) return start;
     LePdf pdf = source.pdfLe(*emission);
-    const ReverseRatio ratio = ReverseRatio::atLight(*emission, pdf, scene.lights().probability(index));
-    const bool infinite = source.kind() == LightKind::DISTANT || source.kind() == LightKind::ENVIRONMENT;
-    if (infinite && settings.portals && settings.portals->active()) {
-      settings.portals->redirect(*emission, n[1], {n[2], n[3]});
+    if (aimed) pdf.direction = emission->pdfDirection;
+    if (source.isInfinite() && settings.portals && settings.portals->active()) {
+      settings.portals->redirect(*emission, pick, {n[2], n[3]});
       pdf.position = emission->pdfPosition;
     }
+    const ReverseRatio ratio =
+        source.isMet() ? ReverseRatio::atLight(*emission, pdf, lights.probability(index)) : ReverseRatio();
     origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), lights.probability(index)};
     const Rgb flux =
         emission->flux / (lights.probability(index) * (1 - byMedia) * static_cast<float>(settings.photons));
@@ -304,25 +308,22 @@ class PhotonWalk {
   }
 
   /** What is seen of a target from a place outside. */
-  struct Cone {
-    Vec3f axis;
-    float opening; ///< 1 - cosine of half the angle, without cancellation
+  struct Target {
+    Cone cone;
     float part;
-    bool contains(const Vec3f& direction) const { return lengthSquared(direction - axis) <= 2 * opening; }
   };
   /** The targets that photons are sent to from a place. True when it is outside of all. */
   bool findCones(const Vec3f& from) {
     cones.clear();
     for (const DxtranSphere& t : settings.targets) {
-      const Vec3f way = t.center - from;
-      const float distance2 = lengthSquared(way), sine2 = square(t.radius) / distance2;
-      if (!(distance2 > square(NEAR_TARGET * t.radius))) return false;
-      cones.push_back({way / std::sqrt(distance2), sine2 / (1 + std::sqrt(1 - sine2)), t.part});
+      if (!(lengthSquared(t.center - from) > square(NEAR_TARGET * t.radius))) return false;
+      cones.push_back({Cone::toSphere(from, t.center, t.radius), t.part});
     }
     return true;
   }
   std::ptrdiff_t conesAround(const Vec3f& direction) const {
-    return std::count_if(cones.begin(), cones.end(), [&](const Cone& c) { return c.contains(direction); });
+    return std::count_if(cones.begin(), cones.end(),
+                         [&](const Target& t) { return t.cone.contains(direction); });
   }
 
   /** Photons to the targets from where `from` has scattered. */
@@ -334,18 +335,16 @@ class PhotonWalk {
     const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
     const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
     Sampler branch = sampler.fork(BRANCH);
-    for (const Cone& cone : cones) {
+    for (const auto& [cone, part] : cones) {
       const float lifted = glm::dot(normal, cone.axis);
       // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
       if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
-      const float part = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
-      const float wanted =
-          std::clamp(maxComponent(from.flux) * part / (base * cone.part), MIN_COUNT, MAX_COUNT);
+      const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
+      const float wanted = std::clamp(maxComponent(from.flux) * seen / (base * part), MIN_COUNT, MAX_COUNT);
       const int count = static_cast<int>(wanted + branch.next1D());
-      const Frame frame(cone.axis);
       for (int i = 0; i < count; ++i) {
         Sampler own = branch.fork(static_cast<uint32_t>(i));
-        const Vec3f direction = frame.toWorld(uniformCone(own.next2D(), cone.opening));
+        const Vec3f direction = cone.sample(own.next2D());
         Flight sentOut = from;
         const float density = wanted *
                               static_cast<float>(std::max<std::ptrdiff_t>(1, conesAround(direction))) /
@@ -396,7 +395,7 @@ class PhotonWalk {
   TransportCounts& counts;
   StoredPhotons& out;
   std::vector<std::pair<Flight, Sampler>> waiting;
-  std::vector<Cone> cones; ///< of the last surface
+  std::vector<Target> cones; ///< of the last surface
   Origin origin;
   float base = 0, entered = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
@@ -631,17 +630,6 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
 
 } // namespace
 
-uint64_t countUsefulPhotons(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                            const ShootSettings& settings, const VisibleRegion& region,
-                            TransportCounts& counts) {
-  constexpr uint64_t TRIALS = 2 * BATCH;
-  ShootSettings trial = settings;
-  trial.photons = TRIALS;
-  const Trials trials = shootTrials(scene, classes, seed, trial, region);
-  counts.add(trials.counts);
-  return trials.inRegion;
-}
-
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts, bool targets) {
@@ -665,6 +653,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
     for (int round = 1;; ++round) {
       const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
       counts.add(trials.counts);
+      if (shot == 1) guidance.useful = trials.inRegion;
       if (round > 1) squares += trials.squares;
       if (round > 1) guided += trials.guided;
       if (!trial.targets.empty() && !trials.arrive()) return trials;
@@ -683,12 +672,14 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
         return trials;
     }
   };
-  const Trials plain = learn();
-  if (targets && double(plain.inRegion) < FEW * double(plain.stored) && !control.stopped()) {
+  Trials last = learn();
+  if (targets && double(last.inRegion) < FEW * double(last.stored) && !control.stopped()) {
     const EmissionGuide without = guide;
-    trial.targets = dxtranSpheresAround(scene, region.all(), plain.landed);
+    trial.targets = dxtranSpheresAround(scene, region.all(), last.landed);
     if (!trial.targets.empty()) {
-      if (!learn().arrive()) {
+      if (Trials sent = learn(); sent.arrive()) {
+        last = std::move(sent);
+      } else {
         trial.targets.clear();
         guide = without;
       }
@@ -696,6 +687,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   }
   // What a few photons leave behind that media scatter hundreds of times tells less than it seems to.
   if (guide.gain() < WORTH_IT || (scene.hasMedia() && squares < guided)) guide = {};
+  guidance.secondMoment = (guide.active() ? last.guided : last.squares) / double(trial.photons);
   guidance.targets = trial.targets;
   return guidance;
 }

@@ -127,24 +127,25 @@ std::vector<WorkUnit> UnitRenderer::render(const WorkUnit& unit) {
   return left;
 }
 
-void UnitRenderer::forEachPilots(const WorkUnit& unit,
+void UnitRenderer::forEachPilots(const WorkUnit& unit, SampleAllocation& of,
                                  const std::function<void(std::span<float>)>& use) const {
-  if (!allocation) return;
-  const size_t first = allocation->pilotsDue(unit.firstSample), end = allocation->pilotsDue(unit.endSample);
+  const size_t first = of.pilotsDue(unit.firstSample), end = of.pilotsDue(unit.endSample);
   for (int64_t tile = unit.firstTile; tile < unit.endTile; ++tile)
-    renderer.forEachPixel(size_t(tile),
-                          [&](size_t pixel, int, int) { use(allocation->pilotsOf(pixel, first, end)); });
+    renderer.forEachPixel(size_t(tile), [&](size_t pixel, int, int) { use(of.pilotsOf(pixel, first, end)); });
 }
 
 std::vector<float> UnitRenderer::pilotsOf(const WorkUnit& unit) const {
   std::vector<float> out;
-  forEachPilots(unit, [&](std::span<float> pilots) { out.insert(out.end(), pilots.begin(), pilots.end()); });
+  if (allocation)
+    forEachPilots(unit, *allocation,
+                  [&](std::span<float> pilots) { out.insert(out.end(), pilots.begin(), pilots.end()); });
   return out;
 }
 
-void UnitRenderer::setPilots(const WorkUnit& unit, const std::vector<float>& pilots) const {
+void UnitRenderer::setPilots(const WorkUnit& unit, const std::vector<float>& pilots,
+                             SampleAllocation& into) const {
   auto from = pilots.begin();
-  forEachPilots(unit, [&](std::span<float> of) {
+  forEachPilots(unit, into, [&](std::span<float> of) {
     std::copy_n(from, of.size(), of.begin());
     from += std::ptrdiff_t(of.size());
   });

@@ -11,14 +11,12 @@ namespace recurse {
 
 namespace {
 
-/** The radius at which about PHOTONS of so many in the box are within a cube of that side. A box that is
- * flat, as that of a beam's cross-section, counts as a tenth as thick as it is wide. */
+/** The radius at which about PHOTONS of so many in the box are within a cube of that side. */
 float radiusIn(const Bounds3f& box, size_t count) {
-  constexpr float PHOTONS = 2, FLAT = 0.1f;
-  const Vec3f extent = box.diagonal();
-  const float least = FLAT * std::max(extent.x, std::max(extent.y, extent.z));
-  const Vec3f e = glm::max(extent, Vec3f(least));
-  return std::cbrt(PHOTONS / static_cast<float>(count)) * std::cbrt(e.x) * std::cbrt(e.y) * std::cbrt(e.z);
+  constexpr float PHOTONS = 2;
+  const Vec3f sides = thickSides(box);
+  return std::cbrt(PHOTONS / static_cast<float>(count)) * std::cbrt(sides.x) * std::cbrt(sides.y) *
+         std::cbrt(sides.z);
 }
 
 /** The part of the Epanechnikov kernel of a unit disc before a chord at a distance from the middle, below 0

@@ -24,8 +24,25 @@ constexpr const char* THIN_FACES = "out of the axes the faces are 8 units of rou
 constexpr const char* NO_SHADOW_RAY = "no ray from the eye meets a point light";
 constexpr const char* BY_POWER =
     "photons start by the power of lights, and lights with no photons are chosen by it too: once in 1e40";
+constexpr const char* HARDLY_SEEN = "no light path meets so small a part of the scene";
+constexpr const char* CUT = "branches of little weight are cut, and told";
 
 constexpr KnownFailure KNOWN_FAILURES[] = {
+    {"grazing view: seen at 89.9 degrees", "lightpath", HARDLY_SEEN, true},
+    {"grazing view: seen at 89.999 degrees", "lightpath", HARDLY_SEEN, true},
+    {"ground sphere of radius 1e6: even light, eye at 0 1 4", "lightpath", HARDLY_SEEN, true},
+    {"ground sphere of radius 1e6: even light, eye at 0 .01 4", "lightpath", HARDLY_SEEN, true},
+    {"ground sphere of radius 1e6: even light, eye at 0 100 4000", "lightpath", HARDLY_SEEN, true},
+    {"ground sphere of radius 1e6: point light at a height of 2", "lightpath", HARDLY_SEEN, true},
+    {"refractive index: eta 10, ball in even light", "whitted", CUT, true},
+    {"refractive index: eta 10, slab", "whitted", CUT, true},
+    {"refractive index: eta 0.1, slab", "whitted", CUT, true},
+    {"50 shells of glass: even light", "whitted", CUT, true},
+    {"50 shells of glass: even light, eye in the middle", "whitted", CUT, true},
+    {"50 shells of glass: lamp in the middle", "whitted", CUT, true},
+    {"thin slab: slab 1e-06 thick at 0 degrees, tilted", "whitted", THIN_FACES, true},
+    {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "whitted", THIN_FACES, true},
+    {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "vpl", THIN_FACES, true},
     {"sphere of radius 1e-4 seen from 1e4: pinhole across the axes", "*", FINE_DIRECTIONS},
     {"thin slab: slab 1e-06 thick at 0 degrees, tilted", "photonmap*", THIN_FACES},
     {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "photonmap*", THIN_FACES},

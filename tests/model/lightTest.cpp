@@ -133,6 +133,25 @@ TEST(Lights, EmittedRaysHaveTheDensitiesThatAreToldOfThem) {
   }
 }
 
+TEST(Lights, RadianceIsToldForOtherDirections) {
+  for (const LightUse& light : everyLight()) {
+    if (isInfinite(*light.light)) continue;
+    int compared = 0;
+    for (uint32_t i = 0; i < 1000; ++i) {
+      LeRandom numbers = leRandom(i);
+      const auto one = light->sampleLe(numbers);
+      numbers.direction = leRandom(i + 1000).direction;
+      const auto other = light->sampleLe(numbers);
+      if (!one || !other || glm::distance(one->normal, other->normal) > 1e-3f) continue;
+      ++compared;
+      const Rgb told = light->radianceTowards(*one, other->direction);
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(told[c], other->radiance[c], 2e-3f * maxComponent(other->radiance)) << light.text;
+    }
+    EXPECT_GT(compared, 300) << light.text;
+  }
+}
+
 TEST(Lights, DensitiesOfEmissionIntegrateToOne) {
   for (const LightUse& light : everyLight()) {
     const int n = light.shape ? 256 : 512; // strata along the axis and around it

@@ -343,3 +343,33 @@ TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   }
   EXPECT_LT(smaller, 36) << "of 3600";
 }
+
+TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  std::vector<Photon> list = onFloor(5, 20000);
+  for (Photon& p : list) p.position = p.position * 0.05f + Vec3f(0.8f, 0, 0);
+  PhotonMap map;
+  map.build(list);
+  std::vector<VisiblePoint> seen;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 60; ++x) {
+      VisiblePoint visible{};
+      visible.point.position = Vec3f(-0.9f + 1.8f * float(x) / 60, -0.9f + 1.8f * float(y) / 60, 0);
+      visible.point.geometricNormal = visible.point.shadingNormal = {0, 0, 1};
+      visible.footprint = 0.002f;
+      seen.push_back(visible);
+    }
+  GatherSettings search;
+  search.nearest = 8;
+  search.radius = 2;
+  TransportCounts counts;
+  RadiusCache cache;
+  cache.build(*scene, map, seen, search, 2.0 / 3, {}, counts);
+  int reach = 0;
+  for (const VisiblePoint& v : seen) {
+    const float away = glm::distance(v.point.position, Vec3f(0.8f, 0, 0));
+    reach += away > 0.3f && cache.at(v.point.position, {0, 0, 1}).radius > away - 0.05f;
+  }
+  EXPECT_LT(reach, 36) << "of 3600";
+}

@@ -37,6 +37,14 @@ double deviation(const Scene& scene, Ray ray, float wavelength, int mirrors) {
   return mirrors > 0 ? degrees(turned) : degrees(std::acos(double(glm::dot(before, ray.direction))));
 }
 
+std::unique_ptr<Scene> glassBallUnderWhiteSky(int size, double fieldOfView) {
+  return sceneFrom(view(size, "0 0 4  0 0 0  0 1 0", fieldOfView) + R"(
+LightSource "infinite" "rgb L" [ 1 1 1 ]
+Material "dielectric" "spectrum eta" "glass-F11"
+Shape "sphere"
+)");
+}
+
 } // namespace
 
 TEST(Dispersion, ColoursOfWavelengthsAddUpToWhite) {
@@ -108,11 +116,7 @@ TEST(Dispersion, RainbowsOfADropStandAt42And51Degrees) {
 /** In a white surrounding glass without losses cannot be told from nothing, in any colour. */
 TEST(Dispersion, WhiteLightThroughGlassStaysWhiteAsAWhole) {
   const ThreadPool pool;
-  const auto scene = sceneFrom(view(8, "0 0 4  0 0 0  0 1 0", 18) + R"(
-LightSource "infinite" "rgb L" [ 1 1 1 ]
-Material "dielectric" "spectrum eta" "glass-F11"
-Shape "sphere"
-)");
+  const auto scene = glassBallUnderWhiteSky(8, 18);
   const auto check = [&](const char* integrator, int samplesPerPixel, double bound) {
     const bool oneMap = integrator == std::string("photonmap"); // there is nothing that photons could light
     const Rendered r =
@@ -129,11 +133,7 @@ Shape "sphere"
 TEST(Dispersion, WavelengthsOfAPixelAreStratified) {
   constexpr int N = 64, COLOURS = 10000;
   const ThreadPool pool;
-  const auto scene = sceneFrom(view(16, "0 0 4  0 0 0  0 1 0", 8) + R"(
-LightSource "infinite" "rgb L" [ 1 1 1 ]
-Material "dielectric" "spectrum eta" "glass-F11"
-Shape "sphere"
-)");
+  const auto scene = glassBallUnderWhiteSky(16, 8);
   double independent = 0; // squared error of N wavelengths, all three colours
   for (int i = 0; i < COLOURS; ++i) {
     const Rgb e = wavelengthColour(sampleWavelength((static_cast<float>(i) + 0.5f) / COLOURS)) - Rgb(1);

@@ -2,6 +2,7 @@
  * Where light from far away comes in: densities against closed forms, and which photons get in.
  */
 #include "recurse/transport/lightPortals.h"
+#include "recurse/transport/shoot.h"
 #include "transport/roomWithHole.h"
 
 using namespace recurse;
@@ -74,5 +75,54 @@ TEST(LightPortals, ARoomWithAHoleIsAsBrightAsByPaths) {
     const double error = std::hypot(path.standardError(), photons.standardError());
     EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.02 + 3 * error / path.mean()) << pane;
     EXPECT_GT(photons.statistics.photonsStored, photons.statistics.photonsEmitted / 20);
+  }
+}
+
+TEST(LightPortals, ASkyWithASunComesInAsItDoesWithoutBoxes) {
+  const std::string pool = view(16, "-3.5 2.6 -7.5  0 -.8 0  0 1 0", 8) + R"(
+AttributeBegin
+Rotate -90 1 0 0
+LightSource "sky" "float turbidity" 3 "float elevation" 52 "float azimuth" 250 "float scale" .1
+AttributeEnd
+Material "diffuse" "rgb reflectance" [.6 .6 .6]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3  0 1 5 0 5 4  1 2 6 1 6 5  2 3 7 2 7 6  3 0 4 3 4 7]
+  "point3 P" [-3 -1.6 -4  3 -1.6 -4  3 -1.6 4  -3 -1.6 4  -3 0 -4  3 0 -4  3 0 4  -3 0 4]
+Shape "trianglemesh" "integer indices" [0 1 5 0 5 4  1 2 6 1 6 5  2 3 7 2 7 6  3 0 4 3 4 7]
+  "point3 P" [-8 0 -8  8 0 -8  8 0 8  -8 0 8  -3 0 -4  3 0 -4  3 0 4  -3 0 4]
+Material "dielectric" "float eta" 1.33
+Shape "bilinearmesh" "point3 P" [-3 -.1 4  3 -.1 4  -3 -.1 -4  3 -.1 -4]
+)";
+  const auto scene = sceneFrom(pool);
+  ASSERT_TRUE(scene);
+  const LightPortals portals = portalsOf(*scene);
+  ASSERT_TRUE(portals.active());
+  const auto powerOnTheFloor = [&](const LightPortals* through) {
+    ShootSettings settings;
+    settings.photons = 400000;
+    settings.portals = through;
+    double sum = 0;
+    for (const Photon& p : shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl()).stored)
+      if (p.position.y - scene->bounds().center.y < -0.5f) sum += double(p.power.r);
+    return sum;
+  };
+  EXPECT_NEAR(powerOnTheFloor(&portals) / powerOnTheFloor(nullptr), 1, 0.03);
+}
+
+TEST(LightPortals, ASmallBallOfMilkOnAWideGroundGetsItsPhotons) {
+  const std::string milk = view(16, "0 .3 2.2  0 .3 0  0 1 0", 14) + R"(
+LightSource "infinite" "rgb L" [.6 .7 .9]
+Material "diffuse" "rgb reflectance" [.4 .4 .4]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-40 0 -40  -40 0 40  40 0 40  40 0 -40]
+MakeNamedMedium "milk" "string type" "homogeneous" "rgb sigma_s" [25 25 25] "rgb sigma_a" [.1 .1 .1]
+  "float g" .7
+MediumInterface "milk" ""
+Material "dielectric" "float eta" 1.35
+Translate 0 .3 0
+Shape "sphere" "float radius" .3
+)";
+  const Rendered path = renderText(milk, "path", "", 256);
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    const Rendered photons = renderText(milk, "photonmap", "\"bool trial\" false", 16, seed);
+    EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.08 + 3 * path.standardError() / path.mean()) << seed;
   }
 }

@@ -12,7 +12,7 @@ using namespace recurse::testing;
 namespace {
 
 const char* const LIT_FLOOR = R"(
-Film "rgb" "integer xresolution" 64 "integer yresolution" 64
+Film "rgb" "integer xresolution" 96 "integer yresolution" 96
 LookAt 0 2 -4  0 0 0  0 1 0
 Camera "perspective" "float fov" 50
 WorldBegin

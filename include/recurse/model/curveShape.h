@@ -32,6 +32,11 @@ class CurveShape final : public Shape {
   Bounds3f bounds(uint32_t segment) const override;
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
   SurfacePoint surfaceAt(uint32_t segment, const HitParameters& parameters) const override;
+  /** It has no inside. */
+  std::vector<RimPiece> rim() const override {
+    const Vec3f start(points.front());
+    return {{start, start, start}};
+  }
   bool canBeSampled() const override { return false; }
   float area() const override { return 0; }
   ShapeSample sampleArea(float, const Vec2f&) const override { return {}; }

@@ -23,8 +23,8 @@ std::vector<ParameterSpec> withDisplacement(std::vector<ParameterSpec> own);
 
 /**
  * The mesh, displaced where the parameters say so: edges are halved until they are short enough before and
- * after the displacement, all triangles at an edge alike, so that no gaps open; then the normals are those of
- * what has become of it. Throws Error as TriangleMesh does.
+ * after the displacement. Triangles that share an edge share its halves, so that no gaps open. The normals
+ * are those of the displaced surface. Throws Error as TriangleMesh does.
  */
 std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters& p,
                                                 const ShapeContext& context);

@@ -94,6 +94,9 @@ class Light {
   virtual LightKind kind() const = 0;
   /** True for lights at a point or in one direction, which rays cannot meet. */
   bool isDelta() const { return kind() == LightKind::POINT || kind() == LightKind::DISTANT; }
+  bool isInfinite() const { return kind() == LightKind::DISTANT || kind() == LightKind::ENVIRONMENT; }
+  /** Whether rays can meet it. */
+  virtual bool isMet() const { return !isDelta(); }
   /** Called once before any other function. */
   virtual void prepare(const SceneBounds&) {}
   /** Emitted flux [W]; what enters the scene's bounding sphere for distant and environment lights. */
@@ -102,6 +105,9 @@ class Light {
   virtual std::optional<LeSample> sampleLe(const LeRandom& sample) const = 0;
   /** The densities with which sampleLe() emits the ray. */
   virtual LePdf pdfLe(const LeRay& ray) const = 0;
+  /** LeSample::radiance for another unit direction from the same place, on the same side of a surface. Area
+   * lights are taken to shine evenly wherever they shine: those that do not have to say so. */
+  virtual Rgb radianceTowards(const LeSample& sample, const Vec3f& direction) const;
   /** The backward pass: light towards a point, not tested for visibility. Empty: none. */
   virtual std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const = 0;
   /** The same at a time (Ray::time), for lights that move. */
@@ -130,6 +136,7 @@ class AreaLight : public Light {
   }
   /** As in pbrt, a light whose alpha is the number 0 shines like any, but no ray ever meets it. */
   bool isUnseen() const { return unseen; }
+  bool isMet() const override { return !unseen; }
   /** Density with which sampleLi(from) chooses this point [1/sr]. */
   virtual float pdfLi(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const {
     return shapeOfLight.pdfDirection(from, primitive, point);

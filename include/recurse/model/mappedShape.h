@@ -77,6 +77,7 @@ class MappedShape : public Shape {
   virtual OwnPoint ownPoint(uint32_t part, const Vec3d& near) const = 0;
   /** From the unit square to a part, uniform by area in the own space. */
   virtual Vec3d ownSample(uint32_t part, const Vec2d& u) const = 0;
+  Vec3d inScene(const Vec3d& own) const { return center + linear * own; }
   /** What is missing for the shape to be a solid; empty: nothing. */
   virtual std::string whyOpen() const = 0;
 

@@ -91,6 +91,8 @@ class Medium {
 /** What makers of media are given besides parameters. */
 struct MediumContext {
   Mat4d sceneFromMedium{1};
+  float maxExtinction =
+      INFINITE; ///< beyond it the mean free path is lost in the rounding of positions [1/length]
 };
 
 } // namespace recurse

@@ -103,6 +103,12 @@ struct ShapeSample {
   uint32_t primitive = 0;
 };
 
+/** A piece of the edge where a surface ends. */
+struct RimPiece {
+  Vec3f from, to;
+  Vec3f inner; ///< a point of the surface beside it
+};
+
 /** Made with the transforms baked in: everything is in the space of the scene (or of its instance). */
 class Shape {
  public:
@@ -142,6 +148,9 @@ class Shape {
 
   /** The shape as a closed solid. Throws Error with the reason where it does not enclose a volume. */
   virtual std::unique_ptr<Solid> asSolid() const;
+  /** Where the surface ends: straight edges whole, of curved ones short pieces. Pieces with the same ends are
+   * where its parts meet. One of no length stands for an edge that cannot be told. */
+  virtual std::vector<RimPiece> rim() const { return {}; }
   /** The materials of a compound's components; empty: the whole has that of the Shape directive. */
   virtual std::vector<const Material*> componentMaterials() const { return {}; }
   /** Of such a compound, the material at a hit. */
@@ -196,6 +205,13 @@ struct ShapeContext {
   const Dicing* dicing = nullptr;          ///< null: no camera sees it
   Vec3d textureShift{0};                   ///< added to a position makes it what textures take for it
 };
+
+/**
+ * The rim of a surface p(u, v), as pieces of its edges at u = 0, u = 1, v = 0 and v = 1 of those that are
+ * asked for. Edges that have come down to a point are none.
+ */
+std::vector<RimPiece> rimOfSweep(const std::function<Vec3d(double u, double v)>& p, bool uEnds, bool vLow,
+                                 bool vHigh);
 
 // Tools for shapes that compute in double precision.
 

@@ -36,6 +36,10 @@ class TextureLookup {
   virtual TexturedRgb real(const Parameters& parameters, const std::string& name) const = 0;
 };
 
+/** The value of a float parameter declared withTexture, where there may be no textures. */
+TexturedRgb realOrTexture(const TextureLookup* textures, const Parameters& parameters,
+                          const std::string& name);
+
 /** What makers of textures are given besides parameters. */
 struct TextureContext {
   const TextureLookup& textures;

@@ -48,6 +48,7 @@ class TriangleMesh final : public Shape {
   ShapeSample sampleArea(float pick, const Vec2f& u) const override;
   const TriangleMesh* triangleMesh() const override { return this; }
   std::unique_ptr<Solid> asSolid() const override;
+  std::vector<RimPiece> rim() const override;
 
  private:
   /** The winding rule's normal in double precision, not normalised; zero for a triangle without area. */

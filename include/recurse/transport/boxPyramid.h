@@ -12,6 +12,14 @@
 
 namespace recurse {
 
+/** A box's sides. One that is flat, as that of a beam's cross-section, counts as a tenth as thick as it is
+ * wide. */
+inline Vec3f thickSides(const Bounds3f& box) {
+  constexpr float FLAT = 0.1f;
+  const Vec3f sides = box.diagonal();
+  return glm::max(sides, Vec3f(FLAT * sides[widestAxis(sides)]));
+}
+
 class BoxPyramid {
  public:
   /** Orders the items so that each node's are halved by number along the widest axis of position(item). */

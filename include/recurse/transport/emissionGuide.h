@@ -17,7 +17,7 @@ namespace recurse {
 class VisibleRegion {
  public:
   /** Everything within `size` > 0 of the position [scene units] belongs to it, and some more. */
-  void add(const Vec3f& position, float size, float weight = 1);
+  void add(const Vec3f& position, float size);
   bool contains(const Vec3f& position) const { return importance(position) > 0; }
   /** How many of the added places lie there in so much of a surface; 0 outside. */
   float importance(const Vec3f& position) const { return surfaces.importance(position); }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "recurse/transport/integrator.h"
+#include "recurse/transport/nestedBoxes.h"
 
 namespace recurse {
 
@@ -30,8 +31,9 @@ class LightPortals {
   static std::vector<Exit> crossings(const Scene& scene, uint64_t seed, TransportCounts& counts);
   bool active() const { return !boxes.empty(); }
   size_t size() const { return boxes.size(); }
-  /** Lights by the power that comes in. */
-  LightTable lightsByPower(const LightTable& lights) const;
+  /** Silhouettes of the boxes over the scene's disc: about what part of such light comes in, unless boxes lie
+   * behind each other. */
+  float openPart() const;
 
   /** Gives the sample of a light infinitely far another origin, from numbers in [0, 1), and the flux that
    * goes with it. */
@@ -40,12 +42,6 @@ class LightPortals {
   float pdf(const Vec3f& point, const Vec3f& direction) const { return pdf(point, direction, nullptr); }
 
  private:
-  struct Box {
-    Bounds3f bounds;
-    float chance;   ///< of this box
-    bool leaf;      ///< others enclose leaves, for what comes in between
-    float upToHere; ///< chances of this box and those before it
-  };
   /** Exits of `across`² camera paths. */
   static void findExits(const Scene& scene, const std::vector<size_t>& distant, int across, uint64_t seed,
                         std::vector<Exit>& exits, TransportCounts& counts);
@@ -54,14 +50,11 @@ class LightPortals {
                                    uint64_t seed, TransportCounts& counts);
   static void moveToCrossings(std::vector<Exit>& exits, uint64_t seed);
   /** `met`: a box that the ray is known to meet, whatever rounding says. */
-  float pdf(const Vec3f& point, const Vec3f& direction, const Box* met) const;
-  /** Silhouettes of the leaves over the scene's disc. */
-  float openPart() const;
+  float pdf(const Vec3f& point, const Vec3f& direction, const NestedBoxes::Box* met) const;
   /** Boxes around the exits; none where those are too few. */
-  void enclose(std::vector<Exit>& exits);
-  void split(std::vector<Exit>::iterator first, std::vector<Exit>::iterator last, int levels, float margin);
+  void enclose(const std::vector<Exit>& exits);
 
-  std::vector<Box> boxes;
+  NestedBoxes boxes;
   SceneBounds scene;
 };
 

@@ -80,11 +80,16 @@ class PhotonPass {
   /** Radius of this pass over that of the first. */
   float scale() const { return radiusOverFirst; }
 
-  /** How densely photons straight from a light arrive at a point, see arrivalDensity(). `direction` is that
-   * of the light to the point, `cosine` that of the surface there, `chosen` the light's probability for
-   * shadow rays. */
-  float arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, const Vec3f& point,
-                 const Vec3f& direction, float cosine, float distance, float chosen) const;
+  /** Densities of the emission of photons along a ray that a light emits. */
+  LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const;
+  /** A lamp far from what is seen, whose photons are aimed. */
+  bool isAimed(uint32_t light) const { return aim.isAimed(light); }
+  /** With which a photon comes from a light. */
+  float probability(const Scene& scene, uint32_t light) const;
+  /** How densely photons straight from a light arrive at a point, see arrivalDensity(): `pdf` as of pdfLe(),
+   * `cosine` at the surface there, `chosen` the light's probability for shadow rays. */
+  float arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
+                 float chosen) const;
 
   /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
    * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
@@ -109,6 +114,8 @@ class PhotonPass {
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
+  /** Lights by the power that comes where photons are sent. */
+  LightTable lightsByPower(const LightTable& lights) const;
   /** Which media keep beams, and how many photons and beams to keep. */
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
@@ -124,8 +131,9 @@ class PhotonPass {
   KeptInMedia media;       ///< from the first pass
   EmissiveMedia glowing;   ///< learned before the first pass, for all
   LightPortals portals;    ///< learned before the first pass, for all
+  PhotonAim aim;           ///< learned before the first pass, for all
   LightTable lights;       ///< by what comes in
-  PhotonGuidance guidance; ///< the same
+  PhotonGuidance guidance; ///< learned before the first pass, for all
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays
   bool progressive = false, tooFew = false, causticsKnown = false;

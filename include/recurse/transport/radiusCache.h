@@ -24,8 +24,8 @@ float radiusScale(uint32_t index, double alpha);
 /** Known before a search at a point. */
 struct CachedRadius {
   float radius = 0;                     ///< of the first pass
-  const Neighbourhood* known = nullptr; ///< of a place near by; null where there is none
-  float away = 0;                       ///< the distance to that place
+  const Neighbourhood* known = nullptr; ///< of the nearest place, if that looks the same way and is seen
+  float away = 0;                       ///< the distance to the nearest place
   size_t index = 0;                     ///< of that place
 };
 

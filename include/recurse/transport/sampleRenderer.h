@@ -36,6 +36,8 @@ class SampleRenderer {
   int64_t samples() const { return wanted; }
   /** See Integrator::passes. */
   int passes() const { return passCount; }
+  /** Each sample has photons of its own. */
+  bool hasMapPerSample() const { return passCount == 0 || passCount == wanted; }
   int64_t passBegin(int64_t pass) const { return passCount == 0 ? pass : pass * wanted / passCount; }
   int64_t passEnd(int64_t pass) const { return passBegin(pass + 1); }
   /** The pass that a sample belongs to. */

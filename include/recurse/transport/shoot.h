@@ -11,6 +11,7 @@
 #include "recurse/transport/lightPortals.h"
 #include "recurse/transport/lightSampler.h"
 #include "recurse/transport/photon.h"
+#include "recurse/transport/photonAim.h"
 #include "recurse/transport/photonBeams.h"
 #include "recurse/transport/volumePhotons.h"
 
@@ -48,6 +49,7 @@ struct ShootSettings {
   const EmissiveMedia* media = nullptr;  ///< that emit as well as the lights; null: none
   const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
   const LightPortals* portals = nullptr; ///< where light from infinitely far comes in; null: everywhere
+  const PhotonAim* aim = nullptr;        ///< where far lamps send photons; null: everywhere
   const LightTable* lights = nullptr;    ///< by which lights are chosen; null: the scene's
   /** By which shadow rays choose lights, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */
@@ -78,12 +80,9 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
 struct PhotonGuidance {
   EmissionGuide emission;
   std::vector<DxtranSphere> targets;
+  uint64_t useful = 0;     ///< unguided trial photons that came down where the eye looks
+  double secondMoment = 0; ///< of what a photon brings to what is seen, about; by which guidances compare
 };
-
-/** How many of a few trial photons come down in the region. `counts` gets what the trials cost. */
-uint64_t countUsefulPhotons(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                            const ShootSettings& settings, const VisibleRegion& region,
-                            TransportCounts& counts);
 
 /**
  * Learns from trial photons where those start that come down in the region: as few as will do, where most do

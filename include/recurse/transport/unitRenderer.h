@@ -68,8 +68,8 @@ class UnitRenderer {
 
   /** Luminances of the pilot samples of a unit, one tile after the other, where there is an allocation. */
   std::vector<float> pilotsOf(const WorkUnit& unit) const;
-  /** Puts them in their places in the allocation, from where the unit was rendered. */
-  void setPilots(const WorkUnit& unit, const std::vector<float>& pilots) const;
+  /** Puts them in their places in another allocation of the same stage. */
+  void setPilots(const WorkUnit& unit, const std::vector<float>& pilots, SampleAllocation& into) const;
 
  private:
   struct Item {
@@ -79,8 +79,9 @@ class UnitRenderer {
   };
   void work();
   std::vector<WorkUnit> render(const WorkUnit& unit);
-  /** Calls use(pilots of a pixel) for the pixels of the unit. */
-  void forEachPilots(const WorkUnit& unit, const std::function<void(std::span<float>)>& use) const;
+  /** Calls use(pilots of a pixel in the allocation `of`) for the pixels of the unit. */
+  void forEachPilots(const WorkUnit& unit, SampleAllocation& of,
+                     const std::function<void(std::span<float>)>& use) const;
   /** Tiles of the unit whose samples of a pass were not done. */
   std::vector<WorkUnit> renderPass(const WorkUnit& unit);
 

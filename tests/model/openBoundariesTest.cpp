@@ -1,0 +1,137 @@
+/** @file
+ * Boundaries of media that do not close are told, and those that close are not.
+ */
+#include <gtest/gtest.h>
+
+#include "recurse/model/scene.h"
+#include "recurse/scene/loader.h"
+
+using namespace recurse;
+
+namespace {
+
+/** The warnings of a scene whose media are "m" and "n". */
+std::string warningsOf(const std::string& shapes) {
+  Diagnostics diagnostics;
+  const std::string text = "Camera \"perspective\"\nWorldBegin\n"
+                           "MakeNamedMedium \"m\" \"string type\" \"homogeneous\"\n"
+                           "MakeNamedMedium \"n\" \"string type\" \"homogeneous\"\n"
+                           "MediumInterface \"m\" \"\"\nMaterial \"interface\"\n" +
+                           shapes;
+  const SceneDescription description = parseScene(text, "test.pbrt", ".", diagnostics);
+  EXPECT_TRUE(buildScene(description, {}, diagnostics)) << diagnostics.format();
+  return diagnostics.format();
+}
+
+void expectClosed(const std::string& shapes) { EXPECT_EQ(warningsOf(shapes), "") << shapes; }
+
+/** One warning, at line 7 unless said otherwise. */
+void expectOpen(const std::string& shapes, int edges, int line = 7) {
+  const std::string told = warningsOf(shapes), title = "warning: the boundary between ";
+  EXPECT_NE(told.find("test.pbrt:" + std::to_string(line) + ":7: " + title), std::string::npos)
+      << told << shapes;
+  EXPECT_NE(told.find(": " + std::to_string(edges) + (edges == 1 ? " edge is open" : " edges are open")),
+            std::string::npos)
+      << told << shapes;
+  EXPECT_EQ(told.find(title), told.rfind(title)) << told;
+}
+
+const std::string CUBE_POINTS = "\"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0 0 0 1 1 0 1 0 1 1 1 1 1]\n";
+const std::string SIX_FACES[] = {"0 2 3 0 3 1", "4 5 7 4 7 6", "0 1 5 0 5 4",
+                                 "2 6 7 2 7 3", "0 4 6 0 6 2", "1 3 7 1 7 5"};
+
+std::string mesh(const std::string& indices) {
+  return "Shape \"trianglemesh\" \"integer indices\" [" + indices + "] " + CUBE_POINTS;
+}
+
+/** The faces of a cube from `first` on, a mesh each. */
+std::string faces(size_t first) {
+  std::string out;
+  for (size_t i = first; i < 6; ++i) out += mesh(SIX_FACES[i]);
+  return out;
+}
+
+std::string quad(const std::string& corners) {
+  return "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [" + corners + "]\n";
+}
+
+const std::string SIDES = "Shape \"cylinder\"\n", TOP = "Shape \"disk\" \"float height\" 1\n",
+                  BOTTOM = "ReverseOrientation\nShape \"disk\" \"float height\" -1\nReverseOrientation\n";
+
+} // namespace
+
+TEST(OpenBoundaries, ShapesThatCloseAreNotTold) {
+  for (const char* shape : {"sphere", "box", "torus", "cylinder\" \"bool caps\" \"true", "loopsubdiv"}) {
+    const std::string rest =
+        shape == std::string("loopsubdiv")
+            ? "\"integer indices\" [0 2 1 0 1 3 1 2 3 0 3 2] \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1]"
+            : "";
+    expectClosed("Shape \"" + std::string(shape) + "\" " + rest + "\n");
+  }
+  std::string cube;
+  for (const std::string& face : SIX_FACES) cube += face + " ";
+  expectClosed(mesh(cube));
+  // Vertices that are given once for each face.
+  expectClosed("Shape \"trianglemesh\" \"integer indices\" [0 2 1 3 4 5 6 7 8 9 10 11] \"point3 P\" [0 0 0 1 "
+               "0 0 0 1 0 "
+               "0 0 0 1 0 0 0 0 1  0 0 0 0 0 1 0 1 0  1 0 0 0 1 0 0 0 1]\n");
+}
+
+TEST(OpenBoundaries, ShapesThatCloseTogetherAreNotTold) {
+  expectClosed(faces(0));
+  expectClosed(SIDES + TOP + BOTTOM);
+  std::string patches;
+  for (const char* corners : {"0 1 2 3", "4 5 6 7", "0 1 4 5", "2 3 6 7", "0 2 4 6", "1 3 5 7"})
+    patches += "Shape \"bilinearmesh\" \"integer indices\" [" + std::string(corners) + "] " + CUBE_POINTS;
+  expectClosed(patches);
+  // The top in two halves: its edges are parts of those of the sides.
+  expectClosed(mesh(SIX_FACES[0]) + faces(2) + quad("0 0 1 .5 0 1 .5 1 1 0 1 1") +
+               quad("1 0 1 .5 0 1 .5 1 1 1 1 1"));
+  // Turned the other way round with the sides exchanged.
+  expectClosed(faces(1) + "ReverseOrientation\nMediumInterface \"\" \"m\"\n" + mesh(SIX_FACES[0]));
+  // Two media that have a wall in common.
+  expectClosed(faces(1) + "MediumInterface \"n\" \"\"\nScale 1 1 -1\nReverseOrientation\n" + faces(1) +
+               "MediumInterface \"m\" \"n\"\n" + mesh(SIX_FACES[0]));
+  expectClosed("ObjectBegin \"o\"\n" + faces(0) +
+               "ObjectEnd\nRotate 20 1 2 3\nScale 1 2 3\nObjectInstance \"o\"\n");
+}
+
+TEST(OpenBoundaries, OpaqueSurfacesClose) {
+  const std::string ground =
+      "MediumInterface \"\" \"\"\nMaterial \"diffuse\"\n" + quad("-9 -9 0 9 -9 0 9 9 0 -9 9 0");
+  expectClosed(faces(1) + ground);
+  expectOpen(faces(1) + "MediumInterface \"\" \"\"\nMaterial \"thindielectric\"\n" +
+                 quad("-9 -9 0 9 -9 0 9 9 0 -9 9 0"),
+             4, 8);
+  // Water in a basin.
+  expectClosed(quad("0 0 .9 1 0 .9 1 1 .9 0 1 .9") + "MediumInterface \"\" \"\"\nMaterial \"diffuse\"\n" +
+               mesh(SIX_FACES[0]) + faces(2));
+}
+
+TEST(OpenBoundaries, OpenOnesAreToldOnceWithTheirPlace) {
+  expectOpen(quad("0 0 0 1 0 0 1 1 0 0 1 0"), 4);
+  expectOpen(faces(1), 4, 8); // the first that has an open edge
+  expectOpen(mesh("0 3 1 " + SIX_FACES[1]), 7);
+  expectOpen("Shape \"disk\"\n", 16);
+  expectOpen(SIDES, 32);
+  expectOpen(SIDES + TOP, 16);
+  expectOpen("Shape \"sphere\" \"float zmax\" .5\n", 16);
+  expectOpen("Shape \"sphere\" \"float phimax\" 90\n", 32);
+  expectOpen("Shape \"torus\" \"float phimax\" 90\n", 32);
+  expectOpen("Shape \"cone\"\n", 16);
+  expectOpen("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]\n", 4);
+  expectOpen("Shape \"curve\" \"point3 P\" [0 0 0 1 0 0 1 1 0 1 1 1]\n", 1);
+  expectOpen(
+      "ObjectBegin \"o\"\nShape \"disk\"\nObjectEnd\nObjectInstance \"o\"\nTranslate 9 0 0\nObjectInstance "
+      "\"o\"\n",
+      16, 8);
+  // One warning for each pair of media.
+  const std::string two =
+      warningsOf("Shape \"disk\"\nMediumInterface \"n\" \"m\"\nTranslate 0 0 1\nShape \"disk\"\n");
+  EXPECT_NE(two.find("between empty space and medium \"m\""), std::string::npos) << two;
+  EXPECT_NE(two.find("between medium \"m\" and medium \"n\""), std::string::npos) << two;
+}
+
+TEST(OpenBoundaries, TheSameMediumOnBothSidesIsNoBoundary) {
+  expectClosed("MediumInterface \"m\" \"m\"\nMaterial \"diffuse\"\nShape \"disk\"\n" + faces(1));
+}
