@@ -17,7 +17,7 @@ class AmbientOcclusion final : public Integrator {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
-    Walker<CameraState> walker(scene, classes, out.counts, 1);
+    CameraWalker walker(scene, classes, out.counts, 1);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
     if (!walker.next(path, vertex, sampler) || classes.join(classes.lightStart(), vertex.afterD) == 0) return;

@@ -19,7 +19,7 @@ class RayCast final : public Integrator {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
-    Walker<CameraState> walker(scene, classes, out.counts, 1);
+    CameraWalker walker(scene, classes, out.counts, 1);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
     const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };

@@ -51,7 +51,7 @@ class SimplePhotonMap final : public Integrator {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
-    Walker<CameraState> walker(scene, classes, out.counts, maxDepth);
+    CameraWalker walker(scene, classes, out.counts, maxDepth);
     // Rays that wait, instead of a recursion as deep as two mirrors ask for.
     std::vector<CameraSubpath> waiting = {startCameraSubpath(scene, classes, ray, out.counts)};
     while (!waiting.empty() && !out.abandoned()) {

@@ -85,7 +85,7 @@ class VirtualPointLights final : public Integrator {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
-    Walker<CameraState> walker(scene, classes, out.counts, settings.maxDepth);
+    CameraWalker walker(scene, classes, out.counts, settings.maxDepth);
     CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
     CameraVertex vertex;
     const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
@@ -198,7 +198,7 @@ class VirtualPointLights final : public Integrator {
    * missing. */
   void compensate(const Scene& scene, CameraSubpath path, CameraVertex vertex, Sampler& sampler,
                   PathRadiance& out) const {
-    Walker<CameraState> walker(scene, out.pathClasses(), out.counts, settings.maxDepth);
+    CameraWalker walker(scene, out.pathClasses(), out.counts, settings.maxDepth);
     while (!out.abandoned()) {
       vertex.allowed &= NON_DELTA_LOBES;
       const std::optional<Scatter> s =

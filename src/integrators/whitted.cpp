@@ -20,7 +20,7 @@ class Whitted final : public Integrator {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
-    Walker<CameraState> walker(scene, classes, out.counts, maxDepth);
+    CameraWalker walker(scene, classes, out.counts, maxDepth);
     // Branches that wait, instead of a recursion as deep as two mirrors ask for.
     std::vector<CameraSubpath> branches = {startCameraSubpath(scene, classes, ray, out.counts)};
     CameraVertex vertex;
@@ -43,7 +43,7 @@ class Whitted final : public Integrator {
 
  private:
   /** Every direction that the vertex mirrors and refracts to; what is cut off is counted. */
-  void branch(const Walker<CameraState>& walker, const CameraSubpath& path, const CameraVertex& vertex,
+  void branch(const CameraWalker& walker, const CameraSubpath& path, const CameraVertex& vertex,
               std::vector<CameraSubpath>& branches, PathRadiance& out) const {
     if (!(vertex.allowed & DELTA_LOBES)) return;
     std::array<Scatter, DeltaScatters::MAX_COUNT> all;

@@ -103,7 +103,7 @@ class DiffuseArea final : public AreaLight {
     light->distance = distance;
     light->radiance = l * opacity(s->point);
     light->pdf = s->pdf;
-    light->delta = isUnseen();
+    light->delta = !isMet();
     light->normal = s->point.geometricNormal;
     light->primitive = s->primitive;
     return light;

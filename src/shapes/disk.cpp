@@ -79,7 +79,8 @@ class Disk final : public Shape {
       const double r = inner + (1 - inner) * v, phi = phiMax * u;
       return center + axisX * (r * std::cos(phi)) + axisY * (r * std::sin(phi));
     };
-    const bool isPartial = phiMax<TWO_PI, hasHole = inner> 0;
+    const bool isPartial = phiMax < TWO_PI;
+    const bool hasHole = inner > 0;
     return rimOfSweep(point, isPartial, hasHole, true);
   }
 

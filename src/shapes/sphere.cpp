@@ -118,7 +118,8 @@ class Sphere final : public Shape {
       return center + linear * Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
                                      std::cos(theta));
     };
-    const bool isPartial = sweep.phiMax<2 * PI_D, isCutBelow = sweep.zLow> - 1;
+    const bool isPartial = sweep.phiMax < 2 * PI_D;
+    const bool isCutBelow = sweep.zLow > -1;
     return rimOfSweep(point, isPartial, isCutBelow, sweep.zHigh < 1);
   }
 

@@ -208,7 +208,7 @@ class Bidirectional::CameraWalk {
   Sampler& sampler;
   PathRadiance& out;
   CameraEnd camera;
-  Walker<CameraState> walker;
+  CameraWalker walker;
   CameraSubpath path;
   CameraVertex vertex;
   const StoredPath* light = nullptr;    ///< to be connected with

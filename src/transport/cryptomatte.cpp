@@ -59,7 +59,7 @@ class IdWalk {
   const bool throughSpecular;
   PathClasses classes;
   TransportCounts counts;
-  Walker<CameraState> walker;
+  CameraWalker walker;
 };
 
 /** A few ids with their weights; a pixel rarely shows more than a handful. */

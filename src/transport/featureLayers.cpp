@@ -70,7 +70,7 @@ class FeatureWalk {
   const bool throughSpecular;
   PathClasses classes;
   TransportCounts counts;
-  Walker<CameraState> walker;
+  CameraWalker walker;
 };
 
 } // namespace

@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "recurse/core/parallel.h"
+#include "recurse/transport/cameraPaths.h"
 #include "recurse/transport/directLight.h"
-#include "recurse/transport/walker.h"
 
 namespace recurse {
 
@@ -61,48 +60,35 @@ std::vector<size_t> distantLights(const Scene& scene) {
 void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t>& distant, int across,
                              uint64_t seed, std::vector<Exit>& exits, TransportCounts& counts) {
   constexpr int MAX_DEPTH = 5;
-  const PathClasses allPaths;
-  std::vector<std::vector<Exit>> rows(static_cast<size_t>(across));
-  std::vector<TransportCounts> rowCounts(rows.size());
-  const PixelBounds film = sceneToLearn.film().whole();
-  parallelFor(rows.size(), [&](size_t y) {
-    constexpr uint64_t STREAM = 0x504f5254414cull;
-    Walker<CameraState> walker(sceneToLearn, allPaths, rowCounts[y], MAX_DEPTH, false);
-    for (int x = 0; x < across; ++x) {
-      Sampler sampler(hashCombine(seed, STREAM), y, static_cast<uint32_t>(x));
-      CameraSample sample;
-      sample.film = film.middleOfCell(x, static_cast<int>(y), across);
-      if (sceneToLearn.moves()) sample.time = sceneToLearn.camera().timeAt(sampler.next1D());
-      const std::optional<CameraRay> ray = sceneToLearn.camera().validRay(sample);
-      if (!ray) continue;
-      CameraSubpath path = startCameraSubpath(sceneToLearn, allPaths, *ray, rowCounts[y]);
-      CameraVertex vertex;
-      bool seenByCamera = true; // what the camera sees of the sky itself needs no photons
-      const auto leave = [&](const Hit* hit) {
-        if (hit || seenByCamera) return;
-        const float weight = maxComponent(path.throughput);
-        rows[y].push_back({path.ray.origin, std::min(weight, 1.0f), path.ray.direction});
-      };
-      while (walker.next(path, vertex, sampler, leave)) {
-        if (vertex.isConnectable()) {
-          seenByCamera = false;
-          if (!distant.empty()) {
-            const auto which = static_cast<size_t>(sampler.next1D() * static_cast<float>(distant.size()));
-            const auto light = sceneToLearn.lights()[distant[which]].sampleLi(vertex.point().position, 0, {});
-            if (light && glm::dot(light->direction, vertex.point().normalTowards(vertex.wi)) > 0 &&
-                visible(sceneToLearn, vertex.hit, vertex.wi, *light, path.nesting, rowCounts[y]))
-              rows[y].push_back(
-                  {vertex.point().position, std::min(maxComponent(path.throughput), 1.0f), Vec3f(0)});
-          }
+  constexpr uint64_t STREAM = 0x504f5254414cull;
+  using Exits = std::vector<Exit>;
+  const auto follow = [&](Exits& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
+                          TransportCounts& pathCounts) {
+    CameraVertex vertex;
+    bool seenByCamera = true; // what the camera sees of the sky itself needs no photons
+    const auto leave = [&](const Hit* hit) {
+      if (hit || seenByCamera) return;
+      const float weight = maxComponent(path.throughput);
+      found.push_back({path.ray.origin, std::min(weight, 1.0f), path.ray.direction});
+    };
+    while (walker.next(path, vertex, sampler, leave)) {
+      if (vertex.isConnectable()) {
+        seenByCamera = false;
+        if (!distant.empty()) {
+          const auto which = static_cast<size_t>(sampler.next1D() * static_cast<float>(distant.size()));
+          const auto light = sceneToLearn.lights()[distant[which]].sampleLi(vertex.point().position, 0, {});
+          if (light && glm::dot(light->direction, vertex.point().normalTowards(vertex.wi)) > 0 &&
+              visible(sceneToLearn, vertex.hit, vertex.wi, *light, path.nesting, pathCounts))
+            found.push_back(
+                {vertex.point().position, std::min(maxComponent(path.throughput), 1.0f), Vec3f(0)});
         }
-        if (!walker.scatter(path, vertex, sampler)) break;
       }
+      if (!walker.scatter(path, vertex, sampler)) break;
     }
-  });
-  for (size_t y = 0; y < rows.size(); ++y) {
-    exits.insert(exits.end(), rows[y].begin(), rows[y].end());
-    counts.add(rowCounts[y]);
-  }
+  };
+  for (const Exits& row :
+       followCameraPaths(sceneToLearn, across, MAX_DEPTH, hashCombine(seed, STREAM), counts, Exits(), follow))
+    exits.insert(exits.end(), row.begin(), row.end());
 }
 
 void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {

@@ -23,7 +23,7 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   path.nesting = nesting;
   path.nesting.scatters(vertex.hit, vertex.wi, s->direction);
   const BsdfRay ray{place, s->pdf, true};
-  Walker<CameraState> walker(scene, classes, out.counts, -1);
+  CameraWalker walker(scene, classes, out.counts, -1);
   CameraVertex next;
   walker.next(path, next, sampler, [&](const Hit* hit) {
     const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, s->direction, ray, SHADOW_RAYS)

@@ -5,8 +5,7 @@
 
 #include <algorithm>
 
-#include "recurse/core/parallel.h"
-#include "recurse/transport/walker.h"
+#include "recurse/transport/cameraPaths.h"
 
 namespace recurse {
 
@@ -24,32 +23,19 @@ bool isTwoSided(const Light& light, LeRay ray) {
 std::vector<WeightedPlace> findPlaces(const Scene& scene, uint64_t seed, TransportCounts& counts) {
   constexpr int ACROSS = 64, MAX_DEPTH = 3;
   constexpr uint64_t STREAM = 0x41494d53ull;
-  const PathClasses allPaths;
-  std::vector<std::vector<WeightedPlace>> rows(ACROSS);
-  std::vector<TransportCounts> rowCounts(ACROSS);
-  const PixelBounds film = scene.film().whole();
-  parallelFor(ACROSS, [&](size_t y) {
-    Walker<CameraState> walker(scene, allPaths, rowCounts[y], MAX_DEPTH, false);
-    for (int x = 0; x < ACROSS; ++x) {
-      Sampler sampler(hashCombine(seed, STREAM), y, static_cast<uint32_t>(x));
-      CameraSample sample;
-      sample.film = film.middleOfCell(x, static_cast<int>(y), ACROSS);
-      if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
-      const std::optional<CameraRay> ray = scene.camera().validRay(sample);
-      if (!ray) continue;
-      CameraSubpath path = startCameraSubpath(scene, allPaths, *ray, rowCounts[y]);
-      CameraVertex vertex;
-      while (walker.next(path, vertex, sampler, [](const Hit*) {})) {
-        rows[y].push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
-        if (!walker.scatter(path, vertex, sampler)) break;
-      }
+  using Places = std::vector<WeightedPlace>;
+  const auto follow = [](Places& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
+                         TransportCounts&) {
+    CameraVertex vertex;
+    while (walker.next(path, vertex, sampler)) {
+      found.push_back({vertex.point().position, std::min(maxComponent(path.throughput), 1.0f)});
+      if (!walker.scatter(path, vertex, sampler)) break;
     }
-  });
-  std::vector<WeightedPlace> places;
-  for (size_t y = 0; y < rows.size(); ++y) {
-    places.insert(places.end(), rows[y].begin(), rows[y].end());
-    counts.add(rowCounts[y]);
-  }
+  };
+  Places places;
+  for (const Places& row :
+       followCameraPaths(scene, ACROSS, MAX_DEPTH, hashCombine(seed, STREAM), counts, Places(), follow))
+    places.insert(places.end(), row.begin(), row.end());
   return places;
 }
 
@@ -101,10 +87,10 @@ void PhotonAim::learn(const Scene& scene, uint64_t seed, TransportCounts& counts
     double flux = 0;
     for (uint32_t k = 0; k < FLIGHTS; ++k) {
       Sampler sampler(seed, i, PLACES + k);
-      const LeRandom start = randomStart(sampler);
-      std::optional<LeSample> sample = light.sampleLe(start);
+      std::optional<LeSample> sample = light.sampleLe(randomStart(sampler));
       if (!sample) continue;
-      redirect(light, *sample, sampler.next1D(), start.direction);
+      const float pick = sampler.next1D();
+      redirect(light, *sample, pick, sampler.next2D());
       // Without those that go elsewhere: sample.flux is over the density of all.
       const float all = sample->pdfDirection, own = light.pdfLe(*sample).direction;
       if (all > 0) flux += double(maxComponent(sample->flux)) * double(1 - OWN_PART * own / all) / FLIGHTS;
@@ -123,13 +109,11 @@ Cone PhotonAim::coneTo(const NestedBoxes::Box& box, const Vec3f& from) const {
   return Cone::toSphere(from, box.bounds.center(), glm::length(box.bounds.diagonal()) / 2);
 }
 
-void PhotonAim::redirect(const Light& light, LeSample& sample, float pick, Vec2f u) const {
+void PhotonAim::redirect(const Light& light, LeSample& sample, float pick, const Vec2f& u) const {
   const NestedBoxes::Box* chosen = nullptr;
   LeRay ray = sample;
   if (pick >= OWN_PART) {
     pick = (pick - OWN_PART) / (1 - OWN_PART);
-    // The light has chosen its side by the same number.
-    if (isTwoSided(light, sample)) u.x = 2 * u.x - (u.x < 0.5f ? 0.0f : 1.0f);
     chosen = &boxes.choose(pick);
     ray.direction = coneTo(*chosen, sample.origin).sample(u);
   }

@@ -11,7 +11,7 @@ namespace recurse {
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
                     const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out) {
   const PathClasses& classes = out.pathClasses();
-  Walker<CameraState> walker(scene, classes, out.counts, settings.maxDepth);
+  CameraWalker walker(scene, classes, out.counts, settings.maxDepth);
   CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
   if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
   CameraVertex vertex;

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "recurse/core/parallel.h"
-#include "recurse/transport/walker.h"
+#include "recurse/transport/cameraPaths.h"
 
 namespace recurse {
 
@@ -173,54 +172,41 @@ float PortalSampler::pdfLi(const EnvironmentLight& light, const Vec3f& from, con
 
 std::vector<double> PortalSampler::secondMoments(const Scene& scene, const std::vector<float>& parts,
                                                  TransportCounts& counts) {
-  constexpr size_t MAX_ACROSS = 48, SAMPLES = 4;
-  constexpr int MAX_DEPTH = 3;
-  const PathClasses allPaths;
+  constexpr int MAX_ACROSS = 48, SAMPLES = 4, MAX_DEPTH = 3;
+  using Moments = std::vector<double>;
   const auto& lights = scene.environment();
-  const PixelBounds film = scene.film().whole();
-  const auto across = std::min(MAX_ACROSS, size_t(std::sqrt(double(film.area()))));
-  std::vector<std::vector<double>> rows(across, std::vector<double>(parts.size()));
-  std::vector<TransportCounts> rowCounts(across);
-  parallelFor(across, [&](size_t y) {
-    Walker<CameraState> walker(scene, allPaths, rowCounts[y], MAX_DEPTH, false);
-    for (uint32_t x = 0; x < across; ++x) {
-      Sampler sampler(SHADOW_PORTAL_STREAM, y, x);
-      CameraSample sample;
-      sample.film = film.middleOfCell(static_cast<int>(x), static_cast<int>(y), static_cast<int>(across));
-      const std::optional<CameraRay> ray = scene.camera().validRay(sample);
-      if (!ray) continue;
-      CameraSubpath path = startCameraSubpath(scene, allPaths, *ray, rowCounts[y]);
-      CameraVertex vertex;
-      while (walker.next(path, vertex, sampler, [](const Hit*) {})) {
-        for (size_t i = 0; vertex.isConnectable() && i < SAMPLES; ++i) {
-          const EnvironmentLight& light =
-              *lights[std::min(lights.size() - 1, size_t(sampler.next1D() * float(lights.size())))];
-          const float pick = sampler.next1D();
-          const std::optional<LiSample> s = sampleLi(light, vertex.point().position, pick, sampler.next2D());
-          if (!s) continue;
-          const ScatteringPoint& scattering = *vertex.scattering;
-          const Rgb seen = path.throughput * scattering.evaluate(vertex.wi, s->direction) * s->radiance;
-          if (isBlack(seen)) continue;
-          const Rgb free = transmittance(scene, vertex.hit, vertex.wi, *s, path.nesting,
-                                         std::numeric_limits<int>::max(), rowCounts[y])
-                               .value;
-          const auto square2 = square(double(maxComponent(seen * free))) / double(s->pdf);
-          if (!(square2 > 0)) continue;
-          const float byBsdf = scattering.pdf(vertex.wi, s->direction);
-          const float own = light.pdfLi(vertex.point().position, s->direction);
-          const float portals = (s->pdf - (1 - throughPortals) * own) / throughPortals;
-          for (size_t k = 0; k < parts.size(); ++k)
-            rows[y][k] += square2 / double((1 - parts[k]) * own + parts[k] * portals + byBsdf);
-        }
-        if (!walker.scatter(path, vertex, sampler)) break;
+  const auto follow = [&](Moments& moments, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
+                          TransportCounts& pathCounts) {
+    CameraVertex vertex;
+    while (walker.next(path, vertex, sampler)) {
+      for (int i = 0; vertex.isConnectable() && i < SAMPLES; ++i) {
+        const EnvironmentLight& light =
+            *lights[std::min(lights.size() - 1, size_t(sampler.next1D() * float(lights.size())))];
+        const float pick = sampler.next1D();
+        const std::optional<LiSample> s = sampleLi(light, vertex.point().position, pick, sampler.next2D());
+        if (!s) continue;
+        const ScatteringPoint& scattering = *vertex.scattering;
+        const Rgb seen = path.throughput * scattering.evaluate(vertex.wi, s->direction) * s->radiance;
+        if (isBlack(seen)) continue;
+        const Rgb free = transmittance(scene, vertex.hit, vertex.wi, *s, path.nesting,
+                                       std::numeric_limits<int>::max(), pathCounts)
+                             .value;
+        const auto square2 = square(double(maxComponent(seen * free))) / double(s->pdf);
+        if (!(square2 > 0)) continue;
+        const float byBsdf = scattering.pdf(vertex.wi, s->direction);
+        const float own = light.pdfLi(vertex.point().position, s->direction);
+        const float portals = (s->pdf - (1 - throughPortals) * own) / throughPortals;
+        for (size_t k = 0; k < parts.size(); ++k)
+          moments[k] += square2 / double((1 - parts[k]) * own + parts[k] * portals + byBsdf);
       }
+      if (!walker.scatter(path, vertex, sampler)) break;
     }
-  });
-  std::vector<double> sums(parts.size());
-  for (size_t y = 0; y < across; ++y) {
-    for (size_t k = 0; k < parts.size(); ++k) sums[k] += rows[y][k];
-    counts.add(rowCounts[y]);
-  }
+  };
+  const int across = std::min(MAX_ACROSS, static_cast<int>(std::sqrt(double(scene.film().whole().area()))));
+  Moments sums(parts.size());
+  for (const Moments& row :
+       followCameraPaths(scene, across, MAX_DEPTH, SHADOW_PORTAL_STREAM, counts, sums, follow))
+    for (size_t k = 0; k < parts.size(); ++k) sums[k] += row[k];
   return sums;
 }
 

@@ -73,10 +73,12 @@ class PhotonWalk {
     const size_t index = lights.chooseIndex(pick);
     const Light& source = lights[index];
     if (!(lights.probability(index) > 0)) return start;
-    std::optional<LeSample> emission = source.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
-    if (!emission) return start;
     const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
-    if (aimed) settings.aim->redirect(source, *emission, pick, {n[4], n[5]});
+    const Vec2f towards{n[4], n[5]};
+    std::optional<LeSample> emission =
+        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
+    if (!emission) return start;
+    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
     if (isBlack(emission->flux)) return start;
     LePdf pdf = source.pdfLe(*emission);
     if (aimed) pdf.direction = emission->pdfDirection;

@@ -76,10 +76,6 @@ LeRandom leRandom(uint32_t index) {
   return {pick, place, sampler.next2D()};
 }
 
-bool isInfinite(const Light& light) {
-  return light.kind() == LightKind::DISTANT || light.kind() == LightKind::ENVIRONMENT;
-}
-
 /** Mean and standard error of what is added. */
 class Mean {
  public:
@@ -135,7 +131,7 @@ TEST(Lights, EmittedRaysHaveTheDensitiesThatAreToldOfThem) {
 
 TEST(Lights, RadianceIsToldForOtherDirections) {
   for (const LightUse& light : everyLight()) {
-    if (isInfinite(*light.light)) continue;
+    if (light.light->isInfinite()) continue;
     int compared = 0;
     for (uint32_t i = 0; i < 1000; ++i) {
       LeRandom numbers = leRandom(i);
@@ -173,7 +169,7 @@ TEST(Lights, DensitiesOfEmissionIntegrateToOne) {
     for (uint32_t i = 0; i < 20000; ++i)
       if (const auto s = light->sampleLe(leRandom(i))) area.add(1 / double(s->pdfPosition));
     const double expected =
-        isInfinite(*light.light) ? M_PI * square(double(BOUNDS.radius)) : double(light.shape->area());
+        light.light->isInfinite() ? M_PI * square(double(BOUNDS.radius)) : double(light.shape->area());
     EXPECT_NEAR(area.value(), expected, 4 * area.error() + 1e-4 * expected) << light.text;
   }
 }
@@ -201,11 +197,11 @@ TEST(Lights, DirectionsTowardsLightsHaveTheDensitiesThatAreToldOfThem) {
       if (!s) continue;
       ASSERT_NEAR(glm::length(s->direction), 1, 1e-5) << light.text;
       ASSERT_EQ(s->delta, light->isDelta()) << light.text;
-      ASSERT_EQ(s->distance == INFINITE, isInfinite(*light.light)) << light.text;
-      if (!isInfinite(*light.light)) {
+      ASSERT_EQ(s->distance == INFINITE, light.light->isInfinite()) << light.text;
+      if (!light.light->isInfinite()) {
         ASSERT_NEAR(glm::distance(from + s->direction * s->distance, s->target), 0, 1e-4) << light.text;
       }
-      if (isInfinite(*light.light)) { // a ray of the light that comes to the point
+      if (light.light->isInfinite()) { // a ray of the light that comes to the point
         const LePdf told = light->pdfLe(s->emitted()),
                     expected = light->pdfLe({from + s->direction, -s->direction});
         ASSERT_NEAR(told.position, expected.position, 1e-3f * expected.position) << light.text;

@@ -310,6 +310,24 @@ TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
   EXPECT_LT(widening(0.12f, 150), 1.05) << "nor do wider ones that more photons tell of";
 }
 
+namespace {
+
+/** 60 x 60 places of the floor, up to `half` from the middle. */
+std::vector<VisiblePoint> seenOnFloor(float half) {
+  std::vector<VisiblePoint> seen;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 60; ++x) {
+      VisiblePoint visible{};
+      visible.point.position = Vec3f(-half + 2 * half * float(x) / 60, -half + 2 * half * float(y) / 60, 0);
+      visible.point.geometricNormal = visible.point.shadingNormal = {0, 0, 1};
+      visible.footprint = 0.002f;
+      seen.push_back(visible);
+    }
+  return seen;
+}
+
+} // namespace
+
 TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);
@@ -318,15 +336,7 @@ TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   PhotonMap map;
   map.build(list);
   // A close view, of many places that look at the same photons.
-  std::vector<VisiblePoint> seen;
-  for (int y = 0; y < 60; ++y)
-    for (int x = 0; x < 60; ++x) {
-      VisiblePoint visible{};
-      visible.point.position = Vec3f(-0.2f + 0.4f * float(x) / 60, -0.2f + 0.4f * float(y) / 60, 0);
-      visible.point.geometricNormal = visible.point.shadingNormal = {0, 0, 1};
-      visible.footprint = 0.002f;
-      seen.push_back(visible);
-    }
+  const std::vector<VisiblePoint> seen = seenOnFloor(0.2f);
   GatherSettings search;
   search.nearest = 8;
   search.radius = 1;
@@ -351,15 +361,7 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   for (Photon& p : list) p.position = p.position * 0.05f + Vec3f(0.8f, 0, 0);
   PhotonMap map;
   map.build(list);
-  std::vector<VisiblePoint> seen;
-  for (int y = 0; y < 60; ++y)
-    for (int x = 0; x < 60; ++x) {
-      VisiblePoint visible{};
-      visible.point.position = Vec3f(-0.9f + 1.8f * float(x) / 60, -0.9f + 1.8f * float(y) / 60, 0);
-      visible.point.geometricNormal = visible.point.shadingNormal = {0, 0, 1};
-      visible.footprint = 0.002f;
-      seen.push_back(visible);
-    }
+  const std::vector<VisiblePoint> seen = seenOnFloor(0.9f);
   GatherSettings search;
   search.nearest = 8;
   search.radius = 2;

@@ -45,7 +45,7 @@ std::optional<LeSample> aimed(const PhotonAim& aim, const Light& light, uint32_t
   start.direction = sampler.next2D();
   std::optional<LeSample> sample = light.sampleLe(start);
   const float pick = sampler.next1D();
-  if (sample) aim.redirect(light, *sample, pick, start.direction);
+  if (sample) aim.redirect(light, *sample, pick, sampler.next2D());
   return sample;
 }
 

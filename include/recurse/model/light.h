@@ -23,6 +23,10 @@ enum class LightKind {
   ENVIRONMENT ///< all directions, infinitely far: what a ray sees that leaves the scene
 };
 
+inline bool isInfinite(LightKind kind) {
+  return kind == LightKind::DISTANT || kind == LightKind::ENVIRONMENT;
+}
+
 /** A ray that a light may have emitted; of a light infinitely far it may start anywhere on its line. */
 struct LeRay {
   Vec3f origin;           ///< on the light; on a surface or displaced from it
@@ -94,7 +98,7 @@ class Light {
   virtual LightKind kind() const = 0;
   /** True for lights at a point or in one direction, which rays cannot meet. */
   bool isDelta() const { return kind() == LightKind::POINT || kind() == LightKind::DISTANT; }
-  bool isInfinite() const { return kind() == LightKind::DISTANT || kind() == LightKind::ENVIRONMENT; }
+  bool isInfinite() const { return recurse::isInfinite(kind()); }
   /** Whether rays can meet it. */
   virtual bool isMet() const { return !isDelta(); }
   /** Called once before any other function. */
@@ -135,7 +139,6 @@ class AreaLight : public Light {
     return alpha ? std::clamp(alpha->at(point).r, 0.0f, 1.0f) : 1;
   }
   /** As in pbrt, a light whose alpha is the number 0 shines like any, but no ray ever meets it. */
-  bool isUnseen() const { return unseen; }
   bool isMet() const override { return !unseen; }
   /** Density with which sampleLi(from) chooses this point [1/sr]. */
   virtual float pdfLi(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const {

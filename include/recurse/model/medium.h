@@ -91,8 +91,8 @@ class Medium {
 /** What makers of media are given besides parameters. */
 struct MediumContext {
   Mat4d sceneFromMedium{1};
-  float maxExtinction =
-      INFINITE; ///< beyond it the mean free path is lost in the rounding of positions [1/length]
+  /** Beyond it the mean free path is lost in the rounding of positions [1/length]. */
+  float maxExtinction = INFINITE;
 };
 
 } // namespace recurse

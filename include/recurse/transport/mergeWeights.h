@@ -23,8 +23,7 @@ namespace recurse {
  * at the surface; `emitted`, `chosen`: the probabilities of the light for photons and for shadow rays. */
 inline float arrivalDensity(LightKind kind, const LePdf& pdf, float distance, float cosine, float emitted,
                             float chosen) {
-  const bool infinite = kind == LightKind::DISTANT || kind == LightKind::ENVIRONMENT;
-  const float density = infinite ? pdf.position : pdf.direction / square(distance);
+  const float density = isInfinite(kind) ? pdf.position : pdf.direction / square(distance);
   return density * cosine * emitted / chosen;
 }
 

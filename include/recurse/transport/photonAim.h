@@ -25,10 +25,8 @@ class PhotonAim {
   float powerPart(uint32_t light) const { return active() ? part[light] : 1; }
 
   /** Gives the sample of an aimed light another direction and the flux that goes with it: none where the
-   * light does not shine there. `pick` is a number in [0, 1), `u` those that the light has drawn its
-   * direction by.
-   */
-  void redirect(const Light& light, LeSample& sample, float pick, Vec2f u) const;
+   * light does not shine there. `pick` and `u` are numbers in [0, 1) that the sample does not depend on. */
+  void redirect(const Light& light, LeSample& sample, float pick, const Vec2f& u) const;
   /** Density of such directions [1/sr]; `own`: that of the light. */
   float pdfDirection(const Light& light, const LeRay& ray, float own) const;
 

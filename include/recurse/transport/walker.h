@@ -225,4 +225,6 @@ template <class State> class Walker {
   BsdfArena arena;
 };
 
+using CameraWalker = Walker<CameraState>;
+
 } // namespace recurse
