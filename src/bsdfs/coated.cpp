@@ -237,7 +237,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
       for (int i = 0; i < medium.samples; ++i) walk(a, b, numbers, sum);
       sum /= static_cast<float>(medium.samples);
     }
-    if (!smoothCoat) sum += coat.value(a, b);
+    if (!smoothCoat) sum += Rgb(coat.value(a, b));
     return sum;
   }
 
@@ -290,8 +290,8 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     const float r = coatReflectance(up(wi));
     const Rgb below = base.albedo({0, 0, 1});
     // What is reflected inside comes back to the base: about 0.6 of diffuse light at eta 1.5.
-    const Rgb inside = below / (1.0f + 0.3f * (Rgb(1) - below));
-    return glm::min(inside * (1 - r) + Rgb(smoothCoat ? 0.0f : r) + medium.albedo * 0.1f, Rgb(1));
+    const Rgb inside = below / (0.3f * (1 - below) + 1);
+    return min(inside * (1 - r) + Rgb(smoothCoat ? 0.0f : r) + medium.albedo * 0.1f, Rgb(1));
   }
 
  private:

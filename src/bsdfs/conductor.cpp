@@ -81,7 +81,7 @@ class MultipleScattering final : public RoughConductorBsdf {
   }
   Rgb albedo(const Vec3f& wi) const override {
     const float more = lost(wi);
-    return glm::min(RoughConductorBsdf::albedo(wi) * (1 - more) + further * more, Rgb(1));
+    return min(RoughConductorBsdf::albedo(wi) * (1 - more) + further * more, Rgb(1));
   }
   bool lossless() const override { return white; }
 

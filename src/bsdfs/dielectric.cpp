@@ -40,7 +40,7 @@ class DispersiveBsdf final : public Bsdf {
     const float cosine = std::min(std::abs(wi.z), 1.0f);
     for (const DispersiveIndex::Part& part : index.parts())
       mirrored += part.colour * dielectricFresnel(cosine, wi.z > 0 ? part.index : 1 / part.index).reflectance;
-    out.add({{-wi.x, -wi.y, wi.z}, glm::clamp(mirrored, Rgb(0), Rgb(1)), 1, MIRROR});
+    out.add({{-wi.x, -wi.y, wi.z}, clamp(mirrored, 0, 1), 1, MIRROR});
     for (const DeltaScatter& s : one)
       if (s.lobe == REFRACTION) out.add(s);
   }

@@ -31,7 +31,7 @@ class DiffuseTransmissionBsdf final : public Bsdf {
     if ((wi.z < 0) == (pick < reflected)) wo.z = -wo.z;
     return wo;
   }
-  Rgb albedo(const Vec3f&) const override { return glm::min(reflectance + transmittance, Rgb(1)); }
+  Rgb albedo(const Vec3f&) const override { return min(reflectance + transmittance, Rgb(1)); }
   bool lossless() const override { return reflectance + transmittance == Rgb(1); }
 
  private:

@@ -130,7 +130,7 @@ class HairBsdf final : public Bsdf {
     const Lobes all(*this, wi);
     Rgbd sum(0);
     for (const Rgbd& a : all.attenuation) sum += a;
-    return glm::min(Rgb(sum), Rgb(1));
+    return min(Rgb(sum), Rgb(1));
   }
   bool lossless() const override { return isBlack(absorption); }
 
@@ -147,7 +147,7 @@ class HairBsdf final : public Bsdf {
       const double bent = std::sqrt(std::max(DBL_MIN, square(shape.eta) - square(inclination.sine)));
       sineGammaT = std::clamp(h * inclination.cosine / bent, -1.0, 1.0);
       const double length = 2 * cosineOf(sineGammaT) / std::max(cosineT, DBL_MIN); // of the way through
-      const Rgbd transmitted = glm::exp(Rgbd(hair.absorption) * -length);
+      const Rgbd transmitted = exp(Rgbd(hair.absorption) * -length);
       const auto f = double(dielectricFresnel(static_cast<float>(inclination.cosine * cosineOf(h)),
                                               static_cast<float>(shape.eta))
                                 .reflectance);
@@ -226,7 +226,7 @@ class Hair final : public Material {
     const float b = roughness, b2 = b * b;
     const float fit =
         5.969f - 0.215f * b + 2.532f * b2 - 10.73f * b2 * b + 5.574f * b2 * b2 + 0.245f * b2 * b2 * b;
-    const Rgb root = glm::log(glm::max(values.colour.at(point), Rgb(FLT_MIN))) / fit;
+    const Rgb root = log(max(values.colour.at(point), FLT_MIN)) / fit;
     return root * root;
   }
 

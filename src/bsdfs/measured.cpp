@@ -167,7 +167,7 @@ class MeasuredBsdf final : public Bsdf {
     const Vec3f unit = glm::normalize(wo);
     return wi.z < 0 ? Vec3f(unit.x, unit.y, -unit.z) : unit;
   }
-  Rgb albedo(const Vec3f&) const override { return glm::min(table->reflectance, Rgb(1)); }
+  Rgb albedo(const Vec3f&) const override { return min(table->reflectance, Rgb(1)); }
 
  private:
   static Vec3f up(const Vec3f& w) { return {w.x, w.y, std::abs(w.z)}; }

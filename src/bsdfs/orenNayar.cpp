@@ -38,7 +38,7 @@ class OrenNayarBsdf final : public Bsdf {
   Rgb albedo(const Vec3f& wi) const override {
     const float e = std::min(single1(std::abs(wi.z)), 1.0f);
     const float lost = missing > 1e-6f ? 1 - e : 0;
-    return glm::min(reflectance * e + multiple * lost, Rgb(1));
+    return min(reflectance * e + multiple * lost, Rgb(1));
   }
   bool lossless() const override { return reflectance == Rgb(1); }
 

@@ -63,7 +63,7 @@ class PlasticBsdf final : public Bsdf {
   }
   Rgb albedo(const Vec3f& wi) const override {
     const float t = through(up(wi)), mean = table->mean(alpha);
-    return glm::min(base * (t * (1 - mean)) + Rgb(coat.facets.smooth() ? 0 : 1 - t), Rgb(1));
+    return min(base * (t * (1 - mean)) + Rgb(coat.facets.smooth() ? 0 : 1 - t), Rgb(1));
   }
   bool lossless() const override { return white; }
 

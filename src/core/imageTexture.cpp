@@ -363,7 +363,7 @@ Rgb ImageTexture::at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const {
   }
   Rgb result(0);
   if (!source->cache->system->texture(source->handle, nullptr, options, st.x, st.y, alongX.x, alongX.y,
-                                      alongY.x, alongY.y, 3, &result.x))
+                                      alongY.x, alongY.y, 3, &result.r))
     throw Error(source->name.string() + ": " + source->cache->system->geterror());
   return result;
 }

@@ -52,7 +52,7 @@ class PreethamSky {
   Rgbd at(double cosTheta, double gamma) const {
     const double l = relative(luminance, zenithLuminance, cosTheta, gamma);
     const double cx = relative(x, zenithX, cosTheta, gamma), cy = relative(y, zenithY, cosTheta, gamma);
-    return glm::max(rgbOfXyz(Vec3d(cx / cy, 1, (1 - cx - cy) / cy) * std::max(l, 0.0)), 0.0);
+    return max(rgbOfXyz(Vec3d(cx / cy, 1, (1 - cx - cy) / cy) * std::max(l, 0.0)), 0.0);
   }
 
  private:

@@ -84,7 +84,7 @@ class NormalMap final : public SurfaceDetail {
     if (!(length > 0)) return;
     const Vec3d x = along / length, y = glm::cross(n, x);
     const Rgbd colour(image.at({point.uv.x, 1 - point.uv.y}, Vec2f(0), Vec2f(0)));
-    const Vec3d local = 2.0 * colour - 1.0;
+    const Vec3d local(2.0 * colour - 1.0);
     const Vec3d normal = x * local.x + y * local.y + n * local.z;
     if (glm::dot(normal, normal) > 0) setShadingNormal(point, normal);
   }

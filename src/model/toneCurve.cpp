@@ -14,7 +14,7 @@ std::vector<float> luminances(const Image& picture) {
   std::vector<float> out(size_t(picture.width) * size_t(picture.height));
   for (size_t i = 0; i < out.size(); ++i) {
     const float* p = &picture.pixels[i * stride];
-    out[i] = luminance({p[0], p[1], p[2]});
+    out[i] = luminance(Rgb(p[0], p[1], p[2]));
   }
   return out;
 }

@@ -28,7 +28,7 @@ Rgb rgbFromOklch(float lightness, float chroma, float hue) {
     const float middle = 0.5f * (low + high);
     (inGamut(convert(middle)) ? low : high) = middle;
   }
-  return glm::clamp(convert(low), 0.0f, 1.0f);
+  return clamp(convert(low), 0, 1);
 }
 
 /** −1 blue, 0 light grey, 1 red. */

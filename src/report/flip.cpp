@@ -300,7 +300,7 @@ double medianOf(std::vector<double> values) { // of one value at the least
 
 std::vector<double> exposuresFor(const std::vector<Rgb>& reference) {
   std::vector<double> luminances;
-  for (const Rgb& colour : reference) luminances.push_back(double(luminance(glm::max(colour, 0.0f))));
+  for (const Rgb& colour : reference) luminances.push_back(double(luminance(max(colour, 0))));
   const double largest = *std::max_element(luminances.begin(), luminances.end());
   if (largest <= 0) return {0}; // black at every exposure
   double median = medianOf(luminances);
@@ -323,7 +323,7 @@ Flip ldrFlip(const Image& image, const Image& reference, double pixelsPerDegree)
   if (out.errors.empty()) return out;
   const auto shown = [](const Image& linear) {
     std::vector<Rgb> values = colours(linear);
-    for (Rgb& value : values) value = glm::clamp(value, 0.0f, 1.0f);
+    for (Rgb& value : values) value = clamp(value, 0, 1);
     return values;
   };
   addErrors(shown(image), shown(reference), Filters(pixelsPerDegree), out);

@@ -27,7 +27,7 @@ Image reduced(const Image& picture) {
           sum += picture.rgb(std::min(x * block + i, picture.width - 1),
                              std::min(y * block + j, picture.height - 1));
       sum /= float(block * block);
-      std::copy_n(&sum.x, 3, out.at(x, y));
+      std::copy_n(&sum.r, 3, out.at(x, y));
     }
   return out;
 }

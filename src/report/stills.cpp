@@ -241,7 +241,7 @@ float automaticExposure(const Image& image) {
   std::vector<float> lights;
   const size_t stride = image.channels.size();
   for (size_t i = 0; i + 2 < image.pixels.size(); i += stride) {
-    const float y = luminance({image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]});
+    const float y = luminance(Rgb(image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]));
     if (y > 0 && std::isfinite(y)) lights.push_back(y);
   }
   if (lights.empty()) return 0;

@@ -50,7 +50,7 @@ void drawPicture(Image& sheet, int left, int top, const Image& picture, const Sh
       const int x0 = x / layout.enlarge * layout.shrink, y0 = y / layout.enlarge * layout.shrink;
       for (int j = y0; j < std::min(y0 + layout.shrink, picture.height); ++j)
         for (int i = x0; i < std::min(x0 + layout.shrink, picture.width); ++i, ++count)
-          sum += glm::clamp(picture.rgb(i, j) * scale, Rgb(0), Rgb(1));
+          sum += clamp(picture.rgb(i, j) * scale, 0, 1);
       for (int c = 0; c < 3; ++c) sheet.at(left + x, top + y)[c] = sum[c] / static_cast<float>(count);
     }
 }

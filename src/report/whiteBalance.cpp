@@ -75,7 +75,7 @@ void applyWhiteBalance(Image& picture, const WhiteBalance& balance) {
     const Rgbd mean = glm::inverse(matrix) * Rgbd(1);
     matrix *= (0.2126 * mean.r + 0.7152 * mean.g + 0.0722 * mean.b);
   }
-  changeColours(picture, [&](const Rgb& c) { return glm::max(Rgb(matrix * Rgbd(c)), 0.0f); });
+  changeColours(picture, [&](const Rgb& c) { return max(Rgb(matrix * Rgbd(c)), 0); });
 }
 
 } // namespace recurse

@@ -81,22 +81,20 @@ const Rgbd& white() {
   return WHITE;
 }
 
-double luminanceOf(const Rgbd& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; }
-
 Rgbd intoGamut(const Rgbd& c) {
   const double lowest = std::min({c.r, c.g, c.b});
   if (lowest >= 0) return c;
-  const double grey = luminanceOf(c);
+  const double grey = luminance(c);
   if (!(grey > 0)) return Rgbd(0);
   const double keep = grey / (grey - lowest);
-  return glm::max(Rgbd(grey) + (c - Rgbd(grey)) * keep, Rgbd(0));
+  return max((c - grey) * keep + grey, 0);
 }
 
 template <class F> Rgbd convert(F&& spectrum, SpectrumKind kind) {
   if (kind != SpectrumKind::ILLUMINANT)
     return intoGamut(rgbOfXyz(integrate([&](int w) { return spectrum(w) * daylight(w); })) / white());
   const Rgbd c = intoGamut(rgbOfXyz(integrate(spectrum)) / white());
-  const double y = luminanceOf(c);
+  const double y = luminance(c);
   return y > 0 ? c / y : Rgbd(0);
 }
 
@@ -113,7 +111,7 @@ Rgbd rgbOfXyz(const Vec3d& xyz) {
   // Primaries and white of ITU-R BT.709-6, item 1.3 and 1.4.
   static const Mat3d FROM_XYZ =
       glm::inverse(xyzFromRgb({{{0.64, 0.33}, {0.30, 0.60}, {0.15, 0.06}}}, {0.3127, 0.3290}));
-  return FROM_XYZ * xyz;
+  return Rgbd(FROM_XYZ * xyz);
 }
 
 const std::vector<std::string>& namedColorSpaces() {
@@ -125,7 +123,7 @@ Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind ki
   if (name.empty() || name == "srgb") return value;
   static const auto TO_REC709 = [](const std::array<Vec2d, 3>& primaries, const Vec2d& whitePoint) {
     const Mat3d toXyz = xyzFromRgb(primaries, whitePoint);
-    return Mat3d(rgbOfXyz(toXyz[0]), rgbOfXyz(toXyz[1]), rgbOfXyz(toXyz[2]));
+    return Mat3d(Vec3d(rgbOfXyz(toXyz[0])), Vec3d(rgbOfXyz(toXyz[1])), Vec3d(rgbOfXyz(toXyz[2])));
   };
   // ITU-R BT.2020-2; SMPTE RP 431-2 with the white of displays, as pbrt; SMPTE ST 2065-1.
   static const Mat3d REC2020 =
@@ -136,14 +134,14 @@ Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind ki
   const Mat3d& matrix = name == "rec2020" ? REC2020 : name == "dci-p3" ? DCI_P3 : ACES;
   if (kind == SpectrumKind::ILLUMINANT) return intoGamut(matrix * value);
   // What absorbs and never amplifies goes on so.
-  return glm::min(intoGamut(matrix * value / (matrix * Rgbd(1))),
-                  Rgbd(std::max({1.0, value.r, value.g, value.b})));
+  return min(intoGamut(matrix * value / (matrix * Rgbd(1))),
+             Rgbd(std::max({1.0, value.r, value.g, value.b})));
 }
 
 Vec3d xyzOfRgb(const Rgbd& rgb) {
   static const Mat3d TO_XYZ =
-      glm::inverse(Mat3d(rgbOfXyz({1, 0, 0}), rgbOfXyz({0, 1, 0}), rgbOfXyz({0, 0, 1})));
-  return TO_XYZ * rgb;
+      glm::inverse(Mat3d(Vec3d(rgbOfXyz({1, 0, 0})), Vec3d(rgbOfXyz({0, 1, 0})), Vec3d(rgbOfXyz({0, 0, 1}))));
+  return TO_XYZ * Vec3d(rgb);
 }
 
 Mat3d whiteBalance(double kelvin) {
@@ -165,7 +163,7 @@ Mat3d whiteBalance(double kelvin) {
   Mat3d scale(1);
   for (int i = 0; i < 3; ++i) scale[i][i] = to[i] / from[i];
   const Mat3d adapt = glm::inverse(cones) * scale * cones;
-  const auto column = [&](const Rgbd& c) { return rgbOfXyz(adapt * xyzOfRgb(c)); };
+  const auto column = [&](const Rgbd& c) { return Vec3d(rgbOfXyz(adapt * xyzOfRgb(c))); };
   return {column({1, 0, 0}), column({0, 1, 0}), column({0, 0, 1})};
 }
 

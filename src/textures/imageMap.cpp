@@ -23,8 +23,8 @@ class ImageMap final : public Texture {
     // The texture's t goes up from the lower edge of the picture.
     Rgb v = scale * image.at({m.st.x, 1 - m.st.y}, {m.alongX.x, -m.alongX.y}, {m.alongY.x, -m.alongY.y});
     if (!spectrum) v = Rgb(v.r);
-    if (invert) v = glm::max(1.0f - v, 0.0f);
-    return threshold ? Rgb(glm::greaterThanEqual(v, Rgb(*threshold))) : v;
+    if (invert) v = max(1 - v, 0);
+    return threshold ? Rgb(v.r >= *threshold, v.g >= *threshold, v.b >= *threshold) : v;
   }
 
  private:

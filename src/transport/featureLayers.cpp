@@ -32,7 +32,7 @@ constexpr int MAX_SPECULAR = 16;
 Rgb sampledAlbedo(const CameraVertex& vertex, Sampler& sampler) {
   // Flux, since radiance would have the 1/η² of refraction in it.
   const auto s = vertex.scattering->scatter(vertex.wi, Transport::FLUX, sampler, ALL_LOBES);
-  return s ? glm::clamp(s->weight, 0.0f, 1.0f) : BLACK;
+  return s ? clamp(s->weight, 0, 1) : BLACK;
 }
 
 class FeatureWalk {
@@ -55,7 +55,7 @@ class FeatureWalk {
       }
       const auto facing = [&](const Vec3f& n) { return dot(n, vertex.wi) < 0 ? -n : n; };
       out.surface = true;
-      out.values[ALBEDO] = sampledAlbedo(vertex, sampler);
+      out.values[ALBEDO] = Vec3f(sampledAlbedo(vertex, sampler));
       out.values[NORMAL] = facing(point.shadingNormal);
       out.values[GEOMETRIC_NORMAL] = facing(point.geometricNormal);
       out.values[DEPTH] = Vec3f(static_cast<float>(depth));

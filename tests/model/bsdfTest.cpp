@@ -233,7 +233,7 @@ Albedo scatteredFlux(const Bsdf& bsdf, const Vec3f& wi, int n, uint32_t seed) {
       sum2 += w * w;
     }
     out.mean = sum / double(n);
-    out.error = glm::sqrt(glm::max(sum2 / double(n) - out.mean * out.mean, 0.0) / double(n));
+    out.error = sqrt(max(sum2 / double(n) - out.mean * out.mean, 0.0) / double(n));
   }
   DeltaScatters deltas;
   bsdf.deltas(wi, deltas);
@@ -344,7 +344,7 @@ TEST(BsdfDelta, LobesAreWellFormedAndReversible) {
         double best = INFINITY;
         for (const DeltaScatter& e : back)
           if (glm::length(e.wo - wi) < 2e-3f)
-            best = std::min(best, double(maxComponent(glm::abs(e.weight - d.weight))));
+            best = std::min(best, double(maxComponent(abs(e.weight - d.weight))));
         EXPECT_LT(best, 2e-2) << "angle " << wi.z;
       }
     }
@@ -417,7 +417,7 @@ TEST(BsdfReciprocity, ValuesAndDensities) {
     TestRandom random(5);
     if (!bsdf.isReciprocal()) { // which it must not say of itself for nothing
       const Vec3f a = random.direction(), b = random.direction();
-      EXPECT_GT(maxComponent(glm::abs(bsdf.value(a, b) - bsdf.value(b, a))),
+      EXPECT_GT(maxComponent(abs(bsdf.value(a, b) - bsdf.value(b, a))),
                 0.01f * maxComponent(bsdf.value(a, b)));
       return;
     }
@@ -599,7 +599,7 @@ TEST(BsdfPasses, ForwardEqualsBackward) {
           sum2 += x * x;
         }
         mean[pass] = sum / double(N);
-        variance[pass] = glm::max(sum2 / double(N) - mean[pass] * mean[pass], 0.0) / double(N);
+        variance[pass] = max(sum2 / double(N) - mean[pass] * mean[pass], 0.0) / double(N);
       }
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(mean[0][k], mean[1][k], 4.5 * std::sqrt(variance[0][k] + variance[1][k]) + 1e-5)
@@ -645,7 +645,7 @@ TEST(BsdfPasses, HairThatTurnsToTheRayIsTheSameFromEitherEnd) {
           sum2 += x * x;
         }
         mean[pass] = sum / double(N);
-        variance[pass] = glm::max(sum2 / double(N) - mean[pass] * mean[pass], 0.0) / double(N);
+        variance[pass] = max(sum2 / double(N) - mean[pass] * mean[pass], 0.0) / double(N);
       }
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(mean[0][k], mean[1][k], 4.5 * std::sqrt(variance[0][k] + variance[1][k]) + 1e-5);
@@ -667,7 +667,7 @@ TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
         sum2 += w * w;
       }
       const Albedo all = scatteredFlux(bsdf, wi, int(N), 1);
-      const Rgbd mean = sum / double(N), variance = glm::max(sum2 / double(N) - mean * mean, 0.0) / double(N);
+      const Rgbd mean = sum / double(N), variance = max(sum2 / double(N) - mean * mean, 0.0) / double(N);
       for (int k = 0; k < 3; ++k)
         EXPECT_NEAR(mean[k], all.mean[k], 5 * std::sqrt(variance[k] + square(all.error[k])) + 1e-4)
             << "wi.z " << wi.z;

@@ -123,7 +123,7 @@ TEST(Adaptive, RareBrightSamplesCountForWhatTheyAre) {
     for (size_t p = 0; p < r.pixels(); ++p) {
       if (p % SIZE < SIZE / 2) continue;
       ++pixels;
-      sum += double(r.value(p).x);
+      sum += double(r.value(p).r);
       int met = 0, count = 0;
       const auto take = [&](int upTo) {
         for (; count < upTo; ++count) met += bright(random) ? 1 : 0;
@@ -147,7 +147,7 @@ TEST(Adaptive, SamplesGoWhereTheErrorIs) {
   const auto scene = sceneFrom(emptyScene(32));
   const auto squaredError = [](const Rendered& r) {
     double sum = 0;
-    for (size_t p = 0; p < r.pixels(); ++p) sum += double(square(r.value(p).x - 1));
+    for (size_t p = 0; p < r.pixels(); ++p) sum += double(square(r.value(p).r - 1));
     return sum;
   };
   double adaptive = 0, even = 0;
@@ -201,8 +201,8 @@ TEST(Adaptive, EdgesGetTheSamples) {
     const Rendered a = renderWith(*scene, formula, {.samples = 32, .seed = seed});
     const Rendered e = renderWith(*scene, formula, {.samples = 32, .seed = seed, .adaptive = false});
     for (size_t p = 0; p < a.pixels(); ++p) {
-      adaptive += double(square(a.value(p).x - truth.value(p).x));
-      even += double(square(e.value(p).x - truth.value(p).x));
+      adaptive += double(square(a.value(p).r - truth.value(p).r));
+      even += double(square(e.value(p).r - truth.value(p).r));
     }
   }
   EXPECT_LT(adaptive, 0.6 * even);
@@ -228,7 +228,7 @@ TEST(Adaptive, NothingToTellMeansTheSameForAll) {
       const Rendered r = renderWith(*scene, formula, {.samples = count});
       EXPECT_NEAR(double(r.statistics.samples), 64.0 * count, 16) << count;
       EXPECT_LT(r.statistics.most, uint64_t(count) + 4); // round numbers
-      EXPECT_EQ(r.value(0).x, value);
+      EXPECT_EQ(r.value(0).r, value);
     }
   }
 }

@@ -297,7 +297,7 @@ TEST(MultipleImportanceSampling, PhotonsKnowWhatADirectionIsWorth) {
                 if (!s) return;
                 ++tested;
                 const Rgb expected = s->weight * s->pdf;
-                const Rgb difference = glm::abs(scattering.evaluateFlux(wi, s->direction) - expected);
+                const Rgb difference = abs(scattering.evaluateFlux(wi, s->direction) - expected);
                 if (maxComponent(difference) > float(SAME) * maxComponent(expected)) ++wrong;
               });
   expectFew(wrong, tested, "flux");
@@ -397,7 +397,7 @@ TEST(MultipleImportanceSampling, WeightsSumToOne) {
                       addSampledLight(*scene, guide, place, scattering, at, {}, wi, Rgb(1), eye, n, allowed,
                                       0, sampler, out);
                       ++tested;
-                      const Rgb difference = glm::abs(out.total() - expected);
+                      const Rgb difference = abs(out.total() - expected);
                       if (maxComponent(difference - expected * float(SAME)) > 0) {
                         ++wrong;
                       }

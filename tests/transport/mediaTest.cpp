@@ -76,7 +76,7 @@ TEST(Media, TransmittanceByChannel) {
       throughTheBox("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 1 3] \"rgb sigma_s\" [0 0 0]",
                     EVEN_SKY),
       "path", "", samples(16384));
-  expectColour(meanOfMedium(homogeneous), glm::exp(-sigma), 0.012, "homogeneous");
+  expectColour(meanOfMedium(homogeneous), exp(-sigma), 0.012, "homogeneous");
   // One cell: along its middle the density rises from a half to 1 and falls again, 3/4 in the mean.
   const Rendered grid = renderText(
       throughTheBox(
@@ -84,7 +84,7 @@ TEST(Media, TransmittanceByChannel) {
           "[.15 .5 1.5] \"rgb sigma_s\" [0 0 0] \"float density\" 2",
           EVEN_SKY),
       "path", "", samples(16384));
-  expectColour(meanOfMedium(grid), glm::exp(-0.75 * sigma), 0.012, "grid");
+  expectColour(meanOfMedium(grid), exp(-0.75 * sigma), 0.012, "grid");
 }
 
 TEST(Media, SingleScatteringOfParallelLight) {
@@ -92,7 +92,7 @@ TEST(Media, SingleScatteringOfParallelLight) {
   const double h = 2, e = 3;
   const Rgbd absorption(0.1, 0.2, 0.6), scattering(0.4, 0.3, 0.2), extinction = absorption + scattering;
   const Rgbd expected =
-      scattering / (4 * M_PI) * e * glm::exp(-extinction * h) * (1.0 - glm::exp(-extinction)) / extinction;
+      scattering / (4 * M_PI) * e * exp(-extinction * h) * (1.0 - exp(-extinction)) / extinction;
   const std::string light =
       "LightSource \"distant\" \"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"rgb L\" [3 3 3]\n";
   for (const std::string medium :
@@ -545,9 +545,8 @@ TEST(PhotonBeams, SingleScatteringOfParallelLight) {
       MEDIUM_BOX +
       "LightSource \"distant\" \"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"rgb L\" [3 3 3]\n";
   const Rgbd scattering(.4, .3, .2), extinction(.5, .5, .8), half = extinction * 0.5;
-  const Rgbd meanArrives = glm::exp(-extinction * 2.0) * (glm::exp(half) - glm::exp(-half)) / extinction;
-  const Rgbd expected =
-      scattering / (4 * M_PI) * 3.0 * meanArrives * (1.0 - glm::exp(-extinction)) / extinction;
+  const Rgbd meanArrives = exp(-extinction * 2.0) * (exp(half) - exp(-half)) / extinction;
+  const Rgbd expected = scattering / (4 * M_PI) * 3.0 * meanArrives * (1.0 - exp(-extinction)) / extinction;
   const Rendered r =
       renderText(text, "photonmap",
                  "\"string direct\" \"photons\" \"string volumephotons\" \"beams\" \"integer maxdepth\" 1 "

@@ -67,7 +67,7 @@ std::vector<Photon> makePhotons(const Distribution& distribution, size_t n) {
     photons[i].position = distribution.position(random, i);
     photons[i].direction = packDirection(uniformDirection(random));
     photons[i].normal = packDirection(uniformDirection(random));
-    photons[i].power = uniformPoint(random, 0, 1);
+    photons[i].power = Rgb(uniformPoint(random, 0, 1));
     photons[i].pathState = static_cast<uint8_t>(random() % 200);
   }
   return photons;

@@ -86,7 +86,7 @@ class BsdfSum final : public Bsdf {
       if (!parts[i]->lossless()) return false;
       sum += weights[i];
     }
-    return glm::all(glm::greaterThan(sum, Rgb(0.999f)));
+    return std::min({sum.r, sum.g, sum.b}) > 0.999f;
   }
 
  private:

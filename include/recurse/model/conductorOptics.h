@@ -69,8 +69,8 @@ class ConductorParameters {
     if (!fromReflectance) return {eta.at(point), k.at(point)};
     // pbrt's meaning of `reflectance`: the conductor with eta 1 that has this reflectance at normal
     // incidence. A reflectance of 1 would need an infinite k; 0.9999 is pbrt's limit.
-    const Rgb r = glm::clamp(reflectance.at(point), 0.0f, 0.9999f);
-    return {Rgb(1), 2.0f * glm::sqrt(r) / glm::sqrt(1.0f - r)};
+    const Rgb r = clamp(reflectance.at(point), 0.0f, 0.9999f);
+    return {Rgb(1), 2.0f * sqrt(r) / sqrt(1 - r)};
   }
 
  private:

@@ -46,7 +46,7 @@ template <class Gloss> class GlossOverDiffuse final : public Bsdf {
   }
   Rgb albedo(const Vec3f& wi) const override {
     const Vec3f a = up(wi);
-    return glm::min(gloss.albedo(a) + gloss.diffuseAlbedo(a), Rgb(1));
+    return min(gloss.albedo(a) + gloss.diffuseAlbedo(a), Rgb(1));
   }
   bool lossless() const override { return gloss.lossless(); }
 

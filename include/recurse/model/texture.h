@@ -22,7 +22,7 @@ struct TexturedRgb {
   float lowest = -INFINITE,
         highest = INFINITE; ///< of the parameter: as in pbrt, a texture's values are held to it
   Rgb at(const SurfacePoint& point) const {
-    return texture ? glm::clamp(texture->value(point), Rgb(lowest), Rgb(highest)) : constant;
+    return texture ? clamp(texture->value(point), lowest, highest) : constant;
   }
 };
 

@@ -27,7 +27,7 @@ template <class Change> void changeColours(Image& picture, const Change& change)
   for (size_t i = 0; i + 2 < picture.pixels.size(); i += stride) {
     float* p = &picture.pixels[i];
     const Rgb colour = change(Rgb(p[0], p[1], p[2]));
-    std::copy_n(&colour.x, 3, p);
+    std::copy_n(&colour.r, 3, p);
   }
 }
 

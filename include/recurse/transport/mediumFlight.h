@@ -95,7 +95,7 @@ Collision flyThrough(const Medium& medium, const Ray& ray, float end, int hero, 
         path.normalize();
         return {true, t};
       }
-      const Rgb null = glm::max(s.majorant - extinction, Rgb(0));
+      const Rgb null = max(s.majorant - extinction, 0);
       if (!(null[hero] > 0)) continue; // rounding
       path.throughput *= null / null[hero];
       path.own *= null / null[hero];
@@ -134,7 +134,7 @@ inline void passThrough(const Medium& medium, const Ray& ray, float end, int her
       s.light *= relative;
       if (arrives) break;
       t += step;
-      const Rgb null = glm::max(part.majorant - medium.at(ray.at(t)).extinction(), Rgb(0)) / majorant;
+      const Rgb null = max(part.majorant - medium.at(ray.at(t)).extinction(), 0) / majorant;
       s.value *= null;
       s.own *= null;
       s.light *= part.majorant / majorant;
@@ -195,7 +195,7 @@ class RayTransmittance {
         if (!(t < part.end)) break;
         const MediumPoint point = medium.at(ray.at(t));
         emission += value * point.emission / majorant;
-        value *= glm::max(1.0f - point.extinction() / majorant, Rgb(0));
+        value *= max(1.0f - point.extinction() / majorant, 0);
         if (const float left = maxComponent(value); left < LOW) {
           if (sampler.next1D() * LOW < left)
             value *= LOW / left;
