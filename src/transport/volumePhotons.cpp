@@ -19,16 +19,20 @@ float radiusIn(const Bounds3f& box, size_t count) {
          std::cbrt(sides.z);
 }
 
-/** The part of the Epanechnikov kernel of a unit disc before a chord at a distance from the middle, below 0
- * beyond it: its integral over the chord goes by (1 - x²)^(3/2). */
-float partBefore(float chord) {
-  if (chord >= 1) return 1;
-  if (chord <= -1) return 0;
-  const float x2 = square(chord);
-  return 0.5f + (chord * (5 - 2 * x2) * std::sqrt(1 - x2) + 3 * std::asin(chord)) / (3 * PI);
-}
-
 } // namespace
+
+KernelPoints kernelPointsAcross(const Vec3f& direction) {
+  const float goldenAngle = PI * (3 - std::sqrt(5.0f));
+  const Frame frame(direction);
+  KernelPoints points;
+  for (size_t i = 0; i < points.size(); ++i) {
+    // The kernel's integral over a disc of radius r is 2 r² - r⁴.
+    const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(points.size());
+    const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
+    points[i] = frame.toWorld({r * std::cos(phi), r * std::sin(phi), 0});
+  }
+  return points;
+}
 
 void DiscBounds::add(const Vec3f& normal, float distance) {
   constexpr float ALIKE = 0.9f; // the same surface, or one with a soft bend
@@ -45,21 +49,20 @@ bool DiscBounds::cuts(const Vec3f& away) const {
                      [&](const Plane& p) { return glm::dot(p.normal, away) > p.distance; });
 }
 
-float DiscBounds::fraction(const Vec3f& direction, float radius) const {
-  constexpr float LEAST = 0.01f;
-  std::array<float, MAX_COUNT> lost{};
-  float left = 1;
+float DiscBounds::fraction(const KernelPoints& points, float radius) const {
+  const auto left =
+      std::count_if(points.begin(), points.end(), [&](const Vec3f& p) { return !cuts(p * radius); });
+  return static_cast<float>(std::max<std::ptrdiff_t>(left, 1)) / static_cast<float>(points.size());
+}
+
+float DiscBounds::wayFromSurface(const Vec3f& origin, const Vec3f& direction, float t,
+                                 float tolerance) const {
   for (size_t i = 0; i < count; ++i) {
-    const float sine = std::sqrt(std::max(0.0f, 1 - square(glm::dot(planes[i].normal, direction))));
-    lost[i] = sine * radius > planes[i].distance ? 1 - partBefore(planes[i].distance / (sine * radius)) : 0;
-    // What opposite planes take off does not overlap.
-    float factor = 1 - lost[i];
-    for (size_t k = 0; k < i; ++k)
-      if (glm::dot(planes[i].normal, planes[k].normal) < -0.5f)
-        factor = std::max(0.0f, 1 - lost[i] - lost[k]) / (1 - lost[k]);
-    left *= factor;
+    const float sinking = -glm::dot(planes[i].normal, direction);
+    if (sinking > 0 && std::abs(glm::dot(planes[i].normal, origin) - planes[i].distance) < tolerance)
+      return planes[i].distance / sinking;
   }
-  return std::max(left, LEAST);
+  return t;
 }
 
 void VolumePhotonMap::findBounds(const Scene& scene, float time, TransportCounts& counts) {

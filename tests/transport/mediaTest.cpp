@@ -329,6 +329,19 @@ void expectWhatPathFinds(const std::string& text, const std::vector<PathClass>& 
 
 } // namespace
 
+TEST(MediaPhotons, DenseMatterIsNoDarkerThanByPaths) {
+  // Its mean free path is far below what photons are blurred over, across a surface that is seen aslant.
+  const std::string ball =
+      view(16, "0 -4 1.5  0 0 .5  0 0 1", 12) + "LightSource \"distant\" \"point3 from\" [ 3 -3 6 ]\n" +
+      EVEN_SKY +
+      "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 0 0 0 ] "
+      "\"rgb sigma_s\" [ 1000 1000 1000 ]\nTranslate 0 0 .5\nMediumInterface \"m\" \"\"\n"
+      "Material \"interface\"\nShape \"sphere\" \"float radius\" .5\n";
+  const Rendered paths = renderText(ball, "path", "", samples(256));
+  const Rendered photons = renderText(ball, "photonmap", "\"bool trial\" false", samples(16));
+  EXPECT_NEAR(photons.mean() / paths.mean(), 1, 0.08);
+}
+
 TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
   expectWhatPathFinds(foggyRoom(16), {{"all", "all"},
                                       {"single", "LVE"},

@@ -25,6 +25,10 @@ struct VolumePhoton {
   uint8_t pathState = 0;     ///< LightState after the events before this one
 };
 
+/** Points of a unit disc, each of which stands for the same part of Epanechnikov's kernel. */
+using KernelPoints = std::array<Vec3f, 32>;
+KernelPoints kernelPointsAcross(const Vec3f& direction);
+
 /** Where a photon's disc ends: planes of the surfaces around it. */
 class DiscBounds {
  public:
@@ -34,9 +38,11 @@ class DiscBounds {
   bool empty() const { return count == 0; }
   /** Whether a point, seen from the photon, lies beyond a surface. */
   bool cuts(const Vec3f& away) const;
-  /** The part of the kernel's integral over the disc across `direction` that is left; nearly, where two
-   * planes meet in the disc. */
-  float fraction(const Vec3f& direction, float radius) const;
+  /** The part of the kernel's integral over the disc that is left; never 0. */
+  float fraction(const KernelPoints& points, float radius) const;
+  /** How far the photon is along `direction` from the surface that a ray comes from whose origin is at
+   * `origin`, seen from the photon; `t` if that is none of these, up to `tolerance`. */
+  float wayFromSurface(const Vec3f& origin, const Vec3f& direction, float t, float tolerance) const;
 
  private:
   static constexpr size_t MAX_COUNT = 3;
@@ -66,6 +72,7 @@ class VolumePhotonMap {
   /** Calls visit(photon, t, kernel) for each photon near the ray of unit direction that it passes at 0 < t <
    * end; `kernel` is 1/area across the ray, and its integral over the photon's disc 1. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
+    const KernelPoints points = boundsOf.empty() ? KernelPoints() : kernelPointsAcross(ray.direction);
     tree.visitAlong(ray, end, [&](size_t i) {
       const Vec3f way = photons[i].position - ray.origin;
       const float t = glm::dot(way, ray.direction), radius2 = square(radii[i]);
@@ -75,7 +82,9 @@ class VolumePhotonMap {
       if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
         const DiscBounds& b = bounds[boundsOf[i]];
         if (b.cuts(ray.direction * t - way)) return;
-        kernel /= b.fraction(ray.direction, radii[i]);
+        kernel /= b.fraction(points, radii[i]);
+        visit(photons[i], b.wayFromSurface(-way, ray.direction, t, radii[i] / 2), kernel);
+        return;
       }
       visit(photons[i], t, kernel);
     });
