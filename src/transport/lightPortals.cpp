@@ -167,11 +167,12 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
   const std::vector<size_t> distant = distantLights(sceneToLearn);
   if (distant.empty() && sceneToLearn.environment().empty()) return;
   std::vector<Exit> exits = exitsOf(sceneToLearn, distant, MAX_ACROSS, seed, counts);
-  LightPortals crossings = *this;
+  // Paths may leave from everywhere in a room with a wide window, and cross each other far outside of a small
+  // one.
+  std::vector<Exit> crossings = exits;
+  moveToCrossings(crossings, seed);
+  exits.insert(exits.end(), crossings.begin(), crossings.end());
   enclose(exits);
-  moveToCrossings(exits, seed);
-  crossings.enclose(exits);
-  if (crossings.active() && crossings.openPart() < openPart()) *this = std::move(crossings);
 }
 
 void LightPortals::enclose(const std::vector<Exit>& exits) {

@@ -60,6 +60,8 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   }
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
+  shoot.region = &region;
+  shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
   if (scene.hasMedia()) {
     if (pass.index == 0) learnMedia(scene, classes, pass, shoot, control, statistics);
     shoot.inMedia = media;
@@ -291,7 +293,7 @@ LightTable PhotonPass::lightsByPower(const LightTable& all) const {
 void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                                const ShootSettings& shoot, const ForwardControl& control,
                                ForwardStatistics& statistics) {
-  const VisibleRegion region = probeRegion(scene, settings.weighting, statistics.counts);
+  region = probeRegion(scene, settings.weighting, statistics.counts);
   portals = {};
   aim = {};
   lights = lightsByPower(scene.lights());

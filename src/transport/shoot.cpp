@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstring>
 #include <mutex>
+#include <numeric>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -265,22 +266,43 @@ class PhotonWalk {
                                       (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
       const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
       if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);
-      const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, sampler, allowed);
-      if (!s || (sends && !s->specular() && conesAround(s->direction) > 0)) return;
-      const Rgb scattered = flux * s->weight;
-      const float before = maxComponent(flux), after = maxComponent(scattered);
-      flux = scattered;
-      if (!russianRoulette(std::min(1.0f, after / before), depth, sampler, flux)) return;
-      state = s->specular() ? stateS : stateD;
-      flux *= dispersedColour(hit.point, *s, wavelength);
-      nesting.scatters(hit, wi, s->direction);
-      caustic = caustic && s->specular();
-      if (s->specular())
-        ratio.leave(s->direction, hit.point);
-      else
-        ratio = ratioAfter(ratio, depth - 1, hit, scattering, wi, s->direction);
-      ray = spawn(hit.point, s->direction);
+      const auto goOn = [&](Flight& f, Sampler& own) {
+        const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, own, allowed);
+        if (!s || (sends && !s->specular() && conesAround(s->direction) > 0)) return false;
+        const Rgb scattered = f.flux * s->weight;
+        const float before = maxComponent(f.flux), after = maxComponent(scattered);
+        f.flux = scattered;
+        if (!russianRoulette(std::min(1.0f, after / before), f.depth, own, f.flux)) return false;
+        f.state = s->specular() ? stateS : stateD;
+        f.flux *= dispersedColour(hit.point, *s, f.wavelength);
+        f.nesting.scatters(hit, wi, s->direction);
+        f.caustic = f.caustic && s->specular();
+        if (s->specular())
+          f.ratio.leave(s->direction, hit.point);
+        else
+          f.ratio = ratioAfter(f.ratio, f.depth - 1, hit, scattering, wi, s->direction);
+        f.ray = spawn(hit.point, s->direction);
+        return true;
+      };
+      constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
+      const int count = scattering.keepsPhotons() ? splitCount(flux, hit.point.position) : 1;
+      flux /= static_cast<float>(count);
+      for (int i = 1; i < count; ++i) {
+        Flight copy = flight;
+        Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+        if (goOn(copy, own)) waiting.emplace_back(std::move(copy), own);
+      }
+      if (!goOn(flight, sampler)) return;
     }
+  }
+
+  /** How many a photon becomes. Those that carry far more than most where it is seen, because few started
+   * there, would each light a whole room in a direction of their own. */
+  int splitCount(const Rgb& flux, const Vec3f& position) const {
+    constexpr float MAX_COUNT = 256;
+    const float count = maxComponent(flux) / settings.splitPower;
+    if (!(count > 2) || !settings.region->contains(position)) return 1;
+    return static_cast<int>(std::min(count, MAX_COUNT));
   }
 
   /** Where the photon comes from. */
@@ -560,6 +582,7 @@ std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Ve
 /** Trial photons, added up. */
 struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
+  std::vector<float> powers; ///< of those in the region, in all that one photon emitted carries
   std::vector<Vec3f> landed; ///< a few of the places where photons were stored
   uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
   double squares = 0, guided = 0; ///< of what photons bring: without a guide, and with the one they had
@@ -572,6 +595,7 @@ struct Trials {
   void add(const Trials& o) {
     useful.insert(useful.end(), o.useful.begin(), o.useful.end());
     landed.insert(landed.end(), o.landed.begin(), o.landed.end());
+    powers.insert(powers.end(), o.powers.begin(), o.powers.end());
     stored += o.stored;
     inRegion += o.inRegion;
     sent += o.sent;
@@ -581,6 +605,16 @@ struct Trials {
     counts.add(o.counts);
   }
 };
+
+/** What no photon should carry more than; not so little that splitting makes more photons than are emitted. */
+float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
+  constexpr float OVER_TYPICAL = 2;
+  if (powers.empty()) return INFINITE;
+  const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
+  std::nth_element(powers.begin(), middle, powers.end());
+  const double sum = std::accumulate(powers.begin(), powers.end(), 0.0);
+  return std::max(OVER_TYPICAL * *middle, static_cast<float>(sum / double(emitted)));
+}
 
 Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed,
                    const ShootSettings& settings, const VisibleRegion& region) {
@@ -605,6 +639,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
         ++part.inRegion;
+        part.powers.push_back(maxComponent(p.power) * static_cast<float>(settings.photons));
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
       // What is scattered evenly is seen by 1/4π of it, on a white surface by 1/π; errors go by the square.
@@ -691,6 +726,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   if (guide.gain() < WORTH_IT || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.secondMoment = (guide.active() ? last.guided : last.squares) / double(trial.photons);
   guidance.targets = trial.targets;
+  guidance.splitPower = splitPowerOf(std::move(last.powers), trial.photons);
   return guidance;
 }
 

@@ -134,6 +134,7 @@ class PhotonPass {
   PhotonAim aim;           ///< learned before the first pass, for all
   LightTable lights;       ///< by what comes in
   PhotonGuidance guidance; ///< learned before the first pass, for all
+  VisibleRegion region;    ///< the same
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays
   bool progressive = false, tooFew = false, causticsKnown = false;

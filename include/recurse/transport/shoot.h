@@ -56,6 +56,8 @@ struct ShootSettings {
   const LightSampler* shadowRays = nullptr;
   std::vector<DxtranSphere> targets;
   KeptInMedia inMedia;
+  const VisibleRegion* region = nullptr; ///< where strong photons are split; null: nowhere
+  float splitPower = INFINITE;           ///< what those carry at the most that a strong one is split into
 };
 
 struct ShotPhotons {
@@ -80,6 +82,7 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
 struct PhotonGuidance {
   EmissionGuide emission;
   std::vector<DxtranSphere> targets;
+  float splitPower = INFINITE; ///< see ShootSettings, of one photon emitted
   uint64_t useful = 0;     ///< unguided trial photons that came down where the eye looks
   double secondMoment = 0; ///< of what a photon brings to what is seen, about; by which guidances compare
 };
