@@ -30,7 +30,7 @@ std::vector<Film::StatePart> Film::stateParts() {
   if (!splatPlane) return out;
   const auto parts = splatPlane->state();
   for (size_t i = 0; i + 1 < parts.size(); ++i)
-    out.push_back({parts[i], sizeof(int64_t), SplatPlane::addSums});
+    out.push_back({parts[i], sizeof(WideSum), SplatPlane::addSums});
   out.push_back({parts.back(), parts.back().size(), SplatPlane::addFigures});
   return out;
 }

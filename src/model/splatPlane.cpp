@@ -13,17 +13,12 @@ namespace recurse {
 
 namespace {
 
-/** Of one contribution: the sum of 64 such is the first that does not fit. */
-constexpr double LARGEST = 0x1p57;
-/** The square of the largest contribution is the largest number again. */
-constexpr double SQUARE_SCALE = LARGEST;
-
-/** Adds, and returns whether the sum fits. */
-bool addAtomically(int64_t& sum, int64_t value) {
-  const int64_t before = std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
-  int64_t after = 0;
-  return !__builtin_add_overflow(before, value, &after);
-}
+/** Of one contribution [units]. */
+constexpr double LARGEST = 0x1p88;
+/** Unit of squares [square units]. */
+constexpr double SQUARE_SCALE = 0x1p57;
+/** In that unit: the sum of 256 such is the first that does not fit. */
+constexpr double LARGEST_SQUARE = LARGEST * (LARGEST / SQUARE_SCALE);
 
 /** What a contribution is rounded by. */
 uint64_t keyOf(uint64_t place, uint64_t index, double value) {
@@ -56,31 +51,32 @@ void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet,
         for (int c = 0; c < 3; ++c)
           if (value[c] != 0) {
             const double contribution = double(value[c]) * double(weight);
-            addTo(sums[index + size_t(c)], contribution / unitOfSums,
+            addTo(sums[index + size_t(c)], contribution / unitOfSums, LARGEST,
                   keyOf(place, index + size_t(c), contribution));
           }
       }
       // What is too large has been counted with the colours.
       const double units =
           std::clamp(double(recurse::luminance(value)) * double(weight) / unitOfSums, -LARGEST, LARGEST);
-      addTo(moments[pixel].luminance, units, keyOf(place, ~pixel, units));
-      addTo(moments[pixel].square, units * (units / SQUARE_SCALE), keyOf(~place, ~pixel, units));
+      addTo(moments[pixel].luminance, units, LARGEST, keyOf(place, ~pixel, units));
+      addTo(moments[pixel].square, units * (units / SQUARE_SCALE), LARGEST_SQUARE,
+            keyOf(~place, ~pixel, units));
     }
 }
 
-void SplatPlane::addTo(int64_t& sum, double units, uint64_t key) {
-  if (!(std::abs(units) <= LARGEST)) {
-    units = std::copysign(LARGEST, units);
+void SplatPlane::addTo(WideSum& sum, double units, double largest, uint64_t key) {
+  if (!(std::abs(units) <= largest)) {
+    units = std::copysign(largest, units);
     std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
   }
   // Numbers of more digits than a double has are whole already.
   if (std::abs(units) < 0x1p52)
     units = std::floor(units + double(unitFloat(static_cast<uint32_t>(key >> 32))));
-  addAll(sum, static_cast<int64_t>(units));
+  addAll(sum, WideSum(static_cast<Int128>(units)));
 }
 
-void SplatPlane::addAll(int64_t& sum, int64_t other) {
-  if (!addAtomically(sum, other)) std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
+void SplatPlane::addAll(WideSum& sum, const WideSum& other) {
+  if (!sum.addAtomically(other)) std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
 }
 
 void SplatPlane::addPaths(uint64_t count) {
@@ -98,7 +94,8 @@ void SplatPlane::add(const SplatPlane& other) {
 
 void SplatPlane::addSums(const void* from, void* into, size_t count) {
   // Contributions are no larger than LARGEST: where a sum wraps around, the picture is lost anyway.
-  for (size_t i = 0; i < count; ++i) static_cast<uint64_t*>(into)[i] += static_cast<const uint64_t*>(from)[i];
+  for (size_t i = 0; i < count; ++i)
+    static_cast<WideSum*>(into)[i].addAtomically(static_cast<const WideSum*>(from)[i]);
 }
 
 void SplatPlane::addFigures(const void* from, void* into, size_t count) {
@@ -106,14 +103,14 @@ void SplatPlane::addFigures(const void* from, void* into, size_t count) {
 }
 
 void SplatPlane::clear() {
-  std::fill(sums.begin(), sums.end(), 0);
+  std::fill(sums.begin(), sums.end(), WideSum());
   std::fill(moments.begin(), moments.end(), Moments());
   figures = {};
 }
 
 Rgb SplatPlane::value(size_t pixel, size_t layer) const {
   if (figures.paths == 0) return BLACK;
-  const int64_t* sum = &sums[(pixel * layers + layer) * 3];
+  const WideSum* sum = &sums[(pixel * layers + layer) * 3];
   return Rgb(Rgbd(double(sum[0]), double(sum[1]), double(sum[2])) * (unitOfSums / double(figures.paths)));
 }
 

@@ -21,7 +21,7 @@ constexpr uint64_t TIME_STREAM = 0x54494d4553ull;
 
 /**
  * The unit of splats: 2^-28 of the radiance that the lights' flux would give if it left the scene's bounding
- * sphere evenly. 2^35 times that is the largest sum: of 10,000 passes a mean of three million.
+ * sphere evenly. Of a pixel that sees little of the scene contributions may be 2^60 times that.
  */
 double splatUnit(const Scene& scene) {
   double flux = 0;

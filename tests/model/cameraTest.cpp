@@ -293,6 +293,20 @@ TEST(Splats, TooBrightForTheUnitAreCounted) {
   SplatPlane plane({0, 0, 1, 1}, 1, 0x1p-30);
   plane.add(Vec2f(0.5f), *filter, 1, {1e20f, 0, 0});
   EXPECT_EQ(plane.saturated(), 1u);
-  for (int i = 0; i < 200; ++i) plane.add(Vec2f(0.5f), *filter, 1, {0, 0x1p26f, 0});
+  for (int i = 0; i < 1000; ++i) plane.add(Vec2f(0.5f), *filter, 1, {0, 0x1p58f, 0}); // their squares
   EXPECT_GT(plane.saturated(), 1u);
+}
+
+TEST(Splats, LargeSumsKeepSmallContributions) {
+  Diagnostics diagnostics;
+  const auto filter = plugIns().filters.make(parseParameterText("box", ""), {}, diagnostics);
+  SplatPlane plane({0, 0, 1, 1}, 1, 1);
+  for (const float sign : {1.0f, -1.0f}) // so large that 64 bits would not hold them, and 3 in between
+    for (int i = 0; i < 4; ++i) {
+      plane.add(Vec2f(0.5f), *filter, 1, {sign * 0x1p70f, sign, sign * 0x1p62f});
+      plane.add(Vec2f(0.5f), *filter, 1, {3, -3, 0});
+    }
+  plane.addPaths(2);
+  EXPECT_EQ(plane.value(0, 0), Rgb(12, -12, 0));
+  EXPECT_EQ(plane.saturated(), 0u);
 }

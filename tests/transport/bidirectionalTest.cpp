@@ -176,6 +176,31 @@ TEST(Bidirectional, NothingDarkensAnEvenSky) {
   }
 }
 
+TEST(Bidirectional, BrightPlacesInSmallPixelsAreNotTooBrightToSplat) {
+  const ThreadPool pool;
+  for (const std::string scale : {"1e-2", "1e-4", "1e-6"}) {
+    const std::string half = "-" + scale + " " + scale + " ";
+    const auto scene = sceneFrom("Film \"rgb\" \"integer xresolution\" 8 \"integer yresolution\" 8\n"
+                                 "PixelFilter \"box\"\nLookAt 0 0 1  0 0 0  0 1 0\n"
+                                 "Camera \"orthographic\" \"float screenwindow\" [ " +
+                                 half + half +
+                                 "]\nWorldBegin\nShape \"disk\"\n"
+                                 "LightSource \"point\" \"point3 from\" [ 0 0 " +
+                                 scale + " ]\n");
+    const double truth = renderScene(*scene, "path", "", samples(64)).mean();
+    // A sixth of the light meets what is seen.
+    constexpr int LIGHT_PATHS = SANITIZED ? 1000 : 40000;
+    const double error = std::sqrt(6.0 / LIGHT_PATHS);
+    for (const std::string integrator : {"lightpath", "bdpt", "vcm"}) {
+      const std::string parameter = integrator == "vcm" ? "photons" : "lightpaths";
+      const Rendered r =
+          renderScene(*scene, integrator, "\"integer " + parameter + "\" " + std::to_string(LIGHT_PATHS), 1);
+      EXPECT_NEAR(r.mean() / truth, 1, ERRORS_APART * error) << integrator << " at " << scale;
+      EXPECT_EQ(r.statistics.splatsSaturated, 0u) << integrator << " at " << scale;
+    }
+  }
+}
+
 TEST(Bidirectional, NumberOfLightPathsChangesNoMean) {
   const ThreadPool pool;
   const auto scene = sceneFrom(corner(16, SKY));

@@ -11,13 +11,14 @@
 #include <vector>
 
 #include "recurse/core/rgb.h"
+#include "recurse/core/wideSum.h"
 #include "recurse/model/camera.h"
 
 namespace recurse {
 
 /**
  * For each pixel and layer a sum of contributions and the number of light paths that it is the sum of; for
- * each pixel the sums of luminance and of its square, which tell the variance. Sums are 64-bit fixed-point
+ * each pixel the sums of luminance and of its square, which tell the variance. Sums are 128-bit fixed-point
  * numbers, so that threads may add in any order and the result is the same bits. What is smaller than the
  * unit is rounded at random, by a hash of the contribution, and stays right in the mean.
  */
@@ -62,7 +63,7 @@ class SplatPlane {
   static void addFigures(const void* from, void* into, size_t count);
   /** Bytes of state(). */
   static double bytes(double pixels, double layers) {
-    return pixels * (layers * 3 * sizeof(int64_t) + sizeof(Moments)) + sizeof(Figures);
+    return pixels * (layers * 3 * sizeof(WideSum) + sizeof(Moments)) + sizeof(Figures);
   }
 
  private:
@@ -76,15 +77,16 @@ class SplatPlane {
   };
   /** Of a pixel, the first in the unit of sums and the second in that unit's square times SQUARE_SCALE. */
   struct Moments {
-    int64_t luminance = 0, square = 0;
+    WideSum luminance, square;
   };
-  void addTo(int64_t& sum, double units, uint64_t key);
-  void addAll(int64_t& sum, int64_t other);
+  /** `largest`: of the absolute value; beyond, it counts as saturated. */
+  void addTo(WideSum& sum, double units, double largest, uint64_t key);
+  void addAll(WideSum& sum, const WideSum& other);
 
   PixelBounds bounds;
   size_t layers;
   double unitOfSums;
-  std::vector<int64_t> sums;
+  std::vector<WideSum> sums;
   std::vector<Moments> moments;
   Figures figures;
 };
