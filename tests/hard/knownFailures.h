@@ -25,6 +25,9 @@ constexpr const char* NO_SHADOW_RAY = "no ray from the eye meets a point light";
 constexpr const char* BY_POWER =
     "photons start by the power of lights, and lights with no photons are chosen by it too: once in 1e40";
 constexpr const char* HARDLY_SEEN = "no light path meets so small a part of the scene";
+constexpr const char* BRIGHT_SPOTS =
+    "the photons of a walk of thousands of events lie within a few free paths: a spot that few rays meet";
+constexpr const char* ENDED = "paths end after 100 events unless more are asked for, and it is told";
 constexpr const char* CUT = "branches of little weight are cut, and told";
 
 constexpr KnownFailure KNOWN_FAILURES[] = {
@@ -34,12 +37,22 @@ constexpr KnownFailure KNOWN_FAILURES[] = {
     {"ground sphere of radius 1e6: even light, eye at 0 .01 4", "lightpath", HARDLY_SEEN, true},
     {"ground sphere of radius 1e6: even light, eye at 0 100 4000", "lightpath", HARDLY_SEEN, true},
     {"ground sphere of radius 1e6: point light at a height of 2", "lightpath", HARDLY_SEEN, true},
+    {"lamps of the same power: point light", "lightpath", HARDLY_SEEN, true},
+    {"lamps of the same power: disc of size 0.1", "lightpath", HARDLY_SEEN, true},
+    {"lamps of the same power: disc of size 1e-05", "lightpath", HARDLY_SEEN, true},
+    {"many lights: 100000 point lights", "lightpath", HARDLY_SEEN, true},
+    {"one light in 10000 matters: all but one of a billionth of its power", "lightpath", HARDLY_SEEN, true},
+    {"furnace of mirrors of 0.99", "whitted", ENDED, true},
+    {"furnace of mirrors of 0.999", "whitted", ENDED, true},
+    {"furnace of mirrors of 0.9999", "whitted", ENDED, true},
     {"refractive index: eta 10, ball in even light", "whitted", CUT, true},
     {"refractive index: eta 10, slab", "whitted", CUT, true},
     {"refractive index: eta 0.1, slab", "whitted", CUT, true},
     {"50 shells of glass: even light", "whitted", CUT, true},
     {"50 shells of glass: even light, eye in the middle", "whitted", CUT, true},
     {"50 shells of glass: lamp in the middle", "whitted", CUT, true},
+    {"thin and thick media: optical thickness 10000, scatters", "photonmap, direct photons", BRIGHT_SPOTS,
+     true},
     {"thin slab: slab 1e-06 thick at 0 degrees, tilted", "whitted", THIN_FACES, true},
     {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "whitted", THIN_FACES, true},
     {"thin slab: slab 1e-06 thick at 60 degrees, tilted", "vpl", THIN_FACES, true},
@@ -53,6 +66,7 @@ constexpr KnownFailure KNOWN_FAILURES[] = {
     {"two rooms: floor lit by a point light of 1e-20 beside 1e20 behind a wall", "*", BY_POWER},
     {"two rooms: floor lit by a lamp of 1e-20 beside 1e20 behind a wall", "photonmap, direct photons",
      BY_POWER},
+    {"two rooms: floor lit by a lamp of 1e-20 beside 1e20 behind a wall", "lightpath", BY_POWER, true},
 };
 
 /** The reason when the row is a known failure, else null. */
