@@ -154,6 +154,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   const double across = std::sqrt(double(scene.film().whole().area())) / 4;
   const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2,
                                     settings.weighting, statistics.counts);
+  constexpr size_t MIN_CAUSTIC = 16; // fewer are a few strong spots
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
@@ -171,7 +172,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
       layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
                          rays, statistics.counts);
   }
-  causticsKnown = causticLayer.map.size() * MIN_STORED >= emitted;
+  causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
 }
 
