@@ -606,7 +606,8 @@ struct Trials {
   }
 };
 
-/** What no photon should carry more than; not so little that splitting makes more photons than are emitted. */
+/** What no photon should carry more than; not so little that splitting makes more photons than are emitted.
+ */
 float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
   constexpr float OVER_TYPICAL = 2;
   if (powers.empty()) return INFINITE;

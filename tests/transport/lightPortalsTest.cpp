@@ -126,3 +126,41 @@ Shape "sphere" "float radius" .3
     EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.08 + 3 * path.standardError() / path.mean()) << seed;
   }
 }
+
+TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
+  const auto scene = sceneFrom(litCorner(16));
+  ASSERT_TRUE(scene);
+  VisibleRegion everywhere;
+  everywhere.add(scene->bounds().center, 2 * scene->bounds().radius);
+  ShootSettings settings;
+  settings.photons = 20000;
+  settings.direct = false;
+  settings.region = &everywhere;
+  struct Shot {
+    std::vector<double> fluxes; ///< by pass
+    size_t count = 0;
+    float strongest = 0;
+  };
+  const auto shoot = [&] {
+    Shot shot;
+    for (uint64_t pass = 0; pass < 16; ++pass) {
+      Pass p;
+      p.seed = pass + 1;
+      double flux = 0;
+      for (const Photon& photon : shootPhotons(*scene, PathClasses(), p, settings, ForwardControl()).stored) {
+        flux += double(photon.power.g);
+        shot.strongest = std::max(shot.strongest, maxComponent(photon.power));
+        ++shot.count;
+      }
+      shot.fluxes.push_back(flux);
+    }
+    return shot;
+  };
+  const Shot whole = shoot();
+  settings.splitPower = whole.strongest / 4;
+  const Shot split = shoot();
+  const Mean a(whole.fluxes), b(split.fluxes);
+  EXPECT_NEAR(b.value / a.value, 1, 4 * std::hypot(a.error, b.error) / a.value);
+  EXPECT_GT(split.count, 2 * whole.count);
+  EXPECT_LT(split.strongest, 0.6f * whole.strongest);
+}
