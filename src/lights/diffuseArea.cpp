@@ -61,6 +61,13 @@ class DiffuseArea final : public AreaLight {
     return twoSided || glm::dot(point.geometricNormal, direction) > 0 ? emitted(point) : BLACK;
   }
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
+    // Of a sphere the direction comes first, and a place on the side that it leaves from: the same densities,
+    // but an emission guide sees by the direction alone where photons go.
+    if (!twoSided) {
+      const Vec3f direction = uniformSphere(sample.direction), local = cosineHemisphere(sample.place);
+      if (const auto s = shape().pointWithNormal(Frame(direction).toWorld(local)))
+        return leaving(*s, direction, s->point.geometricNormal, local.z, 1);
+    }
     const ShapeSample s = shape().sampleArea(sample.pick, sample.place);
     if (!(s.pdf > 0)) return {};
     Vec3f normal = s.point.geometricNormal;
@@ -71,13 +78,8 @@ class DiffuseArea final : public AreaLight {
       u.x = 2 * u.x - (u.x < 0.5f ? 0.0f : 1.0f);
       sides = 2;
     }
-    const Vec3f local = cosineHemisphere(u), direction = Frame(normal).toWorld(local);
-    const Rgb l = emitted(s.point);
-    return LeSample{{s.point.rayOrigin(direction), direction, normal, s.primitive},
-                    l * opacity(s.point),
-                    s.pdf,
-                    local.z * INV_PI / sides,
-                    l * (opacity(s.point) * PI * sides / s.pdf)};
+    const Vec3f local = cosineHemisphere(u);
+    return leaving(s, Frame(normal).toWorld(local), normal, local.z, sides);
   }
   LePdf pdfLe(const LeRay& ray) const override {
     SurfacePoint point;
@@ -110,6 +112,15 @@ class DiffuseArea final : public AreaLight {
   }
 
  private:
+  LeSample leaving(const ShapeSample& s, const Vec3f& direction, const Vec3f& normal, float cosine,
+                   float sides) const {
+    const Rgb l = emitted(s.point) * opacity(s.point);
+    return {{s.point.rayOrigin(direction), direction, normal, s.primitive},
+            l,
+            s.pdf,
+            cosine * INV_PI / sides,
+            l * (PI * sides / s.pdf)};
+  }
   Rgb emitted(const SurfacePoint& point) const {
     return picture ? constant * picture->at(point.uv) : constant;
   }

@@ -140,6 +140,15 @@ class Sphere final : public Shape {
                               (sweep.solidAngle() * determinant));
   }
 
+  std::optional<ShapeSample> pointWithNormal(const Vec3f& normal) const override {
+    std::optional<ShapeSample> s;
+    if (!(uniformRadius > 0 && sweep.whole())) return s;
+    s.emplace();
+    s->point = pointAt(glm::normalize(inverse * (Vec3d(normal) * (side * uniformRadius))));
+    s->pdf = pdfArea(0, s->point);
+    return s;
+  }
+
   std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const override {
     const Vec3d away = Vec3d(from) - center;
     const double distance2 = glm::dot(away, away);

@@ -148,6 +148,27 @@ TEST(EmissionGuide, ManyLampsInOtherRooms) {
   EXPECT_LT(c.variance[1], c.variance[0] / 10);
 }
 
+TEST(EmissionGuide, ASphericalLampShinesAtASmallBallOfGlass) {
+  const auto scene = sceneFrom(view(16, "0 -1.5 .8  0 0 .1  0 0 1", 30) + R"(
+    AttributeBegin
+    AreaLightSource "diffuse" "rgb L" [600 600 600]
+    Translate .8 .9 1.8
+    Shape "sphere" "float radius" .015
+    AttributeEnd
+    Material "diffuse"
+    Shape "bilinearmesh" "point3 P" [-4 -4 0  4 -4 0  -4 4 0  4 4 0]
+    Material "dielectric"
+    Translate 0 0 .1
+    Shape "sphere" "float radius" .06
+  )");
+  ASSERT_TRUE(scene);
+  const auto stored = [&](const std::string& guided) {
+    return renderScene(*scene, "photonmap", "\"bool trial\" false \"bool guided\" " + guided, 2)
+        .statistics.photonsStored;
+  };
+  EXPECT_GT(stored("true"), 8 * stored("false"));
+}
+
 /** What light there is on a small table has come from walls far away, where a photon's start tells nothing.
  */
 TEST(EmissionGuide, SmallTableInALargeHall) {

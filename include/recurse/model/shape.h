@@ -137,6 +137,9 @@ class Shape {
   virtual ShapeSample sampleArea(float pick, const Vec2f& u) const = 0;
   /** The density of sampleArea at a point of a primitive; constant 1/area() unless overridden. */
   virtual float pdfArea(uint32_t, const SurfacePoint&) const { return 1 / area(); }
+  /** The point where the geometric normal is this one [unit], of shapes that have one for each and of which
+   * equally many point everywhere: spheres; pdf as of sampleArea. Empty for all others. */
+  virtual std::optional<ShapeSample> pointWithNormal(const Vec3f& /*normal*/) const { return {}; }
   /** A point as seen from `from`; pdf per unit of solid angle. Empty when none can be seen. */
   virtual std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const;
   /** The density of sampleDirection for a point of a primitive that is seen from `from`. */

@@ -1,6 +1,6 @@
 /** @file
  * Where light from infinitely far comes in: boxes around the places from which camera paths see out of the
- * scene, such as the panes of a window, or around those where such paths cross, such as a hole in a wall.
+ * scene, such as the panes of a window, and around those where such paths cross, such as a hole in a wall.
  * Photons of that light start through these boxes rather than over the whole scene's disc, of which a window
  * is a tiny part. Any ray's density is known, so that nothing becomes biased.
  */
@@ -16,8 +16,8 @@ namespace recurse {
 class LightPortals {
  public:
   /** Follows camera paths until they leave the scene, by chance or towards a light in one direction; without
-   * effect where there is no light from infinitely far. What stands for a path is its last vertex, or where
-   * other such paths come close to its last segment: the one with the smaller boxes. */
+   * effect where there is no light from infinitely far. What stands for a path is its last vertex, and where
+   * other such paths come close to its last segment. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
   /** A place where a path has left the scene, or where others that have left cross it. */
   struct Exit {
