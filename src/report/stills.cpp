@@ -76,12 +76,11 @@ void measure(Stills& stills) {
       for (size_t c = 0; c < 3; ++c) sum[int(c)] += double(image.pixels[p * stride + i * 3 + c]);
     means.push_back(sum / double(pixels));
   }
-  const auto light = [](const Rgbd& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
-  const double whole = light(means.front());
+  const double whole = luminance(means.front());
   for (size_t i = 0; i < stills.layers.size(); ++i) {
     StillLayer& layer = stills.layers[i];
     layer.mean = Rgb(means[i]);
-    layer.share = whole != 0 ? light(means[i]) / whole : 0;
+    layer.share = whole != 0 ? luminance(means[i]) / whole : 0;
     layer.exposure = automaticExposure(stills.layerImage(i));
   }
 }

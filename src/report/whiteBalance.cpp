@@ -73,7 +73,7 @@ void applyWhiteBalance(Image& picture, const WhiteBalance& balance) {
   Mat3d matrix = glm::inverse(cones) * scaled;
   if (balance.automatic) { // what the picture's mean was, it keeps in brightness
     const Rgbd mean = glm::inverse(matrix) * Rgbd(1);
-    matrix *= (0.2126 * mean.r + 0.7152 * mean.g + 0.0722 * mean.b);
+    matrix *= luminance(mean);
   }
   changeColours(picture, [&](const Rgb& c) { return max(Rgb(matrix * Rgbd(c)), 0); });
 }

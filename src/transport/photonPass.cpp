@@ -295,8 +295,6 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                const ShootSettings& shoot, const ForwardControl& control,
                                ForwardStatistics& statistics) {
   region = probeRegion(scene, settings.weighting, statistics.counts);
-  portals = {};
-  aim = {};
   lights = lightsByPower(scene.lights());
   const bool targets = !scene.hasMedia(); // photons that media scatter know nothing of them
   const auto learned = [&] {

@@ -22,15 +22,20 @@ float radiusIn(const Bounds3f& box, size_t count) {
 } // namespace
 
 KernelPoints kernelPointsAcross(const Vec3f& direction) {
-  const float goldenAngle = PI * (3 - std::sqrt(5.0f));
+  static const KernelPoints ACROSS_Z = [] {
+    const float goldenAngle = PI * (3 - std::sqrt(5.0f));
+    KernelPoints points;
+    for (size_t i = 0; i < points.size(); ++i) {
+      // The kernel's integral over a disc of radius r is 2 r² - r⁴.
+      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(points.size());
+      const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
+      points[i] = {r * std::cos(phi), r * std::sin(phi), 0};
+    }
+    return points;
+  }();
   const Frame frame(direction);
   KernelPoints points;
-  for (size_t i = 0; i < points.size(); ++i) {
-    // The kernel's integral over a disc of radius r is 2 r² - r⁴.
-    const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(points.size());
-    const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
-    points[i] = frame.toWorld({r * std::cos(phi), r * std::sin(phi), 0});
-  }
+  for (size_t i = 0; i < points.size(); ++i) points[i] = frame.toWorld(ACROSS_Z[i]);
   return points;
 }
 

@@ -26,6 +26,13 @@ std::unique_ptr<Scene> sceneOf(const std::string& shapes) {
   return sceneFrom(view(64, "0 0 3  0 0 0  0 1 0", 40) + "Material \"diffuse\"\n" + shapes);
 }
 
+GatherSettings nearestWithin(int nearest, float radius) {
+  GatherSettings search;
+  search.nearest = nearest;
+  search.radius = radius;
+  return search;
+}
+
 /** Photons at random places of the floor, with flux that makes IRRADIANCE. */
 std::vector<Photon> onFloor(uint64_t seed, int count) {
   std::mt19937_64 random(seed);
@@ -269,9 +276,7 @@ TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
   map.build(list);
   RadiusCache field;
   TransportCounts counts;
-  GatherSettings search;
-  search.nearest = 20;
-  search.radius = 1;
+  const GatherSettings search = nearestWithin(20, 1);
   field.build(*scene, map, {}, search, 0, {}, counts);
   const CachedRadius before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
   const CachedRadius behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
@@ -291,9 +296,7 @@ TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
       if (std::fmod(p.position.x + 4, 2 * stripe) < stripe) list.push_back(p);
     PhotonMap map;
     map.build(list);
-    GatherSettings search;
-    search.nearest = nearest;
-    search.radius = 1;
+    const GatherSettings search = nearestWithin(nearest, 1);
     const auto radius = [&](double alpha) {
       RadiusCache field;
       TransportCounts counts;
@@ -337,9 +340,7 @@ TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   map.build(list);
   // A close view, of many places that look at the same photons.
   const std::vector<VisiblePoint> seen = seenOnFloor(0.2f);
-  GatherSettings search;
-  search.nearest = 8;
-  search.radius = 1;
+  const GatherSettings search = nearestWithin(8, 1);
   TransportCounts counts;
   RadiusCache nearest, judged;
   nearest.build(*scene, map, seen, search, 0, {}, counts);
@@ -362,9 +363,7 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   PhotonMap map;
   map.build(list);
   const std::vector<VisiblePoint> seen = seenOnFloor(0.9f);
-  GatherSettings search;
-  search.nearest = 8;
-  search.radius = 2;
+  const GatherSettings search = nearestWithin(8, 2);
   TransportCounts counts;
   RadiusCache cache;
   cache.build(*scene, map, seen, search, 2.0 / 3, {}, counts);

@@ -57,7 +57,7 @@ struct ShootSettings {
   std::vector<DxtranSphere> targets;
   KeptInMedia inMedia;
   const VisibleRegion* region = nullptr; ///< where strong photons are split; null: nowhere
-  float splitPower = INFINITE;           ///< what those carry at the most that a strong one is split into
+  float splitPower = INFINITE;           ///< about what each part of a strong one carries; at most 256 parts
 };
 
 struct ShotPhotons {

@@ -69,8 +69,9 @@ class VolumePhotonMap {
            boundsOf.capacity() * sizeof(uint32_t) + bounds.capacity() * sizeof(DiscBounds);
   }
 
-  /** Calls visit(photon, t, kernel) for each photon near the ray of unit direction that it passes at 0 < t <
-   * end; `kernel` is 1/area across the ray, and its integral over the photon's disc 1. */
+  /** Calls visit(photon, depth, kernel) for each photon near the ray of unit direction that it passes within
+   * 0 and `end`: `depth` is there, or where the ray comes from a surface the photon's own way from that;
+   * `kernel` is 1/area across the ray, and its integral over the photon's disc 1. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     const KernelPoints points = boundsOf.empty() ? KernelPoints() : kernelPointsAcross(ray.direction);
     tree.visitAlong(ray, end, [&](size_t i) {
@@ -79,14 +80,14 @@ class VolumePhotonMap {
       const float distance2 = lengthSquared(way - ray.direction * t);
       if (!(t > 0 && t < end && distance2 < radius2)) return;
       float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov's
+      float depth = t;
       if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
         const DiscBounds& b = bounds[boundsOf[i]];
         if (b.cuts(ray.direction * t - way)) return;
         kernel /= b.fraction(points, radii[i]);
-        visit(photons[i], b.wayFromSurface(-way, ray.direction, t, radii[i] / 2), kernel);
-        return;
+        depth = b.wayFromSurface(-way, ray.direction, t, radii[i] / 2);
       }
-      visit(photons[i], t, kernel);
+      visit(photons[i], depth, kernel);
     });
   }
 
