@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 
+#include "model/singles.h"
 #include "recurse/model/boxTree.h"
 
 namespace recurse {
@@ -65,13 +66,7 @@ std::vector<uint64_t> openEdges(const std::vector<glm::uvec3>& triangles) {
   for (const glm::uvec3& t : triangles)
     for (int k = 0; k < 3; ++k)
       if (t[k] != t[(k + 1) % 3]) edges.push_back(edgeKey(t[k], t[(k + 1) % 3]));
-  std::sort(edges.begin(), edges.end());
-  size_t kept = 0;
-  for (size_t first = 0, end = 0; first < edges.size(); first = end) {
-    while (end < edges.size() && edges[end] == edges[first]) ++end;
-    if (end - first == 1) edges[kept++] = edges[first];
-  }
-  edges.resize(kept);
+  keepSingles(edges, [](uint64_t key) { return key; });
   return edges;
 }
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "model/singles.h"
+
 namespace recurse {
 
 namespace {
@@ -21,18 +23,6 @@ std::array<float, 6> endsOf(const OpenPiece& open) {
   const auto numbers = [](const Vec3f& v) { return std::array{v.x, v.y, v.z}; };
   const auto [a, b] = std::minmax({numbers(open.piece.from), numbers(open.piece.to)});
   return {a[0], a[1], a[2], b[0], b[1], b[2]};
-}
-
-/** Takes off all pieces that others have the same ends as. */
-void dropShared(std::vector<OpenPiece>& pieces) {
-  std::stable_sort(pieces.begin(), pieces.end(),
-                   [](const OpenPiece& a, const OpenPiece& b) { return endsOf(a) < endsOf(b); });
-  size_t kept = 0;
-  for (size_t first = 0, end = 0; first < pieces.size(); first = end) {
-    while (end < pieces.size() && endsOf(pieces[end]) == endsOf(pieces[first])) ++end;
-    if (end - first == 1) pieces[kept++] = pieces[first];
-  }
-  pieces.resize(kept);
 }
 
 /** Nothing passes: neither light nor the medium. */
@@ -96,7 +86,7 @@ void warnOfOpenBoundaries(const Scene& scene, const ShapeGroups& shapes, const S
       for (const RimPiece& piece : p.shape->rim()) pieces.push_back({piece, p.from, shapeCount});
     }
     for (auto& [pair, pieces] : own) {
-      dropShared(pieces);
+      keepSingles(pieces, endsOf);
       for (OpenPiece& open : pieces)
         for (Vec3f* point : {&open.piece.from, &open.piece.to, &open.piece.inner})
           *point = Vec3f(transformPoint(sceneFromGroup, Vec3d(*point)));
