@@ -53,7 +53,8 @@ struct PathState {
   float wavelength = 0; ///< as in Subpath
   // Since the last of these:
   float distance = 0;   ///< travelled [scene units]
-  bool delta = false;   ///< by mirrors and glass
+  bool delta = false;   ///< by mirrors and glass, thin panes apart
+  bool panes = false;   ///< through thin panes, where shadow rays go too
   bool byRays = true;   ///< no photons are kept there: it is the camera, or on a curve
   float share = 1;      ///< of the indirect light there that is for this path to find
   PhotonShare direct;   ///< the same of the direct light there
@@ -62,8 +63,8 @@ struct PathState {
   MergeRatio merge;     ///< weighs light that is met by mirrors and glass against caustic photons
   float lightShare = 1; ///< of emission that is met, where photons bring all light
 
-  /** The path after a scattering event. */
-  PathState after(const Hit& hit, const Scatter& s) const {
+  /** The path after a scattering event; `pane`: it went straight through a thin pane. */
+  PathState after(const Hit& hit, const Scatter& s, bool pane = false) const {
     PathState next = *this;
     next.nesting.scatters(hit, -ray.direction, s.direction);
     next.throughput *= s.weight;
@@ -71,7 +72,7 @@ struct PathState {
     next.etaScale *= square(s.eta);
     static_cast<Ray&>(next.ray) = spawn(hit.point, s.direction);
     if (s.specular()) {
-      next.delta = true;
+      (pane ? next.panes : next.delta) = true;
       next.merge.leave(s.direction, hit.point);
     }
     return next;
@@ -284,8 +285,8 @@ class PhotonMapping final : public Integrator {
     hit.point = pointInMedium(path.ray, t);
     const LitVertex vertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
                            path.nesting, spectral, hero,    camera,     false};
-    addSampledLightInMedia(scene, lights, {hit.point.position}, vertex, settings.lightSamples, NO_PANES,
-                           sampler, out);
+    addSampledLightInMedia(scene, lights, {hit.point.position}, vertex, settings.lightSamples,
+                           panesLeft(settings.maxDepth, path.depth + 1), sampler, out);
   }
 
   /** Light that photons in the medium bring along the path. */
@@ -371,7 +372,9 @@ class PhotonMapping final : public Integrator {
   }
 
   /** Whether light that is met at once is shared with photons. */
-  static bool isShared(const PathState& path) { return path.shared.share.merged > 0 && !path.delta; }
+  static bool isShared(const PathState& path) {
+    return path.shared.share.merged > 0 && !path.delta && !path.panes;
+  }
 
   void addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
                  const Rgb& radiance, float distance, PathRadiance& out) const {
@@ -417,7 +420,8 @@ class PhotonMapping final : public Integrator {
     if (path.nonDelta == 0 && least >= settings.weightLimit && path.depth <= LONG_WALK) {
       for (int i = 1; i < count; ++i) {
         Sampler branch = sampler.fork(static_cast<uint32_t>(i));
-        trace(scene, path.after(hit, all[size_t(i)]), branch, out);
+        const Scatter& s = all[size_t(i)];
+        trace(scene, path.after(hit, s, passesPane(scene, scattering, s)), branch, out);
       }
     } else {
       float u = count > 1 ? sampler.next1D() * total : 0;
@@ -428,7 +432,8 @@ class PhotonMapping final : public Integrator {
       const float chance = path.depth > LONG_WALK ? total : total / settings.weightLimit;
       if (!russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return false;
     }
-    path = path.after(hit, all[size_t(next)]);
+    const Scatter& s = all[size_t(next)];
+    path = path.after(hit, s, passesPane(scene, scattering, s));
     return true;
   }
 
@@ -452,7 +457,7 @@ class PhotonMapping final : public Integrator {
     PathState next = path.after(hit, *s);
     next.ray.width = next.ray.spread = 0;
     next.distance = 0;
-    next.delta = false;
+    next.delta = next.panes = false;
     next.lightShare = 1;
     next.byRays = true;
     next.bsdfRay = {context, s->pdf, true};
@@ -507,7 +512,7 @@ class PhotonMapping final : public Integrator {
       PathState next = path.after(hit, *s);
       next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
       next.distance = 0;
-      next.delta = false;
+      next.delta = next.panes = false;
       next.byRays = false;
       // Photons around a Lambertian surface are all added up.
       next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
@@ -526,14 +531,15 @@ class PhotonMapping final : public Integrator {
     }
   }
 
-  /** Shadow rays, whose light photons may share. */
+  /** Shadow rays. Photons may share what comes to the point through no pane. */
   void addDirectLight(const Scene& scene, const PathState& path, const LightSampleContext& context,
                       const PhotonShare& share, const Hit& hit, const ScatteringPoint& scattering,
                       Sampler& sampler, PathRadiance& out) const {
     const Vec3f wi = -path.ray.direction;
+    const int panes = panesLeft(settings.maxDepth, path.depth);
     if (share.merged == 0) {
       addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi, path.throughput * share.rest,
-                      path.camera, settings.lightSamples, NON_DELTA_LOBES, NO_PANES, sampler, out);
+                      path.camera, settings.lightSamples, NON_DELTA_LOBES, panes, sampler, out);
       return;
     }
     if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
@@ -543,16 +549,18 @@ class PhotonMapping final : public Integrator {
       if (!light) continue;
       Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
                                         settings.lightSamples, NON_DELTA_LOBES);
-      if (share.merged > 0)
-        radiance *= share.camera(
-            photons.arrivals(scene, choice.chosen.index,
-                             photons.pdfLe(choice.chosen.index, *choice.chosen.light, light->emitted()),
-                             absDot(light->direction, hit.point.geometricNormal), light->distance,
-                             choice.chosen.probability),
-            scattering.pdfNonDelta(light->direction, wi));
       if (isBlack(radiance)) continue;
-      const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, NO_PANES, out.counts);
-      if (!isBlack(free.value)) out.add(out.pathClasses().lightStart(), path.camera, radiance * free.value);
+      const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts);
+      if (isBlack(free.value)) continue;
+      radiance *= free.panes > 0
+                      ? share.rest
+                      : share.camera(photons.arrivals(scene, choice.chosen.index,
+                                                      photons.pdfLe(choice.chosen.index, *choice.chosen.light,
+                                                                    light->emitted()),
+                                                      absDot(light->direction, hit.point.geometricNormal),
+                                                      light->distance, choice.chosen.probability),
+                                     scattering.pdfNonDelta(light->direction, wi));
+      out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
     }
   }
 
@@ -657,15 +665,20 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
                    std::to_string(settings.lightSamples) + " for each non-delta surface a path meets",
                    "direct light"});
     all.push_back({"BSDF rays", "LDS*E", each, "direct light", true});
+    all.push_back({"shadow rays through panes", "LS+DS*E", "none: the same, straight through thin panes",
+                   "caustics", false, true});
     all.push_back({"photons of media that glow", "LDS*E", each, "direct light"});
     all.push_back({"shadow rays in media", "LVS*E",
                    std::to_string(settings.lightSamples) + " for each part of a path in a medium",
                    "direct light in media"});
+    all.push_back({"shadow rays in media through panes", "LS+VS*E",
+                   "none: the same, straight through thin panes", "light in media", false, true});
     all.push_back({"photons in media of media that glow", "LVS*E",
                    "one estimate for each part of a path in a medium", "direct light in media"});
   }
   all.push_back({"photons in media", settings.directLight ? "L(S|D|V)*VS*E" : "L(S|D|V)+VS*E",
-                 "one estimate for each part of a path in a medium", ""});
+                 "one estimate for each part of a path in a medium",
+                 settings.directLight ? "" : "light in media"});
   const bool rays = !settings.directLight || settings.weighting.ever();
   all.push_back({"caustic photons", caustics, "one estimate for each non-delta surface a path meets",
                  rays ? "caustics" : ""});

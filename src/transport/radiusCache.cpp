@@ -130,7 +130,8 @@ float meanPower(const PhotonMap& photons, GatherRegion region, float radius) {
 /** The irradiance that one shadow ray finds, its channels added up. */
 double directIrradiance(const Scene& scene, const LightSampler& lights, const Place& place, Sampler& sampler,
                         TransportCounts& counts) {
-  SurfacePoint point{};
+  Hit hit;
+  SurfacePoint& point = hit.point;
   point.position = place.position;
   point.error = Vec3f(place.error);
   point.geometricNormal = point.shadingNormal = place.normal;
@@ -139,9 +140,9 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Pl
   if (!light || !(light->pdf > 0)) return 0;
   const float cosine = glm::dot(place.normal, light->direction);
   if (cosine <= 0) return 0;
-  ++counts.rays;
-  if (scene.occluded(shadowRay(point, *light))) return 0;
-  return double(channelSum(light->radiance) * cosine / (light->pdf * choice.chosen.probability));
+  const Transmittance free =
+      transmittance(scene, hit, place.normal, *light, Nesting(), panesLeft(-1, 0), counts);
+  return double(channelSum(light->radiance * free.value) * cosine / (light->pdf * choice.chosen.probability));
 }
 
 /** `region`: of the place's own radius; `emitted`: see RayAlternative. */

@@ -132,6 +132,7 @@ class PhotonWalk {
     ReverseRatio ratio;
     int depth = 0;
     bool caustic = true;
+    bool straight = true; ///< from the light: nothing but thin panes so far
     float lowered = 1;    ///< power over that of the photon that was sent nowhere
     float wavelength = 0; ///< as in Subpath
     // In media:
@@ -184,7 +185,7 @@ class PhotonWalk {
     if (!medium) return Through::PASSES;
     const LightState after = classes.step(flight.state, PathEvent::V);
     const bool stored =
-        (flight.depth > 0 || storesDirect) && flight.depth != settings.maxDepth && !classes.dead(after);
+        (!flight.straight || storesDirect) && flight.depth != settings.maxDepth && !classes.dead(after);
     const bool asBeam = settings.inMedia.isByBeams(number);
     if (stored && asBeam) storeBeam(flight, *medium, number, end, sampler);
     SpectralPath spectral{flight.flux, flight.own, Rgb(1)};
@@ -211,7 +212,7 @@ class PhotonWalk {
     const float chance = std::min(1.0f, (flight.flux.r + flight.flux.g + flight.flux.b) / before);
     if (!russianRoulette(chance, flight.depth, sampler, flight.flux)) return Through::ENDS;
     flight.state = after;
-    flight.caustic = false;
+    flight.caustic = flight.straight = false;
     flight.ratio = {};
     flight.ray.origin = position;
     flight.ray.direction = medium->phase->sample(direction, sampler.next2D());
@@ -219,7 +220,8 @@ class PhotonWalk {
   }
 
   void walk(Flight flight, Sampler& sampler) {
-    auto& [ray, flux, state, nesting, ratio, depth, caustic, lowered, wavelength, own, hero] = flight;
+    auto& [ray, flux, state, nesting, ratio, depth, caustic, straight, lowered, wavelength, own, hero] =
+        flight;
     Hit hit;
     bool toTarget = lowered < 1; // and has not come down yet
     for (;;) {
@@ -259,7 +261,7 @@ class PhotonWalk {
       const Vec3f wi = -ray.direction;
       ratio.arrive(ray.direction, hit.point);
       const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
-      if (scattering.keepsPhotons() && !classes.dead(stateD) && (depth > 0 || storesDirect))
+      if (scattering.keepsPhotons() && !classes.dead(stateD) && (!straight || storesDirect))
         store(hit.point, scattering, wi, flux, state, caustic, ratio);
       ++depth;
       const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : NON_DELTA_LOBES) |
@@ -277,6 +279,7 @@ class PhotonWalk {
         f.flux *= dispersedColour(hit.point, *s, f.wavelength);
         f.nesting.scatters(hit, wi, s->direction);
         f.caustic = f.caustic && s->specular();
+        f.straight = f.straight && passesPane(scene, scattering, *s);
         if (s->specular())
           f.ratio.leave(s->direction, hit.point);
         else
@@ -377,7 +380,7 @@ class PhotonWalk {
         if (isBlack(sentOut.flux)) continue;
         sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
         sentOut.state = state;
-        sentOut.caustic = false;
+        sentOut.caustic = sentOut.straight = false;
         sentOut.ratio = ratioAfter(from.ratio, from.depth - 1, hit, scattering, wi, direction);
         sentOut.nesting.scatters(hit, wi, direction);
         sentOut.ray = spawn(hit.point, direction);

@@ -64,6 +64,9 @@ const std::vector<std::pair<const char*, const char*>> WAYS = {
     {"path", ""},
     {"path", "\"integer lightsamples\" 3"},
     {"simplepath", ""},
+    {"photonmap", "\"integer photons\" 20000"},
+    {"photonmap", "\"integer photons\" 200000 \"integer passes\" 1 \"integer lightsamples\" 2"},
+    {"photonmap", "\"integer photons\" 200000 \"integer passes\" 1 \"integer finalgather\" 4"},
 };
 
 } // namespace
@@ -118,7 +121,7 @@ TEST(Panes, ShadowRaysAndOtherRaysShareTheLightBehindThem) {
   }
 }
 
-/** What photons bring through the pane, and what they bring by the mirror behind it. */
+/** What photons bring through the pane where no shadow rays do. */
 TEST(Panes, PhotonsBringTheSameLight) {
   const auto scene = sceneFrom(sunnyFloor(1));
   ASSERT_TRUE(scene);
@@ -127,6 +130,37 @@ TEST(Panes, PhotonsBringTheSameLight) {
     return renderClasses(*scene, {name, parameters}, classes, 16, 1).means()[0];
   };
   const double shadowRays = mean("path", ""),
-               photons = mean("photonmap", "\"integer photons\" 200000 \"integer passes\" 1");
+               photons =
+                   mean("photonmap",
+                        "\"integer photons\" 200000 \"integer passes\" 1 \"string direct\" \"photons\"");
   EXPECT_NEAR(photons, shadowRays, 0.05 * shadowRays);
+}
+
+/** A lamp at a point, above a pane in fog: every event of the paths through it, on the floor and in the fog.
+ */
+TEST(Panes, LightComesThroughThemIntoFog) {
+  const auto scene = sceneFrom(R"(
+Film "rgb" "integer xresolution" 8 "integer yresolution" 8
+PixelFilter "box"
+LookAt 0 .3 -2  0 .2 0  0 1 0
+MakeNamedMedium "fog" "string type" "homogeneous" "rgb sigma_s" [ .3 .2 .1 ] "rgb sigma_a" [ .05 .05 .05 ]
+MediumInterface "" "fog"
+Camera "perspective" "float fov" 60
+WorldBegin
+MediumInterface "fog" "fog"
+LightSource "point" "point3 from" [ 0 3 0 ] "rgb I" [ 10 10 10 ]
+Material "thindielectric" "float eta" 1.5
+Shape "bilinearmesh" "point3 P" [ -9 1 -9  9 1 -9  -9 1 9  9 1 9 ]
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
+)");
+  ASSERT_TRUE(scene);
+  const PathClasses classes({{"fog", "LSVE"}, {"floor", "LSDE"}, {"further", "LS(D|V)(D|V)E"}});
+  const std::vector<double> truth =
+      renderClasses(*scene, {"path", "\"integer maxdepth\" 4"}, classes, samples(2048), 1).means();
+  const std::vector<double> photons =
+      renderClasses(*scene, {"photonmap", "\"integer photons\" 20000 \"integer maxdepth\" 4"}, classes,
+                    samples(512), 2)
+          .means();
+  for (const size_t i : {0u, 3u, 6u}) EXPECT_NEAR(photons[i], truth[i], 0.03 * truth[i]) << i / 3;
 }

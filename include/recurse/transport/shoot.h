@@ -43,8 +43,8 @@ struct ShootSettings {
   uint64_t photons = 0; ///< emitted
   int maxDepth =
       -1; ///< most scattering events of a photon, the one where it is stored included; -1: no limit
-  /** Store photons that come straight from a light as well. Those of media always are: nothing else finds
-   * their light. */
+  /** Store photons that come straight from a light, thin panes included, as well. Those of media always are:
+   * nothing else finds their light. */
   bool direct = true;
   const EmissiveMedia* media = nullptr;  ///< that emit as well as the lights; null: none
   const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
