@@ -8,7 +8,7 @@
 #include "recurse/transport/cameraProbe.h"
 #include "recurse/transport/localShading.h"
 #include "recurse/transport/pathEnds.h"
-#include "recurse/transport/shoot.h"
+#include "recurse/transport/photonGuidance.h"
 #include "recurse/transport/walker.h"
 
 namespace recurse {

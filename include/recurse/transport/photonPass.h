@@ -7,8 +7,8 @@
 #include <string>
 
 #include "recurse/transport/gatherChoice.h"
+#include "recurse/transport/photonGuidance.h"
 #include "recurse/transport/radiusCache.h"
-#include "recurse/transport/shoot.h"
 
 namespace recurse {
 

@@ -78,22 +78,4 @@ struct ShotPhotons {
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
                          const ShootSettings& settings, const ForwardControl& control);
 
-/** How photons are sent where they are wanted. */
-struct PhotonGuidance {
-  EmissionGuide emission;
-  std::vector<DxtranSphere> targets;
-  float splitPower = INFINITE; ///< see ShootSettings, of one photon emitted
-  uint64_t useful = 0;         ///< unguided trial photons that came down where the eye looks
-  double secondMoment = 0;     ///< of what a photon brings to what is seen, about; by which guidances compare
-};
-
-/**
- * Learns from trial photons where those start that come down in the region: as few as will do, where most do
- * so anyway, and the guide is then not active. The region becomes a target where few photons come down in it
- * and many do that are sent there, unless there are to be no `targets`. `counts` gets what the trials cost.
- */
-PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                             const ShootSettings& settings, const VisibleRegion& region,
-                             const ForwardControl& control, TransportCounts& counts, bool targets = true);
-
 } // namespace recurse

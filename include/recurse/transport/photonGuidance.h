@@ -1,0 +1,32 @@
+/** @file
+ * Where photons are worth most, learned from trial photons before the first pass.
+ */
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "recurse/transport/shoot.h"
+#include "recurse/transport/emissionGuide.h"
+
+namespace recurse {
+
+/** How photons are sent where they are wanted. */
+struct PhotonGuidance {
+  EmissionGuide emission;
+  std::vector<DxtranSphere> targets;
+  float splitPower = INFINITE; ///< see ShootSettings, of one photon emitted
+  uint64_t useful = 0;         ///< unguided trial photons that came down where the eye looks
+  double secondMoment = 0;     ///< of what a photon brings to what is seen, about; by which guidances compare
+};
+
+/**
+ * Learns from trial photons where those start that come down in the region: as few as will do, where most do
+ * so anyway, and the guide is then not active. The region becomes a target where few photons come down in it
+ * and many do that are sent there, unless there are to be no `targets`. `counts` gets what the trials cost.
+ */
+PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                             const ShootSettings& settings, const VisibleRegion& region,
+                             const ForwardControl& control, TransportCounts& counts, bool targets = true);
+
+} // namespace recurse

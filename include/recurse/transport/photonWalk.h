@@ -1,0 +1,420 @@
+/** @file
+ * The walk of one photon from its light, through surfaces and media, until it is killed.
+ */
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "recurse/model/scatteringPoint.h"
+#include "recurse/transport/directLight.h"
+#include "recurse/transport/mergeWeights.h"
+#include "recurse/transport/shoot.h"
+#include "recurse/transport/walk.h"
+
+namespace recurse {
+
+/** Photons are shot in batches of so many. */
+constexpr uint64_t PHOTON_BATCH = 4096;
+/** Nearer than so many radii a target is too wide for a cone. */
+constexpr float NEAR_TARGET = 1.5f;
+
+/** What walks leave behind. */
+struct StoredPhotons {
+  std::vector<Photon> onSurfaces;
+  std::vector<VolumePhoton> inMedia;
+  std::vector<PhotonBeam> beams;
+
+  size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
+  void clear() {
+    onSurfaces.clear();
+    inMedia.clear();
+    beams.clear();
+  }
+};
+
+/** Shoots photons, one after the other, and stores them where they may be found. */
+class PhotonWalk {
+ public:
+  PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
+             TransportCounts& counts, StoredPhotons& out)
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
+
+  /** Returns what the photon started by, and one over its density. */
+  EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
+    const float light = sampler.next1D(), part = sampler.next1D();
+    const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+    EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
+    auto& n = start.numbers;
+    if (settings.guide && settings.guide->active())
+      start.weight = 1 / settings.guide->warp(n, sampler.next1D());
+    base = entered = 0;
+    float pick = n[0];
+    const LightTable& lights = settings.lights ? *settings.lights : scene.lights();
+    const float byMedia = partOfMedia(lights);
+    storesDirect = settings.direct;
+    if (byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia)) {
+      storesDirect = true;
+      shootFromMedium(n, start.weight / byMedia, time, sampler);
+      return start;
+    }
+    const size_t index = lights.chooseIndex(pick);
+    const Light& source = lights[index];
+    if (!(lights.probability(index) > 0)) return start;
+    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
+    const Vec2f towards{n[4], n[5]};
+    std::optional<LeSample> emission =
+        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
+    if (!emission) return start;
+    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
+    if (isBlack(emission->flux)) return start;
+    LePdf pdf = source.pdfLe(*emission);
+    if (aimed) pdf.direction = emission->pdfDirection;
+    if (source.isInfinite() && settings.portals && settings.portals->active()) {
+      settings.portals->redirect(*emission, pick, {n[2], n[3]});
+      pdf.position = emission->pdfPosition;
+    }
+    const ReverseRatio ratio =
+        source.isMet() ? ReverseRatio::atLight(*emission, pdf, lights.probability(index)) : ReverseRatio();
+    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), lights.probability(index)};
+    const Rgb flux =
+        emission->flux / (lights.probability(index) * (1 - byMedia) * static_cast<float>(settings.photons));
+    base = maxComponent(flux);
+    if (!recurse::isFinite(flux)) {
+      ++counts.nonFinite;
+      return start;
+    }
+    if (classes.dead(classes.lightStart())) return start;
+    const Ray ray{emission->origin, emission->direction, INFINITE, time};
+    Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+    if (scene.hasMedia()) {
+      const uint16_t declared = scene.lightMedium(index);
+      flight.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
+      flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    }
+    walk(std::move(flight), sampler);
+    while (!waiting.empty()) {
+      auto [flight, own] = waiting.back();
+      waiting.pop_back();
+      walk(std::move(flight), own);
+    }
+    return start;
+  }
+  /** Power of a photon that starts with weight 1, of the last one that was shot. */
+  float fullPower() const { return base; }
+  /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
+   * light. */
+  float enteredImportance() const { return entered; }
+
+  const VisibleRegion* region = nullptr; ///< of trial photons
+  uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
+
+ private:
+  /** A photon on its way. */
+  struct Flight {
+    Ray ray;
+    Rgb flux;
+    LightState state;
+    Nesting nesting;
+    ReverseRatio ratio;
+    int depth = 0;
+    bool caustic = true;
+    bool straight = true; ///< from the light: nothing but thin panes so far
+    float lowered = 1;    ///< power over that of the photon that was sent nowhere
+    float wavelength = 0; ///< as in Subpath
+    // In media:
+    Rgb own{1};   ///< see SpectralPath
+    int hero = 0; ///< the channel that draws distances
+  };
+
+  /** Of the photons, that glowing media emit: by power, but where there are lights too not nearly all. */
+  float partOfMedia(const LightTable& lights) const {
+    constexpr double MOST = 0.9;
+    if (!settings.media || settings.media->empty()) return 0;
+    double byLights = 0;
+    for (size_t i = 0; i < lights.size(); ++i) byLights += double(maxComponent(lights[i].power()));
+    if (!(byLights > 0)) return 1;
+    const double byMedia = settings.media->power();
+    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MOST, MOST));
+  }
+
+  /** A photon of a glowing medium, `weight` over the density of all that was chosen before. */
+  void shootFromMedium(const EmissionGuide::Numbers& n, float weight, float time, Sampler& sampler) {
+    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
+    const Rgb flux = power * (weight / static_cast<float>(settings.photons));
+    if (isBlack(flux)) return;
+    if (!recurse::isFinite(flux)) {
+      ++counts.nonFinite;
+      return;
+    }
+    if (classes.dead(classes.lightStart())) return;
+    const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
+    Flight flight{ray, flux, classes.lightStart(), nesting, {}};
+    flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    walk(std::move(flight), sampler);
+  }
+
+  /** A short beam: as far as a flight by the thinnest channel goes, of which no channel is then amplified. */
+  void storeBeam(const Flight& flight, const Medium& medium, uint16_t number, float end, Sampler& sampler) {
+    const float part = settings.inMedia.beamPart;
+    if (part < 1 && sampler.next1D() >= part) return;
+    const float distance =
+        flight::sampleDistance(thinnest(medium.at(flight.ray.origin).extinction()), sampler);
+    out.beams.push_back({flight.ray.origin, flight.ray.direction, std::min(end, distance), flight.flux / part,
+                         number, flight.state.byte});
+  }
+
+  enum class Through { PASSES, SCATTERS, ENDS };
+  /** Flies through the medium on the way to `end`. Where it scatters a photon is stored, and sent on. */
+  Through flyInMedium(Flight& flight, float end, Sampler& sampler) {
+    const uint16_t number = flight.nesting.medium(scene);
+    const Medium* medium = scene.medium(number);
+    if (!medium) return Through::PASSES;
+    const LightState after = classes.step(flight.state, PathEvent::V);
+    const bool stored =
+        (!flight.straight || storesDirect) && flight.depth != settings.maxDepth && !classes.dead(after);
+    const bool asBeam = settings.inMedia.isByBeams(number);
+    if (stored && asBeam) storeBeam(flight, *medium, number, end, sampler);
+    SpectralPath spectral{flight.flux, flight.own, Rgb(1)};
+    const Collision c =
+        flyThrough(*medium, flight.ray, end, flight.hero, sampler, spectral, [](const Rgb&) {});
+    // Single channels go up and down with their densities; their mean does not, and roulette by it keeps
+    // powers alike.
+    const float before = flight.flux.r + flight.flux.g + flight.flux.b;
+    flight.flux = spectral.throughput;
+    flight.own = spectral.own;
+    if (isBlack(flight.flux)) return Through::ENDS;
+    if (!c.scatters) return Through::PASSES;
+    if (flight.depth == settings.maxDepth) {
+      counts.truncatedThroughput += double(maxComponent(flight.flux));
+      return Through::ENDS;
+    }
+    if (classes.dead(after)) return Through::ENDS;
+    const Vec3f position = flight.ray.at(c.t), direction = flight.ray.direction;
+    const float part = settings.inMedia.pointPart;
+    if (stored && !asBeam && (part >= 1 || sampler.next1D() < part))
+      out.inMedia.push_back(
+          {position, packDirection(direction), flight.flux / part, number, flight.state.byte});
+    ++flight.depth;
+    const float chance = std::min(1.0f, (flight.flux.r + flight.flux.g + flight.flux.b) / before);
+    if (!russianRoulette(chance, flight.depth, sampler, flight.flux)) return Through::ENDS;
+    flight.state = after;
+    flight.caustic = flight.straight = false;
+    flight.ratio = {};
+    flight.ray.origin = position;
+    flight.ray.direction = medium->phase->sample(direction, sampler.next2D());
+    return Through::SCATTERS;
+  }
+
+  void walk(Flight flight, Sampler& sampler) {
+    auto& [ray, flux, state, nesting, ratio, depth, caustic, straight, lowered, wavelength, own, hero] =
+        flight;
+    Hit hit;
+    bool toTarget = lowered < 1; // and has not come down yet
+    for (;;) {
+      const bool met = intersect(scene, ray, hit, counts);
+      if (scene.hasMedia()) {
+        if (met) nesting.approach(hit, ray.direction);
+        const Through through = flyInMedium(flight, met ? hit.t : INFINITE, sampler);
+        if (through == Through::ENDS) return;
+        if (through == Through::SCATTERS) continue;
+      }
+      if (!met) return;
+      arena.reset();
+      drawWavelength(scene, wavelength, sampler, hit);
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
+      if (!bsdf) {
+        nesting.enterMedium(hit, ray.direction);
+        if (scene.hasMedia())
+          ray.origin = originBehind(ray, hit);
+        else
+          ray = spawn(hit.point, ray.direction);
+        continue;
+      }
+      if (depth == settings.maxDepth) {
+        counts.truncatedThroughput += double(maxComponent(flux));
+        return;
+      }
+      if (region && depth == 0)
+        for (const DxtranSphere& t : settings.targets)
+          if (glm::distance(hit.point.position, t.center) < t.radius) entered += t.importance;
+      const bool outside = !settings.targets.empty() && findCones(hit.point.position);
+      if (std::exchange(toTarget, false) && region) arrived += region->contains(hit.point.position);
+      if (outside && lowered < 1) {
+        if (!russianRoulette(lowered, depth, sampler, flux)) return;
+        lowered = 1;
+      }
+      const ScatteringPoint scattering(*bsdf, hit.point);
+      const Vec3f wi = -ray.direction;
+      ratio.arrive(ray.direction, hit.point);
+      const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
+      if (scattering.keepsPhotons() && !classes.dead(stateD) && (!straight || storesDirect))
+        store(hit.point, scattering, wi, flux, state, caustic, ratio);
+      ++depth;
+      const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : NON_DELTA_LOBES) |
+                                      (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
+      const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
+      if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);
+      const auto goOn = [&](Flight& f, Sampler& own) {
+        const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, own, allowed);
+        if (!s || (sends && !s->specular() && conesAround(s->direction) > 0)) return false;
+        const Rgb scattered = f.flux * s->weight;
+        const float before = maxComponent(f.flux), after = maxComponent(scattered);
+        f.flux = scattered;
+        if (!russianRoulette(std::min(1.0f, after / before), f.depth, own, f.flux)) return false;
+        f.state = s->specular() ? stateS : stateD;
+        f.flux *= dispersedColour(hit.point, *s, f.wavelength);
+        f.nesting.scatters(hit, wi, s->direction);
+        f.caustic = f.caustic && s->specular();
+        f.straight = f.straight && passesPane(scene, scattering, *s);
+        if (s->specular())
+          f.ratio.leave(s->direction, hit.point);
+        else
+          f.ratio = ratioAfter(f.ratio, f.depth - 1, hit, scattering, wi, s->direction);
+        f.ray = spawn(hit.point, s->direction);
+        return true;
+      };
+      constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
+      const int count = scattering.keepsPhotons() ? splitCount(flux, hit.point.position) : 1;
+      flux /= static_cast<float>(count);
+      for (int i = 1; i < count; ++i) {
+        Flight copy = flight;
+        Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+        if (goOn(copy, own)) waiting.emplace_back(std::move(copy), own);
+      }
+      if (!goOn(flight, sampler)) return;
+    }
+  }
+
+  /** How many a photon becomes. Those that carry far more than most where it is seen, because few started
+   * there, would each light a whole room in a direction of their own. */
+  int splitCount(const Rgb& flux, const Vec3f& position) const {
+    constexpr float MAX_COUNT = 256;
+    const float count = maxComponent(flux) / settings.splitPower;
+    if (!(count > 2) || !settings.region->contains(position)) return 1;
+    return static_cast<int>(std::min(count, MAX_COUNT));
+  }
+
+  /** Where the photon comes from. */
+  struct Origin {
+    LightKind kind = LightKind::POINT;
+    LePdf pdf;
+    Vec3f position{0};
+    uint32_t light = 0;
+    float probability = 0; ///< of the light
+  };
+
+  /** Of a photon that leaves a surface by a non-delta lobe: known for what came straight from the light. */
+  ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
+                          const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
+    // Both ends would have to agree on the normal of a curve.
+    if (!settings.shadowRays || !scattering.keepsPhotons()) return {};
+    if (depth > 0)
+      return before.furtherOn(scattering.pdfNonDelta(direction, wi), scattering.pdfNonDelta(wi, direction),
+                              direction, hit.point);
+    const LightSampler& sampler = *settings.shadowRays;
+    const float chosen =
+        sampler.probability(scene.lights(), lightSampleContext(sampler, hit.point, direction), origin.light);
+    const float arrivals =
+        arrivalDensity(origin.kind, origin.pdf, glm::distance(origin.position, hit.point.position),
+                       absDot(wi, hit.point.geometricNormal), origin.probability, chosen);
+    return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
+  }
+
+  /** What is seen of a target from a place outside. */
+  struct Target {
+    Cone cone;
+    float part;
+  };
+  /** The targets that photons are sent to from a place. True when it is outside of all. */
+  bool findCones(const Vec3f& from) {
+    cones.clear();
+    for (const DxtranSphere& t : settings.targets) {
+      if (!(lengthSquared(t.center - from) > square(NEAR_TARGET * t.radius))) return false;
+      cones.push_back({Cone::toSphere(from, t.center, t.radius), t.part});
+    }
+    return true;
+  }
+  std::ptrdiff_t conesAround(const Vec3f& direction) const {
+    return std::count_if(cones.begin(), cones.end(),
+                         [&](const Target& t) { return t.cone.contains(direction); });
+  }
+
+  /** Photons to the targets from where `from` has scattered. */
+  void sendToTargets(const Flight& from, const Hit& hit, const ScatteringPoint& scattering, LightState state,
+                     const Sampler& sampler) {
+    constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
+    constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
+    const Vec3f wi = -from.ray.direction;
+    const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
+    const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
+    Sampler branch = sampler.fork(BRANCH);
+    for (const auto& [cone, part] : cones) {
+      const float lifted = glm::dot(normal, cone.axis);
+      // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
+      if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
+      const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
+      const float wanted = std::clamp(maxComponent(from.flux) * seen / (base * part), MIN_COUNT, MAX_COUNT);
+      const int count = static_cast<int>(wanted + branch.next1D());
+      for (int i = 0; i < count; ++i) {
+        Sampler own = branch.fork(static_cast<uint32_t>(i));
+        const Vec3f direction = cone.sample(own.next2D());
+        Flight sentOut = from;
+        const float density = wanted *
+                              static_cast<float>(std::max<std::ptrdiff_t>(1, conesAround(direction))) /
+                              (2 * PI * cone.opening);
+        sentOut.flux *= scattering.evaluateFlux(wi, direction) / density;
+        if (isBlack(sentOut.flux)) continue;
+        sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
+        sentOut.state = state;
+        sentOut.caustic = sentOut.straight = false;
+        sentOut.ratio = ratioAfter(from.ratio, from.depth - 1, hit, scattering, wi, direction);
+        sentOut.nesting.scatters(hit, wi, direction);
+        sentOut.ray = spawn(hit.point, direction);
+        waiting.emplace_back(std::move(sentOut), own);
+        ++sent;
+      }
+    }
+  }
+
+  /** Rounding must not send a photon that only grazes the surface below it, where no search would find it. */
+  static PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
+    PackedDirection packed = packDirection(wi);
+    const float cosine = glm::dot(wi, normal);
+    if (std::abs(cosine) > 1e-4f) return packed; // packing turns it by less
+    const Vec3f up = normal * std::copysign(1.0f, cosine);
+    for (float lift = 4e-5f; glm::dot(unpackDirection(packed), up) < 1e-6f; lift *= 2)
+      packed = packDirection(glm::normalize(wi + up * lift));
+    return packed;
+  }
+
+  void store(const SurfacePoint& point, const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& flux,
+             LightState state, bool caustic, const ReverseRatio& ratio) {
+    const float geometric = absDot(wi, point.geometricNormal);
+    if (geometric == 0) return; // in the plane of the surface: brings no flux
+    Photon p;
+    p.position = point.position;
+    p.direction = packOnSide(wi, point.geometricNormal);
+    p.normal = packDirection(point.normalTowards(wi));
+    p.power = flux * (absDot(wi, scattering.normal()) / geometric);
+    p.pathState = state.byte;
+    p.caustic = caustic;
+    p.reverseRatio = ratio.value();
+    out.onSurfaces.push_back(p);
+  }
+
+  const Scene& scene;
+  const PathClasses& classes;
+  const ShootSettings& settings;
+  TransportCounts& counts;
+  StoredPhotons& out;
+  std::vector<std::pair<Flight, Sampler>> waiting;
+  std::vector<Target> cones; ///< of the last surface
+  Origin origin;
+  float base = 0, entered = 0;
+  bool storesDirect = true; ///< see ShootSettings::direct
+  BsdfArena arena;
+};
+
+} // namespace recurse
