@@ -4,6 +4,7 @@
 #include "recurse/transport/estimatorTrial.h"
 
 #include <array>
+#include <numeric>
 
 #include "recurse/core/parallel.h"
 
@@ -97,6 +98,16 @@ EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds&
               (2 * PIXELS);
   }
   return f;
+}
+
+double EstimatorTrial::missedVariance(const Rounds& own, const Rounds& others) {
+  constexpr double SURE = 0.8; // of what the darker round of the others found: both may be too bright
+  const auto mean = [](const TrialSamples& samples) {
+    return std::accumulate(samples.luminance.begin(), samples.luminance.end(), 0.0) / PIXELS;
+  };
+  const double there = std::min(mean(others[0]), mean(others[1]));
+  const double missed = SURE * there - (mean(own[0]) + mean(own[1])) / 2;
+  return missed > 0 ? 2 * PIXELS * square(missed / there) : 0;
 }
 
 } // namespace recurse

@@ -187,7 +187,7 @@ class PhotonMapping final : public Integrator {
     EstimatorTrial::Figures byMap = EstimatorTrial::figures(mapped, traced),
                             byPaths = EstimatorTrial::figures(traced, mapped);
     byMap.work += PASS_RAY * double(shot.counts.rays) / double(scene.film().whole().area());
-    byPaths.add(photons.causticVarianceByRays());
+    byPaths.add(photons.causticVarianceByRays() + EstimatorTrial::missedVariance(traced, mapped));
     const double ratio = byMap.errorOver(byPaths);
     constexpr double CLEARLY = 2; // a trial misses rare bright samples, of which paths have more
     if (!(ratio > CLEARLY)) return;

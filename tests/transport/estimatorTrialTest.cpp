@@ -100,3 +100,30 @@ AttributeEnd
   EXPECT_FALSE(isLeftToPaths(renderText(
       glassBall("LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 .9 0]"), "photonmap", "", 1)));
 }
+
+TEST(EstimatorTrial, LightThatNoPathFindsIsMissed) {
+  EstimatorTrial::Rounds black, grey;
+  for (size_t k = 0; k < 2; ++k) {
+    black[k].luminance.assign(EstimatorTrial::PIXELS, 0);
+    grey[k].luminance.assign(EstimatorTrial::PIXELS, 3);
+  }
+  EXPECT_DOUBLE_EQ(EstimatorTrial::missedVariance(black, grey), 2 * EstimatorTrial::PIXELS * 0.64);
+  EXPECT_EQ(EstimatorTrial::missedVariance(grey, black), 0);
+  EXPECT_EQ(EstimatorTrial::missedVariance(grey, grey), 0);
+  EXPECT_EQ(EstimatorTrial::missedVariance(black, black), 0);
+  // A small lamp in a glass ball, behind a wall: its caustics are not seen, and what comes of them is.
+  const std::string hidden = view(SIZE, "0 0 .95  0 -1 -.2  0 1 0", 40) + R"(
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "box" "point3 p1" [ -1 -1 -1 ] "point3 p2" [ 1 1 1 ]
+Shape "box" "point3 p1" [ -1 .3 -1 ] "point3 p2" [ 1 .35 .5 ]
+Translate -.5 .7 -.5
+Material "dielectric"
+Shape "sphere" "float radius" .1
+Material "conductor" "rgb reflectance" [ .5 .5 .5 ]
+AreaLightSource "diffuse" "rgb L" [ 10000 10000 10000 ]
+Shape "sphere" "float radius" .002
+)";
+  const Rendered chosen = renderText(hidden, "photonmap", "", 1);
+  EXPECT_FALSE(isLeftToPaths(chosen));
+  EXPECT_GT(chosen.mean(), 0);
+}

@@ -46,6 +46,9 @@ class EstimatorTrial {
    * the same picture. */
   using Rounds = std::array<TrialSamples, 2>;
   static Figures figures(const Rounds& own, const Rounds& others);
+  /** The relative variance, at least, of an unbiased estimator's pixels by light that `others` found and none
+   * of its own samples did: it comes in samples rarer than these are many. */
+  static double missedVariance(const Rounds& own, const Rounds& others);
 
  private:
   const Scene& scene;

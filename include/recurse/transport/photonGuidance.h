@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "recurse/transport/shoot.h"
 #include "recurse/transport/emissionGuide.h"
+#include "recurse/transport/shoot.h"
 
 namespace recurse {
 
