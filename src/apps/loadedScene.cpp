@@ -15,6 +15,7 @@
 #include "recurse/core/imageTexture.h"
 #include "recurse/model/film.h"
 #include "recurse/model/sceneImport.h"
+#include "recurse/transport/shoot.h"
 
 namespace recurse::apps {
 
@@ -234,8 +235,12 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
     textures = ", textures " + bytesText(double(inMemory)) +
                (inFiles > 0 ? " and " + bytesText(double(inFiles)) + " in files" : "") +
                " besides the cache of those in use";
-  line("memory",
-       "geometry " + bytesText(double(scene.memoryBytes())) + textures + ", film " + bytesText(filmBytes));
+  std::string photons;
+  if (const uint64_t emitted = loaded.integrator->photonsEmitted(scene); emitted > 0)
+    photons = formatted(", a map about %s if each of %.3g photons is stored once",
+                        bytesText(photonMapBytes(double(emitted))).c_str(), double(emitted));
+  line("memory", "geometry " + bytesText(double(scene.memoryBytes())) + textures + ", film " +
+                     bytesText(filmBytes) + photons);
   line("time",
        "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));
   line("in short", loaded.warnings == 0 ? std::string("rendered as the file says")

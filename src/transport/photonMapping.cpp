@@ -85,6 +85,10 @@ class PhotonMapping final : public Integrator {
 
   int passes(int /*samplesPerPixel*/) const override { return settings.passes; }
 
+  uint64_t photonsEmitted(const Scene& scene) const override {
+    return photons.photonCount(scene, settings.passes != 1);
+  }
+
   bool passHasOneTime() const override { return true; }
 
   void prepare(const Scene& scene, const PathClasses&) override {

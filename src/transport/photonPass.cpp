@@ -23,7 +23,7 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
 
 } // namespace
 
-uint64_t PhotonPass::photonCount(const Scene& scene) const {
+uint64_t PhotonPass::photonCount(const Scene& scene, bool progressive) const {
   if (settings.photons > 0) return settings.photons;
   if (!progressive) return ONE_MAP_PHOTONS;
   const FilmSettings& film = scene.film();
@@ -38,7 +38,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   radiusOverFirst = radiusScale(pass.index, settings.alpha);
   auto start = std::chrono::steady_clock::now();
   ShootSettings shoot;
-  shoot.photons = photonCount(scene);
+  shoot.photons = photonCount(scene, progressive);
   shoot.maxDepth = settings.maxDepth;
   shoot.portals = &portals;
   shoot.aim = &aim;

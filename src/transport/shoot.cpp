@@ -22,8 +22,6 @@ namespace {
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
 /** Enough of them to keep threads busy and to count what is stored. */
 constexpr size_t FIRST_BATCHES = 64;
-/** Photons are stored in the order of their emission, then in that of the tree. */
-constexpr double MAP_COPIES = 2;
 template <class T> void appendBytes(const std::vector<T>& values, std::vector<std::byte>& out) {
   static_assert(std::is_trivially_copyable_v<T>);
   const uint64_t count = values.size();
@@ -96,7 +94,7 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
     shot.emittedHere +=
         std::min(settings.photons, end * PHOTON_BATCH) - std::min(settings.photons, first * PHOTON_BATCH);
     const double expected = double(total) * double(settings.photons) / double(shot.emittedHere);
-    requireMemory(formatted("a map of %.3g photons", expected), MAP_COPIES * sizeof(Photon) * expected);
+    requireMemory(formatted("a map of %.3g photons", expected), photonMapBytes(expected));
   };
   if (control.sharing && batches > FIRST_BATCHES) {
     const bool isComplete = control.sharing->share(

@@ -123,7 +123,8 @@ TEST_F(ProgramRender, CheckReportsWithoutRendering) {
        std::vector<std::vector<std::string>>{{"render", "scene.pbrt", "--check"}, {"info", "scene.pbrt"}}) {
     const Outcome o = run(arguments);
     EXPECT_EQ(o.status, 0) << o.err;
-    for (const char* part : {"24x16", "4 triangles", "1 on surfaces", "reflection", "photonmap", "memory"})
+    for (const char* part :
+         {"24x16", "4 triangles", "1 on surfaces", "reflection", "photonmap", "memory", "a map about"})
       EXPECT_TRUE(has(o.out, part)) << part << "\n" << o.out;
     EXPECT_FALSE(exists("film.exr"));
   }

@@ -183,6 +183,8 @@ class Integrator {
   /** Whether light paths bring something to pixels by themselves, through a Splatter: in forward(), or in
    * backward() those that belong to one eye path. */
   virtual bool splats() const { return false; }
+  /** How many photons forward() emits each time; 0: it keeps none in a map. */
+  virtual uint64_t photonsEmitted(const Scene&) const { return 0; }
   /** Whether a pass's camera rays have the time of its photons, so that no estimate mixes times. */
   virtual bool passHasOneTime() const { return false; }
   /** Shoots what the pass needs. Passes depend on no other but the first, which is always done. */

@@ -55,6 +55,8 @@ class PhotonPass {
  public:
   explicit PhotonPass(const PhotonPassSettings& settings) : settings(settings) {}
 
+  /** Photons that a pass emits. */
+  uint64_t photonCount(const Scene& scene, bool progressive) const;
   /** Shoots and builds the maps; pass 0 learns too. */
   ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
                         const ForwardControl& control, const LightSampler& shadowRays);
@@ -123,7 +125,6 @@ class PhotonPass {
                   ForwardStatistics& statistics);
   /** Relative, of what one camera ray finds of caustics, the mean over visible places. */
   double causticVarianceAt(std::span<const VisiblePoint> seen) const;
-  uint64_t photonCount(const Scene& scene) const;
 
   PhotonPassSettings settings;
   PhotonLayer causticLayer, indirectLayer;

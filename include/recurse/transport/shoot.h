@@ -70,6 +70,10 @@ struct ShotPhotons {
   TransportCounts counts;   ///< here
 };
 
+/** What so many stored photons take while a map is made of them: they are kept in the order of their
+ * emission, then in that of the tree. */
+inline double photonMapBytes(double stored) { return 2 * sizeof(Photon) * stored; }
+
 /**
  * Lights are chosen by power; at each surface a photon is stored where there is a diffuse lobe, and goes on
  * by roulette on what the surface scatters, so that powers stay nearly equal. The list is the same for any
