@@ -68,20 +68,26 @@ void addSampledLightInMedia(const Scene& scene, const LightSampler& guide, const
     const SampledLight choice(scene.lights(), guide, place, sampler);
     const std::optional<LiSample> light = choice.sampleLi(vertex.hit.point);
     if (!light || !(light->pdf > 0)) continue;
-    const Rgb f = vertex.value(light->direction);
-    if (isBlack(f)) continue;
-    SpectralTransmittance through;
-    const int panes = passTowardsLight(scene, vertex.hit, vertex.wi, vertex.nesting, *light, vertex.hero,
-                                       maxPanes, sampler, through, out.counts);
-    if (isBlack(through.value)) continue;
-    const float pdf = choice.chosen.probability * light->pdf * static_cast<float>(samples);
-    Rgb density = through.light * pdf;
-    if (!light->delta && vertex.goesOn) density += through.own * vertex.pdf(light->direction);
-    density *= vertex.path.own;
-    out.add(afterPanes(out.pathClasses(), panes), vertex.state,
-            vertex.path.throughput * f * light->radiance * through.value *
-                (3 / (density.r + density.g + density.b)));
+    addLightInMedia(scene, vertex, *light,
+                    choice.chosen.probability * light->pdf * static_cast<float>(samples), maxPanes, sampler,
+                    out);
   }
+}
+
+void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, float pdf,
+                     int maxPanes, Sampler& sampler, PathRadiance& out) {
+  const Rgb f = vertex.value(light.direction);
+  if (isBlack(f)) return;
+  SpectralTransmittance through;
+  const int panes = passTowardsLight(scene, vertex.hit, vertex.wi, vertex.nesting, light, vertex.hero,
+                                     maxPanes, sampler, through, out.counts);
+  if (isBlack(through.value)) return;
+  Rgb density = through.light * pdf;
+  if (!light.delta && vertex.goesOn) density += through.own * vertex.pdf(light.direction);
+  density *= vertex.path.own;
+  out.add(afterPanes(out.pathClasses(), panes), vertex.state,
+          vertex.path.throughput * f * light.radiance * through.value *
+              (3 / (density.r + density.g + density.b)));
 }
 
 void addSampledLight(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,

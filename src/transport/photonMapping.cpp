@@ -14,6 +14,7 @@
 #include "recurse/transport/directLight.h"
 #include "recurse/transport/estimatorTrial.h"
 #include "recurse/transport/irradianceCache.h"
+#include "recurse/transport/lightAlongRay.h"
 #include "recurse/transport/mergeWeights.h"
 
 namespace recurse {
@@ -271,26 +272,31 @@ class PhotonMapping final : public Integrator {
     addPhotonsAlong(path, number, medium, end, transmittance, throughput, camera, out);
     if (settings.directLight) return;
     const int hero = std::min(2, static_cast<int>(3 * sampler.fork(HERO).next1D()));
-    SpectralPath spectral{throughput};
-    float t = 0;
-    if (medium.isHomogeneous()) {
-      const MediumPoint point = medium.at(path.ray.origin);
-      if (isBlack(point.scattering)) return;
-      const auto [distance, pdf] = sampleScattering(point.extinction(), end, sampler);
-      if (!(pdf > 0)) return;
-      t = distance;
-      spectral.throughput *= transmittance.to(t) * point.scattering / pdf;
-    } else {
+    const int panes = panesLeft(settings.maxDepth, path.depth + 1);
+    const auto vertex = [&](const Hit& hit, const SpectralPath& spectral) {
+      return LitVertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
+                       path.nesting, spectral, hero,    camera,     false};
+    };
+    Hit hit;
+    if (!medium.isHomogeneous()) {
+      SpectralPath spectral{throughput};
       const Collision c = flyThrough(medium, path.ray, end, hero, sampler, spectral, [](const Rgb&) {});
       if (!c.scatters || isBlack(spectral.throughput)) return;
-      t = c.t;
+      hit.point = pointInMedium(path.ray, c.t);
+      addSampledLightInMedia(scene, lights, {hit.point.position}, vertex(hit, spectral),
+                             settings.lightSamples, panes, sampler, out);
+      return;
     }
-    Hit hit;
-    hit.point = pointInMedium(path.ray, t);
-    const LitVertex vertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
-                           path.nesting, spectral, hero,    camera,     false};
-    addSampledLightInMedia(scene, lights, {hit.point.position}, vertex, settings.lightSamples,
-                           panesLeft(settings.maxDepth, path.depth + 1), sampler, out);
+    const Rgb scattering = medium.at(path.ray.origin).scattering;
+    if (isBlack(scattering) || !lightIsSampled(scene, out.pathClasses(), camera)) return;
+    for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
+      const std::optional<LightAlongRay> s = sampleLightAlong(scene, lights, medium, path.ray, end, sampler);
+      if (!s) continue;
+      hit.point = pointInMedium(path.ray, s->t);
+      const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
+      addLightInMedia(scene, vertex(hit, spectral), s->light,
+                      static_cast<float>(settings.lightSamples) / s->reciprocalPdf, panes, sampler, out);
+    }
   }
 
   /** Light that photons in the medium bring along the path. */
@@ -314,21 +320,6 @@ class PhotonMapping final : public Integrator {
         add(b.direction, b.power * flight::transmittance(relative, s) * point.scattering * kernel, t,
             b.pathState);
     });
-  }
-
-  /** A distance within `end` by the transmittance of a channel that is chosen evenly, and its density by all.
-   */
-  static std::pair<float, float> sampleScattering(const Rgb& extinction, float end, Sampler& sampler) {
-    std::array<float, 3> rates;
-    size_t count = 0;
-    for (int c = 0; c < 3; ++c)
-      if (extinction[c] > 0) rates[count++] = extinction[c];
-    const float rate = rates[std::min(count - 1, size_t(sampler.next1D() * static_cast<float>(count)))];
-    const float t = std::min(end, -std::log1p(sampler.next1D() * std::expm1(-rate * end)) / rate);
-    float pdf = 0;
-    for (size_t i = 0; i < count; ++i)
-      pdf -= rates[i] * std::exp(-rates[i] * t) / (std::expm1(-rates[i] * end) * static_cast<float>(count));
-    return {t, std::isfinite(pdf) ? pdf : 0};
   }
 
   // ------------------------------------------------------------------------------------------ emitted light

@@ -128,6 +128,11 @@ struct LitVertex {
   }
 };
 
+/** Adds the light of one sample, if nothing but media and at most `maxPanes` thin panes is in its way. `pdf`
+ * is that of all samples together, of what was chosen to find it. */
+void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, float pdf,
+                     int maxPanes, Sampler& sampler, PathRadiance& out);
+
 /** addSampledLight in a scene with media, for a walk that goes on by the BSDF or the phase function and
  * weighs the lights that it meets with emittedRadiance and environmentRadiance. */
 void addSampledLightInMedia(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,

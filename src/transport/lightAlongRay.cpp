@@ -1,0 +1,57 @@
+/** @file
+ * Light of lamps that a medium scatters into a ray.
+ */
+#include "recurse/transport/lightAlongRay.h"
+
+namespace recurse {
+
+std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& guide,
+                                              const Medium& medium, const Ray& ray, float end,
+                                              Sampler& sampler) {
+  const Rgb extinction = medium.at(ray.origin).extinction();
+  const TransmittanceDistance open(extinction, end);
+  // The lamp is chosen from a place that does not depend on the distances.
+  const SurfacePoint from = pointInMedium(ray, open.sample(sampler.next1D(), sampler.next1D()));
+  const SampledLight choice(scene.lights(), guide, {from.position}, sampler);
+  const ChosenLight& chosen = choice.chosen;
+  if (!(chosen.probability > 0)) return {};
+  std::optional<EquiangularDistance> near;
+  if (!chosen.light->isInfinite())
+    if (const std::optional<LeSample> start =
+            chosen.light->sampleLe({choice.pick, sampler.next2D(), choice.u, ray.time}))
+      near.emplace(ray, end, start->origin);
+  if (near && !near->usable()) near.reset();
+
+  std::optional<LightAlongRay> kept;
+  float keptWorth = 0;
+  float sum = 0;
+  float pick = sampler.next1D();
+  const auto consider = [&](float t) {
+    const SurfacePoint point = pointInMedium(ray, t);
+    const std::optional<LiSample> light =
+        guide.sampleLi(*chosen.light, point.time, point.position, choice.pick, sampler.next2D());
+    if (!light || !(light->pdf > 0)) return;
+    const float worth = luminance(light->radiance * flight::transmittance(extinction, t)) *
+                        medium.phase->value(glm::dot(light->direction, ray.direction));
+    const float pdf = near ? (open.pdf(t) + near->pdf(t)) / 2 : open.pdf(t);
+    const float density = pdf * chosen.probability * light->pdf;
+    if (!(worth > 0) || !(density > 0 && density < INFINITE)) return;
+    const float weight = worth / density;
+    sum += weight;
+    const float chance = weight / sum;
+    if (pick < chance) {
+      kept = {t, *light, 0};
+      keptWorth = worth;
+      pick /= chance;
+    } else {
+      pick = (pick - chance) / (1 - chance);
+    }
+  };
+  const float u = sampler.next1D();
+  consider(open.sample(sampler.next1D(), u));
+  consider(near ? std::min(near->sample(u), end) : open.sample(sampler.next1D(), u));
+  if (kept) kept->reciprocalPdf = sum / (2 * keptWorth);
+  return kept;
+}
+
+} // namespace recurse

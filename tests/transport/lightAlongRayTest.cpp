@@ -1,0 +1,104 @@
+/** @file
+ * Where light is looked for along rays through media: densities against what they sample, the light of lamps
+ * against its integral along the ray.
+ */
+#include "recurse/transport/lightAlongRay.h"
+#include "transport/rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** The part of [0, end] before each of several distances must be that of samples: `sampleAt(i)` is called with
+ * numbers of samples. */
+template <class Distance, class SampleAt>
+void expectDensityOfSamples(const Distance& distance, float end, SampleAt&& sampleAt, const std::string& what) {
+  constexpr int N = 20000, PARTS = 16;
+  constexpr int STEPS = 200000;
+  std::array<double, PARTS> sampled{}, expected{};
+  for (int i = 0; i < N; ++i) {
+    const float t = sampleAt(i);
+    ASSERT_TRUE(t >= 0 && t <= end) << what << " " << t;
+    sampled[std::min(PARTS - 1, int(t / end * PARTS))] += 1.0 / N;
+  }
+  for (int i = 0; i < STEPS; ++i)
+    expected[size_t(i) * PARTS / STEPS] += double(distance.pdf(float((i + 0.5) / STEPS) * end) * end) / STEPS;
+  double sum = 0;
+  for (int p = 0; p < PARTS; ++p) {
+    EXPECT_NEAR(sampled[p], expected[p], 5 * std::sqrt(expected[p] / N) + 1e-4) << what << " part " << p;
+    sum += expected[p];
+  }
+  EXPECT_NEAR(sum, 1, 1e-3) << what;
+}
+
+/** A room of fog, seen along its middle, with the lamp. */
+std::string fogWith(const std::string& lamp) {
+  return "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.1 .05 .02] "
+         "\"rgb sigma_s\" [.1 .15 .2] \"float g\" .6\nMediumInterface \"\" \"fog\"\n" +
+         view(1, "0 0 0  0 0 1  0 1 0", 1) + "MediumInterface \"fog\" \"fog\"\n" + lamp;
+}
+
+} // namespace
+
+TEST(LightAlongRay, DistancesFollowTheirDensities) {
+  Sampler sampler(1, 2, 0);
+  for (const float end : {0.5f, 10.0f}) {
+    const TransmittanceDistance open({0.3f, 0, 2}, end);
+    expectDensityOfSamples(
+        open, end, [&](int) { return open.sample(sampler.next1D(), sampler.next1D()); }, "transmittance");
+    // Before the ray's start, beside it, and behind its end.
+    for (const Vec3f& lamp : {Vec3f(0.1f, 0, -0.3f), Vec3f(0, 0.05f, 0.25f), Vec3f(1, 1, 12)}) {
+      const EquiangularDistance near({Vec3f(0), Vec3f(0, 0, 1)}, end, lamp);
+      ASSERT_TRUE(near.usable());
+      expectDensityOfSamples(
+          near, end, [&](int) { return std::min(near.sample(sampler.next1D()), end); }, "equiangular");
+    }
+  }
+  EXPECT_FALSE(EquiangularDistance({Vec3f(0), Vec3f(0, 0, 1)}, 4, {0, 0, 2}).usable());
+  const TransmittanceDistance endless({1, 1, 1}, INFINITE);
+  EXPECT_NEAR(endless.pdf(2), std::exp(-2), 1e-6);
+}
+
+TEST(LightAlongRay, IsTheLightOfLampsWithLittleVariance) {
+  struct Case {
+    std::string lamp;
+    double variance; ///< relative, of one sample: what can be asked for
+  };
+  // By transmittance alone the lamps near the ray have a relative variance of 30 and more.
+  const std::vector<Case> cases = {
+      {"LightSource \"point\" \"point3 from\" [.05 0 3]", 1.5},
+      {"LightSource \"spot\" \"point3 from\" [1 0 8] \"point3 to\" [0 0 4] \"float coneangle\" 10", 1},
+      {"LightSource \"distant\" \"point3 from\" [1 1 0]", 0.1},
+      {"LightSource \"point\" \"point3 from\" [.05 0 3] LightSource \"point\" \"point3 from\" [0 2 7]", 6},
+  };
+  const float end = 10;
+  for (const Case& c : cases) {
+    const auto scene = sceneFrom(fogWith(c.lamp));
+    const Medium& medium = *scene->medium(scene->cameraMedium());
+    const Ray ray{Vec3f(0), Vec3f(0, 0, 1)};
+    const Rgb extinction = medium.at(ray.origin).extinction();
+    const auto brought = [&](float t, const LiSample& light) {
+      return double(luminance(light.radiance * flight::transmittance(extinction, t)) *
+                    medium.phase->value(glm::dot(light.direction, ray.direction)));
+    };
+    double truth = 0;
+    constexpr int STEPS = 100000;
+    for (int i = 0; i < STEPS; ++i) {
+      const float t = (float(i) + 0.5f) / STEPS * end;
+      for (size_t l = 0; l < scene->lights().size(); ++l)
+        if (const auto light = scene->lights()[l].sampleLiAt(0, pointInMedium(ray, t).position, 0.5f, {}))
+          truth += brought(t, *light) / double(light->pdf) * double(end) / STEPS;
+    }
+    LightSampler guide;
+    std::vector<double> values;
+    for (uint32_t i = 0; i < 40000; ++i) {
+      Sampler sampler(7, i, 0);
+      const auto s = sampleLightAlong(*scene, guide, medium, ray, end, sampler);
+      values.push_back(s ? brought(s->t, s->light) * double(s->reciprocalPdf) : 0);
+    }
+    const Mean mean(values);
+    EXPECT_NEAR(mean.value, truth, 4.5 * mean.error) << c.lamp;
+    EXPECT_LT(square(mean.error / truth) * double(values.size()), c.variance) << c.lamp;
+  }
+}
