@@ -24,6 +24,7 @@ struct Walk {
   float wavelength;    ///< as in Subpath
   Nesting nesting;
   BsdfRay last;
+  bool isScattered; ///< by a non-delta lobe
 };
 
 /** Where a walk scatters. */
@@ -114,6 +115,7 @@ class Path final : public Integrator {
         w.spread = paths[i].ray.spread;
         w.wavelength = 0;
         w.last.weighted = false;
+        w.isScattered = false;
         makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
         active[i] = &w;
         rays[i] = paths[i].ray;
@@ -143,15 +145,13 @@ class Path final : public Integrator {
         const Vec3f direction = rays[i].direction;
         if (hit.t == INFINITE) {
           if (!scene.environment().empty())
-            w.path->out->add(classes.lightStart(), w.eye,
-                             w.throughput * environmentRadiance(scene, settings.guide, direction, w.last,
-                                                                settings.lightSamples));
+            addEmission(w,
+                        environmentRadiance(scene, settings.guide, direction, w.last, settings.lightSamples));
           continue;
         }
         if (hit.areaLight)
-          w.path->out->add(classes.lightStart(), w.eye,
-                           w.throughput * emittedRadiance(scene, settings.guide, hit, direction, w.last,
-                                                          settings.lightSamples));
+          addEmission(w,
+                      emittedRadiance(scene, settings.guide, hit, direction, w.last, settings.lightSamples));
         w.width += w.spread * hit.t;
         drawWavelength(scene, w.wavelength, w.path->sampler, hit);
         const Bsdf* bsdf =
@@ -180,6 +180,13 @@ class Path final : public Integrator {
         v.place = v.sampleLight ? lightSampleContext(settings.guide, hit.point, v.wi) : LightSampleContext();
       }
       alive = passed;
+    }
+
+    void addEmission(const Walk& w, const Rgb& radiance) const {
+      if (w.isScattered)
+        w.path->out->add(classes.lightStart(), w.eye, w.throughput * radiance);
+      else
+        w.path->out->addSeen(w.eye, w.throughput * radiance);
     }
 
     /** One shadow ray for each vertex. */
@@ -257,7 +264,10 @@ class Path final : public Integrator {
         }
         w.throughput *= dispersedColour(v.hit->point, s, w.wavelength);
         w.nesting.scatters(*v.hit, v.wi, s.direction);
-        if (!s.specular()) w.width = w.spread = 0; // what a pixel sees from here on is not known
+        if (!s.specular()) {
+          w.width = w.spread = 0; // what a pixel sees from here on is not known
+          w.isScattered = true;
+        }
         active[alive] = &w;
         makeAt(rays[alive++], [&] { return spawn(v.hit->point, s.direction); });
       }

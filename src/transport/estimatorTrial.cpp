@@ -50,7 +50,7 @@ TrialSamples EstimatorTrial::take(const Integrator& integrator, uint32_t round) 
     }
     if (!paths.empty()) integrator.backwardBatch(scene, paths);
     for (size_t i = 0; i < BLOCK_PIXELS; ++i)
-      samples.luminance[block * BLOCK_PIXELS + i] = weights[i] * luminance(radiance[i].total());
+      samples.luminance[block * BLOCK_PIXELS + i] = weights[i] * luminance(radiance[i].scattered());
   });
   for (const TransportCounts& c : counts) samples.counts.add(c);
   return samples;
@@ -79,15 +79,19 @@ EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds&
   for (const double m : mean) all2 += square(m) / ALL_BLOCKS;
   Figures f;
   for (size_t block = 0; block < ALL_BLOCKS; ++block) {
-    const double scale = 1 / (2 * (square(mean[block]) + DARK * all2));
-    if (!std::isfinite(scale)) continue; // a black picture
+    const auto scale = [&](double value) { return 1 / (2 * (square(value) + DARK * all2)); };
+    if (!std::isfinite(scale(mean[block]))) continue; // a black picture
     double difference = 0;
     for (size_t i = block * BLOCK_PIXELS; i < (block + 1) * BLOCK_PIXELS; ++i) {
       const double d = double(own[0].luminance[i]) - double(own[1].luminance[i]);
+      // The edge of something bright is bright itself, for all estimators.
+      double found = 0;
+      for (size_t round = 0; round < 2; ++round)
+        found += double(std::min(own[round].luminance[i], others[round].luminance[i])) / 2;
       difference += d / BLOCK_PIXELS;
-      f.ofPixels += square(d) * scale / PIXELS;
+      f.ofPixels += square(d) * scale(std::max(mean[block], found)) / PIXELS;
     }
-    f.ofBlocks += square(difference) * scale / ALL_BLOCKS;
+    f.ofBlocks += square(difference) * scale(mean[block]) / ALL_BLOCKS;
   }
   for (const TrialSamples& samples : own) {
     const TransportCounts& c = samples.counts;

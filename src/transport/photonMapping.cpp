@@ -388,7 +388,10 @@ class PhotonMapping final : public Integrator {
 
   void addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
     const float share = settings.directLight ? path.lightShare : 1;
-    if (share > 0 && !isBlack(radiance))
+    if (!(share > 0) || isBlack(radiance)) return;
+    if (path.nonDelta == 0)
+      out.addSeen(path.camera, path.throughput * radiance * share);
+    else
       out.add(out.pathClasses().lightStart(), path.camera, path.throughput * radiance * share);
   }
 

@@ -16,6 +16,13 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
   if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
   CameraVertex vertex;
   BsdfRay last;
+  bool isScattered = false;
+  const auto add = [&](const Rgb& radiance) {
+    if (isScattered)
+      out.add(classes.lightStart(), path.state, radiance);
+    else
+      out.addSeen(path.state, radiance);
+  };
   const auto addEmission = [&](const Hit* hit) {
     const Vec3f& direction = path.ray.direction;
     const SpectralPath spectral = path.spectral();
@@ -23,12 +30,9 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
     const Rgb emitted =
         hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia)
             : environmentRadiance(scene, lights, direction, last, settings.lightSamples, inMedia);
-    out.add(classes.lightStart(), path.state, path.throughput * emitted);
+    add(path.throughput * emitted);
   };
-  const auto addMediumEmission = [&](const Rgb& radiance) {
-    out.add(classes.lightStart(), path.state, radiance);
-  };
-  while (walker.next(path, vertex, sampler, addEmission, addMediumEmission)) {
+  while (walker.next(path, vertex, sampler, addEmission, add)) {
     LightSampleContext place{vertex.point().position};
     if (vertex.isConnectable()) {
       if (!vertex.medium) place = lightSampleContext(lights, vertex.point(), vertex.wi);
@@ -46,6 +50,7 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
     }
     const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
     if (!s) break;
+    isScattered = isScattered || !path.delta;
     if (vertex.medium || !passesPane(scene, *vertex.scattering, *s))
       last = {place, static_cast<float>(path.pdf), !path.delta};
   }

@@ -79,6 +79,54 @@ TEST(EstimatorTrial, FiguresAreVariancesByScale) {
   EXPECT_DOUBLE_EQ(slower.errorOver(f), 2);
 }
 
+TEST(EstimatorTrial, WhatBothFindIsBrightForBoth) {
+  EstimatorTrial::Rounds edge, spark, other;
+  for (size_t k = 0; k < 2; ++k)
+    for (EstimatorTrial::Rounds* rounds : {&edge, &spark, &other}) {
+      (*rounds)[k].luminance.assign(EstimatorTrial::PIXELS, 1);
+      (*rounds)[k].counts.rays = EstimatorTrial::PIXELS;
+    }
+  constexpr float BRIGHT = 1000;
+  edge[0].luminance[5] = spark[0].luminance[5] = other[0].luminance[5] = BRIGHT;
+  const EstimatorTrial::Figures known = EstimatorTrial::figures(edge, other);
+  other[0].luminance[5] = 1;
+  const EstimatorTrial::Figures rare = EstimatorTrial::figures(spark, other);
+  EXPECT_NEAR(known.ofPixels * EstimatorTrial::PIXELS, 2, 0.02);
+  EXPECT_GT(rare.ofPixels, 100 * known.ofPixels);
+}
+
+TEST(EstimatorTrial, LampsThemselvesAreLeftOut) {
+  // Seen straight, in a mirror, through glass, and through a haze that only dims; of its light nothing else
+  // is.
+  const std::string lamp = view(SIZE, "0 0 3  0 0 0  0 1 0", 40) + R"(
+Material "conductor" "rgb reflectance" [ .5 .5 .5 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -.5 -2  2 -.5 -2  2 -.5 2  -2 -.5 2 ]
+AttributeBegin
+Material "dielectric"
+Translate .5 0 0
+Shape "sphere" "float radius" .2
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Translate 0 .1 -.5
+AreaLightSource "diffuse" "rgb L" [ 900 900 900 ]
+Shape "sphere" "float radius" .3
+)";
+  const std::string haze = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_s\" [0 0 0]\n"
+                           "MediumInterface \"\" \"m\"\n" +
+                           lamp;
+  for (const std::string& text : {lamp, haze})
+    for (const char* name : {"path", "photonmap"}) {
+      const auto scene = sceneFrom(text);
+      const auto integrator = integratorFrom(name, name == std::string("path") ? "" : "\"bool trial\" false");
+      const PathClasses classes;
+      integrator->prepare(*scene, classes);
+      integrator->forward(*scene, classes, {1, 0, false, 0}, {});
+      const TrialSamples samples = EstimatorTrial(*scene, classes, 1, 0).take(*integrator, 0);
+      for (const float luminance : samples.luminance) ASSERT_LT(luminance, 1e-3f) << name;
+      EXPECT_GT(renderScene(*scene, name, "", 1).mean(), 1) << name;
+    }
+}
+
 TEST(EstimatorTrial, PhotonmapLeavesCoatsUnderTheSkyToPaths) {
   const auto scene = sceneFrom(coats());
   const Rendered paths = renderScene(*scene, "path", "", 2), chosen = renderScene(*scene, "photonmap", "", 2);

@@ -10,10 +10,11 @@ using namespace recurse::testing;
 
 namespace {
 
-/** The part of [0, end] before each of several distances must be that of samples: `sampleAt(i)` is called with
- * numbers of samples. */
+/** The part of [0, end] before each of several distances must be that of samples: `sampleAt(i)` is called
+ * with numbers of samples. */
 template <class Distance, class SampleAt>
-void expectDensityOfSamples(const Distance& distance, float end, SampleAt&& sampleAt, const std::string& what) {
+void expectDensityOfSamples(const Distance& distance, float end, SampleAt&& sampleAt,
+                            const std::string& what) {
   constexpr int N = 20000, PARTS = 16;
   constexpr int STEPS = 200000;
   std::array<double, PARTS> sampled{}, expected{};

@@ -10,7 +10,9 @@
 
 namespace recurse {
 
-/** Luminances of trial samples, one for each pixel of the blocks, and what they took. */
+/** Luminances of trial samples, one for each pixel of the blocks, and what they took. Lamps themselves are
+ * left out, seen straight or by mirrors and glass: what their edges err by is the same for all, and would
+ * hide what other light errs by. */
 struct TrialSamples {
   std::vector<float> luminance;
   TransportCounts counts;
@@ -43,7 +45,7 @@ class EstimatorTrial {
     double errorOver(const Figures& other) const;
   };
   /** Of an estimator, by two rounds whose samples have nothing in common, not even photons. `others` tell of
-   * the same picture. */
+   * the same picture, by the same camera rays: where both are bright, the picture is. */
   using Rounds = std::array<TrialSamples, 2>;
   static Figures figures(const Rounds& own, const Rounds& others);
   /** The relative variance, at least, of an unbiased estimator's pixels by light that `others` found and none

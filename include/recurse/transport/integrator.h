@@ -84,17 +84,19 @@ class PathRadiance {
 
   void reset() {
     std::fill(layers.begin(), layers.end(), BLACK);
-    sum = BLACK;
+    sum = seen = BLACK;
   }
   /** Puts `change(colour)` in the place of all that was added; must be linear. */
   template <class Change> void transform(const Change& change) {
     for (Rgb& layer : layers) layer = change(layer);
     sum = change(sum);
+    seen = change(seen);
   }
   /** Multiplies all that was added. */
   void scale(float factor) {
     for (Rgb& layer : layers) layer *= factor;
     sum *= factor;
+    seen *= factor;
   }
   /** Adds radiance that came along the path whose halves these are. Not finite: dropped and counted. */
   void add(LightState light, CameraState eye, const Rgb& radiance) {
@@ -108,9 +110,16 @@ class PathRadiance {
     for (LayerMask rest = mask; rest != 0; rest &= rest - 1)
       layers[static_cast<size_t>(__builtin_ctzll(rest))] += radiance;
   }
+  /** The same for LS*E: light that the eye sees, and nothing has scattered. */
+  void addSeen(CameraState eye, const Rgb& radiance) {
+    add(classes.lightStart(), eye, radiance);
+    if (classes.join(classes.lightStart(), eye) != 0 && isFinite(radiance)) seen += radiance;
+  }
   const Rgb* values() const { return layers.data(); }
   /** Everything that is in at least one layer, once. */
   const Rgb& total() const { return sum; }
+  /** What of it was scattered, by integrators that tell it apart. */
+  Rgb scattered() const { return sum - seen; }
   const PathClasses& pathClasses() const { return classes; }
   /** Asked in loops that may be long: the sample is not wanted any more, and what was added does not count.
    */
@@ -123,7 +132,7 @@ class PathRadiance {
  private:
   const PathClasses& classes;
   std::vector<Rgb> layers;
-  Rgb sum{0};
+  Rgb sum{0}, seen{0};
 };
 
 /** What the forward pass did. */
