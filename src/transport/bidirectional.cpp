@@ -71,6 +71,7 @@ class Bidirectional::LightWalk {
         out(out), walker(scene, classes, counts, owner.settings.maxDepth) {}
 
   void trace(Sampler sampler) {
+    if (!owner.keepsLightPaths()) out.clear();
     StoredPath& stored = out.paths.emplace_back();
     stored.first = out.vertices.size();
     const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
@@ -79,6 +80,7 @@ class Bidirectional::LightWalk {
     LightSubpath path = start->path;
     while (walker.next(path, vertex, sampler)) {
       store(stored);
+      if (splatter && !owner.settings.merges) sumTechniques(stored);
       if (splatter && vertex.isConnectable())
         splat(stored, path.nesting, sampler.fork(static_cast<uint32_t>(vertex.depth)));
       if (!walker.scatter(path, vertex, sampler)) return;
@@ -104,6 +106,21 @@ class Bidirectional::LightWalk {
     ++path.count;
   }
 
+  /** Techniques beyond y_count-1, by those beyond y_count-2. */
+  void sumTechniques(const StoredPath& path) {
+    if (path.count < 2) return;
+    x.assign(1, {});
+    out.appendDensities(path, path.count, 3, x);
+    WeightedPath full = owner.weightedPath(0, 0);
+    full.vertices = x;
+    if (path.count > 2) {
+      beyond = sumBeyond(full, 3, beyond);
+      return;
+    }
+    owner.completePath(scene, full, path.end, out.vertices[path.first].point, -vertex.wi);
+    beyond = sumBeyond(full);
+  }
+
   /** C_0: what the last vertex sends straight to the camera. */
   void splat(const StoredPath& path, const Nesting& nesting, Sampler sampler) {
     if (classes.join(vertex.afterD, classes.cameraStart()) == 0) return;
@@ -123,15 +140,20 @@ class Bidirectional::LightWalk {
                  visibilityTarget(lens->position, lens->direction, lens->distance), nesting, counts))
       return;
     const double distance = double(lens->distance);
+    const bool summed = !owner.settings.merges && path.count > 1;
     x.assign(1, {});
-    out.appendDensities(path, path.count, x);
+    out.appendDensities(path, path.count, summed ? 2 : path.count + 1, x);
     x[1].fromCamera = end.pdfAt(lens->position, point, lens->direction);
     x[2].fromCamera = vertex.pdfPrevious(lens->direction);
     WeightedPath weighted = owner.weightedPath(owner.mergeRadius(end.footprint(distance)), distance);
     weighted.vertices = x;
-    const StoredVertex& first = out.vertices[path.first];
-    const Vec3f towardsCamera = path.count == 1 ? lens->direction : -out.vertices[path.first + 1].wi;
-    owner.completePath(scene, weighted, path.end, first.point, towardsCamera);
+    if (summed) {
+      weighted.beyond = beyond;
+    } else {
+      const StoredVertex& first = out.vertices[path.first];
+      const Vec3f towardsCamera = path.count == 1 ? lens->direction : -out.vertices[path.first + 1].wi;
+      owner.completePath(scene, weighted, path.end, first.point, towardsCamera);
+    }
     splatter->add(vertex.afterD, classes.cameraStart(), lens->film,
                   contribution * static_cast<float>(connectionWeight(weighted, 0)), counts);
   }
@@ -146,6 +168,7 @@ class Bidirectional::LightWalk {
   Walker<LightState> walker;
   LightVertex vertex;
   std::vector<WeightedVertex> x;
+  double beyond = 0; ///< sumBeyond() of y_count-1, once there are two vertices and where nothing merges
 };
 
 ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
@@ -169,7 +192,7 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
           Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (i >> 32), static_cast<uint32_t>(i)));
   });
   if (splatter) splatter->addPaths(count);
-  if (settings.connections || settings.merges)
+  if (keepsLightPaths())
     for (LightSubpaths& part : parts) {
       subpaths.append(part);
       part = {};

@@ -26,20 +26,24 @@ class Techniques {
   double hits() const { return path.lightIsMet ? 1 : 0; }
   /** Of the techniques nearer to the camera than C_i, and M_i; i < k. */
   double nearCamera(size_t i) const {
-    double sum = 0;
-    for (size_t j = 1; j <= i; ++j)
+    double sum = path.sumNearCamera;
+    for (size_t j = path.summed + 1; j <= i; ++j)
       sum = x[j].merges * x[j].fromLight + x[j].fromLight / x[j].fromCamera * (connections(j - 1) + sum);
     return sum;
   }
   /** Of the techniques nearer to the light than C_i; i < k - 1. */
   double nearLight(size_t i) const {
-    // C_k-1 and C_k, over P(C_k-1).
-    double sum = (shadowRays() + x[k].fromCamera * hits()) / x[k].fromLight;
-    for (size_t j = k - 1;; --j) { // C_j and all beyond are in `sum`
-      sum = x[j].merges * x[j].fromCamera + x[j].fromCamera / x[j].fromLight * sum;
-      if (j == i + 1) return sum;
-      sum += connections(j - 1);
-    }
+    double sum = path.beyond ? *path.beyond : beyondLast();
+    for (size_t j = path.beyond ? k : k - 1; j > i + 1; --j) sum = beyondNext(j, sum);
+    return across(i + 1, sum);
+  }
+  /** C_k-1 and C_k, over P(C_k-1). */
+  double beyondLast() const { return (shadowRays() + x[k].fromCamera * hits()) / x[k].fromLight; }
+  /** C_j-1 and all beyond, over P(C_j-1). */
+  double beyondNext(size_t j, double beyond) const { return across(j, beyond) + connections(j - 1); }
+  /** M_j, C_j and all beyond, over P(C_j-1). */
+  double across(size_t j, double beyond) const {
+    return x[j].merges * x[j].fromCamera + x[j].fromCamera / x[j].fromLight * beyond;
   }
 
   const WeightedPath& path;
@@ -48,6 +52,14 @@ class Techniques {
 };
 
 } // namespace
+
+double sumNearCamera(const WeightedPath& path, size_t i) { return Techniques(path).nearCamera(i); }
+
+double sumBeyond(const WeightedPath& path) { return Techniques(path).beyondLast(); }
+
+double sumBeyond(const WeightedPath& path, size_t j, double beyond) {
+  return Techniques(path).beyondNext(j, beyond);
+}
 
 double connectionWeight(const WeightedPath& path, size_t i) {
   const Techniques t(path);
@@ -76,8 +88,9 @@ void countMerges(const WeightedPath& path) {
   const auto x = path.vertices;
   const size_t k = path.edges();
   const double area = path.correlationArea;
+  if (path.photons == 0) return;
   for (WeightedVertex& v : x) v.merges = 0;
-  if (path.photons == 0 || k < 3) return;
+  if (k < 3) return;
   // What a delta lobe finds is found again.
   double light = x[k - 1].fromLight * area; // S of (3), of the place and the direction of emission
   if (path.light != LightGeometry::DELTA) light *= x[k].fromLight;

@@ -2,6 +2,7 @@
  * The camera's side of bidirectional estimators: a path that meets lights, sends shadow rays, is connected
  * with a light path and merged with the photons of all.
  */
+#include <algorithm>
 #include <bit>
 
 #include "recurse/transport/bidirectional.h"
@@ -32,6 +33,7 @@ class Bidirectional::CameraWalk {
       arrive();
       if (vertex.isConnectable()) {
         if (owner.settings.shadowRays) addShadowRay();
+        if (light && !owner.settings.merges && beyond.empty()) sumLightPath(*light);
         if (light)
           for (uint32_t t = 1; t <= light->count; ++t) addConnection(*light, t);
         if (owner.settings.merges) addPhotons();
@@ -40,6 +42,7 @@ class Bidirectional::CameraWalk {
       vertices.back().delta = path.delta;
       vertices[vertices.size() - 2].fromLight =
           path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
+      if (!owner.settings.merges) sumCameraPath();
       if (!path.delta) radiusKnown = true;
       last = vertex.point();
       towardsBeforeLast = vertex.wi;
@@ -76,7 +79,7 @@ class Bidirectional::CameraWalk {
     double weight = 1;
     if (vertices.size() > 1) {
       const LightEnd end = lightEnd(scene, index, ray, last);
-      x = vertices;
+      copyVertices();
       x.back().fromLight = end.pdfNext;
       x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
       weight = hitWeight(weighted(end, last, towardsBeforeLast));
@@ -99,7 +102,7 @@ class Bidirectional::CameraWalk {
     if (isBlack(radiance) || !visible(scene, vertex.hit, vertex.wi, *sample, path.nesting, out.counts))
       return;
     const LightEnd end = lightEnd(scene, choice.chosen.index, sample->emitted(), vertex.point());
-    x = vertices;
+    copyVertices();
     x[x.size() - 2].fromLight = vertex.pdfPrevious(direction);
     x.back().fromLight = end.pdfNext;
     x.push_back({vertex.pdfDirection(vertex.wi, direction) * directionToEnd(end, position), end.pdf});
@@ -130,9 +133,10 @@ class Bidirectional::CameraWalk {
                                       visibilityTarget(y.point.rayOrigin(-direction), direction, distance),
                                       path.nesting, out.counts))
       return;
-    x = vertices;
+    copyVertices();
     const size_t s = x.size() - 1;
-    owner.subpaths.appendDensities(from, t, x);
+    const bool summed = !owner.settings.merges && t > 1;
+    owner.subpaths.appendDensities(from, t, summed ? 2 : t + 1, x);
     x[s - 1].fromLight = vertex.pdfPrevious(direction);
     x[s].fromLight =
         double(there.pdf(y.wi, -direction)) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
@@ -141,9 +145,12 @@ class Bidirectional::CameraWalk {
     x[s + 1].delta = false;
     x[s + 2].fromCamera = double(there.pdf(-direction, y.wi)) * y.toPrevious;
     const Vec3f towardsCamera = t == 1 ? -direction : -vertexOf(from, 2).wi;
-    out.add(y.afterD, vertex.afterD,
-            radiance * static_cast<float>(
-                           connectionWeight(weighted(from.end, vertexOf(from, 1).point, towardsCamera), s)));
+    WeightedPath full = weighted();
+    if (summed)
+      full.beyond = beyond[t - 1];
+    else
+      owner.completePath(scene, full, from.end, vertexOf(from, 1).point, towardsCamera);
+    out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(connectionWeight(full, s)));
   }
 
   /** M_s, with all photons around. */
@@ -176,9 +183,9 @@ class Bidirectional::CameraWalk {
     const float area = absDot(y.wi, y.point.shadingNormal) / absDot(y.wi, y.point.geometricNormal);
     const Rgb radiance = vertex.throughput * f * y.throughput *
                          static_cast<float>(double(area) / (owner.lightPaths * double(PI) * square(radius)));
-    x = vertices;
+    copyVertices();
     const size_t s = x.size() - 1;
-    owner.subpaths.appendDensities(from, t - 1, x);
+    owner.subpaths.appendDensities(from, t - 1, t, x);
     x[s - 1].fromLight = vertex.pdfPrevious(y.wi);
     x[s].fromLight = y.fromLight;
     x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, y.wi) * y.toPrevious;
@@ -190,13 +197,45 @@ class Bidirectional::CameraWalk {
   const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {
     return owner.subpaths.vertices[from.first + number - 1];
   }
-  /** The path of the vertices `x`, whose x_k-1 is `next`. */
-  WeightedPath weighted(const LightEnd& end, const SurfacePoint& next, const Vec3f& towardsCamera) {
+  /** The path of the vertices `x`, as far as it does not depend on the light. */
+  WeightedPath weighted() {
     WeightedPath full = owner.weightedPath(radius, firstDistance);
     full.vertices = x;
     if (!camera.connectable) full.splats = 0;
+    full.summed = summed;
+    full.sumNearCamera = nearCamera;
+    return full;
+  }
+  /** The path of the vertices `x`, whose x_k-1 is `next`. */
+  WeightedPath weighted(const LightEnd& end, const SurfacePoint& next, const Vec3f& towardsCamera) {
+    WeightedPath full = weighted();
     owner.completePath(scene, full, end, next, towardsCamera);
     return full;
+  }
+
+  /** The vertices as a new path `x`. Those before the last two are the same in all later paths. */
+  void copyVertices() {
+    x.resize(vertices.size());
+    std::copy(vertices.begin() + std::ptrdiff_t(copied), vertices.end(), x.begin() + std::ptrdiff_t(copied));
+    copied = vertices.size() - std::min<size_t>(vertices.size(), 2);
+  }
+  /** Up to x_s-1, when the walk leaves x_s. */
+  void sumCameraPath() {
+    copyVertices();
+    nearCamera = sumNearCamera(weighted(), vertices.size() - 2);
+    summed = vertices.size() - 2;
+  }
+  /** From the light on. */
+  void sumLightPath(const StoredPath& from) {
+    beyond.resize(from.count + 1);
+    if (from.count < 2) return;
+    std::vector<WeightedVertex> all(1);
+    owner.subpaths.appendDensities(from, from.count, from.count + 1, all);
+    WeightedPath full = owner.weightedPath(0, 0);
+    full.vertices = all;
+    owner.completePath(scene, full, from.end, vertexOf(from, 1).point, -vertexOf(from, 2).wi);
+    beyond[1] = sumBeyond(full);
+    for (uint32_t t = 2; t < from.count; ++t) beyond[t] = sumBeyond(full, from.count + 2 - t, beyond[t - 1]);
   }
 
   /** Half the height of the search for photons over its radius: they are to lie on the same surface. */
@@ -214,7 +253,12 @@ class Bidirectional::CameraWalk {
   const StoredPath* light = nullptr;    ///< to be connected with
   std::vector<WeightedVertex> vertices; ///< x_0 … x_s; what the light's walk does is known up to x_s-2
   std::vector<WeightedVertex> x;        ///< of the full path at hand
-  SurfacePoint last;                    ///< of x_s, when the walk has left it
+  size_t copied = 0;                    ///< vertices that are in `x` for good
+  // Where nothing merges, the weights' sums:
+  size_t summed = 0; ///< WeightedPath::summed
+  double nearCamera = 0;
+  std::vector<double> beyond; ///< sumBeyond() of y_t, 0 < t < count
+  SurfacePoint last;          ///< of x_s, when the walk has left it
   Vec3f towardsBeforeLast{0};
   double firstDistance = 0, seenAlong = 0, radius = 0;
   bool radiusKnown = false; ///< by the first vertex off mirrors and glass

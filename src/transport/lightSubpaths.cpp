@@ -23,13 +23,14 @@ size_t LightSubpaths::memoryBytes() const {
   return paths.capacity() * sizeof(StoredPath) + vertices.capacity() * sizeof(StoredVertex);
 }
 
-void LightSubpaths::appendDensities(const StoredPath& path, uint32_t count,
+void LightSubpaths::appendDensities(const StoredPath& path, uint32_t count, uint32_t most,
                                     std::vector<WeightedVertex>& x) const {
-  for (uint32_t i = count; i > 0; --i) {
+  for (uint32_t i = count; i > 0; --i, --most) {
+    if (most == 0) return;
     const StoredVertex& v = vertices[path.first + i - 1];
     x.push_back({v.fromCamera, v.fromLight, v.delta});
   }
-  x.push_back({path.fromCamera, path.end.pdf});
+  if (most > 0) x.push_back({path.fromCamera, path.end.pdf});
 }
 
 } // namespace recurse

@@ -43,6 +43,7 @@ class Bidirectional : public Integrator {
   };
 
   void buildPhotons();
+  bool keepsLightPaths() const { return settings.connections || settings.merges; }
   /** Radius of merges of paths whose first vertex off mirrors and glass is seen by a pixel so wide. */
   double mergeRadius(double footprint) const;
   /** A path for the weights, as far as it does not depend on its vertices. `distance`: of the first from the

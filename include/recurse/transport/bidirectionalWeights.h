@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 namespace recurse {
@@ -36,6 +37,11 @@ struct WeightedPath {
   double mergeArea = 0;               ///< π r² [area], the same for all techniques of a path
   double correlationArea = 0;         ///< A of (3) [area]; 0: every photon counts as independent
   LightGeometry light = LightGeometry::SURFACE;
+  // Without merges the sums over techniques at either end are those of shorter paths, and need not be found
+  // again.
+  size_t summed = 0;            ///< C_0 … C_summed-1 are in `sumNearCamera`
+  double sumNearCamera = 0;     ///< over P(C_summed)
+  std::optional<double> beyond; ///< the path goes on beyond its last vertex x_k: sumBeyond() of that
 
   size_t edges() const { return vertices.size() - 1; }
 };
@@ -43,6 +49,13 @@ struct WeightedPath {
 /** Finds m_i for all x_i by (3). Photons that come straight from a light are not merged: shadow rays find the
  * same paths without blur. */
 void countMerges(const WeightedPath& path);
+
+/** Samples of C_0 … C_i-1, over P(C_i); 0 <= i < k. */
+double sumNearCamera(const WeightedPath& path, size_t i);
+/** Samples of C_k-1 and C_k, over P(C_k-1): what is beyond x_k-1. */
+double sumBeyond(const WeightedPath& path);
+/** What is beyond x_j-1, 1 < j < k, by what is beyond x_j. */
+double sumBeyond(const WeightedPath& path, size_t j, double beyond);
 
 /** The weight of C_i, 0 <= i < k. */
 double connectionWeight(const WeightedPath& path, size_t i);

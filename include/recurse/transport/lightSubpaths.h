@@ -38,8 +38,9 @@ struct LightSubpaths {
   /** Adds those of another list behind these. */
   void append(const LightSubpaths& more);
   size_t memoryBytes() const;
-  /** Writes y_count … y_1 and the end of the path, as the weights know them. */
-  void appendDensities(const StoredPath& path, uint32_t count, std::vector<WeightedVertex>& x) const;
+  /** Writes y_count … y_1 and the end of the path, as the weights know them; at most `most` of these. */
+  void appendDensities(const StoredPath& path, uint32_t count, uint32_t most,
+                       std::vector<WeightedVertex>& x) const;
 };
 
 } // namespace recurse
