@@ -126,9 +126,13 @@ TEST(Methods, AddNoOtherPaths) {
   const auto scene = sceneFrom(corner(16, LAMP));
   for (const Claim& claim : claimsOfMethods()) {
     const std::string claims = integratorFrom(claim.way.integrator, claim.way.parameters)->claims();
-    const PathClasses rest(std::vector<PathClass>{{"rest", "surface - (" + claims + ")"}});
-    EXPECT_EQ(renderClasses(*scene, claim.way, rest, 4, 1).means(), std::vector<double>(3, 0.0))
-        << claim.way.integrator;
+    const PathClasses both(
+        std::vector<PathClass>{{"rest", "surface - (" + claims + ")"}, {"claimed", claims}});
+    const std::vector<double> means = renderClasses(*scene, claim.way, both, 4, 1).means();
+    for (size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(means[i], 0) << claim.way.integrator;
+      EXPECT_GT(means[3 + i], 0) << claim.way.integrator << " is black";
+    }
   }
 }
 
