@@ -4,6 +4,7 @@
  */
 #include "recurse/transport/bidirectional.h"
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <string_view>
@@ -183,6 +184,7 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   const size_t batches = (count + BATCH - 1) / BATCH;
   std::vector<LightSubpaths> parts(batches);
   std::vector<TransportCounts> counts(batches);
+  std::vector<size_t> bytes(batches);
   Splatter* splatter = splatted ? control.splatter : nullptr;
   parallelFor(batches, [&](size_t b) {
     if (control.stopped()) return;
@@ -190,6 +192,8 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
     for (uint64_t i = b * BATCH; i < std::min(count, (b + 1) * BATCH); ++i)
       walks.trace(
           Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (i >> 32), static_cast<uint32_t>(i)));
+    bytes[b] = parts[b].memoryBytes();
+    if (!keepsLightPaths()) parts[b] = {};
   });
   if (splatter) splatter->addPaths(count);
   if (keepsLightPaths())
@@ -204,7 +208,8 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   statistics.photonsStored = settings.merges ? photons.size() : subpaths.vertices.size();
   statistics.photonsRefused = photons.refused();
   statistics.balanceSeconds = secondsSince(start) - statistics.shootSeconds;
-  statistics.mapBytes = subpaths.memoryBytes() + photons.memoryBytes();
+  statistics.mapBytes = keepsLightPaths() ? subpaths.memoryBytes() + photons.memoryBytes()
+                                          : *std::max_element(bytes.begin(), bytes.end());
   return statistics;
 }
 

@@ -119,11 +119,15 @@ void one(const Report& report, bool walledOff, int samples) {
       diffuse(0) + "AttributeBegin\nTranslate 3.5 0 .5\nShape \"sphere\" \"float radius\" 2\nAttributeEnd\n";
   Budget budget;
   budget.samples = budget.photonSamples = samples;
-  budget.photons = walledOff ? 1e7 : 1e5;
-  budget.photonParameters = "\"float radius\" .1";
+  // Of photons one in 10000 is the lamp's where all others shine too: more of them, in a wider disc.
+  const double radius = walledOff ? 0.35 : 0.1;
+  budget.photons = walledOff ? 2e7 : 1e5;
+  budget.photonParameters = "\"float radius\" " + number(radius);
   budget.tolerance = 2e-3;
-  // The disc of the search is seen from the lamp under 1/400 of the sphere.
-  budget.photonTolerance = 0.01 + photonNoise(budget.photons / (walledOff ? COUNT : 1) / 400);
+  // The disc of the search is seen from the lamp under r²/4 of the sphere; the light falls off by 3/2 r², of
+  // which the kernel takes a third.
+  budget.photonTolerance =
+      0.01 + square(radius) / 2 + photonNoise(budget.photons / (walledOff ? COUNT : 1) * square(radius) / 4);
   checkMean(report, walledOff ? "all but one walled off" : "all but one of a billionth of its power",
             view(8, 8, "0 0 .8  0 0 0  0 1 0", perspective(3)) + floor(0.6) + (walledOff ? box : "") + lights,
             0.5 / M_PI * 2, budget);

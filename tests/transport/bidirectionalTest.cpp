@@ -223,3 +223,13 @@ TEST(Bidirectional, SameBitsForAnyNumberOfThreads) {
     EXPECT_GT(one.mean(), 0);
   }
 }
+
+/** Of light paths that are only splatted one at a time is kept. */
+TEST(Bidirectional, LightTracingHasNoNeedOfMemory) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(corner(8, ""));
+  const Rendered r = renderScene(*scene, "lightpath", "\"integer lightpaths\" 20000", 1);
+  EXPECT_GT(r.mean(), 0);
+  EXPECT_GT(r.statistics.mapBytes, 0u);
+  EXPECT_LT(r.statistics.mapBytes, 100000u);
+}
