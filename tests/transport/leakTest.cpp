@@ -1,0 +1,57 @@
+/** @file
+ * Light that photons must not carry through thin things: the outside of a lamp's shade, the dark side of a wall
+ * without thickness, the floor under a table and the table from below, against path tracing.
+ */
+#include "rendering.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** A room that a wall divides but for a door, with a lamp in a shade above a table. */
+const std::string ROOM = R"(
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "box" "point3 p1" [ -2 0 -2 ] "point3 p2" [ 2 2.6 2 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 .5  1 0 .5  -2 2.6 .5  1 2.6 .5 ]
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "box" "point3 p1" [ -1.6 .7 -1.8 ] "point3 p2" [ -.2 .73 -.6 ]
+Translate -.8 2 -1
+Rotate -90 1 0 0
+Shape "sphere" "float radius" .2 "float zmin" 0
+AreaLightSource "diffuse" "rgb L" [ 90 90 90 ]
+Shape "sphere" "float radius" .05
+)";
+
+struct Mask {
+  std::string name, lookAt;
+  double fov;
+  int pathSamples;
+};
+
+} // namespace
+
+class Leaks : public ::testing::TestWithParam<Mask> {};
+
+TEST_P(Leaks, AreNone) {
+  constexpr double SURE = 0.02, KNOWN = 0.1; // of the light there; through shades leaks were as bright as that
+  const auto scene = sceneFrom(view(48, GetParam().lookAt, GetParam().fov) + ROOM);
+  const Rendered truth = renderScene(*scene, "path", "", samples(GetParam().pathSamples));
+  std::vector<double> means;
+  for (uint64_t seed = 1; seed <= 5; ++seed)
+    means.push_back(renderScene(*scene, "photonmap", "\"integer photons\" 40000 \"bool trial\" false",
+                                SANITIZED ? 2 : 8, seed)
+                        .mean());
+  const Mean found(means);
+  const double error = std::hypot(found.error, truth.standardError());
+  EXPECT_NEAR(found.value, truth.mean(), SURE * truth.mean() + 4 * error);
+  if (SANITIZED) return; // in time for that the truth is not known well enough
+  EXPECT_LT(4 * error, KNOWN * truth.mean());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Leaks,
+                         ::testing::Values(Mask{"shade", "-.8 2.5 -.6  -.8 2.17 -.9  0 1 0", 10, 128},
+                                           Mask{"wall", "0 1.3 1.8  -1 1.2 .5  0 1 0", 25, 512},
+                                           Mask{"floor", "0 .3 -1.2  -.9 0 -1.2  0 1 0", 14, 128},
+                                           Mask{"table", "0 .3 -1.2  -.9 .7 -1.2  0 1 0", 14, 128}),
+                         [](const auto& info) { return info.param.name; });
