@@ -126,7 +126,8 @@ TEST(Dispersion, WhiteLightThroughGlassStaysWhiteAsAWhole) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], 1, (SANITIZED ? 8 : 1) * bound) << integrator;
   };
   check("path", 16384, 0.005); // four standard errors
-  for (const char* integrator : {"simplepath", "photonmap", "whitted", "bdpt", "vcm"}) check(integrator, 256, 0.04);
+  for (const char* integrator : {"simplepath", "photonmap", "whitted", "bdpt", "vcm"})
+    check(integrator, 256, 0.04);
 }
 
 /** The samples of a pixel share the spectrum out among them. */

@@ -1,6 +1,6 @@
 /** @file
- * Light that photons must not carry through thin things: the outside of a lamp's shade, the dark side of a wall
- * without thickness, the floor under a table and the table from below, against path tracing.
+ * Light that photons must not carry through thin things: the outside of a lamp's shade, the dark side of a
+ * wall without thickness, the floor under a table and the table from below, against path tracing.
  */
 #include "rendering.h"
 
@@ -34,7 +34,8 @@ struct Mask {
 class Leaks : public ::testing::TestWithParam<Mask> {};
 
 TEST_P(Leaks, AreNone) {
-  constexpr double SURE = 0.02, KNOWN = 0.1; // of the light there; through shades leaks were as bright as that
+  constexpr double SURE = 0.02; // of the light there
+  constexpr double KNOWN = 0.1; // leaks through shades were more than that
   const auto scene = sceneFrom(view(48, GetParam().lookAt, GetParam().fov) + ROOM);
   const Rendered truth = renderScene(*scene, "path", "", samples(GetParam().pathSamples));
   std::vector<double> means;
