@@ -64,7 +64,7 @@ void expectSums(const Film& film, const std::string& what) {
     for (size_t layer = 0; layer < total; ++layer) sum += Rgbd(film.value(p, layer));
     for (int c = 0; c < 3; ++c) {
       const double expected = double(film.value(p, total)[c]);
-      ASSERT_NEAR(sum[c], expected, 1e-5 * expected) << what << " pixel " << p << " colour " << c;
+      ASSERT_NEAR(sum[c], expected, 1e-5 * std::abs(expected)) << what << " pixel " << p << " colour " << c;
     }
   }
 }
