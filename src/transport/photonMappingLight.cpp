@@ -1,0 +1,102 @@
+/** @file
+ * Emitted light that a camera path of the photon mapping estimator meets, and shadow rays.
+ */
+#include "transport/photonMappingIntegrator.h"
+
+namespace recurse {
+
+void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const Hit& hit,
+                                PathRadiance& out) const {
+  const Vec3f& direction = path.ray.direction;
+  Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
+  if (isBlack(radiance)) return;
+  const auto pdf = [&] {
+    return photons.pdfLe(
+        hit.lightIndex, *hit.areaLight,
+        {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
+  };
+  if (isShared(path)) {
+    addShared(scene, path, hit.lightIndex, pdf(), radiance,
+              glm::distance(path.bsdfRay.from.position, hit.point.position), out);
+    return;
+  }
+  if (path.nonDelta > 0 && path.delta && !settings.directLight) {
+    MergeRatio merge = path.merge;
+    merge.arrive(direction, hit.point);
+    radiance *= merge.cameraWeight(pdf(), photons.probability(scene, hit.lightIndex));
+  }
+  addLight(path, radiance, out);
+}
+
+void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
+  if (scene.environment().empty()) return;
+  const Vec3f& direction = path.ray.direction;
+  for (size_t i = 0; i < scene.environment().size(); ++i) {
+    const Rgb radiance =
+        environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
+    if (isBlack(radiance)) continue;
+    const uint32_t index = scene.environmentIndices()[i];
+    const auto pdf = [&] {
+      return photons.pdfLe(index, *scene.environment()[i], {path.ray.origin, -direction, Vec3f(0), 0});
+    };
+    if (isShared(path))
+      addShared(scene, path, index, pdf(), radiance, INFINITE, out);
+    else if (path.nonDelta > 0 && path.delta && !settings.directLight)
+      addLight(path, radiance * path.merge.cameraWeight(pdf(), photons.probability(scene, index)), out);
+    else
+      addLight(path, radiance, out);
+  }
+}
+
+void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
+                              const Rgb& radiance, float distance, PathRadiance& out) const {
+  const LightSampleContext& from = path.bsdfRay.from;
+  const float arrivals = photons.arrivals(scene, light, pdf, path.shared.cosine, distance,
+                                          lights.probability(scene.lights(), from, light));
+  out.add(out.pathClasses().lightStart(), path.camera,
+          path.shared.throughput * radiance * path.shared.share.camera(arrivals, path.shared.pdf));
+}
+
+void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
+  const float share = settings.directLight ? path.lightShare : 1;
+  if (!(share > 0) || isBlack(radiance)) return;
+  if (path.nonDelta == 0)
+    out.addSeen(path.camera, path.throughput * radiance * share);
+  else
+    out.add(out.pathClasses().lightStart(), path.camera, path.throughput * radiance * share);
+}
+
+void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
+                                   const LightSampleContext& context, const PhotonShare& share,
+                                   const Hit& hit, const ScatteringPoint& scattering, Sampler& sampler,
+                                   PathRadiance& out) const {
+  const Vec3f wi = -path.ray.direction;
+  const int panes = panesLeft(settings.maxDepth, path.depth);
+  if (share.merged == 0) {
+    addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi, path.throughput * share.rest,
+                    path.camera, settings.lightSamples, NON_DELTA_LOBES, panes, sampler, out);
+    return;
+  }
+  if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
+  for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
+    const SampledLight choice(scene.lights(), lights, context, sampler);
+    const std::optional<LiSample> light = choice.sampleLi(hit.point);
+    if (!light) continue;
+    Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
+                                      settings.lightSamples, NON_DELTA_LOBES);
+    if (isBlack(radiance)) continue;
+    const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts);
+    if (isBlack(free.value)) continue;
+    radiance *= free.panes > 0
+                    ? share.rest
+                    : share.camera(photons.arrivals(scene, choice.chosen.index,
+                                                    photons.pdfLe(choice.chosen.index, *choice.chosen.light,
+                                                                  light->emitted()),
+                                                    absDot(light->direction, hit.point.geometricNormal),
+                                                    light->distance, choice.chosen.probability),
+                                   scattering.pdfNonDelta(light->direction, wi));
+    out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
+  }
+}
+
+} // namespace recurse
