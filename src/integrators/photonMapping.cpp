@@ -126,15 +126,21 @@ void registerPhotonMapping(PlugIns& plugIns) {
              booleanParameter(
                  "trial", "true",
                  "a progressive render tries path tracing on a few blocks of the picture, and is "
-                 "left to it where that has half of the squared error for the same work; false: photons "
-                 "anyway")}),
+                 "left to it, with photons of caustics only where there are any, where that has half of the "
+                 "squared error for the same work; false: photons anyway"),
+             booleanParameter("causticsonly", "false",
+                              "photons of caustics only, beside a path tracer that brings all other light")}),
         .examples = {"",
                      "\"integer passes\" 1 \"integer photons\" 20000 \"string direct\" \"photons\" \"float "
                      "radius\" .1",
-                     "\"integer passes\" 1 \"integer photons\" 20000 \"integer finalgather\" 4"}},
+                     "\"integer passes\" 1 \"integer photons\" 20000 \"integer finalgather\" 4",
+                     "\"bool causticsonly\" true"}},
        [](const Parameters& p, const NoContext&) {
          PhotonMappingSettings s = common(p);
          s.trial = p.boolean("trial");
+         s.causticsOnly = p.boolean("causticsonly");
+         if (s.causticsOnly && s.directLight)
+           p.warn("direct", "shadow rays bring direct light beside photons of caustics only");
          s.passes = p.hasValue("passes") ? p.integer("passes") : 0;
          if (p.hasValue("photons") && p.hasValue("passes"))
            s.photons = static_cast<uint64_t>(p.integer("photons"));

@@ -45,7 +45,7 @@ class Torus final : public MappedShape {
                                         2 * k - f * (d.x * d.x + d.y * d.y), 0, 1};
     const auto distance = [&](double t) {
       const Vec3d p = o + d * t;
-      return std::hypot(std::hypot(p.x, p.y) - major, p.z) - minor;
+      return std::sqrt(square(std::sqrt(square(p.x) + square(p.y)) - major) + square(p.z)) - minor;
     };
     constexpr double RESOLUTION = 1e-10;
     isolateRoots<4>(bernsteinForm<4>(quartic, -reach, reach), -reach, reach, RESOLUTION,

@@ -26,27 +26,6 @@ Vec3f projectedSides(const Bounds3f& box, const Vec3f& direction) {
   return {w.x * d.y * d.z, w.y * d.z * d.x, w.z * d.x * d.y};
 }
 
-float silhouette(const Bounds3f& box, const Vec3f& direction) {
-  const Vec3f sides = projectedSides(box, direction);
-  return sides.x + sides.y + sides.z;
-}
-
-/** Whether the straight line through the point meets the box. */
-bool meets(const Bounds3f& box, const Vec3f& point, const Vec3f& direction) {
-  float from = -INFINITE, to = INFINITE;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (direction[axis] == 0) {
-      if (point[axis] < box.lower[axis] || point[axis] > box.upper[axis]) return false;
-      continue;
-    }
-    const float a = (box.lower[axis] - point[axis]) / direction[axis];
-    const float b = (box.upper[axis] - point[axis]) / direction[axis];
-    from = std::max(from, std::min(a, b));
-    to = std::min(to, std::max(a, b));
-  }
-  return from <= to;
-}
-
 /** The lights infinitely far in one direction. */
 std::vector<size_t> distantLights(const Scene& scene) {
   std::vector<size_t> found;
@@ -163,6 +142,7 @@ std::vector<LightPortals::Exit> LightPortals::crossings(const Scene& scene, uint
 
 void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCounts& counts) {
   boxes = {};
+  blocks.clear();
   scene = sceneToLearn.bounds();
   const std::vector<size_t> distant = distantLights(sceneToLearn);
   if (distant.empty() && sceneToLearn.environment().empty()) return;
@@ -182,6 +162,9 @@ void LightPortals::enclose(const std::vector<Exit>& exits) {
   std::vector<WeightedPlace> places;
   for (const Exit& exit : exits) places.push_back({exit.position, exit.weight});
   boxes = NestedBoxes(std::move(places), LEVELS, MARGIN * scene.radius);
+  const std::span<const NestedBoxes::Box> all(boxes.begin(), boxes.end());
+  for (size_t first = 0; first < all.size(); first += 8)
+    blocks.emplace_back(all.subspan(first, std::min<size_t>(8, all.size() - first)));
 }
 
 float LightPortals::openPart() const {
@@ -218,11 +201,46 @@ void LightPortals::redirect(LeSample& sample, float pick, const Vec2f& u) const 
   sample.flux *= before / sample.pdfPosition;
 }
 
+LightPortals::BoxBlock::BoxBlock(std::span<const NestedBoxes::Box> boxes) {
+  alignas(32) float lanes[8];
+  const auto gathered = [&](const auto& value) {
+    for (size_t i = 0; i < 8; ++i) lanes[i] = i < boxes.size() ? value(boxes[i]) : 0;
+    return Float8::load(lanes);
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    lower[size_t(axis)] = gathered([&](const NestedBoxes::Box& b) { return b.bounds.lower[axis]; });
+    upper[size_t(axis)] = gathered([&](const NestedBoxes::Box& b) { return b.bounds.upper[axis]; });
+    sides[size_t(axis)] = gathered([&](const NestedBoxes::Box& b) {
+      const Vec3f d = b.bounds.diagonal();
+      return d[(axis + 1) % 3] * d[(axis + 2) % 3];
+    });
+  }
+  chances = gathered([](const NestedBoxes::Box& b) { return b.chance; });
+}
+
+float LightPortals::BoxBlock::pdf(const Vec3f& point, const Vec3f& direction, uint32_t met) const {
+  Float8 from(-INFINITE), to(INFINITE), inside = Float8::lanes(0xff), silhouette(0);
+  for (size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<int>(i);
+    const Float8 p(point[axis]), d(direction[axis]);
+    silhouette += abs(d) * sides[i];
+    if (direction[axis] == 0) {
+      inside = inside & lessEqual(lower[i], p) & lessEqual(p, upper[i]);
+      continue;
+    }
+    const Float8 a = (lower[i] - p) / d, b = (upper[i] - p) / d;
+    from = max(from, min(a, b));
+    to = min(to, max(a, b));
+  }
+  const uint32_t mask = met | bits(inside & lessEqual(from, to) & less(Float8(0), chances));
+  return mask == 0 ? 0 : sum((chances / silhouette) & Float8::lanes(mask));
+}
+
 float LightPortals::pdf(const Vec3f& point, const Vec3f& direction, const NestedBoxes::Box* met) const {
+  const size_t known = met ? static_cast<size_t>(met - &*boxes.begin()) : 8 * blocks.size();
   float sum = 0;
-  for (const NestedBoxes::Box& box : boxes)
-    if (&box == met || meets(box.bounds, point, direction))
-      sum += box.chance / silhouette(box.bounds, direction);
+  for (size_t i = 0; i < blocks.size(); ++i)
+    sum += blocks[i].pdf(point, direction, known / 8 == i ? 1u << (known % 8) : 0);
   return DISC_PART * scene.pdfDisc() + (1 - DISC_PART) * sum;
 }
 

@@ -19,10 +19,20 @@ void PhotonMapping::prepare(const Scene& scene, const PathClasses&) {
 
 ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                                          const ForwardControl& control) {
-  if (pass.index == 0)
+  if (pass.index == 0) {
     pathTracer.reset();
-  else if (pathTracer)
-    return {};
+    caustics.reset();
+    if (settings.causticsOnly) {
+      caustics = std::make_unique<CausticPhotons>(settings);
+      pathTracer = pathTracerBeside(caustics.get(), scene, classes);
+    }
+  }
+  if (pathTracer) {
+    ForwardStatistics statistics;
+    if (caustics) statistics = caustics->run(scene, classes, pass, control, lights);
+    statistics.counts.add(std::exchange(learned, {}));
+    return statistics;
+  }
   ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
   statistics.counts.add(std::exchange(learned, {}));
   if (pass.index == 0 && mayLeaveItToPaths(scene)) tryPaths(scene, classes, pass, control, statistics);

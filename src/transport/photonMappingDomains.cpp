@@ -1,11 +1,18 @@
 /** @file
  * Which paths each estimator of photon mapping finds.
  */
+#include "recurse/transport/plainPath.h"
 #include "transport/photonMappingIntegrator.h"
 
 namespace recurse {
 
 std::vector<EstimatorDomain> PhotonMapping::domains() const {
+  if (settings.causticsOnly) {
+    std::vector<EstimatorDomain> all = plainPathDomains(settings.lightSamples);
+    all.push_back({"caustic photons", "LS+D(S|D|V)*E", "one estimate for each non-delta surface a path meets",
+                   "direct light through panes"});
+    return all;
+  }
   const std::string each = "one for each non-delta surface a path meets";
   std::vector<EstimatorDomain> all = {
       {"emission", "LS*E", "none: met by rays through mirrors and glass", "", true}};

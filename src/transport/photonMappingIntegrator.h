@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include "recurse/transport/causticPhotons.h"
 #include "recurse/transport/irradianceCache.h"
 #include "recurse/transport/photonMapping.h"
 #include "transport/photonMappingPath.h"
@@ -33,10 +34,15 @@ class PhotonMapping final : public Integrator {
   bool mayGoOn() const { return settings.finalGather < 0 && photons.isProgressive(); }
 
   // --------------------------------------------------------------------------------------- photons or paths
-  /** Whether path tracing finds all light that photons do, and a trial is little work beside the picture. */
+  /** A path tracer, prepared; `caustic` as for makePathTracing(). */
+  std::unique_ptr<Integrator> pathTracerBeside(const CausticPhotons* caustic, const Scene& scene,
+                                               const PathClasses& classes);
+  /** Whether a trial of path tracing is little work beside the picture. */
   bool mayLeaveItToPaths(const Scene& scene) const;
-  /** Leaves the picture to path tracing where a few blocks of it tell that photons are not worth their work.
-   */
+  /** Whether rays find all light that photons do. */
+  bool raysFindAll(const Scene& scene) const;
+  /** Leaves the picture to path tracing, with caustic photons or without any, where a few blocks of it tell
+   * that other photons are not worth their work. */
   void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
                 const ForwardControl& control, ForwardStatistics& statistics);
 
@@ -110,6 +116,7 @@ class PhotonMapping final : public Integrator {
   PhotonPass photons;
   LightSampler lights;
   std::unique_ptr<Integrator> pathTracer; ///< renders in the place of all else; null: photons pay
+  std::unique_ptr<CausticPhotons> caustics; ///< beside it; null: they do not pay
   TransportCounts learned;                ///< what that took, until it has been told
   /** At the records of the layers, of this pass; empty where no rays go on. */
   IrradianceCache irradiances, causticIrradiances;

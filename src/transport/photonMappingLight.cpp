@@ -10,21 +10,16 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
   const Vec3f& direction = path.ray.direction;
   Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
   if (isBlack(radiance)) return;
-  const auto pdf = [&] {
-    return photons.pdfLe(
+  if (isShared(path)) {
+    const LePdf pdf = photons.pdfLe(
         hit.lightIndex, *hit.areaLight,
         {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
-  };
-  if (isShared(path)) {
-    addShared(scene, path, hit.lightIndex, pdf(), radiance,
+    addShared(scene, path, hit.lightIndex, pdf, radiance,
               glm::distance(path.bsdfRay.from.position, hit.point.position), out);
     return;
   }
-  if (path.nonDelta > 0 && path.delta && !settings.directLight) {
-    MergeRatio merge = path.merge;
-    merge.arrive(direction, hit.point);
-    radiance *= merge.cameraWeight(pdf(), photons.probability(scene, hit.lightIndex));
-  }
+  if (path.nonDelta > 0 && path.delta && !settings.directLight)
+    radiance *= photons.rayWeight(scene, path.merge, hit, direction);
   addLight(path, radiance, out);
 }
 
@@ -32,19 +27,19 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
   if (scene.environment().empty()) return;
   const Vec3f& direction = path.ray.direction;
   for (size_t i = 0; i < scene.environment().size(); ++i) {
-    const Rgb radiance =
+    Rgb radiance =
         environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
     if (isBlack(radiance)) continue;
-    const uint32_t index = scene.environmentIndices()[i];
-    const auto pdf = [&] {
-      return photons.pdfLe(index, *scene.environment()[i], {path.ray.origin, -direction, Vec3f(0), 0});
-    };
-    if (isShared(path))
-      addShared(scene, path, index, pdf(), radiance, INFINITE, out);
-    else if (path.nonDelta > 0 && path.delta && !settings.directLight)
-      addLight(path, radiance * path.merge.cameraWeight(pdf(), photons.probability(scene, index)), out);
-    else
-      addLight(path, radiance, out);
+    if (isShared(path)) {
+      const uint32_t index = scene.environmentIndices()[i];
+      const LePdf pdf =
+          photons.pdfLe(index, *scene.environment()[i], {path.ray.origin, -direction, Vec3f(0), 0});
+      addShared(scene, path, index, pdf, radiance, INFINITE, out);
+      continue;
+    }
+    if (path.nonDelta > 0 && path.delta && !settings.directLight)
+      radiance *= photons.rayWeight(scene, path.merge, i, path.ray);
+    addLight(path, radiance, out);
   }
 }
 

@@ -46,7 +46,8 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
   if (settings.guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
-  if (scene.hasMedia()) {
+  shoot.causticsOnly = settings.causticsOnly;
+  if (scene.hasMedia() && !settings.causticsOnly) {
     if (pass.index == 0 && !glowing.learn(scene, pass.seed, pass.time, statistics.counts))
       statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
     shoot.media = &glowing;
@@ -62,7 +63,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.targets = guidance.targets;
   shoot.region = &region;
   shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
-  if (scene.hasMedia()) {
+  if (scene.hasMedia() && !settings.causticsOnly) {
     if (pass.index == 0) learnMedia(scene, classes, pass, shoot, control, statistics);
     shoot.inMedia = media;
   }
@@ -88,7 +89,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   statistics.balanceSeconds = secondsSince(start);
   statistics.mapBytes =
       causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + mediaPhotons.memoryBytes();
-  if (pass.index == 0) learnRadii(scene, classes, shoot.shadowRays, statistics);
+  if (pass.index == 0) learnRadii(scene, classes, shadowRays, statistics);
   return statistics;
 }
 
@@ -143,10 +144,14 @@ void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, cons
   media.beamPart = partOf(BEAMS, shot.beams.size());
 }
 
-void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler* shadowRays,
+void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                             ForwardStatistics& statistics) {
-  const RayAlternative rays{static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()),
-                            shadowRays};
+  const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
+  const LightSampler* sampled = settings.directLight ? nullptr : &shadowRays;
+  // How densely photons that media scatter arrive is not known; of caustics it is.
+  const RayAlternative toIndirect{counted, scene.hasMedia() ? nullptr : sampled};
+  constexpr float FIREFLY = 1e6f; // a picture has about one that is brighter
+  const RayAlternative toCaustics{counted, sampled, FIREFLY};
   const GatherSettings requested{
       settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
   const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
@@ -170,7 +175,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
                                  layer == &indirectLayer ? statistics : unsaid);
     if (progressive || settings.edges)
       layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
-                         rays, statistics.counts);
+                         layer == &causticLayer ? toCaustics : toIndirect, statistics.counts);
   }
   causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
@@ -262,6 +267,21 @@ float PhotonPass::probability(const Scene& scene, uint32_t light) const {
   return (settings.guided ? lights : scene.lights()).probability(light);
 }
 
+float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit,
+                            const Vec3f& direction) const {
+  merge.arrive(direction, hit.point);
+  const LeRay ray{hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time};
+  return merge.cameraWeight(pdfLe(hit.lightIndex, *hit.areaLight, ray), probability(scene, hit.lightIndex));
+}
+
+float PhotonPass::rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
+                            const Ray& ray) const {
+  const uint32_t index = scene.environmentIndices()[environment];
+  const LePdf pdf =
+      pdfLe(index, *scene.environment()[environment], {ray.origin, -ray.direction, Vec3f(0), 0});
+  return merge.cameraWeight(pdf, probability(scene, index));
+}
+
 float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
                            float chosen) const {
   return arrivalDensity(scene.lights()[light].kind(), pdf, distance, cosine, probability(scene, light),
@@ -296,7 +316,7 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                ForwardStatistics& statistics) {
   region = probeRegion(scene, settings.weighting, statistics.counts);
   lights = lightsByPower(scene.lights());
-  const bool targets = !scene.hasMedia(); // photons that media scatter know nothing of them
+  const bool targets = !scene.hasMedia() && !settings.causticsOnly; // photons that media scatter know nothing of them
   const auto learned = [&] {
     return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
   };

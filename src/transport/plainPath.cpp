@@ -3,19 +3,22 @@
  */
 #include "recurse/transport/plainPath.h"
 
+#include "recurse/transport/causticPhotons.h"
 #include "recurse/transport/directLight.h"
 #include "recurse/transport/walker.h"
 
 namespace recurse {
 
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
-                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out) {
+                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
+                    const CausticPhotons* caustics) {
   const PathClasses& classes = out.pathClasses();
   CameraWalker walker(scene, classes, out.counts, settings.maxDepth);
   CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
   if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
   CameraVertex vertex;
   BsdfRay last;
+  CausticRay caustic;
   bool isScattered = false;
   const auto add = [&](const Rgb& radiance) {
     if (isScattered)
@@ -27,10 +30,22 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
     const Vec3f& direction = path.ray.direction;
     const SpectralPath spectral = path.spectral();
     const SpectralPath* inMedia = scene.hasMedia() ? &spectral : nullptr;
-    const Rgb emitted =
-        hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia)
-            : environmentRadiance(scene, lights, direction, last, settings.lightSamples, inMedia);
-    add(path.throughput * emitted);
+    const bool shared = caustics && isScattered && !last.weighted;
+    if (hit) {
+      const Rgb emitted =
+          emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia);
+      if (!isBlack(emitted))
+        add(path.throughput * emitted *
+            (shared ? caustics->pass().rayWeight(scene, caustic.ratio(), *hit, direction) : 1));
+      return;
+    }
+    for (size_t i = 0; i < scene.environment().size(); ++i) {
+      const Rgb emitted =
+          environmentRadiance(scene, lights, i, direction, last, settings.lightSamples, inMedia);
+      if (!isBlack(emitted))
+        add(path.throughput * emitted *
+            (shared ? caustics->pass().rayWeight(scene, caustic.ratio(), i, path.ray) : 1));
+    }
   };
   while (walker.next(path, vertex, sampler, addEmission, add)) {
     LightSampleContext place{vertex.point().position};
@@ -48,8 +63,17 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
                         vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler,
                         out);
     }
+    float merging = 0;
+    if (caustics && vertex.isConnectable() && !vertex.medium)
+      merging = caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
+                              vertex.afterD, path.width, sampler, out);
     const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
     if (!s) break;
+    if (!path.delta)
+      caustic.leaveNonDelta(merging, merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s->direction) : 1,
+                            s->direction, vertex.point());
+    else
+      caustic.leaveDelta(-vertex.wi, s->direction, vertex.point());
     isScattered = isScattered || !path.delta;
     if (vertex.medium || !passesPane(scene, *vertex.scattering, *s))
       last = {place, static_cast<float>(path.pdf), !path.delta};

@@ -145,13 +145,11 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Pl
   return double(channelSum(light->radiance * free.value) * cosine / (light->pdf * choice.chosen.probability));
 }
 
-/** `region`: of the place's own radius; `emitted`: see RayAlternative. */
+/** `region`: of the place's own radius. */
 SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
-                            BoundaryCorrection& boundary, float emitted, TransportCounts& counts) {
+                            BoundaryCorrection& boundary, const RayAlternative& byRays,
+                            TransportCounts& counts) {
   constexpr size_t AREAS = SupportErrors::AREAS;
-  /** What a ray finds so much brighter than all is together, once in as many samples, is a firefly; it is not
-   * weighed by more. */
-  constexpr float MAX_BRIGHTNESS = 100;
   const float own = region.radius;
   alignas(32) float inverse[AREAS], norm[AREAS];
   for (size_t j = 0; j < AREAS; ++j) { // the largest comes last: its half-spaces stay
@@ -162,7 +160,7 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
     norm[j] = INV_PI / (radius2 * part);
   }
   Float8 sum(0), variance(0), noise(0), rays(0);
-  const float rarest = MAX_BRIGHTNESS * meanPower(photons, region, own);
+  const float rarest = byRays.maxBrightness * meanPower(photons, region, own);
   const __m256i next = _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 7);
   withKernel(kernel, [&](auto k) {
     photons.visitWithin(region, [&](const PhotonBlock& block) {
@@ -181,7 +179,7 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
         noise += difference * difference;
         const float ratio = block.reverseRatios ? std::abs(block.reverseRatios[lane]) : 0;
         const float density = ratio * absDot(block.direction(lane), region.normal) * INV_PI;
-        rays += brings * Float8(std::min(total * emitted / std::max(density, FLT_MIN), rarest));
+        rays += brings * Float8(std::min(total * byRays.emitted / std::max(density, FLT_MIN), rarest));
       }
     });
   });
@@ -267,7 +265,7 @@ class PlaceFinder {
       BoundaryCorrection boundary = surroundingsOf(places[i], i);
       region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
       errors[m] =
-          supportErrors(first, region, search.kernel, places[i].error, boundary, rays.emitted, partCounts);
+          supportErrors(first, region, search.kernel, places[i].error, boundary, rays, partCounts);
       if (rays.lights) addDirect(places[i], i, errors[m], partCounts);
     });
     double mean = 0;

@@ -67,6 +67,7 @@ const std::vector<std::pair<const char*, const char*>> WAYS = {
     {"photonmap", "\"integer photons\" 20000"},
     {"photonmap", "\"integer photons\" 200000 \"integer passes\" 1 \"integer lightsamples\" 2"},
     {"photonmap", "\"integer photons\" 200000 \"integer passes\" 1 \"integer finalgather\" 4"},
+    {"photonmap", "\"integer photons\" 20000 \"bool causticsonly\" true"},
 };
 
 } // namespace

@@ -112,7 +112,8 @@ inline std::vector<Way> allWays(const std::string& photons) {
           {"photonmap", p},
           {"photonmap", p + " \"string direct\" \"photons\""},
           {"photonmap", p + " \"integer finalgather\" 2"},
-          {"photonmap", p + " \"integer finalgather\" 1 \"string direct\" \"photons\""}};
+          {"photonmap", p + " \"integer finalgather\" 1 \"string direct\" \"photons\""},
+          {"photonmap", p + " \"bool causticsonly\" true"}};
 }
 
 } // namespace recurse::testing

@@ -6,8 +6,11 @@
  */
 #pragma once
 
+#include <array>
+#include <span>
 #include <vector>
 
+#include "recurse/core/float8.h"
 #include "recurse/transport/integrator.h"
 #include "recurse/transport/nestedBoxes.h"
 
@@ -54,7 +57,18 @@ class LightPortals {
   /** Boxes around the exits; none where those are too few. */
   void enclose(const std::vector<Exit>& exits);
 
+  /** Eight boxes side by side. */
+  struct BoxBlock {
+    explicit BoxBlock(std::span<const NestedBoxes::Box> boxes);
+    /** What they add to the density; `met`: the lanes of boxes that the ray is known to meet. */
+    float pdf(const Vec3f& point, const Vec3f& direction, uint32_t met) const;
+
+    std::array<Float8, 3> lower, upper, sides; ///< areas of the sides across each axis
+    Float8 chances;
+  };
+
   NestedBoxes boxes;
+  std::vector<BoxBlock> blocks; ///< the same
   SceneBounds scene;
 };
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "recurse/transport/gatherChoice.h"
+#include "recurse/transport/mergeWeights.h"
 #include "recurse/transport/photonGuidance.h"
 #include "recurse/transport/radiusCache.h"
 
@@ -19,6 +20,7 @@ struct PhotonPassSettings {
   double radius = 0;    ///< 0: found out from the photons' density
   int maxDepth = -1;
   bool directLight = false; ///< photons bring direct light as well
+  bool causticsOnly = false; ///< nothing but what comes by mirrors and glass alone
   bool guided = true;
   bool edges = true; ///< estimates know where surfaces end
   float flatness = 0.2f;
@@ -79,6 +81,7 @@ class PhotonPass {
    */
   double causticVarianceByRays() const { return causticRays; }
   bool isProgressive() const { return progressive; }
+  bool hasEdges() const { return settings.edges; }
   /** Radius of this pass over that of the first. */
   float scale() const { return radiusOverFirst; }
 
@@ -88,6 +91,10 @@ class PhotonPass {
   bool isAimed(uint32_t light) const { return aim.isAimed(light); }
   /** With which a photon comes from a light. */
   float probability(const Scene& scene, uint32_t light) const;
+  /** The weight of a camera ray against caustic photons, where it has met an area light behind mirrors and
+   * glass, or has left the scene and meets one of its environment. */
+  float rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit, const Vec3f& direction) const;
+  float rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment, const Ray& ray) const;
   /** How densely photons straight from a light arrive at a point, see arrivalDensity(): `pdf` as of pdfLe(),
    * `cosine` at the surface there, `chosen` the light's probability for shadow rays. */
   float arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
@@ -121,7 +128,7 @@ class PhotonPass {
   /** Which media keep beams, and how many photons and beams to keep. */
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
-  void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler* shadowRays,
+  void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                   ForwardStatistics& statistics);
   /** Relative, of what one camera ray finds of caustics, the mean over visible places. */
   double causticVarianceAt(std::span<const VisiblePoint> seen) const;

@@ -186,6 +186,7 @@ class PhotonWalk {
     flight.own = spectral.own;
     if (isBlack(flight.flux)) return Through::ENDS;
     if (!c.scatters) return Through::PASSES;
+    if (settings.causticsOnly) return Through::ENDS;
     if (flight.depth == settings.maxDepth) {
       counts.truncatedThroughput += double(maxComponent(flight.flux));
       return Through::ENDS;
@@ -252,7 +253,8 @@ class PhotonWalk {
       if (scattering.keepsPhotons() && !classes.dead(stateD) && (!straight || storesDirect))
         store(hit.point, scattering, wi, flux, state, caustic, ratio);
       ++depth;
-      const LobeSet allowed = LobeSet((classes.dead(stateD) ? NO_LOBE : NON_DELTA_LOBES) |
+      const LobeSet allowed =
+          LobeSet((classes.dead(stateD) || settings.causticsOnly ? NO_LOBE : NON_DELTA_LOBES) |
                                       (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
       const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
       if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);

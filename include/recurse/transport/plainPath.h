@@ -13,9 +13,13 @@ struct PlainPathSettings {
   int lightSamples = 1; ///< shadow rays at each vertex
 };
 
-/** The radiance along a ray from the camera. Lights are sampled by `lights`. */
+class CausticPhotons;
+
+/** The radiance along a ray from the camera. Lights are sampled by `lights`; for `caustics` see
+ * makePathTracing(). */
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
-                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out);
+                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
+                    const CausticPhotons* caustics = nullptr);
 
 /** What it does, for Integrator::domains(). */
 std::vector<EstimatorDomain> plainPathDomains(int lightSamples);

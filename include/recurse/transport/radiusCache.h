@@ -43,6 +43,8 @@ struct GatherWorth {
 struct RayAlternative {
   float emitted = 0;                    ///< photons, as PhotonQuery's `merging` counts them
   const LightSampler* lights = nullptr; ///< for shadow rays; null: rays do not share light with photons
+  /** What a ray finds, over all light of the place, is not weighed by more: it is found too rarely. */
+  float maxBrightness = 100;
 };
 
 class RadiusCache {

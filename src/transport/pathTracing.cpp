@@ -1,0 +1,346 @@
+/** @file
+ * The path tracer: many paths step by step together.
+ */
+#include "recurse/transport/pathTracing.h"
+
+#include <utility>
+
+#include "recurse/core/inPlace.h"
+#include "recurse/transport/directLight.h"
+
+namespace recurse {
+
+namespace {
+
+/** An eye path under way. */
+struct Walk {
+  CameraPath* path;
+  Rgb throughput;
+  float etaScale; ///< undoes the 1/η² inside glass, which is no reason to end a walk
+  int depth;
+  CameraState eye;
+  float width, spread; ///< of the ray's footprint
+  float wavelength;    ///< as in Subpath
+  Nesting nesting;
+  BsdfRay last;
+  CausticRay caustic;
+  bool isScattered; ///< by a non-delta lobe
+  /** Whether caustic photons find the light that is met here, too: behind more than panes. */
+  bool meetsCaustic() const { return isScattered && !last.weighted; }
+};
+
+/** Where a walk scatters. */
+struct Vertex {
+  Walk* walk;
+  const Hit* hit;
+  Vec3f wi;
+  std::optional<ScatteringPoint> scattering;
+  CameraState cameraD, cameraS;
+  LobeSet allowed;
+  bool sampleLight;
+  LightSampleContext place; ///< of the lights, where they are sampled
+  float merging;            ///< of caustic photons, see CausticPhotons::add
+};
+
+/** A shadow ray under way. */
+struct Shadow {
+  const Vertex* vertex;
+  const LiSample* light;
+  Rgb radiance;
+};
+
+/** N of T, in no state at first. */
+template <class T> class Raw {
+ public:
+  T& operator[](size_t i) { return *std::launder(reinterpret_cast<T*>(bytes) + i); }
+  T* data() { return reinterpret_cast<T*>(bytes); }
+
+ private:
+  static_assert(std::is_trivially_destructible_v<T>);
+  alignas(T) std::byte bytes[CAMERA_BATCH * sizeof(T)];
+};
+
+class PathTracing final : public Integrator {
+ public:
+  PathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics)
+      : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), caustics(caustics) {}
+
+  void prepare(const Scene& scene, const PathClasses&) override { learned = guide.learn(scene); }
+
+  ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) override {
+    ForwardStatistics statistics;
+    statistics.counts = std::exchange(learned, {});
+    return statistics;
+  }
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    CameraPath one(sampler, out);
+    one.ray = ray;
+    backwardBatch(scene, {&one, 1});
+    sampler = one.sampler;
+  }
+
+  void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
+    if (scene.hasMedia()) { // paths wait for so many things that there is nothing to be done for many at once
+      for (CameraPath& p : paths)
+        tracePlainPath(scene, p.ray, guide, {maxDepth, lightSamples}, p.sampler, *p.out, caustics);
+      return;
+    }
+    while (!paths.empty()) {
+      const size_t count = std::min(paths.size(), CAMERA_BATCH);
+      Batch batch(*this, scene, paths.first(count));
+      batch.run();
+      paths = paths.subspan(count);
+    }
+  }
+
+  std::vector<EstimatorDomain> domains() const override { return plainPathDomains(lightSamples); }
+  bool supportsMedia(const Scene&) const override { return true; }
+
+ private:
+  /**
+   * Paths that go step by step together. One path is a chain of operations that wait for each other; the
+   * loops here run over paths that do not, and the scene gets its rays many at a time.
+   */
+  class Batch {
+   public:
+    Batch(const PathTracing& path, const Scene& scene, std::span<CameraPath> paths)
+        : settings(path), scene(scene), classes(paths[0].out->pathClasses()), counts(paths[0].out->counts),
+          alive(paths.size()) {
+      for (size_t i = 0; i < alive; ++i) {
+        Walk& w = walks[i];
+        w.path = &paths[i];
+        w.throughput = Rgb(1);
+        w.etaScale = 1;
+        w.depth = 0;
+        w.eye = classes.cameraStart();
+        w.width = paths[i].ray.width;
+        w.spread = paths[i].ray.spread;
+        w.wavelength = 0;
+        w.last.weighted = false;
+        w.caustic = {};
+        w.isScattered = false;
+        makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
+        active[i] = &w;
+        rays[i] = paths[i].ray;
+      }
+    }
+
+    void run() {
+      const PathRadiance& any = *walks[0].path->out; // all are abandoned together
+      for (auto coherence = Scene::Coherence::COHERENT; alive > 0; coherence = Scene::Coherence::NONE) {
+        counts.rays += alive;
+        scene.intersectBatch({rays.data(), alive}, coherence, {hits.data(), alive});
+        arrive();
+        for (int i = 0; i < settings.lightSamples && !any.abandoned(); ++i) sampleLights();
+        if (settings.caustics) addCaustics();
+        goOn();
+      }
+    }
+
+   private:
+    /** Emission met, and the surfaces. */
+    void arrive() {
+      arena.reset();
+      vertexCount = 0;
+      size_t passed = 0;
+      for (size_t i = 0; i < alive; ++i) {
+        Walk& w = *active[i];
+        Hit& hit = hits[i];
+        const Vec3f direction = rays[i].direction;
+        if (hit.t == INFINITE) {
+          addEnvironment(w, rays[i]);
+          continue;
+        }
+        if (hit.areaLight) {
+          Rgb radiance =
+              emittedRadiance(scene, settings.guide, hit, direction, w.last, settings.lightSamples);
+          if (settings.caustics && w.meetsCaustic() && !isBlack(radiance))
+            radiance *= settings.caustics->pass().rayWeight(scene, w.caustic.ratio(), hit, direction);
+          addEmission(w, radiance);
+        }
+        w.width += w.spread * hit.t;
+        drawWavelength(scene, w.wavelength, w.path->sampler, hit);
+        const Bsdf* bsdf =
+            bsdfAt(scene, hit, direction, {direction, w.width * w.path->ray.sampleSpacing}, w.nesting, arena);
+        if (!bsdf) {
+          active[passed] = &w;
+          makeAt(rays[passed++], [&] { return spawn(hit.point, direction); });
+          continue;
+        }
+        if (w.depth == settings.maxDepth) {
+          counts.truncatedThroughput += double(maxComponent(w.throughput));
+          continue;
+        }
+        ++w.depth;
+        Vertex& v = vertices[vertexCount++];
+        v.walk = &w;
+        v.hit = &hit;
+        v.wi = -direction;
+        makeAt(v.scattering, [&] { return std::optional<ScatteringPoint>(std::in_place, *bsdf, hit.point); });
+        v.cameraD = classes.step(w.eye, PathEvent::D);
+        v.cameraS = classes.step(w.eye, PathEvent::S);
+        v.allowed = LobeSet((classes.dead(v.cameraD) ? NO_LOBE : NON_DELTA_LOBES) |
+                            (classes.dead(v.cameraS) ? NO_LOBE : DELTA_LOBES));
+        v.sampleLight = (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES) != 0 &&
+                        lightIsSampled(scene, classes, v.cameraD);
+        v.place = v.sampleLight ? lightSampleContext(settings.guide, hit.point, v.wi) : LightSampleContext();
+      }
+      alive = passed;
+    }
+
+    void addEnvironment(const Walk& w, const Ray& ray) const {
+      for (size_t i = 0; i < scene.environment().size(); ++i) {
+        Rgb radiance =
+            environmentRadiance(scene, settings.guide, i, ray.direction, w.last, settings.lightSamples);
+        if (settings.caustics && w.meetsCaustic() && !isBlack(radiance))
+          radiance *= settings.caustics->pass().rayWeight(scene, w.caustic.ratio(), i, ray);
+        addEmission(w, radiance);
+      }
+    }
+
+    void addEmission(const Walk& w, const Rgb& radiance) const {
+      if (w.isScattered)
+        w.path->out->add(classes.lightStart(), w.eye, w.throughput * radiance);
+      else
+        w.path->out->addSeen(w.eye, w.throughput * radiance);
+    }
+
+    /** One shadow ray for each vertex. */
+    void sampleLights() {
+      const LightTable& table = scene.lights();
+      size_t lit = 0;
+      for (size_t i = 0; i < vertexCount; ++i)
+        if (vertices[i].sampleLight) shadows[lit++].vertex = &vertices[i];
+      for (size_t i = 0; i < lit; ++i)
+        makeAt(choices[i], [&] {
+          const Vertex& v = *shadows[i].vertex;
+          return SampledLight(table, settings.guide, v.place, v.walk->path->sampler);
+        });
+      for (size_t i = 0; i < lit; ++i)
+        makeAt(lights[i], [&] { return choices[i].sampleLi(shadows[i].vertex->hit->point); });
+      size_t count = 0;
+      for (size_t i = 0; i < lit; ++i) {
+        if (!lights[i]) continue;
+        const Vertex& v = *shadows[i].vertex;
+        const Rgb radiance =
+            unshadowedRadiance(*v.scattering, v.wi, v.walk->throughput, *lights[i],
+                               choices[i].chosen.probability, settings.lightSamples, v.allowed);
+        if (isBlack(radiance)) continue;
+        ++counts.rays;
+        makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
+        if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
+          v.walk->path->out->add(classes.lightStart(), v.cameraD, radiance);
+          continue;
+        }
+        shadows[count].vertex = &v;
+        shadows[count].light = &*lights[i];
+        shadows[count].radiance = radiance;
+        ++count;
+      }
+      scene.occludedBatch({shadowRays.data(), count}, {blocked.data(), count});
+      for (size_t i = 0; i < count; ++i) {
+        const Vertex& v = *shadows[i].vertex;
+        if (!blocked[i]) {
+          v.walk->path->out->add(classes.lightStart(), v.cameraD, shadows[i].radiance);
+          continue;
+        }
+        const Transmittance free =
+            throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.walk->nesting,
+                         panesLeft(settings.maxDepth, v.walk->depth), counts);
+        if (!isBlack(free.value))
+          v.walk->path->out->add(afterPanes(classes, free.panes), v.cameraD,
+                                 shadows[i].radiance * free.value);
+      }
+    }
+
+    /** What photons bring to each vertex. */
+    void addCaustics() {
+      for (size_t i = 0; i < vertexCount; ++i) {
+        Vertex& v = vertices[i];
+        Walk& w = *v.walk;
+        v.merging = 0;
+        if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
+          v.merging = settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput,
+                                             v.cameraD, w.width, w.path->sampler, *w.path->out);
+      }
+    }
+
+    /** The next direction of each walk that has one. */
+    void goOn() {
+      for (size_t i = 0; i < vertexCount; ++i) {
+        const Vertex& v = vertices[i];
+        makeAt(scatters[i], [&] {
+          return v.scattering->scatter(v.wi, Transport::RADIANCE, v.walk->path->sampler, v.allowed);
+        });
+      }
+      for (size_t i = 0; i < vertexCount; ++i) {
+        if (!scatters[i]) continue;
+        const Scatter& s = *scatters[i];
+        const Vertex& v = vertices[i];
+        Walk& w = *v.walk;
+        w.throughput *= s.weight;
+        if (isBlack(w.throughput)) continue;
+        w.eye = s.specular() ? v.cameraS : v.cameraD;
+        w.etaScale *= square(s.eta);
+        if (w.depth > ROULETTE_FREE_DEPTH &&
+            !russianRoulette(maxComponent(w.throughput) * w.etaScale, w.depth, w.path->sampler, w.throughput))
+          continue;
+        if (!passesPane(scene, *v.scattering, s)) {
+          w.last.from = v.place;
+          w.last.pdf = s.pdf;
+          w.last.weighted = !s.specular();
+        }
+        w.throughput *= dispersedColour(v.hit->point, s, w.wavelength);
+        w.nesting.scatters(*v.hit, v.wi, s.direction);
+        if (s.specular()) {
+          w.caustic.leaveDelta(-v.wi, s.direction, v.hit->point);
+        } else {
+          w.width = w.spread = 0; // what a pixel sees from here on is not known
+          w.isScattered = true;
+          if (settings.caustics)
+            w.caustic.leaveNonDelta(v.merging, v.scattering->pdfNonDelta(v.wi, s.direction), s.direction,
+                                    v.hit->point);
+        }
+        active[alive] = &w;
+        makeAt(rays[alive++], [&] { return spawn(v.hit->point, s.direction); });
+      }
+    }
+
+    const PathTracing& settings;
+    const Scene& scene;
+    const PathClasses& classes;
+    TransportCounts& counts;
+    size_t alive, vertexCount = 0;
+    BsdfArena arena;
+    Raw<Walk> walks;
+    Raw<Walk*> active; ///< the walks of `rays` and `hits`
+    Raw<Ray> rays;
+    Raw<Hit> hits;
+    Raw<Vertex> vertices;
+    Raw<SampledLight> choices;
+    Raw<std::optional<LiSample>> lights;
+    Raw<Shadow> shadows;
+    Raw<Ray> shadowRays;
+    Raw<uint8_t> blocked;
+    Raw<std::optional<Scatter>> scatters;
+  };
+
+  /** Short walks are not gambled with: most of the light is there. */
+  static constexpr int ROULETTE_FREE_DEPTH = 2;
+  int maxDepth;
+  int lightSamples;
+  const CausticPhotons* caustics;
+  LightSampler guide;
+  TransportCounts learned; ///< what the guide took, until it has been told
+};
+
+} // namespace
+
+std::unique_ptr<Integrator> makePathTracing(const PlainPathSettings& settings,
+                                            const CausticPhotons* caustics) {
+  return std::make_unique<PathTracing>(settings, caustics);
+}
+
+} // namespace recurse
