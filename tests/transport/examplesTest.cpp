@@ -1,5 +1,5 @@
 /** @file
- * The examples of doc-files/extending.md, and the integrators that are there to be read.
+ * The examples of doc-files/first-plug-ins.md, and the integrators that are there to be read.
  */
 #include "rendering.h"
 
