@@ -113,6 +113,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
       : coat(coat), base(base), medium(medium), clear(clear) {
     smoothCoat = coat.facets.smooth();
     allSmooth = smoothCoat && base.smooth() && isBlack(medium.albedo);
+    if (clear) scattered = scatteredByBase();
     if constexpr (Base::CAN_BE_SMOOTH) {
       // Facets outside that would bend light as the base does below the coat: a base's tilt turns light by
       // eta times as much outside, and a coat's tilt by (eta - 1)/2 of a mirror's, on the way in and out.
@@ -136,7 +137,9 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     if (b.z < a.z || (b.z == a.z && (b.x < a.x || (b.x == a.x && b.y < a.y)))) std::swap(a, b);
     Rgb sum(0);
     if (clear) {
-      sum = throughClear(a, b);
+      const float in =
+          known(transmitted, std::abs(wi.z), [&](float z) { return clear->transmittance(coat, z); });
+      sum = scattered * (in * clear->transmittance(coat, std::abs(wo.z)));
     } else {
       WalkNumbers numbers(a, b);
       for (int i = 0; i < medium.samples; ++i) walk(a, b, numbers, sum);
@@ -149,7 +152,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
   float pdf(const Vec3f& wi, const Vec3f& wo) const override {
     if (!(wi.z * wo.z > 0) || allSmooth) return 0;
     const Vec3f a = up(wi), b = up(wo);
-    const Shares s = shares(a);
+    const Shares s = known(sharesAt, a.z, [&](float) { return shares(a); });
     float sum = s.cosine * b.z * INV_PI;
     if (s.coat > 0) sum += s.coat * coat.facets.reflectionPdf(a, halfVector(a, b));
     if (s.base > 0) sum += s.base * fitted.reflectionPdf(a, halfVector(a, b));
@@ -220,17 +223,29 @@ template <class Base> class CoatedBsdf final : public Bsdf {
   }
   static float heuristic(float p, float q) { return p * p / (p * p + q * q); }
 
-  /** As the walks' mean: each visit to the base scatters what has come, and sends part of it on. */
-  Rgb throughClear(const Vec3f& a, const Vec3f& b) const {
-    const Rgb below = base.albedo(a);
+  /** A value that depends on a cosine, computed anew only for another one: many photons are seen from one
+   * direction. */
+  template <class T> struct AtCosine {
+    float cosine = -1;
+    T value{};
+  };
+  template <class T, class Compute>
+  static const T& known(AtCosine<T>& last, float cosine, const Compute& compute) {
+    if (last.cosine != cosine) last = {cosine, compute(cosine)};
+    return last.value;
+  }
+
+  /** As the walks' mean, of light that has come to the base: each visit scatters it, and sends part of it on.
+   * Times what both directions let through it is the BRDF. */
+  Rgb scatteredByBase() const {
+    const Rgb below = base.albedo({0, 0, 1});
     const Rgb again = below * clear->reflectance(coat);
     Rgb visits(0), visit(1);
     for (int depth = 0; depth < medium.maxDepth; depth += 2) {
       visits += visit;
       visit *= again;
     }
-    const float through = clear->transmittance(coat, a.z) * clear->transmittance(coat, b.z);
-    return below * visits * (INV_PI * through / square(coat.eta));
+    return below * visits * (INV_PI / square(coat.eta));
   }
 
   /** How light comes out along a walk: the direction in the coat and what it is weighted by. */
@@ -332,7 +347,10 @@ template <class Base> class CoatedBsdf final : public Bsdf {
   Base base;
   CoatMedium medium;
   const ClearCoat* clear;
+  Rgb scattered{0}; ///< see scatteredByBase()
   Microfacets fitted;
+  mutable AtCosine<float> transmitted; ///< through a clear coat
+  mutable AtCosine<Shares> sharesAt;
   bool smoothCoat = false, allSmooth = false;
 };
 
