@@ -19,16 +19,16 @@ struct Nearest {
   int least, most;
   double width;
 };
-constexpr Nearest ONE_MAP{50, 100, 16}, PROGRESSIVE{8, 40, 8};
+constexpr Nearest ONE_MAP{50, 100, 16}, PROGRESSIVE{8, 40, 8}, PROGRESSIVE_FINE{8, 40, 4};
 
 } // namespace
 
 GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<const VisiblePoint> seen,
                           const GatherSettings& requested, bool progressive, bool allLight,
-                          ForwardStatistics& statistics) {
+                          LightDetail detail, ForwardStatistics& statistics) {
   GatherChoice choice{requested};
   GatherSettings& search = choice.settings;
-  const Nearest range = progressive ? PROGRESSIVE : ONE_MAP;
+  const Nearest range = !progressive ? ONE_MAP : detail == LightDetail::FINE ? PROGRESSIVE_FINE : PROGRESSIVE;
   const bool anyRadius = requested.radius == 0;
   if (requested.nearest == 0 && anyRadius) search.nearest = range.least;
   if (seen.empty()) {

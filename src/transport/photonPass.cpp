@@ -171,11 +171,14 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
         stored, static_cast<unsigned long long>(emitted)));
   for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
     ForwardStatistics unsaid;
+    const bool isCaustic = layer == &causticLayer;
+    // With photons of direct light the layer is of shadows, too.
+    const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
-                                 layer == &indirectLayer ? statistics : unsaid);
+                                 detail, isCaustic ? unsaid : statistics);
     if (progressive || settings.edges)
       layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
-                         layer == &causticLayer ? toCaustics : toIndirect, statistics.counts);
+                         detail, isCaustic ? toCaustics : toIndirect, statistics.counts);
   }
   causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
@@ -316,7 +319,8 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                ForwardStatistics& statistics) {
   region = probeRegion(scene, settings.weighting, statistics.counts);
   lights = lightsByPower(scene.lights());
-  const bool targets = !scene.hasMedia() && !settings.causticsOnly; // photons that media scatter know nothing of them
+  const bool targets =
+      !scene.hasMedia() && !settings.causticsOnly; // photons that media scatter know nothing of them
   const auto learned = [&] {
     return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
   };

@@ -65,12 +65,13 @@ struct SupportErrors {
   }
   /** The area with the least variance + biasWeight · bias². The bias of a disc goes with its area, so the
    * next one's is larger by as much as it is itself. */
-  size_t best(double biasWeight) const {
+  size_t best(double biasWeight, LightDetail detail) const {
     constexpr double SURE = 0.5; // to look at fewer photons takes better evidence than to look at more
     size_t best = OWN;
     double least = double(INFINITE), below = 0;
     const auto error = [&](size_t j) { return variance[j] + biasWeight * below + sureBias2(j); };
-    for (size_t j = OWN; j + 1 < AREAS; ++j) {
+    const size_t widest = detail == LightDetail::FINE ? OWN + 1 : AREAS - 2;
+    for (size_t j = OWN; j <= widest; ++j) {
       if (const double e = error(j); e < least) {
         least = e;
         best = j;
@@ -238,7 +239,7 @@ class PlaceFinder {
   }
 
   /** Takes discs of other areas where those promise less error. */
-  void judge(std::vector<Place>& places, size_t ofPhotons, double alpha) {
+  void judge(std::vector<Place>& places, size_t ofPhotons, double alpha, LightDetail detail) {
     constexpr size_t MAX_MEASURED = 4096; // of either kind
     // One place has hardly any evidence, and many see the same photons: the more unequal those are in power,
     // the farther it is looked, for as much evidence as so many equal ones give.
@@ -264,8 +265,7 @@ class PlaceFinder {
       GatherRegion region = regionAt(places[i]);
       BoundaryCorrection boundary = surroundingsOf(places[i], i);
       region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
-      errors[m] =
-          supportErrors(first, region, search.kernel, places[i].error, boundary, rays, partCounts);
+      errors[m] = supportErrors(first, region, search.kernel, places[i].error, boundary, rays, partCounts);
       if (rays.lights) addDirect(places[i], i, errors[m], partCounts);
     });
     double mean = 0;
@@ -305,7 +305,7 @@ class PlaceFinder {
       if (evidence.places < nearest.places) evidence = nearest;
 
       const SupportErrors& errorsHere = evidence.absolute;
-      const size_t best = evidence.relative.best(biasWeight);
+      const size_t best = evidence.relative.best(biasWeight, detail);
       place.irradiance = static_cast<float>(errorsHere.irradiance / evidence.places);
       place.variance = static_cast<float>(errorsHere.variance[best] / evidence.places);
       double bias2 = 0;
@@ -412,8 +412,8 @@ class PlaceFinder {
 } // namespace
 
 void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
-                        const GatherSettings& search, double alpha, const RayAlternative& rays,
-                        TransportCounts& counts) {
+                        const GatherSettings& search, double alpha, LightDetail detail,
+                        const RayAlternative& rays, TransportCounts& counts) {
   limit = search.radius;
   lift = 2 * scene.bounds().radius;
   places.clear();
@@ -429,7 +429,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   for (size_t i = 0; i < places.size(); ++i)
     lifted[i].position = places[i].position + lift * places[i].normal;
   if (alpha > 0 && search.nearest > 0 && !places.empty()) {
-    finder.judge(places, ofPhotons, alpha);
+    finder.judge(places, ofPhotons, alpha, detail);
     limit *= ofArea(SupportErrors::AREAS - 2);
   }
   index.build(lifted);

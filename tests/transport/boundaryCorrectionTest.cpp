@@ -366,7 +366,7 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   const GatherSettings search = nearestWithin(8, 2);
   TransportCounts counts;
   RadiusCache cache;
-  cache.build(*scene, map, seen, search, 2.0 / 3, {}, counts);
+  cache.build(*scene, map, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
   int reach = 0;
   for (const VisiblePoint& v : seen) {
     const float away = glm::distance(v.point.position, Vec3f(0.8f, 0, 0));

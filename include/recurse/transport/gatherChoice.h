@@ -5,6 +5,7 @@
 
 #include "recurse/transport/cameraProbe.h"
 #include "recurse/transport/gather.h"
+#include "recurse/transport/radiusCache.h"
 
 namespace recurse {
 
@@ -16,11 +17,12 @@ struct GatherChoice {
 /**
  * Looks at the photons where the eye does, and settles the search: the k nearest photons, within a limit
  * that keeps dark corners from smearing over the whole scene; or all within the radius that was asked for.
- * `wished`: what the user asked for; 0 photons, or a radius of 0, leave it open. What is chosen goes to the
- * notes, and what will be wrong with the picture to the warnings. `allLight`: the map has direct light, too.
+ * `requested`: what the user asked for; 0 photons, or a radius of 0, leave it open. What is chosen goes to
+ * the notes, and what will be wrong with the picture to the warnings. `allLight`: the map has direct light,
+ * too.
  */
 GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<const VisiblePoint> seen,
                           const GatherSettings& requested, bool progressive, bool allLight,
-                          ForwardStatistics& statistics);
+                          LightDetail detail, ForwardStatistics& statistics);
 
 } // namespace recurse

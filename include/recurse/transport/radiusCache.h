@@ -47,6 +47,14 @@ struct RayAlternative {
   float maxBrightness = 100;
 };
 
+/** How fine the light is that a map's photons bring. */
+enum class LightDetail {
+  SMOOTH,
+  /** Caustics: lines finer than any disc of several photons, which discs that are compared with each other
+   * blur alike, so that they do not tell. */
+  FINE
+};
+
 class RadiusCache {
  public:
   /** Takes at places all over a first photon map, and at places that are seen, the distance to the k-th
@@ -56,7 +64,8 @@ class RadiusCache {
    * found out by `rays`. The geometric normals of `seen` point to where they are seen from. The map is not
    * needed afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
-             const GatherSettings& search, double alpha, const RayAlternative& rays, TransportCounts& counts);
+             const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
+             TransportCounts& counts);
   /** How far to look at a point with this geometric normal: the radius of the nearest of the places, and no
    * less than the way there. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
