@@ -277,7 +277,7 @@ TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
   RadiusCache field;
   TransportCounts counts;
   const GatherSettings search = nearestWithin(20, 1);
-  field.build(*scene, map, {}, search, 0, {}, counts);
+  field.build(*scene, map, {}, search, 0, LightDetail::SMOOTH, {}, counts);
   const CachedRadius before = field.at(Vec3f(0.48f, 0, 0), {0, 0, 1});
   const CachedRadius behind = field.at(Vec3f(0.7f, 0, 0), {0, 0, 1});
   ASSERT_TRUE(behind.known);
@@ -300,7 +300,7 @@ TEST(BoundaryCorrection, DiscsByNoiseAndBlur) {
     const auto radius = [&](double alpha) {
       RadiusCache field;
       TransportCounts counts;
-      field.build(*scene, map, {}, search, alpha, {}, counts);
+      field.build(*scene, map, {}, search, alpha, LightDetail::SMOOTH, {}, counts);
       double mean = 0;
       for (int i = 0; i < 100; ++i)
         mean += double(field.at(Vec3f(-0.2f + 0.004f * float(i), 0, 0), {0, 0, 1}).radius);
@@ -343,8 +343,8 @@ TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   const GatherSettings search = nearestWithin(8, 1);
   TransportCounts counts;
   RadiusCache nearest, judged;
-  nearest.build(*scene, map, seen, search, 0, {}, counts);
-  judged.build(*scene, map, seen, search, 2.0 / 3, {}, counts);
+  nearest.build(*scene, map, seen, search, 0, LightDetail::SMOOTH, {}, counts);
+  judged.build(*scene, map, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
   int smaller = 0;
   for (const VisiblePoint& v : seen) {
     const auto radius = [&](const RadiusCache& cache) {
