@@ -13,6 +13,18 @@ namespace {
  * any size. */
 constexpr double MAX_RADIUS = 1e17;
 
+constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanism::NONE},
+                                                            {"lightlearning", Mechanism::LIGHT_LEARNING},
+                                                            {"targets", Mechanism::TARGETS},
+                                                            {"portals", Mechanism::PORTALS},
+                                                            {"aim", Mechanism::AIM}};
+
+std::vector<std::string> mechanismNames() {
+  std::vector<std::string> names;
+  for (const auto& [name, mechanism] : MECHANISMS) names.emplace_back(name);
+  return names;
+}
+
 PhotonMappingSettings common(const Parameters& p) {
   PhotonMappingSettings s;
   s.radius = p.hasValue("radius") ? p.real("radius") : 0;
@@ -30,6 +42,8 @@ PhotonMappingSettings common(const Parameters& p) {
   s.index = *parsePhotonIndex(p.string("photonindex"));
   s.alpha = p.real("alpha");
   s.beams = p.string("volumephotons") == "beams";
+  for (const auto& [name, mechanism] : MECHANISMS)
+    if (p.string("without") == name) s.without = mechanism;
   s.nearest = p.hasValue("gatherphotons") ? p.integer("gatherphotons") : 0;
   return s;
 }
@@ -99,7 +113,12 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
            .oneOf({"constant", "cone", "epanechnikov"}),
        stringParameter("photonindex", "kdtree",
                        "index of the photons; flann is slower and there to compare with")
-           .oneOf({"kdtree", "flann"})});
+           .oneOf({"kdtree", "flann"}),
+       stringParameter(
+           "without", "nothing",
+           "to measure what it earns, leave out: lights chosen by place, spheres that photons are "
+           "sent to, openings that they start at, or the aim of far lamps")
+           .oneOf(mechanismNames())});
   return more;
 }
 

@@ -41,17 +41,17 @@ struct Lanes {
   alignas(32) int valid[PACKET];
 };
 
-/** `alike`: the rays have nearly one origin and one direction. */
-inline void intersect(RTCScene scene, const Lanes& lanes, RTCRayHit8& rayHits, bool alike) {
+/** `coherent`: the rays have nearly one origin and one direction. */
+inline void intersect(RTCScene scene, const Lanes& lanes, RTCRayHit8& rayHits, bool coherent) {
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
-  if (alike) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  if (coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   rtcIntersect8(lanes.valid, scene, &rayHits, &arguments);
 #else
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  if (alike) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect8(lanes.valid, scene, &context, &rayHits);
 #endif
 }

@@ -20,7 +20,7 @@ namespace {
 constexpr unsigned SEEN = 1, CASTS_SHADOW = 2;
 
 /** So many rays are traced faster one by one than as a packet. */
-constexpr size_t FEW = 2;
+constexpr size_t MAX_SINGLE_RAYS = 2;
 /** So many rays are prepared together. */
 constexpr size_t GROUP = 64;
 
@@ -379,7 +379,7 @@ bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
 
 void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* met) const {
   size_t done = 0;
-  if (packets && rays.size() > FEW) {
+  if (packets && rays.size() > MAX_SINGLE_RAYS) {
     RTCRayHit8 packet[GROUP / embree::PACKET];
     // All packets are filled before the first is traced: what was just written singly is slow to read at
     // once.
@@ -435,7 +435,7 @@ bool EmbreeScene::occluded(const Ray& ray) const {
 
 void EmbreeScene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const {
   size_t done = 0;
-  while (packets && done + FEW < rays.size()) {
+  while (packets && done + MAX_SINGLE_RAYS < rays.size()) {
     RTCRay8 packet[GROUP / embree::PACKET];
     const size_t end = std::min(rays.size(), done + GROUP);
     for (size_t i = done; i < end; ++i)

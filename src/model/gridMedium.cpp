@@ -41,14 +41,14 @@ GridBox::GridBox(const Parameters& p, const Mat4d& sceneFromUnit) {
 
 void GridBox::checkSteps(const Parameters& p, const char* parameter, const MajorantGrid& grid,
                          const Rgb& extinction) const {
-  constexpr double MOST = 1e6;
+  constexpr double MAX_STEPS = 1e6;
   float highest = 0;
   for (int z = 0; z < grid.size().z; ++z)
     for (int y = 0; y < grid.size().y; ++y)
       for (int x = 0; x < grid.size().x; ++x) highest = std::max(highest, grid.at({x, y, z}));
   const double steps =
       double(highest) * double(maxComponent(extinction)) * double(glm::length(sceneBounds.diagonal()));
-  if (steps > MOST)
+  if (steps > MAX_STEPS)
     p.fail(parameter,
            "at its densest the medium is so dense that light may take " + formatted("%.2g", steps) +
                " steps through the grid, even where it is clear",

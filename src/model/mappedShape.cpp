@@ -50,15 +50,15 @@ void MappedShape::prepare(const Mat4d& sceneFromOwn, const Bounds3d& ownBounds, 
 
 std::optional<PrimitiveHit> MappedShape::intersect(uint32_t, const Vec3f& origin, const Vec3f& direction,
                                                    float tMin, float tMax) const {
-  static thread_local std::vector<Meeting> storage;
+  static thread_local std::vector<LineHit> storage;
   Line line = toOwn(origin, direction);
   line.tMin = double(tMin);
   line.tMax = double(tMax);
   for (const bool nearestOnly : {true, false}) {
     line.nearestOnly = nearestOnly;
-    Meetings found(storage);
-    meet(line, found);
-    for (const Meeting& m : found) {
+    LineHits found(storage);
+    intersectAll(line, found);
+    for (const LineHit& m : found) {
       const auto t = static_cast<float>(m.t);
       if (t > tMin && t < tMax) return PrimitiveHit{t, HitParameters(Vec3f(m.point), m.part)};
     }
@@ -134,10 +134,10 @@ class MappedShape::MappedSolid final : public Solid {
  public:
   explicit MappedSolid(const MappedShape& shape) : shape(shape) {}
   void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
-    static thread_local std::vector<Meeting> storage;
-    Meetings meetings(storage);
-    shape.meet(shape.toOwn(origin, direction), meetings);
-    for (const Meeting& m : meetings)
+    static thread_local std::vector<LineHit> storage;
+    LineHits hits(storage);
+    shape.intersectAll(shape.toOwn(origin, direction), hits);
+    for (const LineHit& m : hits)
       found.push_back({m.t, m.entering, 0, HitParameters(Vec3f(m.point), m.part)});
   }
   bool normalsPointIn() const override { return shape.side < 0; }

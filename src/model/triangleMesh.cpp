@@ -53,20 +53,8 @@ Vec3d anyPerpendicular(const Vec3d& v) {
   return glm::normalize(glm::cross(v, axis));
 }
 
-/**
- * The distance from a triangle's plane, in exact arithmetic, within which Embree's robust intersector may
- * find a point on the wrong side. It translates the vertices to the ray's origin, and computes T = v0 . N
- * with N a cross product of two edges, all in floats. With u the unit roundoff and E the extent of the
- * triangle an axis at a time (which bounds each translated vertex while the origin is near): translated
- * vertices err by u E, edges by 3 u E, the products in N's components by 7 u Ej Ek each and their difference
- * by 16 u Ej Ek; so T errs by 48 u Ex Ey Ez at worst, and by 4 u (|Nx| Ex + |Ny| Ey + |Nz| Ez) from v0 and
- * the sum. Dividing by |N| gives a distance. The worst case of the first term does not occur: in 10^7 rays
- * that leave triangles of all kinds some return below 2, none above. A third of the worst case keeps slivers,
- * where |N| is small, attached to their neighbours. The second term has another use: a grazing ray's side of
- * the plane is decided with a normal rounded to float, and so is wrong by up to 4 u; it must still clear the
- * triangle. Where the triangle lies in an axis plane, E is zero along the normal, and so is the bound: there
- * Embree is exact.
- */
+/** The distance from a triangle's plane, in exact arithmetic, within which Embree's robust intersector may
+ * find a point on the wrong side: doc-files/notes/embree-error.md. */
 double embreePlaneError(const Vec3d& extent, const Vec3d& unitNormal, double normalLength) {
   constexpr double UNIT = 0x1p-24;
   const double largest = std::max(extent.x, std::max(extent.y, extent.z));
@@ -237,8 +225,8 @@ ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
     found = std::lower_bound(cumulativeArea.begin(), cumulativeArea.end(), cumulativeArea.back());
   const auto i = static_cast<size_t>(found - cumulativeArea.begin());
   Vec2f within = u;
-  constexpr size_t MANY = 4096;
-  if (triangles.size() > MANY) {
+  constexpr size_t MAX_WHOLE_SAMPLES = 4096;
+  if (triangles.size() > MAX_WHOLE_SAMPLES) {
     const double below = i > 0 ? cumulativeArea[i - 1] : 0;
     within.x = std::clamp(static_cast<float>((wanted - below) / (*found - below)), 0.0f, ONE_MINUS_EPSILON);
   }

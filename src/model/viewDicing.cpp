@@ -33,13 +33,13 @@ PixelWidths::PixelWidths(std::unique_ptr<Camera> given, const FilmSettings& film
 double PixelWidths::slack(const Vec3d& place) const {
   // Mirrors and shadows show what is out of sight. The slack grows slowly, or edges that are split for one
   // side of the border would leave ones to be split on its other side, for ever.
-  constexpr double MOST = 8, PER_PIXEL = 0.25;
+  constexpr double MAX_SLACK = 8, PER_PIXEL = 0.25;
   if (!camera->isConnectable()) return 1;
   const auto wi = camera->sampleWi(Vec3f(place), Vec2f(0.5f), camera->timeAt(0));
-  if (!wi) return MOST;
+  if (!wi) return MAX_SLACK;
   const Vec2d film(wi->film);
   const Vec2d beyond = glm::max(glm::max(-film, film - size), Vec2d(0));
-  return std::min(1 + PER_PIXEL * std::max(beyond.x, beyond.y), MOST);
+  return std::min(1 + PER_PIXEL * std::max(beyond.x, beyond.y), MAX_SLACK);
 }
 
 double PixelWidths::alongEdge(const Vec3d& a, const Vec3d& b) const {

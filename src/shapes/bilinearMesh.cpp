@@ -49,14 +49,14 @@ struct Patch {
     const double discriminant = b * b - 4 * a * c;
     if (!(discriminant >= 0)) return;
     const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
-    if (c != 0) meetAt(q / c, origin, direction, beyond, visit);
-    if (q != 0) meetAt(a / q, origin, direction, beyond, visit);
+    if (c != 0) intersectAt(q / c, origin, direction, beyond, visit);
+    if (q != 0) intersectAt(a / q, origin, direction, beyond, visit);
   }
 
  private:
   template <class Visit>
-  void meetAt(double u, const Vec3d& origin, const Vec3d& direction, double beyond,
-              const Visit& visit) const {
+  void intersectAt(double u, const Vec3d& origin, const Vec3d& direction, double beyond,
+                   const Visit& visit) const {
     if (!(u >= -beyond && u <= 1 + beyond)) return;
     u = std::clamp(u, 0.0, 1.0);
     const Vec3d start = corner - origin + alongU * u, along = dpdv(u);

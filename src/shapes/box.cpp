@@ -25,7 +25,7 @@ class Box final : public MappedShape {
 
  protected:
   /** Faces are numbered by axis, the lower one first. */
-  void meet(const Line& line, Meetings& found) const override {
+  void intersectAll(const Line& line, LineHits& found) const override {
     double tIn = -std::numeric_limits<double>::infinity(), tOut = -tIn;
     uint32_t faceIn = 0, faceOut = 0;
     for (uint32_t axis = 0; axis < 3; ++axis) {

@@ -100,7 +100,7 @@ template <class Field> class Metaballs final : public MappedShape {
   bool canBeSampled() const override { return false; }
 
  protected:
-  void meet(const Line& line, Meetings& found) const override {
+  void intersectAll(const Line& line, LineHits& found) const override {
     const double speed = glm::length(line.direction);
     if (!(speed > 0)) return;
     const Vec3d d = line.direction / speed;
@@ -121,7 +121,7 @@ template <class Field> class Metaballs final : public MappedShape {
       tree.visit(o, d, from, end, [&](uint32_t i) { addReach(balls[i], o, d, from, end, reaches); });
       if (first && line.tMin > -INFINITE_D) inside = fieldAlong(reaches, from) > 0;
       first = false;
-      meetWithin(reaches, from, end, inside, [&](double t, bool entering) {
+      intersectWithin(reaches, from, end, inside, [&](double t, bool entering) {
         found.add({(tNear + t) / speed, 0, entering, o + d * t});
       });
       if (line.nearestOnly && !found.empty()) return;
@@ -220,8 +220,8 @@ template <class Field> class Metaballs final : public MappedShape {
   /** Calls visit(t, entering) for the crossings in ascending order; `inside` holds at `from`, then at `to`.
    */
   template <class Visit>
-  void meetWithin(std::vector<Reach>& reaches, double from, double to, bool& inside,
-                  const Visit& visit) const {
+  void intersectWithin(std::vector<Reach>& reaches, double from, double to, bool& inside,
+                       const Visit& visit) const {
     static thread_local std::vector<double> ends;
     ends.assign({from, to});
     for (const Reach& r : reaches) {

@@ -83,7 +83,7 @@ class RevolvedQuadric final : public MappedShape {
     uint32_t part;
   };
 
-  void meet(const Line& line, Meetings& found) const override {
+  void intersectAll(const Line& line, LineHits& found) const override {
     // From near the shape, so that distance costs no digits.
     const double speed2 = glm::dot(line.direction, line.direction);
     if (!(speed2 > 0)) return;

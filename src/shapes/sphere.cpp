@@ -81,7 +81,7 @@ class Sphere final : public Shape {
                                         float tMax) const override {
     const Vec3d o = inverse * (Vec3d(origin) - center), d = inverse * Vec3d(direction);
     double ts[2];
-    if (!meet(o, d, ts)) return {};
+    if (!intersectLine(o, d, ts)) return {};
     for (const double t : ts) {
       const auto rounded = static_cast<float>(t);
       if (!(rounded > tMin && rounded < tMax)) continue;
@@ -181,7 +181,7 @@ class Sphere final : public Shape {
 
  private:
   /** Where a line meets the unit sphere, the nearer place first. */
-  static bool meet(const Vec3d& o, const Vec3d& d, double (&t)[2]) {
+  static bool intersectLine(const Vec3d& o, const Vec3d& d, double (&t)[2]) {
     const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
     if (!(a > 0)) return false;
     // The discriminant from the point of the ray that is nearest to the centre, which keeps its digits when
@@ -205,7 +205,7 @@ class Sphere final : public Shape {
     void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
       const Vec3d o = sphere.inverse * (origin - sphere.center), d = sphere.inverse * direction;
       double t[2];
-      if (!meet(o, d, t)) return;
+      if (!intersectLine(o, d, t)) return;
       for (int i = 0; i < 2; ++i)
         found.push_back({t[i], i == 0, 0, HitParameters(Vec3f(glm::normalize(o + d * t[i])))});
     }

@@ -30,7 +30,7 @@ class Torus final : public MappedShape {
   }
 
  protected:
-  void meet(const Line& line, Meetings& found) const override {
+  void intersectAll(const Line& line, LineHits& found) const override {
     const double speed = glm::length(line.direction);
     if (!(speed > 0)) return;
     // From the point nearest to the middle: a quartic without a cubic term.

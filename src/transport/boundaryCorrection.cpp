@@ -10,10 +10,10 @@ namespace {
 /** Walls rise by more than 45° from a surface; what rises less is its curvature. */
 constexpr float WALL_COSINE = 0.7f;
 
-/** Rays along a surface start so far above it, over the disc's radius: below the photons' search region. */
+/** Rays along a surface start so far above it, over the kernel's radius: below the photons' search region. */
 constexpr float RISE = 0.02f;
 
-/** So far above it, over the disc's radius, others look for what ends that near to the surface without
+/** So far above it, over the kernel's radius, others look for what ends that near to the surface without
  * touching it, as a door below a ceiling does: light on one side of a narrow gap tells little of the other.
  */
 constexpr float GAP = 0.2f;
@@ -21,7 +21,7 @@ constexpr float GAP = 0.2f;
 bool holdsPhotons(const Hit& hit) { return hit.material && (hit.material->lobes() & NON_DELTA_LOBES); }
 
 /** The first surface that can hold photons along the ray; false when there is none. */
-bool meetDiffuse(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts) {
+bool intersectNonDelta(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts) {
   constexpr int MAX_PASSED = 8;
   for (int i = 0; i < MAX_PASSED; ++i) {
     if (!intersectPosition(scene, ray, hit, counts)) return false;
@@ -34,7 +34,8 @@ bool meetDiffuse(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts)
 }
 
 /** Whether a ray along the surface meets a wall; light may pass through glass, which is none. */
-bool meetWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit, TransportCounts& counts) {
+bool intersectWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit,
+                   TransportCounts& counts) {
   return intersectPosition(scene, ray, hit, counts) && hit.material &&
          (hit.material->lobes() & (NON_DELTA_LOBES | MIRROR)) && !(hit.material->lobes() & REFRACTION) &&
          std::abs(glm::dot(hit.point.geometricNormal, normal)) < WALL_COSINE;
@@ -71,8 +72,8 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
     const Vec3f start = region.center + region.normal * height;
     for (size_t i = 0; i < N; ++i) {
       Hit hit;
-      if (!meetWall(scene, {start, directions[i], std::min(region.radius, met[i])}, region.normal, hit,
-                    counts))
+      if (!intersectWall(scene, {start, directions[i], std::min(region.radius, met[i])}, region.normal, hit,
+                         counts))
         continue;
       met[i] = hit.t;
       Vec3f normal = hit.point.geometricNormal;
@@ -96,7 +97,7 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
   if (high > 2 * low) lookAlong(high);
 }
 
-/** Places of a disc by a sunflower's spiral, which covers it evenly: unit vectors of its plane. */
+/** Places of a unit disc by a sunflower's spiral, which covers it evenly: unit vectors of its plane. */
 template <int N> struct Spiral {
   std::array<Vec2f, N> places;
   Spiral() {
@@ -107,7 +108,7 @@ template <int N> struct Spiral {
   }
 };
 
-/** The mean of `weight(offset, q)` with the kernel over a disc; q is the offset's squared length in radii. */
+/** The mean of `weight(offset, q)` over a kernel's support; q is the offset's squared length in radii. */
 template <int N, class Weight>
 float overSupport(Kernel kernel, const GatherRegion& region, const Vec2f& u, const Weight& weight) {
   static const Spiral<N> spiral;
@@ -181,7 +182,7 @@ class SurfaceProbe {
   float cosine(const Vec3f& place, float distance) const {
     Hit hit;
     const float height = std::max(RISE * distance, 4 * error);
-    if (!meetDiffuse(scene, downThrough(place, region.normal, height), hit, counts)) return 0;
+    if (!intersectNonDelta(scene, downThrough(place, region.normal, height), hit, counts)) return 0;
     return std::abs(glm::dot(hit.point.geometricNormal, region.normal));
   }
 
@@ -191,7 +192,7 @@ class SurfaceProbe {
   TransportCounts& counts;
 };
 
-/** The part of the kernel's weight that the region's half-spaces leave of a disc. What they leave is seen
+/** The part of the kernel's weight that the region's half-spaces leave. What they leave is seen
  * from the centre, up to the nearest of the planes in each direction. */
 float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
   constexpr int ANGLES = 64;
@@ -256,24 +257,25 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
 
 namespace {
 
-/** What a disc bears. */
+/** What of a kernel's support is surface. */
 struct SurfaceInSupport {
-  float part = 1;   ///< of the kernel's weight
-  float cosine = 1; ///< mean cosine between the surface's normals and the disc's
+  float fraction = 1; ///< of the kernel's weight
+  float cosine = 1;   ///< mean cosine between the surface's normals and the region's
 };
 
-/** Measures the unclipped part of a disc at N places. */
+/** Measures the unclipped support at N places. */
 template <int N>
 SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kernel, const GatherRegion& region,
                          TransportCounts& counts) {
   const Vec2f u = boundary.sampler.next2D();
   float cosines = 0;
   int met = 0;
-  const float part = overSupport<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
+  const float fraction = overSupport<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
     constexpr float MIN_COSINE = 0.25f; // steeper than this is no part of the surface
     const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
     Hit hit;
-    if (!meetDiffuse(boundary.scene, downThrough(region.center + offset, region.normal, height), hit, counts))
+    if (!intersectNonDelta(boundary.scene, downThrough(region.center + offset, region.normal, height), hit,
+                           counts))
       return 0.0f;
     const float cosine = std::abs(glm::dot(hit.point.geometricNormal, region.normal));
     // The error of a plane's place is not to count.
@@ -284,7 +286,7 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
     ++met;
     return shape(q) / cosine;
   });
-  return {part, met > 0 ? cosines / static_cast<float>(met) : 1};
+  return {fraction, met > 0 ? cosines / static_cast<float>(met) : 1};
 }
 
 } // namespace
@@ -315,26 +317,26 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
     }
   };
   // A few rays cannot tell a small part from a tiny one, and what is divided by that is far too bright.
-  constexpr float MIN_PART = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
-  constexpr int MAX_STEPS = 40, FEW = 8, MANY = 32;
-  SurfaceInSupport disc;
+  constexpr float MIN_FRACTION = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
+  constexpr int MAX_STEPS = 40, FEW_PLACES = 8, MANY_PLACES = 32;
+  SurfaceInSupport surface;
   for (int step = 0; step < MAX_STEPS; ++step) {
     clip();
     if (region.radius <= boundary.flat())
       return region.clipCount == 0
                  ? 1
                  : std::max(MIN_WEDGE, unclippedPart(kernel, region, boundary.sampler.next1D()));
-    disc = measure<FEW>(boundary, error, kernel, region, counts);
-    if (disc.part >= MIN_PART && disc.cosine >= MIN_COSINE) {
-      if (step == 0) return disc.part;
+    surface = measure<FEW_PLACES>(boundary, error, kernel, region, counts);
+    if (surface.fraction >= MIN_FRACTION && surface.cosine >= MIN_COSINE) {
+      if (step == 0) return surface.fraction;
       break;
     }
     region.radius *= STEP;
   }
   // Once more, for what has stopped the search is likely to be too much.
-  disc = measure<MANY>(boundary, error, kernel, region, counts);
-  return disc.part > 0 ? std::max(disc.part, MIN_PART / 2)
-                       : 1; // 0: it cannot be seen, nothing is known of it
+  surface = measure<MANY_PLACES>(boundary, error, kernel, region, counts);
+  return surface.fraction > 0 ? std::max(surface.fraction, MIN_FRACTION / 2)
+                              : 1; // 0: it cannot be seen, nothing is known of it
 }
 
 } // namespace recurse

@@ -147,7 +147,7 @@ struct Support {
   float radius2 = 0;
   float wanted2 = 0;      ///< before what was found to be surface made it smaller
   bool empty = false;     ///< there are no photons, and what is surface was not looked at
-  float part = 1;         ///< of the kernel's weight that a surface bears
+  float fraction = 1;     ///< of the kernel's weight that is surface
   bool byNearest = false; ///< the photons are in the scratch
 };
 
@@ -155,69 +155,71 @@ bool anyWithin(const PhotonMap& map, const GatherRegion& region) {
   return map.accumulateWithin(region, 0u, [](uint32_t& any, const PhotonBlock& block) { any |= block.mask; });
 }
 
-/** `region`: the place. A disc smaller than `least` is widened to it. `error` bounds that of the centre. */
+/** `region`: the place. A support smaller than `least` is widened to it. `error` bounds that of the centre.
+ */
 Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region,
                           float error, float least, BoundaryCorrection* boundary, PhotonScratch& scratch,
                           TransportCounts& counts) {
-  Support disc{region};
+  Support support{region};
   const auto search = [&] {
-    disc.region.radius = settings.radius;
-    disc.byNearest = false;
-    disc.radius2 = square(disc.region.radius);
+    support.region.radius = settings.radius;
+    support.byNearest = false;
+    support.radius2 = square(support.region.radius);
     if (settings.nearest > 0) {
-      const NearestPhotons nearest = map.nearest(disc.region, settings.nearest, scratch);
+      const NearestPhotons nearest = map.nearest(support.region, settings.nearest, scratch);
       if (nearest.count == settings.nearest) {
-        disc.radius2 = nearest.radius2;
-        disc.byNearest = true;
+        support.radius2 = nearest.radius2;
+        support.byNearest = true;
       }
     }
-    if (disc.radius2 < square(least)) {
-      disc.radius2 = square(least);
-      disc.byNearest = false;
+    if (support.radius2 < square(least)) {
+      support.radius2 = square(least);
+      support.byNearest = false;
     }
-    disc.region.radius = std::sqrt(disc.radius2);
+    support.region.radius = std::sqrt(support.radius2);
   };
   const float flat = boundary ? boundary->flat() : 0;
-  disc.region.flatness = flat > 0 ? flatnessOfFlat(*boundary, settings.flatness, error) : settings.flatness;
+  support.region.flatness =
+      flat > 0 ? flatnessOfFlat(*boundary, settings.flatness, error) : settings.flatness;
   search();
-  if (flat > 0 && disc.region.radius > flat) { // no telling what is flat so far away
-    disc.region.flatness = settings.flatness;
+  if (flat > 0 && support.region.radius > flat) { // no telling what is flat so far away
+    support.region.flatness = settings.flatness;
     search();
   }
-  disc.wanted2 = disc.radius2;
-  if (!boundary) return disc;
-  if (!disc.byNearest && disc.region.radius > flat && !anyWithin(map, disc.region)) {
-    disc.empty = true;
-    return disc;
+  support.wanted2 = support.radius2;
+  if (!boundary) return support;
+  if (!support.byNearest && support.region.radius > flat && !anyWithin(map, support.region)) {
+    support.empty = true;
+    return support;
   }
   const auto fit = [&] {
-    disc.part = coveredFraction(*boundary, error, settings.kernel, disc.region, counts);
-    const bool smaller = square(disc.region.radius) < 0.99f * disc.radius2;
+    support.fraction = coveredFraction(*boundary, error, settings.kernel, support.region, counts);
+    const bool smaller = square(support.region.radius) < 0.99f * support.radius2;
     if (!smaller) return;
-    disc.radius2 = square(disc.region.radius);
-    disc.byNearest = false;
+    support.radius2 = square(support.region.radius);
+    support.byNearest = false;
   };
   fit();
-  if (disc.byNearest && disc.region.clipCount > 0) { // the nearest that are not clipped away
+  if (support.byNearest && support.region.clipCount > 0) { // the nearest that are not clipped away
     search();
     fit();
   }
-  return disc;
+  return support;
 }
 
-/** Sums of power times kernel shape over the photons of a disc, whatever the BSDF. */
+/** Sums of power times kernel shape over the photons of a support, whatever the BSDF. */
 struct PowerSum {
   Vec3f8 power{0, 0, 0};
   int found = 0;
 };
 
-/** `arrives(weight, block)`: the weight in the lanes whose light counts, 0 in the others. A disc by the
- * nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/disc] is the density. */
+/** `arrives(weight, block)`: the weight in the lanes whose light counts, 0 in the others. A support by the
+ * nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/area] is the density. */
 template <class Arrives>
-PowerSum sumPower(const PhotonMap& map, const Support& disc, Kernel kernel, const PhotonScratch& scratch,
+PowerSum sumPower(const PhotonMap& map, const Support& support, Kernel kernel, const PhotonScratch& scratch,
                   const Arrives& arrives) {
   return withKernel(kernel, [&](auto k) {
-    const Float8 limit(disc.radius2), inverse(1 / disc.radius2);
+    const Float8 limit(support.radius2), inverse(1 / support.radius2);
     const auto add = [=](PowerSum& s, const PhotonBlock& block) {
       const uint32_t mask = block.mask & bits(less(block.distance2, limit));
       const Float8 shape = kernelShape<decltype(k)::value>(min(block.distance2 * inverse, Float8(1)));
@@ -227,8 +229,8 @@ PowerSum sumPower(const PhotonMap& map, const Support& disc, Kernel kernel, cons
       s.power.z += block.blue() * weight;
       s.found += std::popcount(mask);
     };
-    return disc.byNearest ? map.accumulateNearest(scratch, PowerSum(), add)
-                          : map.accumulateWithin(disc.region, PowerSum(), add);
+    return support.byNearest ? map.accumulateNearest(scratch, PowerSum(), add)
+                             : map.accumulateWithin(support.region, PowerSum(), add);
   });
 }
 
@@ -245,36 +247,36 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   place.normal = point.normalTowards(eye);
   place.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
   thread_local PhotonScratch scratch;
-  // Detail below a pixel is only noise: the disc is at least as wide as the pixel.
-  const Support disc = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
-                                         boundary, scratch, out.counts);
+  // Detail below a pixel is only noise: the support is at least as wide as the pixel.
+  const Support support = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
+                                            boundary, scratch, out.counts);
 
-  result.merging = mergingWithin(settings.merging, disc.wanted2);
-  result.radius = disc.region.radius;
-  if (disc.empty) return result;
+  result.merging = mergingWithin(settings.merging, support.wanted2);
+  result.radius = support.region.radius;
+  if (support.empty) return result;
   Estimate estimate(scattering, point, eye, settings, result.merging, out.pathClasses(), cameraState);
   if (estimate.oneSum()) {
-    const PowerSum sum = sumPower(map, disc, settings.kernel, scratch, estimate.arrives());
+    const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
     result.found = sum.found;
     estimate.set(sum.power);
   } else {
     withKernel(settings.kernel, [&](auto kernel) {
       const auto addBlock = [&](PhotonBlock block) {
-        block.mask &= bits(less(block.distance2, Float8(disc.radius2)));
+        block.mask &= bits(less(block.distance2, Float8(support.radius2)));
         if (block.mask == 0) return;
         result.found += std::popcount(block.mask);
-        const Float8 q = min(block.distance2 / Float8(disc.radius2), Float8(1));
+        const Float8 q = min(block.distance2 / Float8(support.radius2), Float8(1));
         estimate.add(block, kernelShape<decltype(kernel)::value>(q));
       };
-      if (disc.byNearest)
+      if (support.byNearest)
         map.visitNearest(scratch, addBlock);
       else
-        map.visitWithin(disc.region, addBlock);
+        map.visitWithin(support.region, addBlock);
     });
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
   if (!estimate.isLambertian()) out.counts.photonsScattered += static_cast<uint64_t>(result.found);
-  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (disc.radius2 * disc.part)));
+  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (support.radius2 * support.fraction)));
   return result;
 }
 
@@ -286,11 +288,11 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
   place.center = position;
   place.normal = normal;
   thread_local PhotonScratch scratch;
-  const Support disc = findKernelSupport(map, settings, place, error, 0, boundary, scratch, counts);
-  if (disc.empty) return BLACK;
+  const Support support = findKernelSupport(map, settings, place, error, 0, boundary, scratch, counts);
+  if (support.empty) return BLACK;
   const float merging = mergingWithin(settings.merging, square(settings.radius));
   const PowerSum s =
-      sumPower(map, disc, settings.kernel, scratch, [&](Float8 weight, const PhotonBlock& block) {
+      sumPower(map, support, settings.kernel, scratch, [&](Float8 weight, const PhotonBlock& block) {
         if (!settings.weighedAgainstRays || !block.reverseRatios) return weight;
         alignas(32) float shares[8];
         for (int lane = 0; lane < 8; ++lane)
@@ -299,7 +301,8 @@ Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f
         return weight * Float8::load(shares);
       });
   counts.photonsFound += static_cast<uint64_t>(s.found);
-  return Rgb(sum(s.power.x), sum(s.power.y), sum(s.power.z)) * (INV_PI / (disc.radius2 * disc.part));
+  return Rgb(sum(s.power.x), sum(s.power.y), sum(s.power.z)) *
+         (INV_PI / (support.radius2 * support.fraction));
 }
 
 } // namespace recurse

@@ -20,7 +20,7 @@ NestedBoxes::NestedBoxes(std::vector<WeightedPlace> places, int levels, float ma
 
 void NestedBoxes::split(std::vector<WeightedPlace>::iterator first, std::vector<WeightedPlace>::iterator last,
                         int levels, float margin) {
-  constexpr std::ptrdiff_t FEW = 32;
+  constexpr std::ptrdiff_t MIN_PLACES = 32;
   // What lies where no leaf is would otherwise be found hundreds of times less often.
   constexpr float INNER = 0.1f, GROWTH = 0.05f;
   Bounds3f bounds;
@@ -29,7 +29,7 @@ void NestedBoxes::split(std::vector<WeightedPlace>::iterator first, std::vector<
     bounds.add(place->position);
     weight += place->weight;
   }
-  if (levels == 0 || last - first < 2 * FEW) {
+  if (levels == 0 || last - first < 2 * MIN_PLACES) {
     bounds.lower -= margin;
     bounds.upper += margin;
     boxes.push_back({bounds, weight, true, 0});

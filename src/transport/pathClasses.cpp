@@ -1,11 +1,7 @@
 /** @file
- * The tables of several path classes: a product automaton for the light side, and for the eye side the
- * reverse automaton of all classes at once.
- *
- * An eye state stands for what the eye has read, w, by what it does to every light state q: the set of
- * classes that accept the path once the light has read up to q and w is the rest. Two words with the same
- * such row can never be told apart, so the rows themselves are the states of the smallest reverse automaton,
- * and also the join table.
+ * The tables of several path classes. An eye state is a row: for every light state, the classes that accept
+ * the path if the light has read up to it and the eye the rest. Words with the same row cannot be told apart,
+ * so that the rows are the states of the smallest reverse automaton, and the join table too.
  */
 #include "recurse/transport/pathClasses.h"
 

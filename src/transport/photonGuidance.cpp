@@ -20,7 +20,7 @@ constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 /** Spheres that cover what is seen, but for what would need wide ones or is hardly anything. */
 std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Vec3f> seen,
                                               std::span<const Vec3f> landed) {
-  constexpr float WIDEST = 0.2f;     // of the scene
+  constexpr float MAX_RADIUS = 0.2f; // of the scene
   constexpr double MIN_COUNT = 0.02; // of what is seen
   constexpr float SPARED = 8;        // as many photons as that are not needed
   constexpr size_t MAX_COUNT = 8;
@@ -55,7 +55,7 @@ std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Ve
   for (const Part& part : parts) {
     const float radius = part.radius();
     const double share = double(part.places.size()) / double(seen.size());
-    if (share < MIN_COUNT || !(radius > 0 && radius < WIDEST * scene.bounds().radius)) continue;
+    if (share < MIN_COUNT || !(radius > 0 && radius < MAX_RADIUS * scene.bounds().radius)) continue;
     const Vec3f center = part.box.center();
     // What a grey surface sends there, typically.
     std::vector<float> typical;
@@ -81,8 +81,8 @@ struct Trials {
   TransportCounts counts;
   /** Whether targets are worth the photons that are sent there. */
   bool arrive() const {
-    constexpr double ENOUGH = 0.2;
-    return double(arrived) >= ENOUGH * double(sent);
+    constexpr double MIN_ARRIVED = 0.2;
+    return double(arrived) >= MIN_ARRIVED * double(sent);
   }
   void add(const Trials& o) {
     useful.insert(useful.end(), o.useful.begin(), o.useful.end());
@@ -166,7 +166,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   constexpr uint64_t TRIALS = 8 * PHOTON_BATCH;
   constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
   constexpr double RISES = 1.1, WORTH_IT = 1.5;
-  constexpr double FEW = 0.05; // of photons in the region
+  constexpr double MAX_IN_REGION = 0.05; // of photons; else no targets are needed
   PhotonGuidance guidance;
   if (scene.lights().size() == 0 || region.empty()) return guidance;
   EmissionGuide& guide = guidance.emission;
@@ -203,7 +203,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
     }
   };
   Trials last = learn();
-  if (targets && double(last.inRegion) < FEW * double(last.stored) && !control.stopped()) {
+  if (targets && double(last.inRegion) < MAX_IN_REGION * double(last.stored) && !control.stopped()) {
     const EmissionGuide without = guide;
     trial.targets = dxtranSpheresAround(scene, region.all(), last.landed);
     if (!trial.targets.empty()) {

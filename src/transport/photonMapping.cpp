@@ -14,7 +14,7 @@ namespace recurse {
 
 void PhotonMapping::prepare(const Scene& scene, const PathClasses&) {
   learned = {};
-  if (!settings.directLight) learned = lights.learn(scene);
+  if (!settings.directLight && settings.without != Mechanism::LIGHT_LEARNING) learned = lights.learn(scene);
 }
 
 ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,

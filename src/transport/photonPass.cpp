@@ -319,8 +319,8 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                ForwardStatistics& statistics) {
   region = probeRegion(scene, settings.weighting, statistics.counts);
   lights = lightsByPower(scene.lights());
-  const bool targets =
-      !scene.hasMedia() && !settings.causticsOnly; // photons that media scatter know nothing of them
+  // Photons that media scatter know nothing of targets.
+  const bool targets = !scene.hasMedia() && !settings.causticsOnly && settings.without != Mechanism::TARGETS;
   const auto learned = [&] {
     return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
   };
@@ -344,10 +344,12 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
     lights = lightsByPower(scene.lights());
   };
   // A search for the nearest photons of one map wants them to be of nearly equal power.
-  if (progressive) {
+  if (progressive && settings.without != Mechanism::PORTALS) {
     LightPortals openings;
     openings.learn(scene, seed, statistics.counts);
     keepIfUseful(portals, std::move(openings));
+  }
+  if (progressive && settings.without != Mechanism::AIM) {
     PhotonAim farLamps;
     farLamps.learn(scene, seed, statistics.counts);
     keepIfUseful(aim, std::move(farLamps));

@@ -171,6 +171,28 @@ TEST(LightSampler, TheSameForAnyNumberOfThreads) {
   });
 }
 
+TEST(LightSampler, WhatLearningTookIsTold) {
+  const auto scene = sceneFrom(rooms());
+  const ThreadPool pool(0);
+  const uint64_t learning = LightSampler().learn(*scene).rays;
+  ASSERT_GT(learning, 0u);
+  const auto raysOfFirstPass = [&](const char* name, const char* parameters) {
+    const auto integrator = integratorFrom(name, parameters);
+    integrator->prepare(*scene, PathClasses());
+    const auto pass = [&] {
+      return integrator->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays;
+    };
+    const uint64_t first = pass(), second = pass(); // which has nothing to learn
+    return first - second;
+  };
+  EXPECT_EQ(raysOfFirstPass("path", ""), learning);
+  EXPECT_EQ(raysOfFirstPass("photonmap", "\"integer passes\" 1 \"integer photons\" 2000"), learning);
+  EXPECT_EQ(
+      raysOfFirstPass("photonmap",
+                      "\"integer passes\" 1 \"integer photons\" 2000 \"string without\" \"lightlearning\""),
+      0u);
+}
+
 /** Of many lamps behind walls the one that shines here is chosen: the same light with less noise. */
 TEST(LightSampler, LampsBehindWallsAreLeftAlone) {
   const auto scene = sceneFrom(rooms());

@@ -9,16 +9,9 @@
 
 namespace recurse {
 
-/**
- * `Gloss` works with directions that point up (z >= 0) and has
- *   Rgb value(a, b)          the gloss lobe [1/sr], reciprocal
- *   float pdf(a, b)          density of sample [1/sr]
- *   Vec3f sample(a, u, pick) unit; below the surface means absorbed
- *   Rgb albedo(a)            nearly
- *   Rgb diffuse(a, b)        the diffuse lobe [1/sr], reciprocal
- *   Rgb diffuseAlbedo(a)     nearly
- *   bool anisotropic(), lossless()
- */
+/** A `Gloss` has, for directions that point up (z >= 0): `value(a, b)` and `diffuse(a, b)`, its two lobes
+ * [1/sr], both reciprocal; `sample(a, u, pick)`, below the surface where it absorbs, and `pdf(a, b)` [1/sr],
+ * of the gloss lobe; `albedo(a)` and `diffuseAlbedo(a)`, nearly; `anisotropic()` and `lossless()`. */
 template <class Gloss> class GlossOverDiffuse final : public Bsdf {
  public:
   explicit GlossOverDiffuse(const Gloss& gloss) : gloss(gloss) {}

@@ -25,7 +25,7 @@ class MappedShape : public Shape {
 
  protected:
   /** A line through the own space. What lies outside of tMin to tMax need not be found, nor what lies behind
-   * the first meeting where `nearestOnly`. */
+   * the first hit where `nearestOnly`. */
   struct Line {
     Vec3d origin, direction;
     double tMin = -std::numeric_limits<double>::infinity(), tMax = std::numeric_limits<double>::infinity();
@@ -33,17 +33,17 @@ class MappedShape : public Shape {
     Vec3d at(double t) const { return origin + direction * t; }
   };
   /** Where a line goes through the surface; `point` need not be accurate. */
-  struct Meeting {
+  struct LineHit {
     double t = 0;
     uint32_t part = 0;
     bool entering = false; ///< of closed shapes only
     Vec3d point{0};
   };
-  /** The meetings of a line in the order of t. */
-  class Meetings {
+  /** The hits of a line in the order of t. */
+  class LineHits {
    public:
-    explicit Meetings(std::vector<Meeting>& storage) : list(storage) { list.clear(); }
-    void add(const Meeting& m) {
+    explicit LineHits(std::vector<LineHit>& storage) : list(storage) { list.clear(); }
+    void add(const LineHit& m) {
       list.push_back(m);
       for (size_t i = list.size() - 1; i > 0 && list[i - 1].t > list[i].t; --i)
         std::swap(list[i - 1], list[i]);
@@ -53,7 +53,7 @@ class MappedShape : public Shape {
     auto end() const { return list.cend(); }
 
    private:
-    std::vector<Meeting>& list;
+    std::vector<LineHit>& list;
   };
   /** The surface in its own space. */
   struct OwnPoint {
@@ -72,7 +72,7 @@ class MappedShape : public Shape {
   /** The box around what a point within `radius` of the z axis sweeps from phi = 0 to phiMax. */
   static Bounds3d sectorBounds(double radius, double phiMax, double zLow, double zHigh);
 
-  virtual void meet(const Line& line, Meetings& found) const = 0;
+  virtual void intersectAll(const Line& line, LineHits& found) const = 0;
   /** The point of a part that is nearest to one on it but for rounding. */
   virtual OwnPoint ownPoint(uint32_t part, const Vec3d& near) const = 0;
   /** From the unit square to a part, uniform by area in the own space. */

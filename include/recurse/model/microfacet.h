@@ -1,12 +1,8 @@
 /** @file
- * Microfacet distributions: how the normals of a rough surface's small mirrors are spread, how they hide one
- * another, and how to choose among those that a direction sees. Directions are local, z is the normal; both
- * sides of the surface look the same, so that only |z| of a direction counts.
- *
- * Sources: Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces"; Heitz 2014,
- * "Understanding the Masking-Shadowing Function"; for choosing, Heitz 2018, "Sampling the GGX Distribution of
- * Visible Normals" in the form of Dupuy and Benyoub 2023 ("Sampling Visible GGX Normals with Spherical
- * Caps"), and for Beckmann the inversion of Jakob 2014 ("An Improved Visible Normal Sampling Routine").
+ * Microfacet distributions (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces";
+ * Heitz 2014, "Understanding the Masking-Shadowing Function"), and sampling of the normals that a direction
+ * sees (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps"; Jakob 2014, "An Improved
+ * Visible Normal Sampling Routine", for Beckmann). Directions are local, z is the normal; only |z| counts.
  */
 #pragma once
 

@@ -1,13 +1,8 @@
 /** @file
- * What of the disc of a density estimate is surface. An estimate divides flux by the area of its disc; where
- * the disc reaches past the edge of a surface, behind a wall or round a sphere, light can only fall on a part
- * of it, and the estimate is too dark there by what is missing (boundary bias: Jensen 2001, "Realistic Image
- * Synthesis Using Photon Mapping", section 7.2.3, who divides by the area of the photons' convex hull).
- *
- * Here rays look at the surface itself: the part of the kernel's weight that it bears is the divisor, so that
- * uniform irradiance is estimated without bias at edges as well (the first-order edge correction of density
- * estimation, Diggle 1985, "A Kernel Method for Smoothing Point Process Data"). It depends on no photon.
- * Where a surface ends along straight lines, as most do, these are found once and need no more rays.
+ * Boundary bias (Jensen 2001, section 7.2.3): a density estimate divides by the area of its kernel's support,
+ * part of which reaches past the edge of a surface. Rays find the part of the kernel's weight that is
+ * surface, and the estimate divides by that (Diggle 1985, "A Kernel Method for Smoothing Point Process
+ * Data"), so that uniform irradiance is estimated without bias. It depends on no photon.
  */
 #pragma once
 
@@ -78,11 +73,11 @@ inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, floa
 
 /**
  * Clips the region at the borders around it, so that it leaves out what belongs to other surfaces or to
- * another room, and returns the part of the kernel's weight over the whole disc that then lies on a surface
- * which can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A disc of
- * which hardly anything is surface, whose surface bends away, or which lies in a gap of less than half its
- * radius, is made smaller first. Where the borders are not known the part goes by eight places: it is exact
- * on a plane, and about .1 off elsewhere.
+ * another room, and returns the part of the kernel's weight over the whole support that then lies on a
+ * surface which can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A
+ * support of which hardly anything is surface, whose surface bends away, or which lies in a gap of less than
+ * half its radius, is made smaller first. Where the borders are not known the part goes by eight places: it
+ * is exact on a plane, and about .1 off elsewhere.
  */
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
                       TransportCounts& counts);

@@ -26,16 +26,16 @@ struct GatherSettings {
 
 /** What an estimate went by. */
 struct GatherResult {
-  float radius = 0;  ///< of the disc that was used
+  float radius = 0;  ///< of the support that was used
   int found = 0;     ///< photons in it
   float merging = 0; ///< see GatherSettings; for the kernel's area
 };
 
 /**
  * Adds the radiance towards unit `eye` from the photons near a point with non-delta lobes, times
- * `throughput`. `cameraState` has read the D at the point. A disc smaller than `footprint` (the pixel's width
- * there) is widened to it: detail below a pixel is only noise. With `surroundings` the area is that of the
- * surfaces in the disc, see coveredFraction(), and a disc of which too little is surface is made smaller.
+ * `throughput`. `cameraState` has read the D at the point. A support smaller than `footprint` (the pixel's
+ * width there) is widened to it: detail below a pixel is only noise. With `surroundings` the area is that of
+ * the surfaces in the support, see coveredFraction(), and one of which too little is surface is made smaller.
  */
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,

@@ -10,20 +10,12 @@
 
 namespace recurse {
 
-/**
- * Where photons are searched: a spheroid around a surface point, flattened along the normal.
+/** A spheroid around a surface point, flattened along the normal: with v = photon − center, h = v·normal and
+ * w = max(0, 1/flatness² − 1), photons where |v|² + w h² < radius². The flattening is part of the metric, so
+ * that the k nearest photons are those that a fixed-radius query finds at the distance of the k-th.
  *
- * With v = photon − center, h = v·normal and w = max(0, 1/flatness² − 1), the distance of a photon is
- * D² = |v|² + w h², and a photon lies in the region where D² < radius². On the tangent plane D is the plain
- * distance; along the normal the region ends at flatness · radius. The flattening is part of the metric,
- * rather than a slab beside it, so that the k nearest photons are exactly those that a fixed-radius query
- * finds at the distance of the k-th: both kinds of query mean the same set, whatever the upper bound.
- *
- * Where !bothSides, a photon counts only if its surface faces the same way to within 60°, so that neither the
- * other side of a thin wall nor a wall round the corner lends its light. Half-spaces clip the region: a
- * photon counts where v·normal > limit for all of them. Photons that do not count are left out before
- * anything is counted.
- */
+ * Where !bothSides, a photon counts only if its surface faces the same way to within 60°, so that the other
+ * side of a thin wall lends no light. Half-spaces clip the region: photons where v·normal > limit for all. */
 struct GatherRegion {
   struct HalfSpace {
     Vec3f normal{0};

@@ -27,20 +27,11 @@ struct LightSampleContext {
   std::array<Share, MAX_CELLS> shares{};
 };
 
-/**
- * Chooses lights for shadow rays: by power, until it has learned.
- *
- * The lights are the leaves of a binary tree by position. A choice goes down from the root, left or right in
- * proportion to k + s·p: k of the photons that came to the place from lights of the node came from that side;
- * p is the side's part by power over distance², as in light trees (Conty Estevez and Kulla, "Importance
- * Sampling of Many Lights with Adaptive Tree Splitting", 2018); s says how many photons p is worth. So
- * photons count where there are some, visibility and the light's shape included, and every light has a
- * probability wherever it has power. For the first levels of the tree the probabilities are kept by cells of
- * space, and go over into each other between cells, whose borders would be seen as seams of noise; below they
- * are p alone. They are functions of the place, so that whoever needs one for a weight finds the same. That
- * photons of direct light tell which lights to sample is Keller and Wald's idea
- * ("Efficient Importance Sampling Techniques for the Photon Map", 2000).
- */
+/** Chooses lights for shadow rays: by power, until it has learned. A light tree (Conty Estevez and Kulla
+ * 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"), whose upper levels are weighted
+ * by the photons that arrived in cells of space (Keller and Wald 2000, "Efficient Importance Sampling
+ * Techniques for the Photon Map"); between cells the probabilities are blended. They are functions of the
+ * place, so that weights can ask for them: doc-files/notes/light-sampler.md. */
 class LightSampler {
  public:
   /** Finds portals; shoots photons as far as the first surface, where there is more than one light. The same

@@ -1,12 +1,9 @@
 /** @file
  * Weights between photons that are merged at a surface and camera rays that the surface sends on, where both
- * find the same paths: caustics (LS+D), and light that comes straight from a light to the surface before
- * (LDD). They are those of the balance heuristic (Veach 1997, section 9.2.2), with the density of a merged
- * photon as in vertex merging (Georgiev et al. 2012): photons emitted · area of the kernel · density of the
- * photon.
- *
- * Along mirrors and glass both walks meet the same cosines, and the densities of delta lobes are taken as
- * equal, so that either side carries one number: the ratio of the two densities as far as it knows them.
+ * find the same paths: caustics (LS+D), and direct light of the surface before (LDD). They are those of the
+ * balance heuristic (Veach 1997, section 9.2.2), with the density of a merged photon of Georgiev et al. 2012.
+ * Densities of delta lobes are taken as equal, so that either side carries one number: the ratio of the two
+ * densities as far as it knows them.
  */
 #pragma once
 

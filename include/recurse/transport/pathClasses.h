@@ -1,13 +1,8 @@
 /** @file
- * Path classes at run time: which film layers a full light path belongs to, found out piece by piece.
- *
- * A path is a word over L (light), S (specular scattering), D (any other scattering at a surface), V
- * (scattering in a medium) and E (eye): Heckbert 1990. Each class is a regular language of such words. The
- * light side reads a path from L onwards and carries one byte, the state of a DFA shared by all classes. The
- * eye side reads it from E backwards and carries the state of the determinised reverse automaton, which
- * stands for the set of light-side states from which what was read completes to an accepted word, one set for
- * each class. Joining the two is one look-up, which gives the set of classes (film layers) the path belongs
- * to.
+ * Path classes at run time: which film layers a light path belongs to. A path is a word over L, S, D, V and E
+ * (Heckbert 1990), a class a regular language of words. The light side carries the state of a DFA that all
+ * classes share, the eye side that of the reverse automaton: a set of light states for each class. Joining
+ * the two is one look-up.
  */
 #pragma once
 

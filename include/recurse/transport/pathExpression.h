@@ -1,20 +1,7 @@
 /** @file
- * Path expressions: which light paths a person means, as a minimised automaton.
- *
- * A path is a word: L, then its scattering events in the order the light meets them (S specular, D any other
- * at a surface, V in a medium), then E. An expression is a regular expression over these letters:
- *
- *     L S D V E      the letters themselves; spaces mean nothing
- *     .              S, D or V
- *     [SD]  [^S]     one of these letters; one of S, D, V but not these
- *     (A|B)  [A|B]   alternatives, each a whole expression: brackets with a bar group, as in Heckbert's
- * notation A? A* A+       A optional; any number of A; at least one A{2} A{2,} A{2,3} direct         a named
- * class, see namedPathClasses() !A             every path that is not in A A & B   A - B  paths in both;
- * paths in A but not in B
- *
- * What binds tightest comes first: repetition, sequence, `!`, `&` and `-` (from left to right), `|`. As
- * `A - B | C` can be misread, `-` and `|` side by side need parentheses. Whatever an expression says, only
- * paths L(S|D|V)*E are in its class.
+ * Path expressions: which light paths a person means, as a minimised automaton. A path is a word: L, then its
+ * scattering events in the order the light meets them (S, D, V), then E. The notation is that of
+ * doc-files/notes/path-expressions.md.
  */
 #pragma once
 

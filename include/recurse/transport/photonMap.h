@@ -1,16 +1,8 @@
 /** @file
- * The photon map: every photon of a pass in an index that answers fixed-radius and k-nearest queries, eight
- * photons at a time.
- *
- * It knows neither surfaces nor scenes. Who calls its templates includes photonMapQuery.h. Lengths are in
- * scene units; a slot is a photon's place in the map.
- *
- * The index is a balanced kd-tree whose nodes have eight children. Every split takes the median on the widest
- * axis of the tight bounds, and hands a multiple of the largest power of eight below the number of leaves to
- * the left. So all leaves but the last are full, the children of node i are nodes 8i+1…8i+8, and there are no
- * pointers. A query tests eight boxes or eight photons with a few AVX2 instructions.
- *
- * Complexities, for n photons of which a query finds m: build O(n log n), query O(log n + m).
+ * The photon map: a balanced kd-tree whose nodes have eight children, so that a query tests eight boxes or
+ * eight photons at once. All leaves but the last are full; the children of node i are 8i+1…8i+8. Build takes
+ * O(n log n), a query that finds m photons O(log n + m). Lengths are in scene units; a slot is a photon's
+ * place in the map. Who calls its templates includes photonMapQuery.h.
  */
 #pragma once
 

@@ -13,6 +13,15 @@
 
 namespace recurse {
 
+/** What a render can leave out, to measure what it earns. */
+enum class Mechanism {
+  NONE,
+  LIGHT_LEARNING, ///< lights and openings for shadow rays are chosen by place
+  TARGETS,        ///< DXTRAN spheres
+  PORTALS,        ///< photons from far away start where camera paths see out
+  AIM             ///< photons of far lamps
+};
+
 struct PhotonPassSettings {
   uint64_t photons = 0; ///< in each pass; 0: chosen
   double alpha = 0;     ///< see radiusScale
@@ -25,6 +34,7 @@ struct PhotonPassSettings {
   bool edges = true; ///< estimates know where surfaces end
   float flatness = 0.2f;
   GatherWeighting weighting;
+  Mechanism without = Mechanism::NONE;
   bool beams = false; ///< light in media is kept as beams where that is possible, not as points
   Kernel kernel = Kernel::EPANECHNIKOV;
   PhotonIndexKind index = PhotonIndexKind::KDTREE;

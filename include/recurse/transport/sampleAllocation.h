@@ -1,42 +1,7 @@
 /** @file
  * Adaptive samples: how many samples each pixel of a picture gets, so that the error of the whole becomes
- * least.
- *
- * By Neyman's rule (Neyman 1934, "On the Two Different Aspects of the Representative Method"): where the
- * error of n samples is v / n, samples in proportion to the root of v make the error of the whole least. v is
- * relative to the pixel's brightness, variance / (luminance² + 0.1²) with luminance as in the picture, so
- * that it is what `recurse compare` calls relMSE. Samples of a pixel are stratified, and their error falls
- * faster. So v is what blocks of BLOCK samples bring, and the error taken to be v / n^FALL, for which numbers
- * in proportion to v^(1 / (1 + FALL)) are best.
- *
- * Progressive photon mapping makes a map for each sample of the average pixel. The variance has two parts
- * then: what the photons bring, m, and what the eye paths bring, e. A pixel with n samples from P maps has
- * the error m / min(n, P) + e / n: a second sample of the same map is of use against e only. So n follows
- * sqrt(m + e) up to P, and sqrt(e) beyond it. The parts are told apart by pairs of pixels side by side, which
- * see the same photons: the difference of two samples of the same pass has none of m, and 2 e.
- *
- * What v is for a pixel is told by many, never by its own samples alone. Deciding by those would bias it:
- * where early samples miss a rare bright path the pixel would be left dark, and where they meet it the pixel
- * would be sampled until that is forgotten (Kirk and Arvo 1991, "Unbiased Sampling Techniques for Image
- * Synthesis"). It is told in two steps. How much the pixels around vary puts all pixels in an order. Then v
- * of a pixel is the mean over those that come close to it in that order, MIN_CLASS at least and wherever
- * they are, of what their samples say. So nothing has to be known of how far neighbours can be trusted: where
- * edges are thin, or bright samples rare, quiet surroundings say little, and the mean over pixels in such
- * surroundings says how much happens there all the same.
- *
- * Pilot samples tell: the first EVEN samples of each pixel, then so many that they are one for each
- * PILOT_PERIOD that the average pixel gets. Their number is the same for all pixels, so that it carries no
- * values from pixel to pixel. What holds:
- * - Where the samples of different pixels are independent (path tracing; one photon map, once it has been
- * shot) a pixel's count depends on its own samples only through two numbers in which many pixels count alike:
- * the mean v, and the scale that makes the counts add up. The expected value of the pixel is right, up to
- * what one pixel can do to those.
- * - In progressive photon mapping neighbours see the same photons, and the counts depend on them a little.
- * That is consistent: it vanishes, like the bias of the map itself, with the number of passes.
- * - A pixel that is unlike all around it gets what pixels in such surroundings need. That is never wrong,
- * only slow.
- * - Every pixel gets at least one PILOT_PERIOD-th of the average, and not much more than MAX_SHARE times as
- * much.
+ * least (Neyman 1934, "On the Two Different Aspects of the Representative Method"):
+ * doc-files/notes/adaptive-samples.md.
  */
 #pragma once
 

@@ -1,11 +1,6 @@
 /** @file
  * The walk: one loop follows paths from either end through surfaces and media, and hands its caller a vertex
- * at a time:
- *
- *     while (walker.next(path, vertex, sampler)) {
- *       ... store, connect, gather, shadow rays ...
- *       if (!walker.scatter(path, vertex, sampler)) break;
- *     }
+ * at a time, until next() or scatter() returns false.
  */
 #pragma once
 
