@@ -94,7 +94,11 @@ Developed develop(const Image& picture, const DevelopSettings& settings) {
   constexpr float LARGEST = 1e9f; // operators square their values
   for (float& value : out.picture.pixels) value = std::min(value * scale, LARGEST);
   applyBloom(out.picture, settings.bloom, settings.bloomDegrees);
-  if (settings.toneMap) settings.toneMap->apply(out.picture);
+  if (settings.toneMap && !settings.toneMap->isIdentity()) {
+    const Image light = out.picture;
+    settings.toneMap->apply(out.picture);
+    mixBrightEdges(light, out.picture);
+  }
   settings.display.apply(out.picture);
   if (settings.dither) addDither(out.picture);
   return out;

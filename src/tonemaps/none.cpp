@@ -10,6 +10,7 @@ namespace {
 class NoToneMap final : public ToneMap {
  public:
   void apply(Image&) const override {}
+  bool isIdentity() const override { return true; }
 };
 
 } // namespace

@@ -43,7 +43,98 @@ DevelopSettings plain() {
   return settings;
 }
 
+std::shared_ptr<const ToneMap> toneMap(const std::string& name) {
+  Diagnostics diagnostics;
+  return plugIns().toneMaps.make(parseParameterText(name, ""), NoContext{}, diagnostics);
+}
+
+/** As it is for the display, without encoding. */
+Image shownBy(const std::string& name, const Image& light) {
+  DevelopSettings settings = plain();
+  settings.toneMap = toneMap(name);
+  settings.display = DisplayEncoding("linear");
+  return develop(light, settings).picture;
+}
+
+/** By the operator alone. */
+Image byOperator(const std::string& name, Image light) {
+  toneMap(name)->apply(light);
+  for (float& v : light.pixels) v = std::min(v, 1.0f);
+  return light;
+}
+
+/** A nearly upright edge, `bright` on the left; each pixel the mean over its area. */
+Image slantedEdge(float bright, float dark) {
+  return filled(96, 96, [&](int x, int y) {
+    float covered = 0;
+    for (float sub = 0.5f; sub < 16; ++sub)
+      covered += std::clamp(44 + 0.0875f * (float(y) + sub / 16) - float(x), 0.0f, 1.0f) / 16;
+    return Rgb(dark + covered * (bright - dark));
+  });
+}
+
+/** How far the places of a slanted edge, row by row, are from a line: standard deviation [pixels]. */
+double staircase(const Image& picture) {
+  const int n = picture.height;
+  const double bright = double(picture.rgb(2, n / 2).g), dark = double(picture.rgb(n - 3, n / 2).g);
+  std::vector<double> places;
+  double mean = 0, slope = 0, squares = 0, sum = 0;
+  for (int y = 0; y < n; ++y) {
+    double place = 0;
+    for (int x = 0; x < n; ++x) place += (double(picture.rgb(x, y).g) - dark) / (bright - dark);
+    places.push_back(place);
+    mean += place / n;
+  }
+  for (int y = 0; y < n; ++y)
+    slope += (y - (n - 1) / 2.0) * places[size_t(y)], squares += square(y - (n - 1) / 2.0);
+  for (int y = 0; y < n; ++y) sum += square(places[size_t(y)] - mean - slope / squares * (y - (n - 1) / 2.0));
+  return std::sqrt(sum / n);
+}
+
 } // namespace
+
+TEST(BrightEdges, OfLampsAreAsSmoothAsThoseOfPaper) {
+  for (const auto& entry : plugIns().toneMaps.entries()) {
+    if (toneMap(entry.name)->isIdentity()) continue;
+    EXPECT_LT(staircase(shownBy(entry.name, slantedEdge(0.36f, 0.18f))), 0.03) << entry.name << " paper";
+    for (const float lamp : {2.0f, 20.0f, 100.0f, 1e4f})
+      EXPECT_LT(staircase(shownBy(entry.name, slantedEdge(lamp, 0.1f))), 0.03) << entry.name << " " << lamp;
+  }
+  EXPECT_GT(staircase(byOperator("filmic", slantedEdge(100, 0.1f))), 0.15) << "the measure sees nothing";
+}
+
+TEST(BrightEdges, ColouredLampsKeepTheirColourBesideTheEdge) {
+  const auto lamp = [](float covered) {
+    return covered * Rgb(80, 20, 2) + (1 - covered) * Rgb(0.1f, 0.1f, 0.3f);
+  };
+  const Image light = filled(32, 32, [&](int x, int) {
+    return lamp(x < 16 ? 1.0f : x == 16 ? 0.25f : 0.0f);
+  });
+  const Image shown = shownBy("filmic", light);
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(shown.rgb(16, 16)[c], 0.25f * shown.rgb(8, 16)[c] + 0.75f * shown.rgb(24, 16)[c], 1e-4f) << c;
+}
+
+TEST(BrightEdges, NothingElseChanges) {
+  const auto unchanged = [](const Image& light, float most) {
+    const Image a = shownBy("filmic", light), b = byOperator("filmic", light);
+    for (size_t i = 0; i < a.pixels.size(); ++i) ASSERT_NEAR(a.pixels[i], b.pixels[i], most) << i;
+  };
+  unchanged(filled(100, 8, [](int x, int) { return Rgb(0.01f * std::pow(1.1f, float(x))); }), 0.01f);
+  unchanged(filled(64, 64, [](int x, int y) { return Rgb((x * 37 + y * 61) % 89 == 0 ? 60 : 0.2f); }), 1e-6f);
+  unchanged(slantedEdge(0.9f, 0.05f), 1e-6f);
+  // A steep slope up to a lamp; and bright noise beside the dark.
+  unchanged(
+      filled(40, 16, [](int x, int) { return Rgb(std::min(100.0f, 0.01f * std::pow(1.6f, float(x)))); }),
+      1e-6f);
+  unchanged(filled(64, 64,
+                   [](int x, int y) {
+                     return Rgb(x > 31 ? 0.1f : (x * 7 + y * 5) % 3 == 0 ? 2 : 150);
+                   }),
+            1e-6f);
+  const Image lamp = slantedEdge(100, 0.1f), shown = shownBy("none", lamp), cut = byOperator("none", lamp);
+  EXPECT_EQ(shown.pixels, cut.pixels) << "the plain picture";
+}
 
 TEST(Metering, LogAverageBecomesMiddleGreyAtAnyBrightness) {
   for (float middle : {1e-6f, 0.01f, 1.0f, 3e4f})
@@ -86,8 +177,7 @@ TEST(Metering, PercentileComesToWhite) {
 
 TEST(Develop, DoesNotDependOnTheSceneUnit) {
   DevelopSettings settings;
-  Diagnostics diagnostics;
-  settings.toneMap = plugIns().toneMaps.make(parseParameterText("filmic", ""), NoContext{}, diagnostics);
+  settings.toneMap = toneMap("filmic");
   const Developed a = develop(shades(0.3f), settings), b = develop(shades(0.3f, 1e5f), settings);
   for (size_t i = 0; i < a.picture.pixels.size(); ++i)
     ASSERT_NEAR(a.picture.pixels[i], b.picture.pixels[i], 1e-4f);

@@ -21,6 +21,8 @@ class ToneMap {
   virtual void apply(Image& picture) const = 0;
   /** The result for a pixel depends on its surroundings. Otherwise a brighter pixel never becomes darker. */
   virtual bool isLocal() const { return false; }
+  /** Colours stay what they are, and nothing else is done to the picture either. */
+  virtual bool isIdentity() const { return false; }
   /** How far a pixel beside an edge of 1:100 may be from one far off, relative to the latter. */
   virtual float haloBound() const { return 0; }
 };

@@ -78,9 +78,13 @@ struct Developed {
  * stops. */
 Developed beforeExposure(const Image& picture, const DevelopSettings& settings);
 /** A page that exposes the picture and shows it by an operator as its sliders say; all of it in one file.
- * Operators: none, filmic, aces, reinhard, drago, with their defaults. */
+ * Operators have their defaults. */
 std::string developPage(const Image& picture, const DevelopSettings& settings, const std::string& title,
                         const std::string& operatorName);
+
+/** Makes edges of what is brighter than white smooth in a picture `shown` by a tone operator: pixels on such
+ * an edge become the mixture of its two sides, as shown, that they are in `light`, the exposed picture. */
+void mixBrightEdges(const Image& light, Image& shown);
 
 /** Values that are not finite or negative count as black. */
 Developed develop(const Image& picture, const DevelopSettings& settings);

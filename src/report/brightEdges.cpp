@@ -1,0 +1,132 @@
+/** @file
+ * Edges of what is brighter than white. A pixel half covered by a lamp is white like the lamp after tone
+ * mapping, so that a smooth edge becomes a staircase. The right picture is tone-mapped first and filtered
+ * then; for that a pixel's two sides are looked for in its surroundings, and its colour tells how much of it
+ * each one covers.
+ */
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "recurse/core/parallel.h"
+#include "recurse/report/develop.h"
+
+namespace recurse {
+
+namespace {
+
+struct Offset {
+  int x, y;
+  int distance2() const { return x * x + y * y; }
+};
+
+/** Offsets to pixels no farther away than the root of `radius2`, the nearest first. */
+std::vector<Offset> offsetsWithin(int radius2) {
+  std::vector<Offset> out;
+  for (int y = -radius2; y <= radius2; ++y)
+    for (int x = -radius2; x <= radius2; ++x)
+      if (x * x + y * y <= radius2) out.push_back({x, y});
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Offset& a, const Offset& b) { return a.distance2() < b.distance2(); });
+  return out;
+}
+
+/** How far an edge reaches: the widest filter's radius and half a pixel, squared. */
+constexpr int EDGE_REACH2 = 6;
+/** Either side of the edge is no farther away: its reach on both sides of it, squared. */
+constexpr int SIDE_REACH2 = 25;
+/** Darkest by brightest of nine pixels that lie on one side of an edge. */
+constexpr float EVEN = 0.8f;
+
+class BrightEdges {
+ public:
+  BrightEdges(const Image& light, const Image& shown)
+      : light(light), shown(shown), width(light.width), height(light.height) {}
+
+  void mixInto(Image& out) const {
+    const std::vector<char> isBright = evenBright();
+    if (std::find(isBright.begin(), isBright.end(), 1) == isBright.end()) return;
+    parallelFor(size_t(height), [&](size_t row) {
+      const int y = int(row);
+      for (int x = 0; x < width; ++x) {
+        if (isBright[index(x, y)]) continue;
+        const auto bright = nearest(x, y, [&](int i, int j) { return isBright[index(i, j)] != 0; });
+        if (bright) mixPixel(out, x, y, light.rgb(bright->x, bright->y), shownAt(*bright));
+      }
+    });
+  }
+
+ private:
+  const Image &light, &shown;
+  int width, height;
+
+  size_t index(int x, int y) const { return size_t(y) * size_t(width) + size_t(x); }
+  Rgb shownAt(const Offset& p) const { return min(shown.rgb(p.x, p.y), Rgb(1)); }
+
+  /** Pixels that with all their neighbours are brighter than white and alike. */
+  std::vector<char> evenBright() const {
+    std::vector<char> out(size_t(width) * size_t(height));
+    parallelFor(size_t(height), [&](size_t row) {
+      for (int x = 0, y = int(row); x < width; ++x) {
+        if (brightness(x, y) <= 1) continue;
+        const auto [least, most] = range(x, y);
+        out[index(x, y)] = least > 1 && least >= EVEN * most;
+      }
+    });
+    return out;
+  }
+  float brightness(int x, int y) const { return maxComponent(light.rgb(x, y)); }
+
+  template <class Is> std::optional<Offset> nearest(int x, int y, const Is& is) const {
+    static const std::vector<Offset> OFFSETS = offsetsWithin(SIDE_REACH2);
+    for (const Offset& o : OFFSETS)
+      if (isInside(x + o.x, y + o.y) && is(x + o.x, y + o.y)) return Offset{x + o.x, y + o.y};
+    return std::nullopt;
+  }
+  bool isInside(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+
+  /** An edge of what is so bright reaches the pixel. */
+  bool isReached(int x, int y, float bright) const {
+    static const std::vector<Offset> OFFSETS = offsetsWithin(EDGE_REACH2);
+    return std::any_of(OFFSETS.begin(), OFFSETS.end(), [&](const Offset& o) {
+      return isInside(x + o.x, y + o.y) && brightness(x + o.x, y + o.y) > 0.5f * bright;
+    });
+  }
+
+  void mixPixel(Image& out, int x, int y, const Rgb& bright, const Rgb& brightShown) const {
+    const float top = maxComponent(bright);
+    if (!isReached(x, y, top)) return;
+    const auto dark = nearest(x, y, [&](int i, int j) { return !isReached(i, j, top); });
+    if (!dark) return;
+    const Rgb darkLight = light.rgb(dark->x, dark->y);
+    const Vec3f contrast(bright - darkLight), above(light.rgb(x, y) - darkLight);
+    const float covered = std::clamp(glm::dot(above, contrast) / lengthSquared(contrast), 0.0f, 1.0f);
+    const Rgb mixed = covered * brightShown + (1 - covered) * shownAt(*dark);
+    // What is hardly brighter than white hardly bends the edge.
+    const float part = std::min(top - 1, 1.0f);
+    // A curve that bends down shows a mixture brighter than its parts; what does not is no such edge.
+    const Rgb before = shownAt({x, y}), after = before + part * (min(mixed, before) - before);
+    std::copy_n(&after.r, 3, out.at(x, y));
+  }
+
+  /** Of the brightness of a pixel and its neighbours. */
+  std::pair<float, float> range(int x, int y) const {
+    float least = INFINITE, most = 0;
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i) {
+        least = std::min(least, brightness(i, j));
+        most = std::max(most, brightness(i, j));
+      }
+    return {least, most};
+  }
+};
+
+} // namespace
+
+void mixBrightEdges(const Image& light, Image& shown) {
+  const Image before = shown;
+  BrightEdges(light, before).mixInto(shown);
+}
+
+} // namespace recurse
