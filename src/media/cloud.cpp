@@ -89,7 +89,9 @@ void registerCloud(PlugIns& plugIns) {
   parameters.push_back(realParameter("frequency", "5", "of the noise [1/length]").range(0, 1e6));
   plugIns.media.add(
       {{.name = "cloud",
-        .summary = "A cloud by noise in a box: full at its bottom, up to y = 0.5, and torn above.",
+        .summary =
+            std::string("A cloud by noise in a box: full at its bottom, up to y = 0.5, and torn above.") +
+            DENSITY_LIMIT,
         .parameters = parameters,
         .examples = {"", "\"float density\" 2 \"float wispiness\" 0 \"point3 p0\" [-1 0 -1]"}},
        [](const Parameters& p, const MediumContext& c) { return std::make_unique<Cloud>(p, c); }});

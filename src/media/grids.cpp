@@ -106,7 +106,7 @@ void registerUniformGrid(PlugIns& plugIns) {
   for (const ParameterSpec& s : heatParameters()) parameters.push_back(s);
   plugIns.media.add(
       {{.name = "uniformgrid",
-        .summary = "A medium whose density is given on a regular grid in a box.",
+        .summary = std::string("A medium whose density is given on a regular grid in a box.") + DENSITY_LIMIT,
         .parameters = parameters,
         .examples =
             {"\"float density\" 1",
@@ -130,7 +130,8 @@ void registerRgbGrid(PlugIns& plugIns) {
   for (const ParameterSpec& s : boxParameters()) parameters.push_back(s);
   plugIns.media.add(
       {{.name = "rgbgrid",
-        .summary = "A medium whose coefficients are given on a regular grid in a box.",
+        .summary =
+            std::string("A medium whose coefficients are given on a regular grid in a box.") + DENSITY_LIMIT,
         .parameters = parameters,
         .examples = {"\"rgb sigma_s\" [ 1 2 3 ]", "\"integer nx\" 2 \"rgb sigma_a\" [ 1 2 3  3 2 1 ]"}},
        [](const Parameters& p, const MediumContext& c) { return std::make_unique<RgbGrid>(p, c); }});

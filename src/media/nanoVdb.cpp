@@ -93,21 +93,21 @@ void registerNanoVdb(PlugIns& plugIns) {
                                        "bodies do")
                            .require());
   for (const ParameterSpec& s : heatParameters()) parameters.push_back(s);
-  plugIns.media.add(
-      {{.name = "nanovdb",
-        .summary =
-            "A medium whose density is a sparse grid in a file, of floats or of numbers with fewer bits.",
-        .parameters = parameters,
-        .examples = {}},
-       [](const Parameters& p, const MediumContext& c) -> std::unique_ptr<Medium> {
-         try {
-           return std::make_unique<NanoVdbMedium>(p, c);
-         } catch (const SceneError&) {
-           throw;
-         } catch (const Error& e) {
-           p.fail("filename", e.what());
-         }
-       }});
+  plugIns.media.add({{.name = "nanovdb",
+                      .summary = std::string("A medium whose density is a sparse grid in a file, of floats "
+                                             "or of numbers with fewer bits.") +
+                                 DENSITY_LIMIT,
+                      .parameters = parameters,
+                      .examples = {}},
+                     [](const Parameters& p, const MediumContext& c) -> std::unique_ptr<Medium> {
+                       try {
+                         return std::make_unique<NanoVdbMedium>(p, c);
+                       } catch (const SceneError&) {
+                         throw;
+                       } catch (const Error& e) {
+                         p.fail("filename", e.what());
+                       }
+                     }});
 }
 
 } // namespace recurse

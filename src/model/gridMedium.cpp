@@ -52,7 +52,9 @@ void GridBox::checkSteps(const Parameters& p, const char* parameter, const Major
     p.fail(parameter,
            "at its densest the medium is so dense that light may take " + formatted("%.2g", steps) +
                " steps through the grid, even where it is clear",
-           "at most 1e6 mean free paths across the grid's box, or a homogeneous medium");
+           "at most 1e6 mean free paths across the grid's box: a smaller scale, or a homogeneous medium with "
+           "these "
+           "boundaries, whose transmittance takes no steps");
 }
 
 std::vector<ParameterSpec> gridBoxParameters() {

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "model/singles.h"
+#include "recurse/core/parallel.h"
 
 namespace recurse {
 
@@ -70,6 +71,35 @@ bool isOpen(const Scene& scene, const RimPiece& piece) {
   return true;
 }
 
+/** What was found of a boundary's edges. */
+struct OpenEdges {
+  size_t count = 0;
+  bool all = true;                  ///< they were looked at; else as many as may be
+  const OpenPiece* first = nullptr; ///< of the shape that comes first in the scene
+};
+
+/** Looks at no more than so many edges, evenly chosen. */
+OpenEdges findOpen(const Scene& scene, const std::vector<OpenPiece>& pieces, size_t most) {
+  const size_t looked = std::min(pieces.size(), most), tasks = std::min<size_t>(looked, 64);
+  const auto piece = [&](size_t i) -> const OpenPiece& { return pieces[i * pieces.size() / looked]; };
+  std::vector<OpenEdges> found(tasks);
+  parallelFor(tasks, [&](size_t task) {
+    OpenEdges& own = found[task];
+    for (size_t i = looked * task / tasks; i < looked * (task + 1) / tasks; ++i) {
+      if (!isOpen(scene, piece(i).piece)) continue;
+      ++own.count;
+      if (!own.first || piece(i).shape < own.first->shape) own.first = &piece(i);
+    }
+  });
+  OpenEdges sum;
+  sum.all = looked == pieces.size();
+  for (const OpenEdges& own : found) {
+    sum.count += own.count;
+    if (own.first && (!sum.first || own.first->shape < sum.first->shape)) sum.first = own.first;
+  }
+  return sum;
+}
+
 } // namespace
 
 void warnOfOpenBoundaries(const Scene& scene, const ShapeGroups& shapes, const SceneMedia& media,
@@ -101,19 +131,16 @@ void warnOfOpenBoundaries(const Scene& scene, const ShapeGroups& shapes, const S
     isPlaced[i.group] = true;
     addGroup(shapes.groups()[i.group], shapes.sceneFromGroup(i).first());
   }
+  constexpr size_t MOST_EDGES = 1 << 16; // some six rays each: a moment, whatever the scene
+  const size_t most = std::max<size_t>(1, MOST_EDGES / std::max<size_t>(1, boundaries.size()));
   for (const auto& [pair, pieces] : boundaries) {
-    size_t count = 0;
-    const OpenPiece* first = nullptr;
-    for (const OpenPiece& open : pieces) {
-      if (!isOpen(scene, open.piece)) continue;
-      ++count;
-      if (!first || open.shape < first->shape) first = &open;
-    }
-    if (first)
-      diagnostics.warning(first->of->shape.location,
+    const OpenEdges open = findOpen(scene, pieces, most);
+    if (open.first)
+      diagnostics.warning(open.first->of->shape.location,
                           "the boundary between " + media.title(pair.first) + " and " +
-                              media.title(pair.second) + " does not close: " + std::to_string(count) +
-                              (count == 1 ? " edge is open" : " edges are open"),
+                              media.title(pair.second) + " does not close: " + (open.all ? "" : "at least ") +
+                              std::to_string(open.count) +
+                              (open.count == 1 ? " edge is open" : " edges are open"),
                           "shapes that enclose the medium together, or with what is opaque");
   }
 }

@@ -132,6 +132,21 @@ TEST(OpenBoundaries, OpenOnesAreToldOnceWithTheirPlace) {
   EXPECT_NE(two.find("between medium \"m\" and medium \"n\""), std::string::npos) << two;
 }
 
+TEST(OpenBoundaries, ABoundaryOfVeryManyEdgesIsLookedAtInParts) {
+  // 150,000 triangles of which none joins another.
+  std::string points, indices;
+  for (int i = 0; i < 150000; ++i) {
+    const std::string x = std::to_string(i % 400), y = std::to_string(i / 400);
+    points += " " + x + " " + y + " 0 " + x + ".5 " + y + " 0 " + x + " " + y + ".5 0";
+    indices +=
+        " " + std::to_string(3 * i) + " " + std::to_string(3 * i + 1) + " " + std::to_string(3 * i + 2);
+  }
+  const std::string told = warningsOf("Shape \"trianglemesh\" \"integer indices\" [" + indices +
+                                      "] \"point3 P\" [" + points + "]\n");
+  EXPECT_NE(told.find("test.pbrt:7:7: warning: the boundary between "), std::string::npos);
+  EXPECT_NE(told.find(": at least 65536 edges are open"), std::string::npos) << told.substr(0, 300);
+}
+
 TEST(OpenBoundaries, TheSameMediumOnBothSidesIsNoBoundary) {
   expectClosed("MediumInterface \"m\" \"m\"\nMaterial \"diffuse\"\nShape \"disk\"\n" + faces(1));
 }

@@ -11,6 +11,11 @@
 
 namespace recurse {
 
+/** For the reference: what checkSteps() asks for. */
+constexpr const char* DENSITY_LIMIT = " Across its box there may be 1e6 mean free paths of its densest part "
+                                      "at most, as flights take a step for "
+                                      "each.";
+
 /** The box of a grid: its points in the unit cube. */
 class GridBox {
  public:
