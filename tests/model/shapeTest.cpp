@@ -114,7 +114,7 @@ TEST(Shape, TangentsFollowTheSurface) {
 TEST(Shape, FacesCoverTheSurfaceOnce) {
   Random random(14);
   int shapesWithFaces = 0;
-  for (const Specimen& s : specimens()) {
+  for (const Specimen& s : specimens(Transforms::FEW)) {
     const uint32_t faces = s.shape->faceCount();
     if (faces == 0) continue;
     ++shapesWithFaces;
@@ -133,20 +133,22 @@ TEST(Shape, FacesCoverTheSurfaceOnce) {
         EXPECT_GT(glm::dot(again.geometricNormal, p.geometricNormal), 0.99f) << s.name;
       }
     }
-    constexpr int GRID = 64;
+    constexpr int GRID = 32;
     double area = 0;
-    for (uint32_t face = 0; face < faces; ++face)
-      for (int i = 0; i < GRID; ++i)
-        for (int j = 0; j < GRID; ++j) {
-          const auto at = [&](int di, int dj) {
-            return Vec3d(s.shape->pointOnFace({face, Vec2d(i + di, j + dj) / double(GRID)}).position);
-          };
-          const Vec3d a = at(0, 0), b = at(1, 0), c = at(0, 1), d = at(1, 1);
-          area += glm::length(glm::cross(b - a, c - a)) / 2 + glm::length(glm::cross(b - d, c - d)) / 2;
-        }
+    for (uint32_t face = 0; face < faces; ++face) {
+      std::vector<Vec3d> grid;
+      for (int i = 0; i <= GRID; ++i)
+        for (int j = 0; j <= GRID; ++j)
+          grid.emplace_back(s.shape->pointOnFace({face, Vec2d(i, j) / double(GRID)}).position);
+      for (size_t k = 0; k + GRID + 2 < grid.size(); ++k) {
+        if (k % (GRID + 1) == GRID) continue;
+        const Vec3d &a = grid[k], &b = grid[k + 1], &c = grid[k + GRID + 1], &d = grid[k + GRID + 2];
+        area += glm::length(glm::cross(b - a, c - a)) / 2 + glm::length(glm::cross(b - d, c - d)) / 2;
+      }
+    }
     EXPECT_NEAR(area, double(s.shape->area()), 0.005 * area) << s.name;
   }
-  EXPECT_GT(shapesWithFaces, 40);
+  EXPECT_GT(shapesWithFaces, 30);
 }
 
 TEST(Shape, SamplesByAreaFollowTheirDensity) {

@@ -114,7 +114,7 @@ AttributeEnd
 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1 ]
 Texture "holes" "float" "checkerboard" "float tex1" 0 "float tex2" 1 "float uscale" 7 "float vscale" 7
 Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point2 uv" [ 0 0  1 0  1 1  0 1 ] "texture alpha" "holes"
-  "point3 P" [ -.8 -.5 -.5  .3 -.5 -.5  .3 .6 -.3  -.8 .6 -.3 ]
+  "point3 P" [ -.9 .2 -.9  .9 .2 -.9  .9 .2 .9  -.9 .2 .9 ]
 Shape "disk" "float radius" .3 "float height" -.1 "float alpha" .5
 )";
   const PathClasses classes(
