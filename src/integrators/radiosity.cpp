@@ -12,6 +12,7 @@
 #include "recurse/transport/localShading.h"
 #include "recurse/transport/patches.h"
 #include "recurse/transport/pathEnds.h"
+#include "recurse/transport/photonGuidance.h"
 #include "recurse/transport/walker.h"
 
 namespace recurse {
@@ -30,7 +31,7 @@ class Radiosity final : public Integrator {
 
   void prepare(const Scene& scene, const PathClasses& classes) override {
     lights.learn(scene);
-    patches.dice(scene, patchSize > 0 ? patchSize : scene.bounds().radius / 20);
+    patches.dice(scene, patchSize);
     states = classes.lightStateCount();
   }
 
@@ -44,6 +45,7 @@ class Radiosity final : public Integrator {
           "radiosity: %zu of the scene's shapes are no surfaces of one matt material at rest that can be "
           "cut to patches, and reflect no indirect light",
           patches.ignoredShapes()));
+    guide = learnEmissionGuide(scene, classes, pass.seed, ENDLESS_WALK, control, statistics.counts);
     solve(scene, classes, pass, control, statistics);
     reconstruct();
     statistics.photonsEmitted = static_cast<uint64_t>(rays);
@@ -108,7 +110,7 @@ class Radiosity final : public Integrator {
     Power power(states, BLACK);
     for (int i = 0; i < rays && !control.stopped() && scene.lights().size() > 0; ++i) {
       Sampler sampler(hashCombine(pass.seed, pass.index), LIGHT_RAYS, static_cast<uint32_t>(i));
-      const auto start = startLightSubpath(scene, classes, pass.time, sampler, statistics.counts);
+      const auto start = startLightSubpath(scene, classes, pass.time, sampler, statistics.counts, guide);
       if (!start) continue;
       power[start->path.state.byte] = start->path.throughput / static_cast<float>(rays);
       send(scene, classes, start->path.ray, start->path.nesting, power, true, statistics.counts);
@@ -223,6 +225,7 @@ class Radiosity final : public Integrator {
   int rays;
   float patchSize;
   LightSampler lights;
+  EmissionGuide guide; ///< of the rays from the lights
   Patches patches;
   size_t states = 1;                 ///< that a light path can be in
   std::vector<Rgb> received;         ///< irradiance, but for direct light [W/area], by patch, side and state
@@ -243,10 +246,9 @@ void registerRadiosity(PlugIns& plugIns) {
                    "Other surfaces get direct light alone.",
         .parameters = {integerParameter("rays", "1000000", "rays that the form factors are found by, about")
                            .range(1, 1e9),
-                       realParameter(
-                           "patchsize", "",
-                           "longest edge of a patch [scene units]; by default a twentieth of the scene's "
-                           "radius")
+                       realParameter("patchsize", "",
+                                     "longest edge of a patch [scene units]; by default such that there are "
+                                     "about 10000, and more where they are slender")
                            .positive()},
         .examples = {"", "\"integer rays\" 20000 \"float patchsize\" .5"}},
        [](const Parameters& p, const NoContext&) {

@@ -13,6 +13,8 @@ namespace recurse {
 namespace {
 
 constexpr size_t MAX_PATCHES = 100000;
+/** As many are made where the length of edges is not given, or more where they are not as wide as long. */
+constexpr double USUAL_PATCHES = 10000;
 constexpr double MAX_DIVISIONS = 128;
 /** Of the normals along the edge of a patch [radians]. */
 constexpr double MAX_TURN = 0.5;
@@ -129,8 +131,12 @@ void Patches::Face::divide(float longestEdge) {
 // ---------------------------------------------------------------------------------------------- patches
 
 void Patches::dice(const Scene& scene, float longestEdge) {
-  size = longestEdge;
   const std::vector<SceneShape>& shapes = scene.shapes();
+  double area = 0;
+  for (const SceneShape& s : shapes) area += isCut(s) ? double(s.shape->area()) : 0;
+  size = longestEdge > 0 ? longestEdge
+         : area > 0      ? static_cast<float>(std::sqrt(2 * area / USUAL_PATCHES))
+                         : scene.bounds().radius;
   const auto cutShapes = static_cast<size_t>(std::count_if(shapes.begin(), shapes.end(), isCut));
   ignored = scene.contents().shapes > cutShapes ? scene.contents().shapes - cutShapes : 0;
   size_t before = std::numeric_limits<size_t>::max();

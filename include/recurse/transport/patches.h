@@ -22,8 +22,8 @@ struct PatchPoint {
 
 class Patches {
  public:
-  /** Cuts all that can be cut; edges are no longer than `longestEdge` [scene units] unless that makes too
-   * many patches. */
+  /** Cuts all that can be cut; edges are no longer than `longestEdge` [scene units; 0: as makes thousands of
+   * patches] unless that makes too many. */
   void dice(const Scene& scene, float longestEdge);
 
   size_t count() const { return faceOfPatch.size(); }
