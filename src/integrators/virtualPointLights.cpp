@@ -5,7 +5,6 @@
  */
 #include "recurse/core/text.h"
 #include "recurse/model/plugIns.h"
-#include "recurse/transport/cameraProbe.h"
 #include "recurse/transport/localShading.h"
 #include "recurse/transport/pathEnds.h"
 #include "recurse/transport/photonGuidance.h"
@@ -72,7 +71,13 @@ class VirtualPointLights final : public Integrator {
     virtualLights.clear();
     arena.reset();
     if (scene.lights().size() == 0 || !joinsVirtualLights(classes)) return statistics;
-    if (pass.index == 0) learnGuide(scene, classes, pass, control, statistics);
+    if (pass.index == 0) {
+      guide = learnEmissionGuide(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
+      if (guide.active())
+        statistics.notes.push_back(formatted(
+            "virtual lights: sent where the eye looks, each worth %.3g times what it is worth without",
+            guide.gain()));
+    }
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i)
       trace(scene, classes, pass,
             Sampler(hashCombine(pass.seed, pass.index), VIRTUAL_LIGHT_STREAM, static_cast<uint32_t>(i)),
@@ -120,23 +125,6 @@ class VirtualPointLights final : public Integrator {
   }
 
  private:
-  /** Of a sun or sky outside hardly a path comes into a room: they are sent where the eye looks. */
-  void learnGuide(const Scene& scene, const PathClasses& classes, const Pass& pass,
-                  const ForwardControl& control, ForwardStatistics& statistics) {
-    constexpr uint64_t TRIALS = 32768; // a round
-    ShootSettings trial;
-    trial.photons = TRIALS;
-    trial.maxDepth = settings.maxDepth;
-    const VisibleRegion region = probeRegion(scene, {}, statistics.counts);
-    constexpr bool WITH_TARGETS = false;
-    guide = learnGuidance(scene, classes, pass.seed, trial, region, control, statistics.counts, WITH_TARGETS)
-                .emission;
-    if (guide.active())
-      statistics.notes.push_back(formatted(
-          "virtual lights: sent where the eye looks, each worth %.3g times what it is worth without",
-          guide.gain()));
-  }
-
   void trace(const Scene& scene, const PathClasses& classes, const Pass& pass, Sampler sampler,
              TransportCounts& counts) {
     Walker<LightState> walker(scene, classes, counts, settings.maxDepth);

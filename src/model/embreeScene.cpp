@@ -358,7 +358,7 @@ void EmbreeScene::complete(const PositionHit& met, float time, Wanted wanted, Hi
   hit.material = g.compound ? g.shape->materialAt(met.parameters) : g.material;
   hit.areaLight = g.light;
   hit.lightIndex = g.lightIndex;
-  hit.mesh = g.meshIndex;
+  hit.shape = g.shapeIndex;
   hit.media = g.media;
   hit.object = instance ? instance->object : g.object;
 }

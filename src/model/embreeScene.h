@@ -26,7 +26,7 @@ struct SceneGeometry {
   const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
   const CurveShape* curve = nullptr;  ///< the same
   bool compound = false;              ///< the shape's components have materials of their own
-  int meshIndex = -1;                 ///< Hit::mesh
+  int shapeIndex = -1;                ///< Hit::shape
   uint32_t object = 0;                ///< Hit::object, where it is no part of an instance
 };
 

@@ -130,6 +130,21 @@ float MappedShape::pdfArea(uint32_t, const SurfacePoint& point) const {
   return static_cast<float>(glm::length(glm::transpose(linear) * normal) / (ownArea * determinant));
 }
 
+FacePoint MappedShape::facePointOf(uint32_t, const SurfacePoint& point) const {
+  const Vec3d own = inverse * (Vec3d(point.position) - center);
+  FacePoint nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (uint32_t part = 0; part < areas.size(); ++part) {
+    if (!(areas[part] > 0)) continue;
+    const OwnPoint p = ownPoint(part, own);
+    const double distance = glm::length(p.position - own);
+    if (!(distance < least)) continue;
+    least = distance;
+    nearest = {part, p.uv};
+  }
+  return nearest;
+}
+
 class MappedShape::MappedSolid final : public Solid {
  public:
   explicit MappedSolid(const MappedShape& shape) : shape(shape) {}

@@ -243,9 +243,9 @@ class SceneBuilder {
         SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get(), p.media};
         if (i == 0) g.object = objects.objectAtTop(p.from, p.partOf);
         if (light != lightOf.end()) std::tie(g.light, g.lightIndex) = light->second;
-        if (const TriangleMesh* mesh = p.shape->triangleMesh(); mesh && i == 0) {
-          g.meshIndex = static_cast<int>(scene->sceneMeshes.size());
-          scene->sceneMeshes.push_back({mesh, p.material});
+        if (i == 0) {
+          g.shapeIndex = static_cast<int>(scene->sceneShapes.size());
+          scene->sceneShapes.push_back({p.shape, p.material});
         }
         isKept ? tree->update(k, g) : tree->add(g);
       }

@@ -22,6 +22,18 @@ struct Patch {
   Vec3d across(double u, double v) const { return glm::cross(dpdu(v), dpdv(u)); }
   bool isParallelogram() const { return twist == Vec3d(0); }
 
+  Vec2d coordinatesOf(const SurfacePoint& point) const {
+    // The patch is met close by along the normal, a little beyond the edges by rounding.
+    double nearest = std::numeric_limits<double>::infinity();
+    Vec2d uv(0.5);
+    intersectPosition(point.position, point.geometricNormal, 0.01, [&](double t, double u, double v) {
+      if (std::abs(t) >= nearest) return;
+      nearest = std::abs(t);
+      uv = {u, v};
+    });
+    return uv;
+  }
+
   /**
    * Calls visit(t, u, v) for each meeting with the line origin + t·direction where u and v are in [0, 1] or
    * `beyond` it.
@@ -231,15 +243,16 @@ class BilinearMesh final : public Shape {
   float pdfArea(uint32_t primitive, const SurfacePoint& point) const override {
     const Patch p = patch(primitive);
     if (p.isParallelogram()) return 1 / area();
-    // Which (u, v) is it? The patch is met close by along the normal, a little beyond the edges by rounding.
-    double nearest = std::numeric_limits<double>::infinity(), atU = 0.5, atV = 0.5;
-    p.intersectPosition(point.position, point.geometricNormal, 0.01, [&](double t, double u, double v) {
-      if (std::abs(t) >= nearest) return;
-      nearest = std::abs(t);
-      atU = u;
-      atV = v;
-    });
-    return pdfAt(primitive, p, atU, atV);
+    const Vec2d uv = p.coordinatesOf(point);
+    return pdfAt(primitive, p, uv.x, uv.y);
+  }
+
+  uint32_t faceCount() const override { return primitiveCount(); }
+  SurfacePoint pointOnFace(const FacePoint& p) const override {
+    return pointAt(p.face, patch(p.face), p.uv.x, p.uv.y);
+  }
+  FacePoint facePointOf(uint32_t primitive, const SurfacePoint& point) const override {
+    return {primitive, patch(primitive).coordinatesOf(point)};
   }
 
  private:

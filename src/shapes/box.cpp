@@ -65,6 +65,10 @@ class Box final : public MappedShape {
     return s;
   }
 
+  std::optional<Vec3d> pointOfPart(uint32_t part, const Vec2d& uv) const override {
+    return ownSample(part, uv);
+  }
+
   Vec3d ownSample(uint32_t part, const Vec2d& u) const override {
     const auto axis = static_cast<int>(part / 2);
     Vec3d p;

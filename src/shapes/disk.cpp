@@ -76,13 +76,19 @@ class Disk final : public Shape {
 
   std::vector<RimPiece> rim() const override {
     const auto point = [&](double u, double v) {
-      const double r = inner + (1 - inner) * v, phi = phiMax * u;
-      return center + axisX * (r * std::cos(phi)) + axisY * (r * std::sin(phi));
+      const Vec2d p = unitPointAt(u, 1 - v);
+      return center + axisX * p.x + axisY * p.y;
     };
     const bool isPartial = phiMax < TWO_PI;
     const bool hasHole = inner > 0;
     return rimOfSweep(point, isPartial, hasHole, true);
   }
+
+  uint32_t faceCount() const override { return 1; }
+  SurfacePoint pointOnFace(const FacePoint& p) const override {
+    return surfaceAt(0, HitParameters(Vec2f(unitPointAt(p.uv.x, p.uv.y))));
+  }
+  FacePoint facePointOf(uint32_t, const SurfacePoint& point) const override { return {0, point.uv}; }
 
   ShapeSample sampleArea(float, const Vec2f& u) const override {
     ShapeSample s;
@@ -100,6 +106,11 @@ class Disk final : public Shape {
   }
 
  private:
+  /** The place on the unit disc. */
+  Vec2d unitPointAt(double u, double v) const {
+    const double r = 1 - (1 - inner) * v, phi = phiMax * u;
+    return {r * std::cos(phi), r * std::sin(phi)};
+  }
   static double azimuth(double x, double y) {
     const double phi = std::atan2(y, x);
     return phi < 0 ? phi + TWO_PI : phi;

@@ -56,20 +56,16 @@ class RevolvedQuadric final : public MappedShape {
   }
 
   std::vector<RimPiece> rim() const override {
-    const auto at = [&](double u, double z, double rho) {
-      const double phi = phiMax * u + azimuthOfLine(z);
-      return inScene({rho * std::cos(phi), rho * std::sin(phi), z});
-    };
     const auto side = [&](double u, double v) {
       const double z = profile.zLow + (profile.zHigh - profile.zLow) * v;
-      return at(u, z, profile.radius(z));
+      return inScene(around(u, z, profile.radius(z)));
     };
     std::vector<RimPiece> pieces =
         rimOfSweep(side, phiMax < TWO_PI, !capped && profile.radius(profile.zLow) > 0,
                    !capped && profile.radius(profile.zHigh) > 0);
     if (capped && phiMax < TWO_PI)
       for (const double z : {profile.zLow, profile.zHigh}) {
-        const auto cap = [&](double u, double v) { return at(u, z, profile.radius(z) * v); };
+        const auto cap = [&](double u, double v) { return inScene(around(u, z, profile.radius(z) * v)); };
         const std::vector<RimPiece> more = rimOfSweep(cap, true, false, false);
         pieces.insert(pieces.end(), more.begin(), more.end());
       }
@@ -185,6 +181,16 @@ class RevolvedQuadric final : public MappedShape {
     return s;
   }
 
+  std::optional<Vec3d> pointOfPart(uint32_t part, const Vec2d& uv) const override {
+    if (part == SIDE) {
+      const double w = (uv.y - coordinates.vLow) / (coordinates.vHigh - coordinates.vLow);
+      const double z = profile.zLow + (profile.zHigh - profile.zLow) * w;
+      return around(uv.x, z, profile.radius(z));
+    }
+    const double z = part == LOW_CAP ? profile.zLow : profile.zHigh;
+    return around(uv.x, z, profile.radius(z) * (1 - uv.y));
+  }
+
   Vec3d ownSample(uint32_t part, const Vec2d& u) const override {
     double z, rho;
     if (part == SIDE) {
@@ -194,8 +200,7 @@ class RevolvedQuadric final : public MappedShape {
       z = part == LOW_CAP ? profile.zLow : profile.zHigh;
       rho = profile.radius(z) * std::sqrt(u.x);
     }
-    const double phi = phiMax * u.y + azimuthOfLine(z);
-    return {rho * std::cos(phi), rho * std::sin(phi), z};
+    return around(u.y, z, rho);
   }
 
   std::string whyOpen() const override {
@@ -219,6 +224,10 @@ class RevolvedQuadric final : public MappedShape {
     return 2;
   }
 
+  Vec3d around(double u, double z, double rho) const {
+    const double phi = phiMax * u + azimuthOfLine(z);
+    return {rho * std::cos(phi), rho * std::sin(phi), z};
+  }
   double azimuthOfLine(double z) const {
     const Vec2d line = coordinates.line0 + coordinates.line1 * z;
     return std::atan2(line.y, line.x);

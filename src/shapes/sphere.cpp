@@ -113,15 +113,15 @@ class Sphere final : public Shape {
   }
 
   std::vector<RimPiece> rim() const override {
-    const auto point = [&](double u, double v) {
-      const double theta = thetaLow + (thetaHigh - thetaLow) * v, phi = sweep.phiMax * u;
-      return center + linear * Vec3d(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi),
-                                     std::cos(theta));
-    };
+    const auto point = [&](double u, double v) { return center + linear * unitPointAt(u, v); };
     const bool isPartial = sweep.phiMax < 2 * PI_D;
     const bool isCutBelow = sweep.zLow > -1;
     return rimOfSweep(point, isPartial, isCutBelow, sweep.zHigh < 1);
   }
+
+  uint32_t faceCount() const override { return 1; }
+  SurfacePoint pointOnFace(const FacePoint& p) const override { return pointAt(unitPointAt(p.uv.x, p.uv.y)); }
+  FacePoint facePointOf(uint32_t, const SurfacePoint& point) const override { return {0, point.uv}; }
 
   ShapeSample sampleArea(float, const Vec2f& u) const override {
     const double z = sweep.zLow + (sweep.zHigh - sweep.zLow) * double(u.x), phi = sweep.phiMax * double(u.y);
@@ -224,6 +224,12 @@ class Sphere final : public Shape {
   static double oneMinusCosine(double sin2) { return sin2 / (1 + std::sqrt(1 - sin2)); }
   static float conePdf(double sin2Max) {
     return static_cast<float>(1 / (2 * PI_D * oneMinusCosine(sin2Max)));
+  }
+
+  /** Of the unit sphere. */
+  Vec3d unitPointAt(double u, double v) const {
+    const double theta = thetaLow + (thetaHigh - thetaLow) * v, phi = sweep.phiMax * u;
+    return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
   }
 
   SurfacePoint placeAt(const Vec3d& unit) const {

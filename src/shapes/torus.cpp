@@ -22,10 +22,7 @@ class Torus final : public MappedShape {
   }
 
   std::vector<RimPiece> rim() const override {
-    const auto point = [&](double u, double v) {
-      const double phi = phiMax * u, psi = TWO_PI * v, rho = major + minor * std::cos(psi);
-      return inScene({rho * std::cos(phi), rho * std::sin(phi), minor * std::sin(psi)});
-    };
+    const auto point = [&](double u, double v) { return inScene(*pointOfPart(0, {u, v})); };
     return rimOfSweep(point, phiMax < TWO_PI, false, false);
   }
 
@@ -71,6 +68,11 @@ class Torus final : public MappedShape {
     const double theta = std::atan2(unit.y, unit.x);
     s.uv = glm::clamp(Vec2d(azimuth(near) / phiMax, (theta < 0 ? theta + TWO_PI : theta) / TWO_PI), 0.0, 1.0);
     return s;
+  }
+
+  std::optional<Vec3d> pointOfPart(uint32_t, const Vec2d& uv) const override {
+    const double phi = phiMax * uv.x, psi = TWO_PI * uv.y, rho = major + minor * std::cos(psi);
+    return Vec3d(rho * std::cos(phi), rho * std::sin(phi), minor * std::sin(psi));
   }
 
   Vec3d ownSample(uint32_t, const Vec2d& u) const override {

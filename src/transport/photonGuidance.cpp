@@ -8,6 +8,7 @@
 #include <span>
 
 #include "recurse/core/parallel.h"
+#include "recurse/transport/cameraProbe.h"
 #include "recurse/transport/photonWalk.h"
 
 namespace recurse {
@@ -221,6 +222,17 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   guidance.targets = trial.targets;
   guidance.splitPower = splitPowerOf(std::move(last.powers), trial.photons);
   return guidance;
+}
+
+EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
+                                 const ForwardControl& control, TransportCounts& counts) {
+  constexpr uint64_t TRIALS = 32768; // a round
+  constexpr bool WITH_TARGETS = false;
+  ShootSettings trial;
+  trial.photons = TRIALS;
+  trial.maxDepth = maxDepth;
+  const VisibleRegion region = probeRegion(scene, {}, counts);
+  return learnGuidance(scene, classes, seed, trial, region, control, counts, WITH_TARGETS).emission;
 }
 
 } // namespace recurse

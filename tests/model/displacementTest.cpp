@@ -23,7 +23,12 @@ std::unique_ptr<Scene> sceneOf(const std::string& text, std::string* messages = 
   return scene;
 }
 
-const TriangleMesh& meshOf(const Scene& scene) { return *scene.meshes().at(0).mesh; }
+/** The first mesh. */
+const TriangleMesh& meshOf(const Scene& scene) {
+  for (const SceneShape& s : scene.shapes())
+    if (const TriangleMesh* mesh = s.shape->triangleMesh()) return *mesh;
+  throw std::runtime_error("the scene has no mesh");
+}
 
 /** Calls visit(a, b) for each side of each triangle. */
 template <class F> void forEdges(const TriangleMesh& mesh, const F& visit) {

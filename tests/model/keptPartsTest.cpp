@@ -40,7 +40,7 @@ void expectTheSame(const Scene& a, const Scene& b) {
     EXPECT_EQ(x.point.position, y.point.position);
     EXPECT_EQ(x.point.geometricNormal, y.point.geometricNormal);
     EXPECT_EQ(x.lightIndex, y.lightIndex);
-    EXPECT_EQ(x.mesh, y.mesh);
+    EXPECT_EQ(x.shape, y.shape);
     EXPECT_EQ(a.materialName(x.material), b.materialName(y.material));
     EXPECT_EQ(!x.areaLight, !y.areaLight);
   }

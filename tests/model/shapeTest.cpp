@@ -109,6 +109,48 @@ TEST(Shape, TangentsFollowTheSurface) {
   }
 }
 
+/** Each point of a surface lies on one of its faces, by coordinates that lead back to it, and so do all
+ * points of the faces: they are as large as the surface. */
+TEST(Shape, FacesCoverTheSurfaceOnce) {
+  Random random(14);
+  int shapesWithFaces = 0;
+  for (const Specimen& s : specimens(Transforms::FEW)) {
+    const uint32_t faces = s.shape->faceCount();
+    if (faces == 0) continue;
+    ++shapesWithFaces;
+    const auto distance = [](const Vec3f& a, const Vec3f& b) { return double(glm::length(a - b)); };
+    const double tolerance = 1e-5 * (s.radius() + glm::length(s.center()));
+    for (int i = 0; i < 500; ++i) {
+      const auto [origin, direction] = randomLine(random, s);
+      for (const Meeting& m : allMeetings(*s.shape, origin, direction)) {
+        const SurfacePoint p = s.shape->surfaceAt(m.primitive, m.parameters);
+        const FacePoint f = s.shape->facePointOf(m.primitive, p);
+        ASSERT_LT(f.face, faces) << s.name;
+        EXPECT_TRUE(f.uv.x >= 0 && f.uv.x <= 1 && f.uv.y >= 0 && f.uv.y <= 1) << s.name;
+        const SurfacePoint again = s.shape->pointOnFace(f);
+        expectSound(again, s.name);
+        EXPECT_LT(distance(again.position, p.position), tolerance) << s.name;
+        EXPECT_GT(glm::dot(again.geometricNormal, p.geometricNormal), 0.99f) << s.name;
+      }
+    }
+    constexpr int GRID = 48; // a polygon of so many sides lacks .3 % of its circle
+    double area = 0;
+    for (uint32_t face = 0; face < faces; ++face) {
+      std::vector<Vec3d> grid;
+      for (int i = 0; i <= GRID; ++i)
+        for (int j = 0; j <= GRID; ++j)
+          grid.emplace_back(s.shape->pointOnFace({face, Vec2d(i, j) / double(GRID)}).position);
+      for (size_t k = 0; k + GRID + 2 < grid.size(); ++k) {
+        if (k % (GRID + 1) == GRID) continue;
+        const Vec3d &a = grid[k], &b = grid[k + 1], &c = grid[k + GRID + 1], &d = grid[k + GRID + 2];
+        area += glm::length(glm::cross(b - a, c - a)) / 2 + glm::length(glm::cross(b - d, c - d)) / 2;
+      }
+    }
+    EXPECT_NEAR(area, double(s.shape->area()), 0.005 * area) << s.name;
+  }
+  EXPECT_GT(shapesWithFaces, 30);
+}
+
 TEST(Shape, SamplesByAreaFollowTheirDensity) {
   Random random(4);
   for (const Specimen& s : sampledSpecimens()) {

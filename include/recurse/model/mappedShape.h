@@ -22,6 +22,13 @@ class MappedShape : public Shape {
   ShapeSample sampleArea(float pick, const Vec2f& u) const override;
   float pdfArea(uint32_t, const SurfacePoint& point) const override;
   std::unique_ptr<Solid> asSolid() const override;
+  uint32_t faceCount() const override {
+    return pointOfPart(0, Vec2d(0.5)) ? static_cast<uint32_t>(areas.size()) : 0;
+  }
+  SurfacePoint pointOnFace(const FacePoint& p) const override {
+    return toScene(ownPoint(p.face, *pointOfPart(p.face, p.uv)));
+  }
+  FacePoint facePointOf(uint32_t, const SurfacePoint& point) const override;
 
  protected:
   /** A line through the own space. What lies outside of tMin to tMax need not be found, nor what lies behind
@@ -77,6 +84,8 @@ class MappedShape : public Shape {
   virtual OwnPoint ownPoint(uint32_t part, const Vec3d& near) const = 0;
   /** From the unit square to a part, uniform by area in the own space. */
   virtual Vec3d ownSample(uint32_t part, const Vec2d& u) const = 0;
+  /** The point of a part with these coordinates, where each is covered once by them. */
+  virtual std::optional<Vec3d> pointOfPart(uint32_t /*part*/, const Vec2d& /*uv*/) const { return {}; }
   Vec3d inScene(const Vec3d& own) const { return center + linear * own; }
   /** What is missing for the shape to be a solid; empty: nothing. */
   virtual std::string whyOpen() const = 0;

@@ -32,14 +32,14 @@ struct Hit {
   const Material* material = nullptr;   ///< null: the surface does not scatter
   const AreaLight* areaLight = nullptr; ///< null: the surface does not emit
   uint32_t lightIndex = 0;              ///< of areaLight in the light table
-  int mesh = -1;                        ///< in Scene::meshes(); -1: another shape, or a part of an instance
+  int shape = -1;                       ///< in Scene::shapes(); -1: a part of an instance
   MediumInterface media;                ///< on both sides, where the surface is their boundary
   uint32_t object = 0;                  ///< by Scene::objectName()
 };
 
-/** A triangle mesh at rest that is no part of an instance. */
-struct SceneMesh {
-  const TriangleMesh* mesh = nullptr;
+/** A shape at rest that is no part of an instance. */
+struct SceneShape {
+  const Shape* shape = nullptr;
   const Material* material = nullptr; ///< null: it does not scatter
 };
 
@@ -126,7 +126,7 @@ class Scene {
   const std::vector<const EnvironmentLight*>& environment() const { return environmentLights; }
   /** Index in lights() of environment()[i]. */
   const std::vector<uint32_t>& environmentIndices() const { return environmentLightIndices; }
-  const std::vector<SceneMesh>& meshes() const { return sceneMeshes; }
+  const std::vector<SceneShape>& shapes() const { return sceneShapes; }
   const SceneBounds& bounds() const { return sceneBounds; }
   /** World coordinates of the scene's origin: what was taken off every position. */
   const Vec3d& origin() const { return sceneOrigin; }
@@ -167,7 +167,7 @@ class Scene {
   LightTable lightTable;
   std::vector<const EnvironmentLight*> environmentLights;
   std::vector<uint32_t> environmentLightIndices;
-  std::vector<SceneMesh> sceneMeshes;
+  std::vector<SceneShape> sceneShapes;
   SceneBounds sceneBounds;
   Vec3d sceneOrigin{0};
   SceneContents sceneContents;

@@ -103,6 +103,12 @@ struct ShapeSample {
   uint32_t primitive = 0;
 };
 
+/** A place on one of a shape's faces, each of which coordinates in the unit square cover once. */
+struct FacePoint {
+  uint32_t face = 0;
+  Vec2d uv{0};
+};
+
 /** A piece of the edge where a surface ends. */
 struct RimPiece {
   Vec3f from, to;
@@ -144,6 +150,13 @@ class Shape {
   virtual std::optional<ShapeSample> sampleDirection(const Vec3f& from, float pick, const Vec2f& u) const;
   /** The density of sampleDirection for a point of a primitive that is seen from `from`. */
   virtual float pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const;
+
+  /** How many faces make up the surface, for what divides it evenly; 0: it does not consist of such, or of
+   * triangles. */
+  virtual uint32_t faceCount() const { return 0; }
+  virtual SurfacePoint pointOnFace(const FacePoint&) const { return {}; }
+  /** Where a point of a primitive lies. */
+  virtual FacePoint facePointOf(uint32_t /*primitive*/, const SurfacePoint&) const { return {}; }
 
   /** The mesh itself when the shape is one, so that Embree can have its triangles. */
   virtual const TriangleMesh* triangleMesh() const { return nullptr; }

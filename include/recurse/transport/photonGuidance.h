@@ -29,4 +29,9 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts, bool targets = true);
 
+/** For light paths of which no photon map is made: where those start that come to where the eye looks. Of a
+ * sun or sky outside hardly any other comes into a room. `maxDepth` as of ShootSettings. */
+EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
+                                 const ForwardControl& control, TransportCounts& counts);
+
 } // namespace recurse
