@@ -154,7 +154,7 @@ TEST(Directives, ObjectsStandInObjects) {
   const std::string text = R"(WorldBegin
     ObjectBegin "leaf" Scale 2 2 2 Shape "a" ObjectEnd
     ObjectBegin "twig" AttributeBegin Translate 0 1 0 Scale -1 1 1 ObjectInstance "leaf" AttributeEnd ObjectEnd
-    ObjectBegin "tree" Shape "trunk" Translate 0 0 5 ObjectInstance "twig" ObjectInstance "leaf" ObjectEnd
+    ObjectBegin "tree" Shape "trunk" Translate 3 0 5 ObjectInstance "twig" ObjectInstance "leaf" ObjectEnd
     )";
   const SceneDescription s = parseGood(text + "Translate 100 0 0 ObjectInstance \"tree\"");
   // Where the points of the leaves come to, in the space of their shapes, and nothing else is placed.
@@ -168,8 +168,8 @@ TEST(Directives, ObjectsStandInObjects) {
   }
   EXPECT_EQ(s.instances.size(), 3u);
   ASSERT_EQ(leaves.size(), 2u);
-  EXPECT_EQ(leaves[0], Vec3d(98, 5, 11));
-  EXPECT_EQ(leaves[1], Vec3d(102, 4, 11));
+  EXPECT_EQ(leaves[0], Vec3d(101, 5, 11));
+  EXPECT_EQ(leaves[1], Vec3d(105, 4, 11));
 
   // What moves, and what a solid is made of, is one object with all of it.
   const SceneDescription moving =
@@ -178,7 +178,7 @@ TEST(Directives, ObjectsStandInObjects) {
   ASSERT_EQ(moving.instances.size(), 1u);
   const ObjectDescription& whole = moving.objects.at(moving.instances[0].object);
   ASSERT_EQ(whole.shapes.size(), 3u);
-  EXPECT_EQ(transformPoint(whole.shapes[1].worldFromObject, {1, 2, 3}), Vec3d(-2, 5, 11));
+  EXPECT_EQ(transformPoint(whole.shapes[1].worldFromObject, {1, 2, 3}), Vec3d(1, 5, 11));
   const std::vector<std::string>& operands = moving.shapes.at(0).shape.parameters.at(0).strings;
   EXPECT_EQ(moving.objects.at(operands.at(0)).shapes.size(), 1u);
   EXPECT_EQ(operands.at(1), "leaf");
