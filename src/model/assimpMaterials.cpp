@@ -1,9 +1,8 @@
 /** @file
- * Translation of Assimp's materials into directives of scene files.
+ * Materials of models that Assimp has read.
  */
 #include "model/assimpMaterials.h"
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
@@ -15,8 +14,6 @@
 namespace recurse {
 
 namespace {
-
-constexpr const char* REMAP_OFF = " \"bool remaproughness\" false";
 
 double clamp01(double x) { return x > 0 ? std::min(x, 1.0) : 0; } // 0 for what is no number
 
@@ -49,6 +46,19 @@ std::string layout(const aiMaterial& m, aiTextureType type) {
   return text.empty() ? text : text.substr(1);
 }
 
+std::string spectrumParameter(const char* name, const AssimpValue& v) {
+  if (!v.texture.empty()) return std::string("\"texture ") + name + "\" " + sceneText(v.texture);
+  return std::string("\"rgb ") + name + "\" [ " +
+         sceneText(Vec3d(clamp01(v.factor.r), clamp01(v.factor.g), clamp01(v.factor.b))) + " ]";
+}
+
+std::string floatParameter(const char* name, const AssimpValue& v) {
+  if (!v.texture.empty()) return std::string("\"texture ") + name + "\" " + sceneText(v.texture);
+  return std::string("\"float ") + name + "\" " + sceneText(v.factor.r);
+}
+
+static constexpr const char* REMAP_OFF = " \"bool remaproughness\" false";
+
 std::string glass(const aiMaterial& m, double eta, const std::string& bumps) {
   const bool solid = number(m, AI_MATKEY_VOLUME_THICKNESS_FACTOR, 0) > 0;
   const double rough = number(m, AI_MATKEY_ROUGHNESS_FACTOR, 0);
@@ -59,24 +69,28 @@ std::string glass(const aiMaterial& m, double eta, const std::string& bumps) {
 
 } // namespace
 
-AssimpMaterials::AssimpMaterials(const Parameters& p, SceneImport& import, ImportWriter& out)
-    : p(p), import(import), out(out), path(p.filePath("filename")),
-      directory(std::filesystem::path(path).parent_path().string()), lightsWanted(p.boolean("lights")) {}
-
-void AssimpMaterials::use(const aiScene& model) {
-  scene = &model;
-  materials.assign(model.mNumMaterials, {});
+Rgbd colourOf(const aiColor3D& c) {
+  const auto component = [](float x) { return std::isfinite(x) ? double(x) : 0; };
+  return {component(c.r), component(c.g), component(c.b)};
 }
 
-const MeshMaterial& AssimpMaterials::at(unsigned index) {
-  MeshMaterial& m = materials[index];
+AssimpMaterials::AssimpMaterials(const aiScene& scene, const std::string& path, const Parameters& p,
+                                 SceneImport& import, ImportWriter& out)
+    : scene(scene), p(p), import(import), out(out), path(path),
+      directory(std::filesystem::path(path).parent_path().string()), lightsWanted(p.boolean("lights")),
+      materials(scene.mNumMaterials) {}
+
+const AssimpMaterials::Made& AssimpMaterials::at(unsigned index) {
+  Made& m = materials.at(index);
   if (!m.made) {
     m.made = true;
-    makeMaterial(*scene->mMaterials[index], m);
+    make(*scene.mMaterials[index], m);
   }
   return m;
 }
 
+/** The file of a material's picture, kept for the scene; empty where there is none. `wanted` becomes true
+ * where the material has one, found or not. */
 std::string AssimpMaterials::picture(const aiMaterial& m, aiTextureType type, bool& wanted) {
   aiString name;
   if (m.GetTexture(type, 0, &name) != AI_SUCCESS || name.length == 0) return {};
@@ -88,7 +102,7 @@ std::string AssimpMaterials::picture(const aiMaterial& m, aiTextureType type, bo
 }
 
 std::string AssimpMaterials::loadPicture(const std::string& name) {
-  if (const aiTexture* inside = scene->GetEmbeddedTexture(name.c_str())) return embedded(*inside);
+  if (const aiTexture* inside = scene.GetEmbeddedTexture(name.c_str())) return embedded(*inside);
   const std::string file = findModelFile(directory, name);
   if (!file.empty()) {
     try {
@@ -122,11 +136,11 @@ std::string AssimpMaterials::embedded(const aiTexture& texture) {
   return out.addFile("picture.tga", tga);
 }
 
-AssimpMaterials::Value AssimpMaterials::spectrumValue(const aiMaterial& m, aiTextureType type,
-                                                      const Rgbd& factor) {
+/** The colour `factor` times a picture. */
+AssimpValue AssimpMaterials::spectrumValue(const aiMaterial& m, aiTextureType type, const Rgbd& factor) {
   bool wanted = false;
   const std::string file = picture(m, type, wanted);
-  Value v{factor, ""};
+  AssimpValue v{factor, ""};
   if (!wanted) return v;
   if (file.empty()) return {Rgbd(1), out.missingTexture()};
   v.texture = out.imageTexture("spectrum", file, layout(m, type));
@@ -140,11 +154,12 @@ AssimpMaterials::Value AssimpMaterials::spectrumValue(const aiMaterial& m, aiTex
   return v;
 }
 
-AssimpMaterials::Value AssimpMaterials::channelValue(const aiMaterial& m, aiTextureType type,
-                                                     const char* channel, double factor) {
+/** One channel of a picture times a number. */
+AssimpValue AssimpMaterials::channelValue(const aiMaterial& m, aiTextureType type, const char* channel,
+                                          double factor) {
   bool wanted = false;
   const std::string file = picture(m, type, wanted);
-  Value v{Rgbd(factor), ""};
+  AssimpValue v{Rgbd(factor), ""};
   if (file.empty()) return v;
   std::string more = layout(m, type);
   more += (more.empty() ? "" : " ") + std::string("\"string encoding\" \"linear\" \"string channel\" \"") +
@@ -153,8 +168,9 @@ AssimpMaterials::Value AssimpMaterials::channelValue(const aiMaterial& m, aiText
   return v;
 }
 
+/** glTF's roughness is the square root of alpha, and so is pbrt's roughness alpha squared. */
 std::string AssimpMaterials::roughness(const aiMaterial& m, double factor) {
-  Value v = channelValue(m, aiTextureType_DIFFUSE_ROUGHNESS, "green", clamp01(factor));
+  AssimpValue v = channelValue(m, aiTextureType_DIFFUSE_ROUGHNESS, "green", clamp01(factor));
   if (v.texture.empty()) return "\"float roughness\" " + sceneText(v.factor.r * v.factor.r) + REMAP_OFF;
   const std::string squared = out.uniqueName(v.texture + "_squared");
   out.line("Texture " + sceneText(squared) + " \"float\" \"scale\" \"texture tex\" " + sceneText(v.texture) +
@@ -162,7 +178,7 @@ std::string AssimpMaterials::roughness(const aiMaterial& m, double factor) {
   return "\"texture roughness\" " + sceneText(squared) + REMAP_OFF;
 }
 
-void AssimpMaterials::makeMaterial(const aiMaterial& m, MeshMaterial& made) {
+void AssimpMaterials::make(const aiMaterial& m, Made& made) {
   aiColor4D base4(1, 1, 1, 1);
   const bool isPhysical = m.GetTextureCount(aiTextureType_BASE_COLOR) > 0 ||
                           get(m, AI_MATKEY_BASE_COLOR, base4) || get(m, AI_MATKEY_ROUGHNESS_FACTOR, base4.r);
@@ -200,10 +216,10 @@ std::string AssimpMaterials::metalAndRoughness(const aiMaterial& m, const std::s
                                                const std::string& bumps) {
   aiColor4D base(1, 1, 1, 1);
   if (!get(m, AI_MATKEY_BASE_COLOR, base)) get(m, AI_MATKEY_COLOR_DIFFUSE, base);
-  const Value colour = spectrumValue(m, colourType, Rgbd(base.r, base.g, base.b));
+  const AssimpValue colour = spectrumValue(m, colourType, colourOf({base.r, base.g, base.b}));
   const std::string reflectance = spectrumParameter("reflectance", colour);
   const std::string rough = " " + roughness(m, number(m, AI_MATKEY_ROUGHNESS_FACTOR, 1));
-  const Value metal =
+  const AssimpValue metal =
       channelValue(m, aiTextureType_METALNESS, "blue", clamp01(number(m, AI_MATKEY_METALLIC_FACTOR, 1)));
   const std::string coat = "\"plastic\" \"float eta\" " + sceneText(eta) + " " + reflectance + rough;
   const std::string conductor = "\"conductor\" " + reflectance + rough;
@@ -216,8 +232,9 @@ std::string AssimpMaterials::metalAndRoughness(const aiMaterial& m, const std::s
          floatParameter("amount", metal) + bumps;
 }
 
+/** Phong's model and its relatives. */
 std::string AssimpMaterials::classic(const aiMaterial& m, aiTextureType colourType, double eta,
-                                     const std::string& bumps, MeshMaterial& made) {
+                                     const std::string& bumps, Made& made) {
   aiColor3D diffuse(0.6f, 0.6f, 0.6f), specular(0, 0, 0);
   get(m, AI_MATKEY_COLOR_DIFFUSE, diffuse);
   get(m, AI_MATKEY_COLOR_SPECULAR, specular);
@@ -244,7 +261,7 @@ std::string AssimpMaterials::classic(const aiMaterial& m, aiTextureType colourTy
   return "Material \"plastic\" \"float eta\" " + sceneText(eta) + " " + reflectance + rough + bumps;
 }
 
-void AssimpMaterials::readAlpha(const aiMaterial& m, aiTextureType colourType, MeshMaterial& made) {
+void AssimpMaterials::readAlpha(const aiMaterial& m, aiTextureType colourType, Made& made) {
   if (made.directive.find("dielectric\"") != std::string::npos) return;
   double opacity = clamp01(number(m, AI_MATKEY_OPACITY, 1));
   if (opacity == 0) opacity = 1; // writers disagree on its sense, and nobody models what cannot be seen
@@ -269,7 +286,8 @@ void AssimpMaterials::readAlpha(const aiMaterial& m, aiTextureType colourType, M
   if (opacity < 1) made.shapeParameters = "\"float alpha\" " + sceneText(opacity);
 }
 
-bool AssimpMaterials::hasAlpha(const std::string& file) {
+/** A picture without that channel is opaque. */
+bool AssimpMaterials::hasAlpha(const std::string& file) const {
   try {
     return readImage({file, import.files.at(file)}).channel("A") >= 0;
   } catch (const Error&) {
@@ -277,7 +295,7 @@ bool AssimpMaterials::hasAlpha(const std::string& file) {
   }
 }
 
-void AssimpMaterials::readEmission(const aiMaterial& m, MeshMaterial& made) {
+void AssimpMaterials::readEmission(const aiMaterial& m, Made& made) {
   aiColor3D colour(0, 0, 0);
   get(m, AI_MATKEY_COLOR_EMISSIVE, colour);
   double strength = number(m, AI_MATKEY_EMISSIVE_INTENSITY, 1);
@@ -296,17 +314,6 @@ void AssimpMaterials::readEmission(const aiMaterial& m, MeshMaterial& made) {
                    (twoSided ? " \"bool twosided\" true" : "") + "\n";
   import.hasLights = true;
   ++emitters;
-}
-
-std::string AssimpMaterials::spectrumParameter(const char* name, const Value& v) {
-  if (!v.texture.empty()) return std::string("\"texture ") + name + "\" " + sceneText(v.texture);
-  return std::string("\"rgb ") + name + "\" [ " +
-         sceneText(Vec3d(clamp01(v.factor.r), clamp01(v.factor.g), clamp01(v.factor.b))) + " ]";
-}
-
-std::string AssimpMaterials::floatParameter(const char* name, const Value& v) {
-  if (!v.texture.empty()) return std::string("\"texture ") + name + "\" " + sceneText(v.texture);
-  return std::string("\"float ") + name + "\" " + sceneText(v.factor.r);
 }
 
 } // namespace recurse

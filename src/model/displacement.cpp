@@ -264,7 +264,7 @@ std::vector<ParameterSpec> withDisplacement(std::vector<ParameterSpec> own) {
            .withTexture(),
        realParameter("edgelength", "",
                      "edges of a displaced surface are divided until they are no longer [scene units]; "
-                     "when absent, until they are shorter than a pixel where they are seen")
+                     "when absent, until they look shorter than a pixel")
            .positive(),
        ignoredParameter(ParameterType::BOOLEAN, "uvdisplacement", "of pbrt's displacement")});
   return own;

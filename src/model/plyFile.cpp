@@ -18,7 +18,7 @@ class PlyReader {
  public:
   explicit PlyReader(const FileReference& file) : in(file), header(readPlyHeader(in)) {}
 
-  PlyMesh read() {
+  PlyFile read() {
     for (const PlyElement& e : header.elements) {
       if (&e == &header.vertexElement())
         readVertices();
@@ -28,6 +28,8 @@ class PlyReader {
         skipElement(e);
     }
     refuseBrokenCorners();
+    for (const auto& [vertex, what] : broken) // where it does not widen the bounds
+      mesh.positions[vertex] = mesh.positions[mesh.triangles.at(0).x];
     return {std::move(mesh), badNormals, broken.size()};
   }
 
@@ -251,6 +253,13 @@ class PlyReader {
 
 } // namespace
 
-PlyMesh readPlyMesh(const FileReference& file) { return PlyReader(file).read(); }
+PlyFile readPly(const FileReference& file) {
+  try {
+    return PlyReader(file).read();
+  } catch (const Error& e) {
+    const std::string what = e.what();
+    throw Error(what.rfind(file.path, 0) == 0 ? what : file.path + ": " + what);
+  }
+}
 
 } // namespace recurse

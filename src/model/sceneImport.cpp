@@ -267,7 +267,7 @@ class ImportExpander {
     for (auto& [name, o] : piece.objects)
       for (ShapeDescription& s : o.shapes) adopt(s, at);
     for (InstanceDescription& i : piece.instances) {
-      if (object) { // objects do not nest
+      if (object) { // the parser has dealt with objects in objects
         for (ShapeDescription s : piece.objects.at(i.object).shapes) {
           move(s, i.worldFromInstance, std::nullopt);
           move(s, at.worldFromObject, at.worldFromObjectLast);

@@ -12,7 +12,10 @@ PixelWidths::PixelWidths(std::unique_ptr<Camera> given, const FilmSettings& film
   const auto ray = [&](const Vec2d& place) {
     return camera->sampleRay({Vec2f(place), Vec2f(0.5f), camera->timeAt(0)});
   };
-  if (const auto middle = ray(size * 0.5)) eye = Vec3d(middle->origin);
+  if (const auto middle = ray(size * 0.5)) {
+    eye = Vec3d(middle->origin);
+    forward = Vec3d(middle->direction);
+  }
   for (int y = 0; y < GRID; ++y)
     for (int x = 0; x < GRID; ++x) {
       const Vec2d place = Vec2d(x, y) / double(GRID - 1) * (size - 1.0);
@@ -46,8 +49,17 @@ double PixelWidths::alongEdge(const Vec3d& a, const Vec3d& b) const {
   const Vec3d along = b - a;
   const double length2 = glm::dot(along, along);
   const double nearest = length2 > 0 ? std::clamp(glm::dot(eye - a, along) / length2, 0.0, 1.0) : 0;
-  const double width = offset + angle * glm::length(a + along * nearest - eye);
-  return width * std::min({slack(a), slack(b), slack(0.5 * (a + b))});
+  const Vec3d towards = a + along * nearest - eye;
+  const double width = offset + angle * glm::length(towards);
+  return width * foreshortening(along, offset > 0 ? forward : towards) *
+         std::min({slack(a), slack(b), slack(0.5 * (a + b))});
+}
+
+double PixelWidths::foreshortening(const Vec3d& along, const Vec3d& view) {
+  // What is raised between the ends of an edge is seen from the side, and must not be passed over.
+  constexpr double MOST = 4;
+  const double lengths = glm::length(along) * glm::length(view), seen = glm::length(glm::cross(along, view));
+  return lengths < MOST * seen ? lengths / seen : lengths > 0 ? MOST : 1;
 }
 
 ViewDicing::ViewDicing(const PixelWidths& pixels, std::vector<Mat4d> given)

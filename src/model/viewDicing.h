@@ -15,17 +15,19 @@ namespace recurse {
 class PixelWidths {
  public:
   PixelWidths(std::unique_ptr<Camera> camera, const FilmSettings& film);
-  /** The least along a way from a to b [world units]; greater where the film sees neither end nor the middle.
-   */
+  /** How long a way from a to b is that looks as long as a pixel is wide, at the least [world units]: longer
+   * where it is seen at a grazing angle, and where the film sees neither end nor the middle. */
   double alongEdge(const Vec3d& a, const Vec3d& b) const;
 
  private:
   /** By how much edges may be longer at a place because it is out of sight. */
   double slack(const Vec3d& place) const;
+  /** By how much an edge is longer than it is seen along `view`. */
+  static double foreshortening(const Vec3d& along, const Vec3d& view);
 
   std::unique_ptr<Camera> camera;
   Vec2d size; ///< of the film [pixels]
-  Vec3d eye{0};
+  Vec3d eye{0}, forward{0, 0, 1};
   double angle = 0, offset = 0; ///< between the rays of neighbouring pixels, and between their origins
 };
 

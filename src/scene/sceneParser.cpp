@@ -72,7 +72,8 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
       {"ObjectBegin", "\"name\"", IN_WORLD, "Begins an object: its shapes appear only where it is instanced.",
        &P::objectBegin},
       {"ObjectEnd", "", IN_WORLD, "Ends an object, and brings back what ObjectBegin saved.", &P::objectEnd},
-      {"ObjectInstance", "\"name\"", IN_WORLD, "Places an object by the current transform.",
+      {"ObjectInstance", "\"name\"", IN_WORLD,
+       "Places an object by the current transform, in the world or inside of another object.",
        &P::objectInstance},
       {"Option", "\"name\" value", ANYWHERE, "Sets an option of the renderer, see below.", &P::option},
       {"PixelFilter", "\"name\" parameters", BEFORE_WORLD, "The filter of the film's pixels.",
@@ -132,6 +133,7 @@ void SceneParser::parse(const Source& top) {
       return;
     }
     parseTokens(top);
+    nested.expand(scene, log);
     reportUnusedTracks();
     if (!inWorld) {
       SourceLocation where;

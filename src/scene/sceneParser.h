@@ -14,6 +14,7 @@
 
 #include "recurse/scene/reference.h"
 #include "recurse/scene/sceneDescription.h"
+#include "scene/nestedObjects.h"
 #include "scene/tokenStream.h"
 
 namespace recurse::sceneFile {
@@ -161,6 +162,7 @@ class SceneParser {
   std::map<std::pair<bool, std::string>, SourceLocation> textureNames;
   ObjectDescription* object = nullptr; ///< being defined
   ObjectDescription discarded;         ///< stands for an object that cannot be defined
+  NestedObjects nested;
   bool inWorld = false, assumedWorld = false, saidOld = false;
 };
 

@@ -5,30 +5,12 @@
 
 #include <glm/gtc/matrix_access.hpp>
 
+#include "recurse/core/affine.h"
 #include "scene/sceneParser.h"
 
 namespace recurse::sceneFile {
 
 namespace {
-
-bool isFiniteMatrix(const Mat4d& m) {
-  for (int c = 0; c < 4; ++c)
-    for (int r = 0; r < 4; ++r)
-      if (!std::isfinite(m[c][r])) return false;
-  return true;
-}
-
-/** Exact in its columns even for matrices whose determinant would underflow. */
-bool isInvertible(const Mat4d& m) {
-  Mat3d linear(m);
-  for (int c = 0; c < 3; ++c) {
-    const double size = std::max({std::abs(linear[c].x), std::abs(linear[c].y), std::abs(linear[c].z)});
-    if (!(size > 0)) return false;
-    linear[c] /= size;
-  }
-  // Below this the columns agree in all digits that a file could have.
-  return std::abs(glm::determinant(linear)) > 1e-14;
-}
 
 /** True for a matrix that does more than an affine one. Exporters write the last row with rounding errors of
  * the other numbers. */
@@ -52,7 +34,7 @@ Mat4d withoutProjection(Mat4d m) {
 /** What keeps a transform from placing anything; empty where nothing does. */
 Diagnostic faultOf(const Mat4d& m, const SourceLocation& where) {
   Diagnostic fault{Severity::ERROR, where, {}, {}};
-  if (!isFiniteMatrix(m)) {
+  if (!isFinite(m)) {
     fault.message = "the current transform overflows";
   } else if (isProjection(m)) {
     fault.message = "the current transform becomes a projection, which cannot place anything";
@@ -112,7 +94,7 @@ Mat4d SceneParser::takeMatrix(const Token& directive) {
   const std::vector<double> v = takeNumbers(directive, 16, "a matrix column by column");
   Mat4d m;
   for (int i = 0; i < 16; ++i) m[i / 4][i % 4] = v[static_cast<size_t>(i)];
-  return isFiniteMatrix(m) && !isProjection(m) ? withoutProjection(m) : m;
+  return isFinite(m) && !isProjection(m) ? withoutProjection(m) : m;
 }
 
 void SceneParser::setTransform(size_t i, const Mat4d& m, const SourceLocation& where) {

@@ -236,15 +236,18 @@ void SceneParser::objectEnd(const Token& t) {
 
 void SceneParser::objectInstance(const Token& t) {
   const Token name = takeString(t, "the name of an object");
-  if (object)
-    throw SceneError(t.location(),
-                     "ObjectInstance inside the object that began at " + placeName(object->location));
   InstanceDescription instance;
   instance.object = name.value();
   instance.location = name.location();
   instance.worldFromInstance = firstTransform(name.location());
   instance.worldFromInstanceLast = lastTransform();
-  scene.instances.push_back(std::move(instance));
+  if (!object)
+    scene.instances.push_back(std::move(instance));
+  else if (instance.worldFromInstanceLast)
+    log.error(instance.location, "an instance inside of an object does not move by itself",
+              "the whole's ObjectInstance under the motion");
+  else
+    nested.add(object->name, std::move(instance));
 }
 
 void SceneParser::import(const Token& t) {

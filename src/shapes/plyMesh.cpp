@@ -1,5 +1,5 @@
 /** @file
- * The shape of a PLY file.
+ * Triangle meshes from PLY files.
  */
 #include "model/plyFile.h"
 #include "recurse/model/displacement.h"
@@ -11,21 +11,15 @@ namespace {
 
 std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& context) {
   const FileReference file = p.file("filename");
-  const std::string& path = file.path;
   try {
-    PlyMesh read = readPlyMesh(file);
-    if (read.normalsLeftOut > 0)
-      p.warn("filename", path + ": " + std::to_string(read.normalsLeftOut) +
-                             " vertices have normals that are not finite; faces are shaded without them");
-    if (read.brokenVertices > 0)
-      p.warn("filename", path + ": " + std::to_string(read.brokenVertices) +
-                             " vertices are not finite; no face uses them");
-    return makeDisplacedMesh(std::move(read.mesh), p, context);
+    PlyFile ply = readPly(file);
+    ply.forWarnings([&](const std::string& what) { p.warn("filename", file.path + ": " + what); });
+    return makeDisplacedMesh(std::move(ply.mesh), p, context);
   } catch (const SceneError&) {
     throw;
   } catch (const Error& e) {
     const std::string what = e.what();
-    p.fail("filename", what.rfind(path, 0) == 0 ? what : path + ": " + what);
+    p.fail("filename", what.rfind(file.path, 0) == 0 ? what : file.path + ": " + what);
   }
 }
 

@@ -3,6 +3,8 @@
  */
 #include "model/importTesting.h"
 #include "model/shapeTesting.h"
+#include "model/viewDicing.h"
+#include "recurse/model/plugIns.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -90,13 +92,16 @@ TEST(Displacement, StaysClosedAndAsFineAtSeams) {
 }
 
 TEST(Displacement, EdgesAreShorterThanAPixelWhereTheyAreSeen) {
+  const Vec3d eye(0, -3, 1);
   const struct {
     const char* camera;
-    std::function<double(const Vec3d&)> pixel; ///< by the place
-  } views[] = {
-      {"LookAt 0 -3 1  0 0 0  0 0 1 Camera \"perspective\" \"float fov\" 40",
-       [](const Vec3d& p) { return glm::length(p - Vec3d(0, -3, 1)) * 2 * std::tan(M_PI / 9) / 64; }},
-      {"LookAt 0 -3 1  0 0 0  0 0 1 Camera \"orthographic\"", [](const Vec3d&) { return 2.0 / 64; }}};
+    std::function<double(const Vec3d&)> pixel; ///< its width, by the place
+    std::function<Vec3d(const Vec3d&)> view;   ///< direction, by the place
+  } views[] = {{"LookAt 0 -3 1  0 0 0  0 0 1 Camera \"perspective\" \"float fov\" 40",
+                [&](const Vec3d& p) { return glm::length(p - eye) * 2 * std::tan(M_PI / 9) / 64; },
+                [&](const Vec3d& p) { return glm::normalize(p - eye); }},
+               {"LookAt 0 -3 1  0 0 0  0 0 1 Camera \"orthographic\"", [](const Vec3d&) { return 2.0 / 64; },
+                [&](const Vec3d&) { return glm::normalize(-eye); }}};
   for (const auto& view : views)
     for (const char* placed : {"", "Scale .3 .3 .3 ", "instance"}) {
       const bool instanced = placed == std::string("instance");
@@ -114,19 +119,44 @@ TEST(Displacement, EdgesAreShorterThanAPixelWhereTheyAreSeen) {
         EXPECT_LT(scene->contents().triangles, 40 * 64 * 64u);
         continue;
       }
-      double longest = 0, mean = 0;
+      double longest = 0, longestSeen = 0, mean = 0;
       size_t count = 0;
       forEdges(meshOf(*scene), [&](const Vec3d& a, const Vec3d& b) {
         const Vec3d place = .5 * (a + b) + scene->origin();
         if (std::max(std::abs(place.x), std::abs(place.y)) > .7) return; // out of sight at the corners
-        const double pixels = glm::length(b - a) / view.pixel(place);
-        longest = std::max(longest, pixels);
-        mean += pixels;
+        const double seen = glm::length(glm::cross(b - a, view.view(place))) / view.pixel(place);
+        longestSeen = std::max(longestSeen, seen);
+        longest = std::max(longest, glm::length(b - a) / view.pixel(place));
+        mean += seen;
         ++count;
       });
-      EXPECT_LT(longest, 1.2) << view.camera << placed; // at corners pixels are narrower than in the middle
+      EXPECT_LT(longestSeen, 1.2) << view.camera
+                                  << placed; // at corners pixels are narrower than in the middle
+      EXPECT_LT(longest, 4 * 1.2) << view.camera << placed; // whatever the angle
       EXPECT_GT(mean / double(count), .3) << view.camera << placed;
     }
+}
+
+TEST(Displacement, EdgesMayBeAsLongAsTheyAreForeshortened) {
+  for (const char* kind : {"perspective", "orthographic"}) {
+    FilmSettings film;
+    film.width = film.height = 64;
+    CameraContext context;
+    context.width = context.height = 64;
+    Diagnostics diagnostics;
+    const PixelWidths pixels(plugIns().cameras.make(parseParameterText(kind, ""), context, diagnostics),
+                             film);
+    const ViewDicing dicing(pixels, {Mat4d(1)});
+    const auto lengthAt = [&](double degrees) { // from the direction of view
+      const Vec3d half = .001 * Vec3d(std::sin(glm::radians(degrees)), 0, std::cos(glm::radians(degrees)));
+      return dicing.edgeLength(Vec3d(0, 0, 5) - half, Vec3d(0, 0, 5) + half);
+    };
+    const double across = lengthAt(90);
+    EXPECT_NEAR(lengthAt(30) / across, 2, .01) << kind;
+    EXPECT_NEAR(lengthAt(45) / across, std::sqrt(2), .01) << kind;
+    EXPECT_NEAR(lengthAt(5) / across, 4, .01) << kind; // and no longer
+    EXPECT_NEAR(lengthAt(0) / across, 4, .01) << kind;
+  }
 }
 
 TEST(Displacement, WhatIsNotSeenIsCoarser) {
@@ -137,7 +167,7 @@ TEST(Displacement, WhatIsNotSeenIsCoarser) {
   double ahead = 0, behind = 0;
   forEdges(meshOf(*scene), [&](const Vec3d& a, const Vec3d& b) {
     const Vec3d place = .5 * (a + b) + scene->origin() - Vec3d(0, 0, 1);
-    const double angle = glm::length(b - a) / glm::length(place);
+    const double angle = glm::length(glm::cross(b - a, place)) / glm::dot(place, place);
     if (place.x > 3.5 && std::abs(place.y) < .25 * place.x) ahead = std::max(ahead, angle);
     if (place.x < -1) behind = std::max(behind, angle);
   });

@@ -218,3 +218,51 @@ TEST_F(MeshFile, BrokenFilesAreErrorsThatNameTheFile) {
   load("Shape \"mesh\" \"string filename\" \"gone.gltf\"", true);
   EXPECT_NE(messages.find("there is no file \"gone.gltf\""), std::string::npos) << messages;
 }
+
+TEST_F(MeshFile, PlyFilesAreReadByOurOwnReader) {
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+      "nan 0 0\n7 0 0\n8 0 0\n7 1 0\n";
+  write("m.ply", head + "3 1 2 9\n");
+  load("Shape \"mesh\" \"string filename\" \"m.ply\"", true);
+  EXPECT_NE(messages.find("m.ply:14: face 0 names vertex 9; there are 0 to 3"), std::string::npos)
+      << messages;
+  write("m.ply", head + "3 1 2 3\n");
+  const std::unique_ptr<Scene> scene = build(load("Shape \"mesh\" \"string filename\" \"m.ply\""));
+  EXPECT_NE(messages.find("1 vertices are not finite"), std::string::npos) << messages;
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(scene->contents().triangles, 1u);
+  EXPECT_NEAR(scene->origin().x, 7.5, 1e-6); // the vertex that no face uses counts for nothing
+}
+
+TEST_F(MeshFile, NodesThatFlattenOrOverflowAreLeftOut) {
+  for (const char* matrix :
+       {"1,0,0,0, 1,1e-16,0,0, 0,0,1,0, 0,0,0,1", "1,0,0,0, 0,1,0,0, 0,0,1,0, 1e39,0,0,1"}) {
+    write("m.gltf",
+          gltf(R"({"mesh":0,"children":[1]},{"mesh":0,"matrix":[)" + std::string(matrix) + "]}", "{}"));
+    const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"m.gltf\"");
+    ASSERT_EQ(scene.importNotes.size(), 1u);
+    EXPECT_NE(scene.importNotes[0].find("left out: 1 mesh in a node that flattens it"), std::string::npos)
+        << scene.importNotes[0];
+  }
+}
+
+TEST_F(MeshFile, FaultsOfAssimpAreErrorsThatNameTheFile) {
+  // Assimp 5.2 goes down a level of recursion for each node, and no stack is enough for these.
+  constexpr int DEPTH = 200000;
+  std::string nodes;
+  for (int i = 0; i < DEPTH; ++i) nodes += "<node>";
+  for (int i = 0; i < DEPTH; ++i) nodes += "</node>";
+  write("m.dae",
+        "<COLLADA version=\"1.4.1\"><library_visual_scenes><visual_scene id=\"a\">" + nodes +
+            "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#a\"/></scene>"
+            "</COLLADA>");
+  EXPECT_EXIT(
+      {
+        load("Shape \"mesh\" \"string filename\" \"m.dae\"", true);
+        std::fputs(messages.c_str(), stderr);
+        std::_Exit(3);
+      },
+      ::testing::ExitedWithCode(3), "m.dae: cannot be used");
+}

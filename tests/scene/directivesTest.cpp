@@ -150,12 +150,58 @@ TEST(Directives, Objects) {
   EXPECT_EQ(s.shapes[0].material.index, 0);
 }
 
+TEST(Directives, ObjectsStandInObjects) {
+  const std::string text = R"(WorldBegin
+    ObjectBegin "leaf" Scale 2 2 2 Shape "a" ObjectEnd
+    ObjectBegin "twig" AttributeBegin Translate 0 1 0 Scale -1 1 1 ObjectInstance "leaf" AttributeEnd ObjectEnd
+    ObjectBegin "tree" Shape "trunk" Translate 3 0 5 ObjectInstance "twig" ObjectInstance "leaf" ObjectEnd
+    )";
+  const SceneDescription s = parseGood(text + "Translate 100 0 0 ObjectInstance \"tree\"");
+  // Where the points of the leaves come to, in the space of their shapes, and nothing else is placed.
+  std::vector<Vec3d> leaves;
+  for (const InstanceDescription& i : s.instances) {
+    if (i.object == "leaf")
+      leaves.push_back(
+          transformPoint(i.worldFromInstance * s.objects.at("leaf").shapes[0].worldFromObject, {1, 2, 3}));
+    else
+      EXPECT_EQ(i.object, "tree");
+  }
+  EXPECT_EQ(s.instances.size(), 3u);
+  ASSERT_EQ(leaves.size(), 2u);
+  EXPECT_EQ(leaves[0], Vec3d(101, 5, 11));
+  EXPECT_EQ(leaves[1], Vec3d(105, 4, 11));
+
+  // What moves, and what a solid is made of, is one object with all of it.
+  const SceneDescription moving =
+      parseGood(text + "ActiveTransform EndTime Rotate 90 0 0 1 ActiveTransform All ObjectInstance \"tree\" "
+                       "Shape \"csg\" \"string operands\" [ \"twig\" \"leaf\" ]");
+  ASSERT_EQ(moving.instances.size(), 1u);
+  const ObjectDescription& whole = moving.objects.at(moving.instances[0].object);
+  ASSERT_EQ(whole.shapes.size(), 3u);
+  EXPECT_EQ(transformPoint(whole.shapes[1].worldFromObject, {1, 2, 3}), Vec3d(1, 5, 11));
+  const std::vector<std::string>& operands = moving.shapes.at(0).shape.parameters.at(0).strings;
+  EXPECT_EQ(moving.objects.at(operands.at(0)).shapes.size(), 1u);
+  EXPECT_EQ(operands.at(1), "leaf");
+}
+
 TEST(Directives, ObjectErrors) {
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectBegin \"b\" ObjectEnd"), "inside the object");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectEnd ObjectBegin \"a\" Shape \"s\" ObjectEnd"),
                   "defined already");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectInstance \"a\" ObjectEnd"),
                   "inside the object");
+  EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectInstance \"b\" ObjectEnd "
+                           "ObjectBegin \"b\" ObjectInstance \"a\" ObjectEnd ObjectInstance \"a\""),
+                  "inside the object itself");
+  EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"b\" ObjectEnd ObjectBegin \"a\" ActiveTransform EndTime "
+                           "Translate 1 0 0 ObjectInstance \"b\" ObjectEnd"),
+                  "does not move by itself");
+  std::string tower = "WorldBegin ObjectBegin \"0\" Shape \"a\" ObjectEnd ";
+  for (int i = 1; i < 30; ++i) {
+    const std::string below = "ObjectInstance \"" + std::to_string(i - 1) + "\" ";
+    tower += "ObjectBegin \"" + std::to_string(i) + "\" " + below + below + "ObjectEnd ";
+  }
+  EXPECT_CONTAINS(messages(tower + "ObjectInstance \"29\""), "too many objects stand in");
   EXPECT_CONTAINS(messages("WorldBegin ObjectEnd"), "without ObjectBegin");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\""), "has no ObjectEnd");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" AttributeBegin ObjectEnd"), "still open");

@@ -1,0 +1,209 @@
+/** @file
+ * libFuzzer target: what Assimp may say of a model, with any numbers, names and pictures at all, as a piece
+ * of a scene. Faults of Assimp's own do not count here.
+ */
+#include <bit>
+#include <cstdlib>
+#include <fuzzer/FuzzedDataProvider.h>
+
+#include <assimp/GltfMaterial.h>
+#include <assimp/ObjMaterial.h>
+#include <assimp/scene.h>
+
+#include "fuzz/fuzzing.h"
+#include "model/assimpScene.h"
+#include "recurse/model/plugIns.h"
+
+namespace {
+
+using namespace recurse;
+
+class SceneMaker {
+ public:
+  SceneMaker(const uint8_t* data, size_t size) : in(data, size) {}
+
+  std::unique_ptr<aiScene> make() {
+    auto scene = std::make_unique<aiScene>();
+    fill(scene->mMaterials, scene->mNumMaterials, 1, 3, [&] { return material(); });
+    fill(scene->mTextures, scene->mNumTextures, 0, 2, [&] { return texture(); });
+    fill(scene->mMeshes, scene->mNumMeshes, 0, 3, [&] { return mesh(scene->mNumMaterials); });
+    scene->mRootNode = node(scene->mNumMeshes, 0);
+    fill(scene->mLights, scene->mNumLights, 0, 2, [&] { return light(); });
+    fill(scene->mCameras, scene->mNumCameras, 0, 2, [&] { return camera(); });
+    return scene;
+  }
+
+ private:
+  unsigned below(unsigned count) { return in.ConsumeIntegralInRange(0u, count - 1); }
+  /** Mostly the usual ones, else any bits. */
+  float number() {
+    return in.ConsumeBool() ? float(in.ConsumeIntegral<int8_t>()) / 8
+                            : std::bit_cast<float>(in.ConsumeIntegral<uint32_t>());
+  }
+  aiVector3D vector() { return {number(), number(), number()}; }
+  aiColor3D colour() { return {number(), number(), number()}; }
+  std::string name() {
+    static constexpr const char* NAMES[] = {"", "a", "*0", "*1", "m.png"};
+    return in.ConsumeBool() ? NAMES[below(std::size(NAMES))] : in.ConsumeRandomLengthString(20);
+  }
+  template <class T, class Make>
+  void fill(T**& list, unsigned& count, unsigned least, unsigned most, const Make& make) {
+    count = in.ConsumeIntegralInRange(least, most);
+    list = new T*[count];
+    for (unsigned i = 0; i < count; ++i) list[i] = make();
+  }
+
+  aiMaterial* material() {
+    auto* m = new aiMaterial;
+    for (unsigned i = below(12); i > 0; --i) addProperty(*m);
+    return m;
+  }
+  template <class T> static void add(aiMaterial& m, T value, const char* key, unsigned type, unsigned index) {
+    m.AddProperty(&value, 1, key, type, index);
+  }
+  void addProperty(aiMaterial& m) {
+    static constexpr aiTextureType PICTURES[] = {aiTextureType_BASE_COLOR,       aiTextureType_DIFFUSE,
+                                                 aiTextureType_OPACITY,          aiTextureType_EMISSIVE,
+                                                 aiTextureType_NORMALS,          aiTextureType_METALNESS,
+                                                 aiTextureType_DIFFUSE_ROUGHNESS};
+    const aiTextureType type = PICTURES[below(std::size(PICTURES))];
+    switch (below(18)) {
+    case 0:
+      return add(m, colour(), AI_MATKEY_COLOR_DIFFUSE);
+    case 1:
+      return add(m, colour(), AI_MATKEY_COLOR_SPECULAR);
+    case 2:
+      return add(m, colour(), AI_MATKEY_COLOR_EMISSIVE);
+    case 3:
+      return add(m, aiColor4D(number(), number(), number(), 1), AI_MATKEY_BASE_COLOR);
+    case 4:
+      return add(m, number(), AI_MATKEY_ROUGHNESS_FACTOR);
+    case 5:
+      return add(m, number(), AI_MATKEY_METALLIC_FACTOR);
+    case 6:
+      return add(m, number(), AI_MATKEY_TRANSMISSION_FACTOR);
+    case 7:
+      return add(m, number(), AI_MATKEY_REFRACTI);
+    case 8:
+      return add(m, number(), AI_MATKEY_SHININESS);
+    case 9:
+      return add(m, number(), AI_MATKEY_OPACITY);
+    case 10:
+      return add(m, number(), AI_MATKEY_EMISSIVE_INTENSITY);
+    case 11:
+      return add(m, number(), AI_MATKEY_VOLUME_THICKNESS_FACTOR);
+    case 12:
+      return add(m, int(below(12)), AI_MATKEY_OBJ_ILLUM);
+    case 13:
+      return add(m, int(in.ConsumeIntegral<int8_t>()), AI_MATKEY_UVWSRC(type, 0));
+    case 14: {
+      static constexpr const char* MODES[] = {"OPAQUE", "MASK", "BLEND"};
+      return add(m, aiString(MODES[below(3)]), AI_MATKEY_GLTF_ALPHAMODE);
+    }
+    case 15:
+      return add(m, number(), AI_MATKEY_GLTF_ALPHACUTOFF);
+    case 16: {
+      aiUVTransform transform;
+      transform.mTranslation = {number(), number()};
+      transform.mScaling = {number(), number()};
+      return add(m, transform, AI_MATKEY_UVTRANSFORM(type, 0));
+    }
+    default:
+      return add(m, aiString(name()), AI_MATKEY_TEXTURE(type, 0));
+    }
+  }
+
+  aiTexture* texture() {
+    auto* t = new aiTexture;
+    t->mWidth = in.ConsumeIntegralInRange(1u, 30u);
+    t->mHeight = below(3);
+    t->pcData = new aiTexel[t->mWidth * std::max(t->mHeight, 1u)]();
+    const std::string hint = in.ConsumeRandomLengthString(8);
+    hint.copy(t->achFormatHint, sizeof t->achFormatHint - 1);
+    return t;
+  }
+
+  aiMesh* mesh(unsigned materialCount) {
+    auto* m = new aiMesh;
+    m->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
+    m->mName = aiString(name());
+    m->mMaterialIndex = below(materialCount);
+    m->mNumVertices = in.ConsumeIntegralInRange(1u, 6u);
+    m->mVertices = vectors(m->mNumVertices);
+    if (in.ConsumeBool()) m->mNormals = vectors(m->mNumVertices);
+    if (in.ConsumeBool()) m->mTextureCoords[below(2)] = vectors(m->mNumVertices);
+    m->mNumFaces = below(5);
+    m->mFaces = new aiFace[m->mNumFaces];
+    for (unsigned i = 0; i < m->mNumFaces; ++i) {
+      m->mFaces[i].mNumIndices = 3;
+      m->mFaces[i].mIndices = new unsigned[3];
+      for (int k = 0; k < 3; ++k)
+        m->mFaces[i].mIndices[k] = below(m->mNumVertices + (in.ConsumeBool() ? 0 : 1));
+    }
+    return m;
+  }
+  aiVector3D* vectors(unsigned count) {
+    auto* list = new aiVector3D[count];
+    for (unsigned i = 0; i < count; ++i) list[i] = vector();
+    return list;
+  }
+
+  aiNode* node(unsigned meshCount, int depth) {
+    auto* n = new aiNode(name());
+    if (in.ConsumeBool())
+      for (unsigned row = 0; row < 3; ++row)
+        for (unsigned column = 0; column < 4; ++column) n->mTransformation[row][column] = number();
+    if (meshCount > 0) {
+      n->mNumMeshes = below(3);
+      n->mMeshes = new unsigned[n->mNumMeshes];
+      for (unsigned i = 0; i < n->mNumMeshes; ++i) n->mMeshes[i] = below(meshCount);
+    }
+    if (depth < 4) fill(n->mChildren, n->mNumChildren, 0, 2, [&] { return node(meshCount, depth + 1); });
+    return n;
+  }
+
+  aiLight* light() {
+    auto* l = new aiLight;
+    l->mName = aiString(name());
+    l->mType = static_cast<aiLightSourceType>(below(6));
+    l->mPosition = vector();
+    l->mDirection = vector();
+    l->mColorDiffuse = colour();
+    l->mAngleInnerCone = number();
+    l->mAngleOuterCone = number();
+    return l;
+  }
+
+  aiCamera* camera() {
+    auto* c = new aiCamera;
+    c->mName = aiString(name());
+    c->mPosition = vector();
+    c->mUp = vector();
+    c->mLookAt = vector();
+    c->mHorizontalFOV = number();
+    c->mAspect = number();
+    return c;
+  }
+
+  FuzzedDataProvider in;
+};
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  static const std::vector<ParameterSpec> SPECS = {stringParameter("filename", "", ""),
+                                                   booleanParameter("materials", "true", ""),
+                                                   booleanParameter("lights", "true", "")};
+  const std::unique_ptr<aiScene> scene = SceneMaker(data, size).make();
+  const ParsedDirective shape = parseParameterText("mesh", "\"string filename\" \"/nowhere/model.gltf\"");
+  Diagnostics diagnostics;
+  const Parameters p = bindParameters(shape, SPECS, diagnostics, false);
+  SceneImport import;
+  bool made = false;
+  readAnything([&] {
+    importAssimpScene(*scene, "/nowhere/model.gltf", p, {"import1:", "import1/"}, import);
+    made = true;
+  });
+  if (made) checkImport(import);
+  return 0;
+}

@@ -1,0 +1,56 @@
+/** @file
+ * Imports by the fuzzers, and the plug-ins that they read files with.
+ */
+#include "fuzz/fuzzing.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+
+#include "recurse/model/plugIns.h"
+#include "recurse/scene/loader.h"
+
+namespace recurse {
+
+void registerMd2(PlugIns& plugIns);
+void registerMeshFile(PlugIns& plugIns);
+void registerPlyMesh(PlugIns& plugIns);
+void registerQuake3Map(PlugIns& plugIns);
+
+const PlugIns& plugIns() {
+  static const PlugIns ALL = [] {
+    PlugIns p;
+    for (const auto add : {registerMd2, registerMeshFile, registerPlyMesh, registerQuake3Map}) add(p);
+    return p;
+  }();
+  return ALL;
+}
+
+void checkImport(const SceneImport& import) {
+  Diagnostics told;
+  std::string views;
+  for (const ImportedCamera& c : import.cameras)
+    views += "Camera \"perspective\" \"float fov\" " + sceneText(c.fov) + "\n";
+  parseScene(views + "WorldBegin\n" + import.text, "imported", "", told);
+  if (!told.hasErrors()) return;
+  std::fputs(told.format().c_str(), stderr);
+  std::abort();
+}
+
+void importAnything(const char* importer, const char* parameter, const std::string& extension,
+                    const std::string& bytes) {
+  const std::string name = scratchFile(extension);
+  std::ofstream(name, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  Diagnostics diagnostics;
+  const auto import = plugIns().imports.make(
+      parseParameterText(importer, "\"string " + std::string(parameter) + "\" \"" + name + "\""),
+      {"import1:", "import1/"}, diagnostics);
+  std::filesystem::remove(name);
+  if (!import) {
+    if (!diagnostics.hasErrors()) std::abort(); // why not is to be said
+    return;
+  }
+  checkImport(*import);
+}
+
+} // namespace recurse
