@@ -135,28 +135,6 @@ Shape "disk" "float radius" .3 "float height" -.1 "float alpha" .5
   }
 }
 
-/** Hardly one in 100000 rays of a far sun meets a room unless they are sent there, and patches as large as
- * such a scene asks for would be as large as its walls. */
-TEST(Radiosity, FindsTheLightOfAFarSun) {
-  const ThreadPool pool;
-  const auto scene = sceneFrom(mattRoom(R"(
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1 ]
-AreaLightSource "diffuse" "rgb L" [ 3000 3000 3000 ]
-Translate 20 -90 40
-Shape "sphere" "float radius" 3
-)"));
-  ASSERT_TRUE(scene);
-  const PathClasses indirect(std::vector<PathClass>{{"indirect", "LDD+E"}});
-  const BatchMeans means =
-      classMeans(*scene, {"radiosity", "\"integer rays\" 50000"}, indirect, samples(16), 4);
-  const BatchMeans truth = classMeans(*scene, {"path", ""}, indirect, samples(256), 4);
-  for (size_t i = 0; i < 3; ++i) {
-    const double error = std::hypot(means.standardError(i), truth.standardError(i));
-    EXPECT_NEAR(means.mean(i), truth.mean(i), 5 * error + 0.02 * truth.mean(i));
-    EXPECT_LT(error, (SANITIZED ? 0.1 : 0.02) * truth.mean(i));
-  }
-}
-
 TEST(Radiosity, SaysWhatItIgnores) {
   const auto scene =
       sceneFrom(litCorner(8) + "Material \"conductor\"\nShape \"trianglemesh\" \"integer indices\" "
