@@ -323,7 +323,8 @@ std::string convergePage(const StudyReport& report, const std::string& folder) {
                    report.title + " · error against time",
                    {page::PAGE_CSS, page::CONVERGE_CSS},
                    {page::CHART_MIN_JS},
-                   {page::PIXELS_JS, page::TONE_JS, page::VIEW_JS, page::CONVERGE_JS}},
+                   {page::PIXELS_JS, page::TONE_JS, page::LOCAL_TONE_JS, page::EDGES_JS, page::VIEW_JS,
+                    page::CONVERGE_JS}},
                   data);
 }
 

@@ -20,7 +20,8 @@ std::string developPage(const Image& picture, const DevelopSettings& settings, c
                    title,
                    {page::PAGE_CSS, page::STILLS_CSS},
                    {},
-                   {page::PIXELS_JS, page::TONE_JS, page::VIEW_JS, page::DEVELOP_JS}},
+                   {page::PIXELS_JS, page::TONE_JS, page::LOCAL_TONE_JS, page::EDGES_JS, page::VIEW_JS,
+                    page::DEVELOP_JS}},
                   data);
 }
 

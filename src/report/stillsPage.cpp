@@ -53,7 +53,8 @@ std::string stillsPage(const Stills& stills, const Stills* other) {
                    stills.title + " · stills",
                    {page::PAGE_CSS, page::STILLS_CSS},
                    {},
-                   {page::PIXELS_JS, page::TONE_JS, page::STILLS_DATA_JS, page::VIEW_JS, page::STILLS_JS}},
+                   {page::PIXELS_JS, page::TONE_JS, page::LOCAL_TONE_JS, page::EDGES_JS, page::STILLS_DATA_JS,
+                    page::VIEW_JS, page::STILLS_JS}},
                   data);
 }
 

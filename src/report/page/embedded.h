@@ -7,7 +7,7 @@
 
 namespace recurse::page {
 
-extern const std::string_view FRAME_HTML, PAGE_CSS, PIXELS_JS, TONE_JS, VIEW_JS;
+extern const std::string_view FRAME_HTML, PAGE_CSS, PIXELS_JS, TONE_JS, LOCAL_TONE_JS, EDGES_JS, VIEW_JS;
 extern const std::string_view DEVELOP_HTML, DEVELOP_JS;
 extern const std::string_view STILLS_HTML, STILLS_CSS, STILLS_DATA_JS, STILLS_JS;
 extern const std::string_view CONVERGE_HTML, CONVERGE_CSS, CONVERGE_JS;

@@ -1,5 +1,5 @@
 // The program's tone operators that need no more of a picture than its luminances, with their defaults, and a canvas
-// painted by one of them. Formulas and sources: src/tonemaps.
+// painted by one of them or of localTone.js. Formulas and sources: src/tonemaps.
 
 const GREY_CARD = 0.18;
 
@@ -90,22 +90,22 @@ const TONE_OPERATORS = {
 /** As paint() of pixels.js, by an operator. */
 function paintBy(operator, canvas, values, width, height, exposure) {
   if (operator === "none") { paint(canvas, values, width, height, exposure); return; }
-  const scale = 2 ** exposure, change = TONE_OPERATORS[operator]((q) => scale * luminanceQuantile(values, q));
-  const shown = new Float32Array(values.length), colour = [0, 0, 0];
-  for (let i = 0; i < values.length; i += 3) {
-    for (let c = 0; c < 3; ++c) {
-      const x = values[i + c] * scale;
-      colour[c] = Number.isFinite(x) ? Math.min(Math.max(x, 0), 1e9) : 0;
-    }
-    change(colour);
-    shown.set(colour, i);
+  const scale = 2 ** exposure;
+  const light = values.map((v) => (Number.isFinite(v * scale) ? Math.min(Math.max(v * scale, 0), 1e9) : 0));
+  const shown = light.slice();
+  if (LOCAL_OPERATORS[operator]) {
+    LOCAL_OPERATORS[operator](shown, width, height);
+  } else {
+    const change = TONE_OPERATORS[operator]((q) => scale * luminanceQuantile(values, q));
+    for (let i = 0; i < shown.length; i += 3) change(shown.subarray(i, i + 3));
   }
+  mixBrightEdges(light, shown, width, height);
   paint(canvas, shown, width, height, 0);
 }
 
 /** Fills a <select> with the operators, and calls back when another one is chosen. */
 function offerOperators(select, chosen, onChange) {
-  for (const name of Object.keys(TONE_OPERATORS)) select.append(new Option(name, name));
+  for (const name of Object.keys({ ...TONE_OPERATORS, ...LOCAL_OPERATORS })) select.append(new Option(name, name));
   select.value = chosen;
   select.addEventListener("change", () => onChange(select.value));
 }

@@ -1,0 +1,61 @@
+// Edges of what is brighter than white stay smooth under a tone operator: src/report/brightEdges.cpp.
+
+function offsetsWithin(radius2) {
+  const out = [], r = Math.floor(Math.sqrt(radius2));
+  for (let y = -r; y <= r; ++y)
+    for (let x = -r; x <= r; ++x) if (x * x + y * y <= radius2) out.push([x, y]);
+  return out.sort((a, b) => a[0] ** 2 + a[1] ** 2 - b[0] ** 2 - b[1] ** 2); // keeps the order of equals
+}
+const EDGE_OFFSETS = offsetsWithin(6), SIDE_OFFSETS = offsetsWithin(25), EVEN = 0.8;
+
+/** Changes `shown`, which an operator made of `light`, the exposed picture. */
+function mixBrightEdges(light, shown, width, height) {
+  const brightness = Float32Array.from({ length: width * height },
+    (_, i) => Math.max(light[3 * i], light[3 * i + 1], light[3 * i + 2]));
+  /** The first pixel at one of the offsets of which `is` is true; -1 where there is none. */
+  const find = (x, y, offsets, is) => {
+    for (const [dx, dy] of offsets) {
+      const i = x + dx, j = y + dy;
+      if (i >= 0 && j >= 0 && i < width && j < height && is(j * width + i)) return j * width + i;
+    }
+    return -1;
+  };
+  /** Least and most of a pixel and its neighbours. */
+  const range = (x, y) => {
+    let least = Infinity, most = 0;
+    for (let j = Math.max(y - 1, 0); j <= Math.min(y + 1, height - 1); ++j)
+      for (let i = Math.max(x - 1, 0); i <= Math.min(x + 1, width - 1); ++i) {
+        least = Math.min(least, brightness[j * width + i]);
+        most = Math.max(most, brightness[j * width + i]);
+      }
+    return [least, most];
+  };
+  const isBright = Uint8Array.from(brightness, (b, i) => {
+    if (b <= 1) return 0;
+    const [least, most] = range(i % width, Math.floor(i / width));
+    return least > 1 && least >= EVEN * most;
+  });
+  if (!isBright.includes(1)) return;
+  const before = shown.slice(), colour = (values, i) => [0, 1, 2].map((c) => values[3 * i + c]);
+  const shownAt = (i) => colour(before, i).map((v) => Math.min(v, 1));
+  for (let y = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x) {
+      const here = y * width + x;
+      const bright = isBright[here] ? -1 : find(x, y, SIDE_OFFSETS, (i) => isBright[i]);
+      if (bright < 0) continue;
+      const top = brightness[bright];
+      const isReached = (i, j) => find(i, j, EDGE_OFFSETS, (k) => brightness[k] > 0.5 * top) >= 0;
+      if (!isReached(x, y)) continue;
+      const dark = find(x, y, SIDE_OFFSETS, (i) => !isReached(i % width, Math.floor(i / width)));
+      if (dark < 0) continue;
+      const low = colour(light, dark), contrast = colour(light, bright).map((v, c) => v - low[c]);
+      const length2 = contrast.reduce((sum, v) => sum + v * v, 0);
+      const covered = Math.min(Math.max(
+        colour(light, here).reduce((sum, v, c) => sum + (v - low[c]) * contrast[c], 0) / length2, 0), 1);
+      const shownBright = shownAt(bright), shownDark = shownAt(dark), part = Math.min(top - 1, 1);
+      shownAt(here).forEach((v, c) => {
+        const mixed = covered * shownBright[c] + (1 - covered) * shownDark[c];
+        shown[3 * here + c] = v + part * (Math.min(mixed, v) - v);
+      });
+    }
+}
