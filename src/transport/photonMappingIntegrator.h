@@ -115,9 +115,9 @@ class PhotonMapping final : public Integrator {
   PhotonMappingSettings settings;
   PhotonPass photons;
   LightSampler lights;
-  std::unique_ptr<Integrator> pathTracer; ///< renders in the place of all else; null: photons pay
+  std::unique_ptr<Integrator> pathTracer;   ///< renders in the place of all else; null: photons pay
   std::unique_ptr<CausticPhotons> caustics; ///< beside it; null: they do not pay
-  TransportCounts learned;                ///< what that took, until it has been told
+  TransportCounts learned;                  ///< what that took, until it has been told
   /** At the records of the layers, of this pass; empty where no rays go on. */
   IrradianceCache irradiances, causticIrradiances;
   Sampler recordSampler{0, 0, 0};

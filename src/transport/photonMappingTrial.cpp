@@ -46,8 +46,8 @@ void PhotonMapping::tryPaths(const Scene& scene, const PathClasses& classes, con
   // A round by this pass's photons, and one by another's.
   const auto takeBoth = [&](Integrator& integrator, auto& ofPasses, double& shotRays) {
     Rounds rounds{trial.take(integrator, 0), {}};
-    const ForwardStatistics shot = ofPasses.with(other, scene, classes, control, lights,
-                                                 [&] { rounds[1] = trial.take(integrator, 1); });
+    const ForwardStatistics shot =
+        ofPasses.with(other, scene, classes, control, lights, [&] { rounds[1] = trial.take(integrator, 1); });
     statistics.counts.add(shot.counts);
     shotRays = double(shot.counts.rays);
     return rounds;

@@ -147,7 +147,7 @@ void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, cons
 void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                             ForwardStatistics& statistics) {
   const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
-  const LightSampler* sampled = settings.directLight ? nullptr : &shadowRays;
+  const LightSampler* sampled = settings.directLight || scene.lights().size() == 0 ? nullptr : &shadowRays;
   // How densely photons that media scatter arrive is not known; of caustics it is.
   const RayAlternative toIndirect{counted, scene.hasMedia() ? nullptr : sampled};
   constexpr float FIREFLY = 1e6f; // a picture has about one that is brighter

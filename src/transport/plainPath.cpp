@@ -70,7 +70,8 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
     const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
     if (!s) break;
     if (!path.delta)
-      caustic.leaveNonDelta(merging, merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s->direction) : 1,
+      caustic.leaveNonDelta(merging,
+                            merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s->direction) : 1,
                             s->direction, vertex.point());
     else
       caustic.leaveDelta(-vertex.wi, s->direction, vertex.point());

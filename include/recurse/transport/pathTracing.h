@@ -1,6 +1,6 @@
 /** @file
- * The unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It is
- * the truth that the photon map is compared with.
+ * The unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It
+ * is the truth that the photon map is compared with.
  */
 #pragma once
 

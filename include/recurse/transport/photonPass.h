@@ -28,7 +28,7 @@ struct PhotonPassSettings {
   int nearest = 0;      ///< photons of an estimate in the first pass; 0: chosen, or all within the radius
   double radius = 0;    ///< 0: found out from the photons' density
   int maxDepth = -1;
-  bool directLight = false; ///< photons bring direct light as well
+  bool directLight = false;  ///< photons bring direct light as well
   bool causticsOnly = false; ///< nothing but what comes by mirrors and glass alone
   bool guided = true;
   bool edges = true; ///< estimates know where surfaces end

@@ -255,7 +255,7 @@ class PhotonWalk {
       ++depth;
       const LobeSet allowed =
           LobeSet((classes.dead(stateD) || settings.causticsOnly ? NO_LOBE : NON_DELTA_LOBES) |
-                                      (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
+                  (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
       const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
       if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);
       const auto goOn = [&](Flight& f, Sampler& own) {

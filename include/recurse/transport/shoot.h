@@ -46,7 +46,7 @@ struct ShootSettings {
   /** Store photons that come straight from a light, thin panes included, as well. Those of media always are:
    * nothing else finds their light. */
   bool direct = true;
-  bool causticsOnly = false; ///< photons end at the first non-delta surface, and in media
+  bool causticsOnly = false;             ///< photons end at the first non-delta surface, and in media
   const EmissiveMedia* media = nullptr;  ///< that emit as well as the lights; null: none
   const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
   const LightPortals* portals = nullptr; ///< where light from infinitely far comes in; null: everywhere
