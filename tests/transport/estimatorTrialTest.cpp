@@ -6,6 +6,7 @@
 #include <random>
 
 #include "recurse/transport/estimatorTrial.h"
+#include "recurse/transport/photonPass.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -133,6 +134,45 @@ TEST(EstimatorTrial, PhotonmapLeavesCoatsUnderTheSkyToPaths) {
   EXPECT_TRUE(isLeftToPaths(chosen));
   for (size_t i = 0; i < paths.pixels(); ++i) ASSERT_EQ(chosen.value(i), paths.value(i)) << i;
   EXPECT_FALSE(isLeftToPaths(renderScene(*scene, "photonmap", "\"bool trial\" false", 2)));
+}
+
+TEST(EstimatorTrial, CausticsAreLeftToPhotonsWherePathsBringTheRest) {
+  const auto scene = sceneFrom(coats() + R"(
+Material "dielectric"
+AttributeBegin
+Translate 1 .4 0
+Shape "sphere" "float radius" .4
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Translate 2.5 4 0
+AreaLightSource "diffuse" "rgb L" [ 50000 50000 50000 ]
+Shape "sphere" "float radius" .05
+)");
+  const Rendered chosen = renderScene(*scene, "photonmap", "", 2),
+                 asked = renderScene(*scene, "photonmap", "\"bool causticsonly\" true", 2);
+  EXPECT_TRUE(isLeftToPaths(chosen));
+  for (size_t i = 0; i < chosen.pixels(); ++i) ASSERT_EQ(chosen.value(i), asked.value(i)) << i;
+}
+
+TEST(EstimatorTrial, MediaHideNoCaustics) {
+  // Faint matter inside of the ball, which only absorbs.
+  const char* lamp = R"(
+AttributeBegin
+Translate 0 .95 0
+AreaLightSource "diffuse" "rgb L" [ 900 900 900 ]
+Shape "sphere" "float radius" .02
+AttributeEnd
+MakeNamedMedium "faint" "string type" "homogeneous" "rgb sigma_a" [ .01 .02 .03 ] "rgb sigma_s" [ 0 0 0 ]
+MediumInterface "faint" ""
+)";
+  const auto scene = sceneFrom(glassBall(lamp));
+  PhotonPassSettings settings;
+  settings.alpha = 2.0 / 3;
+  PhotonPass photons(settings);
+  LightSampler lights;
+  lights.learn(*scene);
+  photons.run(*scene, PathClasses(), {1, 0, false, 0}, {}, lights);
+  EXPECT_GT(photons.causticVarianceByRays(), 10);
 }
 
 TEST(EstimatorTrial, PhotonmapKeepsPhotonsForCaustics) {
