@@ -355,6 +355,31 @@ TEST(BoundaryCorrection, FewStrongPhotonsDoNotPassForBlur) {
   EXPECT_LT(smaller, 36) << "of 3600";
 }
 
+TEST(BoundaryCorrection, DiscsOfFineLightStaySmall) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  PhotonMap map;
+  map.build(onFloor(4, 20000)); // even: nothing speaks against wide discs
+  const std::vector<VisiblePoint> seen = seenOnFloor(0.2f);
+  const GatherSettings search = nearestWithin(8, 1);
+  TransportCounts counts;
+  RadiusCache nearest, smooth, fine;
+  nearest.build(*scene, map, seen, search, 0, LightDetail::SMOOTH, {}, counts);
+  smooth.build(*scene, map, seen, search, 2.0 / 3, LightDetail::SMOOTH, {}, counts);
+  fine.build(*scene, map, seen, search, 2.0 / 3, LightDetail::FINE, {}, counts);
+  double mean = 0, meanSmooth = 0, meanFine = 0;
+  for (const VisiblePoint& v : seen) {
+    const auto radius = [&](const RadiusCache& cache) {
+      return double(cache.at(v.point.position, {0, 0, 1}).radius);
+    };
+    mean += radius(nearest);
+    meanSmooth += radius(smooth);
+    meanFine += radius(fine);
+  }
+  EXPECT_GT(meanSmooth, 2 * mean);
+  EXPECT_LT(meanFine, 1.5 * mean);
+}
+
 TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR);
