@@ -198,6 +198,14 @@ void startFrame(AnimationFrame& frame, const std::shared_ptr<const LoadedScene>&
   frame.before = loaded;
 }
 
+/** What to try where the file names a path tracer, as most public scenes do, and the command line nothing. */
+std::string integratorRemark(const RenderOptions& options, const LoadedScene& loaded) {
+  const std::string& type = loaded.description.integrator.type;
+  if (options.integrator.named() || (type != "path" && type != "volpath")) return "";
+  return "the scene asks for \"" + type +
+         "\"; --integrator photonmap often has less noise in the same time\n";
+}
+
 ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
   const bool leads = !cluster() || cluster()->leads();
   const RenderCommandOptions o = leads ? given : withoutOutputs(given);
@@ -263,7 +271,10 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
       attempt([&] { writeFileAtomically(o.render.statistics, statisticsJson(report)); }))
     written.push_back(o.render.statistics);
   if (!o.render.quiet)
-    std::fputs((renderSummary(report, written, !o.render.verbose) + writer.remark()).c_str(), stderr);
+    std::fputs((renderSummary(report, written, !o.render.verbose) + integratorRemark(o.render, loaded) +
+                writer.remark())
+                   .c_str(),
+               stderr);
   if (!rendering.checkpointFailure().empty()) attempt([&] { throw Error(rendering.checkpointFailure()); });
   if (!failures.empty()) throw Error(failures);
   return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
