@@ -137,9 +137,11 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
              (nearest.empty() ? "" : "; did you mean " + joined(nearest) + "?") +
              "; there are: " + joined(registry.names()));
   }
+  // A radius was chosen for the method that the file names; the one asked for here finds its own.
   if (named() && name != fromFile.type)
-    std::erase_if(out.parameters,
-                  [&](const ParsedParameter& p) { return !findSpec(entry->parameters, p.name); });
+    std::erase_if(out.parameters, [&](const ParsedParameter& p) {
+      return p.name == "radius" || !findSpec(entry->parameters, p.name);
+    });
   for (const Value& value : values)
     if (value.text) replace(out, entry->parameters, value.option, value.parameter, *value.text);
   // Who asks for a number of photons here means those of a pass.

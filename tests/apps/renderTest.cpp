@@ -116,6 +116,21 @@ TEST_F(ProgramRender, OptionsOverrideTheFile) {
   for (const char* part : {"photonmap: ", "maxdepth 7", "photons 2000000", "radius 0.25"})
     EXPECT_TRUE(has(photons, part)) << photons;
   EXPECT_TRUE(has(integratorLine({"--set", "lightsamples=4"}), "lightsamples 4"));
+  // But no radius, which was chosen for the file's own.
+  write("depth.pbrt", scene("Integrator \"sppm\" \"integer maxdepth\" 7 \"float radius\" .5\n"));
+  EXPECT_TRUE(has(integratorLine({}), "radius 0.5")) << integratorLine({});
+  const std::string other = integratorLine({"--integrator", "photonmap"});
+  EXPECT_TRUE(has(other, "maxdepth 7") && !has(other, "radius 0.5")) << other;
+}
+
+TEST_F(ProgramRender, WhoGetsAPathTracerByTheFileIsToldOfPhotons) {
+  write("public.pbrt", scene("Integrator \"volpath\"\n"));
+  const char* remark = "--integrator photonmap often has less noise";
+  EXPECT_TRUE(has(run({"render", "public.pbrt", "--spp", "1", "-o", "a.exr"}).err, remark));
+  EXPECT_FALSE(has(run({"render", "public.pbrt", "--spp", "1", "-q", "-o", "a.exr"}).err, remark));
+  for (const char* integrator : {"path", "photonmap"})
+    EXPECT_FALSE(has(
+        run({"render", "public.pbrt", "--spp", "1", "-o", "a.exr", "--integrator", integrator}).err, remark));
 }
 
 TEST_F(ProgramRender, CheckReportsWithoutRendering) {
