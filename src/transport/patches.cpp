@@ -1,3 +1,6 @@
+/** @file
+ * Cutting of shapes to patches.
+ */
 #include "recurse/transport/patches.h"
 
 #include <algorithm>
