@@ -42,6 +42,14 @@ AttributeEnd
 )";
 }
 
+const std::string SMALL_LAMP = R"(
+AttributeBegin
+Translate 0 .95 0
+AreaLightSource "diffuse" "rgb L" [ 900 900 900 ]
+Shape "sphere" "float radius" .02
+AttributeEnd
+)";
+
 bool isLeftToPaths(const Rendered& r) {
   for (const std::string& note : r.statistics.notes)
     if (note.find("left to path tracing") != std::string::npos) return true;
@@ -156,12 +164,7 @@ Shape "sphere" "float radius" .05
 
 TEST(EstimatorTrial, MediaHideNoCaustics) {
   // Faint matter inside of the ball, which only absorbs.
-  const char* lamp = R"(
-AttributeBegin
-Translate 0 .95 0
-AreaLightSource "diffuse" "rgb L" [ 900 900 900 ]
-Shape "sphere" "float radius" .02
-AttributeEnd
+  const std::string lamp = SMALL_LAMP + R"(
 MakeNamedMedium "faint" "string type" "homogeneous" "rgb sigma_a" [ .01 .02 .03 ] "rgb sigma_s" [ 0 0 0 ]
 MediumInterface "faint" ""
 )";
@@ -176,14 +179,7 @@ MediumInterface "faint" ""
 }
 
 TEST(EstimatorTrial, PhotonmapKeepsPhotonsForCaustics) {
-  const char* lamp = R"(
-AttributeBegin
-Translate 0 .95 0
-AreaLightSource "diffuse" "rgb L" [ 900 900 900 ]
-Shape "sphere" "float radius" .02
-AttributeEnd
-)";
-  EXPECT_FALSE(isLeftToPaths(renderText(glassBall(lamp), "photonmap", "", 1)));
+  EXPECT_FALSE(isLeftToPaths(renderText(glassBall(SMALL_LAMP), "photonmap", "", 1)));
   // Path tracing does not find a point light's caustic, whatever its own noise.
   EXPECT_FALSE(isLeftToPaths(renderText(
       glassBall("LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 .9 0]"), "photonmap", "", 1)));
