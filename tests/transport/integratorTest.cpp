@@ -32,8 +32,12 @@ std::string furnace(const std::string& material, double emitted) {
 
 constexpr const char* PHOTONS = SANITIZED ? "50000" : "200000";
 
-/** Photons leave the eye's side little noise. */
-int furnaceSamples(const Way& way) { return samples(way.integrator == "path" ? 128 : 4); }
+/** Photons leave the eye's side little noise, except for those of caustics only, whose rays are those of `path`. */
+int furnaceSamples(const Way& way) {
+  const bool tracesPaths =
+      way.integrator == "path" || way.parameters.find("causticsonly") != std::string::npos;
+  return samples(tracesPaths ? 128 : 4);
+}
 
 /** A floor of reflectance 0.5 that fills the view, with its light somewhere above. */
 std::string floorUnder(const std::string& light) {
