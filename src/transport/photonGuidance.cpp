@@ -75,7 +75,12 @@ std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Ve
 /** Trial photons, added up. */
 struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
-  std::vector<float> powers; ///< of those in the region, in all that one photon emitted carries
+  /** Of those in the region. */
+  struct Arrived {
+    float power;                   ///< in all that one photon emitted carries
+    float startDensity, fullPower; ///< see PhotonWalk
+  };
+  std::vector<Arrived> powers;
   std::vector<Vec3f> landed; ///< a few of the places where photons were stored
   uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
   double squares = 0, guided = 0; ///< of what photons bring: without a guide, and with the one they had
@@ -110,6 +115,33 @@ float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
   return std::max(OVER_TYPICAL * *middle, static_cast<float>(sum / double(emitted)));
 }
 
+/** Finds out which light starts too sparsely for photons. */
+void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
+  constexpr float MAX_POWER = 32; // over that of most: each is a stain on its own
+  constexpr double WORTH_IT = 4;  // times less variance of what photons bring, for grain of rays
+  double starts = 0, far = 0;
+  for (const Trials::Arrived& a : trials.powers) {
+    if (!(a.startDensity < INFINITE)) continue;
+    starts += double(a.startDensity) * double(a.fullPower);
+    ++far;
+  }
+  if (!(starts > 0)) return;
+  // Light infinitely far is chosen by power, so that the product is nearly the same for all.
+  const auto least = static_cast<float>(starts / far / double(MAX_POWER * guidance.splitPower));
+  double all = 0, sparse = 0, squares = 0, sparseSquares = 0;
+  for (const Trials::Arrived& a : trials.powers) {
+    const double power = double(a.power);
+    all += power;
+    squares += square(power);
+    if (!(a.startDensity < least)) continue;
+    sparse += power;
+    sparseSquares += square(power);
+  }
+  if (!(squares > WORTH_IT * (squares - sparseSquares))) return;
+  guidance.minStartDensity = least;
+  guidance.sparsePart = static_cast<float>(sparse / all);
+}
+
 Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed,
                    const ShootSettings& settings, const VisibleRegion& region) {
   const size_t batches = (settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH;
@@ -133,7 +165,8 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
         ++part.inRegion;
-        part.powers.push_back(maxComponent(p.power) * static_cast<float>(settings.photons));
+        part.powers.push_back({maxComponent(p.power) * static_cast<float>(settings.photons),
+                               walk.startDensity(), walk.fullPower() * static_cast<float>(settings.photons)});
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
       // What is scattered evenly is seen by 1/4π of it, on a white surface by 1/π; errors go by the square.
@@ -220,7 +253,10 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   if (guide.gain() < WORTH_IT || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.secondMoment = (guide.active() ? last.guided : last.squares) / double(trial.photons);
   guidance.targets = trial.targets;
-  guidance.splitPower = splitPowerOf(std::move(last.powers), trial.photons);
+  std::vector<float> powers;
+  for (const Trials::Arrived& a : last.powers) powers.push_back(a.power);
+  guidance.splitPower = splitPowerOf(std::move(powers), trial.photons);
+  leaveToRays(last, guidance);
   return guidance;
 }
 

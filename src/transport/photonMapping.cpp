@@ -88,7 +88,8 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
     path.ray.width += path.ray.spread * hit.t;
     path.distance += hit.t;
     if (hit.areaLight) addEmission(scene, path, hit, out);
-    if (path.share == 0 && path.direct.merged == 0 && hit.material && !(hit.material->lobes() & DELTA_LOBES))
+    if (path.share == 0 && path.direct.merged == 0 && photons.sparsePart() == 0 && hit.material &&
+        !(hit.material->lobes() & DELTA_LOBES))
       return;
     arena.reset();
     drawWavelength(scene, path.wavelength, sampler, hit);
@@ -102,7 +103,7 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
       continue;
     }
     if (path.depth == settings.maxDepth) {
-      out.counts.truncatedThroughput += double(maxComponent(path.throughput));
+      out.counts.truncatedThroughput += double(maxComponent(path.sharedThroughput()));
       return;
     }
     ++path.depth;
@@ -121,9 +122,10 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(-path.ray.direction, Transport::RADIANCE, all);
   float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
+  const float part = partToFind(path) * path.etaScale;
   for (int i = 0; i < count; ++i) {
     const Scatter& s = all[size_t(i)];
-    worth[i] = maxComponent(path.throughput * s.weight) * square(s.eta) * path.etaScale;
+    worth[i] = maxComponent(path.throughput * s.weight) * square(s.eta) * part;
     total += worth[i];
     if (worth[i] > 0) least = std::min(least, worth[i]);
   }
@@ -167,8 +169,8 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
     context = lightSampleContext(lights, hit.point, wi);
     addDirectLight(scene, path, context, direct, hit, scattering, sampler, out);
   }
-  Rgb unshared = path.throughput;
-  path.throughput *= direct.rest;
+  Rgb unshared = path.sharedThroughput();
+  path.part *= direct.rest;
   float merging = 0;
   PhotonQuery indirect;
   if (direct.rest > 0) {
@@ -218,7 +220,7 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
 void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit,
                               const ScatteringPoint& scattering, Sampler& sampler, PathRadiance& out) const {
   path.camera = out.pathClasses().step(path.camera, PathEvent::D);
-  path.throughput *= std::exchange(path.share, 1);
+  path.part *= std::exchange(path.share, 1);
   path.direct = {};
   path.shared = {};
   if (out.pathClasses().dead(path.camera) || !goesOn(path, sampler)) return;
@@ -242,7 +244,7 @@ void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit
 
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
   constexpr int FREE = 2; // surfaces before which most of the light is found
-  const float worth = maxComponent(path.throughput) * path.etaScale;
+  const float worth = maxComponent(path.throughput) * path.etaScale * partToFind(path);
   const float chance = path.nonDelta >= FREE ? worth : worth / settings.weightLimit;
   return russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput);
 }

@@ -59,6 +59,8 @@ class PhotonMapping final : public Integrator {
   /** The same where no photons are kept: by shadow rays, and by a ray that finds all other light. */
   void addByRays(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
                  Sampler& sampler, PathRadiance& out) const;
+  /** Of the light that a whole path would find: what photons left to this one. */
+  float partToFind(const PathState& path) const { return path.part + (1 - path.part) * photons.sparsePart(); }
   /** Roulette at a non-delta surface, with the part of the light that is left to the path. */
   bool goesOn(PathState& path, Sampler& sampler) const;
   bool mayMeetLight(const Scene& scene) const {

@@ -30,12 +30,19 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
     Rgb radiance =
         environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
     if (isBlack(radiance)) continue;
-    if (isShared(path)) {
+    const bool mayBeSparse = path.nonDelta > 0 && !path.delta && photons.sparsePart() > 0;
+    if (mayBeSparse || isShared(path)) {
+      const EnvironmentLight& light = *scene.environment()[i];
       const uint32_t index = scene.environmentIndices()[i];
-      const LePdf pdf =
-          photons.pdfLe(index, *scene.environment()[i], {path.ray.origin, -direction, Vec3f(0), 0});
-      addShared(scene, path, index, pdf, radiance, INFINITE, out);
-      continue;
+      const LePdf pdf = photons.pdfLe(index, light, {path.ray.origin, -direction, Vec3f(0), 0});
+      if (mayBeSparse && photons.isSparse(light, pdf)) {
+        out.add(out.pathClasses().lightStart(), path.camera, path.throughput * radiance);
+        continue;
+      }
+      if (isShared(path)) {
+        addShared(scene, path, index, pdf, radiance, INFINITE, out);
+        continue;
+      }
     }
     if (path.nonDelta > 0 && path.delta && !settings.directLight)
       radiance *= photons.rayWeight(scene, path.merge, i, path.ray);
@@ -56,9 +63,9 @@ void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, PathRad
   const float share = settings.directLight ? path.lightShare : 1;
   if (!(share > 0) || isBlack(radiance)) return;
   if (path.nonDelta == 0)
-    out.addSeen(path.camera, path.throughput * radiance * share);
+    out.addSeen(path.camera, path.sharedThroughput() * radiance * share);
   else
-    out.add(out.pathClasses().lightStart(), path.camera, path.throughput * radiance * share);
+    out.add(out.pathClasses().lightStart(), path.camera, path.sharedThroughput() * radiance * share);
 }
 
 void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
@@ -67,9 +74,10 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                    PathRadiance& out) const {
   const Vec3f wi = -path.ray.direction;
   const int panes = panesLeft(settings.maxDepth, path.depth);
-  if (share.merged == 0) {
-    addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi, path.throughput * share.rest,
-                    path.camera, settings.lightSamples, NON_DELTA_LOBES, panes, sampler, out);
+  if (share.merged == 0 && photons.sparsePart() == 0) {
+    addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi,
+                    path.sharedThroughput() * share.rest, path.camera, settings.lightSamples, NON_DELTA_LOBES,
+                    panes, sampler, out);
     return;
   }
   if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
@@ -82,14 +90,17 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
     if (isBlack(radiance)) continue;
     const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts);
     if (isBlack(free.value)) continue;
-    radiance *= free.panes > 0
-                    ? share.rest
-                    : share.camera(photons.arrivals(scene, choice.chosen.index,
-                                                    photons.pdfLe(choice.chosen.index, *choice.chosen.light,
-                                                                  light->emitted()),
-                                                    absDot(light->direction, hit.point.geometricNormal),
-                                                    light->distance, choice.chosen.probability),
-                                   scattering.pdfNonDelta(light->direction, wi));
+    const auto& [source, probability, index] = choice.chosen;
+    const LePdf pdf = photons.pdfLe(index, *source, light->emitted());
+    if (!photons.isSparse(*source, pdf)) {
+      const auto arrivals = [&] {
+        return photons.arrivals(scene, index, pdf, absDot(light->direction, hit.point.geometricNormal),
+                                light->distance, probability);
+      };
+      radiance *= path.part;
+      radiance *= free.panes > 0 ? share.rest
+                                 : share.camera(arrivals(), scattering.pdfNonDelta(light->direction, wi));
+    }
     out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
   }
 }

@@ -30,7 +30,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
                                   const RayTransmittance& transmittance, Sampler& sampler,
                                   PathRadiance& out) const {
   const CameraState camera = out.pathClasses().step(path.camera, PathEvent::V);
-  const Rgb throughput = path.throughput * path.share;
+  const Rgb throughput = path.sharedThroughput() * path.share;
   if (out.pathClasses().dead(camera) || isBlack(throughput)) return;
   const Medium& medium = *scene.medium(number);
   const Vec3f& direction = path.ray.direction;

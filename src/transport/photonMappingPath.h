@@ -38,6 +38,7 @@ struct PathState {
   CameraState camera;
   Nesting nesting;
   Rgb throughput{1};
+  float part = 1;       ///< of what it finds that photons on the way have left to it
   float etaScale = 1;   ///< undoes the 1/η² inside glass
   int depth = 0;        ///< scattering events so far
   int nonDelta = 0;     ///< those by non-delta lobes
@@ -53,6 +54,9 @@ struct PathState {
   BsdfRay bsdfRay;      ///< weighs light that is met at once against shadow rays
   MergeRatio merge;     ///< weighs light that is met by mirrors and glass against caustic photons
   float lightShare = 1; ///< of emission that is met, where photons bring all light
+
+  /** The throughput of light that photons on the way bring as well. */
+  Rgb sharedThroughput() const { return throughput * part; }
 
   /** The path after a scattering event; `pane`: it went straight through a thin pane. */
   PathState after(const Hit& hit, const Scatter& s, bool pane = false) const {

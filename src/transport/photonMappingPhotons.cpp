@@ -39,13 +39,13 @@ float PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& layer, co
     });
     if (!isBlack(e))
       out.add(LightState(0), path.camera,
-              path.throughput * e * scattering.value(wi, point.normalTowards(wi)));
+              path.sharedThroughput() * e * scattering.value(wi, point.normalTowards(wi)));
     return mergingWithin(search.merging, square(search.radius));
   }
   BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
                               query.place.away};
   return gather(layer.map, query.settings, scattering, point, wi, path.ray.width * photons.scale(),
-                path.throughput, path.camera, out, settings.edges ? &boundary : nullptr)
+                path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr)
       .merging;
 }
 

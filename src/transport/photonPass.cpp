@@ -62,6 +62,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.guide = &guidance.emission;
   shoot.targets = guidance.targets;
   shoot.region = &region;
+  shoot.minStartDensity = guidance.minStartDensity;
   shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
   if (scene.hasMedia() && !settings.causticsOnly) {
     if (pass.index == 0) learnMedia(scene, classes, pass, shoot, control, statistics);
@@ -360,6 +361,12 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   if (aim.active())
     statistics.notes.push_back(formatted("photons: %zu far lamp%s aimed at what camera paths meet",
                                          aim.lampCount(), aim.lampCount() == 1 ? " is" : "s are"));
+  if (scene.hasMedia() || settings.causticsOnly || settings.directLight)
+    guidance.minStartDensity = guidance.sparsePart = 0;
+  if (guidance.sparsePart > 0)
+    statistics.notes.push_back(
+        formatted("photons: %.2g of the light comes by few strong ones, and is left to rays",
+                  double(guidance.sparsePart)));
   if (guidance.emission.active())
     statistics.notes.push_back(
         formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",

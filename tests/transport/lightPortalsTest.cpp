@@ -127,6 +127,30 @@ Shape "sphere" "float radius" .3
   }
 }
 
+TEST(StrongPhotons, AreLeftToRaysWhereLightComesOffAWideGround) {
+  // What a wall sees of the sunny ground through its window reaches far: photons start there sparsely.
+  const std::string room = view(16, "3.5 1.5 3.5  -3 1 -1  0 1 0", 70) + R"(
+LightSource "infinite" "rgb L" [.5 .6 .8]
+LightSource "distant" "point3 from" [-3 3 1] "rgb L" [8 7 6]
+Material "diffuse" "rgb reflectance" [.6 .6 .6]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3] "point3 P" [-150 -.1 -150 -150 -.1 150 150 -.1 150 150 -.1 -150]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3  4 5 6 4 6 7  0 1 5 0 5 4  2 3 7 2 7 6  1 2 6 1 6 5]
+  "point3 P" [-4 0 -4  4 0 -4  4 0 4  -4 0 4  -4 3 -4  4 3 -4  4 3 4  -4 3 4]
+Shape "trianglemesh" "integer indices" [0 1 2 0 2 3  4 5 6 4 6 7  8 9 10 8 10 11  12 13 14 12 14 15]
+  "point3 P" [-4 0 -4 -4 0 4 -4 1 4 -4 1 -4  -4 2.4 -4 -4 2.4 4 -4 3 4 -4 3 -4
+              -4 1 -4 -4 1 -2 -4 2.4 -2 -4 2.4 -4  -4 1 2 -4 1 4 -4 2.4 4 -4 2.4 2]
+)";
+  const int count = samples(32);
+  const Rendered path = renderText(room, "path", "", 16 * count);
+  const Rendered photons = renderText(room, "photonmap", "\"bool trial\" false", count);
+  const auto& notes = photons.statistics.notes;
+  EXPECT_TRUE(std::any_of(notes.begin(), notes.end(),
+                          [](const std::string& n) { return n.find("left to rays") != std::string::npos; }));
+  const double error = std::hypot(path.standardError(), photons.standardError());
+  EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.01 + 3 * error / path.mean());
+  EXPECT_LT(error / path.mean(), 0.03) << photons.mean() << " " << path.mean() << " " << error;
+}
+
 TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
   const auto scene = sceneFrom(litCorner(16));
   ASSERT_TRUE(scene);

@@ -16,6 +16,8 @@ struct PhotonGuidance {
   EmissionGuide emission;
   std::vector<DxtranSphere> targets;
   float splitPower = INFINITE; ///< see ShootSettings, of one photon emitted
+  float minStartDensity = 0;   ///< see ShootSettings
+  float sparsePart = 0;        ///< of the power where the eye looks, that starts less densely
   uint64_t useful = 0;         ///< unguided trial photons that came down where the eye looks
   double secondMoment = 0;     ///< of what a photon brings to what is seen, about; by which guidances compare
 };

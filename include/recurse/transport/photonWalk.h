@@ -103,6 +103,8 @@ class PhotonWalk {
   }
   /** Power of a photon that starts with weight 1, of the last one that was shot. */
   float fullPower() const { return base; }
+  /** Of its start, if it came from infinitely far [1/length²]; else infinite. */
+  float startDensity() const { return isInfinite(origin.kind) ? origin.pdf.position : INFINITE; }
   /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
    * light. */
   float enteredImportance() const { return entered; }
@@ -253,8 +255,9 @@ class PhotonWalk {
       if (scattering.keepsPhotons() && !classes.dead(stateD) && (!straight || storesDirect))
         store(hit.point, scattering, wi, flux, state, caustic, ratio);
       ++depth;
+      const bool isForRays = straight && startDensity() < settings.minStartDensity;
       const LobeSet allowed =
-          LobeSet((classes.dead(stateD) || settings.causticsOnly ? NO_LOBE : NON_DELTA_LOBES) |
+          LobeSet((classes.dead(stateD) || settings.causticsOnly || isForRays ? NO_LOBE : NON_DELTA_LOBES) |
                   (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
       const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
       if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);

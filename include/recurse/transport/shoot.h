@@ -55,6 +55,9 @@ struct ShootSettings {
   /** By which shadow rays choose lights, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */
   const LightSampler* shadowRays = nullptr;
+  /** Photons from infinitely far that start less densely [1/length²] are so strong that each would be seen:
+   * what they bring to the first matt surface straight from the light, rays find from there on. */
+  float minStartDensity = 0;
   std::vector<DxtranSphere> targets;
   KeptInMedia inMedia;
   const VisibleRegion* region = nullptr; ///< where strong photons are split; null: nowhere
