@@ -37,8 +37,8 @@ bool PhotonMapping::raysFindAll(const Scene& scene) const {
 void PhotonMapping::tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
                              const ForwardControl& control, ForwardStatistics& statistics) {
   constexpr uint64_t STREAM = 0x747269616cull;
-  constexpr double PASS_RAY = 2; // to shoot, store and sort, over a ray of a camera path
-  constexpr double CLEARLY = 2;  // a trial misses rare bright samples, of which paths have more
+  constexpr double PASS_RAY = 1.6; // to shoot, store and sort, over a ray of a camera path
+  constexpr double CLEARLY = 2;    // a trial misses rare bright samples, of which paths have more
   const Pass other{hashCombine(pass.seed, STREAM), 1, false, pass.time};
   const EstimatorTrial trial(scene, classes, other.seed, pass.time);
   const double pixels = double(scene.film().whole().area());
