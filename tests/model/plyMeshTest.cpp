@@ -93,7 +93,9 @@ class PlyMesh : public ::testing::Test {
     write(bytes);
     EXPECT_FALSE(load()) << reason;
     EXPECT_NE(said.find(reason), std::string::npos) << "\"" << reason << "\" is not in:\n" << said;
-    EXPECT_NE(said.find("mesh.ply"), std::string::npos) << said;
+    const std::string name = directory + "/mesh.ply:";
+    EXPECT_NE(said.find(name), std::string::npos) << said;
+    EXPECT_EQ(said.find(name), said.rfind(name)) << said;
   }
 
   std::string directory, said;
