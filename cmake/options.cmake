@@ -1,11 +1,11 @@
 # Options, and the compiler settings shared by every target.
 
 option(BUILD_TESTING "Build the tests" ON)
-option(RECURSE_NATIVE "Build for this very machine; otherwise for x86-64-v3" ON)
 option(RECURSE_LTO "Optimise across translation units (interprocedural optimisation)" OFF)
 option(RECURSE_WERROR "Warnings are errors" OFF)
 option(RECURSE_BENCHMARKS "Build the benchmarks (Google Benchmark)" ON)
 option(RECURSE_FUZZ "Build the libFuzzer targets (clang)" OFF)
+set(RECURSE_PROCESSOR "native" CACHE STRING "The x86-64 processor to build for, as for -march=; empty: any")
 set(RECURSE_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize=")
 
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
@@ -37,17 +37,18 @@ if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
     # Its intrinsics are macros with compound literals.
     target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wno-c99-extensions>)
 endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND NOT RECURSE_PROCESSOR)
+    # Vectors of eight go between functions of one file only.
+    target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wno-psabi>)
+endif()
 if(RECURSE_WERROR)
     target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Werror>)
 endif()
-if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    if(RECURSE_NATIVE)
-        # The kernels are written for 8 lanes of AVX2; wider registers gain nothing here.
-        target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-march=native;-mprefer-vector-width=256>)
-    else()
-        target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-march=x86-64-v3>)
-    endif()
-    # The headers need AVX2, so users of the library do.
+if(RECURSE_PROCESSOR AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    # The kernels are written for 8 lanes of AVX2; wider registers gain nothing here.
+    target_compile_options(recurse_options INTERFACE
+        $<BUILD_INTERFACE:-march=${RECURSE_PROCESSOR};-mprefer-vector-width=256>)
+    # The headers of the library then have AVX2 in them, and what uses it must have the same types.
     target_compile_options(recurse_options INTERFACE $<INSTALL_INTERFACE:-march=x86-64-v3>)
 endif()
 if(RECURSE_SANITIZE)

@@ -5,19 +5,17 @@
 
 #include <thread>
 
-#include <immintrin.h>
 #include <sched.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_scheduler_observer.h>
 
+#include "recurse/core/float8.h"
+
 namespace recurse {
 
-void setThreadFloatMode() {
-  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-}
+void setThreadFloatMode() { flushDenormals(); }
 
 int availableCores() {
   cpu_set_t set;

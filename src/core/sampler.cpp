@@ -1,10 +1,11 @@
 /** @file
- * How samples are made: eight numbers at once, by vector instructions that compilers do not find by
- * themselves.
+ * How samples are made: eight numbers at once.
  */
 #include "recurse/core/sampler.h"
 
-#include <immintrin.h>
+#include "recurse/core/float8.h"
+
+#include <cstring>
 
 namespace recurse {
 
@@ -15,18 +16,7 @@ using Words = uint32_t __attribute__((vector_size(32)));
 using HalfWords = uint32_t __attribute__((vector_size(16)));
 using Longs = uint64_t __attribute__((vector_size(32)));
 
-/** Each number's bits in the opposite order. */
-Words reverseBits(Words v) {
-  const __m256i bytes = _mm256_broadcastsi128_si256(
-      _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3)); // of each word, reversed
-  const __m256i low = _mm256_broadcastsi128_si256(
-      _mm_set_epi8(15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // reversed in four bits
-  const __m256i high = _mm256_slli_epi16(low, 4), four = _mm256_set1_epi8(15);
-  const __m256i swapped = _mm256_shuffle_epi8((__m256i)v, bytes);
-  return (Words)_mm256_or_si256(
-      _mm256_shuffle_epi8(high, _mm256_and_si256(swapped, four)),
-      _mm256_shuffle_epi8(low, _mm256_and_si256(_mm256_srli_epi16(swapped, 4), four)));
-}
+Words reverseBits(Words v) { return std::bit_cast<Words>(reverseBits(std::bit_cast<Uint32x8>(v))); }
 
 /** Owen scrambling of numbers whose bits are reversed: each bit is flipped by a hash of the bits below it. */
 template <class T> T scrambleReversed(T v, T seed) {
@@ -64,8 +54,8 @@ void Sampler::refill() {
   bits = scrambleReversed(reverseBits(bits), both(seeds, seeds * 0x9e3779b9u + 0x7f4a7c15u));
   // As unitFloat().
   static_assert(sizeof numbers == sizeof bits);
-  _mm256_storeu_ps(numbers, _mm256_mul_ps(_mm256_cvtepi32_ps((__m256i)(reverseBits(bits) >> 8)),
-                                          _mm256_set1_ps(0x1p-24f)));
+  const Float8 unit = toFloat(std::bit_cast<Uint32x8>(reverseBits(bits) >> 8)) * Float8(0x1p-24f);
+  std::memcpy(numbers, &unit, sizeof numbers);
 }
 
 } // namespace recurse

@@ -6,14 +6,12 @@
  */
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <optional>
 
 #include "model/gameShader.h"
 #include "model/quake3Bsp.h"
-#include "recurse/core/image.h"
-#include "recurse/core/zipArchive.h"
+#include "model/quake3Pictures.h"
 #include "recurse/model/plugIns.h"
 
 namespace recurse {
@@ -37,7 +35,7 @@ class Quake3Import {
  public:
   Quake3Import(const Parameters& p, const ImportContext& context, SceneImport& import)
       : p(p), import(import), out(import, context), pakName(p.filePath("pak")), pak(pakName),
-        metre(p.real("unitspermetre")), lightScale(p.real("lightscale")) {}
+        pictures(p, pak, import, out), metre(p.real("unitspermetre")), lightScale(p.real("lightscale")) {}
 
   void run() {
     import.filesRead = {pakName};
@@ -84,54 +82,6 @@ class Quake3Import {
       readGameShaders(pakName + ": " + name, pak.read(name), scripts, warnings);
       for (const std::string& w : warnings) p.warn("pak", w);
     }
-  }
-
-  /** The picture of a texture name, kept for the scene; empty where there is none. */
-  std::string picture(const std::string& name) {
-    if (name.empty()) return {};
-    const std::string key = gameShaderName(name);
-    const auto known = pictures.find(key);
-    if (known != pictures.end()) return known->second;
-    for (const char* extension : {".tga", ".jpg", ".jpeg", ".png", ".pcx"})
-      if (const auto found = pak.find(key + extension)) {
-        const std::string file = out.addFile(*found, pak.read(*found));
-        try {
-          decoded[file] = readImage({file, import.files.at(file)});
-          return pictures[key] = file;
-        } catch (const Error& e) {
-          p.warn("pak", pakName + ": " + *found + ": " + e.what());
-          import.files.erase(file);
-        }
-      }
-    return pictures[key] = "";
-  }
-
-  /** Mean of a picture as it is coded for displays, scaled so that its largest component is 1: so q3map
-   * colours light. */
-  Rgbd lightColour(const std::string& file) const {
-    const auto found = decoded.find(file);
-    if (found == decoded.end()) return Rgbd(1);
-    const Rgbd sum = sumOf(found->second, [](float x) { return srgbFromLinear(x); });
-    return maxComponent(sum) > 0 ? sum / double(maxComponent(sum)) : Rgbd(1);
-  }
-  /** The largest component of the mean of its light. */
-  double meanMaximum(const std::string& file) const {
-    const Image& image = decoded.at(file);
-    return double(maxComponent(sumOf(image, [](float x) { return x; }))) /
-           (double(image.width) * image.height);
-  }
-  /** Of an additive surface: the mean of the picture's coded red, which its opacity is made of. */
-  double meanOpacity(const std::string& file) const {
-    const Image& image = decoded.at(file);
-    const double sum = sumOf(image, [](float x) { return srgbFromLinear(x); }).r;
-    return sum > 0 ? sum / (double(image.width) * image.height) : 1;
-  }
-  template <class Coding> static Rgbd sumOf(const Image& image, const Coding& code) {
-    Rgbd sum(0);
-    for (int y = 0; y < image.height; ++y)
-      for (int x = 0; x < image.width; ++x)
-        for (int c = 0; c < 3; ++c) sum[c] += double(code(image.at(x, y)[c]));
-    return sum;
   }
 
   // ---- surfaces
@@ -211,9 +161,9 @@ class Quake3Import {
       return;
     }
     const GameShader::Stage* base = script ? script->base() : nullptr;
-    std::string file = picture(base ? base->image : reference.name);
-    if (file.empty() && script) file = picture(reference.name);
-    if (file.empty() && script) file = picture(script->editorImage);
+    std::string file = pictures.find(base ? base->image : reference.name);
+    if (file.empty() && script) file = pictures.find(reference.name);
+    if (file.empty() && script) file = pictures.find(script->editorImage);
     if (script && script->isLiquid) {
       look.directives = "Material \"dielectric\" \"float eta\" 1.33\n";
       return;
@@ -241,7 +191,8 @@ class Quake3Import {
   }
 
   void readAlpha(const GameShader::Stage* base, const std::string& file, Look& look) {
-    if (!base || !(base->alphaThreshold || base->isBlended()) || decoded.at(file).channel("A") < 0) return;
+    if (!base || !(base->alphaThreshold || base->isBlended()) || pictures.image(file).channel("A") < 0)
+      return;
     std::string more = "\"string channel\" \"alpha\" \"string encoding\" \"linear\"";
     if (base->alphaThreshold) {
       const double threshold = double(*base->alphaThreshold);
@@ -256,15 +207,16 @@ class Quake3Import {
   std::string emission(const GameShader& script, const std::string& file, bool additive, double value) {
     const double radiance = value > 0 ? value * AREA_SCALE * IRRADIANCE_UNIT * lightScale : lightScale;
     std::string light = "AreaLightSource \"diffuse\" ";
-    if (!additive && !file.empty() && meanMaximum(file) > 0) {
+    if (!additive && !file.empty() && pictures.meanMaximum(file) > 0) {
       light += "\"string filename\" " + sceneText(file) + " \"string wrap\" \"repeat\" \"float scale\" " +
-               sceneText(radiance / meanMaximum(file));
+               sceneText(radiance / pictures.meanMaximum(file));
     } else {
-      const std::string colourFile = picture(script.lightImage);
+      const std::string colourFile = pictures.find(script.lightImage);
       double opacity = 1;
-      if (additive && value > 0 && !file.empty()) opacity = meanOpacity(file);
+      if (additive && value > 0 && !file.empty()) opacity = pictures.meanOpacity(file);
       light += "\"rgb L\" [ " +
-               sceneText(Vec3d(lightColour(colourFile.empty() ? file : colourFile) * (radiance / opacity))) +
+               sceneText(Vec3d(pictures.lightColour(colourFile.empty() ? file : colourFile) *
+                               (radiance / opacity))) +
                " ]";
     }
     return light + (script.isTwoSided ? " \"bool twosided\" true\n" : "\n");
@@ -275,12 +227,12 @@ class Quake3Import {
   void addSky() {
     if (!sky) return;
     const GameShader::Stage* base = sky->base();
-    std::string file = picture(sky->lightImage);
-    if (file.empty() && base) file = picture(base->image);
-    if (file.empty()) file = picture(sky->editorImage);
+    std::string file = pictures.find(sky->lightImage);
+    if (file.empty() && base) file = pictures.find(base->image);
+    if (file.empty()) file = pictures.find(sky->editorImage);
     if (sky->surfaceLight > 0) {
       const Rgbd radiance =
-          lightColour(file) * (sky->surfaceLight * AREA_SCALE * IRRADIANCE_UNIT * lightScale);
+          pictures.lightColour(file) * (sky->surfaceLight * AREA_SCALE * IRRADIANCE_UNIT * lightScale);
       out.line("LightSource \"infinite\" \"rgb L\" [ " + sceneText(Vec3d(radiance)) + " ]");
       import.taken.push_back("sky");
       import.hasLights = true;
@@ -296,30 +248,6 @@ class Quake3Import {
              sceneText(from) + " ] \"point3 to\" [ 0 0 0 ]");
     import.taken.push_back("sun");
     import.hasLights = true;
-  }
-
-  static std::string valueOf(const Quake3Bsp::Entity& entity, const std::string& key) {
-    const auto found = entity.find(key);
-    return found == entity.end() ? "" : found->second;
-  }
-  /** Numbers between blanks; what is none ends the list. */
-  static std::vector<double> numbersOf(const Quake3Bsp::Entity& entity, const std::string& key) {
-    const std::string text = valueOf(entity, key);
-    std::vector<double> out;
-    const char* at = text.c_str();
-    for (char* end = nullptr;; at = end) {
-      const double value = std::strtod(at, &end);
-      if (end == at || !std::isfinite(value)) return out;
-      out.push_back(value);
-    }
-  }
-  static std::optional<Vec3d> vectorOf(const Quake3Bsp::Entity& entity, const std::string& key) {
-    const std::vector<double> v = numbersOf(entity, key);
-    return v.size() < 3 ? std::nullopt : std::optional(Vec3d(v[0], v[1], v[2]));
-  }
-  static double numberOf(const Quake3Bsp::Entity& entity, const std::string& key, double otherwise) {
-    const std::vector<double> v = numbersOf(entity, key);
-    return v.empty() ? otherwise : v[0];
   }
 
   void addEntities() {
@@ -414,14 +342,13 @@ class Quake3Import {
   ImportWriter out;
   std::string pakName;
   ZipArchive pak;
+  Quake3Pictures pictures;
   double metre;      ///< map units of a metre
   double lightScale; ///< factor of all light
   Quake3Bsp map;
   GameShaders scripts;
   std::vector<Look> looks; ///< by shader of the map
   const GameShader* sky = nullptr;
-  std::map<std::string, std::string> pictures; ///< by texture names
-  std::map<std::string, Image> decoded;        ///< by files of the scene
   size_t triangles = 0, patches = 0, lamps = 0, lights = 0, dark = 0;
 };
 

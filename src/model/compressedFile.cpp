@@ -38,7 +38,8 @@ bool CompressedFile::fill() {
     return true;
   }
   int code = 0;
-  const char* why = gzerror(file, &code);
+  std::string why = gzerror(file, &code);
+  if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
   if (code == Z_ERRNO) throw Error(path + ": cannot be read: " + std::strerror(errno));
   if (code != Z_OK && code != Z_STREAM_END)
     throw Error(path + ": at byte " + std::to_string(base) + ": the gzip data is damaged or cut off: " + why);

@@ -15,6 +15,9 @@ namespace recurse {
 class GeometryGroup;
 class CurveShape;
 
+/** Masks of rays: surfaces that emit and do not scatter are met by rays but cast no shadow. */
+constexpr unsigned SEEN = 1, CASTS_SHADOW = 2;
+
 /** One shape in a tree, with what hits on it mean. */
 struct SceneGeometry {
   const Shape* shape = nullptr;
@@ -87,6 +90,11 @@ class GeometryGroup {
   std::vector<SceneGeometry> geometries; ///< by Embree's geometry id
   std::vector<Instance> instances;       ///< by id, after the geometries
 };
+
+/** A point of an object definition, seen from the scene. */
+void transformToScene(const GeometryGroup::Instance& instance, float time, SurfacePoint& p);
+
+inline HitParameters parametersOf(const RTCHit& h) { return {{h.u, h.v}, {h.Ng_x, h.Ng_y, h.Ng_z}}; }
 
 class EmbreeScene final : public Scene {
  public:

@@ -253,13 +253,6 @@ class PlyReader {
 
 } // namespace
 
-PlyFile readPly(const FileReference& file) {
-  try {
-    return PlyReader(file).read();
-  } catch (const Error& e) {
-    const std::string what = e.what();
-    throw Error(what.rfind(file.path, 0) == 0 ? what : file.path + ": " + what);
-  }
-}
+PlyFile readPly(const FileReference& file) { return PlyReader(file).read(); }
 
 } // namespace recurse

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 
 #include "recurse/core/byteReader.h"
 
@@ -223,6 +224,33 @@ void tessellatePatch(Quake3Bsp::Face& face, int steps) {
     }
   face.vertices = std::move(made);
   face.patchWidth = face.patchHeight = 0;
+}
+
+std::string valueOf(const Quake3Bsp::Entity& entity, const std::string& key) {
+  const auto found = entity.find(key);
+  return found == entity.end() ? "" : found->second;
+}
+
+/** Numbers between blanks; what is none ends the list. */
+static std::vector<double> numbersOf(const Quake3Bsp::Entity& entity, const std::string& key) {
+  const std::string text = valueOf(entity, key);
+  std::vector<double> out;
+  const char* at = text.c_str();
+  for (char* end = nullptr;; at = end) {
+    const double value = std::strtod(at, &end);
+    if (end == at || !std::isfinite(value)) return out;
+    out.push_back(value);
+  }
+}
+
+std::optional<Vec3d> vectorOf(const Quake3Bsp::Entity& entity, const std::string& key) {
+  const std::vector<double> v = numbersOf(entity, key);
+  return v.size() < 3 ? std::nullopt : std::optional(Vec3d(v[0], v[1], v[2]));
+}
+
+double numberOf(const Quake3Bsp::Entity& entity, const std::string& key, double otherwise) {
+  const std::vector<double> v = numbersOf(entity, key);
+  return v.empty() ? otherwise : v[0];
 }
 
 } // namespace recurse

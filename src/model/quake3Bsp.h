@@ -5,6 +5,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,6 +38,11 @@ struct Quake3Bsp {
   std::vector<Face> faces; ///< polygons, patches and meshes; no billboards
   std::vector<Entity> entities;
 };
+
+/** Values of an entity's keys; empty where there is none. */
+std::string valueOf(const Quake3Bsp::Entity& entity, const std::string& key);
+std::optional<Vec3d> vectorOf(const Quake3Bsp::Entity& entity, const std::string& key);
+double numberOf(const Quake3Bsp::Entity& entity, const std::string& key, double otherwise);
 
 /** Throws Error naming the file, the place and what is wrong there. */
 Quake3Bsp readQuake3Bsp(const std::string& name, std::string_view bytes);

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <immintrin.h>
+#include <OpenImageIO/half.h>
 #include <zlib.h>
 
 #include "recurse/core/error.h"
@@ -56,9 +56,9 @@ std::string encoded(const Image& layer, int scale) {
   for (size_t p = 0; p < pixels; ++p)
     for (size_t c = 0; c < 3; ++c) {
       const float value = static_cast<float>(std::ldexp(double(layer.pixels[p * 3 + c]), scale));
-      const unsigned half = _cvtss_sh(value, _MM_FROUND_TO_NEAREST_INT);
-      bytes[c * pixels + p] = static_cast<unsigned char>(half >> 8);
-      bytes[(3 + c) * pixels + p] = static_cast<unsigned char>(half & 255);
+      const unsigned bits = half(value).bits();
+      bytes[c * pixels + p] = static_cast<unsigned char>(bits >> 8);
+      bytes[(3 + c) * pixels + p] = static_cast<unsigned char>(bits & 255);
     }
   return base64(deflated(bytes));
 }

@@ -9,17 +9,24 @@ namespace recurse {
 
 namespace {
 
+PlyFile readOrFail(const Parameters& p, const FileReference& file) {
+  try {
+    return readPly(file);
+  } catch (const Error& e) {
+    p.fail("filename", e.what());
+  }
+}
+
 std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& context) {
   const FileReference file = p.file("filename");
+  PlyFile ply = readOrFail(p, file);
+  ply.forWarnings([&](const std::string& what) { p.warn("filename", file.path + ": " + what); });
   try {
-    PlyFile ply = readPly(file);
-    ply.forWarnings([&](const std::string& what) { p.warn("filename", file.path + ": " + what); });
     return makeDisplacedMesh(std::move(ply.mesh), p, context);
   } catch (const SceneError&) {
     throw;
-  } catch (const Error& e) {
-    const std::string what = e.what();
-    p.fail("filename", what.rfind(file.path, 0) == 0 ? what : file.path + ": " + what);
+  } catch (const Error& e) { // of the mesh, which knows of no file
+    p.fail("filename", file.path + ": " + e.what());
   }
 }
 

@@ -50,10 +50,9 @@ class Estimate {
       if (states <= MAX_LISTED) {
         const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
         // Every state's turn for every block: cheaper than a branch that depends on the photons.
-        const __m256i eight =
-            _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(block.pathStates)));
+        const Uint32x8 pathStates = Uint32x8::fromBytes(block.pathStates);
         for (size_t i = 0; i < listed; ++i) {
-          const Float8 same = _mm256_castsi256_ps(_mm256_cmpeq_epi32(eight, _mm256_set1_epi32(list[i])));
+          const Float8 same = equal(pathStates, Uint32x8(list[i]));
           addLanes(i, {power.x & same, power.y & same, power.z & same});
         }
         return;

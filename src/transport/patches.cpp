@@ -225,8 +225,9 @@ void Patches::shareCorners() {
   const auto keyOf = [&](const Vec3d& p) {
     return Key{std::llround(p.x), std::llround(p.y), std::llround(p.z)};
   };
-  /** What is within a quarter of a grain may have another key. */
-  const auto alike = [&](const Vec3d& p, const Vec3f& normal) -> std::optional<uint32_t> {
+  /** A corner found before at this place on a surface that faces the same way. Rounding may have put it into
+   * a neighbouring cell, up to a quarter of a grain away. */
+  const auto sameCorner = [&](const Vec3d& p, const Vec3f& normal) -> std::optional<uint32_t> {
     for (int k = 0; k < 8; ++k) {
       const auto there =
           found.find(keyOf(p + Vec3d(k & 1 ? .25 : -.25, k & 2 ? .25 : -.25, k & 4 ? .25 : -.25)));
@@ -243,7 +244,7 @@ void Patches::shareCorners() {
       for (uint32_t j = 0; f.isTriangle ? i + j <= f.divisions.x : j <= f.divisions.y; ++j) {
         const SurfacePoint point = f.pointAt(f.atGrid({i, j}));
         const Vec3d p = Vec3d(point.position) / grain;
-        const auto known = alike(p, point.geometricNormal);
+        const auto known = sameCorner(p, point.geometricNormal);
         sharedCorner.push_back(known ? *known : sharedCornerCount);
         if (!known) found[keyOf(p)].push_back({point.geometricNormal, sharedCornerCount++});
       }

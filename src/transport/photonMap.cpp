@@ -35,28 +35,29 @@ struct Keys {
   float* data;
 
   static constexpr size_t FLOATS = 4;
-  __m128 load(size_t i) const { return _mm_load_ps(data + FLOATS * i); }
-  void store(size_t i, __m128 key) const { _mm_store_ps(data + FLOATS * i, key); }
+  Float4 load(size_t i) const { return Float4::load(data + FLOATS * i); }
+  void store(size_t i, Float4 key) const { key.store(data + FLOATS * i); }
   float coordinate(size_t i, int axis) const { return data[FLOATS * i + static_cast<size_t>(axis)]; }
+  uint32_t index(size_t i) const { return std::bit_cast<uint32_t>(data[FLOATS * i + 3]); }
 
   Bounds3f bounds(size_t first, size_t last) const {
-    __m128 lower = _mm_set1_ps(INFINITE), upper = _mm_set1_ps(-INFINITE);
-    __m128 lower2 = lower, upper2 = upper;
+    Float4 lower(INFINITE), upper(-INFINITE);
+    Float4 lower2 = lower, upper2 = upper;
     size_t i = first;
     for (; i + 1 < last; i += 2) {
-      const __m128 a = load(i), b = load(i + 1);
-      lower = _mm_min_ps(lower, a);
-      upper = _mm_max_ps(upper, a);
-      lower2 = _mm_min_ps(lower2, b);
-      upper2 = _mm_max_ps(upper2, b);
+      const Float4 a = load(i), b = load(i + 1);
+      lower = min(lower, a);
+      upper = max(upper, a);
+      lower2 = min(lower2, b);
+      upper2 = max(upper2, b);
     }
     if (i < last) {
-      lower = _mm_min_ps(lower, load(i));
-      upper = _mm_max_ps(upper, load(i));
+      lower = min(lower, load(i));
+      upper = max(upper, load(i));
     }
     alignas(16) float l[4], u[4];
-    _mm_store_ps(l, _mm_min_ps(lower, lower2));
-    _mm_store_ps(u, _mm_max_ps(upper, upper2));
+    min(lower, lower2).store(l);
+    max(upper, upper2).store(u);
     Bounds3f box;
     box.lower = Vec3f(l[0], l[1], l[2]);
     box.upper = Vec3f(u[0], u[1], u[2]);
@@ -67,7 +68,7 @@ struct Keys {
   template <bool OR_EQUAL> size_t partition(size_t first, size_t last, int axis, float pivot) const {
     size_t end = first;
     for (size_t i = first; i < last; ++i) {
-      const __m128 key = load(i);
+      const Float4 key = load(i);
       const float x = coordinate(i, axis);
       store(i, load(end));
       store(end, key);
@@ -123,7 +124,7 @@ struct Keys {
  private:
   void insertionSort(size_t first, size_t last, int axis) const {
     for (size_t i = first + 1; i < last; ++i) {
-      const __m128 key = load(i);
+      const Float4 key = load(i);
       const float x = coordinate(i, axis);
       size_t j = i;
       for (; j > first && coordinate(j - 1, axis) > x; --j) store(j, load(j - 1));
@@ -151,7 +152,7 @@ struct PhotonMap::Builder {
       bool good = true;
       for (size_t i = chunk * CHUNK; i < end; ++i) {
         const Vec3f& p = photons[i].position;
-        keys.store(i, _mm_setr_ps(p.x, p.y, p.z, std::bit_cast<float>(static_cast<uint32_t>(i))));
+        keys.store(i, Float4(p.x, p.y, p.z, std::bit_cast<float>(static_cast<uint32_t>(i))));
         good &= isFinite(photons[i]);
       }
       if (!good) allFinite.store(false, std::memory_order_relaxed);
@@ -213,18 +214,18 @@ struct PhotonMap::Builder {
   /** Replaces the keys of a leaf, which are in their final order, by the payload. */
   void writeLeaf(size_t leaf) const {
     const size_t first = keyAt(leaf), n = keyAt(leaf + 1) - first;
-    alignas(32) __m128 key[LEAF_SIZE];
+    Float4 key[LEAF_SIZE];
     uint32_t index[LEAF_SIZE];
     for (size_t i = 0; i < n; ++i) {
       key[i] = keys.load(first + i);
-      index[i] = static_cast<uint32_t>(_mm_extract_epi32(_mm_castps_si128(key[i]), 3));
-      _mm_prefetch(reinterpret_cast<const char*>(&photons[index[i]].position), _MM_HINT_T0);
-      _mm_prefetch(reinterpret_cast<const char*>(&photons[index[i]].pathState), _MM_HINT_T0);
+      index[i] = keys.index(first + i);
+      __builtin_prefetch(&photons[index[i]].position);
+      __builtin_prefetch(&photons[index[i]].pathState);
     }
     Leaf& l = map.leaves[leaf];
     for (size_t i = 0; i < LEAF_SIZE; ++i) {
       alignas(16) float p[4] = {INFINITE, INFINITE, INFINITE, 0};
-      if (i < n) _mm_store_ps(p, key[i]);
+      if (i < n) key[i].store(p);
       l.x[i] = p[0];
       l.y[i] = p[1];
       l.z[i] = p[2];

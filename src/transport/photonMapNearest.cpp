@@ -50,11 +50,10 @@ void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestP
   const auto wanted = static_cast<size_t>(k);
   const auto countUpTo = [&](float bound) {
     const Float8 b(bound);
-    __m256i n = _mm256_setzero_si256();
-    for (size_t i = 0; i < found.blocks; ++i)
-      n = _mm256_sub_epi32(n, _mm256_castps_si256(lessEqual(found.distance2[i], b).v));
-    alignas(32) uint32_t lanes[8];
-    _mm256_store_si256(reinterpret_cast<__m256i*>(lanes), n);
+    Uint32x8 counts(0);
+    for (size_t i = 0; i < found.blocks; ++i) counts.countIn(lessEqual(found.distance2[i], b));
+    uint32_t lanes[8];
+    counts.store(lanes);
     size_t sum = 0;
     for (const uint32_t lane : lanes) sum += lane;
     return sum;

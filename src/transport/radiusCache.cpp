@@ -162,7 +162,6 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   }
   Float8 sum(0), variance(0), noise(0), rays(0);
   const float rarest = byRays.maxBrightness * meanPower(photons, region, own);
-  const __m256i next = _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 7);
   withKernel(kernel, [&](auto k) {
     photons.visitWithin(region, [&](const PhotonBlock& block) {
       alignas(32) float d2[8];
@@ -174,7 +173,7 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
         const Float8 inside = less(q, Float8(1));
         const Float8 brings = (kernelShape<decltype(k)::value>(min(q, Float8(1))) & inside) *
                               Float8::load(norm) * Float8(total);
-        const Float8 difference = brings - Float8(_mm256_permutevar8x32_ps(brings.v, next));
+        const Float8 difference = brings - fromNextLane(brings);
         sum += brings;
         variance += brings * brings;
         noise += difference * difference;

@@ -126,6 +126,9 @@ class LayeringChecker {
     if (PLUG_IN_FOLDERS.contains(file.module) && path.ends_with(".h"))
       complain(path + " is a header in a folder of plug-ins");
     if (file.isInterface && path.ends_with(".cpp")) complain(path + " belongs into src");
+    static const std::regex INTRINSIC(R"(\b_mm\d*_|\b__m(128|256|512)|mmintrin\.h)");
+    if (path != "include/recurse/core/float8.h" && std::regex_search(file.text, INTRINSIC))
+      complain(path + " knows the processor, which only float8.h may");
   }
 
   void checkIncludes(const std::string& path, const SourceFile& file) {
@@ -294,6 +297,14 @@ TEST_F(LayeringCheck, FindsAFileThatDoesNotSayWhatItIs) {
   writeBare("src/core/b.cpp", "/** No such word. */\nint x; // @file\n");
   EXPECT_EQ(complaint(), "src/core/a.cpp does not open with a comment /** @file ... */ | "
                          "src/core/b.cpp does not open with a comment /** @file ... */");
+}
+
+TEST_F(LayeringCheck, FindsWhatKnowsTheProcessor) {
+  write("src/core/a.cpp", "#include <immintrin.h>\n");
+  write("src/core/b.cpp", "auto x = _mm256_setzero_ps();\n");
+  write("src/core/c.cpp", "int cost_mm_, rest__mm;\n");
+  EXPECT_EQ(complaint(), "src/core/a.cpp knows the processor, which only float8.h may | "
+                         "src/core/b.cpp knows the processor, which only float8.h may");
 }
 
 TEST_F(LayeringCheck, FindsAHeaderAmongPlugIns) {

@@ -414,7 +414,7 @@ TEST(PhotonMap, aMillionPhotonsTakeAtMostFortyBytesEach) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(kept[c] / given[c], 1, 1e-6);
 }
 
-TEST(Float8, unpacksDirectionsLikeScalarCode) {
+TEST(PhotonBlock, unpacksDirectionsLikeScalarCode) {
   Random random(11);
   for (int i = 0; i < 10000; ++i) {
     alignas(32) uint32_t packed[8];
@@ -423,18 +423,6 @@ TEST(Float8, unpacksDirectionsLikeScalarCode) {
     const Vec3f8 d = unpackDirections(packed);
     for (int lane = 0; lane < 8; ++lane)
       ASSERT_EQ(Vec3f(d.x[lane], d.y[lane], d.z[lane]), unpackDirection({packed[lane]}));
-  }
-}
-
-TEST(Float8, masksAndSums) {
-  alignas(32) float x[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-  const Float8 v = Float8::load(x);
-  EXPECT_EQ(sum(v), 36);
-  for (uint32_t mask = 0; mask < 256; ++mask) {
-    EXPECT_EQ(bits(Float8::lanes(mask)), mask);
-    float expected = 0;
-    for (int i = 0; i < 8; ++i) expected += mask >> i & 1 ? x[i] : 0;
-    EXPECT_EQ(sum(v & Float8::lanes(mask)), expected);
   }
 }
 

@@ -1,29 +1,233 @@
 /** @file
- * Eight floats at a time, by AVX2.
+ * Eight numbers at a time: by AVX2, or by plain code for any processor, to the same bits. Nothing else in the
+ * renderer knows the processor.
  */
 #pragma once
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 
+#if defined(__AVX2__) || defined(__SSE__)
 #include <immintrin.h>
-
-#ifndef __AVX2__
-#error "Recurse needs AVX2: build for x86-64-v3 or later"
 #endif
 
 namespace recurse {
 
-/** Eight floats in a register. Comparisons give a bit mask, bit i for lane i. */
+/**
+ * Lane by lane, in loops that compilers may vectorise. This is what the operations mean: those of `avx2` have
+ * the same names and give the same bits.
+ */
+namespace portable {
+
+/** Four floats. */
+struct Float4 {
+  alignas(16) float v[4];
+
+  Float4() = default;
+  Float4(float x) : v{x, x, x, x} {}
+  Float4(float x, float y, float z, float w) : v{x, y, z, w} {}
+  /** From 4 floats on a 16-byte boundary. */
+  static Float4 load(const float* p) { return {p[0], p[1], p[2], p[3]}; }
+  void store(float* p) const { std::copy(v, v + 4, p); }
+
+  friend Float4 min(Float4 a, Float4 b) {
+    for (int i = 0; i < 4; ++i) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
+    return a;
+  }
+  friend Float4 max(Float4 a, Float4 b) {
+    for (int i = 0; i < 4; ++i) a.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
+    return a;
+  }
+};
+
+/** Eight floats. A mask of lanes is a Float8 too, with all bits or none of a lane set. */
+struct Float8 {
+  alignas(32) float v[8];
+
+  Float8() = default;
+  Float8(float x) { std::fill(v, v + 8, x); }
+  /** From 8 floats on a 32-byte boundary. */
+  static Float8 load(const float* p) {
+    return eachLane([&](int i) { return p[i]; });
+  }
+  void store(float* p) const { std::copy(v, v + 8, p); }
+  /** All bits set in the lanes of the mask, bit i for lane i. */
+  static Float8 lanes(uint32_t mask) {
+    return eachLane([&](int i) { return allBits(mask >> i & 1); });
+  }
+  float operator[](int lane) const { return v[lane]; }
+
+  friend Float8 operator+(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return a.v[i] + b.v[i]; });
+  }
+  friend Float8 operator-(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return a.v[i] - b.v[i]; });
+  }
+  friend Float8 operator*(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return a.v[i] * b.v[i]; });
+  }
+  friend Float8 operator/(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return a.v[i] / b.v[i]; });
+  }
+  /** Bit by bit. */
+  friend Float8 operator&(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return fromBits(toBits(a.v[i]) & toBits(b.v[i])); });
+  }
+  Float8& operator+=(const Float8& b) { return *this = *this + b; }
+  /** b where one is not a number, or where both are zero. */
+  friend Float8 min(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
+  }
+  friend Float8 max(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return a.v[i] > b.v[i] ? a.v[i] : b.v[i]; });
+  }
+  friend Float8 sqrt(const Float8& a) {
+    return eachLane([&](int i) { return std::sqrt(a.v[i]); });
+  }
+  friend Float8 abs(const Float8& a) {
+    return eachLane([&](int i) { return std::abs(a.v[i]); });
+  }
+  friend Float8 copysign(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return std::copysign(a.v[i], b.v[i]); });
+  }
+  /** a in the given lanes, b elsewhere. */
+  friend Float8 select(const Float8& lanes, const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return std::signbit(lanes.v[i]) ? a.v[i] : b.v[i]; });
+  }
+  friend Float8 less(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return allBits(a.v[i] < b.v[i]); });
+  }
+  friend Float8 lessEqual(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return allBits(a.v[i] <= b.v[i]); });
+  }
+  friend Float8 equal(const Float8& a, const Float8& b) {
+    return eachLane([&](int i) { return allBits(a.v[i] == b.v[i]); });
+  }
+  /** The sign bits, bit i for lane i: of a mask of lanes, which they are. */
+  friend uint32_t bits(const Float8& a) {
+    uint32_t mask = 0;
+    for (int i = 0; i < 8; ++i) mask |= toBits(a.v[i]) >> 31 << i;
+    return mask;
+  }
+  friend float first(const Float8& a) { return a.v[0]; }
+  /** Each lane takes the number of the next one; the last keeps its own. */
+  friend Float8 fromNextLane(const Float8& a) {
+    return eachLane([&](int i) { return a.v[std::min(i + 1, 7)]; });
+  }
+  friend float least(const Float8& a) {
+    const Float4 four = min(Float4::load(a.v), Float4::load(a.v + 4));
+    const float even = four.v[0] < four.v[2] ? four.v[0] : four.v[2];
+    const float odd = four.v[1] < four.v[3] ? four.v[1] : four.v[3];
+    return even < odd ? even : odd;
+  }
+  /** The sum of the lanes, in a fixed order. */
+  friend float sum(const Float8& a) {
+    const auto across = [&](int i) { return a.v[i] + a.v[i + 4]; };
+    return across(0) + across(2) + (across(1) + across(3));
+  }
+
+ private:
+  static uint32_t toBits(float x) { return std::bit_cast<uint32_t>(x); }
+  static float fromBits(uint32_t x) { return std::bit_cast<float>(x); }
+  static float allBits(bool set) { return fromBits(set ? ~0u : 0u); }
+  template <class F> static Float8 eachLane(F&& f) {
+    Float8 r;
+    for (int i = 0; i < 8; ++i) r.v[i] = f(i);
+    return r;
+  }
+};
+
+/** Eight whole numbers of 32 bits. */
+struct Uint32x8 {
+  alignas(32) uint32_t v[8];
+
+  Uint32x8() = default;
+  Uint32x8(uint32_t x) { std::fill(v, v + 8, x); }
+  /** From 8 numbers on a 32-byte boundary. */
+  static Uint32x8 load(const uint32_t* p) {
+    return eachLane([&](int i) { return p[i]; });
+  }
+  /** From 8 numbers of a byte. */
+  static Uint32x8 fromBytes(const uint8_t* p) {
+    return eachLane([&](int i) { return p[i]; });
+  }
+  /** To anywhere. */
+  void store(uint32_t* p) const { std::copy(v, v + 8, p); }
+
+  friend Uint32x8 operator+(const Uint32x8& a, const Uint32x8& b) {
+    return eachLane([&](int i) { return a.v[i] + b.v[i]; });
+  }
+  friend Uint32x8 operator&(const Uint32x8& a, const Uint32x8& b) {
+    return eachLane([&](int i) { return a.v[i] & b.v[i]; });
+  }
+  friend Uint32x8 operator>>(const Uint32x8& a, int places) {
+    return eachLane([&](int i) { return a.v[i] >> places; });
+  }
+  /** Adds one in the given lanes. */
+  void countIn(const Float8& lanes) {
+    for (int i = 0; i < 8; ++i) v[i] += std::signbit(lanes.v[i]);
+  }
+  /** A mask of lanes. */
+  friend Float8 equal(const Uint32x8& a, const Uint32x8& b) {
+    uint32_t mask = 0;
+    for (int i = 0; i < 8; ++i) mask |= uint32_t(a.v[i] == b.v[i]) << i;
+    return Float8::lanes(mask);
+  }
+  /** Numbers below 2^31. */
+  friend Float8 toFloat(const Uint32x8& a) {
+    Float8 r;
+    for (int i = 0; i < 8; ++i) r.v[i] = static_cast<float>(a.v[i]);
+    return r;
+  }
+  /** The bits of each number in the opposite order. */
+  friend Uint32x8 reverseBits(const Uint32x8& a) {
+    return eachLane([&](int i) {
+      uint32_t x = a.v[i];
+      x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
+      x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
+      x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
+      return __builtin_bswap32(x);
+    });
+  }
+
+ private:
+  template <class F> static Uint32x8 eachLane(F&& f) {
+    Uint32x8 r;
+    for (int i = 0; i < 8; ++i) r.v[i] = f(i);
+    return r;
+  }
+};
+
+} // namespace portable
+
+#ifdef __AVX2__
+/** The same by vector instructions. */
+namespace avx2 {
+
+struct Float4 {
+  __m128 v;
+
+  Float4() = default;
+  Float4(__m128 v) : v(v) {}
+  Float4(float x) : v(_mm_set1_ps(x)) {}
+  Float4(float x, float y, float z, float w) : v(_mm_setr_ps(x, y, z, w)) {}
+  static Float4 load(const float* p) { return _mm_load_ps(p); }
+  void store(float* p) const { _mm_store_ps(p, v); }
+
+  friend Float4 min(Float4 a, Float4 b) { return _mm_min_ps(a.v, b.v); }
+  friend Float4 max(Float4 a, Float4 b) { return _mm_max_ps(a.v, b.v); }
+};
+
 struct Float8 {
   __m256 v;
 
   Float8() = default;
   Float8(__m256 v) : v(v) {}
   Float8(float x) : v(_mm256_set1_ps(x)) {}
-  /** From 8 floats on a 32-byte boundary. */
   static Float8 load(const float* p) { return _mm256_load_ps(p); }
   void store(float* p) const { _mm256_store_ps(p, v); }
-  /** All bits set in the lanes of the mask. */
   static Float8 lanes(uint32_t mask) {
     const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
     const __m256i on = _mm256_and_si256(_mm256_set1_epi32(static_cast<int>(mask)), bit);
@@ -49,25 +253,71 @@ struct Float8 {
     const __m256 sign = _mm256_set1_ps(-0.0f);
     return _mm256_or_ps(_mm256_andnot_ps(sign, a.v), _mm256_and_ps(sign, b.v));
   }
-  /** a where the bits of `lanes` are set, otherwise b. */
   friend Float8 select(Float8 lanes, Float8 a, Float8 b) { return _mm256_blendv_ps(b.v, a.v, lanes.v); }
   friend Float8 less(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ); }
   friend Float8 lessEqual(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ); }
   friend Float8 equal(Float8 a, Float8 b) { return _mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ); }
-  /** The sign bits as a mask. */
   friend uint32_t bits(Float8 a) { return static_cast<uint32_t>(_mm256_movemask_ps(a.v)); }
+  friend float first(Float8 a) { return _mm256_cvtss_f32(a.v); }
+  friend Float8 fromNextLane(Float8 a) {
+    return _mm256_permutevar8x32_ps(a.v, _mm256_setr_epi32(1, 2, 3, 4, 5, 6, 7, 7));
+  }
   friend float least(Float8 a) {
     const __m128 four = _mm_min_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
     const __m128 two = _mm_min_ps(four, _mm_movehl_ps(four, four));
     return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
   }
-  /** The sum of the lanes, in a fixed order. */
   friend float sum(Float8 a) {
     const __m128 four = _mm_add_ps(_mm256_castps256_ps128(a.v), _mm256_extractf128_ps(a.v, 1));
     const __m128 two = _mm_add_ps(four, _mm_movehl_ps(four, four));
     return _mm_cvtss_f32(_mm_add_ss(two, _mm_movehdup_ps(two)));
   }
 };
+
+struct Uint32x8 {
+  __m256i v;
+
+  Uint32x8() = default;
+  Uint32x8(__m256i v) : v(v) {}
+  Uint32x8(uint32_t x) : v(_mm256_set1_epi32(static_cast<int>(x))) {}
+  static Uint32x8 load(const uint32_t* p) { return _mm256_load_si256(reinterpret_cast<const __m256i*>(p)); }
+  static Uint32x8 fromBytes(const uint8_t* p) {
+    return _mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
+  }
+  void store(uint32_t* p) const { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), v); }
+
+  friend Uint32x8 operator+(Uint32x8 a, Uint32x8 b) { return _mm256_add_epi32(a.v, b.v); }
+  friend Uint32x8 operator&(Uint32x8 a, Uint32x8 b) { return _mm256_and_si256(a.v, b.v); }
+  friend Uint32x8 operator>>(Uint32x8 a, int places) { return _mm256_srli_epi32(a.v, places); }
+  void countIn(Float8 lanes) { v = _mm256_sub_epi32(v, _mm256_castps_si256(lanes.v)); } // all bits are -1
+  friend Float8 equal(Uint32x8 a, Uint32x8 b) { return _mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v)); }
+  friend Float8 toFloat(Uint32x8 a) { return _mm256_cvtepi32_ps(a.v); }
+  friend Uint32x8 reverseBits(Uint32x8 a) {
+    const __m256i bytes = _mm256_broadcastsi128_si256(
+        _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3)); // of each word, reversed
+    const __m256i low = _mm256_broadcastsi128_si256(
+        _mm_set_epi8(15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // reversed in four bits
+    const __m256i high = _mm256_slli_epi16(low, 4), four = _mm256_set1_epi8(15);
+    const __m256i swapped = _mm256_shuffle_epi8(a.v, bytes);
+    return _mm256_or_si256(_mm256_shuffle_epi8(high, _mm256_and_si256(swapped, four)),
+                           _mm256_shuffle_epi8(low, _mm256_and_si256(_mm256_srli_epi16(swapped, 4), four)));
+  }
+};
+
+} // namespace avx2
+using namespace avx2;
+#else
+using namespace portable;
+#endif
+
+/** Lets this thread take denormal floats for zero, where the processor can: they are slow, and nothing needs
+ * them. */
+inline void flushDenormals() {
+#ifdef __SSE__
+  constexpr unsigned FLUSH_ZERO = 0x8000, DENORMALS_ARE_ZERO = 0x0040;
+  _mm_setcsr(_mm_getcsr() | FLUSH_ZERO | DENORMALS_ARE_ZERO);
+#endif
+}
 
 /** Eight vectors. */
 struct Vec3f8 {
@@ -94,10 +344,7 @@ struct LaneLists {
 
  private:
   static void write(const uint8_t* list, uint32_t base, uint32_t* out) {
-    const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(list));
-    const __m256i sum =
-        _mm256_add_epi32(_mm256_cvtepu8_epi32(bytes), _mm256_set1_epi32(static_cast<int>(base)));
-    _mm256_storeu_si256(reinterpret_cast<__m256i*>(out), sum);
+    (Uint32x8::fromBytes(list) + Uint32x8(base)).store(out);
   }
 };
 inline constexpr LaneLists LANE_LISTS;

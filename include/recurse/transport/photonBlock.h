@@ -10,10 +10,9 @@ namespace recurse {
 
 /** Eight directions, not normalised: points of the octahedron. The arithmetic is that of unpackDirection. */
 inline Vec3f8 unpackOctahedron(const uint32_t* packed) {
-  const __m256i p = _mm256_load_si256(reinterpret_cast<const __m256i*>(packed));
-  const __m256i low = _mm256_and_si256(p, _mm256_set1_epi32(0xffff));
-  const Float8 u = Float8(_mm256_cvtepi32_ps(low)) * Float8(1 / 32767.0f) - Float8(1);
-  const Float8 v = Float8(_mm256_cvtepi32_ps(_mm256_srli_epi32(p, 16))) * Float8(1 / 32767.0f) - Float8(1);
+  const Uint32x8 p = Uint32x8::load(packed);
+  const Float8 u = toFloat(p & Uint32x8(0xffff)) * Float8(1 / 32767.0f) - Float8(1);
+  const Float8 v = toFloat(p >> 16) * Float8(1 / 32767.0f) - Float8(1);
   const Float8 z = Float8(1) - abs(u) - abs(v);
   const Float8 fold = max(Float8(0) - z, Float8(0));
   return {u - copysign(fold, u), v - copysign(fold, v), z};

@@ -32,8 +32,7 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
 
   /** D² of single precision, operation by operation as for eight. */
   float distance2(const Vec3f& p) const {
-    const float x = p.x - _mm256_cvtss_f32(cx.v), y = p.y - _mm256_cvtss_f32(cy.v),
-                z = p.z - _mm256_cvtss_f32(cz.v);
+    const float x = p.x - first(cx), y = p.y - first(cy), z = p.z - first(cz);
     const float d2 = x * x + y * y + z * z;
     if constexpr (!FLAT) return d2;
     const float h = x * nx + y * ny + z * nz;
