@@ -136,18 +136,20 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
   RenderStatistics& statistics = renderer.statistics;
   continueFrom(statistics, settings.from.statistics);
 
+  std::atomic<bool> abandon{false}; ///< what is under way: the time is up, or somebody said so
   ForwardControl control;
-  control.stop = &stop;
+  control.stop = &abandon;
   control.progress = [&](double fraction) {
     const double elapsed = seconds(Clock::now() - start);
     reporter.say("photons", fraction, fraction > 0.02 ? elapsed / fraction - elapsed : -1, 0, 0);
   };
   const int passes = renderer.passes();
-  double forwardSeconds = 0; ///< of the `shots` that were made here
+  double forwardSeconds = 0; ///< of the `shots` that were made here, but for the first pass, which learns
   int shots = 0;
   const auto shootPass = [&](int64_t index, bool splats) {
     const Clock::time_point passStart = Clock::now();
     renderer.shootPass(index, splats, control);
+    if (index == 0) return;
     forwardSeconds += seconds(Clock::now() - passStart);
     ++shots;
   };
@@ -212,7 +214,6 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
     lookDue = false;
   };
 
-  std::atomic<bool> abandon{false};
   // Every pixel is to have a sample: the first round may take longer.
   std::atomic<double> endOfTime{sample == first ? double(INFINITY) : settings.timeLimit};
   const Watchdog watchdog([&] {
@@ -233,7 +234,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
         break;
       if (!ready && pass > 0) shootPass(0, false); // which the later ones look back at
       shootPass(pass, !isSplatted());
-      if (stop) break;
+      if (abandon) break;
       // From the second pass on the photons' progress is a part of the picture's.
       control.progress = [](double) {};
       if (!ready) pictureStart = Clock::now();

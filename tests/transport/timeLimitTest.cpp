@@ -51,7 +51,52 @@ const std::pair<const char*, const char*> SLOW[] = {
     {"photonmap", "\"integer photons\" 1000 \"integer finalgather\" 100000"},
 };
 
+/** Its first pass takes `first` seconds, as one that learns does, and each later one `later`, unless it is
+ * stopped. */
+class SlowPasses : public Integrator {
+ public:
+  SlowPasses(double first, double later) : first(first), later(later) {}
+  int passes(int) const override { return 0; }
+  ForwardStatistics forward(const Scene&, const PathClasses&, const Pass& pass,
+                            const ForwardControl& control) override {
+    const auto end =
+        std::chrono::steady_clock::now() + std::chrono::duration<double>(pass.index == 0 ? first : later);
+    while (std::chrono::steady_clock::now() < end && !control.stopped())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return {};
+  }
+  void backward(const Scene&, const CameraRay&, Sampler&, PathRadiance&) const override {}
+  std::vector<EstimatorDomain> domains() const override { return {}; }
+
+ private:
+  double first, later;
+};
+
+RenderStatistics renderSlowPasses(double first, double later, double limit) {
+  const auto scene = sceneFrom(LIT_FLOOR);
+  SlowPasses integrator(first, later);
+  RenderSettings settings;
+  settings.samplesPerPixel = 0;
+  settings.timeLimit = limit;
+  Film film(scene->film().crop, 1);
+  return render(*scene, integrator, PathClasses(), settings, film, std::atomic<bool>{false}, {}, {});
+}
+
 } // namespace
+
+TEST(TimeLimit, IsUsedAfterAFirstPassThatTookMostOfIt) {
+  const RenderStatistics s = renderSlowPasses(3, 0.001, 5);
+  EXPECT_GT(s.passes, 10u);
+  EXPECT_EQ(s.stopReason, StopReason::TIME);
+}
+
+TEST(TimeLimit, EndsPassesThatTakeLongerThanTheFirst) {
+  const RenderStatistics s = renderSlowPasses(0.01, 60, 1);
+  EXPECT_LT(s.renderSeconds, 10);
+  EXPECT_EQ(s.least, 1u);
+  EXPECT_EQ(s.most, 1u);
+  EXPECT_EQ(s.stopReason, StopReason::TIME);
+}
 
 TEST(TimeLimit, IsKeptWithinASample) {
   const std::atomic<bool> stop{false};
