@@ -4,6 +4,7 @@
 #include "recurse/transport/emissiveMedia.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "recurse/core/parallel.h"
 #include "recurse/transport/walk.h"
@@ -14,12 +15,16 @@ namespace {
 
 Vec3f pointOf(const Bounds3f& box, const Vec3f& part) { return box.lower + box.diagonal() * part; }
 
+Bounds3f boxAround(const SceneBounds& bounds) {
+  return {bounds.center - bounds.radius, bounds.center + bounds.radius};
+}
+
 double volumeOf(const Bounds3f& box) {
   const Vec3d d(box.diagonal());
   return d.x * d.y * d.z;
 }
 
-/** The cells of a box that are not black, and one more on each side. */
+/** The cells of a box that are not black, and one more on each side; empty where all are. */
 Bounds3f boxOfCells(const Bounds3f& box, const std::vector<double>& cells, int count) {
   glm::ivec3 first(count), last(0);
   for (int z = 0, i = 0; z < count; ++z)
@@ -29,33 +34,87 @@ Bounds3f boxOfCells(const Bounds3f& box, const std::vector<double>& cells, int c
           first = glm::min(first, glm::ivec3(x, y, z) - 1);
           last = glm::max(last, glm::ivec3(x, y, z) + 2);
         }
+  if (first.x > last.x) return {};
   first = glm::max(first, glm::ivec3(0));
   last = glm::min(last, glm::ivec3(count));
   return {pointOf(box, Vec3f(first) / float(count)), pointOf(box, Vec3f(last) / float(count))};
+}
+
+/** Calls visit(ray) for rays of unit direction through a box along its axes, in both directions. */
+template <class Visit> void forLinesThrough(const Bounds3f& box, int across, float time, const Visit& visit) {
+  const Vec3f spacing = box.diagonal() / static_cast<float>(across);
+  for (int way = 0; way < 6; ++way)
+    for (int line = 0; line < square(across); ++line) {
+      const int axis = way / 2;
+      Vec3f origin = way % 2 ? box.upper : box.lower, direction(0);
+      for (const auto& [side, cell] :
+           {std::pair((axis + 1) % 3, line % across), {(axis + 2) % 3, line / across}})
+        origin[side] = box.lower[side] + (static_cast<float>(cell) + 0.5f) * spacing[side];
+      direction[axis] = way % 2 ? -1.0f : 1.0f;
+      visit(Ray{origin, direction, INFINITE, time});
+    }
+}
+
+/** On the side of a boundary that the ray comes from. */
+uint16_t mediumBefore(const Hit& hit, const Vec3f& direction) {
+  return isNested(hit) || glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside
+                                                                             : hit.media.inside;
+}
+
+bool isOpaque(const Material* material) {
+  return material && !(material->lobes() & (TRANSMISSION | REFRACTION));
+}
+
+/** A box around boundaries of a medium: shapes, however small beside the scene, and those parts of objects
+ * that lines through the scene meet. Empty where there are none. */
+Bounds3f boundaryMet(const Scene& scene, uint16_t medium, const Bounds3f& box, float time,
+                     TransportCounts& counts) {
+  constexpr int LINES = 128, LINES_OF_SHAPE = 4; // along each side
+  Bounds3f met;
+  const auto forBoundaries = [&](Ray ray, const auto& visit) {
+    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
+      if (hit.media.isBoundary() && (hit.media.inside == medium || hit.media.outside == medium)) visit(hit);
+  };
+  const Vec3f spacing = box.diagonal() / static_cast<float>(LINES);
+  forLinesThrough(box, LINES, time, [&](const Ray& ray) {
+    forBoundaries(ray, [&](const Hit& hit) {
+      if (hit.shape >= 0) return;
+      met.add(hit.point.position - spacing);
+      met.add(hit.point.position + spacing);
+    });
+  });
+  for (size_t i = 0; i < scene.shapes().size(); ++i) {
+    if (isOpaque(scene.shapes()[i].material)) continue;
+    const Bounds3f bounds = scene.shapes()[i].shape->bounds();
+    bool isMet = false;
+    forLinesThrough(bounds, LINES_OF_SHAPE, time, [&](const Ray& ray) {
+      if (!isMet)
+        forBoundaries(ray, [&](const Hit& hit) { isMet = isMet || hit.shape == static_cast<int>(i); });
+    });
+    if (isMet) met.add(bounds);
+  }
+  return met;
 }
 
 } // namespace
 
 uint16_t mediumAround(const Scene& scene, Ray ray, uint16_t outside, TransportCounts& counts) {
   for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
-    if (hit.media.isBoundary())
-      return isNested(hit) || glm::dot(ray.direction, hit.point.geometricNormal) < 0 ? hit.media.outside
-                                                                                     : hit.media.inside;
+    if (hit.media.isBoundary()) return mediumBefore(hit, ray.direction);
   return outside;
 }
 
 uint16_t mediumOutside(const Scene& scene, TransportCounts& counts) {
-  constexpr float FAR_OUT = 2; // times the scene's radius
-  constexpr uint16_t UNKNOWN = 0xffff;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3f towards = glm::normalize(
-        Vec3f(corner & 1 ? 0.61f : -0.61f, corner & 2 ? 0.47f : -0.47f, corner & 4 ? 0.83f : -0.83f));
-    const SceneBounds& bounds = scene.bounds();
-    const Ray ray{bounds.center - towards * (FAR_OUT * bounds.radius), towards, INFINITE, 0};
-    const uint16_t found = mediumAround(scene, ray, UNKNOWN, counts);
-    if (found != UNKNOWN) return found;
-  }
-  return scene.cameraMedium();
+  constexpr int LINES = 64; // along each side
+  std::vector<size_t> seen(scene.mediumCount() + 1);
+  forLinesThrough(boxAround(scene.bounds()), LINES, 0, [&](Ray ray) {
+    for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit)) {
+      if (hit.media.isBoundary()) ++seen[mediumBefore(hit, ray.direction)];
+      if (hit.media.isBoundary() || isOpaque(hit.material)) return;
+    }
+  });
+  const auto most = std::max_element(seen.begin(), seen.end());
+  return *most > 0 ? static_cast<uint16_t>(most - seen.begin()) : scene.cameraMedium();
 }
 
 Rgb EmissiveMedia::emissionAt(const Scene& scene, uint16_t medium, const Vec3f& position, float time,
@@ -90,32 +149,37 @@ std::vector<double> EmissiveMedia::probe(const Scene& scene, uint16_t medium, co
   return cells;
 }
 
-bool EmissiveMedia::learn(const Scene& scene, uint64_t seed, float time, TransportCounts& counts) {
-  constexpr int MOST_ROUNDS = 4;
+std::vector<double> EmissiveMedia::probeCloser(const Scene& scene, Source& source, uint64_t seed, float time,
+                                               TransportCounts& counts) const {
+  constexpr uint64_t MOST_ROUNDS = 5;
   constexpr double SMALLER = 0.5; // by this much, else it is not worth another round
+  source.probed = source.whole;
+  for (uint64_t round = 1;; ++round) {
+    std::vector<double> cells =
+        probe(scene, source.medium, source.probed, hashCombine(seed, round), time, counts);
+    Bounds3f glows = boxOfCells(source.probed, cells, CELLS);
+    // A flame in a large room, which points miss.
+    if (round == 1) glows.add(boundaryMet(scene, source.medium, source.whole, time, counts));
+    const double volume = volumeOf(glows);
+    if (round == MOST_ROUNDS || glows.empty() || !(volume > 0) ||
+        !(volume < SMALLER * volumeOf(source.probed)))
+      return cells;
+    source.probed = glows;
+  }
+}
+
+bool EmissiveMedia::learn(const Scene& scene, uint16_t around, uint64_t seed, float time,
+                          TransportCounts& counts) {
   sources.clear();
-  outside = mediumOutside(scene, counts);
+  outside = around;
   bool all = true;
   for (uint16_t number = 1; number <= scene.mediumCount(); ++number) {
     if (!scene.medium(number)->isEmissive()) continue;
     Source source;
     source.medium = number;
     source.whole = scene.medium(number)->bounds();
-    if (!(glm::length(source.whole.diagonal()) < INFINITE)) {
-      const SceneBounds& bounds = scene.bounds();
-      source.whole = {bounds.center - bounds.radius, bounds.center + bounds.radius};
-    }
-    source.probed = source.whole;
-    std::vector<double> cells;
-    for (int round = 0;; ++round) {
-      cells = probe(scene, number, source.probed, hashCombine(seed, uint64_t(number) * MOST_ROUNDS + round),
-                    time, counts);
-      const Bounds3f glows = boxOfCells(source.probed, cells, CELLS);
-      if (round + 1 == MOST_ROUNDS || !(volumeOf(glows) < SMALLER * volumeOf(source.probed)) ||
-          !(volumeOf(glows) > 0))
-        break;
-      source.probed = glows;
-    }
+    if (!(glm::length(source.whole.diagonal()) < INFINITE)) source.whole = boxAround(scene.bounds());
+    const std::vector<double> cells = probeCloser(scene, source, hashCombine(seed, number), time, counts);
     double sum = 0;
     for (const double c : cells) source.cumulative.push_back(sum += c);
     all = all && sum > 0;

@@ -5,6 +5,18 @@
 
 namespace recurse {
 
+namespace {
+
+/** Of the distances one is chosen from by what light there is, shadows aside. Most of a ray may lie outside
+ * of the cone of a spot, or behind an area; of light from far away only shadows are not the same all along.
+ */
+int candidatePairs(const Light& light) {
+  if (light.isInfinite()) return 1;
+  return light.kind() == LightKind::POINT ? 8 : 2;
+}
+
+} // namespace
+
 std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& guide,
                                               const Medium& medium, const Ray& ray, float end,
                                               Sampler& sampler) {
@@ -47,10 +59,14 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
       pick = (pick - chance) / (1 - chance);
     }
   };
+  const int pairs = candidatePairs(*chosen.light);
   const float u = sampler.next1D();
-  consider(open.sample(sampler.next1D(), u));
-  consider(near ? std::min(near->sample(u), end) : open.sample(sampler.next1D(), u));
-  if (kept) kept->reciprocalPdf = sum / (2 * keptWorth);
+  for (int i = 0; i < pairs; ++i) {
+    const float place = (static_cast<float>(i) + u) / static_cast<float>(pairs);
+    consider(open.sample(sampler.next1D(), place));
+    consider(near ? std::min(near->sample(place), end) : open.sample(sampler.next1D(), place));
+  }
+  if (kept) kept->reciprocalPdf = sum / (static_cast<float>(2 * pairs) * keptWorth);
   return kept;
 }
 

@@ -415,9 +415,13 @@ TransportCounts LightSampler::learn(const Scene& scene) {
     if (i > 0)
       return buildTable(lights, leaves[i - 1], Sampler(0, PLACE_STREAM, static_cast<uint32_t>(i)),
                         &tables[i * clusters.size()]);
-    double sum = 0; // by power alone
-    for (size_t c = 0; c < clusters.size(); ++c)
-      tables[c] = static_cast<float>(sum += double(nodes[clusters[c].node].power));
+    // Of places in media nothing else is known: a sun that does not reach one must leave something to a lamp.
+    constexpr double EVENLY = 0.25;
+    double sum = 0;
+    for (size_t c = 0; c < clusters.size(); ++c) {
+      sum += (1 - EVENLY) * double(nodes[clusters[c].node].power) + EVENLY / double(clusters.size());
+      tables[c] = static_cast<float>(sum);
+    }
   });
   for (const Found& f : found) counts.add(f.counts);
   return counts;

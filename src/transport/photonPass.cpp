@@ -7,6 +7,7 @@
 #include <chrono>
 
 #include "recurse/core/text.h"
+#include "recurse/transport/mediumFlight.h"
 #include "recurse/transport/mergeWeights.h"
 
 namespace recurse {
@@ -47,8 +48,13 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   if (settings.guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
   shoot.causticsOnly = settings.causticsOnly;
+  if (scene.hasMedia()) {
+    if (pass.index == 0) learnSurroundings(scene, statistics);
+    shoot.outside = outside;
+    shoot.fromFar = fromFar;
+  }
   if (scene.hasMedia() && !settings.causticsOnly) {
-    if (pass.index == 0 && !glowing.learn(scene, pass.seed, pass.time, statistics.counts))
+    if (pass.index == 0 && !glowing.learn(scene, outside, pass.seed, pass.time, statistics.counts))
       statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
     shoot.media = &glowing;
   }
@@ -107,6 +113,20 @@ ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const 
   mediaPhotons = std::move(inMedia);
   radiusOverFirst = scale;
   return statistics;
+}
+
+void PhotonPass::learnSurroundings(const Scene& scene, ForwardStatistics& statistics) {
+  outside = mediumOutside(scene, statistics.counts);
+  const Medium* around = scene.medium(outside);
+  fromFar = Rgb(1);
+  if (around && around->isHomogeneous())
+    fromFar = flight::transmittance(around->at(Vec3f(0)).extinction(), INFINITE);
+  bool isLitFromFar = false;
+  for (size_t i = 0; i < scene.lights().size(); ++i)
+    isLitFromFar = isLitFromFar || scene.lights()[i].isInfinite();
+  if (isLitFromFar && isBlack(fromFar))
+    statistics.warnings.push_back("the medium around the scene has no end: no light comes through it from "
+                                  "infinitely far; a shape of material \"interface\" would bound it");
 }
 
 namespace {
@@ -308,7 +328,7 @@ LightTable PhotonPass::lightsByPower(const LightTable& all) const {
   for (uint32_t i = 0; i < all.size(); ++i) {
     each.push_back(&all[i]);
     powers.push_back(double(maxComponent(all[i].power())) *
-                     (all[i].isInfinite() ? open : double(aim.powerPart(i))));
+                     (all[i].isInfinite() ? open * double(maxComponent(fromFar)) : double(aim.powerPart(i))));
   }
   LightTable table;
   table.build(each, powers);

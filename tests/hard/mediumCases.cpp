@@ -1,8 +1,10 @@
 /** @file
  * 11. Media thin and thick, that absorb all or nothing, scatter in needles, at any scale, with the camera on
- * their boundary, and grids of one cell.
+ * their boundary, in each other, open, and grids of one cell or bad numbers.
  */
 #include "hardCase.h"
+
+#include "recurse/scene/loader.h"
 
 namespace recurse::hard {
 
@@ -96,6 +98,60 @@ void overlap(const Report& report) {
             std::exp(-1.5), ofPaths(2e-3));
 }
 
+void nested(const Report& report) {
+  const auto box = [](const char* media, double near, double far) {
+    return "MediumInterface " + std::string(media) + "\nShape \"box\" \"point3 p1\" [ -20 -20 " +
+           number(near) + " ] \"point3 p2\" [ 20 20 " + number(far) + " ]\n";
+  };
+  const std::string media = medium(".5", "0") +
+                            "MakeNamedMedium \"n\" \"string type\" \"homogeneous\" "
+                            "\"rgb sigma_a\" [ 1 1 1 ] \"rgb sigma_s\" [ 0 0 0 ]\n" +
+                            constantLight(1) + "Material \"interface\"\n";
+  const std::string within = media + box("\"m\" \"\"", 0, 1) + box("\"n\" \"m\"", 0.25, 0.75);
+  // The next boundary tells what is before it: nothing, as the second slab says, then the first slab's, then
+  // its.
+  const std::string overlapping = media + box("\"m\" \"\"", 0, 1) + box("\"n\" \"\"", 0.5, 1.5);
+  for (const bool behind : {false, true}) {
+    const std::string eye =
+        view(2, 2, behind ? "0 0 3  0 0 0  0 1 0" : "0 0 -1  0 0 0  0 1 0", orthographic(1e-3));
+    const std::string from = behind ? ", from behind" : "";
+    checkMean(report, "a slab within another" + from, eye + within, std::exp(-0.75), ofPaths(2e-3));
+    checkMean(report, "slabs that overlap" + from, eye + overlapping, std::exp(-0.75), ofPaths(2e-3));
+  }
+}
+
+void openBoundary(const Report& report) {
+  const std::string open = "AttributeBegin\nMediumInterface \"m\" \"\"\nMaterial \"interface\"\n"
+                           "Shape \"cylinder\" \"float zmin\" 0 \"float zmax\" 1\nAttributeEnd\n";
+  Diagnostics diagnostics;
+  const SceneDescription d = parseScene(view(2, 2, "0 0 -3  0 0 0  0 1 0", orthographic(1)) +
+                                            medium("1", "1") + constantLight(1) + open,
+                                        "hard.pbrt", ".", diagnostics);
+  const bool built = buildScene(d, {}, diagnostics) != nullptr;
+  int told = 0;
+  for (const Diagnostic& one : diagnostics.all())
+    told +=
+        one.severity == Severity::WARNING && one.location.lineText().find("cylinder") != std::string::npos;
+  report.holds("an open boundary", "-", "told " + std::to_string(told) + " times, with the shape's place",
+               built && told == 1, diagnostics.format());
+}
+
+void badGrids(const Report& report) {
+  for (const char* density : {"nan", "-1", "1e20"})
+    for (const std::string grid : {"\"uniformgrid\" \"float density\" ", "\"rgbgrid\" \"rgb sigma_s\" "}) {
+      const bool isRgb = grid.find("rgbgrid") != std::string::npos;
+      const std::string values = isRgb ? std::string("[ 0 ") + density + " 0 ]" : std::string(density);
+      Diagnostics diagnostics;
+      const SceneDescription d =
+          parseScene(slab("MakeNamedMedium \"m\" \"string type\" " + grid + values + "\n", 1, -1),
+                     "hard.pbrt", ".", diagnostics);
+      const bool built = !diagnostics.hasErrors() && buildScene(d, {}, diagnostics);
+      const bool isTold = diagnostics.format().find("hard.pbrt:") != std::string::npos;
+      report.holds(std::string(isRgb ? "rgbgrid" : "uniformgrid") + " with " + density, "-",
+                   built ? "taken" : "refused", !built && isTold, diagnostics.format());
+    }
+}
+
 void oneCell(const Report& report) {
   // Along its middle the density rises from a half to 1 and falls again.
   checkMean(report, "a grid of one cell",
@@ -114,7 +170,10 @@ void addMediumCases(HardCases& cases) {
   cases.push_back({11, "media of any scale", false, scales});
   cases.push_back({11, "camera and boundary", false, boundary});
   cases.push_back({11, "media that touch", false, overlap});
+  cases.push_back({11, "media in each other", false, nested});
+  cases.push_back({11, "boundaries", false, openBoundary});
   cases.push_back({11, "grids", false, oneCell});
+  cases.push_back({11, "bad grids", false, badGrids});
 }
 
 } // namespace recurse::hard

@@ -68,10 +68,10 @@ TEST(LightAlongRay, IsTheLightOfLampsWithLittleVariance) {
   };
   // By transmittance alone the lamps near the ray have a relative variance of 30 and more.
   const std::vector<Case> cases = {
-      {"LightSource \"point\" \"point3 from\" [.05 0 3]", 1.5},
-      {"LightSource \"spot\" \"point3 from\" [1 0 8] \"point3 to\" [0 0 4] \"float coneangle\" 10", 1},
+      {"LightSource \"point\" \"point3 from\" [.05 0 3]", 0.05},
+      {"LightSource \"spot\" \"point3 from\" [1 0 8] \"point3 to\" [0 0 4] \"float coneangle\" 10", 0.05},
       {"LightSource \"distant\" \"point3 from\" [1 1 0]", 0.1},
-      {"LightSource \"point\" \"point3 from\" [.05 0 3] LightSource \"point\" \"point3 from\" [0 2 7]", 6},
+      {"LightSource \"point\" \"point3 from\" [.05 0 3] LightSource \"point\" \"point3 from\" [0 2 7]", 2},
   };
   const float end = 10;
   for (const Case& c : cases) {

@@ -156,6 +156,16 @@ TEST(LightSampler, LightsAreChosenByTheirProbabilities) {
   });
 }
 
+TEST(LightSampler, ALampInFogIsSampledBesideASunThatDoesNotReachIt) {
+  const auto scene = sceneFrom(view(8, "0 1 -3  0 1 0  0 1 0", 60) +
+                               "LightSource \"distant\" \"rgb L\" [1e4 1e4 1e4]\n"
+                               "LightSource \"spot\" \"point3 from\" [0 1 0]\n"
+                               "Shape \"box\" \"point3 p1\" [-9 0 -9] \"point3 p2\" [9 9 9]\n");
+  const LightSampler guide = learned(*scene);
+  ASSERT_LT(scene->lights().probability(1), 1e-4f);
+  EXPECT_GT(guide.probability(scene->lights(), {Vec3f(0, 0.5f, 0)}, 1), 0.1f);
+}
+
 TEST(LightSampler, TheSameForAnyNumberOfThreads) {
   const auto scene = sceneFrom(rooms());
   const LightSampler one = learned(*scene, 1), four = learned(*scene, 4);

@@ -426,6 +426,53 @@ TEST(GlowPhotons, AMediumWithoutEndIsForPaths) {
       *sceneFrom(glowing + view(2, "0 0 -3  0 0 1  0 1 0", 40) + "MediumInterface \"m\" \"\"\n" + ball)));
 }
 
+TEST(GlowPhotons, FindAFlameInALargeScene) {
+  // On a ground a thousand times as wide, as a shape and as a part of an object in a smaller scene.
+  const double radius = 0.05, power = 4 * M_PI * 2 * 4 / 3 * M_PI * radius * radius * radius;
+  const std::string medium = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] "
+                             "\"rgb sigma_s\" [0 0 0] \"rgb Le\" [2 2 2]\n";
+  const std::string flame = "MediumInterface \"m\" \"\"\nMaterial \"interface\"\nShape \"sphere\" \"float "
+                            "radius\" .05\n";
+  const auto ground = [](const std::string& half) {
+    return "Shape \"bilinearmesh\" \"point3 P\" [-" + half + " -1 -" + half + " " + half + " -1 -" + half +
+           " -" + half + " -1 " + half + " " + half + " -1 " + half + "]\n";
+  };
+  const std::string start = medium + view(2, "0 0 -3  0 0 1  0 1 0", 40);
+  for (const std::string& text :
+       {start + ground("50") + flame, start + ground("2") + "ObjectBegin \"candle\"\n" + flame +
+                                          "ObjectEnd\nObjectInstance \"candle\"\n"}) {
+    EmissiveMedia glowing;
+    TransportCounts counts;
+    EXPECT_TRUE(glowing.learn(*sceneFrom(text), 0, 1, 0, counts));
+    EXPECT_NEAR(glowing.power() / power, 1, 0.1) << text;
+  }
+}
+
+TEST(MediaPhotons, StartInWhatIsAroundTheScene) {
+  // A room of fog, which the sky looks into; what the file says of the sky's own medium is not what rays
+  // meet.
+  const std::string fog = "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.1 .1 .1] "
+                          "\"rgb sigma_s\" [.3 .3 .3]\nMediumInterface \"\" \"m\"\n" +
+                          view(8, "0 0 0  0 0 1  0 1 0", 60) + EVEN_SKY;
+  std::string room = "MediumInterface \"m\" \"m\"\nMaterial \"diffuse\"\n";
+  for (const char* wall : {"[-1 -1 1] \"point3 p2\" [1 1 1.2]", "[-1 -1 -1] \"point3 p2\" [-.8 1 1]",
+                           "[.8 -1 -1] \"point3 p2\" [1 1 1]", "[-1 -1 -1] \"point3 p2\" [1 -.8 1]",
+                           "[-1 .8 -1] \"point3 p2\" [1 1 1]"})
+    room += "Shape \"box\" \"point3 p1\" " + std::string(wall) + "\n";
+  const std::string pane = "MediumInterface \"\" \"m\"\nMaterial \"interface\"\nShape \"bilinearmesh\" "
+                           "\"point3 P\" [-1 -1 -.99 1 -1 -.99 -1 1 -.99 1 1 -.99]\n";
+  const auto closed = sceneFrom(fog + room + pane), endless = sceneFrom(fog + room);
+  TransportCounts counts;
+  EXPECT_EQ(mediumOutside(*closed, counts), 0);
+  EXPECT_EQ(mediumOutside(*endless, counts), 1);
+  const auto mean = [](const Scene& scene, const char* integrator) {
+    return double(meanOfMedium(renderScene(scene, integrator, "", SANITIZED ? 8 : 64)).g);
+  };
+  EXPECT_NEAR(mean(*closed, "photonmap") / mean(*closed, "path"), 1, SANITIZED ? 0.1 : 0.03);
+  EXPECT_EQ(mean(*endless, "photonmap"), 0);
+  EXPECT_EQ(mean(*endless, "path"), 0);
+}
+
 TEST(MediaPhotons, WhiteFurnaceAsFarAsTheEdge) {
   // What absorbs nothing, under a sky of 1, is 1 everywhere. Along the sides of the box half of a photon's
   // disc is outside.

@@ -14,15 +14,17 @@ namespace recurse {
  * none. */
 uint16_t mediumAround(const Scene& scene, Ray ray, uint16_t outside, TransportCounts& counts);
 
-/** The medium of rays that have left the scene. */
+/** The medium around the scene: the one before most boundaries that are seen from far away, or the camera's
+ * where none is. */
 uint16_t mediumOutside(const Scene& scene, TransportCounts& counts);
 
 /** The media of a scene that emit. Places are chosen by cells, in proportion to what probes have found there;
  * a part is spread evenly, so that what they have missed is found too. */
 class EmissiveMedia {
  public:
-  /** Probes them as they are at `time`. False where one that is in use glows nowhere. */
-  bool learn(const Scene& scene, uint64_t seed, float time, TransportCounts& counts);
+  /** Probes them as they are at `time`; `outside`: the medium around the scene. False where one that is in
+   * use glows nowhere. */
+  bool learn(const Scene& scene, uint16_t outside, uint64_t seed, float time, TransportCounts& counts);
   bool empty() const { return sources.empty(); }
   /** What they emit, about, in the strongest channel [W]. */
   double power() const { return sources.empty() ? 0 : sources.back().powers; }
@@ -56,6 +58,10 @@ class EmissiveMedia {
   /** The mean of it in each cell of a box, in the strongest channel. */
   std::vector<double> probe(const Scene& scene, uint16_t medium, const Bounds3f& box, uint64_t seed,
                             float time, TransportCounts& counts) const;
+
+  /** The same in the smallest box that some rounds of probes find around what glows: `source.probed`. */
+  std::vector<double> probeCloser(const Scene& scene, Source& source, uint64_t seed, float time,
+                                  TransportCounts& counts) const;
 
   uint16_t outside = 0;
   std::vector<Source> sources;

@@ -72,9 +72,10 @@ struct LightAlongRay {
 };
 
 /**
- * One sample of it for a ray of unit direction through a homogeneous medium that ends at `end`: one of two
- * candidates, one by transmittance and one by nearness to a lamp, by resampled importance sampling (Talbot,
- * Cline and Egbert 2005, "Importance Resampling for Global Illumination"). None where no lamp lights either.
+ * One sample of it for a ray of unit direction through a homogeneous medium that ends at `end`: one of some
+ * candidates, half of them by transmittance and half by nearness to a lamp, by resampled importance sampling
+ * (Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination"). None where no lamp lights
+ * either.
  */
 std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& guide,
                                               const Medium& medium, const Ray& ray, float end,

@@ -141,6 +141,8 @@ class PhotonPass {
                      ForwardStatistics& statistics);
   /** Lights by the power that comes where photons are sent. */
   LightTable lightsByPower(const LightTable& lights) const;
+  /** What light from infinitely far comes through before it reaches the scene. */
+  void learnSurroundings(const Scene& scene, ForwardStatistics& statistics);
   /** Which media keep beams, and how many photons and beams to keep. */
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
@@ -153,6 +155,8 @@ class PhotonPass {
   PhotonLayer causticLayer, indirectLayer;
   MediaPhotons mediaPhotons;
   KeptInMedia media;       ///< from the first pass
+  uint16_t outside = 0;    ///< the medium around the scene
+  Rgb fromFar{1};          ///< its transmittance
   EmissiveMedia glowing;   ///< learned before the first pass, for all
   LightPortals portals;    ///< learned before the first pass, for all
   PhotonAim aim;           ///< learned before the first pass, for all

@@ -78,18 +78,19 @@ class PhotonWalk {
     const ReverseRatio ratio =
         source.isMet() ? ReverseRatio::atLight(*emission, pdf, lights.probability(index)) : ReverseRatio();
     origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), lights.probability(index)};
-    const Rgb flux =
+    Rgb flux =
         emission->flux / (lights.probability(index) * (1 - byMedia) * static_cast<float>(settings.photons));
     base = maxComponent(flux);
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
       return start;
     }
-    if (classes.dead(classes.lightStart())) return start;
+    if (source.isInfinite()) flux *= settings.fromFar;
+    if (classes.dead(classes.lightStart()) || isBlack(flux)) return start;
     const Ray ray{emission->origin, emission->direction, INFINITE, time};
     Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
     if (scene.hasMedia()) {
-      const uint16_t declared = scene.lightMedium(index);
+      const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
       flight.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
       flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     }
