@@ -3,6 +3,7 @@
  */
 #include "apps/loadedScene.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -61,6 +62,25 @@ SceneOverrides reduced(SceneOverrides overrides, const SceneDescription& descrip
   return overrides;
 }
 
+/** The file's integrator. Where a material is rendered as its medium, a limit would cut off what scatters
+ * often in there, which other renderers count as one event. */
+ParsedDirective integratorOf(const SceneDescription& description, Diagnostics& diagnostics) {
+  ParsedDirective integrator = description.integrator;
+  const auto isMedium = [](const ParsedDirective& material) { return material.type == "subsurface"; };
+  const auto isNamedMedium = [&](const auto& named) { return isMedium(named.second); };
+  if (std::none_of(description.materials.begin(), description.materials.end(), isMedium) &&
+      std::none_of(description.namedMaterials.begin(), description.namedMaterials.end(), isNamedMedium))
+    return integrator;
+  std::erase_if(integrator.parameters, [&](const ParsedParameter& p) {
+    const bool limits = p.name == "maxdepth" && p.numbers != std::vector<double>{-1};
+    if (limits)
+      diagnostics.warning(p.location, "\"maxdepth\" does not count: \"subsurface\" materials scatter often",
+                          "--maxdepth N, where paths shall be cut all the same");
+    return limits;
+  });
+  return integrator;
+}
+
 } // namespace
 
 LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& overrides,
@@ -75,7 +95,7 @@ LoadedScene loadAndBuild(const std::string& fileName, const SceneOverrides& over
   out.files = filesOf(out.description);
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
-  out.integratorDirective = options.directive(out.description.integrator);
+  out.integratorDirective = options.directive(integratorOf(out.description, diagnostics));
   out.integrator = makeIntegrator(out.integratorDirective, overrides.lenient, diagnostics);
   // A description with errors is built as well, as far as that goes: one run tells all that is wrong.
   out.scene = buildScene(out.description, reduced(overrides, out.description, reduction), diagnostics, kept);

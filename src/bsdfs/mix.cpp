@@ -1,6 +1,9 @@
 /** @file
  * Weighted sums of materials: `mix` of two, as in pbrt-v4, and `compound` of any number.
  */
+#include <algorithm>
+#include <bit>
+
 #include "recurse/model/bsdfSum.h"
 #include "recurse/model/plugIns.h"
 
@@ -42,6 +45,49 @@ class Mix final : public Material {
   TexturedRgb amount;
 };
 
+/** One of two materials at each place, by a number that is hashed from it: where they have bumps, each
+ * shading frame has its own material, as in pbrt-v4. */
+class Choice {
+ public:
+  Choice(const Parts& parts, const TexturedRgb& amount) : parts(parts), amount(amount) {}
+  const Material& at(const SurfacePoint& point) const {
+    uint64_t h = 0;
+    for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(point.position[i]));
+    return *parts[unitFloat(static_cast<uint32_t>(h >> 32)) < amount.at(point).r ? 1 : 0];
+  }
+
+ private:
+  Parts parts;
+  TexturedRgb amount;
+};
+
+class ChosenDetail final : public SurfaceDetail {
+ public:
+  explicit ChosenDetail(const Choice& choice) : choice(choice) {}
+  void apply(SurfacePoint& point) const override {
+    if (const Material& chosen = choice.at(point); chosen.detail) chosen.detail->apply(point);
+  }
+
+ private:
+  Choice choice;
+};
+
+class ChosenMaterial final : public Material {
+ public:
+  ChosenMaterial(const Parts& parts, const TexturedRgb& amount) : parts(parts), choice(parts, amount) {
+    detail = std::make_unique<ChosenDetail>(choice);
+  }
+  const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
+    return choice.at(point).bsdfAt(point, arena);
+  }
+  LobeSet lobes() const override { return lobesOf(parts); }
+  int refractions() const override { return refractionsOf(parts); }
+
+ private:
+  Parts parts;
+  Choice choice;
+};
+
 class Compound final : public Material {
  public:
   Compound(const Parts& parts, const std::vector<Rgb>& weights) : parts(parts), weights(weights) {}
@@ -78,7 +124,9 @@ Parts namedParts(const Parameters& p, const MaterialContext& c) {
 void registerMix(PlugIns& plugIns) {
   plugIns.materials.add(
       {{.name = "mix",
-        .summary = "A weighted sum of two named materials; all their lobes are followed.",
+        .summary =
+            "A weighted sum of two named materials; all their lobes are followed. Where one has bumps, each "
+            "place has one of them by chance.",
         .parameters =
             {arrayParameter(ParameterType::STRING, "materials", 2, "", "names of the two materials")
                  .require(),
@@ -89,7 +137,15 @@ void registerMix(PlugIns& plugIns) {
                      "\"string materials\" [\"red\" \"frosted\"]",
                      "\"string materials\" [\"brushed\" \"glass\"] \"float amount\" .7"}},
        [](const Parameters& p, const MaterialContext& c) {
-         return std::make_unique<Mix>(namedParts(p, c), c.textures.real(p, "amount"));
+         const Parts parts = namedParts(p, c);
+         const TexturedRgb amount = c.textures.real(p, "amount");
+         const auto hasBumps = [](const Material* m) { return m->detail != nullptr; };
+         std::unique_ptr<Material> made;
+         if (std::any_of(parts.begin(), parts.end(), hasBumps))
+           made = std::make_unique<ChosenMaterial>(parts, amount);
+         else
+           made = std::make_unique<Mix>(parts, amount);
+         return made;
        }});
   plugIns.materials.add(
       {{.name = "compound",

@@ -74,10 +74,7 @@ void transformToScene(const GeometryGroup::Instance& instance, float time, Surfa
                       double(roundingBound(6)) * (magnitude * glm::abs(local) + glm::abs(Vec3d(m[3])));
   p.position = Vec3f(position);
   p.error = Vec3f(error);
-  p.geometricNormal = Vec3f(glm::normalize(instance.normalFromGroup * Vec3d(p.geometricNormal)));
-  p.shadingNormal = Vec3f(glm::normalize(instance.normalFromGroup * Vec3d(p.shadingNormal)));
-  p.dpdu = Vec3f(linear * Vec3d(p.dpdu));
-  p.dpdv = Vec3f(linear * Vec3d(p.dpdv));
+  transformDirections(linear, instance.normalFromGroup, p);
 }
 
 EmbreeDevice::EmbreeDevice() : handle(newDevice()) {

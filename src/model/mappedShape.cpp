@@ -81,6 +81,8 @@ SurfacePoint MappedShape::toScene(const OwnPoint& own) const {
                     std::max((roundingInOwn + own.error) / steepness, flatOffset(extent, position, normal)));
   s.dpdu = Vec3f(linear * own.dpdu);
   s.dpdv = Vec3f(linear * own.dpdv);
+  s.dndu = derivativeOfUnit(gradient, glm::transpose(inverse) * own.dndu, side);
+  s.dndv = derivativeOfUnit(gradient, glm::transpose(inverse) * own.dndv, side);
   s.uv = Vec2f(own.uv);
   return s;
 }

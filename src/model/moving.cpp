@@ -67,10 +67,7 @@ void placeByMotion(const Mat4d& m, SurfacePoint& p) {
   const Vec3d rounded = glm::abs(position) + 2.0 * glm::abs(Vec3d(m[3]));
   p.error = Vec3f(magnitudes(linear) * Vec3d(p.error) + double(roundingBound(20)) * (thereAndBack * rounded));
   p.position = Vec3f(position);
-  p.geometricNormal = Vec3f(glm::normalize(normalMatrix * Vec3d(p.geometricNormal)));
-  p.shadingNormal = Vec3f(glm::normalize(normalMatrix * Vec3d(p.shadingNormal)));
-  p.dpdu = Vec3f(linear * Vec3d(p.dpdu));
-  p.dpdv = Vec3f(linear * Vec3d(p.dpdv));
+  transformDirections(linear, normalMatrix, p);
 }
 
 MovingAreaLight::MovingAreaLight(std::unique_ptr<AreaLight> made, MatrixTrack sceneFromShape)

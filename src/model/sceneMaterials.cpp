@@ -61,9 +61,11 @@ const Material* SceneMaterials::makeMaterial(const ParsedDirective& d) {
         SourceLocation where = p.location(parameter);
         const Material* m = namedMaterial(name, where);
         if (!m) p.fail(parameter, "material \"" + name + "\" cannot be used here");
-        if (m->detail)
+        if (m->detail && p.plugInName() != "mix")
           p.fail(parameter, "material \"" + name + "\" has bumps of its own, and cannot be a part of another",
                  "\"displacement\" or \"normalmap\" of \"" + p.plugInName() + "\" itself");
+        if (m->filling)
+          p.fail(parameter, "material \"" + name + "\" fills its shapes, and cannot be a part of another");
         return m;
       }};
   std::unique_ptr<Material> m = plugIns().materials.make(d, context, c.diagnostics, c.lenient);

@@ -23,23 +23,31 @@ uint16_t SceneMedia::number(const std::string& name, const SourceLocation& usedA
                                       : quotedList(nearestNames(name, names)));
     return 0;
   }
+  return known->second = add({name, &found->second, c.description.worldFromMedium.at(name)});
+}
+
+uint16_t SceneMedia::number(const ParsedDirective& filling) {
+  const auto [known, isNew] = byFilling.try_emplace(&filling, uint16_t(0));
+  if (isNew) known->second = add({"", &filling, Mat4d(1)});
+  return known->second;
+}
+
+uint16_t SceneMedia::add(const Used& medium) {
   if (used.size() + 1 >= Scene::SURROUNDING_MEDIUM) {
-    c.diagnostics.error(found->second.location, "there are too many media");
+    c.diagnostics.error(medium.directive->location, "there are too many media");
     return 0;
   }
-  used.push_back(name);
-  return known->second = static_cast<uint16_t>(used.size());
+  used.push_back(medium);
+  return static_cast<uint16_t>(used.size());
 }
 
 std::string SceneMedia::key(size_t index, float maxExtinction) const {
-  return keyOf(c.description.media.at(used[index]),
-               recentred(c.description.worldFromMedium.at(used[index]), c.sceneOrigin)) +
-         " " + std::to_string(maxExtinction);
+  return keyOf(*used[index].directive, recentred(used[index].worldFromMedium, c.sceneOrigin)) + " " +
+         std::to_string(maxExtinction);
 }
 
 std::shared_ptr<Medium> SceneMedia::make(size_t index, float maxExtinction) const {
-  const ParsedDirective& d = c.description.media.at(used[index]);
-  const Mat4d& worldFromMedium = c.description.worldFromMedium.at(used[index]);
+  const ParsedDirective& d = *used[index].directive;
   ParsedDirective body = d, phase = d;
   phase.type = "hg";
   phase.parameters.clear();
@@ -59,7 +67,7 @@ std::shared_ptr<Medium> SceneMedia::make(size_t index, float maxExtinction) cons
   }
   std::unique_ptr<PhaseFunction> function = phases.make(phase, {}, c.diagnostics, c.lenient);
   std::unique_ptr<Medium> made = plugIns().media.make(
-      body, {recentred(worldFromMedium, c.sceneOrigin), maxExtinction}, c.diagnostics, c.lenient);
+      body, {recentred(used[index].worldFromMedium, c.sceneOrigin), maxExtinction}, c.diagnostics, c.lenient);
   if (!function || !made) return nullptr;
   made->phase = std::move(function);
   return made;

@@ -19,10 +19,14 @@ class SceneMedia {
   MediumInterface numbers(const MediumReference& names, const SourceLocation& usedAt) {
     return {number(names.inside, usedAt), number(names.outside, usedAt)};
   }
+  /** The number of what a material fills its shapes with; the directive stays where it is. */
+  uint16_t number(const ParsedDirective& filling);
   size_t count() const { return used.size(); }
   /** For messages. */
   std::string title(uint16_t number) const {
-    return number ? "medium \"" + used[number - 1u] + "\"" : "empty space";
+    if (!number) return "empty space";
+    const std::string& name = used[number - 1u].name;
+    return name.empty() ? "the medium of the material" : "medium \"" + name + "\"";
   }
   /** Medium `index` + 1 and its phase function, each with those of the directive's parameters that it
    * declares. Null after an error. */
@@ -31,9 +35,17 @@ class SceneMedia {
   std::string key(size_t index, float maxExtinction) const;
 
  private:
+  struct Used {
+    std::string name; ///< empty: of a material
+    const ParsedDirective* directive;
+    Mat4d worldFromMedium;
+  };
+  uint16_t add(const Used& medium);
+
   BuildContext& c;
   std::map<std::string, uint16_t> byName;
-  std::vector<std::string> used; ///< by number - 1
+  std::map<const ParsedDirective*, uint16_t> byFilling;
+  std::vector<Used> used; ///< by number - 1
 };
 
 } // namespace recurse

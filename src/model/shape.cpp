@@ -79,4 +79,15 @@ Bounds3f roundedOut(const Bounds3d& box) {
   return out;
 }
 
+void transformDirections(const Mat3d& map, const Mat3d& normalMap, SurfacePoint& p) {
+  const Vec3d normal = normalMap * Vec3d(p.shadingNormal);
+  p.dndu = derivativeOfUnit(normal, normalMap * Vec3d(p.dndu), 1);
+  p.dndv = derivativeOfUnit(normal, normalMap * Vec3d(p.dndv), 1);
+  p.geometricNormal = Vec3f(glm::normalize(normalMap * Vec3d(p.geometricNormal)));
+  p.shadingNormal = Vec3f(glm::normalize(normal));
+  p.dpdu = Vec3f(map * Vec3d(p.dpdu));
+  p.dpdv = Vec3f(map * Vec3d(p.dpdv));
+  if (p.crossTangent != 0 && glm::determinant(map) < 0) p.crossTangent = static_cast<int8_t>(-p.crossTangent);
+}
+
 } // namespace recurse

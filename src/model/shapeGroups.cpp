@@ -116,8 +116,9 @@ void ShapeGroups::keepShapes() {
 void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Group& group,
                            const InstanceDescription* partOf) {
   if (c.enoughErrors()) return;
-  const MediumInterface around = media.numbers(s.medium, s.shape.location);
+  MediumInterface around = media.numbers(s.medium, s.shape.location);
   const Material* m = materials.material(s.material);
+  if (m && m->filling) around.inside = media.number(*m->filling);
   const Mat4d sceneFromObject = recentred(placement, group.origin);
   const double determinant = glm::determinant(Mat3d(sceneFromObject));
   if (!std::isfinite(determinant) || determinant == 0) {
@@ -177,6 +178,9 @@ std::vector<ComponentShape> ShapeGroups::object(const Parameters& p, const std::
                           "the AreaLightSource at the shape that it is a part of");
     else if (!std::isfinite(determinant) || determinant == 0)
       c.diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+    else if (m && m->filling)
+      c.diagnostics.error(s.shape.location, "a part of another shape is not filled by its material",
+                          "a material that is a surface alone");
     else if (s.medium.inside != s.medium.outside)
       c.diagnostics.error(s.shape.location, "a part of another shape bounds no medium by itself",
                           "the MediumInterface at the shape that it is a part of");

@@ -11,15 +11,18 @@ namespace recurse {
 
 namespace {
 
-/** Sets the shading normal; one that has turned below the surface is mirrored at the horizon. */
+/** Sets the shading normal; one that has turned below the surface is turned over, as in pbrt. */
 void setShadingNormal(SurfacePoint& point, const Vec3d& wanted) {
-  const Vec3d geometric = point.geometricNormal;
-  const double height = glm::dot(wanted, geometric);
-  Vec3d n = height < 0 ? wanted - 2 * height * geometric : wanted;
-  n = glm::normalize(n);
-  if (!(glm::dot(Vec3f(n), point.geometricNormal) > 0))
-    return; // at the very horizon: there is no such shading
-  point.shadingNormal = Vec3f(n);
+  const Vec3f n(glm::normalize(wanted));
+  const float height = glm::dot(n, point.geometricNormal);
+  if (height != 0) // at the very horizon there is no such shading
+    point.shadingNormal = height < 0 ? -n : n;
+}
+
+/** A tangent of the surface turned as the shading normal is from the geometric one. */
+Vec3d turned(const SurfacePoint& point, const Vec3d& tangent) {
+  const Vec3d from = point.geometricNormal, to = point.shadingNormal;
+  return tangent - (from + to) * (glm::dot(tangent, to) / (1 + glm::dot(from, to)));
 }
 
 class Bumps final : public SurfaceDetail {
@@ -28,15 +31,19 @@ class Bumps final : public SurfaceDetail {
 
   void apply(SurfacePoint& point) const override {
     const Vec3d n = point.shadingNormal;
-    const auto tangent = [&n](const Vec3d& v) { return v - n * glm::dot(n, v); };
-    const Vec3d u = tangent(point.dpdu), v = tangent(point.dpdv);
-    // The gradient is the combination of the dual vectors of u and v in the tangent plane.
-    const double determinant = glm::dot(n, glm::cross(u, v));
-    if (!(std::abs(determinant) > 1e-9 * glm::length(u) * glm::length(v)))
+    Vec3d u = turned(point, point.dpdu), v = turned(point, point.dpdv);
+    if (point.crossTangent != 0) {
+      u = Vec3d(point.dpdu) - n * glm::dot(n, Vec3d(point.dpdu));
+      v = glm::cross(n, u) * double(point.crossTangent);
+    }
+    if (!(glm::length(glm::cross(u, v)) > 1e-9 * glm::length(u) * glm::length(v)))
       return; // no coordinates to go along
     const auto [du, dv] = steps(point);
-    const double hu = slope(point, du, 0), hv = slope(point, 0, dv);
-    setShadingNormal(point, n - (hu * glm::cross(v, n) + hv * glm::cross(n, u)) / determinant);
+    const double h = height.at(point).r;
+    const Vec3d raisedU = u + slope(point, du, 0) * n + h * Vec3d(point.dndu),
+                raisedV = v + slope(point, 0, dv) * n + h * Vec3d(point.dndv);
+    const Vec3d normal = glm::cross(raisedU, raisedV);
+    if (glm::dot(normal, normal) > 0) setShadingNormal(point, normal);
   }
 
  private:

@@ -161,11 +161,13 @@ template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const
 
   s.geometricNormal = plane.normal;
   s.shadingNormal = plane.normal;
+  float normalLength = 0; // before it is made unit; 0: the plane's counts
   if (!normals.empty()) {
     const Vec3d shading = interpolated(normals);
     const double length = glm::length(shading);
     if (length > 1e-6) { // unit normals that nearly cancel leave only rounding behind
       s.shadingNormal = Vec3f(shading / length);
+      normalLength = static_cast<float>(length);
       if (glm::dot(s.shadingNormal, s.geometricNormal) < 0) s.geometricNormal = -s.geometricNormal;
     }
   }
@@ -174,21 +176,27 @@ template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const
   // Directions for shading: floats are enough, and every hit pays for them.
   const Vec3f& v0 = vertices[triangle.x];
   const Vec3f along1 = vertices[triangle.y] - v0, along2 = vertices[triangle.z] - v0;
-  if (uvs.empty()) { // pbrt's defaults: (0,0), (1,0), (1,1)
+  Vec2f d1(1, 0), d2(1, 1); // pbrt's defaults: (0,0), (1,0), (1,1)
+  if (uvs.empty()) {
     s.uv = Vec2f(static_cast<float>(b1 + b2), static_cast<float>(b2));
-    s.dpdu = along1;
-    s.dpdv = along2 - along1;
   } else {
     s.uv = Vec2f(interpolated(uvs));
-    const Vec2f d1 = uvs[triangle.y] - uvs[triangle.x], d2 = uvs[triangle.z] - uvs[triangle.x];
-    const float a = d1.x * d2.y, b = d1.y * d2.x, determinant = a - b;
-    s.dpdu = s.dpdv = Vec3f(0);
-    // A determinant that is all rounding has no direction to offer.
-    if (std::abs(determinant) > 1e-6f * (std::abs(a) + std::abs(b))) {
-      const float scale = 1 / determinant;
-      s.dpdu = (along1 * d2.y - along2 * d1.y) * scale;
-      s.dpdv = (along2 * d1.x - along1 * d2.x) * scale;
-    }
+    d1 = uvs[triangle.y] - uvs[triangle.x];
+    d2 = uvs[triangle.z] - uvs[triangle.x];
+  }
+  const float a = d1.x * d2.y, b = d1.y * d2.x, determinant = a - b;
+  // A determinant that is all rounding has no direction to offer.
+  const float scale = std::abs(determinant) > 1e-6f * (std::abs(a) + std::abs(b)) ? 1 / determinant : 0.0f;
+  s.dpdu = (along1 * d2.y - along2 * d1.y) * scale;
+  s.dpdv = (along2 * d1.x - along1 * d2.x) * scale;
+  if (!normals.empty() && normalLength > 0) {
+    const float turnScale = scale / normalLength;
+    const Vec3f& n0 = normals[triangle.x];
+    const Vec3f &n = s.shadingNormal, turn1 = normals[triangle.y] - n0, turn2 = normals[triangle.z] - n0;
+    const auto alongSurface = [&](const Vec3f& turn) { return (turn - n * glm::dot(n, turn)) * turnScale; };
+    s.dndu = alongSurface(turn1 * d2.y - turn2 * d1.y);
+    s.dndv = alongSurface(turn2 * d1.x - turn1 * d2.x);
+    s.crossTangent = 1;
   }
   if (!tangents.empty())
     if (const Vec3d along = interpolated(tangents); along != Vec3d(0)) s.dpdu = Vec3f(along);

@@ -18,7 +18,7 @@ std::string pbrt4Reason(const std::string& kind, const std::string& name) {
       {"Film spectral", "is not there: light is red, green and blue here; the film \"rgb\" has the picture"},
       {"Texture ptex", "is not there: Ptex files are not read"},
   };
-  static const std::set<std::string> NOT_YET = {"Material subsurface", "Integrator function"};
+  static const std::set<std::string> NOT_YET = {"Integrator function"};
   const auto found = REASONS.find(kind + " " + name);
   if (found != REASONS.end()) return found->second;
   return NOT_YET.count(kind + " " + name) > 0 ? "of pbrt-v4 is not rendered here" : "";

@@ -305,7 +305,17 @@ class BilinearMesh final : public Shape {
     for (int i = 0; i < 3; ++i)
       if (extent[i] == 0) rounding[i] = 0;
     s.error = positionError(rounding, 0x1p-50 * extent, normal, flatOffset(extent, position, normal));
-    Vec3d dpdu = p.dpdu(v), dpdv = p.dpdv(u);
+    Vec3d dpdu = p.dpdu(v), dpdv = p.dpdv(u), dndu, dndv;
+    if (smooth) {
+      const Vec3d n00 = normals[c.x], n10 = normals[c.y], n01 = normals[c.z], n11 = normals[c.w];
+      dndu = derivativeOfUnit(shading, (n10 - n00) * (1 - v) + (n11 - n01) * v, 1);
+      dndv = derivativeOfUnit(shading, (n01 - n00) * (1 - u) + (n11 - n10) * u, 1);
+    } else {
+      const Vec3d across = glm::cross(dpdu, dpdv);
+      const double side = glm::dot(across, normal) < 0 ? -1 : 1;
+      dndu = derivativeOfUnit(across, glm::cross(dpdu, p.twist), side);
+      dndv = derivativeOfUnit(across, glm::cross(p.twist, dpdv), side);
+    }
     s.uv = {static_cast<float>(u), static_cast<float>(v)};
     if (!uvs.empty()) {
       s.uv = Vec2f(bilinear(uvs, c, u, v));
@@ -313,13 +323,20 @@ class BilinearMesh final : public Shape {
       const Vec2d t00 = uvs[c.x], t10 = uvs[c.y], t01 = uvs[c.z], t11 = uvs[c.w];
       const Vec2d du = (t10 - t00) * (1 - v) + (t11 - t01) * v, dv = (t01 - t00) * (1 - u) + (t11 - t10) * u;
       const double determinant = du.x * dv.y - du.y * dv.x;
+      const auto byCoordinates = [&](Vec3d& byU, Vec3d& byV) {
+        const Vec3d alongU = byU, alongV = byV;
+        byU = (alongU * dv.y - alongV * du.y) / determinant;
+        byV = (alongV * du.x - alongU * dv.x) / determinant;
+      };
       if (std::abs(determinant) > 1e-9 * (std::abs(du.x * dv.y) + std::abs(du.y * dv.x))) {
-        dpdu = (p.dpdu(v) * dv.y - p.dpdv(u) * du.y) / determinant;
-        dpdv = (p.dpdv(u) * du.x - p.dpdu(v) * dv.x) / determinant;
+        byCoordinates(dpdu, dpdv);
+        byCoordinates(dndu, dndv);
       }
     }
     s.dpdu = Vec3f(dpdu);
     s.dpdv = Vec3f(dpdv);
+    s.dndu = Vec3f(dndu);
+    s.dndv = Vec3f(dndv);
     return s;
   }
 
@@ -331,9 +348,6 @@ class BilinearMesh final : public Shape {
 };
 
 std::unique_ptr<Shape> makeBilinearMesh(const Parameters& p, const ShapeContext& context) {
-  if (p.has("emissionfilename"))
-    p.fail("emissionfilename", "emitting pictures are not rendered yet",
-           "a constant \"L\" of the area light");
   const std::vector<Vec3d> positions = p.vector3s("P");
   const size_t count = positions.size();
   std::vector<glm::uvec4> patches;
@@ -389,7 +403,8 @@ void registerBilinearMesh(PlugIns& plugIns) {
              arrayParameter(ParameterType::NORMAL, "N", 0, "",
                             "normals at the corners, interpolated for shading"),
              arrayParameter(ParameterType::POINT2, "uv", 0, "", "texture coordinates at the corners"),
-             stringParameter("emissionfilename", "", "a picture that the surface shows; not rendered yet"),
+             ignoredParameter(ParameterType::STRING, "emissionfilename",
+                              "how pbrt samples what the area light's \"filename\" says"),
              ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures")},
         .examples = {"\"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 0]",
                      "\"point3 P\" [0 0 0  1 0 .3  0 1 .4  1.2 1.1 -.2] \"point2 uv\" [0 0 1 0 0 2 1 2]",

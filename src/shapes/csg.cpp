@@ -235,6 +235,9 @@ class Csg final : public Shape {
   static void turn(SurfacePoint& s) {
     s.geometricNormal = -s.geometricNormal;
     s.shadingNormal = -s.shadingNormal;
+    s.dndu = -s.dndu;
+    s.dndv = -s.dndv;
+    s.crossTangent = static_cast<int8_t>(-s.crossTangent);
   }
 
   /** The component whose surface the result has at a point, or so near that rounding tells no difference. */

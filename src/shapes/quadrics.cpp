@@ -165,7 +165,13 @@ class RevolvedQuadric final : public MappedShape {
       const double turn =
           length2 > 0 ? (line.x * coordinates.line1.y - line.y * coordinates.line1.x) / length2 : 0;
       const double drdz = rho > 0 ? slope / rho : 0;
-      s.dpdv = Vec3d(outwards * drdz + Vec2d(-outwards.y, outwards.x) * (turn * rho), 1) * dzdv;
+      const Vec2d sideways(-outwards.y, outwards.x);
+      s.dpdv = Vec3d(outwards * drdz + sideways * (turn * rho), 1) * dzdv;
+      if (steepness > 0) {
+        const Vec3d change(outwards * drdz + sideways * (turn * rho), -profile.a);
+        s.dndv = (change - s.normal * glm::dot(s.normal, change)) * (dzdv / steepness);
+        s.dndu = Vec3d(-s.normal.y, s.normal.x, 0) * phiMax;
+      }
       s.uv.x = azimuth(p) / phiMax;
     } else {
       p.z = part == LOW_CAP ? profile.zLow : profile.zHigh;

@@ -248,13 +248,19 @@ class Sphere final : public Shape {
 
   SurfacePoint pointAt(const Vec3d& unit) const {
     SurfacePoint s = placeAt(unit);
-    s.dpdu = Vec3f(linear * (Vec3d(-unit.y, unit.x, 0) * sweep.phiMax));
     // pbrt's coordinates: around in u, from zmin up to zmax in v.
     const double rho = std::hypot(unit.x, unit.y), theta = std::atan2(rho, unit.z);
     s.uv = {static_cast<float>(std::min(azimuth(unit) / sweep.phiMax, 1.0)),
             static_cast<float>(std::clamp((theta - thetaLow) / (thetaHigh - thetaLow), 0.0, 1.0))};
     const Vec2d outwards = rho > 0 ? Vec2d(unit) / rho : Vec2d(1, 0);
-    s.dpdv = Vec3f(linear * (Vec3d(outwards * unit.z, -rho) * (thetaHigh - thetaLow)));
+    const Vec3d dpdu = Vec3d(-unit.y, unit.x, 0) * sweep.phiMax,
+                dpdv = Vec3d(outwards * unit.z, -rho) * (thetaHigh - thetaLow);
+    s.dpdu = Vec3f(linear * dpdu);
+    s.dpdv = Vec3f(linear * dpdv);
+    // The unit sphere's normal is its position.
+    const Vec3d gradient = glm::transpose(inverse) * unit;
+    s.dndu = derivativeOfUnit(gradient, glm::transpose(inverse) * dpdu, side);
+    s.dndv = derivativeOfUnit(gradient, glm::transpose(inverse) * dpdv, side);
     return s;
   }
 

@@ -64,7 +64,9 @@ class Torus final : public MappedShape {
     s.position = Vec3d(outwards * (major + minor * unit.x), minor * unit.y);
     s.normal = Vec3d(outwards * unit.x, unit.y);
     s.dpdu = Vec3d(-s.position.y, s.position.x, 0) * phiMax;
-    s.dpdv = Vec3d(outwards * -unit.y, unit.x) * (TWO_PI * minor);
+    s.dndv = Vec3d(outwards * -unit.y, unit.x) * TWO_PI;
+    s.dpdv = s.dndv * minor;
+    s.dndu = Vec3d(-s.normal.y, s.normal.x, 0) * phiMax;
     const double theta = std::atan2(unit.y, unit.x);
     s.uv = glm::clamp(Vec2d(azimuth(near) / phiMax, (theta < 0 ? theta + TWO_PI : theta) / TWO_PI), 0.0, 1.0);
     return s;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "model/bsdfTesting.h"
+#include "recurse/core/parallel.h"
 #include "recurse/core/sampling.h"
 #include "sanitized.h"
 
@@ -758,6 +759,7 @@ float cornerNumber(TestRandom& random) {
 } // namespace
 
 TEST(BsdfCorners, NothingButFiniteNumbers) {
+  setThreadFloatMode(); // as all threads of a render have it
   // RECURSE_BSDF_EVALUATIONS sets the number of random evaluations; 1e7 was run under the sanitizers.
   const char* wanted = std::getenv("RECURSE_BSDF_EVALUATIONS");
   const size_t evaluations = wanted ? size_t(std::atof(wanted)) : size_t(samples(200000));

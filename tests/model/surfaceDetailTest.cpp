@@ -54,10 +54,15 @@ TEST(Bumps, NormalsAreThoseOfTheRaisedSurface) {
     const double lengths = glm::length(u) * glm::length(v);
     if (!(glm::length(glm::cross(u, v)) > .05 * lengths) || lengths < 1e-3) return; // beside a pole
     // Where the shading normal is not the surface's, differences along dpdu are not along its tangent.
-    if (p.shadingNormal != p.geometricNormal) return;
+    if (p.crossTangent != 0 || p.shadingNormal != p.geometricNormal) return;
     SurfacePoint bent = p;
     detail->apply(bent);
-    const Vec3d wanted = glm::normalize(n - tangential(slope, n));
+    const double h = glm::dot(slope, Vec3d(p.position));
+    const auto raised = [&](const Vec3d& dp, const Vec3d& dn) {
+      return dp + glm::dot(slope, dp) * n + h * dn;
+    };
+    Vec3d wanted = glm::normalize(glm::cross(raised(u, p.dndu), raised(v, p.dndv)));
+    if (glm::dot(wanted, Vec3d(p.geometricNormal)) < 0) wanted = -wanted;
     EXPECT_LT(glm::length(Vec3d(bent.shadingNormal) - wanted), 4e-3) << name;
     EXPECT_NEAR(glm::length(bent.shadingNormal), 1, 1e-6);
     EXPECT_EQ(bent.position, p.position);
@@ -71,6 +76,58 @@ TEST(Bumps, NormalsAreThoseOfTheRaisedSurface) {
     ++compared;
   });
   EXPECT_GT(compared, 1500);
+}
+
+TEST(Bumps, OfASphereAreThoseOfTheSphereOfAnotherRadius) {
+  // r(n) = R + h with h = a · position: the normal of a star-shaped surface is that of r n - its gradient.
+  const Vec3d a(.3, -.2, .25);
+  const double radius = 2;
+  const auto height = makeTexture("bilerp",
+                                  "\"string mapping\" \"planar\" \"vector3 v1\" [.3 -.2 .25] "
+                                  "\"float v01\" 0 \"float v10\" 1",
+                                  false);
+  const auto detail = bumps({BLACK, height.get()});
+  for (const bool inside : {false, true}) {
+    ShapeContext context;
+    context.reverseOrientation = inside;
+    const auto sphere = make("sphere", "\"float radius\" 2", context);
+    for (uint32_t i = 0; i < 200; ++i) {
+      Sampler sampler(1, 2, i);
+      const float pick = sampler.next1D();
+      SurfacePoint p = sphere->sampleArea(pick, sampler.next2D()).point;
+      if (std::abs(p.position.z) > 1.9f) continue; // beside a pole
+      const Vec3d outwards = glm::normalize(Vec3d(p.position));
+      const double side = inside ? -1 : 1, raisedRadius = radius + side * glm::dot(a, Vec3d(p.position));
+      const Vec3d wanted =
+          glm::normalize(outwards * raisedRadius - tangential(side * a, outwards) * radius) * side;
+      detail->apply(p);
+      EXPECT_LT(glm::length(Vec3d(p.shadingNormal) - wanted), 2e-3);
+    }
+  }
+}
+
+TEST(Bumps, GoAcrossDpduOnMeshesWithNormals) {
+  // As in pbrt-v4, whose shading frame of a mesh with normals is that of n and dpdu: v runs along n x dpdu,
+  // as long as dpdu, however the texture is stretched.
+  const auto height = makeTexture("bilerp", "\"float v10\" .6 \"float v11\" 1 \"float v01\" .4", false);
+  const auto detail = bumps({BLACK, height.get()}); // dh/du = .6, dh/dv = .4
+  const std::string plane = "\"integer indices\" [0 1 2  0 2 3] \"point3 P\" [0 0 0  2 0 0  2 5 0  0 5 0] "
+                            "\"point2 uv\" [0 0  1 0  1 1  0 1] ";
+  const auto bent = [&](const std::string& parameters, const Mat4d& map) {
+    const auto mesh = make("trianglemesh", parameters);
+    SurfacePoint p = mesh->surfaceAt(0, HitParameters(Vec2f(.3f, .3f)));
+    transformDirections(Mat3d(map), glm::transpose(glm::inverse(Mat3d(map))), p);
+    detail->apply(p);
+    return Vec3d(p.shadingNormal);
+  };
+  Mat4d mirrored(1);
+  mirrored[1][1] = -1;
+  const std::string normals = "\"normal N\" [0 0 1  0 0 1  0 0 1  0 0 1] ";
+  const Vec3d flat = bent(plane, Mat4d(1)), smooth = bent(plane + normals, Mat4d(1)),
+              seenInAMirror = bent(plane + normals, mirrored);
+  EXPECT_LT(glm::length(flat - glm::normalize(Vec3d(-.6 / 2, -.4 / 5, 1))), 1e-4);
+  EXPECT_LT(glm::length(smooth - glm::normalize(Vec3d(-.6 / 2, -.4 / 2, 1))), 1e-4);
+  EXPECT_LT(glm::length(seenInAMirror - glm::normalize(Vec3d(-.6 / 2, .4 / 2, 1))), 1e-4);
 }
 
 TEST(Bumps, FollowTheCoordinatesOfTheSurface) {
@@ -125,7 +182,7 @@ TEST(NormalMap, TurnsTheNormalInTheFrameOfTheSurface) {
     map->apply(bent);
     const Frame frame(p.shadingNormal, p.dpdu);
     Vec3f n = frame.toWorld(wanted);
-    if (glm::dot(n, p.geometricNormal) < 0) n -= 2 * glm::dot(n, p.geometricNormal) * p.geometricNormal;
+    if (glm::dot(n, p.geometricNormal) < 0) n = -n;
     EXPECT_LT(glm::length(bent.shadingNormal - n), 1e-3f) << name;
   });
   // Eight bits are linear: (128, 128, 255) is straight up, nearly.

@@ -21,8 +21,8 @@ std::vector<std::string> allLayers() {
   return names;
 }
 
-const std::string HEAD = "Film \"rgb\" \"integer xresolution\" 33 \"integer yresolution\" 33\n"
-                         "LookAt 1 2 -5  1 2 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n";
+const std::string SMALL_FILM = "Film \"rgb\" \"integer xresolution\" 33 \"integer yresolution\" 33\n"
+                               "LookAt 1 2 -5  1 2 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\n";
 /** A wall at z = 3, eight units in front of the eye. */
 const std::string BACK_WALL =
     "Material \"diffuse\" \"rgb reflectance\" [.8 .4 .1]\n"
@@ -31,7 +31,7 @@ const std::string BACK_WALL =
 } // namespace
 
 TEST(FeatureLayers, OfAWallAreItsGeometry) {
-  const Image f = features(HEAD + "WorldBegin\n" + BACK_WALL, {allLayers(), 4, false, 1});
+  const Image f = features(SMALL_FILM + "WorldBegin\n" + BACK_WALL, {allLayers(), 4, false, 1});
   ASSERT_EQ(f.channels, (std::vector<std::string>{"albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y",
                                                   "normal.Z", "geonormal.X", "geonormal.Y", "geonormal.Z",
                                                   "depth.Z", "position.X", "position.Y", "position.Z"}));
@@ -50,7 +50,7 @@ TEST(FeatureLayers, OfAWallAreItsGeometry) {
 }
 
 TEST(FeatureLayers, NothingIsBlackAndEdgesAreMeansOfWhatIsThere) {
-  const Image f = features(HEAD + "WorldBegin\n" + "Translate 1 2 0\n" +
+  const Image f = features(SMALL_FILM + "WorldBegin\n" + "Translate 1 2 0\n" +
                                "Material \"diffuse\" \"rgb reflectance\" [.5 .5 .5]\nShape \"sphere\"\n",
                            {{"albedo", "depth"}, 16, false, 1});
   EXPECT_EQ(f.at(0, 0)[0], 0);
@@ -74,16 +74,18 @@ TEST(FeatureLayers, MirrorsAndGlassAreLookedThroughOnRequest) {
   const std::string behind =
       "Material \"diffuse\" \"rgb reflectance\" [.8 .4 .1]\n"
       "Shape \"bilinearmesh\" \"point3 P\" [-20 -20 -9  20 -20 -9  -20 20 -9  20 20 -9]\n";
-  const Image in = features(HEAD + "WorldBegin\n" + mirror + behind, {{"albedo", "depth"}, 4, true, 1});
+  const Image in = features(SMALL_FILM + "WorldBegin\n" + mirror + behind, {{"albedo", "depth"}, 4, true, 1});
   EXPECT_NEAR(in.at(16, 16)[0], 0.8f, 1e-4f);
   EXPECT_NEAR(in.at(16, 16)[3], 5 + 9, 0.02f); // to the mirror and back
-  const Image on = features(HEAD + "WorldBegin\n" + mirror + behind, {{"albedo", "depth"}, 4, false, 1});
+  const Image on =
+      features(SMALL_FILM + "WorldBegin\n" + mirror + behind, {{"albedo", "depth"}, 4, false, 1});
   EXPECT_NEAR(on.at(16, 16)[0], 1, 0.02f);
   EXPECT_NEAR(on.at(16, 16)[3], 5, 0.02f);
 }
 
 TEST(FeatureLayers, AlbedoOfGlassIsAllTheLight) {
-  const Image f = features(HEAD + "WorldBegin\nTranslate 1 2 0\nMaterial \"dielectric\"\nShape \"sphere\"\n",
-                           {{"albedo"}, 16, false, 1});
+  const Image f =
+      features(SMALL_FILM + "WorldBegin\nTranslate 1 2 0\nMaterial \"dielectric\"\nShape \"sphere\"\n",
+               {{"albedo"}, 16, false, 1});
   EXPECT_NEAR(f.at(16, 16)[1], 1, 1e-4f);
 }

@@ -152,6 +152,9 @@ class Material {
   virtual float indexInside() const { return 1; }
 
   std::unique_ptr<const SurfaceDetail> detail; ///< to be applied before bsdfAt; null: none
+  /** The medium inside of shapes of the material, as a directive of a medium says it; null: the one that
+   * their MediumInterface says. */
+  std::unique_ptr<const ParsedDirective> filling;
   int nesting = -1; ///< place among the scene's solids with priority, the strongest first; -1: has none.
                     ///< Those with the same priority and index are one matter
 };

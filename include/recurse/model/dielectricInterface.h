@@ -135,4 +135,42 @@ struct DielectricInterface {
   }
 };
 
+/** A smooth boundary. */
+class DielectricBsdf final : public Bsdf {
+ public:
+  explicit DielectricBsdf(float eta) : surface{eta, {}} {}
+  LobeSet lobes() const override { return MIRROR | REFRACTION; }
+  void deltas(const Vec3f& wi, DeltaScatters& out) const override { surface.deltas(wi, out); }
+  bool lossless() const override { return true; }
+
+ private:
+  DielectricInterface surface;
+};
+
+/** A rough one. */
+class RoughDielectricBsdf : public Bsdf {
+ public:
+  explicit RoughDielectricBsdf(const DielectricInterface& surface) : surface(surface) {}
+  LobeSet lobes() const override {
+    return surface.facets.anisotropic() ? NON_DELTA_LOBES | ANISOTROPIC : NON_DELTA_LOBES;
+  }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override { return Rgb(surface.value(wi, wo)); }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override { return surface.pdf(wi, wo); }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    return surface.sample(wi, u, pick);
+  }
+  Rgb albedo(const Vec3f&) const override { return Rgb(1); }
+  float eta() const override { return surface.eta; }
+
+ protected:
+  ~RoughDielectricBsdf() = default;
+  DielectricInterface surface;
+};
+
+/** Without the light that meets several facets. */
+class SingleScattering final : public RoughDielectricBsdf {
+ public:
+  using RoughDielectricBsdf::RoughDielectricBsdf;
+};
+
 } // namespace recurse

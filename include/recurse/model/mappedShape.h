@@ -67,6 +67,7 @@ class MappedShape : public Shape {
     Vec3d position;
     Vec3d normal; ///< unit, outwards
     Vec3d dpdu, dpdv;
+    Vec3d dndu{0}, dndv{0};
     Vec2d uv;
     double error = 0; ///< bound on the distance from the surface
   };

@@ -3,6 +3,8 @@
  */
 #pragma once
 
+#include <optional>
+
 #include "recurse/model/medium.h"
 #include "recurse/scene/parameters.h"
 
@@ -13,7 +15,8 @@ std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const
 /** The medium that they describe; `preset`, where it is declared and given, in the place of the first two.
  * Fails where the numbers do not fit single precision. */
 MediumPoint readMediumPoint(const Parameters& p);
-/** Measured matter by name. */
+/** Measured matter by name [1/mm]; the scattering is reduced, for isotropic phase functions. */
 std::vector<std::string> mediumPresetNames();
+std::optional<MediumPoint> mediumPreset(const std::string& name);
 
 } // namespace recurse

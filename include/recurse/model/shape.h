@@ -39,6 +39,11 @@ struct SurfacePoint {
   Vec3f shadingNormal;   ///< unit, in the hemisphere of the geometric normal
   Vec3f dpdu;            ///< derivative of the position by u; zero where there is none
   Vec3f dpdv;            ///< the same for v
+  Vec3f dndu{0};         ///< derivative of the shading normal by u; zero where it is not worked out
+  Vec3f dndv{0};         ///< the same for v
+  /** What bumps take for dpdv: 0: itself; 1: shadingNormal x dpdu, as in pbrt on meshes with normals at their
+   * vertices; -1: the same seen in a mirror. */
+  int8_t crossTangent = 0;
   Vec2f uv;
   Footprint footprint;
   float indexOutside = 1; ///< refractive index on the outer side; of nested dielectrics only
@@ -229,7 +234,16 @@ struct ShapeContext {
 std::vector<RimPiece> rimOfSweep(const std::function<Vec3d(double u, double v)>& p, bool uEnds, bool vLow,
                                  bool vHigh);
 
+/** Takes a point's normals and derivatives to another space; normalMap is the transposed inverse of `map`. */
+void transformDirections(const Mat3d& map, const Mat3d& normalMap, SurfacePoint& point);
+
 // Tools for shapes that compute in double precision.
+
+/** The derivative of side · v / |v| where that of v is dv; zero where v is. */
+inline Vec3f derivativeOfUnit(const Vec3d& v, const Vec3d& dv, double side) {
+  const double length2 = glm::dot(v, v);
+  return length2 > 0 ? Vec3f((dv - v * (glm::dot(v, dv) / length2)) * (side / std::sqrt(length2))) : Vec3f(0);
+}
 
 /** A box of floats around a box of doubles and around every point of it that is rounded to float. */
 Bounds3f roundedOut(const Bounds3d& box);

@@ -21,9 +21,9 @@ class SurfaceDetail {
 };
 
 /**
- * The shading normal of the surface raised by `height` [scene units] along its normal: n - grad height,
- * normalised (Blinn, "Simulation of Wrinkled Surfaces", 1978). What the height itself does to the slope of a
- * curved surface is left out, which is right as long as the height is small against the radius of curvature.
+ * The shading normal of the surface raised by `height` [scene units] along its normal (Blinn, "Simulation of
+ * Wrinkled Surfaces", 1978): that of the derivatives dpdu + (dh/du) n + h dndu, and the same by v, as in
+ * pbrt-v4.
  */
 std::unique_ptr<SurfaceDetail> bumps(const TexturedRgb& height);
 /** The normal by a picture: 2 (r, g, b) - 1 along dpdu, across it, and along the shading normal. Throws
