@@ -158,6 +158,7 @@ class HairBsdf final : public Bsdf {
       double total = 0;
       for (size_t p = 0; p < LOBES; ++p)
         total += chance[p] = (attenuation[p].r + attenuation[p].g + attenuation[p].b) / 3;
+      if (total == 0) chance[0] = total = 1; // all is absorbed
       for (double& c : chance) c /= total;
     }
     Inclination tilted(size_t p) const {
