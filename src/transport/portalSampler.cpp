@@ -172,15 +172,12 @@ float PortalSampler::pdfLi(const EnvironmentLight& light, const Vec3f& from, con
 
 std::vector<double> PortalSampler::secondMoments(const Scene& scene, const std::vector<float>& parts,
                                                  TransportCounts& counts) {
-  constexpr int MAX_ACROSS = 32, MAX_DEPTH = 3;
-  constexpr int SAMPLES = 16; // enough for the square of their mean
+  constexpr int MAX_ACROSS = 48, SAMPLES = 4, MAX_DEPTH = 3;
   using Moments = std::vector<double>;
   const auto& lights = scene.environment();
   const auto follow = [&](Moments& moments, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
                           TransportCounts& pathCounts) {
     CameraVertex vertex;
-    Moments ofPath(parts.size());
-    double radiance = 0; // times `SAMPLES`
     while (walker.next(path, vertex, sampler)) {
       for (int i = 0; vertex.isConnectable() && i < SAMPLES; ++i) {
         const EnvironmentLight& light =
@@ -194,18 +191,16 @@ std::vector<double> PortalSampler::secondMoments(const Scene& scene, const std::
         const Rgb free = transmittance(scene, vertex.hit, vertex.wi, *s, path.nesting,
                                        std::numeric_limits<int>::max(), pathCounts)
                              .value;
-        const auto arriving = double(maxComponent(seen * free)), estimate = arriving / double(s->pdf);
-        if (!(estimate > 0)) continue;
-        radiance += estimate;
+        const auto square2 = square(double(maxComponent(seen * free))) / double(s->pdf);
+        if (!(square2 > 0)) continue;
         const float byBsdf = scattering.pdf(vertex.wi, s->direction);
         const float own = light.pdfLi(vertex.point().position, s->direction);
         const float portals = (s->pdf - (1 - throughPortals) * own) / throughPortals;
         for (size_t k = 0; k < parts.size(); ++k)
-          ofPath[k] += arriving * estimate / double((1 - parts[k]) * own + parts[k] * portals + byBsdf);
+          moments[k] += square2 / double((1 - parts[k]) * own + parts[k] * portals + byBsdf);
       }
       if (!walker.scatter(path, vertex, sampler)) break;
     }
-    for (size_t k = 0; radiance > 0 && k < parts.size(); ++k) moments[k] += ofPath[k] / square(radiance);
   };
   const int across = std::min(MAX_ACROSS, static_cast<int>(std::sqrt(double(scene.film().whole().area()))));
   Moments sums(parts.size());

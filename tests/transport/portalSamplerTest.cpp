@@ -98,18 +98,6 @@ TEST(PortalSampler, APaneIsAPortal) {
   EXPECT_TRUE(portals.active());
 }
 
-TEST(PortalSampler, BringsTheSkyWhereTheSunShinesInOnAFewPlaces) {
-  std::string text = roomWithHole(96);
-  const std::string sky = "LightSource \"infinite\" \"rgb L\" [1 1 1]";
-  text.replace(text.find(sky), sky.size(),
-               "AttributeBegin Rotate -90 1 0 0 LightSource \"sky\" \"float elevation\" 62 AttributeEnd");
-  const auto scene = sceneFrom(text);
-  ASSERT_TRUE(scene);
-  PortalSampler portals;
-  portals.learn(*scene);
-  EXPECT_TRUE(portals.active());
-}
-
 TEST(PortalSampler, IsLeftOutUnderTheOpenSky) {
   const auto scene = sceneFrom(view(96, "0 2 5  0 0 0  0 1 0", 60) + R"(
 LightSource "infinite" "rgb L" [1 1 1]

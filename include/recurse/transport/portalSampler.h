@@ -46,8 +46,7 @@ class PortalSampler {
   float solidAngles(const Vec3f& point, SolidAngles& upToHere) const;
   /** Density of directions through the openings [1/sr]. */
   float pdfThrough(const SolidAngles& upToHere, const Vec3f& point, const Vec3f& direction) const;
-  /** Second moments of light by shadow rays at vertices of camera paths, over the square of what each path
-   * brings, for each of `parts`: the sun in a few places does not outweigh the sky in all others. */
+  /** Second moments of light by shadow rays at vertices of camera paths, for each of `parts`. */
   std::vector<double> secondMoments(const Scene& scene, const std::vector<float>& parts,
                                     TransportCounts& counts);
 
