@@ -86,35 +86,52 @@ void critical(const Report& report) {
   }
 }
 
+/** A square of side 2 at height z as `pieces` x `pieces` pairs of triangles. */
+std::string meshedSquare(double z, int pieces) {
+  std::string points, indices;
+  for (int j = 0; j <= pieces; ++j)
+    for (int i = 0; i <= pieces; ++i) {
+      points += number(2.0 * i / pieces - 1) + " " + number(2.0 * j / pieces - 1) + " " + number(z) + "  ";
+      if (i == pieces || j == pieces) continue;
+      const int a = j * (pieces + 1) + i, b = a + 1, c = a + pieces + 1, d = c + 1;
+      for (const int vertex : {a, b, d, a, d, c}) indices += std::to_string(vertex) + " ";
+    }
+  return "Shape \"trianglemesh\" \"integer indices\" [ " + indices + "] \"point3 P\" [ " + points + "]\n";
+}
+
+/** Two faces through which a lamp is seen; `tilted`: out of the axes. */
+void slab(const Report& report, double thickness, double degrees, bool tilted, const std::string& faces,
+          const std::string& more = "") {
+  const long double a = static_cast<long double>(degrees) * M_PIl / 180;
+  const long double r = reflectance(std::sin(a), std::cos(a), 1.5L);
+  const std::string tilt = tilted ? "Rotate 33 .3 1 .2\n" : "";
+  const std::string lamp = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n" + diffuse(0) +
+                           "Translate 0 0 -.5\nShape \"disk\" \"float radius\" 6\nAttributeEnd\n";
+  // The camera is tilted along, so that the angle to the slab stays.
+  const std::string eye =
+      number(double(std::sin(a))) + " 0 " + number(double(std::cos(a))) + "  0 0 0  0 1 0";
+  const std::string head = view(8, 8, eye, orthographic(0.1));
+  const size_t lookAt = head.find("LookAt");
+  // Camera space from world space: first the tilt is undone.
+  const std::string camera =
+      head.substr(lookAt, head.find('\n', lookAt) - lookAt) + (tilted ? "\nRotate -33 .3 1 .2" : "");
+  const std::string turned = head.substr(0, lookAt) + camera + head.substr(head.find('\n', lookAt));
+  checkMean(report,
+            "slab " + shown("%g", thickness) + " thick at " + shown("%g", degrees) + " degrees" +
+                (tilted ? ", tilted" : "") + more,
+            turned + tilt + lamp + glass(1.5) + faces, static_cast<double>((1 - r) / (1 + r)), clear());
+}
+
 void thinSlab(const Report& report) {
+  const std::string upper =
+      "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\nReverseOrientation\n";
   for (const double thickness : {1e-3, 1e-5, 1e-6})
     for (const double degrees : {0.0, 60.0})
-      for (const bool tilted : {false, true}) {
-        const long double a = static_cast<long double>(degrees) * M_PIl / 180;
-        const long double r = reflectance(std::sin(a), std::cos(a), 1.5L);
-        const std::string tilt = tilted ? "Rotate 33 .3 1 .2\n" : "";
-        const std::string slab =
-            "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 0  1 -1 0  -1 1 0  1 1 0 ]\nReverseOrientation\n"
-            "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ -1 -1 -" +
-            number(thickness) + "  1 -1 -" + number(thickness) + "  1 1 -" + number(thickness) + "  -1 1 -" +
-            number(thickness) + " ]\n";
-        const std::string lamp = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\n" +
-                                 diffuse(0) +
-                                 "Translate 0 0 -.5\nShape \"disk\" \"float radius\" 6\nAttributeEnd\n";
-        // The camera is tilted along, so that the angle to the slab stays.
-        const std::string eye =
-            number(double(std::sin(a))) + " 0 " + number(double(std::cos(a))) + "  0 0 0  0 1 0";
-        const std::string head = view(8, 8, eye, orthographic(0.1));
-        const size_t lookAt = head.find("LookAt");
-        // Camera space from world space: first the tilt is undone.
-        const std::string camera =
-            head.substr(lookAt, head.find('\n', lookAt) - lookAt) + (tilted ? "\nRotate -33 .3 1 .2" : "");
-        const std::string turned = head.substr(0, lookAt) + camera + head.substr(head.find('\n', lookAt));
-        checkMean(report,
-                  "slab " + shown("%g", thickness) + " thick at " + shown("%g", degrees) + " degrees" +
-                      (tilted ? ", tilted" : ""),
-                  turned + tilt + lamp + glass(1.5) + slab, static_cast<double>((1 - r) / (1 + r)), clear());
-      }
+      for (const bool tilted : {false, true})
+        slab(report, thickness, degrees, tilted, upper + meshedSquare(-thickness, 1));
+  for (const double degrees : {0.0, 60.0})
+    slab(report, 1e-6, degrees, true, meshedSquare(0, 64) + "ReverseOrientation\n" + meshedSquare(-1e-6, 64),
+         ", in small triangles");
 }
 
 /** Shells of glass around each other: at perpendicular incidence n faces let through (1 - R) / (1 + (n - 1)

@@ -9,9 +9,6 @@
 #include <set>
 #include <typeindex>
 
-#include "recurse/core/parallel.h"
-#include "recurse/scene/loader.h"
-
 namespace recurse::hard {
 
 /** Four relative standard errors of a mean that still tells whether light was lost or counted twice. */
@@ -51,9 +48,7 @@ template <class Visit> void forIntegrators(const Visit& visit) {
   std::set<std::type_index> seen;
   for (const auto& entry : plugIns().integrators.entries()) {
     // Other names of an integrator are not other integrators.
-    Diagnostics diagnostics;
-    const auto made = plugIns().integrators.make(parseParameterText(entry.name, ""), {}, diagnostics);
-    diagnostics.throwIfErrors();
+    const auto made = testing::integratorFrom(entry.name, "");
     const Integrator& integrator = *made;
     if (!seen.insert(typeid(integrator)).second) continue;
     // It is there to be read, and has no remedy for what is hard.
@@ -113,55 +108,10 @@ std::vector<Way> allWays(double photons, const std::string& more) {
   return ways;
 }
 
-std::unique_ptr<Scene> sceneFrom(const std::string& text, const std::string& directory) {
-  Diagnostics diagnostics;
-  const SceneDescription description = parseScene(text, "hard.pbrt", directory, diagnostics);
-  diagnostics.throwIfErrors();
-  auto scene = buildScene(description, {}, diagnostics);
-  diagnostics.throwIfErrors();
-  if (!scene) throw Error("no scene was made, and no error reported");
-  return scene;
-}
-
-double Rendered::mean() const {
-  double sum = 0;
-  for (size_t i = 0; i < pixels(); ++i) sum += luminanceAt(i);
-  return sum / double(pixels());
-}
-
-double Rendered::standardError() const {
-  double sum = 0;
-  for (size_t i = 0; i < pixels(); ++i)
-    sum += film.variance(i) / double(std::max<uint64_t>(1, film.samples(i)));
-  return std::sqrt(sum) / double(pixels());
-}
-
-std::string Rendered::unsound() const {
-  if (statistics.counts.nonFinite > 0)
-    return std::to_string(statistics.counts.nonFinite) + " contributions were not finite";
-  if (statistics.photonsRefused > 0)
-    return std::to_string(statistics.photonsRefused) + " photons were not finite";
-  for (size_t i = 0; i < pixels(); ++i) {
-    const Rgb v = value(i);
-    if (!isFinite(v) || v.r < 0 || v.g < 0 || v.b < 0) return "a pixel is negative or not finite";
-  }
-  return {};
-}
-
 Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed,
                      const PathClasses& classes) {
-  const ThreadPool pool;
-  Diagnostics diagnostics;
-  const auto made =
-      plugIns().integrators.make(parseParameterText(way.integrator, way.parameters), {}, diagnostics);
-  diagnostics.throwIfErrors();
-  Rendered out{Film(scene.film().crop, classes.layerCount()), {}};
-  RenderSettings settings;
-  settings.samplesPerPixel = samplesPerPixel;
-  settings.seed = seed;
-  const std::atomic<bool> stop{false};
-  out.statistics = render(scene, *made, classes, settings, out.film, stop, nullptr, nullptr);
-  return out;
+  return testing::renderScene(scene, *testing::integratorFrom(way.integrator, way.parameters), classes,
+                              samplesPerPixel, seed);
 }
 
 Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, uint64_t seed) {
@@ -179,16 +129,10 @@ std::vector<double> unclaimedLight(const Scene& scene, const std::vector<Method>
   const Way all{"photonmap", "\"integer passes\" 1 \"integer photons\" 20000", "", true, false};
   classes.push_back({"all", "all"});
   const Rendered r = renderScene(scene, all, 16, 1, PathClasses(classes));
-  double sumOfAll = 0;
-  for (size_t p = 0; p < r.pixels(); ++p) sumOfAll += double(luminance(r.film.value(p, methods.size())));
-  if (!SANITIZED && !(sumOfAll > 0)) throw Error("what methods claim cannot be told: the picture is black");
+  if (!SANITIZED && !(r.mean(methods.size()) > 0))
+    throw Error("what methods claim cannot be told: the picture is black");
   std::vector<double> means;
-  for (size_t i = 0; i < methods.size(); ++i) {
-    double sum = 0;
-    for (size_t p = 0; p < r.pixels() && !methods[i].claims.empty(); ++p)
-      sum += double(luminance(r.film.value(p, i)));
-    means.push_back(sum / double(r.pixels()));
-  }
+  for (size_t i = 0; i < methods.size(); ++i) means.push_back(methods[i].claims.empty() ? 0 : r.mean(i));
   return means;
 }
 
@@ -204,9 +148,7 @@ void checkOtherMethods(const Report& report, const std::string& detail, const Sc
     const auto answers = [&](const std::string& answer) {
       report.holds(detail, m.way.label, answer, true, {});
     };
-    Diagnostics diagnostics;
-    const auto integrator =
-        plugIns().integrators.make(parseParameterText(m.way.integrator, ""), {}, diagnostics);
+    const auto integrator = testing::integratorFrom(m.way.integrator, "");
     if (const std::string part = unsupportedPart(*integrator, scene); !part.empty()) {
       answers("does not render " + part);
       continue;
@@ -257,20 +199,6 @@ void checkMean(const Report& report, const std::string& detail, const std::strin
     report.atMost(detail, way.label, "relative error", std::abs(r.mean() / expected - 1), bound, problem);
   }
   if (thorough && !budget.only) checkOtherMethods(report, detail, *scene, expected, budget);
-}
-
-std::string number(double x) { return shown("%.17g", x); }
-
-std::string shown(const char* format, double x) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof buffer, format, x);
-  return buffer;
-}
-
-std::string view(int width, int height, const std::string& lookAt, const std::string& camera) {
-  return "Film \"rgb\" \"integer xresolution\" " + std::to_string(width) + " \"integer yresolution\" " +
-         std::to_string(height) + "\nPixelFilter \"box\"\nLookAt " + lookAt + "\n" + camera +
-         "\nWorldBegin\n";
 }
 
 std::string orthographic(double half) {

@@ -5,22 +5,21 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "recurse/core/image.h"
-#include "recurse/transport/render.h"
+#include "sceneRendering.h"
 
 namespace recurse::hard {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool SANITIZED = true;
-#elif defined(__has_feature)
-constexpr bool SANITIZED = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
-#else
-constexpr bool SANITIZED = false;
-#endif
+using testing::number;
+using testing::perspective;
+using testing::Rendered;
+using testing::SANITIZED;
+using testing::sceneFrom;
+using testing::shown;
+using testing::view;
 
 struct Row {
   std::string what;       ///< the case and what of it
@@ -102,24 +101,6 @@ inline bool fromMap(const Way& way, bool indirect) {
   return way.usesPhotons && (indirect || way.directPhotons);
 }
 
-/** Throws Error with the diagnostics when the scene is refused. */
-std::unique_ptr<Scene> sceneFrom(const std::string& text, const std::string& directory = ".");
-
-struct Rendered {
-  Film film;
-  RenderStatistics statistics;
-
-  size_t pixels() const { return film.bounds().area(); }
-  Rgb value(size_t pixel) const { return film.value(pixel, 0); }
-  double luminanceAt(size_t pixel) const { return double(luminance(value(pixel))); }
-  double mean() const;
-  /** Standard error of mean(), from the variance within pixels. */
-  double standardError() const;
-  /** What must not be: samples or photons that are not finite, pixels that are negative or not finite. Empty:
-   * nothing of the kind. */
-  std::string unsound() const;
-};
-
 Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed = 1,
                      const PathClasses& classes = PathClasses());
 /** With the budget's samples; sanitizers slow a render down tenfold, and get a 32nd. */
@@ -133,13 +114,6 @@ Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, u
 void checkMean(const Report& report, const std::string& detail, const std::string& sceneText, double expected,
                const Budget& budget, bool indirect = false);
 
-/** A number for a scene file, with every digit. */
-std::string number(double x);
-std::string shown(const char* format, double x);
-
-/** Film, box filter and a camera; `camera` is the Camera directive with its arguments. */
-std::string view(int width, int height, const std::string& lookAt, const std::string& camera);
-inline std::string perspective(double fov) { return "Camera \"perspective\" \"float fov\" " + number(fov); }
 /** Half of the window's width. */
 std::string orthographic(double half);
 std::string diffuse(double albedo);

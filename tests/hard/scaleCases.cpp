@@ -7,39 +7,6 @@ namespace recurse::hard {
 
 namespace {
 
-/** A box with a mirror sphere, a glass sphere and a lamp. */
-std::string box(double scale, double move) {
-  const auto place = [&](double x, double y, double z) {
-    return number(x * scale + move) + " " + number(y * scale + move) + " " + number(z * scale + move) + "  ";
-  };
-  return view(24, 24, place(0, 0, 3.9) + place(0, 0, 0) + "0 1 0", perspective(39.3)) + "Translate " +
-         number(move) + " " + number(move) + " " + number(move) + "\nScale " + number(scale) + " " +
-         number(scale) + " " + number(scale) + R"(
-Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
-Shape "bilinearmesh" "point3 P" [ -1 -1 -1  -1 -1 1  1 -1 -1  1 -1 1 ]
-Shape "bilinearmesh" "point3 P" [ -1 1 -1  1 1 -1  -1 1 1  1 1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  1 1 -1  1 -1 -1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 -1 1  -1 1 1  -1 1 -1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 1  1 -1 1 ]
-AttributeBegin
-AreaLightSource "diffuse" "rgb L" [ 25 25 25 ]
-Material "diffuse" "rgb reflectance" [ 0 0 0 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ]
-  "point3 P" [ -0.3 0.995 -0.3  0.3 0.995 -0.3  0.3 0.995 0.3  -0.3 0.995 0.3 ]
-AttributeEnd
-AttributeBegin
-Material "conductor" "rgb reflectance" [ .9 .9 .9 ]
-Translate -0.42 -0.6 -0.35
-Shape "sphere" "float radius" 0.4
-AttributeEnd
-AttributeBegin
-Material "dielectric" "float eta" 1.5
-Translate 0.42 -0.6 0.25
-Shape "sphere" "float radius" 0.4
-AttributeEnd
-)";
-}
-
 /** A floor of albedo 1/2 under the middle of a disc lamp: L = ρ L_e r² / (r² + h²) there. */
 std::string floorUnderDisc(double scale, double move) {
   const auto place = [&](double x, double y, double z) {
@@ -62,7 +29,8 @@ void scaled(const Report& report, double scale, double move) {
             budget);
 
   budget.photonSamples = 16;
-  const auto plain = sceneFrom(box(1, 0)), other = sceneFrom(box(scale, move));
+  const auto plain = sceneFrom(testing::glassAndMirrorBox(24, 0.6)),
+             other = sceneFrom(testing::glassAndMirrorBox(24, 0.6, scale, move));
   for (const Way& way : allWays(budget.photons)) {
     const Rendered a = renderScene(*plain, way, budget), b = renderScene(*other, way, budget);
     report.atMost(

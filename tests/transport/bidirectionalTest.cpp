@@ -45,14 +45,9 @@ BatchMeans meansOf(const Scene& scene, const BidirectionalSettings& techniques, 
   BatchMeans means;
   for (int seed = 1; seed <= seeds; ++seed) {
     Bidirectional integrator(techniques);
-    ClassRender out{Film(scene.film().crop, classes.layerCount()), {}};
-    RenderSettings settings;
-    settings.samplesPerPixel = samplesPerPixel;
-    settings.seed = uint64_t(seed);
-    const std::atomic<bool> stop{false};
-    out.counts = render(scene, integrator, classes, settings, out.film, stop, nullptr, nullptr).counts;
-    EXPECT_EQ(out.counts.nonFinite, 0u);
-    means.add(out.means());
+    const Rendered out = renderScene(scene, integrator, classes, samplesPerPixel, uint64_t(seed));
+    EXPECT_EQ(out.statistics.counts.nonFinite, 0u);
+    means.add(out.layerMeans());
   }
   return means;
 }

@@ -164,17 +164,15 @@ TEST(ClassAgreement, LayersOfACoverAddUp) {
       if (!unsupportedPart(*integratorFrom(way.integrator, way.parameters), *scene).empty()) continue;
       const Way small = withPhotons(way, samples(4000));
       const std::string what = name + " " + way.integrator + way.parameters;
-      const ClassRender apart = renderClasses(*scene, small, stills, 2, 5);
+      const Rendered apart = renderClasses(*scene, small, stills, 2, 5);
       expectSums(apart.film, dispersive, what);
       if (HasFatalFailure()) return;
       expectSums(renderClasses(*scene, small, few, 1, 6).film, dispersive, what);
       // Telling classes apart changes no path: the total is the plain picture.
-      const ClassRender plain = renderClasses(*scene, small, PathClasses(), 2, 5);
-      EXPECT_EQ(plain.counts.rays, apart.counts.rays) << what;
-      const size_t total = stills.layerCount() - 1, pixels = plain.film.bounds().area();
-      double mean = 0;
-      for (size_t p = 0; p < pixels; ++p) mean += double(luminance(plain.film.value(p, 0))) / double(pixels);
-      const double splatUnit = 1e-9 * mean; // each layer rounds splats up or down by chance
+      const Rendered plain = renderClasses(*scene, small, PathClasses(), 2, 5);
+      EXPECT_EQ(plain.statistics.counts.rays, apart.statistics.counts.rays) << what;
+      const size_t total = stills.layerCount() - 1, pixels = plain.pixels();
+      const double splatUnit = 1e-9 * plain.mean(); // each layer rounds splats up or down by chance
       for (size_t p = 0; p < pixels; ++p)
         for (int c = 0; c < 3; ++c) {
           const Rgb expected = plain.film.value(p, 0);
@@ -221,7 +219,8 @@ TEST(ClassAgreement, NarrowClassesTraceFewerRays) {
   for (const Way& way : waysThatShareOutDifferently()) {
     const Way small = withPhotons(way, samples(10000));
     const auto rays = [&](const std::string& expression) {
-      return double(renderClasses(*scene, small, PathClasses({{"one", expression}}), 2, 1).counts.rays);
+      return double(
+          renderClasses(*scene, small, PathClasses({{"one", expression}}), 2, 1).statistics.counts.rays);
     };
     const double all = rays("all");
     const std::string claims = integratorFrom(way.integrator, way.parameters)->claims();

@@ -34,32 +34,11 @@ class BatchMeans {
   double count = 0;
 };
 
-struct ClassRender {
-  Film film;
-  TransportCounts counts;
-
-  /** The mean over the picture of each layer: three numbers a layer, red, green and blue. */
-  std::vector<double> means() const {
-    std::vector<double> out(3 * film.layerCount());
-    const size_t pixels = film.bounds().area();
-    for (size_t layer = 0; layer < film.layerCount(); ++layer)
-      for (size_t p = 0; p < pixels; ++p)
-        for (int c = 0; c < 3; ++c)
-          out[3 * layer + size_t(c)] += double(film.value(p, layer)[c]) / double(pixels);
-    return out;
-  }
-};
-
-inline ClassRender renderClasses(const Scene& scene, const Way& way, const PathClasses& classes,
-                                 int samplesPerPixel, uint64_t seed) {
-  const auto integrator = integratorFrom(way.integrator, way.parameters);
-  ClassRender out{Film(scene.film().crop, classes.layerCount()), {}};
-  RenderSettings settings;
-  settings.samplesPerPixel = samplesPerPixel;
-  settings.seed = seed;
-  const std::atomic<bool> stop{false};
-  out.counts = render(scene, *integrator, classes, settings, out.film, stop, nullptr, nullptr).counts;
-  EXPECT_EQ(out.counts.nonFinite, 0u) << way.integrator << " " << way.parameters;
+inline Rendered renderClasses(const Scene& scene, const Way& way, const PathClasses& classes,
+                              int samplesPerPixel, uint64_t seed) {
+  Rendered out =
+      renderScene(scene, *integratorFrom(way.integrator, way.parameters), classes, samplesPerPixel, seed);
+  EXPECT_EQ(out.statistics.counts.nonFinite, 0u) << way.integrator << " " << way.parameters;
   return out;
 }
 
@@ -68,7 +47,7 @@ inline BatchMeans classMeans(const Scene& scene, const Way& way, const PathClass
                              int samplesPerPixel, int seeds) {
   BatchMeans means;
   for (int seed = 1; seed <= seeds; ++seed)
-    means.add(renderClasses(scene, way, classes, samplesPerPixel, uint64_t(seed)).means());
+    means.add(renderClasses(scene, way, classes, samplesPerPixel, uint64_t(seed)).layerMeans());
   return means;
 }
 

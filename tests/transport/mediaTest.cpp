@@ -196,17 +196,11 @@ TEST(Media, PathClassesTellMediaFromSurfaces) {
       throughTheBox("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.2 .2 .2] \"rgb sigma_s\" [.8 .8 .8]",
                     EVEN_SKY + "Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] \"point3 P\" [-3 -3 "
                                "2 3 -3 2 3 3 2 -3 3 2]\n"));
-  const auto integrator = integratorFrom("path", "");
   const PathClasses classes(
       {{"all", "all"}, {"surface", "surface"}, {"medium", "medium"}, {"VE", "LVE"}, {"DVE", "LDVE"}});
-  Film film(scene->film().crop, classes.layerCount());
-  RenderSettings settings;
-  settings.samplesPerPixel = samples(1024);
-  const std::atomic<bool> stop{false};
-  render(*scene, *integrator, classes, settings, film, stop, nullptr, nullptr);
-  double sums[5] = {};
-  for (size_t i = 0; i < film.bounds().area(); ++i)
-    for (size_t layer = 0; layer < 5; ++layer) sums[layer] += double(luminance(film.value(i, layer)));
+  const Rendered r = renderScene(*scene, *integratorFrom("path", ""), classes, samples(1024), 0);
+  double sums[5];
+  for (size_t layer = 0; layer < 5; ++layer) sums[layer] = r.mean(layer);
   EXPECT_NEAR(sums[1] + sums[2], sums[0], 1e-4 * sums[0]);
   for (const double s : sums) EXPECT_GT(s, 0);
   EXPECT_LT(sums[3] + sums[4], sums[2]);
@@ -285,14 +279,7 @@ AttributeEnd
 
 Film renderMediaClasses(const Scene& scene, const std::string& integrator, const std::string& parameters,
                         const PathClasses& classes, int count, int threads = 0) {
-  const ThreadPool pool(threads);
-  const auto made = integratorFrom(integrator, parameters);
-  Film film(scene.film().crop, classes.layerCount());
-  RenderSettings settings;
-  settings.samplesPerPixel = count;
-  const std::atomic<bool> stop{false};
-  render(scene, *made, classes, settings, film, stop, nullptr, nullptr);
-  return film;
+  return renderScene(scene, *integratorFrom(integrator, parameters), classes, count, 0, threads).film;
 }
 
 /** Compares means over the pixels. */

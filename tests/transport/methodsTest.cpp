@@ -128,7 +128,7 @@ TEST(Methods, AddNoOtherPaths) {
     const std::string claims = integratorFrom(claim.way.integrator, claim.way.parameters)->claims();
     const PathClasses both(
         std::vector<PathClass>{{"rest", "surface - (" + claims + ")"}, {"claimed", claims}});
-    const std::vector<double> means = renderClasses(*scene, claim.way, both, 4, 1).means();
+    const std::vector<double> means = renderClasses(*scene, claim.way, both, 4, 1).layerMeans();
     for (size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(means[i], 0) << claim.way.integrator;
       EXPECT_GT(means[3 + i], 0) << claim.way.integrator << " is black";
@@ -173,8 +173,8 @@ Shape "sphere" "float radius" .4
   expectEqual(*white, {"ambientocclusion", ""}, {"path", ""}, direct, "under a sky");
   // The scene's own light has no say.
   const auto dark = sceneFrom(things(""));
-  EXPECT_EQ(renderClasses(*dark, {"ambientocclusion", ""}, direct, 4, 1).means(),
-            renderClasses(*white, {"ambientocclusion", ""}, direct, 4, 1).means());
+  EXPECT_EQ(renderClasses(*dark, {"ambientocclusion", ""}, direct, 4, 1).layerMeans(),
+            renderClasses(*white, {"ambientocclusion", ""}, direct, 4, 1).layerMeans());
   // Nothing is in the way of a point that looks only as far as dust.
   const auto near = renderClasses(*dark, {"ambientocclusion", "\"float maxdistance\" 1e-4"}, direct, 16, 1);
   for (size_t p = 0; p < near.film.bounds().area(); ++p) EXPECT_GT(near.film.value(p, 0).r, 0.9f);

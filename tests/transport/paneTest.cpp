@@ -94,16 +94,16 @@ TEST(Panes, AreEventsOfThePathsClass) {
   ASSERT_TRUE(scene);
   const PathClasses classes({{"none", "LDE"}, {"one", "LSDE"}, {"two", "LSSDE"}});
   for (const auto& [name, parameters] : WAYS) {
-    const ClassRender r =
+    const Rendered r =
         renderClasses(*scene, {name, parameters + std::string(" \"integer maxdepth\" 3")}, classes, 16, 1);
-    const std::vector<double> means = r.means();
+    const std::vector<double> means = r.layerMeans();
     EXPECT_EQ(means[0], 0) << name;
     EXPECT_EQ(means[3], 0) << name;
     EXPECT_NEAR(means[6], 0.5 * COSINE * square(transmitted(COSINE)), 1e-3) << name;
   }
-  const ClassRender alone =
+  const Rendered alone =
       renderClasses(*scene, {"path", ""}, PathClasses(std::vector<PathClass>{{"two", "LSSDE"}}), 16, 1);
-  EXPECT_NEAR(alone.means()[0], 0.5 * COSINE * square(transmitted(COSINE)), 1e-3);
+  EXPECT_NEAR(alone.layerMeans()[0], 0.5 * COSINE * square(transmitted(COSINE)), 1e-3);
 }
 
 TEST(Panes, ShadowRaysAndOtherRaysShareTheLightBehindThem) {
@@ -128,7 +128,7 @@ TEST(Panes, PhotonsBringTheSameLight) {
   ASSERT_TRUE(scene);
   const PathClasses classes(std::vector<PathClass>{{"straight", "LSDE"}});
   const auto mean = [&](const char* name, const char* parameters) {
-    return renderClasses(*scene, {name, parameters}, classes, 16, 1).means()[0];
+    return renderClasses(*scene, {name, parameters}, classes, 16, 1).layerMeans()[0];
   };
   const double shadowRays = mean("path", ""),
                photons =
@@ -158,10 +158,10 @@ Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
   ASSERT_TRUE(scene);
   const PathClasses classes({{"fog", "LSVE"}, {"floor", "LSDE"}, {"further", "LS(D|V)(D|V)E"}});
   const std::vector<double> truth =
-      renderClasses(*scene, {"path", "\"integer maxdepth\" 4"}, classes, samples(2048), 1).means();
+      renderClasses(*scene, {"path", "\"integer maxdepth\" 4"}, classes, samples(2048), 1).layerMeans();
   const std::vector<double> photons =
       renderClasses(*scene, {"photonmap", "\"integer photons\" 20000 \"integer maxdepth\" 4"}, classes,
                     samples(512), 2)
-          .means();
+          .layerMeans();
   for (const size_t i : {0u, 3u, 6u}) EXPECT_NEAR(photons[i], truth[i], 0.03 * truth[i]) << i / 3;
 }

@@ -1,64 +1,18 @@
 /** @file
- * Small renders for tests: a scene as text in, means and errors out.
+ * Small renders for the tests of transport: what is not finite fails the test.
  */
 #pragma once
 
 #include <gtest/gtest.h>
 
-#include "recurse/core/parallel.h"
-#include "recurse/scene/loader.h"
-#include "recurse/transport/render.h"
-#include "sanitized.h"
+#include "sceneRendering.h"
 
 namespace recurse::testing {
 
-inline std::unique_ptr<Scene> sceneFrom(const std::string& text) {
-  Diagnostics diagnostics;
-  const SceneDescription description = parseScene(text, "test.pbrt", ".", diagnostics);
-  std::unique_ptr<Scene> scene;
-  if (!diagnostics.hasErrors()) scene = buildScene(description, {}, diagnostics);
-  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
-  return scene;
-}
-
-inline std::unique_ptr<Integrator> integratorFrom(const std::string& name, const std::string& parameters) {
-  Diagnostics diagnostics;
-  auto made = plugIns().integrators.make(parseParameterText(name, parameters), {}, diagnostics);
-  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
-  return made;
-}
-
-struct Rendered {
-  Film film;
-  RenderStatistics statistics;
-
-  size_t pixels() const { return film.bounds().area(); }
-  Rgb value(size_t pixel) const { return film.value(pixel, 0); }
-  double mean() const {
-    double sum = 0;
-    for (size_t i = 0; i < pixels(); ++i) sum += double(luminance(value(i)));
-    return sum / double(pixels());
-  }
-  /** Standard error of mean(), from the variance within pixels: too large rather than too small. */
-  double standardError() const {
-    double sum = 0;
-    for (size_t i = 0; i < pixels(); ++i)
-      sum += film.variance(i) / double(std::max<uint64_t>(1, film.samples(i)));
-    return std::sqrt(sum) / double(pixels());
-  }
-};
-
 inline Rendered renderScene(const Scene& scene, const std::string& integrator, const std::string& parameters,
                             int samplesPerPixel, uint64_t seed = 1, int threads = 0) {
-  const ThreadPool pool(threads);
-  const auto made = integratorFrom(integrator, parameters);
-  const PathClasses classes;
-  Rendered out{Film(scene.film().crop, 1), {}};
-  RenderSettings settings;
-  settings.samplesPerPixel = samplesPerPixel;
-  settings.seed = seed;
-  const std::atomic<bool> stop{false};
-  out.statistics = render(scene, *made, classes, settings, out.film, stop, nullptr, nullptr);
+  Rendered out = renderScene(scene, *integratorFrom(integrator, parameters), PathClasses(), samplesPerPixel,
+                             seed, threads);
   EXPECT_EQ(out.statistics.counts.nonFinite, 0u);
   return out;
 }
@@ -66,17 +20,12 @@ inline Rendered renderScene(const Scene& scene, const std::string& integrator, c
 inline Rendered renderText(const std::string& text, const std::string& integrator,
                            const std::string& parameters, int samplesPerPixel, uint64_t seed = 1,
                            int threads = 0) {
-  const auto scene = sceneFrom(text);
-  if (!scene) throw std::runtime_error("no scene");
-  return renderScene(*scene, integrator, parameters, samplesPerPixel, seed, threads);
+  return renderScene(*sceneFrom(text), integrator, parameters, samplesPerPixel, seed, threads);
 }
 
 /** Film, filter and camera of `size` x `size` pixels. */
 inline std::string view(int size, const std::string& lookAt, double fov) {
-  const std::string n = std::to_string(size);
-  return "Film \"rgb\" \"integer xresolution\" " + n + " \"integer yresolution\" " + n +
-         "\nPixelFilter \"box\"\nLookAt " + lookAt + "\nCamera \"perspective\" \"float fov\" " +
-         std::to_string(fov) + "\nWorldBegin\n";
+  return view(size, size, lookAt, perspective(fov));
 }
 
 /** A floor, a wall and a small lamp in front of them. */
