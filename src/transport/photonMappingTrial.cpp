@@ -23,11 +23,14 @@ bool PhotonMapping::mayLeaveItToPaths(const Scene& scene) const {
   if (settings.lightSamples > MAX_LIGHT_SAMPLES) return false;
   if (!settings.trial || !mayGoOn() || settings.nearest > 0 || settings.radius > 0 || settings.directLight)
     return false;
+  // Beside paths photons are kept on surfaces only.
+  if (scene.hasMedia() && !raysFindAll(scene)) return false;
   return scene.lights().size() > 0 && scene.film().whole().area() >= EstimatorTrial::PIXELS;
 }
 
 bool PhotonMapping::raysFindAll(const Scene& scene) const {
-  if (photons.caustics().map.empty()) return true;
+  const bool causticsInMedia = scene.hasMedia() && (scene.contents().lobes & DELTA_LOBES);
+  if (photons.caustics().map.empty() && !causticsInMedia) return true;
   bool met = true; // by rays, as lamps far away hardly are
   for (uint32_t i = 0; i < scene.lights().size(); ++i)
     met = met && scene.lights()[i].isMet() && !photons.isAimed(i);

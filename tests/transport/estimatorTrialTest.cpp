@@ -162,6 +162,19 @@ Shape "sphere" "float radius" .05
   for (size_t i = 0; i < chosen.pixels(); ++i) ASSERT_EQ(chosen.value(i), asked.value(i)) << i;
 }
 
+TEST(EstimatorTrial, CausticsOfPointsInMediaStayWithPhotons) {
+  // No path finds the sun's light behind glass, and beside paths no photons are kept in the haze.
+  const std::string haze =
+      "LightSource \"distant\" \"point3 from\" [0 1 1] \"rgb L\" [.1 .1 .1]\n"
+      "MakeNamedMedium \"haze\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] "
+      "\"rgb sigma_s\" [.05 .05 .05]\nMaterial \"interface\"\nMediumInterface \"haze\" \"\"\n"
+      "Translate 0 1 0\nShape \"sphere\" \"float radius\" .3\n";
+  const std::string glass = "MediumInterface \"\" \"haze\"\nMaterial \"dielectric\"\n"
+                            "Shape \"sphere\" \"float radius\" .1\n";
+  EXPECT_TRUE(isLeftToPaths(renderText(coats() + haze, "photonmap", "", 1)));
+  EXPECT_FALSE(isLeftToPaths(renderText(coats() + haze + glass, "photonmap", "", 1)));
+}
+
 TEST(EstimatorTrial, MediaHideNoCaustics) {
   // Faint matter inside of the ball, which only absorbs.
   const std::string lamp = SMALL_LAMP + R"(
