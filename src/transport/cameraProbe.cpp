@@ -85,10 +85,10 @@ template <class Probe> void forCameraRays(const Scene& scene, int across, uint64
 void addMedia(const Scene& scene, const GatherWeighting& weighting, VisibleRegion& region,
               TransportCounts& counts) {
   constexpr int PROBES = 32;
-  constexpr float NARROWEST = 1.0f / 128; // of the scene
-  constexpr float DARK = 0.03f;           // its square is not worth while
+  constexpr float MIN_WIDTH = 1.0f / 128;    // of the scene
+  constexpr float MIN_TRANSMITTANCE = 0.03f; // its square is not worth while
   const float spacing = std::sqrt(float(scene.film().whole().area())) / PROBES;
-  const float least = NARROWEST * scene.bounds().radius;
+  const float least = MIN_WIDTH * scene.bounds().radius;
   forCameraRays(scene, PROBES, 1, [&](const CameraRay& start, const Sampler& sampler) {
     Rgb left(1);
     Sampler own = sampler.fork(1);
@@ -98,7 +98,7 @@ void addMedia(const Scene& scene, const GatherWeighting& weighting, VisibleRegio
       for (float t = 0; t < last;) {
         const float size = std::max((ray.width + ray.spread * t) * spacing, least), middle = t + size;
         const float seen = maxComponent(left * transmittance.to(std::min(middle, end)));
-        if (seen < DARK) break;
+        if (seen < MIN_TRANSMITTANCE) break;
         if (middle < last) region.addInMedium(ray.at(middle), size, square(seen));
         t += 2 * size;
       }

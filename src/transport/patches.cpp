@@ -17,7 +17,7 @@ namespace {
 
 constexpr size_t MAX_PATCHES = 100000;
 /** As many are made where the length of edges is not given, or more where they are not as wide as long. */
-constexpr double USUAL_PATCHES = 10000;
+constexpr double DEFAULT_PATCHES = 10000;
 constexpr double MAX_DIVISIONS = 128;
 /** Of the normals along the edge of a patch [radians]. */
 constexpr double MAX_TURN = 0.5;
@@ -26,7 +26,7 @@ constexpr int LINES = 3, PIECES = 16;
 /** Areas are those of so many triangles squared, whose opacity is that of their middles. */
 constexpr int AREA_PIECES = 4;
 /** Points that are tried until one is not transparent. */
-constexpr int MOST_TRIES = 64;
+constexpr int MAX_TRIES = 64;
 
 bool isMatt(const Material* material) {
   return material && (material->lobes() & (ALL_LOBES | LAMBERTIAN)) == (REFLECTION | LAMBERTIAN);
@@ -138,7 +138,7 @@ void Patches::dice(const Scene& scene, float longestEdge) {
   double area = 0;
   for (const SceneShape& s : shapes) area += isCut(s) ? double(s.shape->area()) : 0;
   size = longestEdge > 0 ? longestEdge
-         : area > 0      ? static_cast<float>(std::sqrt(2 * area / USUAL_PATCHES))
+         : area > 0      ? static_cast<float>(std::sqrt(2 * area / DEFAULT_PATCHES))
                          : scene.bounds().radius;
   const auto cutShapes = static_cast<size_t>(std::count_if(shapes.begin(), shapes.end(), isCut));
   ignored = scene.contents().shapes > cutShapes ? scene.contents().shapes - cutShapes : 0;
@@ -278,7 +278,7 @@ SurfacePoint Patches::sample(uint32_t patch, Sampler& sampler) const {
   const Face& face = faces[faceOfPatch[patch]];
   const std::array<Vec2d, 3> corners = cornerCoordinates(patch);
   SurfacePoint point;
-  for (int i = 0; i < MOST_TRIES; ++i) {
+  for (int i = 0; i < MAX_TRIES; ++i) {
     const Vec2f a = sampler.next2D();
     const double root = std::sqrt(double(a.x));
     point = face.pointAt(within(corners, root * (1 - double(a.y)), root * double(a.y)));

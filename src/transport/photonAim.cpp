@@ -54,7 +54,7 @@ void PhotonAim::learn(const Scene& scene, uint64_t seed, TransportCounts& counts
   constexpr int LEVELS = 4;       // 2^LEVELS leaves at the most; the emission guide does the rest
   constexpr float MARGIN = 1e-3f; // of the scene
   constexpr uint32_t PLACES = 32, FLIGHTS = 64;
-  constexpr double FAR = 8; // photons that meet a place, over those that do without an aim
+  constexpr double MIN_GAIN = 8; // photons that meet a place, over those that do without an aim
   boxes = {};
   part.clear();
   const LightTable& lights = scene.lights();
@@ -83,7 +83,7 @@ void PhotonAim::learn(const Scene& scene, uint64_t seed, TransportCounts& counts
       ++shoneAt;
       ratios += double(own / pdfDirection(light, ray, own));
     }
-    if (!(shoneAt > FAR * ratios)) return;
+    if (!(shoneAt > MIN_GAIN * ratios)) return;
     double flux = 0;
     for (uint32_t k = 0; k < FLIGHTS; ++k) {
       Sampler sampler(seed, i, PLACES + k);

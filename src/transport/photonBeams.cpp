@@ -20,9 +20,9 @@ float spacingIn(const Bounds3f& box, double length) {
 } // namespace
 
 void PhotonBeamMap::build(std::vector<PhotonBeam> all, float scale, float widest) {
-  constexpr float RADIUS = 0.25f;   // over the spacing
-  constexpr float PIECE = 4;        // its length over the spacing
-  constexpr double MOST_PIECES = 8; // of a beam, in the mean
+  constexpr float RADIUS = 0.25f;       // over the spacing
+  constexpr float PIECE = 4;            // its length over the spacing
+  constexpr double MAX_MEAN_PIECES = 8; // of a beam
   beams = std::move(all);
   Bounds3f box;
   double length = 0;
@@ -32,7 +32,7 @@ void PhotonBeamMap::build(std::vector<PhotonBeam> all, float scale, float widest
     length += double(b.length);
   }
   const double longest = std::max(double(PIECE * spacingIn(box, length)),
-                                  length / (MOST_PIECES * double(std::max<size_t>(1, beams.size()))));
+                                  length / (MAX_MEAN_PIECES * double(std::max<size_t>(1, beams.size()))));
   pieces.clear();
   for (size_t i = 0; i < beams.size(); ++i) {
     const auto count = static_cast<int>(std::ceil(double(beams[i].length) / longest));

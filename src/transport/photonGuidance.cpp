@@ -199,7 +199,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
                              const ForwardControl& control, TransportCounts& counts, bool targets) {
   constexpr uint64_t TRIALS = 8 * PHOTON_BATCH;
   constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
-  constexpr double RISES = 1.1, WORTH_IT = 1.5;
+  constexpr double MIN_RISE = 1.1, MIN_GAIN = 1.5;
   constexpr double MAX_IN_REGION = 0.05; // of photons; else no targets are needed
   PhotonGuidance guidance;
   if (scene.lights().size() == 0 || region.empty()) return guidance;
@@ -231,8 +231,8 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
         squared += square(double(u.weight));
       }
       const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
-      if (control.stopped() || (wellKnown && guide.gain() < WORTH_IT) || round == MAX_ROUNDS ||
-          (round >= ROUNDS && guide.gain() < RISES * before))
+      if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || round == MAX_ROUNDS ||
+          (round >= ROUNDS && guide.gain() < MIN_RISE * before))
         return trials;
     }
   };
@@ -250,7 +250,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
     }
   }
   // What a few photons leave behind that media scatter hundreds of times tells less than it seems to.
-  if (guide.gain() < WORTH_IT || (scene.hasMedia() && squares < guided)) guide = {};
+  if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.secondMoment = (guide.active() ? last.guided : last.squares) / double(trial.photons);
   guidance.targets = trial.targets;
   std::vector<float> powers;

@@ -215,9 +215,9 @@ size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const
   Query<false, false, false> query(region);
   float nearest = INFINITE;
   // Any photon bounds the distance: the one that the last query found, or those of a leaf close by.
-  constexpr float NEAR = 2;
+  constexpr float MAX_REUSED_DISTANCE = 2; // over the last query's
   if (scratch.lastSlot < photonCount) nearest = query.distance2(position(scratch.lastSlot));
-  if (!(nearest < square(NEAR * scratch.lastNearest))) {
+  if (!(nearest < square(MAX_REUSED_DISTANCE * scratch.lastNearest))) {
     const Leaf& leaf = leaves[leafBeside(query)];
     Float8 all(nearest);
     for (size_t i = 0; i < LEAF_SIZE; i += 8)

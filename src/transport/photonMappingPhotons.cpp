@@ -52,10 +52,10 @@ float PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& layer, co
 bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& query,
                               const ScatteringPoint& scattering, const SurfacePoint& point,
                               const PathState& path) const {
-  constexpr float NEAR = 0.5f; // of the radius
+  constexpr float MAX_DISTANCE = 0.5f; // of the radius
   const CachedRadius& near = query.place;
   return cache.size() > 0 && path.nonDelta > 0 && near.known &&
-         near.away <= NEAR * photons.scale() * near.radius && (scattering.lobes() & LAMBERTIAN) &&
+         near.away <= MAX_DISTANCE * photons.scale() * near.radius && (scattering.lobes() & LAMBERTIAN) &&
          !(scattering.lobes() & TRANSMISSION) && point.shadingNormal == point.geometricNormal;
 }
 

@@ -222,7 +222,7 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
 
 namespace {
 
-/** Of a search, over that of a camera path of a few surfaces; measured on rooms. */
+/** Processor time of a search, over that of a camera path of a few surfaces. */
 float searchCost(const PhotonQuery& query, LobeSet lobes) {
   constexpr float PHOTONS = 0.1f;    ///< eight at a time
   constexpr float SCATTERING = 0.6f; ///< of one photon after the other by a BSDF that is not Lambertian
@@ -257,7 +257,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   /** Squared relative error of a covered fraction that eight rays have found, which no pass makes smaller:
    * weighed as the variance of one of so many passes. */
   constexpr double UNSURE_FRACTION = 0.01 * 32;
-  constexpr double NONE = 0.35, ALL = 0.65; // beyond, the second estimate costs more than it brings
+  // The rays' part of both errors: beyond, the second estimate costs more than it brings.
+  constexpr double ONLY_RAYS = 0.35, ONLY_MAP = 0.65;
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = true;
   gather.merging = gather.rest = 0;
@@ -277,7 +278,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   constexpr double FEW_DIRECTIONS = 10;
   const double byRays =
       std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : FEW_DIRECTIONS * squared;
-  gather.rest = static_cast<float>(std::clamp((byRays / (byRays + error2) - NONE) / (ALL - NONE), 0.0, 1.0));
+  gather.rest = static_cast<float>(
+      std::clamp((byRays / (byRays + error2) - ONLY_RAYS) / (ONLY_MAP - ONLY_RAYS), 0.0, 1.0));
 }
 
 LePdf PhotonPass::pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {

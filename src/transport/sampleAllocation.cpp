@@ -17,7 +17,7 @@ namespace {
 
 /** Of the pixels around one, these say how much it varies, in two squares of (2 n + 1)² without itself that
  * count alike. */
-constexpr int NEAREST = 1, NEAR = 2;
+constexpr int INNER_REACH = 1, OUTER_REACH = 2;
 /** Those that tell the photons' part from the eye paths'. */
 constexpr int PAIRS = 4;
 /** And those over which rare bright samples are spread. */
@@ -275,7 +275,7 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
         const auto usual = [&](int reach) {
           return deviations.meanAround({i, reach, width, height}, deviation[i]);
         };
-        const double near = square((usual(NEAREST) + usual(NEAR)) / 2);
+        const double near = square((usual(INNER_REACH) + usual(OUTER_REACH)) / 2);
         // Where bright samples are rare, that some have been met here and none there says nothing: all around
         // expect their share of them.
         const double rare = std::max(0.0, variances.meanAround({i, WIDE, width, height}, variance[i]) -

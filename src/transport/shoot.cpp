@@ -22,6 +22,7 @@ namespace {
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
 /** Enough of them to keep threads busy and to count what is stored. */
 constexpr size_t FIRST_BATCHES = 64;
+
 template <class T> void appendBytes(const std::vector<T>& values, std::vector<std::byte>& out) {
   static_assert(std::is_trivially_copyable_v<T>);
   const uint64_t count = values.size();
