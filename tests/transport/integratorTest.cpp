@@ -25,7 +25,8 @@ std::string furnace(const std::string& material, double emitted) {
 
 constexpr const char* PHOTONS = SANITIZED ? "50000" : "200000";
 
-/** Photons leave the eye's side little noise, except for those of caustics only, whose rays are those of `path`. */
+/** Photons leave the eye's side little noise, except for those of caustics only, whose rays are those of
+ * `path`. */
 int furnaceSamples(const Way& way) {
   const bool tracesPaths =
       way.integrator == "path" || way.parameters.find("causticsonly") != std::string::npos;
