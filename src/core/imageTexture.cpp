@@ -248,38 +248,33 @@ class DecodedInput final : public OIIO::ImageInput {
 /** Of tiles in OpenImageIO's cache. */
 double cacheBytes = 0x1p30;
 
-/** OpenImageIO's texture system, which lives as long as a texture does. */
+/** OpenImageIO's texture system. It is never destroyed: threads that have used it, and end later, would touch
+ * what they knew of it. */
 class TextureCache {
  public:
-  TextureCache() : tiles(OIIO::ImageCache::create(false)), system(OIIO::TextureSystem::create(false, tiles)) {
-    tiles->attribute("autotile", 64);
-    tiles->attribute("max_memory_MB", static_cast<float>(cacheBytes / 0x1p20));
-    system->attribute("gray_to_rgb", 1);
-  }
-  ~TextureCache() {
-    OIIO::TextureSystem::destroy(system);
-    OIIO::ImageCache::destroy(tiles);
-  }
   TextureCache(const TextureCache&) = delete;
   TextureCache& operator=(const TextureCache&) = delete;
 
-  static std::shared_ptr<TextureCache> common() {
-    static std::mutex one;
-    static std::weak_ptr<TextureCache> current;
-    const std::lock_guard<std::mutex> guard(one);
-    std::shared_ptr<TextureCache> cache = current.lock();
-    if (!cache) current = cache = std::make_shared<TextureCache>();
-    return cache;
+  static TextureCache& common() {
+    static TextureCache* const cache = new TextureCache;
+    cache->tiles->attribute("max_memory_MB", static_cast<float>(cacheBytes / 0x1p20));
+    return *cache;
   }
 
   OIIO::ImageCache* const tiles;
   OIIO::TextureSystem* const system;
+
+ private:
+  TextureCache() : tiles(OIIO::ImageCache::create(false)), system(OIIO::TextureSystem::create(false, tiles)) {
+    tiles->attribute("autotile", 64);
+    system->attribute("gray_to_rgb", 1);
+  }
 };
 
 } // namespace
 
 struct ImageTexture::Source {
-  std::shared_ptr<TextureCache> cache;
+  TextureCache& cache = TextureCache::common();
   Pixels pixels;
   Pyramid pyramid;
   OIIO::ustring name;
@@ -287,7 +282,7 @@ struct ImageTexture::Source {
   std::shared_ptr<const std::string> content; ///< is a part of the key, so no other may take its address
 
   Source(const FileReference& file, const ImageEncoding& encoding, ImageChannels channels)
-      : cache(TextureCache::common()), pixels(readPixels(file, encoding, channels)), pyramid(pixels) {
+      : pixels(readPixels(file, encoding, channels)), pyramid(pixels) {
     const std::string& fileName = file.path;
     static std::atomic<uint64_t> number{0};
     content = file.content;
@@ -296,11 +291,11 @@ struct ImageTexture::Source {
     const void* pointer = &pyramid;
     config.attribute(PIXELS, OIIO::TypeDesc::PTR, &pointer);
     const OIIO::ImageInput::Creator creator = []() -> OIIO::ImageInput* { return new DecodedInput; };
-    if (cache->tiles->add_file(name, creator, &config)) handle = cache->system->get_texture_handle(name);
-    if (!handle || !cache->system->good(handle))
-      throw Error(fileName + ": cannot be used as a texture: " + cache->tiles->geterror());
+    if (cache.tiles->add_file(name, creator, &config)) handle = cache.system->get_texture_handle(name);
+    if (!handle || !cache.system->good(handle))
+      throw Error(fileName + ": cannot be used as a texture: " + cache.tiles->geterror());
   }
-  ~Source() { cache->tiles->invalidate(name); }
+  ~Source() { cache.tiles->invalidate(name); }
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
 
@@ -362,9 +357,9 @@ Rgb ImageTexture::at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const {
     fold(st.x, st.y);
   }
   Rgb result(0);
-  if (!source->cache->system->texture(source->handle, nullptr, options, st.x, st.y, alongX.x, alongX.y,
-                                      alongY.x, alongY.y, 3, &result.r))
-    throw Error(source->name.string() + ": " + source->cache->system->geterror());
+  if (!source->cache.system->texture(source->handle, nullptr, options, st.x, st.y, alongX.x, alongX.y,
+                                     alongY.x, alongY.y, 3, &result.r))
+    throw Error(source->name.string() + ": " + source->cache.system->geterror());
   return result;
 }
 

@@ -213,17 +213,30 @@ void LightSampler::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::
     Bounds3f box;
     for (const Arrival& a : arrivals) box.add(a.position);
     const int axis = widestAxis(box.diagonal());
-    const size_t half = arrivals.size() / 2;
-    std::nth_element(arrivals.begin(), arrivals.begin() + static_cast<std::ptrdiff_t>(half), arrivals.end(),
+    const auto half = arrivals.begin() + static_cast<std::ptrdiff_t>(arrivals.size() / 2);
+    std::nth_element(arrivals.begin(), half, arrivals.end(),
                      [&](const Arrival& a, const Arrival& b) { return a.position[axis] < b.position[axis]; });
-    const float at = arrivals[half].position[axis];
-    if (at > box.lower[axis]) { // else all are at the same place
-      buildCells(arrivals.first(half), cells, leaves);
+    // The border lies between two places, so that of walls none lies on it.
+    float beyond = half->position[axis], before = box.lower[axis];
+    if (beyond == before) { // more than half lie in one plane: the others go elsewhere
+      beyond = box.upper[axis];
+      for (const Arrival& a : arrivals)
+        if (a.position[axis] > before) beyond = std::min(beyond, a.position[axis]);
+    }
+    for (const Arrival& a : arrivals)
+      if (a.position[axis] < beyond) before = std::max(before, a.position[axis]);
+    if (beyond > before) { // else all are at the same place
+      const float at = before + (beyond - before) / 2;
+      const auto below =
+          static_cast<size_t>(std::partition(arrivals.begin(), arrivals.end(),
+                                             [&](const Arrival& a) { return a.position[axis] < beyond; }) -
+                              arrivals.begin());
+      buildCells(arrivals.first(below), cells, leaves);
       // Half as wide as a leaf, of which a surface has so many in this extent.
       const double leaves1d = std::sqrt(double(arrivals.size()) / double(MAX_ARRIVALS / 2));
       const auto band = static_cast<float>(0.5 * double(box.diagonal()[axis]) / leaves1d);
       cells[cell] = {static_cast<uint32_t>(axis), at, band, static_cast<uint32_t>(cells.size())};
-      buildCells(arrivals.subspan(half), cells, leaves);
+      buildCells(arrivals.subspan(below), cells, leaves);
       return;
     }
   }
@@ -364,26 +377,31 @@ void LightSampler::lookForLight(const Scene& scene, const Hit& hit, const Vec3f&
   const Vec3f& n = hit.point.geometricNormal;
   const Vec3f normal = glm::dot(n, direction) < 0 ? n : -n;
   const bool both = hit.material->lobes() & TRANSMISSION;
-  // One of the trials, in proportion to what it would bring.
-  std::optional<LiSample> kept;
-  uint32_t keptLight = 0;
+  const Cluster all{0, 0, static_cast<uint32_t>(order.size())};
+  // One of the trials, in proportion to what it brings. By power alone the sky, which may be hidden, would
+  // take nearly all of them.
+  std::optional<uint32_t> kept;
   double sum = 0;
   for (int i = 0; i < TRIALS; ++i) {
     float pick = sampler.next1D();
     const Vec2f u = sampler.next2D();
     const double keeps = double(sampler.next1D());
-    const Cluster all{0, 0, static_cast<uint32_t>(order.size())};
-    const auto [light, probability] = chooseBelow(all, hit.point.position, double(pick), 1, pick);
-    const auto illumination = lights[order[light]].sampleLiAt(hit.point.time, hit.point.position, pick, u);
-    const double e = illumination ? irradiance(*illumination, normal, both) / probability : 0;
+    const bool byPower = i % 2 == 0;
+    const double which = byPower ? 0 : double(pick) * double(clusters.size());
+    const Cluster& from = byPower ? all : clusters[static_cast<size_t>(which)];
+    const double rest = byPower ? double(pick) : which - std::floor(which);
+    const auto [light, probability] =
+        chooseBelow(from, hit.point.position, rest, byPower ? 1 : 1 / double(clusters.size()), pick);
+    const auto illumination = sampleLi(lights[order[light]], hit.point.time, hit.point.position, pick, u);
+    double e = illumination ? irradiance(*illumination, normal, both) / probability : 0;
+    if (e > 0)
+      e *= double(maxComponent(
+          transmittance(scene, hit, -direction, *illumination, nesting, panesLeft(-1, 0), found.counts)
+              .value));
     sum += e;
-    if (!(keeps * sum < e)) continue;
-    kept = illumination;
-    keptLight = light;
+    if (keeps * sum < e) kept = light;
   }
-  if (kept &&
-      !isBlack(transmittance(scene, hit, -direction, *kept, nesting, panesLeft(-1, 0), found.counts).value))
-    keep(hit, direction, keptLight, found);
+  if (kept) keep(hit, direction, *kept, found);
 }
 
 TransportCounts LightSampler::learn(const Scene& scene) {

@@ -115,6 +115,24 @@ Shadows shadowRays(const Scene& scene, const LightSampler& guide, int rays) {
 
 } // namespace
 
+TEST(LightSampler, ALampIsFoundInARoomUnderABrightSky) {
+  // Nearly all photons are the sky's and come down outside, half of those that face one way in one plane.
+  const auto scene = sceneFrom(view(96, ".1 .5 .5  1 .5 .2  0 0 1", 70) + R"(
+    LightSource "infinite" "rgb L" [10 10 10]
+    LightSource "point" "point3 from" [.8 .5 .8] "rgb I" [.05 .05 .05]
+    Material "diffuse" "rgb reflectance" [.6 .6 .6]
+    Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 1 0 1 1 0] Shape "bilinearmesh" "point3 P" [0 0 1 1 0 1 0 1 1 1 1 1]
+    Shape "bilinearmesh" "point3 P" [0 0 0 1 0 0 0 0 1 1 0 1] Shape "bilinearmesh" "point3 P" [0 1 0 1 1 0 0 1 1 1 1 1]
+    Shape "bilinearmesh" "point3 P" [0 0 0 0 1 0 0 0 1 0 1 1] Shape "bilinearmesh" "point3 P" [1 0 0 1 1 0 1 0 1 1 1 1]
+  )");
+  ASSERT_TRUE(scene);
+  const LightSampler guide = learned(*scene);
+  for (const float z : {.2f, .4f, .6f, .8f}) {
+    const LightSampleContext place = guide.at({1, .5f, z}, {-1, 0, 0});
+    EXPECT_GT(guide.probability(scene->lights(), place, 1), 0.3f) << z;
+  }
+}
+
 TEST(LightSampler, ProbabilitiesSumToOne) {
   for (const std::string& text : {rooms(), yard()}) {
     const auto scene = sceneFrom(text);

@@ -98,6 +98,22 @@ TEST(PortalSampler, APaneIsAPortal) {
   EXPECT_TRUE(portals.active());
 }
 
+TEST(PortalSampler, TheSunInAFewPlacesDoesNotOutweighTheSkyInAllOthers) {
+  std::string room = roomWithHole(96);
+  const std::string even = "LightSource \"infinite\" \"rgb L\" [1 1 1]";
+  room.replace(room.find(even), even.size(), R"(
+AttributeBegin
+Rotate -90 1 0 0
+LightSource "sky" "float turbidity" 3 "float elevation" 60 "float azimuth" 200
+AttributeEnd)");
+  const auto scene = sceneFrom(room);
+  ASSERT_TRUE(scene);
+  PortalSampler portals;
+  portals.learn(*scene);
+  EXPECT_GT(portals.part(), 0);
+  EXPECT_LT(portals.part(), 0.5f);
+}
+
 TEST(PortalSampler, IsLeftOutUnderTheOpenSky) {
   const auto scene = sceneFrom(view(96, "0 2 5  0 0 0  0 1 0", 60) + R"(
 LightSource "infinite" "rgb L" [1 1 1]

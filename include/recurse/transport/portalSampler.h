@@ -16,7 +16,8 @@ namespace recurse {
 class PortalSampler {
  public:
   /** Finds portals, and takes that part of shadow rays for them that brings the least variance where camera
-   * paths have their vertices; none where that is little less than without. Returns what that took. */
+   * paths have their vertices; none where that is little less than without. Where only most places have less,
+   * because the sun shines in on a few, it is a small part. Returns what that took. */
   TransportCounts learn(const Scene& scene);
   /** Part of the shadow rays; 0: no portals. */
   float part() const { return throughPortals; }
@@ -46,9 +47,13 @@ class PortalSampler {
   float solidAngles(const Vec3f& point, SolidAngles& upToHere) const;
   /** Density of directions through the openings [1/sr]. */
   float pdfThrough(const SolidAngles& upToHere, const Vec3f& point, const Vec3f& direction) const;
-  /** Second moments of light by shadow rays at vertices of camera paths, for each of `parts`. */
-  std::vector<double> secondMoments(const Scene& scene, const std::vector<float>& parts,
-                                    TransportCounts& counts);
+  static constexpr std::array<float, 4> PARTS{0, 0.25f, 0.5f, 0.75f};
+  /** Of light by shadow rays at vertices of camera paths, for each of PARTS. */
+  struct SecondMoments {
+    std::array<double, PARTS.size()> absolute{};
+    std::array<double, PARTS.size()> relative{}; ///< over the square of what each path brings
+  };
+  SecondMoments secondMoments(const Scene& scene, TransportCounts& counts);
 
   std::vector<Opening> openings;
   float throughPortals = 0;
