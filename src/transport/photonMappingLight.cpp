@@ -90,16 +90,16 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
     if (isBlack(radiance)) continue;
     const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts);
     if (isBlack(free.value)) continue;
-    const auto& [source, probability, index] = choice.chosen;
-    const LePdf pdf = photons.pdfLe(index, *source, light->emitted());
-    if (!photons.isSparse(*source, pdf)) {
-      const auto arrivals = [&] {
-        return photons.arrivals(scene, index, pdf, absDot(light->direction, hit.point.geometricNormal),
-                                light->distance, probability);
-      };
+    const ChosenLight& chosen = choice.chosen;
+    const LePdf pdf = photons.pdfLe(chosen.index, *chosen.light, light->emitted());
+    if (!photons.isSparse(*chosen.light, pdf)) {
       radiance *= path.part;
-      radiance *= free.panes > 0 ? share.rest
-                                 : share.camera(arrivals(), scattering.pdfNonDelta(light->direction, wi));
+      radiance *= free.panes > 0
+                      ? share.rest
+                      : share.camera(photons.arrivals(scene, chosen.index, pdf,
+                                                      absDot(light->direction, hit.point.geometricNormal),
+                                                      light->distance, chosen.probability),
+                                     scattering.pdfNonDelta(light->direction, wi));
     }
     out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
   }
