@@ -88,6 +88,20 @@ class ChosenMaterial final : public Material {
   Choice choice;
 };
 
+/** The part of a mix that is not `interface`. */
+class Opacity final : public Texture {
+ public:
+  Opacity(const TexturedRgb& amount, bool ofSecond) : amount(amount), ofSecond(ofSecond) {}
+  Rgb value(const SurfacePoint& point) const override {
+    const Rgb a = amount.at(point);
+    return ofSecond ? a : Rgb(1) - a;
+  }
+
+ private:
+  TexturedRgb amount;
+  bool ofSecond;
+};
+
 class Compound final : public Material {
  public:
   Compound(const Parts& parts, const std::vector<Rgb>& weights) : parts(parts), weights(weights) {}
@@ -104,12 +118,14 @@ class Compound final : public Material {
   std::vector<Rgb> weights;
 };
 
+bool isInterface(const Material* m) { return m->lobes() == NO_LOBE; }
+
 /** The materials that the parameter `materials` names. */
-Parts namedParts(const Parameters& p, const MaterialContext& c) {
+Parts namedParts(const Parameters& p, const MaterialContext& c, size_t mostInterfaces) {
   Parts parts;
   for (const std::string& name : p.strings("materials")) {
     parts.push_back(c.material(p, "materials", name));
-    if (parts.back()->lobes() == NO_LOBE)
+    if (size_t(std::count_if(parts.begin(), parts.end(), isInterface)) > mostInterfaces)
       p.fail("materials", "\"" + name + "\" does not scatter and cannot be part of a sum");
   }
   // One place is for the mirror direction, which all share.
@@ -126,7 +142,7 @@ void registerMix(PlugIns& plugIns) {
       {{.name = "mix",
         .summary =
             "A weighted sum of two named materials; all their lobes are followed. Where one has bumps, each "
-            "place has one of them by chance.",
+            "place has one of them by chance; with `interface` surfaces have holes, as by `alpha`.",
         .parameters =
             {arrayParameter(ParameterType::STRING, "materials", 2, "", "names of the two materials")
                  .require(),
@@ -137,14 +153,22 @@ void registerMix(PlugIns& plugIns) {
                      "\"string materials\" [\"red\" \"frosted\"]",
                      "\"string materials\" [\"brushed\" \"glass\"] \"float amount\" .7"}},
        [](const Parameters& p, const MaterialContext& c) {
-         const Parts parts = namedParts(p, c);
-         const TexturedRgb amount = c.textures.real(p, "amount");
+         Parts parts = namedParts(p, c, 1);
+         TexturedRgb amount = c.textures.real(p, "amount");
+         std::unique_ptr<const Texture> opacity;
+         if (std::any_of(parts.begin(), parts.end(), isInterface)) {
+           const size_t solid = isInterface(parts[0]) ? 1 : 0;
+           opacity = std::make_unique<Opacity>(amount, solid == 1);
+           parts = {parts[solid]};
+           amount = {};
+         }
          const auto hasBumps = [](const Material* m) { return m->detail != nullptr; };
          std::unique_ptr<Material> made;
          if (std::any_of(parts.begin(), parts.end(), hasBumps))
            made = std::make_unique<ChosenMaterial>(parts, amount);
          else
            made = std::make_unique<Mix>(parts, amount);
+         made->opacity = std::move(opacity);
          return made;
        }});
   plugIns.materials.add(
@@ -162,7 +186,7 @@ void registerMix(PlugIns& plugIns) {
                      "\"string materials\" [\"brushed\" \"red\" \"gold\" \"frosted\"] "
                      "\"rgb weights\" [.3 .3 .1  .1 .2 .3  .3 .3 .3  .2 .1 .2]"}},
        [](const Parameters& p, const MaterialContext& c) {
-         const Parts parts = namedParts(p, c);
+         const Parts parts = namedParts(p, c, 0);
          std::vector<Rgb> weights;
          Rgbd total(0);
          for (const Rgbd& w : p.spectra("weights")) {

@@ -35,6 +35,12 @@ SampledGrid<T> readGrid(const Parameters& p, const std::string& name, const Valu
   return {size, std::move(converted)};
 }
 
+/** `Lescale` where each cell has its own. */
+SampledGrid<float> readEmissionScale(const Parameters& p) {
+  const std::vector<double> values = p.reals("Lescale");
+  return values.size() == 1 ? SampledGrid<float>() : readGrid<float>(p, "Lescale", values);
+}
+
 std::unique_ptr<Medium> makeUniformGrid(const Parameters& p, const MediumContext& context) {
   const GridBox box(p, context);
   const MediumPoint whole = readMediumPoint(p);
@@ -44,7 +50,7 @@ std::unique_ptr<Medium> makeUniformGrid(const Parameters& p, const MediumContext
     glow = HeatGlow(p, box, readGrid<float>(p, "temperature", p.reals("temperature")));
   }
   auto medium = std::make_unique<DensityGrid>(whole, box, readGrid<float>(p, "density", p.reals("density")),
-                                              std::move(glow));
+                                              std::move(glow), readEmissionScale(p));
   medium->checkSteps(p);
   return medium;
 }
@@ -96,6 +102,9 @@ class RgbGrid final : public Medium {
 
 void registerUniformGrid(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
+  parameters.back() =
+      arrayParameter(ParameterType::REAL, "Lescale", 0, "1", "of Le or of what glows; one number, or one for each cell")
+          .range(0, 1e30);
   for (const ParameterSpec& s : boxParameters()) parameters.push_back(s);
   parameters.push_back(arrayParameter(ParameterType::REAL, "density", 0, "",
                                       "of each cell, x fastest; multiplies sigma_a and sigma_s")
@@ -111,7 +120,8 @@ void registerUniformGrid(PlugIns& plugIns) {
         .examples =
             {"\"float density\" 1",
              "\"integer nx\" 2 \"integer ny\" 2 \"integer nz\" 2 \"float density\" [ 0 1 2 3 4 5 6 7 ]",
-             "\"integer nx\" 2 \"float density\" [ 1 2 ] \"float temperature\" [ 1500 3000 ]"}},
+             "\"integer nx\" 2 \"float density\" [ 1 2 ] \"float temperature\" [ 1500 3000 ]",
+             "\"integer nx\" 2 \"float density\" [ 1 2 ] \"rgb Le\" [ 1 2 3 ] \"float Lescale\" [ 0 2 ]"}},
        makeUniformGrid});
 }
 

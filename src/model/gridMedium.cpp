@@ -88,7 +88,7 @@ HeatGlow::HeatGlow(const Parameters& p, float highest)
   // Interpolated towards the zeros outside it may be hotter.
   hottest = std::max((highest - offset) * scale, -offset * scale);
   if (!std::isfinite(hottest)) p.fail("temperaturescale", "temperatures that are too high");
-  const double strength = p.real("Lescale");
+  const double strength = emissionScale(p);
   if (!(double(hottest) > COLD) || !(strength > 0)) return;
   for (size_t i = 0; i < TABLE_SIZE; ++i) {
     const double kelvin = COLD + (double(hottest) - COLD) * double(i) / double(TABLE_SIZE - 1);

@@ -85,7 +85,14 @@ std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const
           realParameter("scale", "1", "of sigma_a and sigma_s").range(0, 1e30),
           spectrumParameter("Le", "0", SpectrumKind::ILLUMINANT,
                             "emitted radiance; a unit of length adds sigma_a times that"),
+          realParameter("LeScale", "", "Lescale, as pbrt-v4 spells it for nanovdb").range(0, 1e30),
           realParameter("Lescale", "1", "of Le").range(0, 1e30)};
+}
+
+double emissionScale(const Parameters& p) {
+  if (p.has("LeScale")) return p.real("LeScale");
+  const std::vector<double> values = p.reals("Lescale");
+  return values.size() == 1 ? values[0] : 1;
 }
 
 MediumPoint readMediumPoint(const Parameters& p) {
@@ -99,7 +106,7 @@ MediumPoint readMediumPoint(const Parameters& p) {
   MediumPoint m;
   m.absorption = Rgb(absorption * scale);
   m.scattering = Rgb(scattering * scale);
-  m.emission = m.absorption * Rgb(p.spectrum("Le") * p.real("Lescale"));
+  m.emission = m.absorption * Rgb(p.spectrum("Le") * emissionScale(p));
   const auto usable = [](const Rgb& c) { return maxComponent(c) <= 1e18f; }; // squares fit, false for NaN
   if (!usable(m.absorption) || !usable(m.scattering) || !usable(m.emission))
     p.fail(p.has("scale") ? "scale" : "sigma_s", "the medium is too dense for single precision",

@@ -91,7 +91,8 @@ std::shared_ptr<Shape> ShapeGroups::makeShape(const ShapeDescription& s, const S
   const auto none = [&](const std::vector<ParsedParameter>& list) {
     return std::none_of(list.begin(), list.end(), isTexture);
   };
-  if (kept && none(s.shape.parameters) && (!s.shape.attributes || none(*s.shape.attributes))) {
+  const bool isCutOut = context.material && context.material->opacity;
+  if (kept && !isCutOut && none(s.shape.parameters) && (!s.shape.attributes || none(*s.shape.attributes))) {
     key = keyOf(s.shape, context.sceneFromObject) + (s.reverseOrientation ? "r" : "");
     if (std::shared_ptr<Shape> shape = kept->shapes.take(key)) {
       ++kept->shapes.kept;
@@ -119,6 +120,9 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
   MediumInterface around = media.numbers(s.medium, s.shape.location);
   const Material* m = materials.material(s.material);
   if (m && m->filling) around.inside = media.number(*m->filling);
+  if (m && m->opacity && around.isBoundary())
+    c.diagnostics.error(s.shape.location, "a mix with \"interface\" is no boundary of media",
+                        "a material without holes, or the same medium on both sides");
   const Mat4d sceneFromObject = recentred(placement, group.origin);
   const double determinant = glm::determinant(Mat3d(sceneFromObject));
   if (!std::isfinite(determinant) || determinant == 0) {

@@ -65,6 +65,23 @@ TEST(Alpha, TexturedHolesAreHoles) {
   }
 }
 
+TEST(Alpha, AMixWithInterfaceIsAScreenWithHoles) {
+  const Rendered truth = renderText(screenScene(GEOMETRY), "path", "\"integer maxdepth\" 3", samples(64));
+  const char* const SCREEN = R"(Texture "holes" "float" "checkerboard" "float uscale" 2 "float vscale" 2
+Texture "sheet" "float" "checkerboard" "float uscale" 2 "float vscale" 2 "float tex1" 0 "float tex2" 1
+MakeNamedMaterial "grey" "string type" "diffuse" "rgb reflectance" [.7 .6 .5]
+MakeNamedMaterial "nothing" "string type" "interface"
+)";
+  for (const char* mix : {R"("string materials" ["nothing" "grey"] "texture amount" "holes")",
+                          R"("string materials" ["grey" "nothing"] "texture amount" "sheet")"}) {
+    SCOPED_TRACE(mix);
+    const std::string screen = std::string(SCREEN) + "Material \"mix\" " + mix +
+                               "\nShape \"bilinearmesh\" \"point3 P\" [-1 -1 1  1 -1 1  -1 1 1  1 1 1]\n";
+    expectSamePicture(renderText(screenScene(screen), "path", "\"integer maxdepth\" 3", samples(64), 2), truth,
+                      6);
+  }
+}
+
 TEST(Alpha, PhotonsMeetTheSameHoles) {
   const std::string parameters = "\"integer passes\" 1 \"integer photons\" 60000 \"string direct\" "
                                  "\"photons\" \"float radius\" .15 \"integer maxdepth\" 3";

@@ -152,6 +152,7 @@ class Material {
   virtual float indexInside() const { return 1; }
 
   std::unique_ptr<const SurfaceDetail> detail; ///< to be applied before bsdfAt; null: none
+  std::unique_ptr<const Texture> opacity;      ///< in the place of a shape's alpha; null: that counts
   /** The medium inside of shapes of the material, as a directive of a medium says it; null: the one that
    * their MediumInterface says. */
   std::unique_ptr<const ParsedDirective> filling;

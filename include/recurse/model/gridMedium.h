@@ -72,16 +72,20 @@ std::vector<ParameterSpec> heatParameters();
 /** A medium with coefficients that one density multiplies. */
 class DensityGrid final : public Medium {
  public:
-  /** `whole` is the medium of density 1. */
-  DensityGrid(const MediumPoint& whole, const GridBox& box, SampledGrid<float> densities, HeatGlow glow)
+  /** `whole` is the medium of density 1; a grid of `emissionScales` that is not empty multiplies its light. */
+  DensityGrid(const MediumPoint& whole, const GridBox& box, SampledGrid<float> densities, HeatGlow glow,
+              SampledGrid<float> emissionScales = {})
       : whole(whole), box(box), density(std::move(densities)), glow(std::move(glow)),
+        emissionScale(std::move(emissionScales)),
         majorants(majorantsOf(density.size(), [&](const glm::ivec3& i) { return density.value(i); })) {}
 
   void checkSteps(const Parameters& p) const { box.checkSteps(p, "density", majorants, whole.extinction()); }
   MediumPoint at(const Vec3f& position) const override {
-    const float d = density.at(box.point(position));
+    const Vec3f p = box.point(position);
+    const float d = density.at(p);
     MediumPoint m{whole.absorption * d, whole.scattering * d, whole.emission * d};
     if (!glow.empty() && d > 0) m.emission += m.absorption * glow.radianceAt(position);
+    if (!emissionScale.empty()) m.emission *= emissionScale.at(p);
     return m;
   }
   MajorantSegments segments(const Ray& ray, float end) const override {
@@ -95,6 +99,7 @@ class DensityGrid final : public Medium {
   GridBox box;
   SampledGrid<float> density;
   HeatGlow glow;
+  SampledGrid<float> emissionScale;
   MajorantGrid majorants;
 };
 

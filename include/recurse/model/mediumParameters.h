@@ -12,6 +12,8 @@ namespace recurse {
 
 /** sigma_a and sigma_s with these defaults, scale, Le and Lescale. */
 std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering);
+/** Factor of emitted radiance: Lescale, and 1 where the cells of a grid have one each. */
+double emissionScale(const Parameters& p);
 /** The medium that they describe; `preset`, where it is declared and given, in the place of the first two.
  * Fails where the numbers do not fit single precision. */
 MediumPoint readMediumPoint(const Parameters& p);
