@@ -229,6 +229,12 @@ void requireFile(const std::string& fileName) {
   if (std::filesystem::is_directory(status)) throw Error(fileName + ": cannot be read: it is a folder");
 }
 
+void requirePictureMemory(const std::string& fileName, const OIIO::ImageSpec& spec, double bytesPerPixel) {
+  requireMemory(fileName + ": a picture of " + std::to_string(spec.width) + "x" +
+                    std::to_string(spec.height) + " pixels",
+                double(spec.width) * double(spec.height) * bytesPerPixel);
+}
+
 std::string readWholeFile(const std::string& fileName) {
   std::ifstream in(fileName, std::ios::binary);
   std::string content(std::istreambuf_iterator<char>(in), {});
@@ -260,10 +266,7 @@ OpenImage openImage(const FileReference& file) {
   const OIIO::ImageSpec& spec = image.input->spec();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
     throw Error(fileName + ": cannot be read: not a picture of two dimensions");
-  const double values = double(spec.width) * double(spec.height) * double(spec.nchannels);
-  requireMemory(fileName + ": a picture of " + std::to_string(spec.width) + "x" +
-                    std::to_string(spec.height) + " pixels",
-                values * double(spec.format.size()));
+  requirePictureMemory(fileName, spec, double(spec.nchannels) * double(spec.format.size()));
   return image;
 }
 
@@ -280,6 +283,7 @@ Image readImage(const FileReference& file) {
   const OIIO::ImageSpec& spec = input->spec();
   const std::vector<int> order = channelOrder(fileName, spec.channelnames);
   const size_t stored = size_t(spec.nchannels);
+  detail::requirePictureMemory(fileName, spec, double(stored + order.size()) * sizeof(float));
   std::vector<float> pixels(size_t(spec.width) * size_t(spec.height) * stored);
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
     throw Error(fileName + ": cannot be read: " + detail::readFailure(*input.input));

@@ -61,7 +61,11 @@ class RgbGrid final : public Medium {
     const auto read = [&](const char* name, double scale) {
       if (!p.hasValue(name)) return SampledGrid<Rgb>();
       std::vector<Rgbd> values = p.spectra(name);
-      for (Rgbd& v : values) v *= scale;
+      for (Rgbd& v : values) {
+        v *= scale;
+        if (!(maxComponent(v) <= 1e18)) // squares fit
+          p.fail(name, "values that are too high for single precision", "times the scale below 1e18");
+      }
       return readGrid<Rgb>(p, name, values);
     };
     absorption = read("sigma_a", p.real("scale"));

@@ -37,6 +37,12 @@ GridBox::GridBox(const Parameters& p, const Mat4d& sceneFromUnit) {
   unitFromScene = glm::inverse(sceneFromUnit);
   for (int corner = 0; corner < 8; ++corner)
     sceneBounds.add(Vec3f(transformPoint(sceneFromUnit, Vec3d(corner & 1, corner >> 1 & 1, corner >> 2))));
+  constexpr double LARGEST = 1e18;                                                  // squares fit
+  const auto fits = [](const auto& v) { return glm::length(Vec3d(v)) <= LARGEST; }; // false for NaN
+  if (!fits(sceneBounds.lower) || !fits(sceneBounds.upper) || !fits(unitFromScene[0]) ||
+      !fits(unitFromScene[1]) || !fits(unitFromScene[2]))
+    p.fail("", "the grid's box is too small or too large for single precision",
+           "a box within 1e18 of the origin, wider than 1e-18");
 }
 
 void GridBox::checkSteps(const Parameters& p, const char* parameter, const MajorantGrid& grid,

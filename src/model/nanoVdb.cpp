@@ -40,7 +40,7 @@ constexpr int ROOT_WIDTH_LOG2 = 12; ///< of an upper node
 /** The grid at byte 0 of its own bytes. */
 class GridReader {
  public:
-  GridReader(const std::string& name, std::string_view bytes) : in(name, bytes) {}
+  GridReader(const std::string& name, std::string_view bytes) : name(name), in(name, bytes) {}
 
   NanoVdbGrid read() {
     if (in.at<uint64_t>(0, "the grid's magic number") != MAGIC) in.fail(0, "no grid begins here");
@@ -79,7 +79,7 @@ class GridReader {
     }
     const auto background = in.at<float>(root + 28, "the background");
     if (first.x > last.x && first.y > last.y && first.z > last.z) { // as an empty tree has them
-      values = SparseGrid(glm::ivec3(0), glm::ivec3(0), background);
+      values = SparseGrid(name, glm::ivec3(0), glm::ivec3(0), background);
       return;
     }
     constexpr int64_t WIDEST = 1 << 24,
@@ -88,7 +88,7 @@ class GridReader {
       if (first[axis] > last[axis] || first[axis] < -FARTHEST || last[axis] > FARTHEST ||
           int64_t(last[axis]) - int64_t(first[axis]) >= WIDEST)
         in.fail(root, "bounds from " + std::to_string(first[axis]) + " to " + std::to_string(last[axis]));
-    values = SparseGrid(first, last, background);
+    values = SparseGrid(name, first, last, background);
     const uint64_t count = in.at<uint32_t>(root + 24, "the number of tiles");
     in.part(root + ROOT, count * ROOT_TILE, "the root's tiles");
     std::set<uint64_t> keys;
@@ -149,6 +149,7 @@ class GridReader {
         unsigned code = static_cast<uint8_t>(codes[bit / 8]);
         if (bits == 16) code |= unsigned(static_cast<uint8_t>(codes[bit / 8 + 1])) << 8;
         block[i] = static_cast<float>(code >> (bit % 8) & ((1u << bits) - 1)) * step + lowest;
+        if (!std::isfinite(block[i])) in.fail(leaf + 84, "a value is not finite");
       }
     }
     values.setBlock(origin, block);
@@ -160,6 +161,7 @@ class GridReader {
     if (read_ > in.size()) in.fail(node, "nodes of the tree overlap");
   }
 
+  std::string name;
   ByteReader in;
   uint32_t type = FLOAT;
   uint64_t read_ = 0;
@@ -167,13 +169,14 @@ class GridReader {
 };
 
 /** Bytes that zlib has packed. */
-std::string unpacked(const ByteReader& in, uint64_t offset, uint64_t bytesInFile, uint64_t size) {
+std::string unpacked(const std::string& name, const ByteReader& in, uint64_t offset, uint64_t bytesInFile,
+                     uint64_t size) {
   constexpr uint64_t MAX_RATIO = 1032; // of deflate
   const auto packed = in.at<uint64_t>(offset, "the size of a packed grid");
   if (bytesInFile < 8 || packed > bytesInFile - 8) in.fail(offset, "a packed grid is larger than its place");
   const std::string_view from = in.part(offset + 8, packed, "a packed grid");
   if (size / MAX_RATIO > packed) in.fail(offset, "a packed grid cannot be as large as it says");
-  requireMemory("a grid", double(size));
+  requireMemory(name + ": unpacked it", double(size));
   std::string to(size, '\0');
   auto length = static_cast<uLongf>(size);
   const int result = uncompress(reinterpret_cast<Bytef*>(to.data()), &length,
@@ -216,7 +219,7 @@ NanoVdbGrid readNanoVdb(const std::string& file, std::string_view bytes, const s
         if (codec != ZIP)
           in.fail(segment + 14, codec == BLOSC ? "packed by blosc; not packed, or by zip, it is read"
                                                : "codec " + std::to_string(codec));
-        return GridReader(inside, unpacked(in, at, e.bytesInFile, e.size)).read();
+        return GridReader(inside, unpacked(inside, in, at, e.bytesInFile, e.size)).read();
       }
       others.push_back(e.name);
       at += e.bytesInFile;

@@ -10,12 +10,13 @@
 
 namespace recurse {
 
-SparseGrid::SparseGrid(const glm::ivec3& first, const glm::ivec3& last, float background)
-    : lowest(first), highest(last), firstBlock(first >> 3), blocks((last >> 3) - (first >> 3) + 1) {
+SparseGrid::SparseGrid(std::string name, const glm::ivec3& first, const glm::ivec3& last, float background)
+    : name(std::move(name)), lowest(first), highest(last), firstBlock(first >> 3),
+      blocks((last >> 3) - (first >> 3) + 1) {
   static_assert(WIDTH == 1 << 3);
   const double count = double(blocks.x) * double(blocks.y) * double(blocks.z);
-  requireMemory("a grid of " + std::to_string(blocks.x) + " x " + std::to_string(blocks.y) + " x " +
-                    std::to_string(blocks.z) + " blocks",
+  requireMemory(this->name + ": a grid of " + std::to_string(blocks.x) + " x " + std::to_string(blocks.y) +
+                    " x " + std::to_string(blocks.z) + " blocks",
                 count * sizeof(uint32_t));
   singles.push_back(background);
   table.assign(size_t(blocks.x) * size_t(blocks.y) * size_t(blocks.z), SINGLE);
@@ -26,7 +27,9 @@ void SparseGrid::setBlock(const glm::ivec3& origin, std::span<const float> block
   for (int axis = 0; axis < 3; ++axis)
     if (b[axis] < 0 || b[axis] >= blocks[axis]) return;
   const size_t index = values.size() / BLOCK;
-  if (index >= SINGLE) throw Error("a grid with more than 2^31 blocks");
+  if (index >= SINGLE) throw Error(name + ": a grid with more than 2^31 blocks");
+  if (values.size() == values.capacity()) // the copy will be twice as large
+    requireMemory(name + ": the grid's values", 2.0 * double(values.size() + BLOCK) * sizeof(float));
   values.insert(values.end(), block.begin(), block.end());
   entry(b) = static_cast<uint32_t>(index);
 }

@@ -144,7 +144,6 @@ class Estimate {
 struct Support {
   GatherRegion region;
   float radius2 = 0;
-  float wanted2 = 0;      ///< before what was found to be surface made it smaller
   bool empty = false;     ///< there are no photons, and what is surface was not looked at
   float fraction = 1;     ///< of the kernel's weight that is surface
   bool byNearest = false; ///< the photons are in the scratch
@@ -185,7 +184,6 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
     support.region.flatness = settings.flatness;
     search();
   }
-  support.wanted2 = support.radius2;
   if (!boundary) return support;
   if (!support.byNearest && support.region.radius > flat && !anyWithin(map, support.region)) {
     support.empty = true;
@@ -250,7 +248,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   const Support support = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
                                             boundary, scratch, out.counts);
 
-  result.merging = mergingWithin(settings.merging, support.wanted2);
+  result.merging = mergingWithin(settings.merging, support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
   Estimate estimate(scattering, point, eye, settings, result.merging, out.pathClasses(), cameraState);

@@ -59,8 +59,9 @@ class PhotonMapping final : public Integrator {
   /** The same where no photons are kept: by shadow rays, and by a ray that finds all other light. */
   void addByRays(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
                  Sampler& sampler, PathRadiance& out) const;
-  /** Of the light that a whole path would find: what photons left to this one. */
-  float partToFind(const PathState& path) const { return path.part + (1 - path.part) * photons.sparsePart(); }
+  /** Of the light that a whole path would find: what photons left to this one, at the most. What they leave
+   * to rays alone counts in full, and each of fewer paths would be a firefly. */
+  float partToFind(const PathState& path) const { return photons.sparsePart() > 0 ? 1 : path.part; }
   /** Roulette at a non-delta surface, with the part of the light that is left to the path. */
   bool goesOn(PathState& path, Sampler& sampler) const;
   bool mayMeetLight(const Scene& scene) const {

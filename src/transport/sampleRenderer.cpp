@@ -188,13 +188,14 @@ bool SampleRenderer::shootPass(int64_t index, bool splats, ForwardControl& contr
     film.splats()->setNextPass(uint64_t(index) + 1);
   }
   if (control.splatter) passSplats->clear();
+  statistics.counts.add(forward.counts);
   statistics.photonSeconds += forward.shootSeconds;
   statistics.balanceSeconds += forward.balanceSeconds;
+  if (!isComplete) return false;
   statistics.mapBytes = std::max(statistics.mapBytes, forward.mapBytes);
   statistics.photonsEmitted += forward.photonsEmitted;
   statistics.photonsStored += forward.photonsStored;
   statistics.photonsRefused += forward.photonsRefused;
-  statistics.counts.add(forward.counts);
   ++statistics.forwardPasses;
   statistics.notes.insert(statistics.notes.end(), forward.notes.begin(), forward.notes.end());
   statistics.warnings.insert(statistics.warnings.end(), forward.warnings.begin(), forward.warnings.end());
@@ -202,7 +203,7 @@ bool SampleRenderer::shootPass(int64_t index, bool splats, ForwardControl& contr
     for (const std::string& note : forward.notes) log(note);
     for (const std::string& warning : forward.warnings) log("warning: " + warning);
   }
-  return isComplete;
+  return true;
 }
 
 SampleRenderer::TileResult

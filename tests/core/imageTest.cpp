@@ -17,6 +17,7 @@
 #include "recurse/core/atomicFile.h"
 #include "recurse/core/error.h"
 #include "recurse/core/image.h"
+#include "recurse/core/memory.h"
 
 using namespace recurse;
 namespace fs = std::filesystem;
@@ -157,6 +158,16 @@ TEST_F(ImageFiles, ReadErrorsNameFileAndReason) {
   writeImage(file("cut.exr"), picture());
   fs::resize_file(file("cut.exr"), fs::file_size(file("cut.exr")) - 20);
   EXPECT_FALSE(messageOf([&] { readImage(file("cut.exr")); }).empty());
+}
+
+TEST_F(ImageFiles, WhatIsTooLargeInMemoryIsRefusedByName) {
+  // A header of 8192x4096 pixels: 0.1 GB as bytes, and eight times that as numbers, stored and as a picture.
+  const unsigned char header[18] = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0x20, 0, 0x10, 24, 0};
+  std::ofstream(file("a.tga"), std::ios::binary).write(reinterpret_cast<const char*>(header), 18) << "bytes";
+  setMemoryLimit(0.5e9);
+  const std::string said = messageOf([&] { readImage(file("a.tga")); });
+  setMemoryLimit(INFINITY);
+  EXPECT_NE(said.find("a.tga: a picture of 8192x4096 pixels needs about"), std::string::npos) << said;
 }
 
 TEST_F(ImageFiles, UnknownExtensionListsWhatIsAccepted) {

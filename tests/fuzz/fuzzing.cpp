@@ -14,13 +14,18 @@ namespace recurse {
 
 void registerMd2(PlugIns& plugIns);
 void registerMeshFile(PlugIns& plugIns);
+void registerNanoVdb(PlugIns& plugIns);
 void registerPlyMesh(PlugIns& plugIns);
 void registerQuake3Map(PlugIns& plugIns);
+void registerRgbGrid(PlugIns& plugIns);
+void registerUniformGrid(PlugIns& plugIns);
 
 const PlugIns& plugIns() {
   static const PlugIns ALL = [] {
     PlugIns p;
-    for (const auto add : {registerMd2, registerMeshFile, registerPlyMesh, registerQuake3Map}) add(p);
+    for (const auto add : {registerMd2, registerMeshFile, registerNanoVdb, registerPlyMesh, registerQuake3Map,
+                           registerRgbGrid, registerUniformGrid})
+      add(p);
     return p;
   }();
   return ALL;

@@ -4,6 +4,12 @@
  */
 #include "hardCase.h"
 
+#include <filesystem>
+#include <fstream>
+
+#include <unistd.h>
+
+#include "model/nanoVdbTesting.h"
 #include "recurse/scene/loader.h"
 
 namespace recurse::hard {
@@ -136,20 +142,49 @@ void openBoundary(const Report& report) {
                built && told == 1, diagnostics.format());
 }
 
+/** The scene is refused with the place in it and with `part` in the message. */
+void refused(const Report& report, const std::string& what, const std::string& medium,
+             const std::string& part = "") {
+  Diagnostics diagnostics;
+  const SceneDescription d = parseScene(slab("MakeNamedMedium \"m\" \"string type\" " + medium + "\n", 1, -1),
+                                        "hard.pbrt", ".", diagnostics);
+  const bool built = !diagnostics.hasErrors() && buildScene(d, {}, diagnostics);
+  const std::string told = diagnostics.format();
+  const bool isTold = told.find("hard.pbrt:") != std::string::npos && told.find(part) != std::string::npos;
+  report.holds(what, "-", built ? "taken" : "refused", !built && isTold, told);
+}
+
 void badGrids(const Report& report) {
-  for (const char* density : {"nan", "-1", "1e20"})
-    for (const std::string grid : {"\"uniformgrid\" \"float density\" ", "\"rgbgrid\" \"rgb sigma_s\" "}) {
-      const bool isRgb = grid.find("rgbgrid") != std::string::npos;
-      const std::string values = isRgb ? std::string("[ 0 ") + density + " 0 ]" : std::string(density);
-      Diagnostics diagnostics;
-      const SceneDescription d =
-          parseScene(slab("MakeNamedMedium \"m\" \"string type\" " + grid + values + "\n", 1, -1),
-                     "hard.pbrt", ".", diagnostics);
-      const bool built = !diagnostics.hasErrors() && buildScene(d, {}, diagnostics);
-      const bool isTold = diagnostics.format().find("hard.pbrt:") != std::string::npos;
-      report.holds(std::string(isRgb ? "rgbgrid" : "uniformgrid") + " with " + density, "-",
-                   built ? "taken" : "refused", !built && isTold, diagnostics.format());
-    }
+  for (const std::string density : {"nan", "-1", "1e20"}) {
+    refused(report, "uniformgrid with " + density, "\"uniformgrid\" \"float density\" " + density);
+    refused(report, "rgbgrid with " + density, "\"rgbgrid\" \"rgb sigma_s\" [ 0 " + density + " 0 ]");
+  }
+}
+
+void badFiles(const Report& report) {
+  using testing::NanoVdbWriter;
+  const std::string name =
+      (std::filesystem::temp_directory_path() / ("recurse-hard-" + std::to_string(getpid()) + ".nvdb"))
+          .string();
+  const auto check = [&](const std::string& what, const std::string& bytes, const std::string& part) {
+    std::ofstream(name, std::ios::binary) << bytes;
+    refused(report, "nanovdb " + what, "\"nanovdb\" \"string filename\" \"" + name + "\"", name + part);
+    std::filesystem::remove(name);
+  };
+  testing::WrittenGrid smoke;
+  smoke(1, 2, 3) = 1e20f;
+  const std::string dense = NanoVdbWriter::file({smoke});
+  check("of density 1e20", dense, ": the densities are too high");
+  check("that is cut off", dense.substr(0, dense.size() / 2), ": at byte");
+  std::string large = dense;
+  for (size_t axis = 0; axis < 3; ++axis)
+    NanoVdbWriter::put(large, NanoVdbWriter::firstGrid(smoke) + NanoVdbWriter::GRID + 64 + 12 + 4 * axis,
+                       (1 << 24) - 1);
+  check("of 2^24 voxels along each axis", large,
+        ": grid \"density\": a grid of 2097152 x 2097152 x 2097152 blocks needs");
+  smoke.name = "heat";
+  check("without a grid \"density\"", NanoVdbWriter::file({smoke}), " has no grid \"density\"");
+  refused(report, "nanovdb that is not there", "\"nanovdb\" \"string filename\" \"" + name + "\"", name);
 }
 
 void oneCell(const Report& report) {
@@ -174,6 +209,7 @@ void addMediumCases(HardCases& cases) {
   cases.push_back({11, "boundaries", false, openBoundary});
   cases.push_back({11, "grids", false, oneCell});
   cases.push_back({11, "bad grids", false, badGrids});
+  cases.push_back({11, "bad files of grids", false, badFiles});
 }
 
 } // namespace recurse::hard

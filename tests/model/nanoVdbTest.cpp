@@ -146,6 +146,10 @@ TEST(NanoVdb, DamageIsToldWithItsPlace) {
   expectHas(changed(root + 24, ~uint32_t(0)), "the root's tiles would take");
   expectHas(changed(tile + 8, int64_t(-(1 << 20))), "a child's offset points out of the grid");
   expectHas(changed(tile + 8, int64_t(300000)), "a node of the tree would take");
+  std::string large = good;
+  for (size_t axis = 0; axis < 3; ++axis) NanoVdbWriter::put(large, root + 12 + 4 * axis, (1 << 24) - 1);
+  expectHas(errorOf(large),
+            "smoke.nvdb: grid \"density\": a grid of 2097152 x 2097152 x 2097152 blocks needs");
   std::string shared = good; // the lower node is the child of 64 places
   for (size_t i = 0; i < 64; ++i) {
     shared[upper + 32 + 4096 + i / 8] = '\xff';

@@ -262,6 +262,29 @@ TEST(BoundaryCorrection, NarrowGaps) {
   EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onSide(false), true).value, .05);
 }
 
+TEST(BoundaryCorrection, PhotonsWeighByTheSupportThatIsUsed) {
+  // A ceiling close above the floor makes the support of .2 as small as the gap.
+  const auto scene = sceneOf(FLOOR + quad("-1 -1 .01  -1 1 .01  1 1 .01  1 -1 .01"));
+  Hit hit;
+  ASSERT_TRUE(scene->intersect({{.1f, .1f, .005f}, {0, 0, -1}}, hit));
+  BsdfArena arena;
+  const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
+  PhotonMap map;
+  map.build(onFloor(1, 20000));
+  GatherSettings settings;
+  settings.radius = .2f;
+  settings.weighedAgainstRays = true;
+  settings.merging = 3;
+  const PathClasses classes;
+  TransportCounts counts;
+  PathRadiance out(classes, counts);
+  BoundaryCorrection boundary{*scene, Sampler(5, 0, 0)};
+  const GatherResult result = gather(map, settings, scattering, hit.point, {0, 0, 1}, 0, Rgb(1),
+                                     classes.step(classes.cameraStart(), PathEvent::D), out, &boundary);
+  EXPECT_LT(result.radius, .05f);
+  EXPECT_NEAR(result.merging, 3 * PI * square(result.radius), 1e-6f);
+}
+
 TEST(BoundaryCorrection, APlaceBehindAWallTellsNothing) {
   const ThreadPool pool;
   const auto scene = sceneOf(FLOOR + WALL);

@@ -233,8 +233,12 @@ TEST(Media, WrongOnesAreTold) {
   tells("\"string type\" \"uniformgrid\" \"float density\" -1", "density");
   tells("\"string type\" \"uniformgrid\" \"float density\" 1e20", "density");
   tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"point3 p1\" [0 1 1]", "flat");
+  tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"point3 p1\" [1e-40 1 1]",
+        "too small or too large");
   tells("\"string type\" \"rgbgrid\"", "neither");
   tells("\"string type\" \"rgbgrid\" \"rgb sigma_a\" [1e18 0 0]", "steps through the grid");
+  tells("\"string type\" \"rgbgrid\" \"rgb sigma_a\" [1 1 1] \"rgb Le\" [1e20 1 1] \"float Lescale\" 1e20",
+        "too high for single precision");
   tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"rgb sigma_s\" [1e18 0 0]",
         "steps through the grid");
   tells("\"string type\" \"uniformgrid\" \"integer nx\" 3 \"float density\" [0 0 1e18]",

@@ -94,7 +94,7 @@ struct Float8 {
   }
   /** a in the given lanes, b elsewhere. */
   friend Float8 select(const Float8& lanes, const Float8& a, const Float8& b) {
-    return eachLane([&](int i) { return std::signbit(lanes.v[i]) ? a.v[i] : b.v[i]; });
+    return eachLane([&](int i) { return toBits(lanes.v[i]) >> 31 ? a.v[i] : b.v[i]; });
   }
   friend Float8 less(const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return allBits(a.v[i] < b.v[i]); });
@@ -167,7 +167,7 @@ struct Uint32x8 {
   }
   /** Adds one in the given lanes. */
   void countIn(const Float8& lanes) {
-    for (int i = 0; i < 8; ++i) v[i] += std::signbit(lanes.v[i]);
+    for (int i = 0; i < 8; ++i) v[i] += std::bit_cast<uint32_t>(lanes.v[i]) >> 31;
   }
   /** A mask of lanes. */
   friend Float8 equal(const Uint32x8& a, const Uint32x8& b) {

@@ -17,9 +17,9 @@ class SparseGrid {
   static constexpr size_t BLOCK = size_t(WIDTH) * WIDTH * WIDTH; ///< values of a block, z fastest
 
   SparseGrid() = default;
-  /** Has values from `first` to `last`; all are `background` at first. Throws Error where there is no memory
-   * for that. */
-  SparseGrid(const glm::ivec3& first, const glm::ivec3& last, float background);
+  /** Has values from `first` to `last`; all are `background` at first. Throws Error, which begins with
+   * `name`, where there is no memory for that or for a block. */
+  SparseGrid(std::string name, const glm::ivec3& first, const glm::ivec3& last, float background);
 
   /** Of the block that begins at `origin`, whose coordinates are multiples of WIDTH. Blocks out of the range
    * are left out. */
@@ -53,6 +53,7 @@ class SparseGrid {
                           : std::span(&values[size_t(entry) * BLOCK], BLOCK);
   }
 
+  std::string name;
   glm::ivec3 lowest{0}, highest{-1};
   glm::ivec3 firstBlock{0}, blocks{0};
   std::vector<uint32_t> table;
