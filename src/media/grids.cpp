@@ -106,9 +106,9 @@ class RgbGrid final : public Medium {
 
 void registerUniformGrid(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
-  parameters.back() =
-      arrayParameter(ParameterType::REAL, "Lescale", 0, "1", "of Le or of what glows; one number, or one for each cell")
-          .range(0, 1e30);
+  parameters.back() = arrayParameter(ParameterType::REAL, "Lescale", 0, "1",
+                                     "of Le or of what glows; one number, or one for each cell")
+                          .range(0, 1e30);
   for (const ParameterSpec& s : boxParameters()) parameters.push_back(s);
   parameters.push_back(arrayParameter(ParameterType::REAL, "density", 0, "",
                                       "of each cell, x fastest; multiplies sigma_a and sigma_s")

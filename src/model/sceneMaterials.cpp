@@ -65,7 +65,8 @@ const Material* SceneMaterials::makeMaterial(const ParsedDirective& d) {
           p.fail(parameter, "material \"" + name + "\" has bumps of its own, and cannot be a part of another",
                  "\"displacement\" or \"normalmap\" of \"" + p.plugInName() + "\" itself");
         if (m->opacity)
-          p.fail(parameter, "material \"" + name + "\" is a mix with \"interface\", and cannot be a part of another");
+          p.fail(parameter,
+                 "material \"" + name + "\" is a mix with \"interface\", and cannot be a part of another");
         if (m->filling)
           p.fail(parameter, "material \"" + name + "\" fills its shapes, and cannot be a part of another");
         return m;

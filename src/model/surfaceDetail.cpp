@@ -104,7 +104,8 @@ void readAlpha(Shape& shape, const Parameters& p, const ShapeContext& c) {
   const TexturedRgb alpha = realOrTexture(c.textures, p, "alpha");
   const bool isOpaque = !alpha.texture && alpha.constant.r >= 1;
   const Texture* opacity = c.material ? c.material->opacity.get() : nullptr;
-  if (opacity && !isOpaque) p.fail("alpha", "the shape's material is a mix with \"interface\", which takes its place");
+  if (opacity && !isOpaque)
+    p.fail("alpha", "the shape's material is a mix with \"interface\", which takes its place");
   if (opacity)
     shape.alpha = std::make_shared<const TexturedRgb>(TexturedRgb{BLACK, opacity, 0, 1});
   else if (!isOpaque)

@@ -34,29 +34,6 @@ std::vector<float> litLuminances(const Image& picture) {
   return lit;
 }
 
-/** The picture averaged over squares, of which METER_BLOCKS lie along its longer side: noise, whose logarithm
- * is low, and small things do not count one by one. */
-Image averagedForMeter(const Image& picture) {
-  constexpr int METER_BLOCKS = 32;
-  const int side = std::max(1, std::max(picture.width, picture.height) / METER_BLOCKS);
-  Image out((picture.width + side - 1) / side, (picture.height + side - 1) / side, {"R", "G", "B"});
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x) {
-      Rgbd sum(0);
-      int count = 0;
-      for (int j = y * side; j < std::min((y + 1) * side, picture.height); ++j)
-        for (int i = x * side; i < std::min((x + 1) * side, picture.width); ++i) {
-          const Rgb c = picture.rgb(i, j);
-          if (!std::isfinite(luminance(c))) continue;
-          sum += Rgbd(c);
-          ++count;
-        }
-      const Rgb mean = count > 0 ? Rgb(sum / double(count)) : BLACK;
-      std::copy_n(&mean.r, 3, out.at(x, y));
-    }
-  return out;
-}
-
 float quantile(const std::vector<float>& sorted, double q) {
   return sorted[size_t(q * double(sorted.size() - 1))];
 }
@@ -78,7 +55,7 @@ void addDither(Image& picture) {
 } // namespace
 
 double meteredStops(const Image& picture) {
-  const std::vector<float> lit = litLuminances(averagedForMeter(picture));
+  std::vector<float> lit = litLuminances(picture);
   if (lit.empty()) return 0;
   // Five stops below the bright parts a picture counts as dark, how dark does not matter.
   const float dark = quantile(lit, 0.95) / 32;

@@ -6,7 +6,6 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <random>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -168,20 +167,6 @@ TEST(Metering, WhatIsLitIsNotBurntWhereTheRestIsDark) {
   const double shown = std::exp2(meteredStops(patch));
   EXPECT_LT(shown, 4) << "over the white of the filmic curve";
   EXPECT_GT(shown, 0.1);
-}
-
-TEST(Metering, NoiseDoesNotCount) {
-  // Light that one path in `rarity` finds, over three stops of shade.
-  const auto noisy = [](int size, int rarity) {
-    std::mt19937 random(5);
-    return filled(size, size * 2 / 3, [&](int x, int) {
-      const float shade = std::exp2(-3.0f * float(x) / float(size));
-      return Rgb(random() % unsigned(rarity) == 0 ? shade * float(rarity) : 1e-4f * shade);
-    });
-  };
-  for (int size : {120, 600})
-    for (int rarity : {2, 8})
-      EXPECT_NEAR(meteredStops(noisy(size, rarity)), meteredStops(noisy(size, 1)), 0.3) << size << " " << rarity;
 }
 
 TEST(Metering, PercentileComesToWhite) {

@@ -77,8 +77,8 @@ MakeNamedMaterial "nothing" "string type" "interface"
     SCOPED_TRACE(mix);
     const std::string screen = std::string(SCREEN) + "Material \"mix\" " + mix +
                                "\nShape \"bilinearmesh\" \"point3 P\" [-1 -1 1  1 -1 1  -1 1 1  1 1 1]\n";
-    expectSamePicture(renderText(screenScene(screen), "path", "\"integer maxdepth\" 3", samples(64), 2), truth,
-                      6);
+    expectSamePicture(renderText(screenScene(screen), "path", "\"integer maxdepth\" 3", samples(64), 2),
+                      truth, 6);
   }
 }
 

@@ -103,8 +103,8 @@ TEST(GridMedia, CellsHaveTheirOwnScaleOfLight) {
   for (const char* light : {"\"rgb Le\" [1 2 3]", "\"float temperature\" [3000 3000]"}) {
     const std::string common = std::string("\"integer nx\" 2 \"float density\" [1 1] ") + light + " ";
     Diagnostics diagnostics;
-    const auto one = mediumOf("uniformgrid", common, diagnostics);
-    const auto each = mediumOf("uniformgrid", common + "\"float Lescale\" [0 4]", diagnostics);
+    const auto one = makeMedium("uniformgrid", common, diagnostics);
+    const auto each = makeMedium("uniformgrid", common + "\"float Lescale\" [0 4]", diagnostics);
     ASSERT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
     const auto ratio = [&](const Vec3f& p) { return each->at(p).emission.g / one->at(p).emission.g; };
     EXPECT_EQ(each->at({.25f, .5f, .5f}).emission, BLACK);
@@ -112,7 +112,8 @@ TEST(GridMedia, CellsHaveTheirOwnScaleOfLight) {
     EXPECT_NEAR(ratio({.5f, .5f, .5f}), 2, 1e-5);
   }
   Diagnostics diagnostics;
-  mediumOf("uniformgrid", "\"integer nx\" 2 \"float density\" [1 1] \"float Lescale\" [1 2 3]", diagnostics);
+  makeMedium("uniformgrid", "\"integer nx\" 2 \"float density\" [1 1] \"float Lescale\" [1 2 3]",
+             diagnostics);
   EXPECT_NE(diagnostics.format().find("3 values for 2 x 1 x 1 cells"), std::string::npos);
 }
 
