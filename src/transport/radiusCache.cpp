@@ -3,10 +3,9 @@
  */
 #include "recurse/transport/radiusCache.h"
 
-#include <cfloat>
-
 #include "recurse/core/parallel.h"
 #include "recurse/transport/directLight.h"
+#include "transport/supportErrors.h"
 
 namespace recurse {
 
@@ -33,100 +32,7 @@ bool surfaceOf(const Scene& scene, const Photon& photon, float near, SurfacePoin
   return true;
 }
 
-/**
- * How estimates with discs of several areas err at a place, told by the photons of one pass: their variance
- * is the sum of the squares of what each photon brings, and two discs whose estimates differ by more than
- * chance show bias, as in Lepski's choice of a bandwidth ("On a problem of adaptive estimation in Gaussian
- * white noise", 1990). The areas double from one to the next.
- */
-struct SupportErrors {
-  static constexpr size_t AREAS = 8, OWN = 3; ///< OWN: the area of the place
-  std::array<double, AREAS> variance{};       ///< of the photons' number
-  std::array<double, AREAS> bias2{}; ///< by how much, squared, the next disc differs beyond what is noise
-  std::array<double, AREAS> noise{}; ///< the variance of that difference
-  std::array<double, AREAS> rays2{}; ///< second moment of the same estimate by a ray that goes on
-  double direct = 0;                 ///< irradiance by shadow rays
-  double irradiance = 0;             ///< by the own disc
-
-  void add(const SupportErrors& e, double scale) {
-    for (size_t j = 0; j < AREAS; ++j) {
-      variance[j] += e.variance[j] * scale;
-      bias2[j] += e.bias2[j] * scale;
-      noise[j] += e.noise[j] * scale;
-      rays2[j] += e.rays2[j] * scale;
-    }
-    irradiance += e.irradiance * scale;
-    direct += e.direct * scale;
-  }
-  /** Bias between a disc and the next that chance does not explain. */
-  double sureBias2(size_t j) const {
-    constexpr double CHANCE = 0.7; // the spread of such a difference, squared, over some neighbouring places
-    return std::max(0.0, bias2[j] - CHANCE * noise[j]);
-  }
-  /** The area with the least variance + biasWeight · bias². The bias of a disc goes with its area, so the
-   * next one's is larger by as much as it is itself. */
-  size_t best(double biasWeight, LightDetail detail) const {
-    constexpr double SURE = 0.5; // to look at fewer photons takes better evidence than to look at more
-    size_t best = OWN;
-    double least = double(INFINITE), below = 0;
-    const auto error = [&](size_t j) { return variance[j] + biasWeight * below + sureBias2(j); };
-    const size_t widest = detail == LightDetail::FINE ? OWN + 1 : AREAS - 2;
-    for (size_t j = OWN; j <= widest; ++j) {
-      if (const double e = error(j); e < least) {
-        least = e;
-        best = j;
-      }
-      // Where an edge is met, the bias does not grow as it does elsewhere, but it stays.
-      below += sureBias2(j);
-    }
-    below = 0;
-    least *= SURE;
-    for (size_t j = 0; j < OWN; ++j)
-      if (const double e = error(j); e < least) {
-        least = e;
-        best = j;
-      }
-    return best;
-  }
-};
-
-/** What several places tell together. */
-struct Evidence {
-  SupportErrors relative, absolute; ///< relative errors, which the choice goes by, and errors [W²/m⁴]
-  double squared = 0;               ///< irradiances
-  int places = 0;
-
-  /** `dark2`: added to the squared irradiance that an error is relative to. */
-  void add(const SupportErrors& e, double dark2) {
-    if (!(e.irradiance > 0)) return;
-    relative.add(e, 1 / (square(e.irradiance) + dark2));
-    absolute.add(e, 1);
-    squared += square(e.irradiance);
-    ++places;
-  }
-  /** Of one place's own disc. */
-  double relativeVariance() const { return absolute.variance[SupportErrors::OWN] / squared; }
-};
-
-/** The radius of a disc over that of the place. */
-float ofArea(size_t j) {
-  return std::exp2(0.5f * (static_cast<float>(j) - static_cast<float>(SupportErrors::OWN)));
-}
-
 using Place = RadiusCache::Place;
-
-float channelSum(const Rgb& c) { return c.r + c.g + c.b; }
-
-/** Irradiance within `radius`, its channels added up, as if the disc were all surface. */
-float meanPower(const PhotonMap& photons, GatherRegion region, float radius) {
-  region.radius = radius;
-  float sum = 0;
-  photons.visitWithin(region, [&](const PhotonBlock& block) {
-    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
-      sum += channelSum(block.power(std::countr_zero(rest)));
-  });
-  return sum * INV_PI / square(radius);
-}
 
 /** The irradiance that one shadow ray finds, its channels added up. */
 double directIrradiance(const Scene& scene, const LightSampler& lights, const Place& place, Sampler& sampler,
@@ -144,56 +50,6 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Pl
   const Transmittance free =
       transmittance(scene, hit, place.normal, *light, Nesting(), panesLeft(-1, 0), counts);
   return double(channelSum(light->radiance * free.value) * cosine / (light->pdf * choice.chosen.probability));
-}
-
-/** `region`: of the place's own radius. */
-SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
-                            BoundaryCorrection& boundary, const RayAlternative& byRays,
-                            TransportCounts& counts) {
-  constexpr size_t AREAS = SupportErrors::AREAS;
-  const float own = region.radius;
-  alignas(32) float inverse[AREAS], norm[AREAS];
-  for (size_t j = 0; j < AREAS; ++j) { // the largest comes last: its half-spaces stay
-    region.radius = own * ofArea(j);
-    const float part = coveredFraction(boundary, error, kernel, region, counts);
-    const float radius2 = square(region.radius);
-    inverse[j] = 1 / radius2;
-    norm[j] = INV_PI / (radius2 * part);
-  }
-  Float8 sum(0), variance(0), noise(0), rays(0);
-  const float rarest = byRays.maxBrightness * meanPower(photons, region, own);
-  withKernel(kernel, [&](auto k) {
-    photons.visitWithin(region, [&](const PhotonBlock& block) {
-      alignas(32) float d2[8];
-      block.distance2.store(d2);
-      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-        const int lane = std::countr_zero(rest);
-        const float total = channelSum(block.power(lane));
-        const Float8 q = Float8(d2[lane]) * Float8::load(inverse);
-        const Float8 inside = less(q, Float8(1));
-        const Float8 brings = (kernelShape<decltype(k)::value>(min(q, Float8(1))) & inside) *
-                              Float8::load(norm) * Float8(total);
-        const Float8 difference = brings - fromNextLane(brings);
-        sum += brings;
-        variance += brings * brings;
-        noise += difference * difference;
-        const float ratio = block.reverseRatios ? std::abs(block.reverseRatios[lane]) : 0;
-        const float density = ratio * absDot(block.direction(lane), region.normal) * INV_PI;
-        rays += brings * Float8(std::min(total * byRays.emitted / std::max(density, FLT_MIN), rarest));
-      }
-    });
-  });
-  SupportErrors e;
-  for (size_t j = 0; j < AREAS; ++j) {
-    const int lane = static_cast<int>(j);
-    e.variance[j] = double(variance[lane]);
-    e.rays2[j] = double(rays[lane]);
-    if (j + 1 == AREAS) break;
-    e.noise[j] = double(noise[lane]);
-    e.bias2[j] = square(double(sum[lane]) - double(sum[lane + 1])) - e.noise[j];
-  }
-  e.irradiance = double(sum[int(SupportErrors::OWN)]);
-  return e;
 }
 
 /** Finds out how far to look at places, by the photons of a first map. */
