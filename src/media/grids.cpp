@@ -35,10 +35,13 @@ SampledGrid<T> readGrid(const Parameters& p, const std::string& name, const Valu
   return {size, std::move(converted)};
 }
 
-/** `Lescale` where each cell has its own. */
+/** `Lescale` of each cell over emissionScale(); empty where all have the same. */
 SampledGrid<float> readEmissionScale(const Parameters& p) {
-  const std::vector<double> values = p.reals("Lescale");
-  return values.size() == 1 ? SampledGrid<float>() : readGrid<float>(p, "Lescale", values);
+  std::vector<double> values = p.reals("Lescale");
+  if (values.size() == 1) return {};
+  if (const double most = emissionScale(p); most > 0)
+    for (double& v : values) v /= most;
+  return readGrid<float>(p, "Lescale", values);
 }
 
 std::unique_ptr<Medium> makeUniformGrid(const Parameters& p, const MediumContext& context) {
@@ -105,10 +108,11 @@ class RgbGrid final : public Medium {
 } // namespace
 
 void registerUniformGrid(PlugIns& plugIns) {
-  std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
-  parameters.back() = arrayParameter(ParameterType::REAL, "Lescale", 0, "1",
-                                     "of Le or of what glows; one number, or one for each cell")
-                          .range(0, 1e30);
+  std::vector<ParameterSpec> parameters =
+      mediumParameters("1", "1",
+                       arrayParameter(ParameterType::REAL, "Lescale", 0, "1",
+                                      "of Le or of what glows; one number, or one for each cell")
+                           .range(0, 1e30));
   for (const ParameterSpec& s : boxParameters()) parameters.push_back(s);
   parameters.push_back(arrayParameter(ParameterType::REAL, "density", 0, "",
                                       "of each cell, x fastest; multiplies sigma_a and sigma_s")
@@ -139,8 +143,7 @@ void registerRgbGrid(PlugIns& plugIns) {
       grid("sigma_a", SpectrumKind::UNBOUNDED, "absorption of each cell, x fastest [1/length]"),
       grid("sigma_s", SpectrumKind::UNBOUNDED, "scattering of each cell [1/length]"),
       grid("Le", SpectrumKind::ILLUMINANT, "emitted radiance of each cell, see homogeneous"),
-      realParameter("scale", "1", "of sigma_a and sigma_s").range(0, 1e30),
-      realParameter("Lescale", "1", "of Le").range(0, 1e30)};
+      realParameter("scale", "1", "of sigma_a and sigma_s").range(0, 1e30), emissionScaleParameter()};
   for (const ParameterSpec& s : boxParameters()) parameters.push_back(s);
   plugIns.media.add(
       {{.name = "rgbgrid",

@@ -87,6 +87,7 @@ class NanoVdbMedium final : public Medium {
 
 void registerNanoVdb(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
+  parameters.push_back(realParameter("LeScale", "", "Lescale, as pbrt-v4 spells it here").range(0, 1e30));
   parameters.push_back(stringParameter("filename", "",
                                        "NanoVDB file with a grid \"density\", which multiplies sigma_a and "
                                        "sigma_s, and maybe one \"temperature\": what absorbs glows as black "

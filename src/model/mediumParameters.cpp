@@ -79,20 +79,23 @@ std::optional<MediumPoint> mediumPreset(const std::string& name) {
   return {};
 }
 
-std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering) {
+ParameterSpec emissionScaleParameter() { return realParameter("Lescale", "1", "of Le").range(0, 1e30); }
+
+std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering,
+                                            const ParameterSpec& emissionScale) {
   return {spectrumParameter("sigma_a", absorption, SpectrumKind::UNBOUNDED, "absorption [1/length]"),
           spectrumParameter("sigma_s", scattering, SpectrumKind::UNBOUNDED, "scattering [1/length]"),
           realParameter("scale", "1", "of sigma_a and sigma_s").range(0, 1e30),
           spectrumParameter("Le", "0", SpectrumKind::ILLUMINANT,
                             "emitted radiance; a unit of length adds sigma_a times that"),
-          realParameter("LeScale", "", "Lescale, as pbrt-v4 spells it for nanovdb").range(0, 1e30),
-          realParameter("Lescale", "1", "of Le").range(0, 1e30)};
+          emissionScale};
 }
 
 double emissionScale(const Parameters& p) {
-  if (p.has("LeScale")) return p.real("LeScale");
-  const std::vector<double> values = p.reals("Lescale");
-  return values.size() == 1 ? values[0] : 1;
+  const bool isNanoVdb = p.plugInName() == "nanovdb" && p.has("LeScale");
+  double most = 0;
+  for (const double scale : p.reals(isNanoVdb ? "LeScale" : "Lescale")) most = std::max(most, scale);
+  return most;
 }
 
 MediumPoint readMediumPoint(const Parameters& p) {

@@ -40,7 +40,7 @@ constexpr int ROOT_WIDTH_LOG2 = 12; ///< of an upper node
 /** The grid at byte 0 of its own bytes. */
 class GridReader {
  public:
-  GridReader(const std::string& name, std::string_view bytes) : name(name), in(name, bytes) {}
+  GridReader(const std::string& name, std::string_view bytes) : in(name, bytes) {}
 
   NanoVdbGrid read() {
     if (in.at<uint64_t>(0, "the grid's magic number") != MAGIC) in.fail(0, "no grid begins here");
@@ -79,7 +79,7 @@ class GridReader {
     }
     const auto background = in.at<float>(root + 28, "the background");
     if (first.x > last.x && first.y > last.y && first.z > last.z) { // as an empty tree has them
-      values = SparseGrid(name, glm::ivec3(0), glm::ivec3(0), background);
+      values = SparseGrid(in.source(), glm::ivec3(0), glm::ivec3(0), background);
       return;
     }
     constexpr int64_t WIDEST = 1 << 24,
@@ -88,7 +88,7 @@ class GridReader {
       if (first[axis] > last[axis] || first[axis] < -FARTHEST || last[axis] > FARTHEST ||
           int64_t(last[axis]) - int64_t(first[axis]) >= WIDEST)
         in.fail(root, "bounds from " + std::to_string(first[axis]) + " to " + std::to_string(last[axis]));
-    values = SparseGrid(name, first, last, background);
+    values = SparseGrid(in.source(), first, last, background);
     const uint64_t count = in.at<uint32_t>(root + 24, "the number of tiles");
     in.part(root + ROOT, count * ROOT_TILE, "the root's tiles");
     std::set<uint64_t> keys;
@@ -161,7 +161,6 @@ class GridReader {
     if (read_ > in.size()) in.fail(node, "nodes of the tree overlap");
   }
 
-  std::string name;
   ByteReader in;
   uint32_t type = FLOAT;
   uint64_t read_ = 0;

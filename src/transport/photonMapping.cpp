@@ -88,7 +88,7 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
     path.ray.width += path.ray.spread * hit.t;
     path.distance += hit.t;
     if (hit.areaLight) addEmission(scene, path, hit, out);
-    if (path.share == 0 && path.direct.merged == 0 && photons.sparsePart() == 0 && hit.material &&
+    if (path.share == 0 && path.direct.merged == 0 && !photons.leavesLightToRays() && hit.material &&
         !(hit.material->lobes() & DELTA_LOBES))
       return;
     arena.reset();

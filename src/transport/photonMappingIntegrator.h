@@ -61,7 +61,7 @@ class PhotonMapping final : public Integrator {
                  Sampler& sampler, PathRadiance& out) const;
   /** Of the light that a whole path would find: what photons left to this one, at the most. What they leave
    * to rays alone counts in full, and each of fewer paths would be a firefly. */
-  float partToFind(const PathState& path) const { return photons.sparsePart() > 0 ? 1 : path.part; }
+  float partToFind(const PathState& path) const { return photons.leavesLightToRays() ? 1 : path.part; }
   /** Roulette at a non-delta surface, with the part of the light that is left to the path. */
   bool goesOn(PathState& path, Sampler& sampler) const;
   bool mayMeetLight(const Scene& scene) const {

@@ -30,7 +30,7 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
     Rgb radiance =
         environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
     if (isBlack(radiance)) continue;
-    const bool mayBeSparse = path.nonDelta > 0 && !path.delta && photons.sparsePart() > 0;
+    const bool mayBeSparse = path.nonDelta > 0 && !path.delta && photons.leavesLightToRays();
     if (mayBeSparse || isShared(path)) {
       const EnvironmentLight& light = *scene.environment()[i];
       const uint32_t index = scene.environmentIndices()[i];
@@ -74,7 +74,7 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                    PathRadiance& out) const {
   const Vec3f wi = -path.ray.direction;
   const int panes = panesLeft(settings.maxDepth, path.depth);
-  if (share.merged == 0 && photons.sparsePart() == 0) {
+  if (share.merged == 0 && !photons.leavesLightToRays()) {
     addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi,
                     path.sharedThroughput() * share.rest, path.camera, settings.lightSamples, NON_DELTA_LOBES,
                     panes, sampler, out);

@@ -385,7 +385,7 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                          aim.lampCount(), aim.lampCount() == 1 ? " is" : "s are"));
   if (scene.hasMedia() || settings.causticsOnly || settings.directLight)
     guidance.minStartDensity = guidance.sparsePart = 0;
-  if (guidance.sparsePart > 0)
+  if (leavesLightToRays())
     statistics.notes.push_back(
         formatted("photons: %.2g of the light comes by few strong ones, and is left to rays",
                   double(guidance.sparsePart)));

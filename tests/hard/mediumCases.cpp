@@ -4,11 +4,6 @@
  */
 #include "hardCase.h"
 
-#include <filesystem>
-#include <fstream>
-
-#include <unistd.h>
-
 #include "model/nanoVdbTesting.h"
 #include "recurse/scene/loader.h"
 
@@ -163,13 +158,9 @@ void badGrids(const Report& report) {
 
 void badFiles(const Report& report) {
   using testing::NanoVdbWriter;
-  const std::string name =
-      (std::filesystem::temp_directory_path() / ("recurse-hard-" + std::to_string(getpid()) + ".nvdb"))
-          .string();
   const auto check = [&](const std::string& what, const std::string& bytes, const std::string& part) {
-    std::ofstream(name, std::ios::binary) << bytes;
-    refused(report, "nanovdb " + what, "\"nanovdb\" \"string filename\" \"" + name + "\"", name + part);
-    std::filesystem::remove(name);
+    const testing::NanoVdbFile file(bytes);
+    refused(report, "nanovdb " + what, "\"nanovdb\" " + file.parameter(), file.path + part);
   };
   testing::WrittenGrid smoke;
   smoke(1, 2, 3) = 1e20f;
@@ -184,7 +175,8 @@ void badFiles(const Report& report) {
         ": grid \"density\": a grid of 2097152 x 2097152 x 2097152 blocks needs");
   smoke.name = "heat";
   check("without a grid \"density\"", NanoVdbWriter::file({smoke}), " has no grid \"density\"");
-  refused(report, "nanovdb that is not there", "\"nanovdb\" \"string filename\" \"" + name + "\"", name);
+  refused(report, "nanovdb that is not there", "\"nanovdb\" \"string filename\" \"/no/such.nvdb\"",
+          "/no/such.nvdb");
 }
 
 void oneCell(const Report& report) {

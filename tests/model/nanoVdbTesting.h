@@ -5,8 +5,13 @@
 
 #include <array>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
+#include <vector>
+
+#include <unistd.h>
 
 #include "recurse/core/vector.h"
 
@@ -116,6 +121,25 @@ class NanoVdbWriter {
     b[node + mask + n / 8] = static_cast<char>(b[node + mask + n / 8] | 1 << (n % 8));
     put(b, node + table + 8 * n, int64_t(child) - int64_t(node));
   }
+};
+
+/** A file for the time of a test. */
+class NanoVdbFile {
+ public:
+  explicit NanoVdbFile(const std::vector<WrittenGrid>& grids) : NanoVdbFile(NanoVdbWriter::file(grids)) {}
+  explicit NanoVdbFile(const std::string& bytes)
+      : folder(std::filesystem::temp_directory_path() / ("recurse-vdb-" + std::to_string(::getpid()))),
+        path((folder / "recurse-smoke.nvdb").string()) {
+    std::filesystem::create_directories(folder);
+    std::ofstream(path, std::ios::binary) << bytes;
+  }
+  ~NanoVdbFile() { std::filesystem::remove_all(folder); }
+  NanoVdbFile(const NanoVdbFile&) = delete;
+  NanoVdbFile& operator=(const NanoVdbFile&) = delete;
+
+  std::string parameter() const { return "\"string filename\" \"" + path + "\" "; }
+  const std::filesystem::path folder; ///< of this process
+  const std::string path;
 };
 
 } // namespace recurse::testing

@@ -2,7 +2,6 @@
  * Media on grids and by noise: bounds, shape, glow.
  */
 #include <filesystem>
-#include <fstream>
 #include <random>
 
 #include "model/nanoVdbTesting.h"
@@ -119,18 +118,6 @@ TEST(GridMedia, CellsHaveTheirOwnScaleOfLight) {
 
 namespace {
 
-/** A NanoVDB file for the time of a test. */
-class SmokeFile {
- public:
-  explicit SmokeFile(const std::vector<WrittenGrid>& grids)
-      : path((std::filesystem::temp_directory_path() / "recurse-smoke.nvdb").string()) {
-    std::ofstream(path, std::ios::binary) << NanoVdbWriter::file(grids);
-  }
-  ~SmokeFile() { std::filesystem::remove(path); }
-  std::string parameter() const { return "\"string filename\" \"" + path + "\" "; }
-  const std::string path;
-};
-
 /** Cells of a density along x, wherever they are along the others. */
 WrittenGrid layers(const std::string& name, int cells, float value) {
   WrittenGrid g;
@@ -147,7 +134,7 @@ TEST(GridMedia, NanoVdbIsTheMediumOfItsGrid) {
   WrittenGrid grid = layers("density", 8, 0.5f);
   grid.voxel = 0.125;
   grid.origin = {-0.5, 0, 0};
-  const SmokeFile file({grid});
+  const NanoVdbFile file({grid});
   Diagnostics diagnostics;
   const auto medium =
       makeMedium("nanovdb", file.parameter() + "\"rgb sigma_s\" [1 2 3] \"float scale\" 2", diagnostics);
@@ -164,7 +151,7 @@ TEST(GridMedia, NanoVdbIsTheMediumOfItsGrid) {
 
 TEST(GridMedia, NanoVdbLetsThroughWhatItsDensityDoes) {
   WrittenGrid grid = layers("density", 8, 0.25f);
-  const SmokeFile file({grid});
+  const NanoVdbFile file({grid});
   // Along x: whole cells of densities 0.25, 0.5 … 2, linear between, and down to 0 after the last.
   double thickness = 0;
   for (int x = 0; x < 8; ++x) thickness += 0.25 * (1 + x + (x < 7 ? 2 + x : 0)) / 2;
@@ -180,7 +167,7 @@ TEST(GridMedia, NanoVdbLetsThroughWhatItsDensityDoes) {
 }
 
 TEST(GridMedia, NanoVdbGlowsByItsTemperatures) {
-  const SmokeFile file({layers("density", 8, 1), layers("temperature", 8, 400)});
+  const NanoVdbFile file({layers("density", 8, 1), layers("temperature", 8, 400)});
   Diagnostics diagnostics;
   const auto medium = makeMedium("nanovdb", file.parameter() + "\"rgb sigma_s\" [0 0 0]", diagnostics);
   ASSERT_TRUE(medium) << diagnostics.format();
@@ -190,10 +177,14 @@ TEST(GridMedia, NanoVdbGlowsByItsTemperatures) {
                         (5.5 * double(luminance(rgbOfBlackbody(kelvin, SpectrumKind::UNBOUNDED))));
   const Rgb found = medium->at({4.5f, 0, 0}).emission;
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(double(found[c]) / expected[c], 1, 0.01) << c;
+  const auto twice =
+      makeMedium("nanovdb", file.parameter() + "\"rgb sigma_s\" [0 0 0] \"float LeScale\" 2", diagnostics);
+  ASSERT_TRUE(twice) << diagnostics.format();
+  EXPECT_NEAR(twice->at({4.5f, 0, 0}).emission.g / found.g, 2, 1e-5);
 }
 
 TEST(GridMedia, NanoVdbFilesThatDoNotDoAreNamed) {
-  const auto errorOf = [](const SmokeFile& file) {
+  const auto errorOf = [](const NanoVdbFile& file) {
     Diagnostics diagnostics;
     EXPECT_FALSE(makeMedium("nanovdb", file.parameter(), diagnostics));
     return diagnostics.format();
@@ -201,16 +192,17 @@ TEST(GridMedia, NanoVdbFilesThatDoNotDoAreNamed) {
   const auto has = [](const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   };
-  has(errorOf(SmokeFile({layers("fog", 2, 1), layers("flames", 2, 1)})),
+  has(errorOf(NanoVdbFile({layers("fog", 2, 1), layers("flames", 2, 1)})),
       "recurse-smoke.nvdb has no grid \"density\"");
-  has(errorOf(SmokeFile({layers("fog", 2, 1), layers("flames", 2, 1)})), "its grids are \"fog\", \"flames\"");
-  has(errorOf(SmokeFile({layers("density", 2, 1e20f)})), "too high for single precision");
+  has(errorOf(NanoVdbFile({layers("fog", 2, 1), layers("flames", 2, 1)})),
+      "its grids are \"fog\", \"flames\"");
+  has(errorOf(NanoVdbFile({layers("density", 2, 1e20f)})), "too high for single precision");
   {
-    const SmokeFile cut({layers("density", 2, 1)});
+    const NanoVdbFile cut({layers("density", 2, 1)});
     std::filesystem::resize_file(cut.path, 400);
     has(errorOf(cut), "recurse-smoke.nvdb: ");
   }
-  const SmokeFile negative({layers("density", 2, -1)});
+  const NanoVdbFile negative({layers("density", 2, -1)});
   Diagnostics diagnostics;
   const auto none = makeMedium("nanovdb", negative.parameter(), diagnostics);
   ASSERT_TRUE(none);

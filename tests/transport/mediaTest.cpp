@@ -239,6 +239,9 @@ TEST(Media, WrongOnesAreTold) {
   tells("\"string type\" \"rgbgrid\" \"rgb sigma_a\" [1e18 0 0]", "steps through the grid");
   tells("\"string type\" \"rgbgrid\" \"rgb sigma_a\" [1 1 1] \"rgb Le\" [1e20 1 1] \"float Lescale\" 1e20",
         "too high for single precision");
+  tells("\"string type\" \"uniformgrid\" \"integer nx\" 2 \"float density\" [1 1] \"rgb Le\" [1e10 1 1] "
+        "\"float Lescale\" [0 1e10]",
+        "too dense for single precision");
   tells("\"string type\" \"uniformgrid\" \"float density\" 1 \"rgb sigma_s\" [1e18 0 0]",
         "steps through the grid");
   tells("\"string type\" \"uniformgrid\" \"integer nx\" 3 \"float density\" [0 0 1e18]",

@@ -20,6 +20,7 @@ class ByteReader {
   ByteReader(std::string name, std::string_view bytes) : name(std::move(name)), bytes(bytes) {}
 
   uint64_t size() const { return bytes.size(); }
+  const std::string& source() const { return name; }
 
   [[noreturn]] void fail(uint64_t offset, const std::string& what) const {
     throw Error(name + ": at byte " + std::to_string(offset) + ": " + what);

@@ -167,7 +167,8 @@ struct Uint32x8 {
   }
   /** Adds one in the given lanes. */
   void countIn(const Float8& lanes) {
-    for (int i = 0; i < 8; ++i) v[i] += std::bit_cast<uint32_t>(lanes.v[i]) >> 31;
+    const uint32_t mask = bits(lanes);
+    for (int i = 0; i < 8; ++i) v[i] += mask >> i & 1;
   }
   /** A mask of lanes. */
   friend Float8 equal(const Uint32x8& a, const Uint32x8& b) {

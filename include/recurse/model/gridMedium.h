@@ -72,8 +72,8 @@ std::vector<ParameterSpec> heatParameters();
 /** A medium with coefficients that one density multiplies. */
 class DensityGrid final : public Medium {
  public:
-  /** `whole` is the medium of density 1; a grid of `emissionScales` that is not empty multiplies its light.
-   */
+  /** `whole` is the medium of density 1; a grid of `emissionScales`, up to 1, that is
+   * not empty multiplies its light. */
   DensityGrid(const MediumPoint& whole, const GridBox& box, SampledGrid<float> densities, HeatGlow glow,
               SampledGrid<float> emissionScales = {})
       : whole(whole), box(box), density(std::move(densities)), glow(std::move(glow)),

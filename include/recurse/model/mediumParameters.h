@@ -10,9 +10,12 @@
 
 namespace recurse {
 
-/** sigma_a and sigma_s with these defaults, scale, Le and Lescale. */
-std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering);
-/** Factor of emitted radiance: Lescale, and 1 where the cells of a grid have one each. */
+/** Lescale, one number for all places. */
+ParameterSpec emissionScaleParameter();
+/** sigma_a and sigma_s with these defaults, scale, Le, and what scales that. */
+std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering,
+                                            const ParameterSpec& emissionScale = emissionScaleParameter());
+/** Factor of emitted radiance: Lescale, and the largest where the cells of a grid have one each. */
 double emissionScale(const Parameters& p);
 /** The medium that they describe; `preset`, where it is declared and given, in the place of the first two.
  * Fails where the numbers do not fit single precision. */

@@ -99,8 +99,8 @@ class PhotonPass {
   LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const;
   /** A lamp far from what is seen, whose photons are aimed. */
   bool isAimed(uint32_t light) const { return aim.isAimed(light); }
-  /** How much of the light where the eye looks starts too sparsely to be for photons, of a few trials. */
-  float sparsePart() const { return guidance.sparsePart; }
+  /** Whether some light starts too sparsely to be for photons. */
+  bool leavesLightToRays() const { return guidance.sparsePart > 0; }
   /** Whether light straight from there to a surface is for rays alone; `pdf` as of pdfLe(). */
   bool isSparse(const Light& light, const LePdf& pdf) const {
     return light.isInfinite() && pdf.position < guidance.minStartDensity;
