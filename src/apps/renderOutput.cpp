@@ -67,9 +67,11 @@ Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float i
   if (extra.error) channels.emplace_back("error.Y");
   if (extra.samples) channels.emplace_back("samples.N");
   Image image(film.bounds().width(), film.bounds().height(), channels);
+  std::vector<double> errors;
+  if (extra.error) errors = film.standardErrors();
   for (size_t pixel = 0; pixel < film.bounds().area(); ++pixel) {
     float* more = &image.pixels[pixel * channels.size() + colours - 1];
-    if (extra.error) *++more = static_cast<float>(film.standardError(pixel)) * imagingRatio;
+    if (extra.error) *++more = static_cast<float>(errors[pixel]) * imagingRatio;
     if (extra.samples) *++more = static_cast<float>(film.samples(pixel));
     for (size_t layer = 0; layer < film.layerCount(); ++layer) {
       const Rgb value = film.value(pixel, layer) * imagingRatio;

@@ -24,7 +24,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
 
-const std::string MAGIC = "Recurse checkpoint 6\n";
+const std::string MAGIC = "Recurse checkpoint 7\n";
 /** Larger headers are damaged. */
 constexpr uint64_t MAX_HEADER = 1 << 24;
 

@@ -76,6 +76,7 @@ class EyeBatch {
     const std::optional<CameraRay> ray = scene.camera().validRay(sample);
     path.out->reset();
     place.pixel = pixel;
+    place.index = index;
     place.weight = f.weight;
     place.pilot = pilot;
     place.seesNothing = !ray;
@@ -96,7 +97,7 @@ class EyeBatch {
       if (!place.seesNothing && paths[path].ray.weight != 1) seen.scale(paths[path].ray.weight);
       path += !place.seesNothing;
       expose(scene.film(), seen);
-      film.add(place.pixel, place.weight, seen.values(), seen.total());
+      film.add(place.pixel, place.index, place.weight, seen.values(), seen.total());
       if (place.pilot) allocation->addPilot(place.pixel, *place.pilot, luminance(seen.total()));
       ++samplesTaken;
     }
@@ -111,6 +112,7 @@ class EyeBatch {
  private:
   struct Place {
     size_t pixel;
+    uint32_t index;
     float weight;
     std::optional<size_t> pilot;
     bool seesNothing;

@@ -55,18 +55,18 @@ void rooms(const Report& report, const std::string& dimLamp, double dimRadiance,
 }
 
 void film(const Report& report) {
-  const int count = 1000000;
+  const uint32_t count = 1000000;
   for (const float value : {0.1f, 1e-20f, 1e20f}) {
     Film film({0, 0, 1, 1}, 1);
     const Rgb colour(value);
-    for (int i = 0; i < count; ++i) film.add(0, 1, &colour, colour);
-    report.atMost(shown("%.0f equal samples of ", count) + shown("%g", double(value)), "-", "relative drift",
-                  std::abs(double(film.value(0, 0).r) / double(value) - 1), 1e-7);
+    for (uint32_t i = 0; i < count; ++i) film.add(0, i, 1, &colour, colour);
+    report.atMost(shown("%.0f equal samples of ", double(count)) + shown("%g", double(value)), "-",
+                  "relative drift", std::abs(double(film.value(0, 0).r) / double(value) - 1), 1e-7);
   }
   // Large and small in turn: their mean is half of the large one and of the small one.
   Film film({0, 0, 1, 1}, 1);
   const Rgb large(1e5f), small(1e-3f);
-  for (int i = 0; i < count; ++i) film.add(0, 1, i % 2 ? &large : &small, i % 2 ? large : small);
+  for (uint32_t i = 0; i < count; ++i) film.add(0, i, 1, i % 2 ? &large : &small, i % 2 ? large : small);
   report.atMost("samples of 1e5 and 1e-3 in turn", "-", "relative drift",
                 std::abs(double(film.value(0, 0).r) / ((double(1e5f) + double(1e-3f)) / 2) - 1), 1e-7);
 }

@@ -118,7 +118,7 @@ TEST(Cameras, SplattingALitPlaneEqualsViewingIt) {
               const Rgb value(t > 0 && glm::distance(ray->at(t), middle) < SIZE
                                   ? radiance(ray->at(t), -ray->direction)
                                   : 0.0f);
-              viewed.add(pixel, f.weight, &value, value);
+              viewed.add(pixel, 0, f.weight, &value, value);
             }
         const Frame frame(normal);
         for (uint32_t i = 0; i < SPLATS; ++i) {

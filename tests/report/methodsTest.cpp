@@ -16,7 +16,7 @@ Stills stillsOf(const std::vector<PathClass>& classes, const std::vector<float>&
   Film film({0, 0, 4, 4}, plan.classes.size());
   std::vector<Rgb> values(plan.classes.size(), BLACK);
   for (size_t i = 0; i < lights.size(); ++i) values[i] = Rgb(lights[i]);
-  for (size_t p = 0; p < 16; ++p) film.add(p, 1, values.data(), BLACK);
+  for (size_t p = 0; p < 16; ++p) film.add(p, 0, 1, values.data(), BLACK);
   return makeStills(film, plan, 1);
 }
 

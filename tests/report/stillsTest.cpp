@@ -52,7 +52,7 @@ Film renderClasses(const std::string& sceneName, const std::string& integratorNa
 /** A film of given colours: pixel by pixel, layer by layer. */
 Film filmOf(int width, int height, size_t layers, const std::vector<Rgb>& values) {
   Film film(PixelBounds{0, 0, width, height}, layers);
-  for (size_t p = 0; p < film.bounds().area(); ++p) film.add(p, 1, &values[p * layers], BLACK);
+  for (size_t p = 0; p < film.bounds().area(); ++p) film.add(p, 0, 1, &values[p * layers], BLACK);
   return film;
 }
 

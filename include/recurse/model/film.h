@@ -23,12 +23,15 @@ namespace recurse {
 class Film {
   struct Pixel {
     LongSum weight, luminance, luminanceSquared;
-    uint64_t samples = 0;
+    LongSum halfLuminance; ///< of the samples of every second batch
+    uint64_t samples = 0, halfSamples = 0;
     void add(const Pixel& o) {
       weight += o.weight;
       luminance += o.luminance;
       luminanceSquared += o.luminanceSquared;
+      halfLuminance += o.halfLuminance;
       samples += o.samples;
+      halfSamples += o.halfSamples;
     }
   };
 
@@ -39,9 +42,9 @@ class Film {
   const PixelBounds& bounds() const { return pixelBounds; }
   size_t layerCount() const { return layers; }
 
-  /** Adds a sample to a pixel: `values` has one colour a layer, `total` their sum without double counting.
-   * Calls for different pixels may run at the same time. */
-  void add(size_t pixel, float weight, const Rgb* values, const Rgb& total) {
+  /** Adds sample `index` to a pixel: `values` has one colour a layer, `total` their sum without double
+   * counting. Calls for different pixels may run at the same time. */
+  void add(size_t pixel, uint32_t index, float weight, const Rgb* values, const Rgb& total) {
     LongSum* sum = &sums[pixel * layers * 3];
     for (size_t i = 0; i < layers; ++i)
       for (int c = 0; c < 3; ++c) *sum++ += double(values[i][c]) * double(weight);
@@ -51,6 +54,9 @@ class Film {
     p.luminance += y;
     p.luminanceSquared += y * y;
     ++p.samples;
+    if (index / BATCH % 2 == 0) return;
+    p.halfLuminance += y;
+    ++p.halfSamples;
   }
 
   /** Makes room for splats, unless it is there, in fixed-point numbers of this unit, a power of two. */
@@ -118,23 +124,29 @@ class Film {
     return std::max(0.0, (p.luminanceSquared - p.luminance * p.luminance / n) / (n - 1));
   }
 
-  /** Standard error of a pixel's luminance, from the spread of its samples and that of its splats. Samples of
-   * a pixel are stratified, so that the true error is smaller rather than larger; what all samples share,
-   * such as one photon map, is not in it. */
-  double standardError(size_t pixel) const {
-    const double ofSamples = pixels[pixel].samples > 0 ? variance(pixel) / double(pixels[pixel].samples) : 0;
-    return std::sqrt(ofSamples + (splatPlane ? splatPlane->variance(pixel) : 0));
-  }
+  /**
+   * Standard error of each pixel's luminance. Samples are stratified and photon passes are shared by many
+   * pixels, so that the spread of samples tells how the error is distributed, but not how large it is: that
+   * is told by the difference of two halves of the samples, of which each has whole batches of consecutive
+   * ones, averaged over the pixels around. What all samples share, such as one photon map, is not in it.
+   */
+  std::vector<double> standardErrors() const;
   /**
    * One number for the picture: the 95th percentile over pixels of standard error divided by luminance, where
-   * the luminance counts as no less than a tenth of the picture's mean, for in black corners a relative error
-   * says nothing that the eye could see. Infinite while a pixel has fewer than MIN_SAMPLES samples, from
-   * which no spread can be told.
+   * the luminance counts as no less than a tenth of the picture's mean. Infinite while a pixel has fewer than
+   * MIN_SAMPLES samples, from which no spread can be told.
    */
   double relativeError() const;
   static constexpr uint64_t MIN_SAMPLES = 8;
 
  private:
+  static constexpr uint32_t BATCH = 8; ///< samples, a power of two as are the strata of Sobol' points
+
+  /** Below it a relative error says nothing that the eye could see. */
+  double darkLuminance() const;
+  /** Variance of the mean of a pixel's samples by the difference of its halves; none with one half only. */
+  std::optional<double> varianceByHalves(size_t pixel) const;
+
   PixelBounds pixelBounds;
   size_t layers;
   std::vector<LongSum> sums; ///< red, green and blue of each layer of each pixel
