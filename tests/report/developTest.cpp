@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <random>
 
 #include <unistd.h>
 
@@ -167,6 +168,23 @@ TEST(Metering, WhatIsLitIsNotBurntWhereTheRestIsDark) {
   const double shown = std::exp2(meteredStops(patch));
   EXPECT_LT(shown, 4) << "over the white of the filmic curve";
   EXPECT_GT(shown, 0.1);
+}
+
+TEST(Metering, NoiseDoesNotCount) {
+  // Light that one path in `rarity` finds, over three stops of shade, in a black frame, with a lamp.
+  const auto noisy = [](int size, int rarity) {
+    std::mt19937 random(5);
+    return filled(size, size * 2 / 3, [&](int x, int y) {
+      if (x < size / 8 || y < size / 10) return BLACK;
+      if (x > size * 3 / 4 && x < size * 4 / 5 && y > size / 2) return Rgb(300);
+      const float shade = std::exp2(-3.0f * float(x) / float(size));
+      return random() % unsigned(rarity) == 0 ? Rgb(shade * float(rarity)) : BLACK;
+    });
+  };
+  for (const int size : {160, 600})
+    for (const int rarity : {2, 8})
+      EXPECT_NEAR(meteredStops(noisy(size, rarity)), meteredStops(noisy(size, 1)), 0.2)
+          << size << " " << rarity;
 }
 
 TEST(Metering, PercentileComesToWhite) {
