@@ -55,7 +55,8 @@ struct Window {
  */
 class MeterField {
  public:
-  explicit MeterField(const Image& picture) : width(picture.width), values(luminances(picture)) {
+  explicit MeterField(const Image& picture)
+      : width(picture.width), height(picture.height), values(luminances(picture)) {
     const Window lit = litPart({0, 0, picture.width, picture.height});
     constexpr int SQUARES = 24; // along the longer side
     const int side = std::max(1, std::max(lit.right - lit.left, lit.bottom - lit.top) / SQUARES);
@@ -83,7 +84,15 @@ class MeterField {
         if (at(x, y) > 0 && std::isfinite(at(x, y))) out.add(x, y);
     return out;
   }
-  /** Means over the squares of what is no brighter than `lamp`; what is brighter, by itself. */
+  /** True for what is brighter, like two of its neighbours: not one that stands alone, which is noise. */
+  bool isLamp(int x, int y, float lamp) const {
+    if (!(at(x, y) > lamp)) return false;
+    int bright = -1; // itself
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i) bright += at(i, j) > lamp;
+    return bright >= 2;
+  }
+  /** Means over the squares, without lamps, and these by themselves. */
   std::vector<Metered> means(float lamp) const {
     std::vector<Metered> out;
     for (const Window& w : squares) {
@@ -92,7 +101,7 @@ class MeterField {
         for (int x = w.left; x < w.right; ++x) {
           const float v = at(x, y);
           if (!std::isfinite(v)) continue;
-          if (v > lamp) {
+          if (isLamp(x, y, lamp)) {
             out.push_back({v, 1});
           } else {
             sum += double(std::max(v, 0.0f));
@@ -106,7 +115,7 @@ class MeterField {
     return out;
   }
 
-  int width;
+  int width, height;
   std::vector<float> values;
   std::vector<Window> squares;
 };

@@ -16,6 +16,7 @@
 #include "recurse/core/error.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/report/develop.h"
+#include "sceneRendering.h"
 
 using namespace recurse;
 
@@ -185,6 +186,35 @@ TEST(Metering, NoiseDoesNotCount) {
     for (const int rarity : {2, 8})
       EXPECT_NEAR(meteredStops(noisy(size, rarity)), meteredStops(noisy(size, 1)), 0.2)
           << size << " " << rarity;
+}
+
+TEST(Metering, FewSamplesAreExposedAsManyAre) {
+  // A room lit through a doorway from the next one, where the lamp is.
+  const auto scene =
+      recurse::testing::sceneFrom(R"(Film "rgb" "integer xresolution" 180 "integer yresolution" 120
+LookAt 0 1 -2.9  0 1 0  0 1 0
+Camera "perspective" "float fov" 70
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 20 18 16 ]
+  Translate 0 1.5 6
+  Shape "sphere" "float radius" .4
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .6 .6 .55 ]
+Shape "box" "point3 p1" [ -3 0 -3 ] "point3 p2" [ 3 3 9 ]
+Shape "box" "point3 p1" [ -3 0 2.9 ] "point3 p2" [ -.6 3 3.1 ]
+Shape "box" "point3 p1" [ .6 0 2.9 ] "point3 p2" [ 3 3 3.1 ]
+Translate -1 .5 0
+Material "diffuse" "rgb reflectance" [ .2 .1 .1 ]
+Shape "sphere" "float radius" .5
+)");
+  const auto stops = [&](int count) {
+    const auto integrator = recurse::testing::integratorFrom("path", "\"integer maxdepth\" 5");
+    const recurse::testing::Rendered r =
+        recurse::testing::renderScene(*scene, *integrator, PathClasses(), count, 1);
+    return meteredStops(filled(180, 120, [&](int x, int y) { return r.value(size_t(y) * 180 + size_t(x)); }));
+  };
+  EXPECT_NEAR(stops(4), stops(recurse::testing::samples(64)), 0.2);
 }
 
 TEST(Metering, PercentileComesToWhite) {
