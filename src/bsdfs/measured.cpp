@@ -1,13 +1,17 @@
 /** @file
- * Measured isotropic BRDFs from MERL binary files (Matusik, Pfister, Brand, McMillan 2003, "A Data-Driven
- * Reflectance Model"): a table over Rusinkiewicz' half and difference angles, sampled by a fitted lobe.
+ * Measured BRDFs: isotropic ones from MERL binary files (Matusik, Pfister, Brand, McMillan 2003, "A
+ * Data-Driven Reflectance Model"), a table over Rusinkiewicz' half and difference angles, sampled by a fitted
+ * lobe; and any from the tensor files of EPFL's material database, as in pbrt-v4.
  */
 #include <cstring>
 #include <fstream>
 
 #include "recurse/core/sampling.h"
+#include "recurse/core/tensorFile.h"
+#include "recurse/model/adaptiveBrdf.h"
 #include "recurse/model/microfacet.h"
 #include "recurse/model/plugIns.h"
+#include "recurse/model/sceneImport.h"
 
 namespace recurse {
 
@@ -26,8 +30,6 @@ class MerlTable {
     int32_t sizes[3];
     file.read(reinterpret_cast<char*>(sizes), sizeof sizes);
     if (file.gcount() != sizeof sizes) throw std::runtime_error("is shorter than the header of a MERL file");
-    if (std::memcmp(sizes, "tensor_file", 11) == 0)
-      throw std::runtime_error("is an RGL tensor file; only MERL's .binary files are read");
     for (const int32_t s : sizes)
       if (s < 2 || s > 1024)
         throw std::runtime_error("is no MERL file: its header says " + std::to_string(sizes[0]) + " x " +
@@ -186,22 +188,78 @@ class Measured final : public Material {
   MerlTable table;
 };
 
+/** Both sides are alike: from below, all directions are taken by their opposites, as in pbrt-v4. */
+class AdaptiveBsdf final : public Bsdf {
+ public:
+  explicit AdaptiveBsdf(const AdaptiveBrdf& brdf) : brdf(&brdf) {}
+  LobeSet lobes() const override { return adaptiveLobes(*brdf); }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+    return wi.z * wo.z > 0 ? brdf->value(up(wi, wi), up(wi, wo)) : BLACK;
+  }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+    return wi.z * wo.z > 0 ? brdf->pdf(up(wi, wi), up(wi, wo)) : 0;
+  }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    if (wi.z == 0) return {};
+    const auto wo = brdf->sample(up(wi, wi), u, pick);
+    return wo ? std::optional(up(wi, *wo)) : wo;
+  }
+  Rgb albedo(const Vec3f& wi) const override { return brdf->albedo(up(wi, wi)); }
+  static LobeSet adaptiveLobes(const AdaptiveBrdf& brdf) {
+    return static_cast<LobeSet>(REFLECTION | (brdf.isAnisotropic() ? ANISOTROPIC : NO_LOBE));
+  }
+
+ private:
+  static Vec3f up(const Vec3f& wi, const Vec3f& w) { return wi.z < 0 ? -w : w; }
+  const AdaptiveBrdf* brdf;
+};
+
+class AdaptiveMeasured final : public Material {
+ public:
+  explicit AdaptiveMeasured(const std::string& path) : brdf(path, readFileBytes(path)) {}
+  const Bsdf* bsdfAt(const SurfacePoint&, BsdfArena& arena) const override {
+    return arena.make<AdaptiveBsdf>(brdf);
+  }
+  LobeSet lobes() const override { return AdaptiveBsdf::adaptiveLobes(brdf); }
+
+ private:
+  AdaptiveBrdf brdf;
+};
+
+bool isTensorFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(12, ' ');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return TensorFile::isTensorFile(begin);
+}
+
+std::unique_ptr<Material> makeMeasured(const Parameters& p, const MaterialContext&) {
+  const std::string path = p.filePath("filename");
+  const char* const accepted = "a .binary file of the MERL database, or a .bsdf file of EPFL's";
+  if (isTensorFile(path)) {
+    try {
+      return std::make_unique<AdaptiveMeasured>(path);
+    } catch (const Error& e) {
+      p.fail("filename", e.what(), accepted);
+    }
+  }
+  try {
+    return std::make_unique<Measured>(path);
+  } catch (const std::runtime_error& e) {
+    p.fail("filename", "\"" + path + "\" " + e.what(), accepted);
+  }
+}
+
 } // namespace
 
 void registerMeasured(PlugIns& plugIns) {
-  plugIns.materials.add({{.name = "measured",
-                          .summary = "A measured isotropic BRDF from a file of the MERL database.",
-                          .parameters = {stringParameter("filename", "", "the .binary file").require()},
-                          .examples = {"\"string filename\" \"scenes/materials/satin.binary\""}},
-                         [](const Parameters& p, const MaterialContext&) {
-                           const std::string path = p.filePath("filename");
-                           try {
-                             return std::make_unique<Measured>(path);
-                           } catch (const std::runtime_error& e) {
-                             p.fail("filename", "\"" + path + "\" " + e.what(),
-                                    "a .binary file of the MERL database");
-                           }
-                         }});
+  plugIns.materials.add(
+      {{.name = "measured",
+        .summary = "A measured BRDF from a file of the MERL database, isotropic, or of EPFL's.",
+        .parameters = {stringParameter("filename", "", "the .binary or .bsdf file").require()},
+        .examples = {"\"string filename\" \"scenes/materials/satin.binary\"",
+                     "\"string filename\" \"scenes/materials/copper.bsdf\""}},
+       makeMeasured});
 }
 
 } // namespace recurse

@@ -4,6 +4,8 @@
  */
 #include "recurse/core/distribution2d.h"
 
+#include "recurse/core/linearDensity.h"
+
 namespace recurse {
 
 namespace {
@@ -13,12 +15,6 @@ size_t find(const double* sums, size_t count, double wanted) {
   const double* found = std::upper_bound(sums, sums + count, wanted);
   if (found == sums + count) found = std::lower_bound(sums, sums + count, sums[count - 1]);
   return static_cast<size_t>(found - sums);
-}
-
-/** From uniform u to x in [0, 1] with a density that goes linearly from a at 0 to b at 1. */
-double sampleLinear(double u, double a, double b) {
-  if (u <= 0 || !(a + b > 0)) return u; // at 0 both a and the root may be 0
-  return std::min(u * (a + b) / (a + std::sqrt((1 - u) * a * a + u * b * b)), 1.0);
 }
 
 } // namespace

@@ -34,6 +34,108 @@ std::vector<float> litLuminances(const Image& picture) {
   return lit;
 }
 
+/** A luminance, and how many pixels have it. */
+struct Metered {
+  float luminance;
+  double weight;
+};
+
+/** Pixels of the picture, the ends not included. */
+struct Window {
+  int left, top, right, bottom;
+  void add(int x, int y) {
+    left = std::min(left, x), right = std::max(right, x + 1);
+    top = std::min(top, y), bottom = std::max(bottom, y + 1);
+  }
+};
+
+/**
+ * What a meter sees: means over small squares, as the logarithm of noise is too low. Black around what is lit
+ * does not count, and what is far brighter than everything around it, as lamps are, is no part of the means.
+ */
+class MeterField {
+ public:
+  explicit MeterField(const Image& picture)
+      : width(picture.width), height(picture.height), values(luminances(picture)) {
+    const Window lit = litPart({0, 0, picture.width, picture.height});
+    constexpr int SQUARES = 24; // along the longer side
+    const int side = std::max(1, std::max(lit.right - lit.left, lit.bottom - lit.top) / SQUARES);
+    for (int y = lit.top; y < lit.bottom; y += side)
+      for (int x = lit.left; x < lit.right; x += side) {
+        // Black between lit pixels is noise, black beyond them is nothing.
+        const Window around =
+            litPart({std::max(x - side, lit.left), std::max(y - side, lit.top),
+                     std::min(x + 2 * side, lit.right), std::min(y + 2 * side, lit.bottom)});
+        squares.push_back({std::max(x, around.left), std::max(y, around.top),
+                           std::min(x + side, around.right), std::min(y + side, around.bottom)});
+      }
+  }
+
+  /** From dark to bright. */
+  std::vector<Metered> metered() const;
+
+ private:
+  float at(int x, int y) const { return values[size_t(y) * size_t(width) + size_t(x)]; }
+  /** The smallest window in another one with all its pixels above zero. */
+  Window litPart(const Window& in) const {
+    Window out{in.right, in.bottom, in.left, in.top};
+    for (int y = in.top; y < in.bottom; ++y)
+      for (int x = in.left; x < in.right; ++x)
+        if (at(x, y) > 0 && std::isfinite(at(x, y))) out.add(x, y);
+    return out;
+  }
+  /** True for what is brighter, like two of its neighbours: not one that stands alone, which is noise. */
+  bool isLamp(int x, int y, float lamp) const {
+    if (!(at(x, y) > lamp)) return false;
+    int bright = -1; // itself
+    for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
+      for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i) bright += at(i, j) > lamp;
+    return bright >= 2;
+  }
+  /** Means over the squares, without lamps, and these by themselves. */
+  std::vector<Metered> means(float lamp) const {
+    std::vector<Metered> out;
+    for (const Window& w : squares) {
+      double sum = 0, count = 0;
+      for (int y = w.top; y < w.bottom; ++y)
+        for (int x = w.left; x < w.right; ++x) {
+          const float v = at(x, y);
+          if (!std::isfinite(v)) continue;
+          if (isLamp(x, y, lamp)) {
+            out.push_back({v, 1});
+          } else {
+            sum += double(std::max(v, 0.0f));
+            ++count;
+          }
+        }
+      if (sum > 0) out.push_back({static_cast<float>(sum / count), count});
+    }
+    std::sort(out.begin(), out.end(),
+              [](const Metered& a, const Metered& b) { return a.luminance < b.luminance; });
+    return out;
+  }
+
+  int width, height;
+  std::vector<float> values;
+  std::vector<Window> squares;
+};
+
+/** The luminance below which that part of the weight is. */
+float quantile(const std::vector<Metered>& sorted, double q) {
+  double total = 0;
+  for (const Metered& m : sorted) total += m.weight;
+  double below = 0;
+  for (const Metered& m : sorted)
+    if ((below += m.weight) > q * total) return m.luminance;
+  return sorted.empty() ? 0 : sorted.back().luminance;
+}
+
+std::vector<Metered> MeterField::metered() const {
+  constexpr float LAMP = 32; // five stops above what most of the picture is darker than
+  const std::vector<Metered> all = means(INFINITE);
+  return all.empty() ? all : means(LAMP * quantile(all, 0.75));
+}
+
 float quantile(const std::vector<float>& sorted, double q) {
   return sorted[size_t(q * double(sorted.size() - 1))];
 }
@@ -55,15 +157,18 @@ void addDither(Image& picture) {
 } // namespace
 
 double meteredStops(const Image& picture) {
-  std::vector<float> lit = litLuminances(picture);
+  const std::vector<Metered> lit = MeterField(picture).metered();
   if (lit.empty()) return 0;
   // Five stops below the bright parts a picture counts as dark, how dark does not matter.
   const float dark = quantile(lit, 0.95) / 32;
   const double low = std::log2(std::max(quantile(lit, 0.05), dark));
   const double high = std::log2(quantile(lit, 0.95));
-  double sum = 0;
-  for (float y : lit) sum += std::clamp(std::log2(double(y)), low, high);
-  const double average = sum / double(lit.size());
+  double sum = 0, weight = 0;
+  for (const Metered& m : lit) {
+    sum += m.weight * std::clamp(std::log2(double(m.luminance)), low, high);
+    weight += m.weight;
+  }
+  const double average = sum / weight;
   const double key = high > low ? (2 * average - low - high) / (high - low) : 0; // -1 dark, 1 bright
   return std::log2(double(GREY_CARD)) + key - average;
 }

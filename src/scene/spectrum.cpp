@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "recurse/scene/reflectanceColours.h"
 #include "scene/lexer.h"
 #include "scene/sourceFiles.h"
 
@@ -81,15 +82,6 @@ const Rgbd& white() {
   return WHITE;
 }
 
-Rgbd intoGamut(const Rgbd& c) {
-  const double lowest = std::min({c.r, c.g, c.b});
-  if (lowest >= 0) return c;
-  const double grey = luminance(c);
-  if (!(grey > 0)) return Rgbd(0);
-  const double keep = grey / (grey - lowest);
-  return max((c - grey) * keep + grey, 0);
-}
-
 template <class F> Rgbd convert(F&& spectrum, SpectrumKind kind) {
   if (kind != SpectrumKind::ILLUMINANT)
     return intoGamut(rgbOfXyz(integrate([&](int w) { return spectrum(w) * daylight(w); })) / white());
@@ -99,6 +91,15 @@ template <class F> Rgbd convert(F&& spectrum, SpectrumKind kind) {
 }
 
 } // namespace
+
+Rgbd intoGamut(const Rgbd& c) {
+  const double lowest = std::min({c.r, c.g, c.b});
+  if (lowest >= 0) return c;
+  const double grey = luminance(c);
+  if (!(grey > 0)) return Rgbd(0);
+  const double keep = grey / (grey - lowest);
+  return max((c - grey) * keep + grey, 0);
+}
 
 Rgbd daylightColour(double wavelength) {
   if (!(wavelength >= FIRST_WAVELENGTH && wavelength <= LAST_WAVELENGTH)) return Rgbd(0);
@@ -184,6 +185,23 @@ Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind) {
       std::all_of(v.begin(), v.end(), [&](double x) { return x == v[0]; }))
     return Rgbd(v[0]);
   return convert([&](int w) { return spectrum.at(w); }, kind);
+}
+
+std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths) {
+  std::vector<Rgbd> colours(wavelengths.size(), Rgbd(0));
+  for (int w = FIRST_WAVELENGTH; w <= LAST_WAVELENGTH; ++w) {
+    const Rgbd colour = daylightColour(w);
+    const auto above = static_cast<size_t>(std::upper_bound(wavelengths.begin(), wavelengths.end(), w) -
+                                           wavelengths.begin());
+    if (above == 0 || above == wavelengths.size()) {
+      colours[above == 0 ? 0 : above - 1] += colour;
+      continue;
+    }
+    const double t = (w - wavelengths[above - 1]) / (wavelengths[above] - wavelengths[above - 1]);
+    colours[above - 1] += colour * (1 - t);
+    colours[above] += colour * t;
+  }
+  return colours;
 }
 
 Rgbd rgbOfBlackbody(double kelvin, SpectrumKind kind) {

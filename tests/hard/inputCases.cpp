@@ -336,6 +336,35 @@ void meshFiles(const Report& report) {
   }
 }
 
+/** Measured materials: a file that is cut short, and numbers that are none. */
+void measuredFiles(const Report& report) {
+  const Folder folder;
+  std::ifstream in("scenes/materials/copper.bsdf", std::ios::binary);
+  const std::string good{std::istreambuf_iterator<char>(in), {}};
+  const auto refused = [&](const std::string& detail, const std::string& bytes, const std::string& reason) {
+    folder.write("a.bsdf", bytes);
+    std::string said = "no error";
+    try {
+      sceneFrom(std::string(SMALL) + "WorldBegin\nMaterial \"measured\" \"string filename\" \"a.bsdf\"\n"
+                                     "Shape \"sphere\"\n",
+                folder.path.string());
+    } catch (const SceneError& e) {
+      said = e.what();
+    }
+    const bool clear = said.find("a.bsdf: ") != std::string::npos && said.find(reason) != std::string::npos;
+    report.holds("measured material " + detail, "-", clear ? "refused with a reason" : "no clear error",
+                 clear, said);
+  };
+  for (const size_t length : {size_t(12), size_t(100), good.size() / 2, good.size() - 1})
+    refused("of " + std::to_string(length) + " of " + std::to_string(good.size()) + " bytes",
+            good.substr(0, length), "has " + std::to_string(length));
+  for (const float value : {NAN, INFINITY}) {
+    std::string bytes = good;
+    std::memcpy(&bytes[good.size() - sizeof value], &value, sizeof value);
+    refused("that ends with " + std::to_string(value), bytes, "is not finite");
+  }
+}
+
 /** Pictures as textures, with a pixel that is no number, or hardly one. */
 void textureFiles(const Report& report) {
   const Folder folder;
@@ -399,6 +428,7 @@ void addInputCases(HardCases& cases) {
   cases.push_back({10, "not finite", false, notFinite});
   cases.push_back({10, "hardly finite", false, hardlyFinite});
   cases.push_back({10, "mesh files", false, meshFiles});
+  cases.push_back({10, "measured files", false, measuredFiles});
   cases.push_back({10, "texture files", false, textureFiles});
   cases.push_back({10, "many errors", false, manyErrors});
 }

@@ -9,12 +9,14 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <random>
 
 #include <unistd.h>
 
 #include "recurse/core/error.h"
 #include "recurse/model/plugIns.h"
 #include "recurse/report/develop.h"
+#include "sceneRendering.h"
 
 using namespace recurse;
 
@@ -167,6 +169,52 @@ TEST(Metering, WhatIsLitIsNotBurntWhereTheRestIsDark) {
   const double shown = std::exp2(meteredStops(patch));
   EXPECT_LT(shown, 4) << "over the white of the filmic curve";
   EXPECT_GT(shown, 0.1);
+}
+
+TEST(Metering, NoiseDoesNotCount) {
+  // Light that one path in `rarity` finds, over three stops of shade, in a black frame, with a lamp.
+  const auto noisy = [](int size, int rarity) {
+    std::mt19937 random(5);
+    return filled(size, size * 2 / 3, [&](int x, int y) {
+      if (x < size / 8 || y < size / 10) return BLACK;
+      if (x > size * 3 / 4 && x < size * 4 / 5 && y > size / 2) return Rgb(300);
+      const float shade = std::exp2(-3.0f * float(x) / float(size));
+      return random() % unsigned(rarity) == 0 ? Rgb(shade * float(rarity)) : BLACK;
+    });
+  };
+  for (const int size : {160, 600})
+    for (const int rarity : {2, 8})
+      EXPECT_NEAR(meteredStops(noisy(size, rarity)), meteredStops(noisy(size, 1)), 0.2)
+          << size << " " << rarity;
+}
+
+TEST(Metering, FewSamplesAreExposedAsManyAre) {
+  // A room lit through a doorway from the next one, where the lamp is.
+  const auto scene =
+      recurse::testing::sceneFrom(R"(Film "rgb" "integer xresolution" 180 "integer yresolution" 120
+LookAt 0 1 -2.9  0 1 0  0 1 0
+Camera "perspective" "float fov" 70
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 20 18 16 ]
+  Translate 0 1.5 6
+  Shape "sphere" "float radius" .4
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .6 .6 .55 ]
+Shape "box" "point3 p1" [ -3 0 -3 ] "point3 p2" [ 3 3 9 ]
+Shape "box" "point3 p1" [ -3 0 2.9 ] "point3 p2" [ -.6 3 3.1 ]
+Shape "box" "point3 p1" [ .6 0 2.9 ] "point3 p2" [ 3 3 3.1 ]
+Translate -1 .5 0
+Material "diffuse" "rgb reflectance" [ .2 .1 .1 ]
+Shape "sphere" "float radius" .5
+)");
+  const auto stops = [&](int count) {
+    const auto integrator = recurse::testing::integratorFrom("path", "\"integer maxdepth\" 5");
+    const recurse::testing::Rendered r =
+        recurse::testing::renderScene(*scene, *integrator, PathClasses(), count, 1);
+    return meteredStops(filled(180, 120, [&](int x, int y) { return r.value(size_t(y) * 180 + size_t(x)); }));
+  };
+  EXPECT_NEAR(stops(4), stops(recurse::testing::samples(64)), 0.2);
 }
 
 TEST(Metering, PercentileComesToWhite) {
