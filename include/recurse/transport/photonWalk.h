@@ -39,62 +39,23 @@ class PhotonWalk {
  public:
   PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
              TransportCounts& counts, StoredPhotons& out)
-      : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out), byMedia(partOfMedia()) {
+  }
 
   /** Returns what the photon started by, and one over its density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
     const float light = sampler.next1D(), part = sampler.next1D();
     const Vec2f place = sampler.next2D(), direction = sampler.next2D();
     EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
-    auto& n = start.numbers;
     if (settings.guide && settings.guide->active())
-      start.weight = 1 / settings.guide->warp(n, sampler.next1D());
+      start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
     base = entered = 0;
-    float pick = n[0];
-    const LightTable& lights = settings.lights ? *settings.lights : scene.lights();
-    const float byMedia = partOfMedia(lights);
-    storesDirect = settings.direct;
-    if (byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia)) {
-      storesDirect = true;
-      shootFromMedium(n, start.weight / byMedia, time, sampler);
-      return start;
-    }
-    const size_t index = lights.chooseIndex(pick);
-    const Light& source = lights[index];
-    if (!(lights.probability(index) > 0)) return start;
-    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
-    const Vec2f towards{n[4], n[5]};
-    std::optional<LeSample> emission =
-        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
-    if (!emission) return start;
-    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
-    if (isBlack(emission->flux)) return start;
-    LePdf pdf = source.pdfLe(*emission);
-    if (aimed) pdf.direction = emission->pdfDirection;
-    if (source.isInfinite() && settings.portals && settings.portals->active()) {
-      settings.portals->redirect(*emission, pick, {n[2], n[3]});
-      pdf.position = emission->pdfPosition;
-    }
-    const ReverseRatio ratio =
-        source.isMet() ? ReverseRatio::atLight(*emission, pdf, lights.probability(index)) : ReverseRatio();
-    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), lights.probability(index)};
-    Rgb flux =
-        emission->flux / (lights.probability(index) * (1 - byMedia) * static_cast<float>(settings.photons));
-    base = maxComponent(flux);
-    if (!recurse::isFinite(flux)) {
-      ++counts.nonFinite;
-      return start;
-    }
-    if (source.isInfinite()) flux *= settings.fromFar;
-    if (classes.dead(classes.lightStart()) || isBlack(flux)) return start;
-    const Ray ray{emission->origin, emission->direction, INFINITE, time};
-    Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
-    if (scene.hasMedia()) {
-      const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
-      flight.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
-      flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-    }
-    walk(std::move(flight), sampler);
+    const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
+    storesDirect = settings.direct || fromMedium;
+    std::optional<Flight> photon =
+        fromMedium ? emitFromMedium(start, time, sampler) : emitFromLight(start, time, sampler);
+    if (!photon) return start;
+    walk(std::move(*photon), sampler);
     while (!waiting.empty()) {
       auto [flight, own] = waiting.back();
       waiting.pop_back();
@@ -131,31 +92,78 @@ class PhotonWalk {
     int hero = 0; ///< the channel that draws distances
   };
 
+  const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }
+
   /** Of the photons, that glowing media emit: by power, but where there are lights too not nearly all. */
-  float partOfMedia(const LightTable& lights) const {
+  float partOfMedia() const {
     constexpr double MOST = 0.9;
     if (!settings.media || settings.media->empty()) return 0;
     double byLights = 0;
-    for (size_t i = 0; i < lights.size(); ++i) byLights += double(maxComponent(lights[i].power()));
+    for (size_t i = 0; i < lights().size(); ++i) byLights += double(maxComponent(lights()[i].power()));
     if (!(byLights > 0)) return 1;
     const double byMedia = settings.media->power();
     return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MOST, MOST));
   }
 
-  /** A photon of a glowing medium, `weight` over the density of all that was chosen before. */
-  void shootFromMedium(const EmissionGuide::Numbers& n, float weight, float time, Sampler& sampler) {
-    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
-    const Rgb flux = power * (weight / static_cast<float>(settings.photons));
-    if (isBlack(flux)) return;
+  /** True where a photon of such a start is worth following; counts those that are not finite. */
+  bool isUseful(const Rgb& flux) {
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
-      return;
+      return false;
     }
-    if (classes.dead(classes.lightStart())) return;
+    return !isBlack(flux) && !classes.dead(classes.lightStart());
+  }
+
+  /** A photon of a glowing medium. */
+  std::optional<Flight> emitFromMedium(const EmissionGuide::TrainingSample& start, float time,
+                                       Sampler& sampler) {
+    const auto& n = start.numbers;
+    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
+    const Rgb flux = power * (start.weight / byMedia / static_cast<float>(settings.photons));
+    if (!isUseful(flux)) return {};
     const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
     Flight flight{ray, flux, classes.lightStart(), nesting, {}};
     flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-    walk(std::move(flight), sampler);
+    return flight;
+  }
+
+  /** A photon of a light, which is chosen by power. */
+  std::optional<Flight> emitFromLight(const EmissionGuide::TrainingSample& start, float time,
+                                      Sampler& sampler) {
+    const auto& n = start.numbers;
+    float pick = n[0];
+    const size_t index = lights().chooseIndex(pick);
+    const Light& source = lights()[index];
+    const float probability = lights().probability(index);
+    if (!(probability > 0)) return {};
+    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
+    const Vec2f towards{n[4], n[5]};
+    std::optional<LeSample> emission =
+        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
+    if (!emission) return {};
+    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
+    if (isBlack(emission->flux)) return {};
+    LePdf pdf = source.pdfLe(*emission);
+    if (aimed) pdf.direction = emission->pdfDirection;
+    if (source.isInfinite() && settings.portals && settings.portals->active()) {
+      settings.portals->redirect(*emission, pick, {n[2], n[3]});
+      pdf.position = emission->pdfPosition;
+    }
+    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), probability};
+    Rgb flux = emission->flux / (probability * (1 - byMedia) * static_cast<float>(settings.photons));
+    base = maxComponent(flux);
+    if (source.isInfinite()) flux *= settings.fromFar;
+    if (!isUseful(flux)) return {};
+    const Ray ray{emission->origin, emission->direction, INFINITE, time};
+    const ReverseRatio ratio =
+        source.isMet() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
+    Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+    if (scene.hasMedia()) {
+      const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
+      flight.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
+      flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    }
+    return flight;
   }
 
   /** A short beam: as far as a flight by the thinnest channel goes, of which no channel is then amplified. */
@@ -211,85 +219,116 @@ class PhotonWalk {
     return Through::SCATTERS;
   }
 
-  void walk(Flight flight, Sampler& sampler) {
-    auto& [ray, flux, state, nesting, ratio, depth, caustic, straight, lowered, wavelength, own, hero] =
-        flight;
-    Hit hit;
-    bool toTarget = lowered < 1; // and has not come down yet
+  /** The BSDF of the next surface that scatters; null when the photon ends before. */
+  const Bsdf* nextSurface(Flight& flight, Hit& hit, Sampler& sampler) {
+    Ray& ray = flight.ray;
     for (;;) {
-      const bool met = intersect(scene, ray, hit, counts);
+      const bool isHit = intersect(scene, ray, hit, counts);
       if (scene.hasMedia()) {
-        if (met) nesting.approach(hit, ray.direction);
-        const Through through = flyInMedium(flight, met ? hit.t : INFINITE, sampler);
-        if (through == Through::ENDS) return;
+        if (isHit) flight.nesting.approach(hit, ray.direction);
+        const Through through = flyInMedium(flight, isHit ? hit.t : INFINITE, sampler);
+        if (through == Through::ENDS) return nullptr;
         if (through == Through::SCATTERS) continue;
       }
-      if (!met) return;
+      if (!isHit) return nullptr;
       arena.reset();
-      drawWavelength(scene, wavelength, sampler, hit);
-      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
-      if (!bsdf) {
-        nesting.enterMedium(hit, ray.direction);
-        if (scene.hasMedia())
-          ray.origin = originBehind(ray, hit);
-        else
-          ray = spawn(hit.point, ray.direction);
-        continue;
-      }
-      if (depth == settings.maxDepth) {
-        counts.truncatedThroughput += double(maxComponent(flux));
+      drawWavelength(scene, flight.wavelength, sampler, hit);
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), flight.nesting, arena);
+      if (bsdf) return bsdf;
+      flight.nesting.enterMedium(hit, ray.direction);
+      if (scene.hasMedia())
+        ray.origin = originBehind(ray, hit);
+      else
+        ray = spawn(hit.point, ray.direction);
+    }
+  }
+
+  /** A surface where a photon has arrived. */
+  struct Arrival {
+    const Hit& hit;
+    ScatteringPoint scattering;
+    Vec3f wi; ///< unit, towards where the photon came from
+    LightState afterD, afterS;
+    LobeSet allowed = NO_LOBE; ///< lobes that the photon may leave by
+    bool sends = false;        ///< photons to the targets, which BSDF sampling then leaves out
+  };
+
+  Arrival arrive(Flight& flight, const Hit& hit, const Bsdf& bsdf) const {
+    flight.ratio.arrive(flight.ray.direction, hit.point);
+    Arrival at{hit, ScatteringPoint(bsdf, hit.point), -flight.ray.direction,
+               classes.step(flight.state, PathEvent::D), classes.step(flight.state, PathEvent::S)};
+    const bool isForRays = flight.straight && startDensity() < settings.minStartDensity;
+    const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly || isForRays;
+    at.allowed =
+        LobeSet((endsHere ? NO_LOBE : NON_DELTA_LOBES) | (classes.dead(at.afterS) ? NO_LOBE : DELTA_LOBES));
+    return at;
+  }
+
+  /** Sends a photon on from a surface by its BSDF and roulette. False when it ends there. */
+  bool scatter(Flight& flight, const Arrival& at, Sampler& sampler) {
+    const SurfacePoint& point = at.hit.point;
+    const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
+    if (!s || (at.sends && !s->specular() && conesAround(s->direction) > 0)) return false;
+    const Rgb scattered = flight.flux * s->weight;
+    const float before = maxComponent(flight.flux), after = maxComponent(scattered);
+    flight.flux = scattered;
+    if (!russianRoulette(std::min(1.0f, after / before), flight.depth, sampler, flight.flux)) return false;
+    flight.state = s->specular() ? at.afterS : at.afterD;
+    flight.flux *= dispersedColour(point, *s, flight.wavelength);
+    flight.nesting.scatters(at.hit, at.wi, s->direction);
+    flight.caustic = flight.caustic && s->specular();
+    flight.straight = flight.straight && passesPane(scene, at.scattering, *s);
+    if (s->specular())
+      flight.ratio.leave(s->direction, point);
+    else
+      flight.ratio = ratioAfter(flight.ratio, flight.depth - 1, at.hit, at.scattering, at.wi, s->direction);
+    flight.ray = spawn(point, s->direction);
+    return true;
+  }
+
+  /** Splits a strong photon into several, all but one of which wait. */
+  void split(Flight& flight, const Arrival& at, Sampler& sampler) {
+    constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
+    const int count = splitCount(flight.flux, at.hit.point.position);
+    flight.flux /= static_cast<float>(count);
+    for (int i = 1; i < count; ++i) {
+      Flight copy = flight;
+      Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+      if (scatter(copy, at, own)) waiting.emplace_back(std::move(copy), own);
+    }
+  }
+
+  /** Of trial photons: notes where one comes into a target straight from the light. */
+  void noteTargetsEntered(const Vec3f& position) {
+    for (const DxtranSphere& t : settings.targets)
+      if (glm::distance(position, t.center) < t.radius) entered += t.importance;
+  }
+
+  /** Follows a photon until it is killed. */
+  void walk(Flight flight, Sampler& sampler) {
+    Hit hit;
+    bool toTarget = flight.lowered < 1; // and has not come down yet
+    while (const Bsdf* bsdf = nextSurface(flight, hit, sampler)) {
+      if (flight.depth == settings.maxDepth) {
+        counts.truncatedThroughput += double(maxComponent(flight.flux));
         return;
       }
-      if (region && depth == 0)
-        for (const DxtranSphere& t : settings.targets)
-          if (glm::distance(hit.point.position, t.center) < t.radius) entered += t.importance;
-      const bool outside = !settings.targets.empty() && findCones(hit.point.position);
-      if (std::exchange(toTarget, false) && region) arrived += region->contains(hit.point.position);
-      if (outside && lowered < 1) {
-        if (!russianRoulette(lowered, depth, sampler, flux)) return;
-        lowered = 1;
+      const Vec3f position = hit.point.position;
+      if (region && flight.depth == 0) noteTargetsEntered(position);
+      const bool outside = !settings.targets.empty() && findCones(position);
+      if (std::exchange(toTarget, false) && region) arrived += region->contains(position);
+      if (outside && flight.lowered < 1) {
+        if (!russianRoulette(flight.lowered, flight.depth, sampler, flight.flux)) return;
+        flight.lowered = 1;
       }
-      const ScatteringPoint scattering(*bsdf, hit.point);
-      const Vec3f wi = -ray.direction;
-      ratio.arrive(ray.direction, hit.point);
-      const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
-      if (scattering.keepsPhotons() && !classes.dead(stateD) && (!straight || storesDirect))
-        store(hit.point, scattering, wi, flux, state, caustic, ratio);
-      ++depth;
-      const bool isForRays = straight && startDensity() < settings.minStartDensity;
-      const LobeSet allowed =
-          LobeSet((classes.dead(stateD) || settings.causticsOnly || isForRays ? NO_LOBE : NON_DELTA_LOBES) |
-                  (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
-      const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
-      if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);
-      const auto goOn = [&](Flight& f, Sampler& own) {
-        const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, own, allowed);
-        if (!s || (sends && !s->specular() && conesAround(s->direction) > 0)) return false;
-        const Rgb scattered = f.flux * s->weight;
-        const float before = maxComponent(f.flux), after = maxComponent(scattered);
-        f.flux = scattered;
-        if (!russianRoulette(std::min(1.0f, after / before), f.depth, own, f.flux)) return false;
-        f.state = s->specular() ? stateS : stateD;
-        f.flux *= dispersedColour(hit.point, *s, f.wavelength);
-        f.nesting.scatters(hit, wi, s->direction);
-        f.caustic = f.caustic && s->specular();
-        f.straight = f.straight && passesPane(scene, scattering, *s);
-        if (s->specular())
-          f.ratio.leave(s->direction, hit.point);
-        else
-          f.ratio = ratioAfter(f.ratio, f.depth - 1, hit, scattering, wi, s->direction);
-        f.ray = spawn(hit.point, s->direction);
-        return true;
-      };
-      constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
-      const int count = scattering.keepsPhotons() ? splitCount(flux, hit.point.position) : 1;
-      flux /= static_cast<float>(count);
-      for (int i = 1; i < count; ++i) {
-        Flight copy = flight;
-        Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
-        if (goOn(copy, own)) waiting.emplace_back(std::move(copy), own);
-      }
-      if (!goOn(flight, sampler)) return;
+      Arrival at = arrive(flight, hit, *bsdf);
+      const bool keepsPhotons = at.scattering.keepsPhotons();
+      if (keepsPhotons && !classes.dead(at.afterD) && (!flight.straight || storesDirect)) store(flight, at);
+      ++flight.depth;
+      at.sends = outside && (at.allowed & NON_DELTA_LOBES) && (at.scattering.lobes() & LAMBERTIAN);
+      if (at.sends) sendToTargets(flight, at, sampler);
+      if (keepsPhotons) split(flight, at, sampler);
+      if (!scatter(flight, at, sampler)) return;
     }
   }
 
@@ -348,11 +387,11 @@ class PhotonWalk {
   }
 
   /** Photons to the targets from where `from` has scattered. */
-  void sendToTargets(const Flight& from, const Hit& hit, const ScatteringPoint& scattering, LightState state,
-                     const Sampler& sampler) {
+  void sendToTargets(const Flight& from, const Arrival& at, const Sampler& sampler) {
     constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
     constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
-    const Vec3f wi = -from.ray.direction;
+    const ScatteringPoint& scattering = at.scattering;
+    const Vec3f& wi = at.wi;
     const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
     const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
     Sampler branch = sampler.fork(BRANCH);
@@ -373,11 +412,11 @@ class PhotonWalk {
         sentOut.flux *= scattering.evaluateFlux(wi, direction) / density;
         if (isBlack(sentOut.flux)) continue;
         sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
-        sentOut.state = state;
+        sentOut.state = at.afterD;
         sentOut.caustic = sentOut.straight = false;
-        sentOut.ratio = ratioAfter(from.ratio, from.depth - 1, hit, scattering, wi, direction);
-        sentOut.nesting.scatters(hit, wi, direction);
-        sentOut.ray = spawn(hit.point, direction);
+        sentOut.ratio = ratioAfter(from.ratio, from.depth - 1, at.hit, scattering, wi, direction);
+        sentOut.nesting.scatters(at.hit, wi, direction);
+        sentOut.ray = spawn(at.hit.point, direction);
         waiting.emplace_back(std::move(sentOut), own);
         ++sent;
       }
@@ -395,18 +434,18 @@ class PhotonWalk {
     return packed;
   }
 
-  void store(const SurfacePoint& point, const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& flux,
-             LightState state, bool caustic, const ReverseRatio& ratio) {
-    const float geometric = absDot(wi, point.geometricNormal);
+  void store(const Flight& flight, const Arrival& at) {
+    const SurfacePoint& point = at.hit.point;
+    const float geometric = absDot(at.wi, point.geometricNormal);
     if (geometric == 0) return; // in the plane of the surface: brings no flux
     Photon p;
     p.position = point.position;
-    p.direction = packOnSide(wi, point.geometricNormal);
-    p.normal = packDirection(point.normalTowards(wi));
-    p.power = flux * (absDot(wi, scattering.normal()) / geometric);
-    p.pathState = state.byte;
-    p.caustic = caustic;
-    p.reverseRatio = ratio.value();
+    p.direction = packOnSide(at.wi, point.geometricNormal);
+    p.normal = packDirection(point.normalTowards(at.wi));
+    p.power = flight.flux * (absDot(at.wi, at.scattering.normal()) / geometric);
+    p.pathState = flight.state.byte;
+    p.caustic = flight.caustic;
+    p.reverseRatio = flight.ratio.value();
     out.onSurfaces.push_back(p);
   }
 
@@ -420,6 +459,7 @@ class PhotonWalk {
   Origin origin;
   float base = 0, entered = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
+  float byMedia = 0;        ///< the part of the photons that glowing media emit
   BsdfArena arena;
 };
 
