@@ -20,7 +20,7 @@ constexpr uint64_t PHOTON_BATCH = 4096;
 /** Nearer than so many radii a target is too wide for a cone. */
 constexpr float NEAR_TARGET = 1.5f;
 
-/** What walks leave behind. */
+/** Photons that walks have stored. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;
   std::vector<VolumePhoton> inMedia;
@@ -49,34 +49,34 @@ class PhotonWalk {
     EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
-    base = entered = 0;
+    unguidedPower = enteredTargets = 0;
     const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
     storesDirect = settings.direct || fromMedium;
-    std::optional<Flight> photon =
+    std::optional<PhotonState> photon =
         fromMedium ? emitFromMedium(start, time, sampler) : emitFromLight(start, time, sampler);
     if (!photon) return start;
     walk(std::move(*photon), sampler);
     while (!waiting.empty()) {
-      auto [flight, own] = waiting.back();
+      auto [next, ownSampler] = waiting.back();
       waiting.pop_back();
-      walk(std::move(flight), own);
+      walk(std::move(next), ownSampler);
     }
     return start;
   }
   /** Power of a photon that starts with weight 1, of the last one that was shot. */
-  float fullPower() const { return base; }
+  float fullPower() const { return unguidedPower; }
   /** Of its start, if it came from infinitely far [1/length²]; else infinite. */
   float startDensity() const { return isInfinite(origin.kind) ? origin.pdf.position : INFINITE; }
   /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
    * light. */
-  float enteredImportance() const { return entered; }
+  float enteredImportance() const { return enteredTargets; }
 
   const VisibleRegion* region = nullptr; ///< of trial photons
   uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
 
  private:
-  /** A photon on its way. */
-  struct Flight {
+  /** A photon under way. */
+  struct PhotonState {
     Ray ray;
     Rgb flux;
     LightState state;
@@ -85,24 +85,26 @@ class PhotonWalk {
     int depth = 0;
     bool caustic = true;
     bool straight = true; ///< from the light: nothing but thin panes so far
-    float lowered = 1;    ///< power over that of the photon that was sent nowhere
+    float relativePower =
+        1;                ///< to that of the photon that it branched off; below 1 until it leaves its target
     float wavelength = 0; ///< as in Subpath
     // In media:
-    Rgb own{1};   ///< see SpectralPath
-    int hero = 0; ///< the channel that draws distances
+    Rgb pathPdf{1}; ///< see SpectralPath
+    int hero = 0;   ///< the channel that draws distances
   };
 
   const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }
 
-  /** Of the photons, that glowing media emit: by power, but where there are lights too not nearly all. */
+  /** The part of the photons that emissive media emit: in proportion to power, but between a tenth and nine
+   * tenths where there are lights too. */
   float partOfMedia() const {
-    constexpr double MOST = 0.9;
+    constexpr double MAX_PART = 0.9;
     if (!settings.media || settings.media->empty()) return 0;
     double byLights = 0;
     for (size_t i = 0; i < lights().size(); ++i) byLights += double(maxComponent(lights()[i].power()));
     if (!(byLights > 0)) return 1;
     const double byMedia = settings.media->power();
-    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MOST, MOST));
+    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
   }
 
   /** True where a photon of such a start is worth following; counts those that are not finite. */
@@ -114,22 +116,22 @@ class PhotonWalk {
     return !isBlack(flux) && !classes.dead(classes.lightStart());
   }
 
-  /** A photon of a glowing medium. */
-  std::optional<Flight> emitFromMedium(const EmissionGuide::TrainingSample& start, float time,
-                                       Sampler& sampler) {
+  /** A photon of an emissive medium. */
+  std::optional<PhotonState> emitFromMedium(const EmissionGuide::TrainingSample& start, float time,
+                                            Sampler& sampler) {
     const auto& n = start.numbers;
     auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
     const Rgb flux = power * (start.weight / byMedia / static_cast<float>(settings.photons));
     if (!isUseful(flux)) return {};
     const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
-    Flight flight{ray, flux, classes.lightStart(), nesting, {}};
-    flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-    return flight;
+    PhotonState photon{ray, flux, classes.lightStart(), nesting, {}};
+    photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    return photon;
   }
 
   /** A photon of a light, which is chosen by power. */
-  std::optional<Flight> emitFromLight(const EmissionGuide::TrainingSample& start, float time,
-                                      Sampler& sampler) {
+  std::optional<PhotonState> emitFromLight(const EmissionGuide::TrainingSample& start, float time,
+                                           Sampler& sampler) {
     const auto& n = start.numbers;
     float pick = n[0];
     const size_t index = lights().chooseIndex(pick);
@@ -151,91 +153,93 @@ class PhotonWalk {
     }
     origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), probability};
     Rgb flux = emission->flux / (probability * (1 - byMedia) * static_cast<float>(settings.photons));
-    base = maxComponent(flux);
-    if (source.isInfinite()) flux *= settings.fromFar;
+    unguidedPower = maxComponent(flux);
+    if (source.isInfinite()) flux *= settings.outsideTransmittance;
     if (!isUseful(flux)) return {};
     const Ray ray{emission->origin, emission->direction, INFINITE, time};
     const ReverseRatio ratio =
-        source.isMet() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
-    Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+        source.isIntersectable() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
+    PhotonState photon{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
     if (scene.hasMedia()) {
       const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
-      flight.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
-      flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+      photon.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
+      photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     }
-    return flight;
+    return photon;
   }
 
-  /** A short beam: as far as a flight by the thinnest channel goes, of which no channel is then amplified. */
-  void storeBeam(const Flight& flight, const Medium& medium, uint16_t number, float end, Sampler& sampler) {
+  /** A short beam: its length is sampled by the channel of least extinction, so that no channel is amplified.
+   */
+  void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
+                 Sampler& sampler) {
     const float part = settings.inMedia.beamPart;
     if (part < 1 && sampler.next1D() >= part) return;
     const float distance =
-        flight::sampleDistance(thinnest(medium.at(flight.ray.origin).extinction()), sampler);
-    out.beams.push_back({flight.ray.origin, flight.ray.direction, std::min(end, distance), flight.flux / part,
-                         number, flight.state.byte});
+        flight::sampleDistance(thinnest(medium.at(photon.ray.origin).extinction()), sampler);
+    out.beams.push_back({photon.ray.origin, photon.ray.direction, std::min(end, distance), photon.flux / part,
+                         number, photon.state.byte});
   }
 
-  enum class Through { PASSES, SCATTERS, ENDS };
-  /** Flies through the medium on the way to `end`. Where it scatters a photon is stored, and sent on. */
-  Through flyInMedium(Flight& flight, float end, Sampler& sampler) {
-    const uint16_t number = flight.nesting.medium(scene);
+  enum class MediumEvent { NONE, SCATTERED, ENDED };
+  /** Samples where the medium on the way to `end` scatters: there the photon is stored, and sent on. */
+  MediumEvent sampleMedium(PhotonState& photon, float end, Sampler& sampler) {
+    const uint16_t number = photon.nesting.medium(scene);
     const Medium* medium = scene.medium(number);
-    if (!medium) return Through::PASSES;
-    const LightState after = classes.step(flight.state, PathEvent::V);
+    if (!medium) return MediumEvent::NONE;
+    const LightState after = classes.step(photon.state, PathEvent::V);
     const bool stored =
-        (!flight.straight || storesDirect) && flight.depth != settings.maxDepth && !classes.dead(after);
+        (!photon.straight || storesDirect) && photon.depth != settings.maxDepth && !classes.dead(after);
     const bool asBeam = settings.inMedia.isByBeams(number);
-    if (stored && asBeam) storeBeam(flight, *medium, number, end, sampler);
-    SpectralPath spectral{flight.flux, flight.own, Rgb(1)};
+    if (stored && asBeam) storeBeam(photon, *medium, number, end, sampler);
+    SpectralPath spectral{photon.flux, photon.pathPdf, Rgb(1)};
     const Collision c =
-        flyThrough(*medium, flight.ray, end, flight.hero, sampler, spectral, [](const Rgb&) {});
+        sampleCollision(*medium, photon.ray, end, photon.hero, sampler, spectral, [](const Rgb&) {});
     // Single channels go up and down with their densities; their mean does not, and roulette by it keeps
     // powers alike.
-    const float before = flight.flux.r + flight.flux.g + flight.flux.b;
-    flight.flux = spectral.throughput;
-    flight.own = spectral.own;
-    if (isBlack(flight.flux)) return Through::ENDS;
-    if (!c.scatters) return Through::PASSES;
-    if (settings.causticsOnly) return Through::ENDS;
-    if (flight.depth == settings.maxDepth) {
-      counts.truncatedThroughput += double(maxComponent(flight.flux));
-      return Through::ENDS;
+    const float before = photon.flux.r + photon.flux.g + photon.flux.b;
+    photon.flux = spectral.throughput;
+    photon.pathPdf = spectral.pathPdf;
+    if (isBlack(photon.flux)) return MediumEvent::ENDED;
+    if (!c.scatters) return MediumEvent::NONE;
+    if (settings.causticsOnly) return MediumEvent::ENDED;
+    if (photon.depth == settings.maxDepth) {
+      counts.truncatedThroughput += double(maxComponent(photon.flux));
+      return MediumEvent::ENDED;
     }
-    if (classes.dead(after)) return Through::ENDS;
-    const Vec3f position = flight.ray.at(c.t), direction = flight.ray.direction;
+    if (classes.dead(after)) return MediumEvent::ENDED;
+    const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
     const float part = settings.inMedia.pointPart;
     if (stored && !asBeam && (part >= 1 || sampler.next1D() < part))
       out.inMedia.push_back(
-          {position, packDirection(direction), flight.flux / part, number, flight.state.byte});
-    ++flight.depth;
-    const float chance = std::min(1.0f, (flight.flux.r + flight.flux.g + flight.flux.b) / before);
-    if (!russianRoulette(chance, flight.depth, sampler, flight.flux)) return Through::ENDS;
-    flight.state = after;
-    flight.caustic = flight.straight = false;
-    flight.ratio = {};
-    flight.ray.origin = position;
-    flight.ray.direction = medium->phase->sample(direction, sampler.next2D());
-    return Through::SCATTERS;
+          {position, packDirection(direction), photon.flux / part, number, photon.state.byte});
+    ++photon.depth;
+    const float chance = std::min(1.0f, (photon.flux.r + photon.flux.g + photon.flux.b) / before);
+    if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return MediumEvent::ENDED;
+    photon.state = after;
+    photon.caustic = photon.straight = false;
+    photon.ratio = {};
+    photon.ray.origin = position;
+    photon.ray.direction = medium->phase->sample(direction, sampler.next2D());
+    return MediumEvent::SCATTERED;
   }
 
   /** The BSDF of the next surface that scatters; null when the photon ends before. */
-  const Bsdf* nextSurface(Flight& flight, Hit& hit, Sampler& sampler) {
-    Ray& ray = flight.ray;
+  const Bsdf* nextSurface(PhotonState& photon, Hit& hit, Sampler& sampler) {
+    Ray& ray = photon.ray;
     for (;;) {
       const bool isHit = intersect(scene, ray, hit, counts);
       if (scene.hasMedia()) {
-        if (isHit) flight.nesting.approach(hit, ray.direction);
-        const Through through = flyInMedium(flight, isHit ? hit.t : INFINITE, sampler);
-        if (through == Through::ENDS) return nullptr;
-        if (through == Through::SCATTERS) continue;
+        if (isHit) photon.nesting.approach(hit, ray.direction);
+        const MediumEvent event = sampleMedium(photon, isHit ? hit.t : INFINITE, sampler);
+        if (event == MediumEvent::ENDED) return nullptr;
+        if (event == MediumEvent::SCATTERED) continue;
       }
       if (!isHit) return nullptr;
       arena.reset();
-      drawWavelength(scene, flight.wavelength, sampler, hit);
-      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), flight.nesting, arena);
+      drawWavelength(scene, photon.wavelength, sampler, hit);
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), photon.nesting, arena);
       if (bsdf) return bsdf;
-      flight.nesting.enterMedium(hit, ray.direction);
+      photon.nesting.enterMedium(hit, ray.direction);
       if (scene.hasMedia())
         ray.origin = originBehind(ray, hit);
       else
@@ -253,11 +257,11 @@ class PhotonWalk {
     bool sends = false;        ///< photons to the targets, which BSDF sampling then leaves out
   };
 
-  Arrival arrive(Flight& flight, const Hit& hit, const Bsdf& bsdf) const {
-    flight.ratio.arrive(flight.ray.direction, hit.point);
-    Arrival at{hit, ScatteringPoint(bsdf, hit.point), -flight.ray.direction,
-               classes.step(flight.state, PathEvent::D), classes.step(flight.state, PathEvent::S)};
-    const bool isForRays = flight.straight && startDensity() < settings.minStartDensity;
+  Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
+    photon.ratio.arrive(photon.ray.direction, hit.point);
+    Arrival at{hit, ScatteringPoint(bsdf, hit.point), -photon.ray.direction,
+               classes.step(photon.state, PathEvent::D), classes.step(photon.state, PathEvent::S)};
+    const bool isForRays = photon.straight && startDensity() < settings.minStartDensity;
     const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly || isForRays;
     at.allowed =
         LobeSet((endsHere ? NO_LOBE : NON_DELTA_LOBES) | (classes.dead(at.afterS) ? NO_LOBE : DELTA_LOBES));
@@ -265,34 +269,34 @@ class PhotonWalk {
   }
 
   /** Sends a photon on from a surface by its BSDF and roulette. False when it ends there. */
-  bool scatter(Flight& flight, const Arrival& at, Sampler& sampler) {
+  bool scatter(PhotonState& photon, const Arrival& at, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;
     const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
     if (!s || (at.sends && !s->specular() && conesAround(s->direction) > 0)) return false;
-    const Rgb scattered = flight.flux * s->weight;
-    const float before = maxComponent(flight.flux), after = maxComponent(scattered);
-    flight.flux = scattered;
-    if (!russianRoulette(std::min(1.0f, after / before), flight.depth, sampler, flight.flux)) return false;
-    flight.state = s->specular() ? at.afterS : at.afterD;
-    flight.flux *= dispersedColour(point, *s, flight.wavelength);
-    flight.nesting.scatters(at.hit, at.wi, s->direction);
-    flight.caustic = flight.caustic && s->specular();
-    flight.straight = flight.straight && passesPane(scene, at.scattering, *s);
+    const Rgb scattered = photon.flux * s->weight;
+    const float before = maxComponent(photon.flux), after = maxComponent(scattered);
+    photon.flux = scattered;
+    if (!russianRoulette(std::min(1.0f, after / before), photon.depth, sampler, photon.flux)) return false;
+    photon.state = s->specular() ? at.afterS : at.afterD;
+    photon.flux *= dispersedColour(point, *s, photon.wavelength);
+    photon.nesting.scatters(at.hit, at.wi, s->direction);
+    photon.caustic = photon.caustic && s->specular();
+    photon.straight = photon.straight && passesPane(scene, at.scattering, *s);
     if (s->specular())
-      flight.ratio.leave(s->direction, point);
+      photon.ratio.leave(s->direction, point);
     else
-      flight.ratio = ratioAfter(flight.ratio, flight.depth - 1, at.hit, at.scattering, at.wi, s->direction);
-    flight.ray = spawn(point, s->direction);
+      photon.ratio = ratioAfter(photon.ratio, photon.depth - 1, at.hit, at.scattering, at.wi, s->direction);
+    photon.ray = spawn(point, s->direction);
     return true;
   }
 
   /** Splits a strong photon into several, all but one of which wait. */
-  void split(Flight& flight, const Arrival& at, Sampler& sampler) {
+  void split(PhotonState& photon, const Arrival& at, Sampler& sampler) {
     constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
-    const int count = splitCount(flight.flux, at.hit.point.position);
-    flight.flux /= static_cast<float>(count);
+    const int count = splitCount(photon.flux, at.hit.point.position);
+    photon.flux /= static_cast<float>(count);
     for (int i = 1; i < count; ++i) {
-      Flight copy = flight;
+      PhotonState copy = photon;
       Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
       if (scatter(copy, at, own)) waiting.emplace_back(std::move(copy), own);
     }
@@ -301,34 +305,34 @@ class PhotonWalk {
   /** Of trial photons: notes where one comes into a target straight from the light. */
   void noteTargetsEntered(const Vec3f& position) {
     for (const DxtranSphere& t : settings.targets)
-      if (glm::distance(position, t.center) < t.radius) entered += t.importance;
+      if (glm::distance(position, t.center) < t.radius) enteredTargets += t.importance;
   }
 
   /** Follows a photon until it is killed. */
-  void walk(Flight flight, Sampler& sampler) {
+  void walk(PhotonState photon, Sampler& sampler) {
     Hit hit;
-    bool toTarget = flight.lowered < 1; // and has not come down yet
-    while (const Bsdf* bsdf = nextSurface(flight, hit, sampler)) {
-      if (flight.depth == settings.maxDepth) {
-        counts.truncatedThroughput += double(maxComponent(flight.flux));
+    bool toTarget = photon.relativePower < 1; // and has not come down yet
+    while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
+      if (photon.depth == settings.maxDepth) {
+        counts.truncatedThroughput += double(maxComponent(photon.flux));
         return;
       }
       const Vec3f position = hit.point.position;
-      if (region && flight.depth == 0) noteTargetsEntered(position);
+      if (region && photon.depth == 0) noteTargetsEntered(position);
       const bool outside = !settings.targets.empty() && findCones(position);
       if (std::exchange(toTarget, false) && region) arrived += region->contains(position);
-      if (outside && flight.lowered < 1) {
-        if (!russianRoulette(flight.lowered, flight.depth, sampler, flight.flux)) return;
-        flight.lowered = 1;
+      if (outside && photon.relativePower < 1) {
+        if (!russianRoulette(photon.relativePower, photon.depth, sampler, photon.flux)) return;
+        photon.relativePower = 1;
       }
-      Arrival at = arrive(flight, hit, *bsdf);
+      Arrival at = arrive(photon, hit, *bsdf);
       const bool keepsPhotons = at.scattering.keepsPhotons();
-      if (keepsPhotons && !classes.dead(at.afterD) && (!flight.straight || storesDirect)) store(flight, at);
-      ++flight.depth;
+      if (keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect)) store(photon, at);
+      ++photon.depth;
       at.sends = outside && (at.allowed & NON_DELTA_LOBES) && (at.scattering.lobes() & LAMBERTIAN);
-      if (at.sends) sendToTargets(flight, at, sampler);
-      if (keepsPhotons) split(flight, at, sampler);
-      if (!scatter(flight, at, sampler)) return;
+      if (at.sends) sendToTargets(photon, at, sampler);
+      if (keepsPhotons) split(photon, at, sampler);
+      if (!scatter(photon, at, sampler)) return;
     }
   }
 
@@ -387,7 +391,7 @@ class PhotonWalk {
   }
 
   /** Photons to the targets from where `from` has scattered. */
-  void sendToTargets(const Flight& from, const Arrival& at, const Sampler& sampler) {
+  void sendToTargets(const PhotonState& from, const Arrival& at, const Sampler& sampler) {
     constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
     constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
     const ScatteringPoint& scattering = at.scattering;
@@ -400,24 +404,25 @@ class PhotonWalk {
       // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
       if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
       const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
-      const float wanted = std::clamp(maxComponent(from.flux) * seen / (base * part), MIN_COUNT, MAX_COUNT);
+      const float wanted =
+          std::clamp(maxComponent(from.flux) * seen / (unguidedPower * part), MIN_COUNT, MAX_COUNT);
       const int count = static_cast<int>(wanted + branch.next1D());
       for (int i = 0; i < count; ++i) {
         Sampler own = branch.fork(static_cast<uint32_t>(i));
         const Vec3f direction = cone.sample(own.next2D());
-        Flight sentOut = from;
+        PhotonState next = from;
         const float density = wanted *
                               static_cast<float>(std::max<std::ptrdiff_t>(1, conesAround(direction))) /
                               (2 * PI * cone.opening);
-        sentOut.flux *= scattering.evaluateFlux(wi, direction) / density;
-        if (isBlack(sentOut.flux)) continue;
-        sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
-        sentOut.state = at.afterD;
-        sentOut.caustic = sentOut.straight = false;
-        sentOut.ratio = ratioAfter(from.ratio, from.depth - 1, at.hit, scattering, wi, direction);
-        sentOut.nesting.scatters(at.hit, wi, direction);
-        sentOut.ray = spawn(at.hit.point, direction);
-        waiting.emplace_back(std::move(sentOut), own);
+        next.flux *= scattering.evaluateFlux(wi, direction) / density;
+        if (isBlack(next.flux)) continue;
+        next.relativePower = std::min(1.0f, maxComponent(next.flux) / maxComponent(from.flux));
+        next.state = at.afterD;
+        next.caustic = next.straight = false;
+        next.ratio = ratioAfter(from.ratio, from.depth - 1, at.hit, scattering, wi, direction);
+        next.nesting.scatters(at.hit, wi, direction);
+        next.ray = spawn(at.hit.point, direction);
+        waiting.emplace_back(std::move(next), own);
         ++sent;
       }
     }
@@ -434,7 +439,7 @@ class PhotonWalk {
     return packed;
   }
 
-  void store(const Flight& flight, const Arrival& at) {
+  void store(const PhotonState& photon, const Arrival& at) {
     const SurfacePoint& point = at.hit.point;
     const float geometric = absDot(at.wi, point.geometricNormal);
     if (geometric == 0) return; // in the plane of the surface: brings no flux
@@ -442,10 +447,10 @@ class PhotonWalk {
     p.position = point.position;
     p.direction = packOnSide(at.wi, point.geometricNormal);
     p.normal = packDirection(point.normalTowards(at.wi));
-    p.power = flight.flux * (absDot(at.wi, at.scattering.normal()) / geometric);
-    p.pathState = flight.state.byte;
-    p.caustic = flight.caustic;
-    p.reverseRatio = flight.ratio.value();
+    p.power = photon.flux * (absDot(at.wi, at.scattering.normal()) / geometric);
+    p.pathState = photon.state.byte;
+    p.caustic = photon.caustic;
+    p.reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(p);
   }
 
@@ -454,12 +459,12 @@ class PhotonWalk {
   const ShootSettings& settings;
   TransportCounts& counts;
   StoredPhotons& out;
-  std::vector<std::pair<Flight, Sampler>> waiting;
+  std::vector<std::pair<PhotonState, Sampler>> waiting;
   std::vector<Target> cones; ///< of the last surface
   Origin origin;
-  float base = 0, entered = 0;
+  float unguidedPower = 0, enteredTargets = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
-  float byMedia = 0;        ///< the part of the photons that glowing media emit
+  float byMedia = 0;        ///< the part of the photons that emissive media emit
   BsdfArena arena;
 };
 
