@@ -120,10 +120,28 @@ RenderOptions cellOptions(const Run& run, BudgetKind kind, const Budget& budget,
   return options;
 }
 
+/** A cell of the grid of runs, budgets and seeds. */
+struct PlannedCell {
+  const Run& run;
+  const Budget& budget;
+  uint64_t seed;
+};
+
+/** Small budgets first, and one seed after the other, so that an interrupted study has something of each run.
+ */
+std::vector<PlannedCell> cellsInOrder(const std::vector<Run>& runs, const std::vector<Budget>& budgets,
+                                      const std::vector<uint64_t>& seeds) {
+  std::vector<PlannedCell> cells;
+  for (const Budget& budget : budgets)
+    for (uint64_t seed : seeds)
+      for (const Run& run : runs) cells.push_back({run, budget, seed});
+  return cells;
+}
+
 /** Guesses what is left of a study from what has been done. */
 class TimeLeft {
  public:
-  TimeLeft(const Study& study, const std::vector<Run>& runs) : study(study), runs(runs) {}
+  TimeLeft(const Study& study, const std::vector<PlannedCell>& planned) : study(study), planned(planned) {}
 
   /** Seconds of a cell; by the nearest budget of its run that is known, else of any run; negative: unknown.
    */
@@ -142,29 +160,29 @@ class TimeLeft {
   }
 
   /** Of all cells that are missing; negative: unknown. */
-  double ofAll(const std::vector<uint64_t>& seeds, const std::vector<Budget>& budgets) const {
+  double ofAll() const {
     double sum = 0;
-    for (const Run& run : runs)
-      for (const Budget& budget : budgets)
-        for (uint64_t seed : seeds) {
-          if (study.find(run.name, budget.text, seed)) continue;
-          const double seconds = of(run.name, budget);
-          if (seconds < 0) return -1;
-          sum += seconds;
-        }
+    for (const PlannedCell& cell : planned) {
+      if (study.find(cell.run.name, cell.budget.text, cell.seed)) continue;
+      const double seconds = of(cell.run.name, cell.budget);
+      if (seconds < 0) return -1;
+      sum += seconds;
+    }
     return sum;
   }
 
  private:
   const Study& study;
-  const std::vector<Run>& runs;
+  const std::vector<PlannedCell>& planned;
 };
+
+std::string studyFile(const std::string& folder) { return (fs::path(folder) / "converge.json").string(); }
 
 void makeFolder(const std::string& folder) {
   std::error_code failure;
   fs::create_directories(fs::path(folder) / "cells", failure);
   if (failure) throw Error(folder + ": " + failure.message());
-  checkFileWritable((fs::path(folder) / "converge.json").string());
+  checkFileWritable(studyFile(folder));
 }
 
 /** Renders one cell; empty when it was interrupted. */
@@ -201,132 +219,161 @@ std::string errorText(const ConvergeCell& cell) {
 
 std::string leftText(double seconds) { return seconds > 0 ? "; " + durationText(seconds) + " left" : ""; }
 
-ExitStatus converge(const ConvergeOptions& o) {
-  const Budgets budgets = budgetsOf(o);
-  const RenderPlan plan = o.render.plan();
-  const auto seedCount = static_cast<uint64_t>(o.seeds ? parseCount("--seeds", *o.seeds, 1, 10000) : 2);
-  ReferencePlan referencePlan;
-  if (o.referenceError) referencePlan.relMse = parseReal("--reference-error", *o.referenceError);
-  if (!(referencePlan.relMse > 0)) badUsage("--reference-error: is to be above zero");
-  if (o.referenceTime) referencePlan.seconds = parseDuration("--reference-time", *o.referenceTime);
+/** What the options say, as far as that can be told without the scene. */
+struct ConvergePlan {
+  Budgets budgets;
+  RenderPlan render;
+  ReferencePlan reference;
+  std::vector<Image> references; ///< that are given
+  std::vector<Run> runs;
+  uint64_t seedCount = 2;
+};
+
+ConvergePlan planOf(const ConvergeOptions& o) {
+  ConvergePlan plan;
+  plan.budgets = budgetsOf(o);
+  plan.render = o.render.plan();
+  if (o.seeds) plan.seedCount = static_cast<uint64_t>(parseCount("--seeds", *o.seeds, 1, 10000));
+  if (o.referenceError) plan.reference.relMse = parseReal("--reference-error", *o.referenceError);
+  if (!(plan.reference.relMse > 0)) badUsage("--reference-error: is to be above zero");
+  if (o.referenceTime) plan.reference.seconds = parseDuration("--reference-time", *o.referenceTime);
   if (!o.references.empty() && (o.referenceError || o.referenceTime))
     badUsage("--reference-error and --reference-time are for references that are made, without --reference");
-  std::vector<Run> runs = runsOf(o, budgets.kind);
-  std::vector<Image> given;
-  for (const std::string& name : o.references) given.push_back(readImage(name));
+  plan.runs = runsOf(o, plan.budgets.kind);
+  for (const std::string& name : o.references) plan.references.push_back(readImage(name));
+  return plan;
+}
 
-  const ThreadPool pool(plan.threads);
-  // What the file says of its integrator counts; the options are for the runs.
-  LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, IntegratorOptions());
-  const PixelBounds& crop = loaded.scene->film().crop;
-  for (Run& run : runs) {
+/** Sets the integrator of each run, and makes each once to find errors before anything is rendered. */
+void chooseIntegrators(ConvergePlan& plan, const ParsedDirective& inScene, bool lenient) {
+  for (Run& run : plan.runs) {
     Diagnostics diagnostics;
     try {
-      const RenderOptions options = cellOptions(run, budgets.kind, budgets.list.front(), 0);
-      run.integrator = options.integrator.directive(loaded.description.integrator);
+      const RenderOptions options = cellOptions(run, plan.budgets.kind, plan.budgets.list.front(), 0);
+      run.integrator = options.integrator.directive(inScene);
     } catch (const Error& error) {
       throw Error("--run " + run.name + ": " + error.what(), error.status());
     }
-    makeIntegrator(run.integrator, o.render.lenient, diagnostics);
+    makeIntegrator(run.integrator, lenient, diagnostics);
     diagnostics.throwIfErrors();
   }
-  for (size_t i = 0; i < given.size(); ++i)
-    if (given[i].width != crop.width() || given[i].height != crop.height())
-      badUsage("--reference: " + o.references[i] + " has " + std::to_string(given[i].width) + "x" +
-               std::to_string(given[i].height) + " pixels, the scene is rendered with " +
-               std::to_string(crop.width()) + "x" + std::to_string(crop.height()));
+}
+
+std::string sizeText(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+
+void requireSize(const std::vector<Image>& references, const std::vector<std::string>& names,
+                 const PixelBounds& crop) {
+  for (size_t i = 0; i < references.size(); ++i)
+    if (references[i].width != crop.width() || references[i].height != crop.height())
+      badUsage("--reference: " + names[i] + " has " + sizeText(references[i].width, references[i].height) +
+               " pixels, the scene is rendered with " + sizeText(crop.width(), crop.height()));
+}
+
+/** The part of the picture that is rendered. */
+std::string partText(const ConvergeOptions& o, const PixelBounds& crop) {
+  return sizeText(crop.width(), crop.height()) + " pixels" +
+         (o.render.cropWindow ? " of the window " + *o.render.cropWindow : "");
+}
+
+/** The study that was asked for, without cells and without the identity of its reference. */
+Study plannedStudy(const ConvergeOptions& o, const ConvergePlan& plan, const Scene& scene,
+                   const std::string& sceneHash) {
+  Study study;
+  study.kind = plan.budgets.kind;
+  study.identity = {{"content of the scene", sceneHash},
+                    {"reference", plan.references.empty()
+                                      ? "made to relMSE " + formatted("%.4g", plan.reference.relMse)
+                                      : std::to_string(plan.references.size()) + " given"},
+                    {"picture", partText(o, scene.film().crop)},
+                    {"threads", std::to_string(threadCount())},
+                    {"program", std::string("Recurse ") + VERSION}};
+  for (const Run& run : plan.runs) study.runs.push_back({run.name, settingsText(run, scene, study.kind)});
+  study.budgets = plan.budgets.list;
+  const uint64_t firstSeed = plan.render.settings(scene).seed;
+  for (uint64_t i = 0; i < plan.seedCount; ++i) study.seeds.push_back(firstSeed + i);
+  return study;
+}
+
+/** Renders the cells that are missing, and writes the study after each. False when it was interrupted. */
+bool renderMissingCells(Study& study, const std::vector<PlannedCell>& planned, LoadedScene& loaded,
+                        const References& references, const ConvergeOptions& o,
+                        const GracefulStop& graceful) {
+  const TimeLeft timeLeft(study, planned);
+  for (size_t i = 0; i < planned.size(); ++i) {
+    const auto& [run, budget, seed] = planned[i];
+    if (study.find(run.name, budget.text, seed)) continue;
+    if (graceful.flag()) return false;
+    const double all = timeLeft.ofAll(), own = timeLeft.of(run.name, budget);
+    const std::string phase = "picture " + std::to_string(i + 1) + " of " + std::to_string(planned.size()) +
+                              ", " + run.name + " " + budget.text + " seed " + std::to_string(seed);
+    const auto retell = [&](RenderProgress& p) {
+      p.phase = phase;
+      p.secondsLeft = all < 0 || p.secondsLeft < 0 ? -1 : p.secondsLeft + std::max(0.0, all - own);
+    };
+    const std::string picture = (fs::path(o.folder) / cellPictureName(run.name, budget.text, seed)).string();
+    std::optional<ConvergeCell> cell =
+        renderCell(loaded, run, cellOptions(run, study.kind, budget, seed), references, picture, retell);
+    if (!cell) return false;
+    cell->budget = budget.text;
+    cell->seed = seed;
+    study.cells.push_back(*cell);
+    writeFileAtomically(studyFile(o.folder), studyJson(study));
+    if (!o.render.quiet)
+      std::fputs((phase + ": " + formatted("%.3g s, ", cell->seconds) +
+                  formatted("%.4g", cell->samplesPerPixel) + " samples per pixel, " + errorText(*cell) +
+                  leftText(timeLeft.ofAll()) + "\n")
+                     .c_str(),
+                 stderr);
+  }
+  return true;
+}
+
+/** Writes and prints what has been measured so far. */
+void tellStudy(const Study& study, const References& references, const ConvergeOptions& o,
+               const PixelBounds& crop, bool isComplete) {
+  StudyReport report = reportOf(study, references, o.folder);
+  report.title = fs::path(o.render.scene).filename().string();
+  report.label = partText(o, crop) + ", " + std::to_string(threadCount()) +
+                 (threadCount() == 1 ? " thread, " : " threads, ") + std::to_string(study.seeds.size()) +
+                 (study.seeds.size() == 1 ? " seed" : " seeds") + (isComplete ? "" : ", interrupted");
+  if (report.points.empty()) return;
+  const std::string remark = writeReport(report, o.folder);
+  if (!remark.empty()) std::fputs((remark + "\n").c_str(), stderr);
+  print(studyTable(report));
+}
+
+ExitStatus converge(const ConvergeOptions& o) {
+  ConvergePlan plan = planOf(o);
+  const ThreadPool pool(plan.render.threads);
+  // What the file says of its integrator counts; the options are for the runs.
+  LoadedScene loaded = loadAndBuild(o.render.scene, plan.render.overrides, IntegratorOptions());
+  const PixelBounds& crop = loaded.scene->film().crop;
+  chooseIntegrators(plan, loaded.description.integrator, o.render.lenient);
+  requireSize(plan.references, o.references, crop);
   makeFolder(o.folder);
   if (o.render.verbose) std::fputs(sceneReport(loaded).c_str(), stderr);
 
   const std::string sceneHash = contentHash(loaded.description);
-  Study study;
-  study.kind = budgets.kind;
-  std::string part = std::to_string(crop.width()) + "x" + std::to_string(crop.height()) + " pixels";
-  if (o.render.cropWindow) part += " of the window " + *o.render.cropWindow;
-  study.identity = {{"content of the scene", sceneHash},
-                    {"reference", given.empty() ? "made to relMSE " + formatted("%.4g", referencePlan.relMse)
-                                                : std::to_string(given.size()) + " given"},
-                    {"picture", part},
-                    {"threads", std::to_string(threadCount())},
-                    {"program", std::string("Recurse ") + VERSION}};
-  for (const Run& run : runs)
-    study.runs.push_back({run.name, settingsText(run, *loaded.scene, budgets.kind)});
-  study.budgets = budgets.list;
-  const uint64_t firstSeed = plan.settings(*loaded.scene).seed;
-  for (uint64_t i = 0; i < seedCount; ++i) study.seeds.push_back(firstSeed + i);
-  const std::vector<Budget> wantedBudgets = study.budgets;
-  const std::vector<uint64_t> wantedSeeds = study.seeds;
-  const std::string file = (fs::path(o.folder) / "converge.json").string();
-  Study found;
-  if (fs::exists(file)) {
-    found = readStudy(file);
+  Study study = plannedStudy(o, plan, *loaded.scene, sceneHash), found;
+  const std::vector<PlannedCell> planned = cellsInOrder(plan.runs, plan.budgets.list, study.seeds);
+  if (fs::exists(studyFile(o.folder))) {
+    found = readStudy(studyFile(o.folder));
     requireSameStudy(found, study, o.folder);
-    if (!found.cells.empty()) referencePlan.relMse = INFINITY; // they were measured against what there is
+    if (!found.cells.empty()) plan.reference.relMse = INFINITY; // they were measured against what there is
   }
 
   const GracefulStop graceful;
-  const References references = given.empty()
-                                    ? ownReferences(loaded, o.render, referencePlan, sceneHash, o.folder)
-                                    : makeReferences(given, o.references);
+  const References references = plan.references.empty()
+                                    ? ownReferences(loaded, o.render, plan.reference, sceneHash, o.folder)
+                                    : makeReferences(plan.references, o.references);
   if (!o.render.quiet) std::fputs(("reference: " + references.description + "\n").c_str(), stderr);
   study.identity.push_back({"content of the reference", references.hash()});
   if (!found.runs.empty()) requireSameStudy(found, study, o.folder);
   study.include(found);
 
-  const size_t total = runs.size() * wantedBudgets.size() * wantedSeeds.size();
-  size_t done = 0;
-  const TimeLeft timeLeft(study, runs);
-  bool interrupted = false;
-  // Small budgets first, and one seed after the other, so that an interrupted study has something of each
-  // run.
-  for (const Budget& budget : wantedBudgets)
-    for (uint64_t seed : wantedSeeds)
-      for (const Run& run : runs) {
-        ++done;
-        if (interrupted || study.find(run.name, budget.text, seed)) continue;
-        if (graceful.flag()) {
-          interrupted = true;
-          continue;
-        }
-        const double all = timeLeft.ofAll(wantedSeeds, wantedBudgets), own = timeLeft.of(run.name, budget);
-        const std::string phase = "picture " + std::to_string(done) + " of " + std::to_string(total) + ", " +
-                                  run.name + " " + budget.text + " seed " + std::to_string(seed);
-        const auto retell = [&](RenderProgress& p) {
-          p.phase = phase;
-          p.secondsLeft = all < 0 || p.secondsLeft < 0 ? -1 : p.secondsLeft + std::max(0.0, all - own);
-        };
-        const std::string picture =
-            (fs::path(o.folder) / cellPictureName(run.name, budget.text, seed)).string();
-        std::optional<ConvergeCell> cell = renderCell(
-            loaded, run, cellOptions(run, budgets.kind, budget, seed), references, picture, retell);
-        if (!cell) {
-          interrupted = true;
-          continue;
-        }
-        cell->budget = budget.text;
-        cell->seed = seed;
-        study.cells.push_back(*cell);
-        writeFileAtomically(file, studyJson(study));
-        if (!o.render.quiet)
-          std::fputs((phase + ": " + formatted("%.3g s, ", cell->seconds) +
-                      formatted("%.4g", cell->samplesPerPixel) + " samples per pixel, " + errorText(*cell) +
-                      leftText(timeLeft.ofAll(wantedSeeds, wantedBudgets)) + "\n")
-                         .c_str(),
-                     stderr);
-      }
-
-  StudyReport report = reportOf(study, references, o.folder);
-  report.title = fs::path(o.render.scene).filename().string();
-  report.label = part + ", " + std::to_string(threadCount()) +
-                 (threadCount() == 1 ? " thread, " : " threads, ") + std::to_string(study.seeds.size()) +
-                 (study.seeds.size() == 1 ? " seed" : " seeds");
-  if (interrupted) report.label += ", interrupted";
-  if (!report.points.empty()) {
-    const std::string remark = writeReport(report, o.folder);
-    if (!remark.empty()) std::fputs((remark + "\n").c_str(), stderr);
-    print(studyTable(report));
-  }
-  if (interrupted) {
+  const bool isComplete = renderMissingCells(study, planned, loaded, references, o, graceful);
+  tellStudy(study, references, o, crop, isComplete);
+  if (!isComplete) {
     std::fputs(("interrupted with " + std::to_string(study.cells.size()) +
                 " pictures kept; the same command goes on with the rest\n")
                    .c_str(),

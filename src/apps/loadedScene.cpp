@@ -198,69 +198,102 @@ std::string contentHash(const SceneDescription& description) {
   return hash.text();
 }
 
-std::string sceneReport(const LoadedScene& loaded, size_t layers) {
-  const Scene& scene = *loaded.scene;
-  const SceneContents& c = scene.contents();
-  const FilmSettings& film = scene.film();
-  std::string out = loaded.fileName + "\n";
-  const auto line = [&out](const std::string& title, const std::string& text) {
-    out += "  " + title + std::string(title.size() < 12 ? 12 - title.size() : 1, ' ') + text + "\n";
-  };
+namespace {
+
+/** Items with commas between them. */
+class CommaList {
+ public:
+  void add(const std::string& item) { text += (text.empty() ? "" : ", ") + item; }
+  void addCount(size_t count, const std::string& what) {
+    if (count > 0) add(std::to_string(count) + " " + what);
+  }
+  std::string text;
+};
+
+std::string filmText(const FilmSettings& film) {
   std::string size = std::to_string(film.width) + "x" + std::to_string(film.height) + " pixels";
   if (film.crop.width() != film.width || film.crop.height() != film.height)
     size += ", of them " + std::to_string(film.crop.width()) + "x" + std::to_string(film.crop.height()) +
             " from column " + std::to_string(film.crop.x0) + ", row " + std::to_string(film.crop.y0);
   if (film.imagingRatio != 1) size += ", scaled by " + formatted("%.6g", double(film.imagingRatio));
-  line("film", size + ", file " + film.fileName);
-  std::string tracks;
+  return size + ", file " + film.fileName;
+}
+
+/** Empty where nothing is animated. */
+std::string animationText(const SceneDescription& description) {
+  CommaList names;
   double first = 0, last = 0;
-  for (const TrackDescription& track : loaded.description.tracks) {
-    first = tracks.empty() ? track.firstTime : std::min(first, track.firstTime);
-    last = tracks.empty() ? track.lastTime : std::max(last, track.lastTime);
-    tracks += (tracks.empty() ? "" : ", ") + track.name;
+  for (const TrackDescription& track : description.tracks) {
+    first = names.text.empty() ? track.firstTime : std::min(first, track.firstTime);
+    last = names.text.empty() ? track.lastTime : std::max(last, track.lastTime);
+    names.add(track.name);
   }
-  if (!tracks.empty())
-    line("animation", "frame " + formatted("%.6g", loaded.description.frame) + "; keyframes from " +
-                          formatted("%.6g", first) + " to " + formatted("%.6g", last) + " of " + tracks);
-  line("camera", typeOf(loaded.description.camera, "perspective") + ", filter " +
-                     typeOf(loaded.description.filter, "as default"));
+  if (names.text.empty()) return "";
+  return "frame " + formatted("%.6g", description.frame) + "; keyframes from " + formatted("%.6g", first) +
+         " to " + formatted("%.6g", last) + " of " + names.text;
+}
+
+std::string shapesText(const SceneContents& c) {
+  CommaList out;
+  out.add(counted(c.shapes, "shape", "shapes"));
+  if (c.triangles > 0) out.add(counted(c.triangles, "triangle", "triangles"));
+  if (c.otherPrimitives > 0) out.add(counted(c.otherPrimitives, "other primitive", "other primitives"));
+  if (c.instances > 0) out.add(counted(c.instances, "instance", "instances"));
+  return out.text;
+}
+
+std::string lightsText(const SceneContents& c) {
+  CommaList out;
+  out.addCount(c.areaLights, "on surfaces");
+  out.addCount(c.deltaLights, "at a point or in one direction");
+  out.addCount(c.environmentLights, "all around");
+  return out.text.empty() ? "none: the picture will be black" : out.text;
+}
+
+std::string integratorText(const ParsedDirective& integrator) {
+  CommaList settings;
+  for (const std::string& setting : settingsOf(integrator)) settings.add(setting);
+  return integrator.type + (settings.text.empty() ? "" : ": " + settings.text);
+}
+
+std::string memoryText(const LoadedScene& loaded, size_t layers) {
+  const Scene& scene = *loaded.scene;
+  CommaList out;
+  out.add("geometry " + bytesText(double(scene.memoryBytes())));
+  if (const auto [inMemory, inFiles] = textureMemory(); inMemory + inFiles > 0)
+    out.add("textures " + bytesText(double(inMemory)) +
+            (inFiles > 0 ? " and " + bytesText(double(inFiles)) + " in files" : "") +
+            " besides the cache of those in use");
+  out.add("film " + bytesText(Film::bytes(double(scene.film().crop.area()), double(layers))));
+  if (const uint64_t emitted = loaded.integrator->photonsEmitted(scene); emitted > 0)
+    out.add(formatted("a map about %s if each of %.3g photons is stored once",
+                      bytesText(photonMapBytes(double(emitted))).c_str(), double(emitted)));
+  return out.text;
+}
+
+} // namespace
+
+std::string sceneReport(const LoadedScene& loaded, size_t layers) {
+  const Scene& scene = *loaded.scene;
+  const SceneContents& c = scene.contents();
+  const SceneDescription& d = loaded.description;
+  std::string out = loaded.fileName + "\n";
+  const auto line = [&out](const std::string& title, const std::string& text) {
+    out += "  " + title + std::string(title.size() < 12 ? 12 - title.size() : 1, ' ') + text + "\n";
+  };
+  line("film", filmText(scene.film()));
+  if (const std::string animation = animationText(d); !animation.empty()) line("animation", animation);
+  line("camera", typeOf(d.camera, "perspective") + ", filter " + typeOf(d.filter, "as default"));
   line("samples", std::to_string(scene.sampler().pixelSamples) + " per pixel, seed " +
                       std::to_string(scene.sampler().seed));
-  std::string shapes = counted(c.shapes, "shape", "shapes");
-  if (c.triangles > 0) shapes += ", " + counted(c.triangles, "triangle", "triangles");
-  if (c.otherPrimitives > 0)
-    shapes += ", " + counted(c.otherPrimitives, "other primitive", "other primitives");
-  if (c.instances > 0) shapes += ", " + counted(c.instances, "instance", "instances");
-  line("shapes", shapes);
-  for (const std::string& note : loaded.description.importNotes) line("from files", note);
+  line("shapes", shapesText(c));
+  for (const std::string& note : d.importNotes) line("from files", note);
   line("materials", std::to_string(c.materials));
-  std::string lights;
-  const auto addLights = [&lights](size_t count, const char* where) {
-    if (count > 0) lights += (lights.empty() ? "" : ", ") + std::to_string(count) + where;
-  };
-  addLights(c.areaLights, " on surfaces");
-  addLights(c.deltaLights, " at a point or in one direction");
-  addLights(c.environmentLights, " all around");
   if (c.media > 0) line("media", std::to_string(c.media));
-  line("lights", lights.empty() ? "none: the picture will be black" : lights);
+  line("lights", lightsText(c));
   line("scattering", lobeNames(c.lobes));
-  std::string settings;
-  for (const std::string& setting : settingsOf(loaded.integratorDirective))
-    settings += (settings.empty() ? ": " : ", ") + setting;
-  line("integrator", loaded.integratorDirective.type + settings);
-  const double filmBytes = Film::bytes(double(film.crop.area()), double(layers));
-  const auto [inMemory, inFiles] = textureMemory();
-  std::string textures;
-  if (inMemory + inFiles > 0)
-    textures = ", textures " + bytesText(double(inMemory)) +
-               (inFiles > 0 ? " and " + bytesText(double(inFiles)) + " in files" : "") +
-               " besides the cache of those in use";
-  std::string photons;
-  if (const uint64_t emitted = loaded.integrator->photonsEmitted(scene); emitted > 0)
-    photons = formatted(", a map about %s if each of %.3g photons is stored once",
-                        bytesText(photonMapBytes(double(emitted))).c_str(), double(emitted));
-  line("memory", "geometry " + bytesText(double(scene.memoryBytes())) + textures + ", film " +
-                     bytesText(filmBytes) + photons);
+  line("integrator", integratorText(loaded.integratorDirective));
+  line("memory", memoryText(loaded, layers));
   line("time",
        "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));
   line("in short", loaded.warnings == 0 ? std::string("rendered as the file says")

@@ -158,28 +158,13 @@ void chooseClasses(MethodsReport& report, const std::vector<std::string>& claims
   }
 }
 
-ExitStatus compareMethods(const MethodsOptions& options) {
-  MethodsOptions o = options;
-  if (!o.render.samples && !o.render.timeLimit) o.render.timeLimit = DEFAULT_TIME;
-  if (o.render.samples && o.render.timeLimit) badUsage("only one of --spp and --time-limit");
-  const RenderPlan plan = o.render.plan();
-  std::vector<Run> runs = methodRuns(o);
-  const int64_t referenceSamples =
-      o.referenceSamples ? parseCount("--reference-spp", *o.referenceSamples, 1, 1 << 30) : 256;
-  const ThreadPool pool(plan.threads);
-  LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, IntegratorOptions());
-  const PixelBounds& crop = loaded.scene->film().crop;
-  std::error_code failure;
-  fs::create_directories(o.folder, failure);
-  if (failure) throw Error(o.folder + ": " + failure.message());
-  checkFileWritable((fs::path(o.folder) / "index.html").string());
-
-  MethodsReport report;
+/** Adds a method to the report for each run, and chooses classes by which their claims are told apart. */
+void startReport(MethodsReport& report, std::vector<Run>& runs, LoadedScene& loaded, bool lenient) {
   std::vector<std::string> claims;
   for (Run& run : runs) {
     try {
       run.integrator = run.options.integrator.directive(loaded.description.integrator);
-      useIntegrator(loaded, run.integrator, o.render.lenient);
+      useIntegrator(loaded, run.integrator, lenient);
     } catch (const Error& error) {
       throw Error("--method " + run.name + ": " + error.what(), error.status());
     }
@@ -191,54 +176,66 @@ ExitStatus compareMethods(const MethodsOptions& options) {
     if (!loaded.integrator->claims().empty()) claims.push_back(method.claims);
   }
   chooseClasses(report, claims, loaded.scene->hasMedia());
-  const StillsPlan stillsPlan = planStills(report.classes);
-  const std::string size = std::to_string(crop.width()) + "x" + std::to_string(crop.height());
-  Pictures pictures(loaded, stillsPlan, o.folder,
-                    contentHash(loaded.description) + "; " + size + " at " + std::to_string(crop.x0) + " " +
-                        std::to_string(crop.y0) + "; Recurse " + VERSION + "; " +
-                        classesText(stillsPlan.classes));
+}
 
-  const GracefulStop graceful;
-  const auto interrupted = [&] {
-    std::fputs(
-        ("interrupted; what is finished is kept in " + o.folder + ", and the same command goes on\n").c_str(),
-        stderr);
-    return ExitStatus::INTERRUPTED;
-  };
+/** The options of the references. */
+RenderOptions referenceOptions(const MethodsOptions& o) {
+  RenderOptions options = o.render;
+  options.timeLimit.reset();
+  options.adaptive = options.verbose = false;
+  options.samples = std::to_string(
+      o.referenceSamples ? parseCount("--reference-spp", *o.referenceSamples, 1, 1 << 30) : 256);
+  return options;
+}
 
-  RenderOptions reference = o.render;
-  reference.timeLimit.reset();
-  reference.adaptive = reference.verbose = false;
-  reference.samples = std::to_string(referenceSamples);
-  const auto referBy = [&](const std::string& name) {
+/** Gives the options and the scene the integrator of the references, and returns its name. */
+std::string chooseReferenceMethod(const MethodsOptions& o, RenderOptions& reference, LoadedScene& loaded,
+                                  const std::vector<PathClass>& classes) {
+  const auto choose = [&](const std::string& name) {
     reference.integrator.setIntegrator(name);
     useIntegrator(loaded, reference.integrator.directive(loaded.description.integrator), o.render.lenient);
+    return name;
   };
-  std::string referenceMethod = o.referenceMethod.value_or("path");
-  referBy(referenceMethod);
-  if (!o.referenceMethod && !missedPaths(loaded, stillsPlan.classes).empty())
-    referBy(referenceMethod = "sppm");
-  const uint64_t seed = plan.settings(*loaded.scene).seed;
+  const std::string method = choose(o.referenceMethod.value_or("path"));
+  return o.referenceMethod || missedPaths(loaded, classes).empty() ? method : choose("sppm");
+}
+
+/** Renders two independent references into the report, with the integrator that the scene has. False when it
+ * was interrupted. */
+bool renderReferences(MethodsReport& report, RenderOptions options, uint64_t seed, Pictures& pictures,
+                      const GracefulStop& graceful) {
   for (const bool second : {false, true}) {
     // Far from the seeds that people choose.
-    reference.seed = std::to_string((seed + (second ? 2 : 1)) * 0x9e3779b97f4a7c15ull);
+    options.seed = std::to_string((seed + (second ? 2 : 1)) * 0x9e3779b97f4a7c15ull);
     const std::string name = second ? "reference-b" : "reference-a";
     std::optional<Stills> stills = pictures.get(
-        name, reference, [&](RenderProgress& p) { p.phase = name; }, true);
-    if (!stills || graceful.flag()) return interrupted();
+        name, options, [&](RenderProgress& p) { p.phase = name; }, true);
+    if (!stills || graceful.flag()) return false;
     (second ? report.referenceB : report.referenceA) = std::move(*stills);
   }
   prepareReferences(report);
-  report.reference = "two by " + referenceMethod + ", " + std::to_string(referenceSamples) +
-                     " samples per pixel each; " +
-                     referenceError(report.references.a, report.references.b).text();
+  return true;
+}
 
+/** Takes over the picture of a method and what it cost. */
+void setPicture(MethodResult& method, Stills stills) {
+  method.stills = std::move(stills);
+  method.seconds = figure(method.stills, "seconds");
+  method.samplesPerPixel = figure(method.stills, "samples");
+  if (method.samplesPerPixel < 1)
+    throw Error(formatted("its time was over with %.2g samples a pixel", method.samplesPerPixel));
+}
+
+/** Renders and measures each run as the method of the same place in the report. After an interruption, of
+ * which it returns false, only pictures that are there are taken. */
+bool renderMethods(MethodsReport& report, const std::vector<Run>& runs, const RenderOptions& common,
+                   LoadedScene& loaded, Pictures& pictures, const GracefulStop& graceful) {
   bool stopped = false;
   for (size_t i = 0; i < runs.size(); ++i) {
     const Run& run = runs[i];
     MethodResult& method = report.methods[i];
     const std::string name = "method-" + run.name;
-    useIntegrator(loaded, run.integrator, o.render.lenient);
+    useIntegrator(loaded, run.integrator, common.lenient);
     const std::string phase = run.name + ", " + std::to_string(i + 1) + " of " + std::to_string(runs.size());
     try {
       std::optional<Stills> stills;
@@ -246,31 +243,77 @@ ExitStatus compareMethods(const MethodsOptions& options) {
         stills = pictures.get(name, run.options, [&](RenderProgress& p) { p.phase = phase; });
       stopped = stopped || !stills || graceful.flag();
       if (!stills) throw Error("not rendered before the interrupt");
-      method.stills = std::move(*stills);
-      method.seconds = figure(method.stills, "seconds");
-      method.samplesPerPixel = figure(method.stills, "samples");
-      if (method.samplesPerPixel < 1)
-        throw Error(formatted("its time was over with %.2g samples a pixel", method.samplesPerPixel));
+      setPicture(method, std::move(*stills));
     } catch (const Error& error) {
       if (error.status() == ExitStatus::BAD_USAGE) throw;
       method.failure = error.what();
     }
     measureMethod(method, report);
-    if (!o.render.quiet && method.failure.empty()) std::fputs((phase + ": done\n").c_str(), stderr);
+    if (!common.quiet && method.failure.empty()) std::fputs((phase + ": done\n").c_str(), stderr);
   }
+  return !stopped;
+}
 
-  report.title = fs::path(o.render.scene).filename().string();
-  report.label = size + " pixels, " +
-                 (o.render.samples ? *o.render.samples + " samples per pixel" : *o.render.timeLimit) +
-                 " each, " + std::to_string(threadCount()) + (threadCount() == 1 ? " thread" : " threads");
-  const auto file = [&](const char* name) { return (fs::path(o.folder) / name).string(); };
+void writeReport(const MethodsReport& report, const std::string& folder) {
+  const auto file = [&](const char* name) { return (fs::path(folder) / name).string(); };
   writeImage(file("sheet.png"), methodsSheet(report));
   writeFileAtomically(file("methods.json"), methodsJson(report));
   writeFileAtomically(file("index.html"), methodsPage(report));
   print(methodsTable(report));
-  if (stopped) return interrupted();
+}
+
+void makeMethodsFolder(const std::string& folder) {
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) throw Error(folder + ": " + failure.message());
+  checkFileWritable((fs::path(folder) / "index.html").string());
+}
+
+ExitStatus compareMethods(const MethodsOptions& options) {
+  MethodsOptions o = options;
+  if (!o.render.samples && !o.render.timeLimit) o.render.timeLimit = DEFAULT_TIME;
+  if (o.render.samples && o.render.timeLimit) badUsage("only one of --spp and --time-limit");
+  const RenderPlan plan = o.render.plan();
+  std::vector<Run> runs = methodRuns(o);
+  RenderOptions reference = referenceOptions(o);
+  const ThreadPool pool(plan.threads);
+  LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, IntegratorOptions());
+  const PixelBounds& crop = loaded.scene->film().crop;
+  makeMethodsFolder(o.folder);
+
+  MethodsReport report;
+  startReport(report, runs, loaded, o.render.lenient);
+  const StillsPlan stillsPlan = planStills(report.classes);
+  const std::string size = std::to_string(crop.width()) + "x" + std::to_string(crop.height());
+  report.title = fs::path(o.render.scene).filename().string();
+  report.label = size + " pixels, " +
+                 (o.render.samples ? *o.render.samples + " samples per pixel" : *o.render.timeLimit) +
+                 " each, " + std::to_string(threadCount()) + (threadCount() == 1 ? " thread" : " threads");
+  Pictures pictures(loaded, stillsPlan, o.folder,
+                    contentHash(loaded.description) + "; " + size + " at " + std::to_string(crop.x0) + " " +
+                        std::to_string(crop.y0) + "; Recurse " + VERSION + "; " +
+                        classesText(stillsPlan.classes));
+
+  const GracefulStop graceful;
+  const std::string referenceMethod = chooseReferenceMethod(o, reference, loaded, stillsPlan.classes);
+  bool isComplete =
+      renderReferences(report, reference, plan.settings(*loaded.scene).seed, pictures, graceful);
+  if (isComplete) {
+    report.reference = "two by " + referenceMethod + ", " + *reference.samples + " samples per pixel each; " +
+                       referenceError(report.references.a, report.references.b).text();
+    isComplete = renderMethods(report, runs, o.render, loaded, pictures, graceful);
+    writeReport(report, o.folder);
+  }
+  if (!isComplete) {
+    std::fputs(
+        ("interrupted; what is finished is kept in " + o.folder + ", and the same command goes on\n").c_str(),
+        stderr);
+    return ExitStatus::INTERRUPTED;
+  }
   if (!o.render.quiet)
-    std::fputs(("written: " + file("index.html") + ", sheet.png, methods.json, method-*.exr\n").c_str(),
+    std::fputs(("written: " + (fs::path(o.folder) / "index.html").string() +
+                ", sheet.png, methods.json, method-*.exr\n")
+                   .c_str(),
                stderr);
   return ExitStatus::DONE;
 }

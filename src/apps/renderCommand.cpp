@@ -206,6 +206,70 @@ std::string integratorRemark(const RenderOptions& options, const LoadedScene& lo
          "\"; --integrator photonmap often has less noise in the same time\n";
 }
 
+/** The files for the picture; none where a part of the samples goes into a checkpoint alone. */
+std::vector<std::string> outputsOf(const RenderCommandOptions& o, const LoadedScene& loaded) {
+  if (!o.outputs.empty() || (o.sampleRange && !o.checkpoint.empty())) return o.outputs;
+  const std::string name = defaultOutput(loaded);
+  return {o.frame ? numberedName(name, o.frame->number) : name};
+}
+
+/** Keeps the errors of single files until all others are written. */
+class Attempts {
+ public:
+  /** False when it failed. */
+  bool attempt(const std::function<void()>& write) {
+    try {
+      write();
+      return true;
+    } catch (const Error& error) {
+      failures += (failures.empty() ? "" : "\nrecurse: ") + std::string(error.what());
+      return false;
+    }
+  }
+  void throwFailures() const {
+    if (!failures.empty()) throw Error(failures);
+  }
+
+ private:
+  std::string failures;
+};
+
+RenderReport reportOf(const Rendering& rendering, const RenderCommandOptions& o) {
+  RenderReport report =
+      rendering.report("recurse render", (o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths)) +
+                                             (o.frame ? " --frames " + std::to_string(o.frame->number) : ""));
+  report.extra = o.extra;
+  return report;
+}
+
+/** Writes the files that were asked for, and sums the render up. */
+void writeResults(const Rendering& rendering, const RenderCommandOptions& o,
+                  const std::vector<std::string>& outputs, const FeatureSettings& features,
+                  PictureWriter& writer, FilmViewers& viewers) {
+  const RenderReport report = reportOf(rendering, o);
+  Image image = pictureOf(rendering.film(), report);
+  if (!features.layers.empty()) image = withChannels(image, renderFeatures(*report.loaded.scene, features));
+  Attempts files;
+  std::vector<std::string> written;
+  const auto writePicture = [&](const std::string& name) {
+    if (files.attempt([&] { writer.write(name, image); })) written.push_back(name);
+  };
+  for (const std::string& name : outputs) writePicture(name);
+  viewers.finish(image, [](const std::string& text) { std::fputs((text + "\n").c_str(), stderr); });
+  if (!o.viewers.preview.empty()) writePicture(o.viewers.preview);
+  if (!o.render.statistics.empty() &&
+      files.attempt([&] { writeFileAtomically(o.render.statistics, statisticsJson(report)); }))
+    written.push_back(o.render.statistics);
+  if (!o.render.quiet)
+    std::fputs((renderSummary(report, written, !o.render.verbose) +
+                integratorRemark(o.render, report.loaded) + writer.remark())
+                   .c_str(),
+               stderr);
+  if (!rendering.checkpointFailure().empty())
+    files.attempt([&] { throw Error(rendering.checkpointFailure()); });
+  files.throwFailures();
+}
+
 ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
   const bool leads = !cluster() || cluster()->leads();
   const RenderCommandOptions o = leads ? given : withoutOutputs(given);
@@ -223,11 +287,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
     if (!o.frame || o.frame->isFirst) print(sceneReport(loaded, classes.layerCount()));
     return ExitStatus::DONE;
   }
-  std::vector<std::string> outputs = o.outputs;
-  if (outputs.empty() && !(o.sampleRange && !o.checkpoint.empty())) {
-    outputs = {defaultOutput(loaded)};
-    if (o.frame) outputs[0] = numberedName(outputs[0], o.frame->number);
-  }
+  const std::vector<std::string> outputs = outputsOf(o, loaded);
   if (leads) checkOutputs(o, outputs);
   const FeatureSettings features = featuresOf(o, outputs, leads && loaded.scene->film().layered);
 
@@ -243,40 +303,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   const Rendering rendering(loaded, classes, plan, o.render,
                             [&](const RenderProgress& progress) { viewers.show(progress); });
   if (!leads) return ExitStatus::DONE;
-  RenderReport report =
-      rendering.report("recurse render", (o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths)) +
-                                             (o.frame ? " --frames " + std::to_string(o.frame->number) : ""));
-  report.extra = o.extra;
-  Image image = pictureOf(rendering.film(), report);
-  if (!features.layers.empty()) image = withChannels(image, renderFeatures(*loaded.scene, features));
-  std::vector<std::string> written = outputs;
-  // One output that fails must not take the others along.
-  std::string failures;
-  const auto attempt = [&failures](const std::function<void()>& write) {
-    try {
-      write();
-      return true;
-    } catch (const Error& error) {
-      failures += (failures.empty() ? "" : "\nrecurse: ") + std::string(error.what());
-      return false;
-    }
-  };
-  std::erase_if(written,
-                [&](const std::string& name) { return !attempt([&] { writer.write(name, image); }); });
-  viewers.finish(image, [](const std::string& text) { std::fputs((text + "\n").c_str(), stderr); });
-  if (const std::string& preview = o.viewers.preview;
-      !preview.empty() && attempt([&] { writer.write(preview, image); }))
-    written.push_back(preview);
-  if (!o.render.statistics.empty() &&
-      attempt([&] { writeFileAtomically(o.render.statistics, statisticsJson(report)); }))
-    written.push_back(o.render.statistics);
-  if (!o.render.quiet)
-    std::fputs((renderSummary(report, written, !o.render.verbose) + integratorRemark(o.render, loaded) +
-                writer.remark())
-                   .c_str(),
-               stderr);
-  if (!rendering.checkpointFailure().empty()) attempt([&] { throw Error(rendering.checkpointFailure()); });
-  if (!failures.empty()) throw Error(failures);
+  writeResults(rendering, o, outputs, features, writer, viewers);
   return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
 }
 
@@ -320,6 +347,77 @@ ExitStatus renderFrames(const RenderCommandOptions& given) {
   return ExitStatus::DONE;
 }
 
+constexpr const char* EXAMPLES =
+    "Examples:\n"
+    "  recurse render scene.pbrt -o picture.exr -o picture.png\n"
+    "  recurse render scene.pbrt -o quick.png --time-limit 30s --resolution 320x240\n"
+    "  recurse render scene.pbrt -o truth.exr --integrator path --spp 1024\n"
+    "  recurse render scene.pbrt -o sure.exr --integrator path --error-target 0.05\n"
+    "  recurse render scene.pbrt -o even.exr --integrator path --spp 256 --adaptive --samples-layer\n"
+    "  recurse render scene.pbrt -o fine.exr --photons 10M --spp 64 --stats fine.json\n"
+    "  recurse render scene.pbrt -o caustics.exr --paths 'LS+DE'\n"
+    "  recurse render scene.pbrt -o bright.png --exposure auto+1 --tonemap reinhard\n"
+    "  recurse render scene.pbrt -o plain.png --exposure 0 --tonemap none\n"
+    "  recurse render scene.pbrt -o long.exr --spp 4096 --checkpoint long.rck --resume\n"
+    "  recurse render scene.pbrt -o half.exr --spp 512 --sample-range 0:256 --checkpoint a.rck\n"
+    "  recurse render scene.pbrt -o layers.exr --layers albedo,normal,depth\n"
+    "  recurse render scene.pbrt -o long.exr --spp 4096 --live\n"
+    "  recurse render scene.pbrt -o long.exr --spp 4096 --preview look.png --every 30s\n"
+    "  recurse render scene.pbrt -o look.png --watch --time-limit 20s\n"
+    "  recurse render scenes/animation.pbrt --frames 0:48 -o film.png\n"
+    "  recurse render scene.pbrt --check\n\n"
+    "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
+    "complete one.";
+
+void addCheckpointOptions(CLI::App& command, RenderCommandOptions& o) {
+  command
+      .add_option("--checkpoint", o.checkpoint,
+                  "Keep the render in this file, every now and then and at its end or interruption")
+      ->type_name("FILE");
+  command.add_option("--checkpoint-interval", o.checkpointInterval, "How often that is done (default: 60s)")
+      ->type_name("TIME");
+  command.add_flag("--resume", o.resume,
+                   "Go on with the render in the --checkpoint file, bit for bit as if it had never stopped; "
+                   "begin where there is no such file");
+  command
+      .add_option(
+          "--sample-range", o.sampleRange,
+          "Only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds renders up")
+      ->type_name("FIRST:END");
+}
+
+void addLayerOptions(CLI::App& command, RenderCommandOptions& o) {
+  command.add_flag("--error-layer", o.extra.error,
+                   "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
+  command.add_flag("--samples-layer", o.extra.samples,
+                   "Add the number of samples of each pixel to .exr, as channel samples.N");
+  command
+      .add_option(
+          "--layers", o.layers,
+          "Add features of what the pixels see to .exr: albedo, normal (shading, towards the viewer), "
+          "geonormal (of the surface itself), depth (distance), position (in world space), cryptoobject and "
+          "cryptomaterial (mattes by the Cryptomatte convention)")
+      ->type_name("NAME,NAME...");
+  command.add_flag("--layers-through", o.throughSpecular,
+                   "For --layers: of what is seen in mirrors and through smooth glass");
+}
+
+void addRepetitionOptions(CLI::App& command, RenderCommandOptions& o) {
+  command.add_flag(
+      "--watch", o.watch,
+      "Render again when a file of the scene changes, at a quarter of the width and height first, "
+      "until Ctrl-C");
+  command
+      .add_option(
+          "--frames", o.frames,
+          "Frames of a scene with Animate directives, FIRST to LAST inclusive or one alone, each a picture: "
+          "'-o film.png' writes film-0000.png and so on, '-o film##.png' film00.png. The exposure of .png is "
+          "chosen for each: --exposure 0 keeps it. Files that are read, "
+          "shapes and objects that do not change are not built again; lights, materials and the tree over "
+          "all are. A --time-limit holds for each frame")
+      ->type_name("FIRST:LAST");
+}
+
 } // namespace
 
 void addRenderCommand(CLI::App& app, Command& chosen) {
@@ -342,71 +440,14 @@ void addRenderCommand(CLI::App& app, Command& chosen) {
                    "Only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
       ->type_name("EXPR");
   o.develop.addTo(*command);
-  command
-      ->add_option("--checkpoint", o.checkpoint,
-                   "Keep the render in this file, every now and then and at its end or interruption")
-      ->type_name("FILE");
-  command->add_option("--checkpoint-interval", o.checkpointInterval, "How often that is done (default: 60s)")
-      ->type_name("TIME");
-  command->add_flag("--resume", o.resume,
-                    "Go on with the render in the --checkpoint file, bit for bit as if it had never stopped; "
-                    "begin where there is no such file");
-  command
-      ->add_option(
-          "--sample-range", o.sampleRange,
-          "Only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds renders up")
-      ->type_name("FIRST:END");
+  addCheckpointOptions(*command, o);
   o.viewers.addTo(*command);
-  command->add_flag("--error-layer", o.extra.error,
-                    "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
-  command->add_flag("--samples-layer", o.extra.samples,
-                    "Add the number of samples of each pixel to .exr, as channel samples.N");
-  command
-      ->add_option(
-          "--layers", o.layers,
-          "Add features of what the pixels see to .exr: albedo, normal (shading, towards the viewer), "
-          "geonormal (of the surface itself), depth (distance), position (in world space), cryptoobject and "
-          "cryptomaterial (mattes by the Cryptomatte convention)")
-      ->type_name("NAME,NAME...");
-  command->add_flag("--layers-through", o.throughSpecular,
-                    "For --layers: of what is seen in mirrors and through smooth glass");
-  command->add_flag(
-      "--watch", o.watch,
-      "Render again when a file of the scene changes, at a quarter of the width and height first, "
-      "until Ctrl-C");
-  command
-      ->add_option(
-          "--frames", o.frames,
-          "Frames of a scene with Animate directives, FIRST to LAST inclusive or one alone, each a picture: "
-          "'-o film.png' writes film-0000.png and so on, '-o film##.png' film00.png. The exposure of .png is "
-          "chosen for each: --exposure 0 keeps it. Files that are read, "
-          "shapes and objects that do not change are not built again; lights, materials and the tree over "
-          "all are. A --time-limit holds for each frame")
-      ->type_name("FIRST:LAST");
+  addLayerOptions(*command, o);
+  addRepetitionOptions(*command, o);
   command->add_flag("--send-scene", o.sendScene,
                     "For recurse-mpi: rank 0 alone reads the scene, and sends its files to the others");
   command->add_flag("--check", o.check, "Load the scene, report what it contains and needs, do not render");
-  command->footer(
-      "Examples:\n"
-      "  recurse render scene.pbrt -o picture.exr -o picture.png\n"
-      "  recurse render scene.pbrt -o quick.png --time-limit 30s --resolution 320x240\n"
-      "  recurse render scene.pbrt -o truth.exr --integrator path --spp 1024\n"
-      "  recurse render scene.pbrt -o sure.exr --integrator path --error-target 0.05\n"
-      "  recurse render scene.pbrt -o even.exr --integrator path --spp 256 --adaptive --samples-layer\n"
-      "  recurse render scene.pbrt -o fine.exr --photons 10M --spp 64 --stats fine.json\n"
-      "  recurse render scene.pbrt -o caustics.exr --paths 'LS+DE'\n"
-      "  recurse render scene.pbrt -o bright.png --exposure auto+1 --tonemap reinhard\n"
-      "  recurse render scene.pbrt -o plain.png --exposure 0 --tonemap none\n"
-      "  recurse render scene.pbrt -o long.exr --spp 4096 --checkpoint long.rck --resume\n"
-      "  recurse render scene.pbrt -o half.exr --spp 512 --sample-range 0:256 --checkpoint a.rck\n"
-      "  recurse render scene.pbrt -o layers.exr --layers albedo,normal,depth\n"
-      "  recurse render scene.pbrt -o long.exr --spp 4096 --live\n"
-      "  recurse render scene.pbrt -o long.exr --spp 4096 --preview look.png --every 30s\n"
-      "  recurse render scene.pbrt -o look.png --watch --time-limit 20s\n"
-      "  recurse render scenes/animation.pbrt --frames 0:48 -o film.png\n"
-      "  recurse render scene.pbrt --check\n\n"
-      "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
-      "complete one.");
+  command->footer(EXAMPLES);
   command->callback([options, &chosen] {
     chosen = [options] {
       if (!options->frames.empty()) return renderFrames(*options);

@@ -36,73 +36,104 @@ void writeScript(const std::filesystem::path& file, const std::string& text) {
                                std::filesystem::perm_options::add);
 }
 
-ExitStatus splitRender(SplitOptions o) {
-  const RenderPlan plan = o.render.plan();
+/** A split render: what its scripts have in common. */
+struct Job {
+  std::filesystem::path folder;
+  std::string settings; ///< of `recurse render`
+  int64_t parts = 1, samples = 1, passes = 1;
+
+  std::string quotedFolder() const { return shellQuoted(folder.string()); }
+};
+
+/** Shell lines that set RECURSE and go into the folder. */
+std::string scriptStart(const Job& job) {
+  return "RECURSE=${RECURSE:-" + shellQuoted(std::filesystem::read_symlink("/proc/self/exe").string()) +
+         "}\ncd " + job.quotedFolder() + " || exit 1\n";
+}
+
+std::string partScript(const Job& job) {
+  std::string ranges;
+  for (int64_t i = 0; i < job.parts; ++i)
+    ranges += std::to_string(i) +
+              ") range=" + std::to_string(beginOf(i, job.parts, job.samples, job.passes)) + ":" +
+              std::to_string(beginOf(i + 1, job.parts, job.samples, job.passes)) + " file=" + partName(i) +
+              " ;;\n";
+  return "#!/bin/sh\n"
+         "# part.sh N: renders part N, or goes on with it.\n" +
+         scriptStart(job) + "case \"$1\" in\n" + ranges +
+         "*) echo \"there is no part '$1'\" >&2; exit 2 ;;\nesac\n"
+         "exec \"$RECURSE\" render " +
+         job.settings + " --sample-range $range --checkpoint $file --resume --progress plain\n";
+}
+
+std::string mergeScript(const Job& job) {
+  std::string names;
+  for (int64_t i = 0; i < job.parts; ++i) names += " " + partName(i);
+  return "#!/bin/sh\n"
+         "# merge.sh [OPTION...]: the picture, once all parts are there; with --partial, of what there "
+         "is.\n" +
+         scriptStart(job) + "exec \"$RECURSE\" merge" + names + " -o picture.exr -o picture.png \"$@\"\n";
+}
+
+std::string localScript(const Job& job) {
+  return "#!/bin/sh\n"
+         "# All parts one after the other, then the picture. Parts that failed are run again by the next "
+         "call.\n"
+         "part=0\nwhile [ $part -lt " +
+         std::to_string(job.parts) + " ]; do\n  " + job.quotedFolder() +
+         "/part.sh $part || echo \"part $part failed\" >&2\n  part=$((part + 1))\ndone\nexec " +
+         job.quotedFolder() + "/merge.sh\n";
+}
+
+/** A job that is cancelled or requeued gets SIGTERM, and writes what it has. */
+std::string slurmScript(const Job& job) {
+  return "#!/bin/sh\n"
+         "# sbatch slurm.sh; then: sbatch --dependency=afterany:JOB merge.sh\n"
+         "#SBATCH --job-name=recurse\n"
+         "#SBATCH --array=0-" +
+         std::to_string(job.parts - 1) +
+         "\n#SBATCH --requeue\n#SBATCH --output=" + (job.folder / "slurm-%A_%a.log").string() + "\nexec " +
+         job.quotedFolder() + "/part.sh \"$SLURM_ARRAY_TASK_ID\"\n";
+}
+
+/** The number of samples, of which the parts get some each. Throws where parts cannot be told apart. */
+int64_t samplesToSplit(const RenderPlan& plan) {
   if (plan.adaptive || plan.timeLimit > 0 || plan.errorTarget > 0)
     badUsage(
         "split: --adaptive, --time-limit and --error-target depend on the whole picture; parts of it are "
         "samples of --spp");
   if (!plan.samples) badUsage("split: needs --spp N, the number of samples that are dealt out");
-  const int64_t samples = *plan.samples;
-  const int64_t parts = parseCount("--parts", o.parts, 1, std::min(samples, MAX_PARTS));
+  return *plan.samples;
+}
+
+ExitStatus splitRender(SplitOptions o) {
+  const RenderPlan plan = o.render.plan();
+  Job job;
+  job.samples = samplesToSplit(plan);
+  job.parts = parseCount("--parts", o.parts, 1, std::min(job.samples, MAX_PARTS));
   const PathClasses classes =
       o.paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{o.paths, o.paths}});
   // Jobs run in any folder.
   o.render.scene = std::filesystem::absolute(o.render.scene).string();
   const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
-  const int64_t passes = loaded.integrator->passes(static_cast<int>(samples));
-  if (passes > samples)
-    badUsage("--spp: " + std::to_string(passes) + " passes need as many samples at least");
-  const std::filesystem::path folder = std::filesystem::absolute(o.folder).lexically_normal();
+  job.passes = loaded.integrator->passes(static_cast<int>(job.samples));
+  if (job.passes > job.samples)
+    badUsage("--spp: " + std::to_string(job.passes) + " passes need as many samples at least");
+  job.folder = std::filesystem::absolute(o.folder).lexically_normal();
   std::error_code reason;
-  std::filesystem::create_directories(folder, reason);
-  if (reason) throw Error("-o: " + folder.string() + ": " + reason.message());
+  std::filesystem::create_directories(job.folder, reason);
+  if (reason) throw Error("-o: " + job.folder.string() + ": " + reason.message());
+  job.settings = o.render.text(loaded, plan.settings(*loaded.scene)) +
+                 (o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths)) +
+                 (plan.threads > 0 ? " --nthreads " + std::to_string(plan.threads) : "");
 
-  const std::string in = shellQuoted(folder.string());
-  const std::string recurse =
-      "RECURSE=${RECURSE:-" + shellQuoted(std::filesystem::read_symlink("/proc/self/exe").string()) + "}\n";
-  const std::string settings = o.render.text(loaded, plan.settings(*loaded.scene)) +
-                               (o.paths.empty() ? "" : " --paths " + shellQuoted(o.paths)) +
-                               (plan.threads > 0 ? " --nthreads " + std::to_string(plan.threads) : "");
-  std::string ranges, names;
-  for (int64_t i = 0; i < parts; ++i) {
-    ranges += std::to_string(i) + ") range=" + std::to_string(beginOf(i, parts, samples, passes)) + ":" +
-              std::to_string(beginOf(i + 1, parts, samples, passes)) + " file=" + partName(i) + " ;;\n";
-    names += " " + partName(i);
-  }
-  writeScript(folder / "part.sh",
-              "#!/bin/sh\n"
-              "# part.sh N: renders part N, or goes on with it.\n" +
-                  recurse + "cd " + in + " || exit 1\ncase \"$1\" in\n" + ranges +
-                  "*) echo \"there is no part '$1'\" >&2; exit 2 ;;\nesac\n" + "exec \"$RECURSE\" render " +
-                  settings + " --sample-range $range --checkpoint $file --resume --progress plain\n");
-  writeScript(
-      folder / "merge.sh",
-      "#!/bin/sh\n# merge.sh [OPTION...]: the picture, once all parts are there; with --partial, of what "
-      "there is.\n" +
-          recurse + "cd " + in + " || exit 1\nexec \"$RECURSE\" merge" + names +
-          " -o picture.exr -o picture.png \"$@\"\n");
-  writeScript(folder / "local.sh",
-              "#!/bin/sh\n# All parts one after the other, then the picture. Parts that "
-              "failed are run again by the next call.\n" +
-                  ("part=0\nwhile [ $part -lt " + std::to_string(parts)) + " ]; do\n  " + in +
-                  "/part.sh $part || echo \"part $part failed\" >&2\n  part=$((part + 1))\n"
-                  "done\nexec " +
-                  in + "/merge.sh\n");
-  // A job that is cancelled or requeued gets SIGTERM, and writes what it has.
-  writeScript(folder / "slurm.sh", "#!/bin/sh\n"
-                                   "# sbatch slurm.sh; then: sbatch --dependency=afterany:JOB merge.sh\n"
-                                   "#SBATCH --job-name=recurse\n"
-                                   "#SBATCH --array=0-" +
-                                       std::to_string(parts - 1) +
-                                       "\n"
-                                       "#SBATCH --requeue\n"
-                                       "#SBATCH --output=" +
-                                       (folder / "slurm-%A_%a.log").string() + "\n" + "exec " + in +
-                                       "/part.sh \"$SLURM_ARRAY_TASK_ID\"\n");
+  writeScript(job.folder / "part.sh", partScript(job));
+  writeScript(job.folder / "merge.sh", mergeScript(job));
+  writeScript(job.folder / "local.sh", localScript(job));
+  writeScript(job.folder / "slurm.sh", slurmScript(job));
   if (!o.render.quiet)
-    std::fputs((folder.string() + ": " + std::to_string(parts) + " parts of about " +
-                formatted("%.4g", double(samples) / double(parts)) +
+    std::fputs((job.folder.string() + ": " + std::to_string(job.parts) + " parts of about " +
+                formatted("%.4g", double(job.samples) / double(job.parts)) +
                 " samples per pixel; run slurm.sh with sbatch, or local.sh, then merge.sh\n")
                    .c_str(),
                stderr);

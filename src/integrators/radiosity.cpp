@@ -45,7 +45,8 @@ class Radiosity final : public Integrator {
           "radiosity: %zu of the scene's shapes are no surfaces of one matt material at rest that can be "
           "cut to patches, and reflect no indirect light",
           patches.ignoredShapes()));
-    guide = learnEmissionGuide(scene, classes, pass.seed, ENDLESS_WALK, control, statistics.counts);
+    guide =
+        learnEmissionGuide(scene, classes, pass.seed, LOSSLESS_ROULETTE_DEPTH, control, statistics.counts);
     solve(scene, classes, pass, control, statistics);
     reconstruct();
     statistics.photonsEmitted = static_cast<uint64_t>(rays);

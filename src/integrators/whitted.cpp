@@ -13,7 +13,7 @@ namespace {
 class Whitted final : public Integrator {
  public:
   Whitted(int maxDepth, float minWeight)
-      : maxDepth(maxDepth < 0 ? ENDLESS_WALK : maxDepth), minWeight(minWeight) {}
+      : maxDepth(maxDepth < 0 ? LOSSLESS_ROULETTE_DEPTH : maxDepth), minWeight(minWeight) {}
 
   void prepare(const Scene& scene, const PathClasses&) override { lights.learn(scene); }
 

@@ -105,7 +105,7 @@ class DiffuseArea final : public AreaLight {
     light->distance = distance;
     light->radiance = l * opacity(s->point);
     light->pdf = s->pdf;
-    light->delta = !isMet();
+    light->delta = !isIntersectable();
     light->normal = s->point.geometricNormal;
     light->primitive = s->primitive;
     return light;

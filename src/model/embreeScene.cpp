@@ -101,30 +101,30 @@ EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray) const {
   return {rayHit.ray.tfar, parametersOf(h), h.geomID, h.primID, h.instID[0]};
 }
 
-const TriangleMesh* EmbreeScene::meshOf(const PositionHit& met) const {
-  if (met.geometry == RTC_INVALID_GEOMETRY_ID) return nullptr;
+const TriangleMesh* EmbreeScene::meshOf(const PositionHit& position) const {
+  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return nullptr;
   const GeometryGroup* group = groups.front().get();
-  if (met.instance != RTC_INVALID_GEOMETRY_ID) group = group->instance(met.instance).group;
-  return group->geometry(met.geometry).mesh;
+  if (position.instance != RTC_INVALID_GEOMETRY_ID) group = group->instance(position.instance).group;
+  return group->geometry(position.geometry).mesh;
 }
 
-void EmbreeScene::complete(const PositionHit& met, float time, Wanted wanted, Hit& hit) const {
+void EmbreeScene::complete(const PositionHit& position, float time, Wanted wanted, Hit& hit) const {
   const GeometryGroup* group = groups.front().get();
   const GeometryGroup::Instance* instance = nullptr;
-  if (met.instance != RTC_INVALID_GEOMETRY_ID) {
-    instance = &group->instance(met.instance);
+  if (position.instance != RTC_INVALID_GEOMETRY_ID) {
+    instance = &group->instance(position.instance);
     group = instance->group;
   }
-  const SceneGeometry& g = group->geometry(met.geometry);
+  const SceneGeometry& g = group->geometry(position.geometry);
   if (wanted == Wanted::PLACE && !instance)
-    makeAt(hit.point, [&] { return g.shape->placeAt(met.primitive, met.parameters); });
+    makeAt(hit.point, [&] { return g.shape->placeAt(position.primitive, position.parameters); });
   else
-    makeAt(hit.point, [&] { return g.shape->surfaceAt(met.primitive, met.parameters); });
+    makeAt(hit.point, [&] { return g.shape->surfaceAt(position.primitive, position.parameters); });
   if (instance) transformToScene(*instance, time, hit.point);
   hit.point.time = time;
-  hit.t = met.t;
-  hit.primitive = met.primitive;
-  hit.material = g.compound ? g.shape->materialAt(met.parameters) : g.material;
+  hit.t = position.t;
+  hit.primitive = position.primitive;
+  hit.material = g.compound ? g.shape->materialAt(position.parameters) : g.material;
   hit.areaLight = g.light;
   hit.lightIndex = g.lightIndex;
   hit.shape = g.shapeIndex;
@@ -133,20 +133,21 @@ void EmbreeScene::complete(const PositionHit& met, float time, Wanted wanted, Hi
 }
 
 bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
-  const PositionHit met = nearest(ray);
-  if (met.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(met, ray.time, Wanted::SURFACE, hit);
+  const PositionHit position = nearest(ray);
+  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  complete(position, ray.time, Wanted::SURFACE, hit);
   return true;
 }
 
 bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
-  const PositionHit met = nearest(ray);
-  if (met.geometry == RTC_INVALID_GEOMETRY_ID) return false;
-  complete(met, ray.time, Wanted::PLACE, hit);
+  const PositionHit position = nearest(ray);
+  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  complete(position, ray.time, Wanted::PLACE, hit);
   return true;
 }
 
-void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* met) const {
+void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence,
+                                PositionHit* positions) const {
   size_t done = 0;
   if (packets && rays.size() > MAX_SINGLE_RAYS) {
     RTCRayHit8 packet[GROUP / embree::PACKET];
@@ -163,31 +164,31 @@ void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence, 
       const embree::Lanes lanes(rays.size() - done);
       embree::intersect(groups.front()->scene(), lanes, *p, coherence == Coherence::COHERENT);
       for (size_t i = 0; i < embree::PACKET && done < rays.size(); ++i)
-        met[done++] = {p->ray.tfar[i],
-                       {{p->hit.u[i], p->hit.v[i]}, {p->hit.Ng_x[i], p->hit.Ng_y[i], p->hit.Ng_z[i]}},
-                       p->hit.geomID[i],
-                       p->hit.primID[i],
-                       p->hit.instID[0][i]};
+        positions[done++] = {p->ray.tfar[i],
+                             {{p->hit.u[i], p->hit.v[i]}, {p->hit.Ng_x[i], p->hit.Ng_y[i], p->hit.Ng_z[i]}},
+                             p->hit.geomID[i],
+                             p->hit.primID[i],
+                             p->hit.instID[0][i]};
     }
   }
-  for (; done < rays.size(); ++done) makeAt(met[done], [&] { return nearest(rays[done]); });
+  for (; done < rays.size(); ++done) makeAt(positions[done], [&] { return nearest(rays[done]); });
 }
 
 void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const {
-  PositionHit met[GROUP];
+  PositionHit positions[GROUP];
   const TriangleMesh* meshes[GROUP];
   while (!rays.empty()) {
     const size_t count = std::min(GROUP, rays.size());
-    nearestOfEach(rays.first(count), coherence, met);
+    nearestOfEach(rays.first(count), coherence, positions);
     for (size_t i = 0; i < count; ++i) {
-      meshes[i] = meshOf(met[i]);
-      if (meshes[i]) meshes[i]->prefetchTriangle(met[i].primitive);
+      meshes[i] = meshOf(positions[i]);
+      if (meshes[i]) meshes[i]->prefetchTriangle(positions[i].primitive);
     }
     for (size_t i = 0; i < count; ++i)
-      if (meshes[i]) meshes[i]->prefetchVertices(met[i].primitive);
+      if (meshes[i]) meshes[i]->prefetchVertices(positions[i].primitive);
     for (size_t i = 0; i < count; ++i)
-      if (met[i].geometry != RTC_INVALID_GEOMETRY_ID)
-        complete(met[i], rays[i].time, Wanted::SURFACE, hits[i]);
+      if (positions[i].geometry != RTC_INVALID_GEOMETRY_ID)
+        complete(positions[i], rays[i].time, Wanted::SURFACE, hits[i]);
       else
         hits[i].t = INFINITE;
     rays = rays.subspan(count);

@@ -117,11 +117,11 @@ class EmbreeScene final : public Scene {
   };
   PositionHit nearest(const Ray& ray) const;
   /** The same for up to GROUP rays. */
-  void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* met) const;
-  const TriangleMesh* meshOf(const PositionHit& met) const;
+  void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* positions) const;
+  const TriangleMesh* meshOf(const PositionHit& position) const;
   /** The surface at a meeting of a ray of that time; or only its place. */
   enum class Wanted { SURFACE, PLACE };
-  void complete(const PositionHit& met, float time, Wanted wanted, Hit& hit) const;
+  void complete(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
 
   std::shared_ptr<const EmbreeDevice> device;
   bool packets; ///< Embree has packets of rays on this processor

@@ -117,7 +117,7 @@ std::string MpiCluster::tellAll(std::string text) const {
   return text;
 }
 
-void MpiCluster::meet(const std::string& text) {
+void MpiCluster::requireAgreement(const std::string& text) {
   char host[MPI_MAX_PROCESSOR_NAME] = {};
   int length = 0;
   MPI_Get_processor_name(host, &length);
@@ -146,14 +146,14 @@ void MpiCluster::meet(const std::string& text) {
 }
 
 void MpiCluster::join(const std::map<std::string, std::string>& identity) {
-  meet(textOf(identity));
+  requireAgreement(textOf(identity));
   inRender = true;
   onJoined();
 }
 
 void MpiCluster::fail(const std::string& why) {
   try {
-    meet(FAILED + why);
+    requireAgreement(FAILED + why);
   } catch (const Error&) { // has been said where it happened
   }
 }

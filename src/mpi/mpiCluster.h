@@ -47,7 +47,8 @@ class MpiCluster final : public Cluster {
  private:
   /** What each rank says, at rank 0. */
   std::vector<std::string> gather(const std::string& text) const;
-  void meet(const std::string& text);
+  /** Throws in all ranks where a rank has another identity than the leader, or has failed. */
+  void requireAgreement(const std::string& text);
 
   int rank = 0, size = 1, ownThreads = 0;
   bool hasJoined = false, inRender = false;

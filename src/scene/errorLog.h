@@ -28,7 +28,7 @@ class ErrorLog {
     if (warnings == MAX_WARNINGS) out.warning({}, "further warnings of the scene file are not shown");
   }
   /** Set where a parameter has a type that only pbrt-v3 knew. */
-  bool sawOldType = false;
+  bool sawPbrt3Type = false;
 
   void report(const SceneError& e) {
     for (const Diagnostic& d : e.diagnostics()) error(d.location, d.message, d.accepted);

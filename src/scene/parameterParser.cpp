@@ -228,7 +228,7 @@ std::vector<ParsedParameter> parseParameters(TokenStream& tokens, ErrorLog& log,
       std::string message = "unknown parameter type '" + p.type + "' of \"" + p.name + "\"";
       if (const char* hint = pbrt3::parameterTypeHint(p.type)) {
         message += std::string("; ") + hint;
-        log.sawOldType = true;
+        log.sawPbrt3Type = true;
       } else {
         const auto near = nearestNames(p.type, parameterTypeWords(), 1);
         if (!near.empty()) message += "; did you mean '" + near[0] + "'?";

@@ -192,7 +192,7 @@ void SceneParser::unknownDirective(const Token& token) {
   if (pbrt3::isDirective(word)) {
     log.error(token.location(), "pbrt-v4 has no directive " + token.shown() +
                                     (word == "WorldEnd" ? "; the world ends with the file" : ""));
-    looksOld(token.location());
+    warnOfPbrt3(token.location());
     return;
   }
   std::vector<std::string> names;
@@ -217,13 +217,13 @@ void SceneParser::resynchronise() {
   }
 }
 
-void SceneParser::looksOld(const SourceLocation& where) {
-  if (!saidOld) log.warning(where, pbrt3::ADVICE);
-  saidOld = true;
+void SceneParser::warnOfPbrt3(const SourceLocation& where) {
+  if (!hasWarnedOfPbrt3) log.warning(where, pbrt3::ADVICE);
+  hasWarnedOfPbrt3 = true;
 }
 
-void SceneParser::checkPlugInAge(const char* directive, const ParsedDirective& d) {
-  if (pbrt3::isPlugIn(directive, d.type)) looksOld(d.location);
+void SceneParser::checkForPbrt3PlugIn(const char* directive, const ParsedDirective& d) {
+  if (pbrt3::isPlugIn(directive, d.type)) warnOfPbrt3(d.location);
 }
 
 Token SceneParser::takeString(const Token& directive, const char* what) {
@@ -258,9 +258,9 @@ ParsedDirective SceneParser::takePlugIn(const Token& directive) {
   const bool isLight = directive.text == "LightSource" || directive.text == "AreaLightSource";
   d.parameters = takeParameters(d.directory, isLight ? SpectrumKind::ILLUMINANT : SpectrumKind::UNBOUNDED);
   for (const ParsedParameter& p : d.parameters)
-    if (p.type == "blackbody" && p.numbers.size() == 2) looksOld(p.location);
-  if (log.sawOldType) looksOld(d.location);
-  checkPlugInAge(std::string(directive.text).c_str(), d);
+    if (p.type == "blackbody" && p.numbers.size() == 2) warnOfPbrt3(p.location);
+  if (log.sawPbrt3Type) warnOfPbrt3(d.location);
+  checkForPbrt3PlugIn(std::string(directive.text).c_str(), d);
   return d;
 }
 

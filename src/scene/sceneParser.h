@@ -68,8 +68,8 @@ class SceneParser {
   void carryOut(const Directive& directive, const Token& token);
   void unknownDirective(const Token& token);
   void resynchronise();
-  void looksOld(const SourceLocation& where);
-  void checkPlugInAge(const char* directive, const ParsedDirective& d);
+  void warnOfPbrt3(const SourceLocation& where);
+  void checkForPbrt3PlugIn(const char* directive, const ParsedDirective& d);
   Token takeString(const Token& directive, const char* what);
   /** Parameters of a directive; rgb values come out as linear Rec. 709 from the colour space that holds here.
    */
@@ -163,7 +163,7 @@ class SceneParser {
   ObjectDescription* object = nullptr; ///< being defined
   ObjectDescription discarded;         ///< stands for an object that cannot be defined
   NestedObjects nested;
-  bool inWorld = false, assumedWorld = false, saidOld = false;
+  bool inWorld = false, assumedWorld = false, hasWarnedOfPbrt3 = false;
 };
 
 } // namespace recurse::sceneFile

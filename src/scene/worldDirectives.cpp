@@ -117,7 +117,7 @@ void SceneParser::makeNamedMaterial(const Token& t) {
   const std::string name = d.type;
   const SourceLocation where = d.location;
   moveTypeOut(d, "material");
-  checkPlugInAge("Material", d);
+  checkForPbrt3PlugIn("Material", d);
   if (isInterface(d.type)) d.type = "interface";
   const auto [old, isNew] = scene.namedMaterials.emplace(name, std::move(d));
   if (!isNew)
@@ -139,7 +139,7 @@ void SceneParser::texture(const Token& t) {
   texture.name = nameToken.value();
   texture.texture = takePlugIn(t, AttributeTarget::TEXTURE);
   texture.spectrum = kind.text == "spectrum";
-  if (kind.text == "color") looksOld(kind.location());
+  if (kind.text == "color") warnOfPbrt3(kind.location());
   if (!texture.spectrum && kind.text != "float")
     throw SceneError(kind.location(), "unknown type of texture " + kind.shown(), "\"float\" \"spectrum\"");
   texture.worldFromTexture = restingTransform(nameToken.location(), "a texture");

@@ -56,7 +56,7 @@ WeightedPath Bidirectional::weightedPath(double radius, double distance) const {
 
 void Bidirectional::completePath(const Scene& scene, WeightedPath& path, const LightEnd& end,
                                  const SurfacePoint& next, const Vec3f& towardsCamera) const {
-  path.lightIsMet = settings.hits && end.isMet();
+  path.lightIsIntersectable = settings.hits && end.isIntersectable();
   path.light = end.geometry();
   if (settings.shadowRays)
     path.shadowRays = shadowRayPdf(scene, lights, lightSampleContext(lights, next, towardsCamera), end);
@@ -238,8 +238,8 @@ void Bidirectional::buildPhotons() {
 std::vector<EstimatorDomain> Bidirectional::domains() const {
   std::vector<EstimatorDomain> all;
   const auto add = [&](bool used, const char* estimator, const char* expression, const char* cost) {
-    const bool meetsLights = std::string_view(estimator) == "emission";
-    if (used) all.push_back({estimator, expression, cost, "paths from both ends", meetsLights});
+    const bool hitsLights = std::string_view(estimator) == "emission";
+    if (used) all.push_back({estimator, expression, cost, "paths from both ends", hitsLights});
   };
   add(settings.hits, "emission", "L(S|D)*E", "none: met by the rays of camera paths");
   add(settings.shadowRays, "shadow rays", "LD(S|D)*E", "one for each diffuse vertex of a camera path");

@@ -23,7 +23,7 @@ class Techniques {
   /** Samples of C_k-1 times B_k. */
   double shadowRays() const { return k == 1 || x[k - 1].delta ? 0 : path.shadowRays; }
   /** Samples of C_k. */
-  double hits() const { return path.lightIsMet ? 1 : 0; }
+  double hits() const { return path.lightIsIntersectable ? 1 : 0; }
   /** Of the techniques nearer to the camera than C_i, and M_i; i < k. */
   double nearCamera(size_t i) const {
     double sum = path.sumNearCamera;

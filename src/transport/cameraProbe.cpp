@@ -22,14 +22,14 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
   Hit hit;
   Nesting nesting = nestingAt(scene, ray, counts);
   nesting.startIn(scene.cameraMedium());
-  for (int depth = 0; depth < LONG_WALK; ++depth) {
-    const bool met = intersect(scene, ray, hit, counts);
+  for (int depth = 0; depth < MAX_BRANCHING_DEPTH; ++depth) {
+    const bool isHit = intersect(scene, ray, hit, counts);
     if (scene.hasMedia()) {
-      if (met) nesting.approach(hit, ray.direction);
+      if (isHit) nesting.approach(hit, ray.direction);
       if (const Medium* medium = scene.medium(nesting.medium(scene)))
-        along(ray, met ? hit.t : INFINITE, *medium);
+        along(ray, isHit ? hit.t : INFINITE, *medium);
     }
-    if (!met) return {};
+    if (!isHit) return {};
     ray.width += ray.spread * hit.t;
     arena.reset();
     const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);

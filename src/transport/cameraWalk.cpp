@@ -117,11 +117,11 @@ class Bidirectional::CameraWalk {
     if (!y.connectable || owner.isTooLong(vertices.size() - 1 + t) ||
         classes.join(y.afterD, vertex.afterD) == 0)
       return;
-    const Vec3f way = y.point.position - vertex.point().position;
-    const float distance2 = lengthSquared(way);
+    const Vec3f offset = y.point.position - vertex.point().position;
+    const float distance2 = lengthSquared(offset);
     if (!(distance2 > 0)) return;
     const float distance = std::sqrt(distance2);
-    const Vec3f direction = way / distance;
+    const Vec3f direction = offset / distance;
     const Rgb here = vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction);
     if (isBlack(here)) return;
     arena.reset();

@@ -65,12 +65,12 @@ bool isOpaque(const Material* material) {
   return material && !(material->lobes() & (TRANSMISSION | REFRACTION));
 }
 
-/** A box around boundaries of a medium: shapes, however small beside the scene, and those parts of objects
- * that lines through the scene meet. Empty where there are none. */
-Bounds3f boundaryMet(const Scene& scene, uint16_t medium, const Bounds3f& box, float time,
-                     TransportCounts& counts) {
+/** A box around the boundaries of a medium: whole shapes, and of objects what lines through the scene hit.
+ * Empty where there are none. */
+Bounds3f boundsOfBoundary(const Scene& scene, uint16_t medium, const Bounds3f& box, float time,
+                          TransportCounts& counts) {
   constexpr int LINES = 128, LINES_OF_SHAPE = 4; // along each side
-  Bounds3f met;
+  Bounds3f found;
   const auto forBoundaries = [&](Ray ray, const auto& visit) {
     for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
       if (hit.media.isBoundary() && (hit.media.inside == medium || hit.media.outside == medium)) visit(hit);
@@ -79,21 +79,21 @@ Bounds3f boundaryMet(const Scene& scene, uint16_t medium, const Bounds3f& box, f
   forLinesThrough(box, LINES, time, [&](const Ray& ray) {
     forBoundaries(ray, [&](const Hit& hit) {
       if (hit.shape >= 0) return;
-      met.add(hit.point.position - spacing);
-      met.add(hit.point.position + spacing);
+      found.add(hit.point.position - spacing);
+      found.add(hit.point.position + spacing);
     });
   });
   for (size_t i = 0; i < scene.shapes().size(); ++i) {
     if (isOpaque(scene.shapes()[i].material)) continue;
     const Bounds3f bounds = scene.shapes()[i].shape->bounds();
-    bool isMet = false;
+    bool isHit = false;
     forLinesThrough(bounds, LINES_OF_SHAPE, time, [&](const Ray& ray) {
-      if (!isMet)
-        forBoundaries(ray, [&](const Hit& hit) { isMet = isMet || hit.shape == static_cast<int>(i); });
+      if (!isHit)
+        forBoundaries(ray, [&](const Hit& hit) { isHit = isHit || hit.shape == static_cast<int>(i); });
     });
-    if (isMet) met.add(bounds);
+    if (isHit) found.add(bounds);
   }
-  return met;
+  return found;
 }
 
 } // namespace
@@ -151,7 +151,7 @@ std::vector<double> EmissiveMedia::probe(const Scene& scene, uint16_t medium, co
 
 std::vector<double> EmissiveMedia::probeCloser(const Scene& scene, Source& source, uint64_t seed, float time,
                                                TransportCounts& counts) const {
-  constexpr uint64_t MOST_ROUNDS = 5;
+  constexpr uint64_t MAX_ROUNDS = 5;
   constexpr double SMALLER = 0.5; // by this much, else it is not worth another round
   source.probed = source.whole;
   for (uint64_t round = 1;; ++round) {
@@ -159,9 +159,9 @@ std::vector<double> EmissiveMedia::probeCloser(const Scene& scene, Source& sourc
         probe(scene, source.medium, source.probed, hashCombine(seed, round), time, counts);
     Bounds3f glows = boxOfCells(source.probed, cells, CELLS);
     // A flame in a large room, which points miss.
-    if (round == 1) glows.add(boundaryMet(scene, source.medium, source.whole, time, counts));
+    if (round == 1) glows.add(boundsOfBoundary(scene, source.medium, source.whole, time, counts));
     const double volume = volumeOf(glows);
-    if (round == MOST_ROUNDS || glows.empty() || !(volume > 0) ||
+    if (round == MAX_ROUNDS || glows.empty() || !(volume > 0) ||
         !(volume < SMALLER * volumeOf(source.probed)))
       return cells;
     source.probed = glows;

@@ -49,7 +49,7 @@ std::string DomainReport::text() const {
 std::string missedOfDeltaLights(const std::vector<EstimatorDomain>& estimators) {
   std::vector<EstimatorDomain> finding;
   for (const EstimatorDomain& e : estimators)
-    if (!e.meetsLights && !e.onlyPanes) finding.push_back(e);
+    if (!e.hitsLights && !e.onlyPanes) finding.push_back(e);
   const DomainReport report = checkDomains(finding, "surface - LS*E");
   return report.uncovered.empty() || !report.uncoveredExpression.empty() ? report.uncoveredExpression
                                                                          : report.uncovered.front();

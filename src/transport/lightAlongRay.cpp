@@ -17,14 +17,14 @@ int candidatePairs(const Light& light) {
 
 } // namespace
 
-std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& guide,
+std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& lightSampler,
                                               const Medium& medium, const Ray& ray, float end,
                                               Sampler& sampler) {
   const Rgb extinction = medium.at(ray.origin).extinction();
   const TransmittanceDistance open(extinction, end);
   // The lamp is chosen from a place that does not depend on the distances.
   const SurfacePoint from = pointInMedium(ray, open.sample(sampler.next1D(), sampler.next1D()));
-  const SampledLight choice(scene.lights(), guide, {from.position}, sampler);
+  const SampledLight choice(scene.lights(), lightSampler, {from.position}, sampler);
   const ChosenLight& chosen = choice.chosen;
   if (!(chosen.probability > 0)) return {};
   std::optional<EquiangularDistance> near;
@@ -41,7 +41,7 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
   const auto consider = [&](float t) {
     const SurfacePoint point = pointInMedium(ray, t);
     const std::optional<LiSample> light =
-        guide.sampleLi(*chosen.light, point.time, point.position, choice.pick, sampler.next2D());
+        lightSampler.sampleLi(*chosen.light, point.time, point.position, choice.pick, sampler.next2D());
     if (!light || !(light->pdf > 0)) return;
     const float worth = luminance(light->radiance * flight::transmittance(extinction, t)) *
                         medium.phase->value(glm::dot(light->direction, ray.direction));

@@ -354,7 +354,7 @@ void LightSampler::look(const Scene& scene, uint32_t index, Found& found) const 
   Ray ray = *seen;
   Nesting nesting = nestingAt(scene, ray, found.counts);
   Hit hit;
-  for (int depth = 0; depth < LONG_WALK && intersect(scene, ray, hit, found.counts); ++depth) {
+  for (int depth = 0; depth < MAX_BRANCHING_DEPTH && intersect(scene, ray, hit, found.counts); ++depth) {
     arena.reset();
     const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
     Vec3f direction = ray.direction;

@@ -1,5 +1,5 @@
 /** @file
- * The tables of several path classes. An eye state is a row: for every light state, the classes that accept
+ * The tables of several path classes. A camera state is a row: for every light state, the classes that accept
  * the path if the light has read up to it and the eye the rest. Words with the same row cannot be told apart,
  * so that the rows are the states of the smallest reverse automaton, and the join table too.
  */

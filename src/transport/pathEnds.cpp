@@ -9,7 +9,7 @@ namespace recurse {
 
 bool LightEnd::isInfinite() const { return light->isInfinite(); }
 
-bool LightEnd::isMet() const { return light->isMet(); }
+bool LightEnd::isIntersectable() const { return light->isIntersectable(); }
 
 LightGeometry LightEnd::geometry() const {
   if (light->isDelta()) return LightGeometry::DELTA;

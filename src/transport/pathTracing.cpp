@@ -12,34 +12,34 @@ namespace recurse {
 
 namespace {
 
-/** An eye path under way. */
-struct Walk {
-  CameraPath* path;
+/** A camera path under way. */
+struct BatchPath {
+  CameraPath* camera;
   Rgb throughput;
-  float etaScale; ///< undoes the 1/η² inside glass, which is no reason to end a walk
+  float etaScale; ///< undoes the 1/η² inside glass, which is no reason to end a path
   int depth;
-  CameraState eye;
+  CameraState state;
   float width, spread; ///< of the ray's footprint
   float wavelength;    ///< as in Subpath
   Nesting nesting;
-  BsdfRay last;
+  BsdfRay bsdfRay;
   CausticRay caustic;
   bool isScattered; ///< by a non-delta lobe
-  /** Whether caustic photons find the light that is met here, too: behind more than panes. */
-  bool meetsCaustic() const { return isScattered && !last.weighted; }
+  /** Whether caustic photons find light that the ray hits now, too: not straight or through panes only. */
+  bool sharesWithCaustics() const { return isScattered && !bsdfRay.weighted; }
 };
 
-/** Where a walk scatters. */
+/** Where a path scatters. */
 struct Vertex {
-  Walk* walk;
+  BatchPath* path;
   const Hit* hit;
   Vec3f wi;
   std::optional<ScatteringPoint> scattering;
   CameraState cameraD, cameraS;
   LobeSet allowed;
   bool sampleLight;
-  LightSampleContext place; ///< of the lights, where they are sampled
-  float merging;            ///< of caustic photons, see CausticPhotons::add
+  LightSampleContext context; ///< of the lights, where they are sampled
+  float merging;              ///< of caustic photons, see CausticPhotons::add
 };
 
 /** A shadow ray under way. */
@@ -65,7 +65,7 @@ class PathTracing final : public Integrator {
   PathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics)
       : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), caustics(caustics) {}
 
-  void prepare(const Scene& scene, const PathClasses&) override { learned = guide.learn(scene); }
+  void prepare(const Scene& scene, const PathClasses&) override { learned = lightSampler.learn(scene); }
 
   ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) override {
     ForwardStatistics statistics;
@@ -84,7 +84,7 @@ class PathTracing final : public Integrator {
   void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
     if (scene.hasMedia()) { // paths wait for so many things that there is nothing to be done for many at once
       for (CameraPath& p : paths)
-        tracePlainPath(scene, p.ray, guide, {maxDepth, lightSamples}, p.sampler, *p.out, caustics);
+        tracePlainPath(scene, p.ray, lightSampler, {maxDepth, lightSamples}, p.sampler, *p.out, caustics);
       return;
     }
     while (!paths.empty()) {
@@ -109,16 +109,16 @@ class PathTracing final : public Integrator {
         : settings(path), scene(scene), classes(paths[0].out->pathClasses()), counts(paths[0].out->counts),
           alive(paths.size()) {
       for (size_t i = 0; i < alive; ++i) {
-        Walk& w = walks[i];
-        w.path = &paths[i];
+        BatchPath& w = batchPaths[i];
+        w.camera = &paths[i];
         w.throughput = Rgb(1);
         w.etaScale = 1;
         w.depth = 0;
-        w.eye = classes.cameraStart();
+        w.state = classes.cameraStart();
         w.width = paths[i].ray.width;
         w.spread = paths[i].ray.spread;
         w.wavelength = 0;
-        w.last.weighted = false;
+        w.bsdfRay.weighted = false;
         w.caustic = {};
         w.isScattered = false;
         makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
@@ -128,14 +128,14 @@ class PathTracing final : public Integrator {
     }
 
     void run() {
-      const PathRadiance& any = *walks[0].path->out; // all are abandoned together
+      const PathRadiance& any = *batchPaths[0].camera->out; // all are abandoned together
       for (auto coherence = Scene::Coherence::COHERENT; alive > 0; coherence = Scene::Coherence::NONE) {
         counts.rays += alive;
         scene.intersectBatch({rays.data(), alive}, coherence, {hits.data(), alive});
         arrive();
         for (int i = 0; i < settings.lightSamples && !any.abandoned(); ++i) sampleLights();
         if (settings.caustics) addCaustics();
-        goOn();
+        scatter();
       }
     }
 
@@ -146,7 +146,7 @@ class PathTracing final : public Integrator {
       vertexCount = 0;
       size_t passed = 0;
       for (size_t i = 0; i < alive; ++i) {
-        Walk& w = *active[i];
+        BatchPath& w = *active[i];
         Hit& hit = hits[i];
         const Vec3f direction = rays[i].direction;
         if (hit.t == INFINITE) {
@@ -155,15 +155,15 @@ class PathTracing final : public Integrator {
         }
         if (hit.areaLight) {
           Rgb radiance =
-              emittedRadiance(scene, settings.guide, hit, direction, w.last, settings.lightSamples);
-          if (settings.caustics && w.meetsCaustic() && !isBlack(radiance))
+              emittedRadiance(scene, settings.lightSampler, hit, direction, w.bsdfRay, settings.lightSamples);
+          if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
             radiance *= settings.caustics->pass().rayWeight(scene, w.caustic.ratio(), hit, direction);
           addEmission(w, radiance);
         }
         w.width += w.spread * hit.t;
-        drawWavelength(scene, w.wavelength, w.path->sampler, hit);
-        const Bsdf* bsdf =
-            bsdfAt(scene, hit, direction, {direction, w.width * w.path->ray.sampleSpacing}, w.nesting, arena);
+        drawWavelength(scene, w.wavelength, w.camera->sampler, hit);
+        const Bsdf* bsdf = bsdfAt(scene, hit, direction, {direction, w.width * w.camera->ray.sampleSpacing},
+                                  w.nesting, arena);
         if (!bsdf) {
           active[passed] = &w;
           makeAt(rays[passed++], [&] { return spawn(hit.point, direction); });
@@ -175,36 +175,37 @@ class PathTracing final : public Integrator {
         }
         ++w.depth;
         Vertex& v = vertices[vertexCount++];
-        v.walk = &w;
+        v.path = &w;
         v.hit = &hit;
         v.wi = -direction;
         makeAt(v.scattering, [&] { return std::optional<ScatteringPoint>(std::in_place, *bsdf, hit.point); });
-        v.cameraD = classes.step(w.eye, PathEvent::D);
-        v.cameraS = classes.step(w.eye, PathEvent::S);
+        v.cameraD = classes.step(w.state, PathEvent::D);
+        v.cameraS = classes.step(w.state, PathEvent::S);
         v.allowed = LobeSet((classes.dead(v.cameraD) ? NO_LOBE : NON_DELTA_LOBES) |
                             (classes.dead(v.cameraS) ? NO_LOBE : DELTA_LOBES));
         v.sampleLight = (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES) != 0 &&
                         lightIsSampled(scene, classes, v.cameraD);
-        v.place = v.sampleLight ? lightSampleContext(settings.guide, hit.point, v.wi) : LightSampleContext();
+        v.context =
+            v.sampleLight ? lightSampleContext(settings.lightSampler, hit.point, v.wi) : LightSampleContext();
       }
       alive = passed;
     }
 
-    void addEnvironment(const Walk& w, const Ray& ray) const {
+    void addEnvironment(const BatchPath& w, const Ray& ray) const {
       for (size_t i = 0; i < scene.environment().size(); ++i) {
-        Rgb radiance =
-            environmentRadiance(scene, settings.guide, i, ray.direction, w.last, settings.lightSamples);
-        if (settings.caustics && w.meetsCaustic() && !isBlack(radiance))
+        Rgb radiance = environmentRadiance(scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
+                                           settings.lightSamples);
+        if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
           radiance *= settings.caustics->pass().rayWeight(scene, w.caustic.ratio(), i, ray);
         addEmission(w, radiance);
       }
     }
 
-    void addEmission(const Walk& w, const Rgb& radiance) const {
+    void addEmission(const BatchPath& w, const Rgb& radiance) const {
       if (w.isScattered)
-        w.path->out->add(classes.lightStart(), w.eye, w.throughput * radiance);
+        w.camera->out->add(classes.lightStart(), w.state, w.throughput * radiance);
       else
-        w.path->out->addSeen(w.eye, w.throughput * radiance);
+        w.camera->out->addSeen(w.state, w.throughput * radiance);
     }
 
     /** One shadow ray for each vertex. */
@@ -216,7 +217,7 @@ class PathTracing final : public Integrator {
       for (size_t i = 0; i < lit; ++i)
         makeAt(choices[i], [&] {
           const Vertex& v = *shadows[i].vertex;
-          return SampledLight(table, settings.guide, v.place, v.walk->path->sampler);
+          return SampledLight(table, settings.lightSampler, v.context, v.path->camera->sampler);
         });
       for (size_t i = 0; i < lit; ++i)
         makeAt(lights[i], [&] { return choices[i].sampleLi(shadows[i].vertex->hit->point); });
@@ -225,13 +226,13 @@ class PathTracing final : public Integrator {
         if (!lights[i]) continue;
         const Vertex& v = *shadows[i].vertex;
         const Rgb radiance =
-            unshadowedRadiance(*v.scattering, v.wi, v.walk->throughput, *lights[i],
+            unshadowedRadiance(*v.scattering, v.wi, v.path->throughput, *lights[i],
                                choices[i].chosen.probability, settings.lightSamples, v.allowed);
         if (isBlack(radiance)) continue;
         ++counts.rays;
         makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
         if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
-          v.walk->path->out->add(classes.lightStart(), v.cameraD, radiance);
+          v.path->camera->out->add(classes.lightStart(), v.cameraD, radiance);
           continue;
         }
         shadows[count].vertex = &v;
@@ -243,15 +244,15 @@ class PathTracing final : public Integrator {
       for (size_t i = 0; i < count; ++i) {
         const Vertex& v = *shadows[i].vertex;
         if (!blocked[i]) {
-          v.walk->path->out->add(classes.lightStart(), v.cameraD, shadows[i].radiance);
+          v.path->camera->out->add(classes.lightStart(), v.cameraD, shadows[i].radiance);
           continue;
         }
         const Transmittance free =
-            throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.walk->nesting,
-                         panesLeft(settings.maxDepth, v.walk->depth), counts);
+            throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.path->nesting,
+                         panesLeft(settings.maxDepth, v.path->depth), counts);
         if (!isBlack(free.value))
-          v.walk->path->out->add(afterPanes(classes, free.panes), v.cameraD,
-                                 shadows[i].radiance * free.value);
+          v.path->camera->out->add(afterPanes(classes, free.panes), v.cameraD,
+                                   shadows[i].radiance * free.value);
       }
     }
 
@@ -259,38 +260,38 @@ class PathTracing final : public Integrator {
     void addCaustics() {
       for (size_t i = 0; i < vertexCount; ++i) {
         Vertex& v = vertices[i];
-        Walk& w = *v.walk;
+        BatchPath& w = *v.path;
         v.merging = 0;
         if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
           v.merging = settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput,
-                                             v.cameraD, w.width, w.path->sampler, *w.path->out);
+                                             v.cameraD, w.width, w.camera->sampler, *w.camera->out);
       }
     }
 
     /** The next direction of each walk that has one. */
-    void goOn() {
+    void scatter() {
       for (size_t i = 0; i < vertexCount; ++i) {
         const Vertex& v = vertices[i];
         makeAt(scatters[i], [&] {
-          return v.scattering->scatter(v.wi, Transport::RADIANCE, v.walk->path->sampler, v.allowed);
+          return v.scattering->scatter(v.wi, Transport::RADIANCE, v.path->camera->sampler, v.allowed);
         });
       }
       for (size_t i = 0; i < vertexCount; ++i) {
         if (!scatters[i]) continue;
         const Scatter& s = *scatters[i];
         const Vertex& v = vertices[i];
-        Walk& w = *v.walk;
+        BatchPath& w = *v.path;
         w.throughput *= s.weight;
         if (isBlack(w.throughput)) continue;
-        w.eye = s.specular() ? v.cameraS : v.cameraD;
+        w.state = s.specular() ? v.cameraS : v.cameraD;
         w.etaScale *= square(s.eta);
-        if (w.depth > ROULETTE_FREE_DEPTH &&
-            !russianRoulette(maxComponent(w.throughput) * w.etaScale, w.depth, w.path->sampler, w.throughput))
+        if (w.depth > ROULETTE_FREE_DEPTH && !russianRoulette(maxComponent(w.throughput) * w.etaScale,
+                                                              w.depth, w.camera->sampler, w.throughput))
           continue;
         if (!passesPane(scene, *v.scattering, s)) {
-          w.last.from = v.place;
-          w.last.pdf = s.pdf;
-          w.last.weighted = !s.specular();
+          w.bsdfRay.from = v.context;
+          w.bsdfRay.pdf = s.pdf;
+          w.bsdfRay.weighted = !s.specular();
         }
         w.throughput *= dispersedColour(v.hit->point, s, w.wavelength);
         w.nesting.scatters(*v.hit, v.wi, s.direction);
@@ -314,8 +315,8 @@ class PathTracing final : public Integrator {
     TransportCounts& counts;
     size_t alive, vertexCount = 0;
     BsdfArena arena;
-    Raw<Walk> walks;
-    Raw<Walk*> active; ///< the walks of `rays` and `hits`
+    Raw<BatchPath> batchPaths;
+    Raw<BatchPath*> active; ///< the paths of `rays` and `hits`
     Raw<Ray> rays;
     Raw<Hit> hits;
     Raw<Vertex> vertices;
@@ -327,13 +328,13 @@ class PathTracing final : public Integrator {
     Raw<std::optional<Scatter>> scatters;
   };
 
-  /** Short walks are not gambled with: most of the light is there. */
+  /** Russian roulette begins after so many scattering events. */
   static constexpr int ROULETTE_FREE_DEPTH = 2;
   int maxDepth;
   int lightSamples;
   const CausticPhotons* caustics;
-  LightSampler guide;
-  TransportCounts learned; ///< what the guide took, until it has been told
+  LightSampler lightSampler;
+  TransportCounts learned; ///< what learning took, until it has been told
 };
 
 } // namespace

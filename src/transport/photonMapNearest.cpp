@@ -39,60 +39,69 @@ float PhotonMap::densityBound(const Vec3f& center, int k) const {
   return bound;
 }
 
-/**
- * Keeps the k nearest of at least k candidates, all of them nearer than `upper`. The k-th distance is closed
- * in on by counting how many lie below a guess: interpolated first, because the number of photons on a
- * surface grows with D², then halving the floats that are left. The last few are put into order, by D² and
- * emission.
- */
-void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const {
-  FoundPhotons& found = scratch.found;
-  const auto wanted = static_cast<size_t>(k);
-  const auto countUpTo = [&](float bound) {
-    const Float8 b(bound);
-    Uint32x8 counts(0);
-    for (size_t i = 0; i < found.blocks; ++i) counts.countIn(lessEqual(found.distance2[i], b));
-    uint32_t lanes[8];
-    counts.store(lanes);
-    size_t sum = 0;
-    for (const uint32_t lane : lanes) sum += lane;
-    return sum;
-  };
-  // Invariant: countLow = #(D² <= low) < wanted <= #(D² <= high) = countHigh.
-  float low = -1, high = std::min(upper, std::numeric_limits<float>::max());
-  size_t countLow = 0, countHigh = found.count;
+/** Bounds of the D² of the wanted-th nearest photon:
+ * countLow = #(D² <= low) < wanted <= #(D² <= high) = countHigh. */
+struct PhotonMap::RankBracket {
+  float low = -1, high = 0;
+  size_t countLow = 0, countHigh = 0;
+};
+
+namespace {
+
+/** How many photons are within D² = bound. */
+size_t countUpTo(const FoundPhotons& found, float bound) {
+  const Float8 b(bound);
+  Uint32x8 counts(0);
+  for (size_t i = 0; i < found.blocks; ++i) counts.countIn(lessEqual(found.distance2[i], b));
+  uint32_t lanes[8];
+  counts.store(lanes);
+  size_t sum = 0;
+  for (const uint32_t lane : lanes) sum += lane;
+  return sum;
+}
+
+} // namespace
+
+/** Narrows the bracket until few photons are within it: by interpolation first, because the number of photons
+ * on a surface grows with D², then by bisection of the floats that are left. */
+PhotonMap::RankBracket PhotonMap::bracketNearest(const FoundPhotons& found, size_t wanted, float upper) {
   constexpr size_t MAX_LEFT = 8;
   constexpr int INTERPOLATIONS = 6;
-  for (int step = 0; countHigh - countLow > MAX_LEFT; ++step) {
+  RankBracket b;
+  b.high = std::min(upper, std::numeric_limits<float>::max());
+  b.countHigh = found.count;
+  for (int step = 0; b.countHigh - b.countLow > MAX_LEFT; ++step) {
     float guess;
     if (step < INTERPOLATIONS) {
-      const float from = std::max(low, 0.0f);
+      const float from = std::max(b.low, 0.0f);
       const float share =
-          (static_cast<float>(wanted - countLow) - 0.5f) / static_cast<float>(countHigh - countLow);
-      guess = from + (high - from) * share;
-      if (!(guess > low && guess < high)) continue;
+          (static_cast<float>(wanted - b.countLow) - 0.5f) / static_cast<float>(b.countHigh - b.countLow);
+      guess = from + (b.high - from) * share;
+      if (!(guess > b.low && guess < b.high)) continue;
     } else {
       // Floats that are not negative are ordered as their bits.
-      const uint32_t lowBits = low < 0 ? 0 : std::bit_cast<uint32_t>(low) + 1;
-      const uint32_t highBits = std::bit_cast<uint32_t>(high);
+      const uint32_t lowBits = b.low < 0 ? 0 : std::bit_cast<uint32_t>(b.low) + 1;
+      const uint32_t highBits = std::bit_cast<uint32_t>(b.high);
       if (lowBits >= highBits) break; // all equal
       guess = std::bit_cast<float>(lowBits + (highBits - lowBits) / 2);
     }
-    const size_t n = countUpTo(guess);
-    if (n >= wanted) {
-      high = guess;
-      countHigh = n;
-    } else {
-      low = guess;
-      countLow = n;
-    }
+    const size_t n = countUpTo(found, guess);
+    (n >= wanted ? b.high : b.low) = guess;
+    (n >= wanted ? b.countHigh : b.countLow) = n;
   }
+  return b;
+}
 
-  const auto key = [&](float d2, size_t slot) {
-    return uint64_t(std::bit_cast<uint32_t>(d2)) << 32 | emission[slot];
-  };
+/** Orders photons by D², and equally distant ones by their emission. */
+uint64_t PhotonMap::nearestKey(float d2, size_t slot) const {
+  return uint64_t(std::bit_cast<uint32_t>(d2)) << 32 | emission[slot];
+}
+
+/** The key of the wanted-th nearest of the photons that were found. */
+uint64_t PhotonMap::lastNearestKey(size_t wanted, const RankBracket& bracket, PhotonScratch& scratch) const {
+  const FoundPhotons& found = scratch.found;
   scratch.ties.clear();
-  const Float8 above(low), upTo(high);
+  const Float8 above(bracket.low), upTo(bracket.high);
   for (size_t i = 0; i < found.blocks; ++i) {
     const Float8 d2 = found.distance2[i];
     uint32_t between = bits(less(above, d2) & lessEqual(d2, upTo));
@@ -101,14 +110,20 @@ void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestP
     d2.store(x);
     for (; between != 0; between &= between - 1) {
       const auto lane = static_cast<size_t>(std::countr_zero(between));
-      scratch.ties.push_back(key(x[lane], size_t(found.block[i]) * 8 + lane));
+      scratch.ties.push_back(nearestKey(x[lane], size_t(found.block[i]) * 8 + lane));
     }
   }
-  const auto kth = scratch.ties.begin() + static_cast<ptrdiff_t>(wanted - countLow - 1);
-  std::nth_element(scratch.ties.begin(), kth, scratch.ties.end());
-  const uint64_t lastKey = *kth;
-  const float last = std::bit_cast<float>(static_cast<uint32_t>(lastKey >> 32));
+  const auto last = scratch.ties.begin() + static_cast<ptrdiff_t>(wanted - bracket.countLow - 1);
+  std::nth_element(scratch.ties.begin(), last, scratch.ties.end());
+  return *last;
+}
 
+/** Keeps the k nearest of at least k candidates, all of them nearer than `upper`. */
+void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const {
+  FoundPhotons& found = scratch.found;
+  const auto wanted = static_cast<size_t>(k);
+  const uint64_t lastKey = lastNearestKey(wanted, bracketNearest(found, wanted, upper), scratch);
+  const float last = std::bit_cast<float>(static_cast<uint32_t>(lastKey >> 32));
   size_t kept = 0;
   for (size_t i = 0; i < found.blocks; ++i) {
     const Float8 d2 = found.distance2[i];
@@ -116,7 +131,7 @@ void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestP
     uint32_t mask = bits(less(d2, Float8(last)));
     for (uint32_t equals = bits(equal(d2, Float8(last))); equals != 0; equals &= equals - 1) {
       const auto lane = static_cast<size_t>(std::countr_zero(equals));
-      if (key(last, size_t(block) * 8 + lane) <= lastKey) mask |= 1u << lane;
+      if (nearestKey(last, size_t(block) * 8 + lane) <= lastKey) mask |= 1u << lane;
     }
     if (mask == 0) continue;
     found.block[kept] = block;
@@ -127,6 +142,22 @@ void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestP
   result = {k, last};
 }
 
+namespace {
+
+/** The largest D² of the photons that were found; 0 without any. */
+float farthest2(const FoundPhotons& found) {
+  Float8 farthest(0);
+  for (size_t i = 0; i < found.blocks; ++i) {
+    const Float8 d2 = found.distance2[i];
+    farthest = max(farthest, d2 & less(d2, Float8(INFINITE)));
+  }
+  float result = 0;
+  for (int lane = 0; lane < 8; ++lane) result = std::max(result, farthest[lane]);
+  return result;
+}
+
+} // namespace
+
 NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScratch& scratch) const {
   FoundPhotons& found = scratch.found;
   found.clear();
@@ -134,12 +165,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
   if (k <= 0 || photonCount == 0) return result;
   if (indexKind == PhotonIndexKind::FLANN) {
     findNearestFlann(region, k, found);
-    result.count = static_cast<int>(found.count);
-    for (size_t i = 0; i < found.blocks; ++i)
-      for (int lane = 0; lane < 8; ++lane)
-        if (found.distance2[i][lane] < INFINITE)
-          result.radius2 = std::max(result.radius2, found.distance2[i][lane]);
-    return result;
+    return {static_cast<int>(found.count), farthest2(found)};
   }
   const auto wanted = static_cast<size_t>(k);
   const size_t most = std::max<size_t>(4 * wanted, 256);
@@ -175,15 +201,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
     }
     if (found.count > wanted) keepNearest(k, scratch, query.radius2, result);
   });
-  if (found.count <= wanted) {
-    Float8 farthest(0);
-    for (size_t i = 0; i < found.blocks; ++i) {
-      const Float8 d2 = found.distance2[i];
-      farthest = max(farthest, d2 & less(d2, Float8(INFINITE)));
-    }
-    for (int lane = 0; lane < 8; ++lane) result.radius2 = std::max(result.radius2, farthest[lane]);
-    result.count = static_cast<int>(found.count);
-  }
+  if (found.count <= wanted) result = {static_cast<int>(found.count), farthest2(found)};
   scratch.lastCenter = region.center;
   scratch.lastCount = k;
   scratch.lastRadius = found.count < wanted ? -1 : std::sqrt(result.radius2);

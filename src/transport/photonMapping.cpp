@@ -78,10 +78,10 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
   BsdfArena arena;
   Hit hit;
   for (;;) {
-    const bool met = intersect(scene, path.ray, hit, out.counts);
-    if (scene.hasMedia() && met) path.nesting.approach(hit, path.ray.direction);
-    if (scene.hasMedia() && !passMedium(scene, path, met ? hit.t : INFINITE, sampler, out)) return;
-    if (!met) {
+    const bool isHit = intersect(scene, path.ray, hit, out.counts);
+    if (scene.hasMedia() && isHit) path.nesting.approach(hit, path.ray.direction);
+    if (scene.hasMedia() && !passMedium(scene, path, isHit ? hit.t : INFINITE, sampler, out)) return;
+    if (!isHit) {
       addEnvironment(scene, path, out);
       return;
     }
@@ -131,7 +131,7 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
   }
   if (!(total > 0)) return false;
   int next = 0;
-  if (path.nonDelta == 0 && least >= settings.weightLimit && path.depth <= LONG_WALK) {
+  if (path.nonDelta == 0 && least >= settings.weightLimit && path.depth <= MAX_BRANCHING_DEPTH) {
     for (int i = 1; i < count; ++i) {
       Sampler branch = sampler.fork(static_cast<uint32_t>(i));
       const Scatter& s = all[size_t(i)];
@@ -143,7 +143,7 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
     if (!(worth[next] > 0)) return false;
     path.throughput *= total / worth[next];
     // A long walk by its full weight: it may be thousands of events from falling below the limit.
-    const float chance = path.depth > LONG_WALK ? total : total / settings.weightLimit;
+    const float chance = path.depth > MAX_BRANCHING_DEPTH ? total : total / settings.weightLimit;
     if (!russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return false;
   }
   const Scatter& s = all[size_t(next)];
@@ -213,7 +213,7 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
                      absDot(s->direction, hit.point.geometricNormal)};
     next.bsdfRay = settings.directLight ? BsdfRay() : BsdfRay{context, s->pdf, true};
     next.merge = MergeRatio(merging, s->pdf, s->direction, hit.point);
-    if (next.share > 0 || next.direct.merged > 0 || mayMeetLight(scene)) trace(scene, next, branch, out);
+    if (next.share > 0 || next.direct.merged > 0 || mayHitLight(scene)) trace(scene, next, branch, out);
   }
 }
 

@@ -64,7 +64,7 @@ class PhotonMapping final : public Integrator {
   float partToFind(const PathState& path) const { return photons.leavesLightToRays() ? 1 : path.part; }
   /** Roulette at a non-delta surface, with the part of the light that is left to the path. */
   bool goesOn(PathState& path, Sampler& sampler) const;
-  bool mayMeetLight(const Scene& scene) const {
+  bool mayHitLight(const Scene& scene) const {
     return !settings.directLight && scene.contents().areaLights + scene.contents().environmentLights > 0;
   }
 

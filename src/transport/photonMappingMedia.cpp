@@ -45,7 +45,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   Hit hit;
   if (!medium.isHomogeneous()) {
     SpectralPath spectral{throughput};
-    const Collision c = flyThrough(medium, path.ray, end, hero, sampler, spectral, [](const Rgb&) {});
+    const Collision c = sampleCollision(medium, path.ray, end, hero, sampler, spectral, [](const Rgb&) {});
     if (!c.scatters || isBlack(spectral.throughput)) return;
     hit.point = pointInMedium(path.ray, c.t);
     addSampledLightInMedia(scene, lights, {hit.point.position}, vertex(hit, spectral), settings.lightSamples,

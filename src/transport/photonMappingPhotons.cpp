@@ -12,7 +12,7 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
     photons.weighAgainstRays(query, path.ray.width);
     return;
   }
-  if (mayGoOn() && photons.useless()) {
+  if (mayGoOn() && photons.hasTooFewPhotons()) {
     gather.rest = 0;
   } else if (path.nonDelta == 0) {
     gather.rest = settings.finalGather > 0 ? 0 : 1;

@@ -33,7 +33,7 @@ bool PhotonMapping::raysFindAll(const Scene& scene) const {
   if (photons.caustics().map.empty() && !causticsInMedia) return true;
   bool met = true; // by rays, as lamps far away hardly are
   for (uint32_t i = 0; i < scene.lights().size(); ++i)
-    met = met && scene.lights()[i].isMet() && !photons.isAimed(i);
+    met = met && scene.lights()[i].isIntersectable() && !photons.isAimed(i);
   return met;
 }
 

@@ -49,14 +49,14 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.direct = settings.directLight;
   shoot.causticsOnly = settings.causticsOnly;
   if (scene.hasMedia()) {
-    if (pass.index == 0) learnSurroundings(scene, statistics);
+    if (pass.index == 0) learnOutsideMedium(scene, statistics);
     shoot.outside = outside;
-    shoot.fromFar = fromFar;
+    shoot.outsideTransmittance = outsideTransmittance;
   }
   if (scene.hasMedia() && !settings.causticsOnly) {
-    if (pass.index == 0 && !glowing.learn(scene, outside, pass.seed, pass.time, statistics.counts))
+    if (pass.index == 0 && !emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
       statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
-    shoot.media = &glowing;
+    shoot.media = &emissiveMedia;
   }
   if (pass.index == 0) {
     guidance = {};
@@ -115,16 +115,16 @@ ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const 
   return statistics;
 }
 
-void PhotonPass::learnSurroundings(const Scene& scene, ForwardStatistics& statistics) {
+void PhotonPass::learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics) {
   outside = mediumOutside(scene, statistics.counts);
   const Medium* around = scene.medium(outside);
-  fromFar = Rgb(1);
+  outsideTransmittance = Rgb(1);
   if (around && around->isHomogeneous())
-    fromFar = flight::transmittance(around->at(Vec3f(0)).extinction(), INFINITE);
+    outsideTransmittance = flight::transmittance(around->at(Vec3f(0)).extinction(), INFINITE);
   bool isLitFromFar = false;
   for (size_t i = 0; i < scene.lights().size(); ++i)
     isLitFromFar = isLitFromFar || scene.lights()[i].isInfinite();
-  if (isLitFromFar && isBlack(fromFar))
+  if (isLitFromFar && isBlack(outsideTransmittance))
     statistics.warnings.push_back("the medium around the scene has no end: no light comes through it from "
                                   "infinitely far; a shape of material \"interface\" would bound it");
 }
@@ -191,12 +191,12 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
         "lights will be noisy",
         stored, static_cast<unsigned long long>(emitted)));
   for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
-    ForwardStatistics unsaid;
+    ForwardStatistics discarded;
     const bool isCaustic = layer == &causticLayer;
     // With photons of direct light the layer is of shadows, too.
     const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
-                                 detail, isCaustic ? unsaid : statistics);
+                                 detail, isCaustic ? discarded : statistics);
     if (progressive || settings.edges)
       layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
                          detail, isCaustic ? toCaustics : toIndirect, statistics.counts);
@@ -329,8 +329,9 @@ LightTable PhotonPass::lightsByPower(const LightTable& all) const {
   std::vector<double> powers;
   for (uint32_t i = 0; i < all.size(); ++i) {
     each.push_back(&all[i]);
-    powers.push_back(double(maxComponent(all[i].power())) *
-                     (all[i].isInfinite() ? open * double(maxComponent(fromFar)) : double(aim.powerPart(i))));
+    powers.push_back(
+        double(maxComponent(all[i].power())) *
+        (all[i].isInfinite() ? open * double(maxComponent(outsideTransmittance)) : double(aim.powerPart(i))));
   }
   LightTable table;
   table.build(each, powers);
@@ -348,16 +349,16 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
     return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
   };
   guidance = learned();
-  const auto keepIfUseful = [&](auto& known, auto found) {
-    constexpr double WORTH_IT = 2;                // of a variance of which trials know little
-    constexpr uint64_t FEW = 256, MANY_TIMES = 4; // of some 32,000
+  const auto adoptIfBetter = [&](auto& known, auto found) {
+    constexpr double WORTH_IT = 2;                       // of a variance of which trials know little
+    constexpr uint64_t FEW_TRIALS = 256, MANY_TIMES = 4; // of some 32,000 trial photons
     if (!found.active() || control.stopped()) return;
     std::swap(known, found);
     lights = lightsByPower(scene.lights());
     PhotonGuidance with = learned();
     // Where hardly a photon comes down, what it would bring is not known.
     const bool areManyMore =
-        guidance.useful < FEW && with.useful >= MANY_TIMES * std::max<uint64_t>(1, guidance.useful);
+        guidance.useful < FEW_TRIALS && with.useful >= MANY_TIMES * std::max<uint64_t>(1, guidance.useful);
     const bool isBetter = with.secondMoment > 0 && with.secondMoment * WORTH_IT < guidance.secondMoment;
     if (areManyMore || isBetter) {
       guidance = std::move(with);
@@ -370,12 +371,12 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   if (progressive && settings.without != Mechanism::PORTALS) {
     LightPortals openings;
     openings.learn(scene, seed, statistics.counts);
-    keepIfUseful(portals, std::move(openings));
+    adoptIfBetter(portals, std::move(openings));
   }
   if (progressive && settings.without != Mechanism::AIM) {
     PhotonAim farLamps;
     farLamps.learn(scene, seed, statistics.counts);
-    keepIfUseful(aim, std::move(farLamps));
+    adoptIfBetter(aim, std::move(farLamps));
   }
   if (portals.active())
     statistics.notes.push_back(formatted(

@@ -18,7 +18,7 @@ namespace {
 /** Of the pixels around one, these say how much it varies, in two squares of (2 n + 1)² without itself that
  * count alike. */
 constexpr int INNER_REACH = 1, OUTER_REACH = 2;
-/** Those that tell the photons' part from the eye paths'. */
+/** Those that tell the photons' part from the camera paths'. */
 constexpr int PAIRS = 4;
 /** And those over which rare bright samples are spread. */
 constexpr int WIDE = 12;

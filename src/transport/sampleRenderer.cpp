@@ -48,7 +48,8 @@ void expose(const FilmSettings& film, PathRadiance& sample) {
   if (film.whiteBalance) sample.transform([&](const Rgb& c) { return *film.whiteBalance * c; });
 }
 
-/** Collects eye paths, has them walked together, and puts what they bring into the film in the same order. */
+/** Collects camera paths, has them walked together, and puts what they bring into the film in the same order.
+ */
 class EyeBatch {
  public:
   EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,

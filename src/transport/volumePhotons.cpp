@@ -60,12 +60,12 @@ float DiscBounds::fraction(const KernelPoints& points, float radius) const {
   return static_cast<float>(std::max<std::ptrdiff_t>(left, 1)) / static_cast<float>(points.size());
 }
 
-float DiscBounds::wayFromSurface(const Vec3f& origin, const Vec3f& direction, float t,
-                                 float tolerance) const {
+float DiscBounds::distanceFromSurface(const Vec3f& origin, const Vec3f& direction, float t,
+                                      float tolerance) const {
   for (size_t i = 0; i < count; ++i) {
-    const float sinking = -glm::dot(planes[i].normal, direction);
-    if (sinking > 0 && std::abs(glm::dot(planes[i].normal, origin) - planes[i].distance) < tolerance)
-      return planes[i].distance / sinking;
+    const float cosine = -glm::dot(planes[i].normal, direction);
+    if (cosine > 0 && std::abs(glm::dot(planes[i].normal, origin) - planes[i].distance) < tolerance)
+      return planes[i].distance / cosine;
   }
   return t;
 }

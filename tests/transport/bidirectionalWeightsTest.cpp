@@ -31,12 +31,12 @@ struct RandomPath {
     path.splats = chance() ? 1000 : 0;
     path.connections = chance() ? 1 : 0;
     path.shadowRays = chance() ? density() : 0;
-    path.lightIsMet = chance();
+    path.lightIsIntersectable = chance();
     path.photons = chance() ? 1000 : 0;
     path.mergeArea = 1e-3 * density();
     path.correlationArea = chance() ? 1e-2 * density() : 0;
     path.light = LightGeometry(std::uniform_int_distribution<int>(0, 2)(random));
-    if (path.light == LightGeometry::DELTA) path.lightIsMet = false;
+    if (path.light == LightGeometry::DELTA) path.lightIsIntersectable = false;
     if (chance()) x[edges].fromLight = path.splats = path.photons = path.connections = 0; // no photons there
     countMerges(path);
   }
@@ -51,7 +51,7 @@ struct RandomPath {
       else
         p *= j <= i ? x[j].fromCamera : x[j].fromLight;
     }
-    if (i == k) return path.lightIsMet ? p : 0;
+    if (i == k) return path.lightIsIntersectable ? p : 0;
     if (k == 1 || (i > 0 && x[i].delta) || (i + 1 < k && x[i + 1].delta)) return 0;
     if (i + 1 == k) return p;
     return p * (i == 0 ? path.splats : path.connections);

@@ -517,7 +517,7 @@ TEST(MediaPhotons, KeepTheirPowerWhateverTheChannels) {
       "Shape \"box\" \"point3 p1\" [-1 -1 -1] \"point3 p2\" [1 1 1]\n");
   ShootSettings settings;
   settings.photons = SANITIZED ? 200 : 2000;
-  settings.maxDepth = ENDLESS_WALK;
+  settings.maxDepth = LOSSLESS_ROULETTE_DEPTH;
   const ShotPhotons shot = shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl());
   ASSERT_GT(shot.inMedia.size(), 100 * settings.photons);
   const float each = 4 * PI / static_cast<float>(settings.photons);

@@ -27,7 +27,7 @@ class BoxTree {
     stack[top++] = 0;
     while (top > 0) {
       const Node& n = nodes[stack[--top]];
-      if (!n.isMet(origin, inverse, tMin, tMax)) continue;
+      if (!n.intersects(origin, inverse, tMin, tMax)) continue;
       if (n.count > 0) {
         for (uint32_t i = 0; i < n.count; ++i) visit(order[n.first + i]);
       } else {
@@ -45,7 +45,7 @@ class BoxTree {
     uint32_t first = 0; ///< child, or index into `order`
     uint32_t count = 0; ///< 0: two children
 
-    bool isMet(const Vec3d& origin, const Vec3d& inverse, double tMin, double tMax) const {
+    bool intersects(const Vec3d& origin, const Vec3d& inverse, double tMin, double tMax) const {
       for (int i = 0; i < 3; ++i) {
         if (std::isinf(inverse[i])) {
           if (origin[i] < lower[i] || origin[i] > upper[i]) return false;

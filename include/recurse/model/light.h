@@ -96,11 +96,11 @@ class Light {
  public:
   virtual ~Light() = default;
   virtual LightKind kind() const = 0;
-  /** True for lights at a point or in one direction, which rays cannot meet. */
+  /** True for lights at a point or in one direction, which no ray can hit. */
   bool isDelta() const { return kind() == LightKind::POINT || kind() == LightKind::DISTANT; }
   bool isInfinite() const { return recurse::isInfinite(kind()); }
-  /** Whether rays can meet it. */
-  virtual bool isMet() const { return !isDelta(); }
+  /** Whether rays can hit it. */
+  virtual bool isIntersectable() const { return !isDelta(); }
   /** Called once before any other function. */
   virtual void prepare(const SceneBounds&) {}
   /** Emitted flux [W]; what enters the scene's bounding sphere for distant and environment lights. */
@@ -121,7 +121,7 @@ class Light {
   }
 };
 
-/** A light that rays meet because it sits on a surface. */
+/** A light on a surface. */
 class AreaLight : public Light {
  public:
   explicit AreaLight(const Shape& shape) : shapeOfLight(shape) {
@@ -138,8 +138,8 @@ class AreaLight : public Light {
   float opacity(const SurfacePoint& point) const {
     return alpha ? std::clamp(alpha->at(point).r, 0.0f, 1.0f) : 1;
   }
-  /** As in pbrt, a light whose alpha is the number 0 shines like any, but no ray ever meets it. */
-  bool isMet() const override { return !unseen; }
+  /** As in pbrt, a light whose alpha is the number 0 shines like any, but no ray hits it. */
+  bool isIntersectable() const override { return !unseen; }
   /** Density with which sampleLi(from) chooses this point [1/sr]. */
   virtual float pdfLi(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const {
     return shapeOfLight.pdfDirection(from, primitive, point);

@@ -32,7 +32,7 @@ struct WeightedPath {
   double splats = 0;                  ///< light paths that are connected to the camera
   double connections = 0;             ///< of x_i and x_i+1, 0 < i < k - 1
   double shadowRays = 0;              ///< their number times the density with which they choose x_k, as B_k
-  bool lightIsMet = true;             ///< by chance: false for delta lights
+  bool lightIsIntersectable = true;   ///< by camera rays: false for delta lights
   double photons = 0;                 ///< light paths whose vertices are merged; 0: none
   double mergeArea = 0;               ///< π r² [area], the same for all techniques of a path
   double correlationArea = 0;         ///< A of (3) [area]; 0: every photon counts as independent

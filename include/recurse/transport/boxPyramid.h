@@ -60,7 +60,7 @@ class BoxPyramid {
     }
   }
 
-  /** Calls visit(i) for each item whose leaf the ray meets before `end`. */
+  /** Calls visit(i) for each item whose leaf the ray intersects before `end`. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     if (count == 0) return;
     struct Place {
@@ -72,7 +72,7 @@ class BoxPyramid {
     const Vec3f inverse = 1.0f / ray.direction;
     while (top > 0) {
       const Place p = stack[--top];
-      if (!meets(boxes[(size_t(1) << p.level) - 1 + p.index], ray.origin, inverse, end)) continue;
+      if (!intersects(boxes[(size_t(1) << p.level) - 1 + p.index], ray.origin, inverse, end)) continue;
       if (p.level < levels) {
         stack[top++] = {p.level + 1, 2 * p.index};
         stack[top++] = {p.level + 1, 2 * p.index + 1};
@@ -90,7 +90,7 @@ class BoxPyramid {
 
   /** Node `index` of a level has the items from here to where the next one begins. */
   size_t firstOf(uint32_t level, size_t index) const { return count * index >> level; }
-  static bool meets(const Bounds3f& box, const Vec3f& origin, const Vec3f& inverse, float end) {
+  static bool intersects(const Bounds3f& box, const Vec3f& origin, const Vec3f& inverse, float end) {
     // Of a ray in the plane of a side 0 · infinity is NaN, which min and max of this order pass over.
     float enter = 0, leave = end;
     for (int a = 0; a < 3; ++a) {

@@ -1,5 +1,5 @@
 /** @file
- * What eye rays read the photon map at, before any picture is rendered.
+ * What camera rays read the photon map at, before any picture is rendered.
  */
 #pragma once
 
@@ -17,7 +17,7 @@ struct VisiblePoint {
   float footprint = 0; ///< how wide a pixel is there [scene units]
 };
 
-/** The places that a grid of `across`² eye rays over the picture sees, by the strongest delta lobe at each
+/** The places that a grid of `across`² camera rays over the picture sees, by the strongest delta lobe at each
  * surface; rays that see none are left out. Rough lobes that `sharing` leaves to rays count as mirrors. */
 std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts);

@@ -17,11 +17,11 @@ inline float powerHeuristic(int n, float p, float q) {
   return 1 / (1 + square(q / (static_cast<float>(n) * p))); // no square that could overflow to a NaN
 }
 
-/** A surface point for a guide, seen from unit `eye`. */
-inline LightSampleContext lightSampleContext(const LightSampler& guide, const SurfacePoint& point,
-                                             const Vec3f& eye) {
-  if (!guide.active()) return {point.position};
-  return guide.at(point.position, point.normalTowards(eye));
+/** What a light sampler knows of a surface point, seen from unit `wi`. */
+inline LightSampleContext lightSampleContext(const LightSampler& lightSampler, const SurfacePoint& point,
+                                             const Vec3f& wi) {
+  if (!lightSampler.active()) return {point.position};
+  return lightSampler.at(point.position, point.normalTowards(wi));
 }
 
 /** What the light's side of a path has read behind so many thin panes. */
@@ -50,10 +50,10 @@ struct SampledLight {
   float pick; ///< what the choice left over
   Vec2f u;
 
-  SampledLight(const LightTable& lights, const LightSampler& guide, const LightSampleContext& place,
+  SampledLight(const LightTable& lights, const LightSampler& lightSampler, const LightSampleContext& context,
                Sampler& random)
-      : sampler(&guide), pick(random.next1D()), u(random.next2D()) {
-    chosen = guide.choose(lights, place, pick);
+      : sampler(&lightSampler), pick(random.next1D()), u(random.next2D()) {
+    chosen = lightSampler.choose(lights, context, pick);
   }
   std::optional<LiSample> sampleLi(const SurfacePoint& point) const {
     if (chosen.probability > 0) return sampler->sampleLi(*chosen.light, point.time, point.position, pick, u);
@@ -61,29 +61,29 @@ struct SampledLight {
   }
 };
 
-/** What one of `samples` shadow rays brings along unit `eye`, times `throughput`, if nothing is in its way.
+/** What one of `samples` shadow rays brings along unit `wi`, times `throughput`, if nothing is in its way.
  * Black: it need not be traced. */
-inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& eye, const Rgb& throughput,
+inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& throughput,
                               const LiSample& light, float probability, int samples, LobeSet allowed) {
   if (!(light.pdf > 0)) return BLACK;
-  const Rgb f = scattering.evaluate(eye, light.direction);
+  const Rgb f = scattering.evaluate(wi, light.direction);
   if (isBlack(f)) return BLACK;
   const float pdf = probability * light.pdf;
   const float weight =
-      light.delta ? 1 : powerHeuristic(samples, pdf, scattering.pdf(eye, light.direction, allowed));
+      light.delta ? 1 : powerHeuristic(samples, pdf, scattering.pdf(wi, light.direction, allowed));
   return throughput * f * light.radiance * (weight / (pdf * static_cast<float>(samples)));
 }
 
 /**
  * Adds the light that `samples` shadow rays bring to a point with non-delta lobes, past at most `maxPanes`
- * thin panes, seen from unit `eye` with `throughput`. `cameraState` has read the D at the point. `allowed`
+ * thin panes, seen from unit `wi` with `throughput`. `cameraState` has read the D at the point. `allowed`
  * are the lobes that the BSDF's own ray is chosen from, `nesting` is what the walk is inside of that came
- * there. `place` is the point as `guide` knows it. Media on the way have to be homogeneous; the light that a
- * BSDF ray meets is to be weighed without them.
+ * there. `context` is the point as `lightSampler` knows it. Media on the way have to be homogeneous; the
+ * light that a BSDF ray meets is to be weighed without them.
  */
-void addSampledLight(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
+void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
-                     const Vec3f& eye, const Rgb& throughput, CameraState cameraState, int samples,
+                     const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
                      LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out);
 
 /** What a BSDF ray carries to find the weight of the light that it may meet, at once or straight through thin
@@ -91,19 +91,21 @@ void addSampledLight(const Scene& scene, const LightSampler& guide, const LightS
 struct BsdfRay {
   LightSampleContext from;
   float pdf = 0;         ///< per solid angle; of a non-delta lobe
-  bool weighted = false; ///< false after the eye and after delta lobes other than panes: no shadow ray could
-                         ///< find this light
+  bool weighted = false; ///< false after the camera and after delta lobes other than panes: no shadow ray
+                         ///< could find this light
 };
 
 /** The radiance of an emitting surface that a ray of unit `direction` met, times its weight; black when it
  * emits nothing there. `inMedia`, in scenes with media: the densities of the path. */
-Rgb emittedRadiance(const Scene& scene, const LightSampler& guide, const Hit& hit, const Vec3f& direction,
-                    const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
+Rgb emittedRadiance(const Scene& scene, const LightSampler& lightSampler, const Hit& hit,
+                    const Vec3f& direction, const BsdfRay& ray, int lightSamples,
+                    const SpectralPath* inMedia = nullptr);
 /** The same for a ray that left the scene, of one of its lights. */
-Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, size_t which, const Vec3f& direction,
-                        const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
+Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, size_t which,
+                        const Vec3f& direction, const BsdfRay& ray, int lightSamples,
+                        const SpectralPath* inMedia = nullptr);
 /** Of all of them. */
-Rgb environmentRadiance(const Scene& scene, const LightSampler& guide, const Vec3f& direction,
+Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, const Vec3f& direction,
                         const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
 
 /** Where shadow rays start in a scene with media: on a surface or in a medium. */
@@ -116,8 +118,8 @@ struct LitVertex {
   const Nesting& nesting;
   const SpectralPath& path; ///< that arrived
   int hero;
-  CameraState state;  ///< which has read the event
-  bool goesOn = true; ///< false: nothing but shadow rays finds light from here
+  CameraState state;      ///< which has read the event
+  bool hasBsdfRay = true; ///< false: nothing but shadow rays finds light from here
 
   /** What it sends along the walk of light from unit `light`, the cosine included. */
   Rgb value(const Vec3f& light) const {
@@ -135,8 +137,8 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
 
 /** addSampledLight in a scene with media, for a walk that goes on by the BSDF or the phase function and
  * weighs the lights that it meets with emittedRadiance and environmentRadiance. */
-void addSampledLightInMedia(const Scene& scene, const LightSampler& guide, const LightSampleContext& place,
-                            const LitVertex& vertex, int samples, int maxPanes, Sampler& sampler,
-                            PathRadiance& out);
+void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler,
+                            const LightSampleContext& context, const LitVertex& vertex, int samples,
+                            int maxPanes, Sampler& sampler, PathRadiance& out);
 
 } // namespace recurse

@@ -17,8 +17,8 @@ struct EstimatorDomain {
   std::string cost;       ///< what it does and what that costs, in a few words
   std::string
       sharedGroup; ///< estimators of one group may share paths: their weights add up to one. Else empty
-  bool meetsLights = false; ///< by rays that happen to meet a light: none ever meets a delta light
-  bool onlyPanes = false;   ///< finds, of these paths, those that go straight through thin panes
+  bool hitsLights = false; ///< finds light by rays that hit its source, which no delta light has
+  bool onlyPanes = false;  ///< finds, of these paths, those that go straight through thin panes
 };
 
 /** What is wrong with a list of estimators; nothing when `sound()`. */

@@ -31,7 +31,7 @@ struct Pass {
 struct TransportCounts {
   uint64_t rays = 0;              ///< intersection and occlusion queries
   uint64_t nonFinite = 0;         ///< contributions dropped because they were not finite; must be 0
-  double truncatedThroughput = 0; ///< throughput lost to depth and weight limits, summed over eye paths
+  double truncatedThroughput = 0; ///< throughput lost to depth and weight limits, summed over camera paths
   uint64_t gathers = 0;           ///< density estimates
   uint64_t photonsFound = 0;      ///< over all gathers
   uint64_t photonsScattered = 0;  ///< of them those whose BSDF was evaluated one by one
@@ -74,8 +74,8 @@ class Splatter {
 };
 
 /**
- * The radiance of one eye path, sorted into film layers. The only way in is to say which path it came by:
- * what the light side has read and what the eye side has read.
+ * The radiance of one camera path, sorted into film layers. The only way in is to say which path it came by:
+ * what the light side has read and what the camera side has read.
  */
 class PathRadiance {
  public:
@@ -127,7 +127,8 @@ class PathRadiance {
 
   TransportCounts& counts;
   const std::atomic<bool>* abandon = nullptr; ///< see abandoned(); null: never
-  Splatter* splatter = nullptr; ///< for light paths that belong to this eye path, where Integrator::splats()
+  Splatter* splatter =
+      nullptr; ///< for light paths that belong to this camera path, where Integrator::splats()
 
  private:
   const PathClasses& classes;
@@ -169,7 +170,7 @@ struct ForwardControl {
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 };
 
-/** An eye path to be walked: where it starts, its samples, and where its radiance goes. */
+/** A camera path to be walked: where it starts, its samples, and where its radiance goes. */
 struct CameraPath {
   CameraPath(const Sampler& sampler, PathRadiance& out) : sampler(sampler), out(&out) {}
   CameraRay ray;
@@ -177,8 +178,8 @@ struct CameraPath {
   PathRadiance* out;
 };
 
-/** How many eye paths are handed over at once: enough to keep the processor busy with independent work, few
- * enough for the cache next to it. */
+/** How many camera paths are handed over at once: enough to keep the processor busy with independent work,
+ * few enough for the cache next to it. */
 constexpr size_t CAMERA_BATCH = 256;
 
 class Integrator {
@@ -190,7 +191,7 @@ class Integrator {
    * samples; n, the samples are dealt out to n passes; 0, once for each sample. */
   virtual int passes(int /*samplesPerPixel*/) const { return 1; }
   /** Whether light paths bring something to pixels by themselves, through a Splatter: in forward(), or in
-   * backward() those that belong to one eye path. */
+   * backward() those that belong to one camera path. */
   virtual bool splats() const { return false; }
   /** How many photons forward() emits each time; 0: it keeps none in a map. */
   virtual uint64_t photonsEmitted(const Scene&) const { return 0; }
@@ -200,11 +201,11 @@ class Integrator {
   virtual ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) {
     return {};
   }
-  /** Estimates the radiance along an eye ray. May be called from any thread for any pixel. */
+  /** Estimates the radiance along a camera ray. May be called from any thread for any pixel. */
   virtual void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                         PathRadiance& out) const = 0;
-  /** The same for several eye paths, which must share their classes; each gets the radiance that it would get
-   * alone. */
+  /** The same for several camera paths, which must share their classes; each gets the radiance that it would
+   * get alone. */
   virtual void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const {
     for (CameraPath& p : paths) backward(scene, p.ray, p.sampler, *p.out);
   }

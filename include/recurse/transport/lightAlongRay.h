@@ -77,7 +77,7 @@ struct LightAlongRay {
  * (Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination"). None where no lamp lights
  * either.
  */
-std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& guide,
+std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& lightSampler,
                                               const Medium& medium, const Ray& ray, float end,
                                               Sampler& sampler);
 

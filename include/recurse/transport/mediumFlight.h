@@ -18,23 +18,23 @@ namespace recurse {
 /** What a path carries through media. */
 struct SpectralPath {
   Rgb throughput{1}; ///< over the mean density of the channels
-  Rgb own{1};        ///< densities by channel with which the path came here, relative to their mean
-  Rgb light{1};      ///< the same of a shadow ray from the last vertex to here, per density of its direction
+  Rgb pathPdf{1};    ///< densities by channel with which the path came here, relative to their mean
+  Rgb lightPdf{1};   ///< the same of a shadow ray from the last vertex to here, per density of its direction
 
-  /** Makes the mean of `own` 1, which changes no quotient. */
+  /** Makes the mean of `pathPdf` 1, which changes no quotient. */
   void normalize() {
-    const float mean = (own.r + own.g + own.b) * (1.0f / 3);
+    const float mean = (pathPdf.r + pathPdf.g + pathPdf.b) * (1.0f / 3);
     if (!(mean > 0)) return;
     throughput /= mean;
-    light /= mean;
-    own /= mean;
+    lightPdf /= mean;
+    pathPdf /= mean;
   }
 };
 
-/** What arrives along a shadow ray: of radiance, and densities by channel of a path that goes on (own) and of
- * the shadow ray (light), relative to what was before. */
+/** What arrives along a shadow ray: of radiance, and densities by channel of a path that goes on (pathPdf)
+ * and of the shadow ray (light), relative to what was before. */
 struct SpectralTransmittance {
-  Rgb value{1}, own{1}, light{1};
+  Rgb value{1}, pathPdf{1}, lightPdf{1};
 };
 
 namespace flight {
@@ -64,8 +64,8 @@ struct Collision {
  * What is absorbed is taken off the throughput, and only ends the path where nothing is left.
  */
 template <class Emission>
-Collision flyThrough(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
-                     SpectralPath& path, Emission&& emission) {
+Collision sampleCollision(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
+                          SpectralPath& path, Emission&& emission) {
   const bool exact = medium.isHomogeneous();
   MajorantSegments segments = medium.segments(ray, end);
   for (MajorantSegment s; segments.next(s);) {
@@ -76,30 +76,30 @@ Collision flyThrough(const Medium& medium, const Ray& ray, float end, int hero, 
       const float distance = arrives ? s.end - t : step;
       const Rgb relative = flight::transmittance(s.majorant - majorant, distance);
       path.throughput *= relative;
-      path.own *= relative;
+      path.pathPdf *= relative;
       if (arrives) {
-        path.light *= exact ? Rgb(1 / flight::transmittance(Rgb(majorant), distance).r) : relative;
+        path.lightPdf *= exact ? Rgb(1 / flight::transmittance(Rgb(majorant), distance).r) : relative;
         path.normalize();
         break;
       }
       t += step;
       const MediumPoint point = medium.at(ray.at(t));
       if (!isBlack(point.emission)) {
-        const Rgb density = path.own * s.majorant / majorant;
+        const Rgb density = path.pathPdf * s.majorant / majorant;
         emission(path.throughput * point.emission * (3 / (majorant * (density.r + density.g + density.b))));
       }
       const Rgb extinction = point.extinction();
       if (exact || sampler.next1D() * majorant < extinction[hero]) {
         path.throughput *= point.scattering / extinction[hero];
-        path.own *= extinction / extinction[hero];
+        path.pathPdf *= extinction / extinction[hero];
         path.normalize();
         return {true, t};
       }
       const Rgb null = max(s.majorant - extinction, 0);
       if (!(null[hero] > 0)) continue; // rounding
       path.throughput *= null / null[hero];
-      path.own *= null / null[hero];
-      path.light *= relative * s.majorant / null[hero];
+      path.pathPdf *= null / null[hero];
+      path.lightPdf *= relative * s.majorant / null[hero];
       path.normalize();
     }
   }
@@ -112,15 +112,15 @@ constexpr int NO_HERO = -1;
 
 /** Carries a shadow ray through as far as `end`: by closed form where there is one, by ratio tracking else.
  * Without a hero only `value` has a meaning. */
-inline void passThrough(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
-                        SpectralTransmittance& s) {
+inline void trackTransmittance(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
+                               SpectralTransmittance& s) {
   constexpr float LOW = 0.05f, LOST = 0.75f; // of light that is hardly worth following
   MajorantSegments segments = medium.segments(ray, end);
   for (MajorantSegment part; segments.next(part);) {
     if (medium.isHomogeneous()) {
       const Rgb t = flight::transmittance(part.majorant, part.end - part.begin);
       s.value *= t;
-      s.own *= t;
+      s.pathPdf *= t;
       continue;
     }
     if (hero == NO_HERO) part.majorant = Rgb(maxComponent(part.majorant));
@@ -130,16 +130,17 @@ inline void passThrough(const Medium& medium, const Ray& ray, float end, int her
       const bool arrives = !(t + step < part.end);
       const Rgb relative = flight::transmittance(part.majorant - majorant, arrives ? part.end - t : step);
       s.value *= relative;
-      s.own *= relative;
-      s.light *= relative;
+      s.pathPdf *= relative;
+      s.lightPdf *= relative;
       if (arrives) break;
       t += step;
       const Rgb null = max(part.majorant - medium.at(ray.at(t)).extinction(), 0) / majorant;
       s.value *= null;
-      s.own *= null;
-      s.light *= part.majorant / majorant;
+      s.pathPdf *= null;
+      s.lightPdf *= part.majorant / majorant;
       if (isBlack(s.value)) return;
-      const float mean = (s.own.r + s.own.g + s.own.b + s.light.r + s.light.g + s.light.b) / 3;
+      const float mean =
+          (s.pathPdf.r + s.pathPdf.g + s.pathPdf.b + s.lightPdf.r + s.lightPdf.g + s.lightPdf.b) / 3;
       if (maxComponent(s.value) < LOW * mean) {
         if (sampler.next1D() < LOST) {
           s.value = BLACK;

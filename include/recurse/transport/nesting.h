@@ -46,9 +46,10 @@ class Nesting {
       around = hit.media.outside;
   }
 
-  /** Where a walk of unit `direction` meets a nested dielectric: false when it passes as if there were
-   * nothing, and is inside or outside of it from now on. Else the point knows the index outside. */
-  bool meets(const Scene& scene, Hit& hit, const Vec3f& direction) {
+  /** Whether a ray of unit `direction` that has hit a nested dielectric interacts with its surface. False
+   * where a solid of higher priority hides it: the ray passes, and is inside or outside of it from now on.
+   * Else sets the refractive index outside of the point. */
+  bool isTrueIntersection(const Scene& scene, Hit& hit, const Vec3f& direction) {
     const auto own = static_cast<size_t>(hit.material->nesting);
     const bool entering = glm::dot(direction, hit.point.geometricNormal) < 0;
     bool hidden = depth[own] > (entering ? 0 : 1); // within another shape of the same

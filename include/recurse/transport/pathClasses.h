@@ -1,7 +1,7 @@
 /** @file
  * Path classes at run time: which film layers a light path belongs to. A path is a word over L, S, D, V and E
  * (Heckbert 1990), a class a regular language of words. The light side carries the state of a DFA that all
- * classes share, the eye side that of the reverse automaton: a set of light states for each class. Joining
+ * classes share, the camera side that of the reverse automaton: a set of light states for each class. Joining
  * the two is one look-up.
  */
 #pragma once
@@ -25,7 +25,7 @@ class LightState {
   uint8_t byte;
 };
 
-/** What an eye-side walk has read, from E backwards. Made by PathClasses only. */
+/** What a camera side walk has read, from E backwards. Made by PathClasses only. */
 class CameraState {
  public:
   explicit constexpr CameraState(uint16_t index = 0) : index(index) {}
@@ -68,7 +68,7 @@ class PathClasses {
   }
   /** True when no continuation of the light walk is ever accepted by any class: the photon may be dropped. */
   bool dead(LightState s) const { return lightDead[s.byte] != 0; }
-  /** True when no light path completes what the eye walk has read: the eye path may end. */
+  /** True when no light path completes what the camera walk has read: the camera path may end. */
   bool dead(CameraState s) const { return cameraDead[s.index] != 0; }
   /** The classes of the path made of the two halves. The event at the vertex where they meet has been read by
    *  exactly one of them. */

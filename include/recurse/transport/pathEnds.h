@@ -22,7 +22,7 @@ struct LightEnd {
 
   bool isInfinite() const;
   /** Whether rays may meet it. */
-  bool isMet() const;
+  bool isIntersectable() const;
   LightGeometry geometry() const;
 };
 

@@ -41,10 +41,10 @@ template <class State> struct Subpath {
   float sampleSpacing = 1; ///< see CameraRay
   float wavelength = 0;    ///< of light that has been dispersed [nm]; 0: it is white
   // In media:
-  Rgb own{1}, light{1}; ///< see SpectralPath, of which `throughput` is the third
-  int hero = 0;         ///< the channel that draws distances
+  Rgb pathPdf{1}, lightPdf{1}; ///< see SpectralPath, of which `throughput` is the third
+  int hero = 0;                ///< the channel that draws distances
 
-  SpectralPath spectral() const { return {throughput, own, light}; }
+  SpectralPath spectral() const { return {throughput, pathPdf, lightPdf}; }
 };
 
 /** A surface, or a point in a medium, that scatters, where a walk has arrived. */

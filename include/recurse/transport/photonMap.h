@@ -162,6 +162,7 @@ class PhotonMap {
   };
   struct Builder;
   struct Flann;
+  struct RankBracket;
 
   /** The region, as the tests of eight photons at a time want it. */
   template <bool FLAT, bool SIDED, bool CLIPPED> struct Query;
@@ -186,6 +187,9 @@ class PhotonMap {
 
   size_t leafBeside(const Query<false, false, false>& query) const;
   float densityBound(const Vec3f& center, int k) const;
+  static RankBracket bracketNearest(const FoundPhotons& found, size_t wanted, float upper);
+  uint64_t nearestKey(float d2, size_t slot) const;
+  uint64_t lastNearestKey(size_t wanted, const RankBracket& bracket, PhotonScratch& scratch) const;
   void keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const;
   void buildFlann();
   void dropFlann();

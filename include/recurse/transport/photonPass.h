@@ -86,7 +86,7 @@ class PhotonPass {
   /** Those in media that have scattered before, and with `directLight` all. */
   const MediaPhotons& inMedia() const { return mediaPhotons; }
   /** Fewer than one in MIN_STORED photons of the first pass, or than MIN_MAP, came down on surfaces. */
-  bool useless() const { return tooFew; }
+  bool hasTooFewPhotons() const { return tooFew; }
   /** Relative variance of what one camera ray from each visible place finds of caustics, the mean over all.
    */
   double causticVarianceByRays() const { return causticRays; }
@@ -142,7 +142,7 @@ class PhotonPass {
   /** Lights by the power that comes where photons are sent. */
   LightTable lightsByPower(const LightTable& lights) const;
   /** What light from infinitely far comes through before it reaches the scene. */
-  void learnSurroundings(const Scene& scene, ForwardStatistics& statistics);
+  void learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics);
   /** Which media keep beams, and how many photons and beams to keep. */
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
@@ -154,15 +154,15 @@ class PhotonPass {
   PhotonPassSettings settings;
   PhotonLayer causticLayer, indirectLayer;
   MediaPhotons mediaPhotons;
-  KeptInMedia media;       ///< from the first pass
-  uint16_t outside = 0;    ///< the medium around the scene
-  Rgb fromFar{1};          ///< its transmittance
-  EmissiveMedia glowing;   ///< learned before the first pass, for all
-  LightPortals portals;    ///< learned before the first pass, for all
-  PhotonAim aim;           ///< learned before the first pass, for all
-  LightTable lights;       ///< by what comes in
-  PhotonGuidance guidance; ///< learned before the first pass, for all
-  VisibleRegion region;    ///< the same
+  KeptInMedia media;           ///< from the first pass
+  uint16_t outside = 0;        ///< the medium around the scene
+  Rgb outsideTransmittance{1}; ///< its transmittance
+  EmissiveMedia emissiveMedia; ///< learned before the first pass, for all
+  LightPortals portals;        ///< learned before the first pass, for all
+  PhotonAim aim;               ///< learned before the first pass, for all
+  LightTable lights;           ///< by what comes in
+  PhotonGuidance guidance;     ///< learned before the first pass, for all
+  VisibleRegion region;        ///< the same
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays
   bool progressive = false, tooFew = false, causticsKnown = false;

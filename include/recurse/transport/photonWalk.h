@@ -20,7 +20,7 @@ constexpr uint64_t PHOTON_BATCH = 4096;
 /** Nearer than so many radii a target is too wide for a cone. */
 constexpr float NEAR_TARGET = 1.5f;
 
-/** What walks leave behind. */
+/** Photons that walks have stored. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;
   std::vector<VolumePhoton> inMedia;
@@ -39,83 +39,44 @@ class PhotonWalk {
  public:
   PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
              TransportCounts& counts, StoredPhotons& out)
-      : scene(scene), classes(classes), settings(settings), counts(counts), out(out) {}
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out), byMedia(partOfMedia()) {
+  }
 
   /** Returns what the photon started by, and one over its density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
     const float light = sampler.next1D(), part = sampler.next1D();
     const Vec2f place = sampler.next2D(), direction = sampler.next2D();
     EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
-    auto& n = start.numbers;
     if (settings.guide && settings.guide->active())
-      start.weight = 1 / settings.guide->warp(n, sampler.next1D());
-    base = entered = 0;
-    float pick = n[0];
-    const LightTable& lights = settings.lights ? *settings.lights : scene.lights();
-    const float byMedia = partOfMedia(lights);
-    storesDirect = settings.direct;
-    if (byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia)) {
-      storesDirect = true;
-      shootFromMedium(n, start.weight / byMedia, time, sampler);
-      return start;
-    }
-    const size_t index = lights.chooseIndex(pick);
-    const Light& source = lights[index];
-    if (!(lights.probability(index) > 0)) return start;
-    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
-    const Vec2f towards{n[4], n[5]};
-    std::optional<LeSample> emission =
-        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
-    if (!emission) return start;
-    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
-    if (isBlack(emission->flux)) return start;
-    LePdf pdf = source.pdfLe(*emission);
-    if (aimed) pdf.direction = emission->pdfDirection;
-    if (source.isInfinite() && settings.portals && settings.portals->active()) {
-      settings.portals->redirect(*emission, pick, {n[2], n[3]});
-      pdf.position = emission->pdfPosition;
-    }
-    const ReverseRatio ratio =
-        source.isMet() ? ReverseRatio::atLight(*emission, pdf, lights.probability(index)) : ReverseRatio();
-    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), lights.probability(index)};
-    Rgb flux =
-        emission->flux / (lights.probability(index) * (1 - byMedia) * static_cast<float>(settings.photons));
-    base = maxComponent(flux);
-    if (!recurse::isFinite(flux)) {
-      ++counts.nonFinite;
-      return start;
-    }
-    if (source.isInfinite()) flux *= settings.fromFar;
-    if (classes.dead(classes.lightStart()) || isBlack(flux)) return start;
-    const Ray ray{emission->origin, emission->direction, INFINITE, time};
-    Flight flight{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
-    if (scene.hasMedia()) {
-      const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
-      flight.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
-      flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-    }
-    walk(std::move(flight), sampler);
+      start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
+    unguidedPower = enteredTargets = 0;
+    const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
+    storesDirect = settings.direct || fromMedium;
+    std::optional<PhotonState> photon =
+        fromMedium ? emitFromMedium(start, time, sampler) : emitFromLight(start, time, sampler);
+    if (!photon) return start;
+    walk(std::move(*photon), sampler);
     while (!waiting.empty()) {
-      auto [flight, own] = waiting.back();
+      auto [next, ownSampler] = waiting.back();
       waiting.pop_back();
-      walk(std::move(flight), own);
+      walk(std::move(next), ownSampler);
     }
     return start;
   }
   /** Power of a photon that starts with weight 1, of the last one that was shot. */
-  float fullPower() const { return base; }
+  float fullPower() const { return unguidedPower; }
   /** Of its start, if it came from infinitely far [1/length²]; else infinite. */
   float startDensity() const { return isInfinite(origin.kind) ? origin.pdf.position : INFINITE; }
   /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
    * light. */
-  float enteredImportance() const { return entered; }
+  float enteredImportance() const { return enteredTargets; }
 
   const VisibleRegion* region = nullptr; ///< of trial photons
   uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
 
  private:
-  /** A photon on its way. */
-  struct Flight {
+  /** A photon under way. */
+  struct PhotonState {
     Ray ray;
     Rgb flux;
     LightState state;
@@ -124,172 +85,254 @@ class PhotonWalk {
     int depth = 0;
     bool caustic = true;
     bool straight = true; ///< from the light: nothing but thin panes so far
-    float lowered = 1;    ///< power over that of the photon that was sent nowhere
+    float relativePower =
+        1;                ///< to that of the photon that it branched off; below 1 until it leaves its target
     float wavelength = 0; ///< as in Subpath
     // In media:
-    Rgb own{1};   ///< see SpectralPath
-    int hero = 0; ///< the channel that draws distances
+    Rgb pathPdf{1}; ///< see SpectralPath
+    int hero = 0;   ///< the channel that draws distances
   };
 
-  /** Of the photons, that glowing media emit: by power, but where there are lights too not nearly all. */
-  float partOfMedia(const LightTable& lights) const {
-    constexpr double MOST = 0.9;
+  const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }
+
+  /** The part of the photons that emissive media emit: in proportion to power, but between a tenth and nine
+   * tenths where there are lights too. */
+  float partOfMedia() const {
+    constexpr double MAX_PART = 0.9;
     if (!settings.media || settings.media->empty()) return 0;
     double byLights = 0;
-    for (size_t i = 0; i < lights.size(); ++i) byLights += double(maxComponent(lights[i].power()));
+    for (size_t i = 0; i < lights().size(); ++i) byLights += double(maxComponent(lights()[i].power()));
     if (!(byLights > 0)) return 1;
     const double byMedia = settings.media->power();
-    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MOST, MOST));
+    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
   }
 
-  /** A photon of a glowing medium, `weight` over the density of all that was chosen before. */
-  void shootFromMedium(const EmissionGuide::Numbers& n, float weight, float time, Sampler& sampler) {
-    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
-    const Rgb flux = power * (weight / static_cast<float>(settings.photons));
-    if (isBlack(flux)) return;
+  /** True where a photon of such a start is worth following; counts those that are not finite. */
+  bool isUseful(const Rgb& flux) {
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
-      return;
+      return false;
     }
-    if (classes.dead(classes.lightStart())) return;
-    const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
-    Flight flight{ray, flux, classes.lightStart(), nesting, {}};
-    flight.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-    walk(std::move(flight), sampler);
+    return !isBlack(flux) && !classes.dead(classes.lightStart());
   }
 
-  /** A short beam: as far as a flight by the thinnest channel goes, of which no channel is then amplified. */
-  void storeBeam(const Flight& flight, const Medium& medium, uint16_t number, float end, Sampler& sampler) {
+  /** A photon of an emissive medium. */
+  std::optional<PhotonState> emitFromMedium(const EmissionGuide::TrainingSample& start, float time,
+                                            Sampler& sampler) {
+    const auto& n = start.numbers;
+    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
+    const Rgb flux = power * (start.weight / byMedia / static_cast<float>(settings.photons));
+    if (!isUseful(flux)) return {};
+    const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
+    PhotonState photon{ray, flux, classes.lightStart(), nesting, {}};
+    photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    return photon;
+  }
+
+  /** A photon of a light, which is chosen by power. */
+  std::optional<PhotonState> emitFromLight(const EmissionGuide::TrainingSample& start, float time,
+                                           Sampler& sampler) {
+    const auto& n = start.numbers;
+    float pick = n[0];
+    const size_t index = lights().chooseIndex(pick);
+    const Light& source = lights()[index];
+    const float probability = lights().probability(index);
+    if (!(probability > 0)) return {};
+    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
+    const Vec2f towards{n[4], n[5]};
+    std::optional<LeSample> emission =
+        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
+    if (!emission) return {};
+    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
+    if (isBlack(emission->flux)) return {};
+    LePdf pdf = source.pdfLe(*emission);
+    if (aimed) pdf.direction = emission->pdfDirection;
+    if (source.isInfinite() && settings.portals && settings.portals->active()) {
+      settings.portals->redirect(*emission, pick, {n[2], n[3]});
+      pdf.position = emission->pdfPosition;
+    }
+    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), probability};
+    Rgb flux = emission->flux / (probability * (1 - byMedia) * static_cast<float>(settings.photons));
+    unguidedPower = maxComponent(flux);
+    if (source.isInfinite()) flux *= settings.outsideTransmittance;
+    if (!isUseful(flux)) return {};
+    const Ray ray{emission->origin, emission->direction, INFINITE, time};
+    const ReverseRatio ratio =
+        source.isIntersectable() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
+    PhotonState photon{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+    if (scene.hasMedia()) {
+      const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
+      photon.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
+      photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    }
+    return photon;
+  }
+
+  /** A short beam: its length is sampled by the channel of least extinction, so that no channel is amplified.
+   */
+  void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
+                 Sampler& sampler) {
     const float part = settings.inMedia.beamPart;
     if (part < 1 && sampler.next1D() >= part) return;
     const float distance =
-        flight::sampleDistance(thinnest(medium.at(flight.ray.origin).extinction()), sampler);
-    out.beams.push_back({flight.ray.origin, flight.ray.direction, std::min(end, distance), flight.flux / part,
-                         number, flight.state.byte});
+        flight::sampleDistance(thinnest(medium.at(photon.ray.origin).extinction()), sampler);
+    out.beams.push_back({photon.ray.origin, photon.ray.direction, std::min(end, distance), photon.flux / part,
+                         number, photon.state.byte});
   }
 
-  enum class Through { PASSES, SCATTERS, ENDS };
-  /** Flies through the medium on the way to `end`. Where it scatters a photon is stored, and sent on. */
-  Through flyInMedium(Flight& flight, float end, Sampler& sampler) {
-    const uint16_t number = flight.nesting.medium(scene);
+  enum class MediumEvent { NONE, SCATTERED, ENDED };
+  /** Samples where the medium on the way to `end` scatters: there the photon is stored, and sent on. */
+  MediumEvent sampleMedium(PhotonState& photon, float end, Sampler& sampler) {
+    const uint16_t number = photon.nesting.medium(scene);
     const Medium* medium = scene.medium(number);
-    if (!medium) return Through::PASSES;
-    const LightState after = classes.step(flight.state, PathEvent::V);
+    if (!medium) return MediumEvent::NONE;
+    const LightState after = classes.step(photon.state, PathEvent::V);
     const bool stored =
-        (!flight.straight || storesDirect) && flight.depth != settings.maxDepth && !classes.dead(after);
+        (!photon.straight || storesDirect) && photon.depth != settings.maxDepth && !classes.dead(after);
     const bool asBeam = settings.inMedia.isByBeams(number);
-    if (stored && asBeam) storeBeam(flight, *medium, number, end, sampler);
-    SpectralPath spectral{flight.flux, flight.own, Rgb(1)};
+    if (stored && asBeam) storeBeam(photon, *medium, number, end, sampler);
+    SpectralPath spectral{photon.flux, photon.pathPdf, Rgb(1)};
     const Collision c =
-        flyThrough(*medium, flight.ray, end, flight.hero, sampler, spectral, [](const Rgb&) {});
+        sampleCollision(*medium, photon.ray, end, photon.hero, sampler, spectral, [](const Rgb&) {});
     // Single channels go up and down with their densities; their mean does not, and roulette by it keeps
     // powers alike.
-    const float before = flight.flux.r + flight.flux.g + flight.flux.b;
-    flight.flux = spectral.throughput;
-    flight.own = spectral.own;
-    if (isBlack(flight.flux)) return Through::ENDS;
-    if (!c.scatters) return Through::PASSES;
-    if (settings.causticsOnly) return Through::ENDS;
-    if (flight.depth == settings.maxDepth) {
-      counts.truncatedThroughput += double(maxComponent(flight.flux));
-      return Through::ENDS;
+    const float before = photon.flux.r + photon.flux.g + photon.flux.b;
+    photon.flux = spectral.throughput;
+    photon.pathPdf = spectral.pathPdf;
+    if (isBlack(photon.flux)) return MediumEvent::ENDED;
+    if (!c.scatters) return MediumEvent::NONE;
+    if (settings.causticsOnly) return MediumEvent::ENDED;
+    if (photon.depth == settings.maxDepth) {
+      counts.truncatedThroughput += double(maxComponent(photon.flux));
+      return MediumEvent::ENDED;
     }
-    if (classes.dead(after)) return Through::ENDS;
-    const Vec3f position = flight.ray.at(c.t), direction = flight.ray.direction;
+    if (classes.dead(after)) return MediumEvent::ENDED;
+    const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
     const float part = settings.inMedia.pointPart;
     if (stored && !asBeam && (part >= 1 || sampler.next1D() < part))
       out.inMedia.push_back(
-          {position, packDirection(direction), flight.flux / part, number, flight.state.byte});
-    ++flight.depth;
-    const float chance = std::min(1.0f, (flight.flux.r + flight.flux.g + flight.flux.b) / before);
-    if (!russianRoulette(chance, flight.depth, sampler, flight.flux)) return Through::ENDS;
-    flight.state = after;
-    flight.caustic = flight.straight = false;
-    flight.ratio = {};
-    flight.ray.origin = position;
-    flight.ray.direction = medium->phase->sample(direction, sampler.next2D());
-    return Through::SCATTERS;
+          {position, packDirection(direction), photon.flux / part, number, photon.state.byte});
+    ++photon.depth;
+    const float chance = std::min(1.0f, (photon.flux.r + photon.flux.g + photon.flux.b) / before);
+    if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return MediumEvent::ENDED;
+    photon.state = after;
+    photon.caustic = photon.straight = false;
+    photon.ratio = {};
+    photon.ray.origin = position;
+    photon.ray.direction = medium->phase->sample(direction, sampler.next2D());
+    return MediumEvent::SCATTERED;
   }
 
-  void walk(Flight flight, Sampler& sampler) {
-    auto& [ray, flux, state, nesting, ratio, depth, caustic, straight, lowered, wavelength, own, hero] =
-        flight;
-    Hit hit;
-    bool toTarget = lowered < 1; // and has not come down yet
+  /** The BSDF of the next surface that scatters; null when the photon ends before. */
+  const Bsdf* nextSurface(PhotonState& photon, Hit& hit, Sampler& sampler) {
+    Ray& ray = photon.ray;
     for (;;) {
-      const bool met = intersect(scene, ray, hit, counts);
+      const bool isHit = intersect(scene, ray, hit, counts);
       if (scene.hasMedia()) {
-        if (met) nesting.approach(hit, ray.direction);
-        const Through through = flyInMedium(flight, met ? hit.t : INFINITE, sampler);
-        if (through == Through::ENDS) return;
-        if (through == Through::SCATTERS) continue;
+        if (isHit) photon.nesting.approach(hit, ray.direction);
+        const MediumEvent event = sampleMedium(photon, isHit ? hit.t : INFINITE, sampler);
+        if (event == MediumEvent::ENDED) return nullptr;
+        if (event == MediumEvent::SCATTERED) continue;
       }
-      if (!met) return;
+      if (!isHit) return nullptr;
       arena.reset();
-      drawWavelength(scene, wavelength, sampler, hit);
-      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
-      if (!bsdf) {
-        nesting.enterMedium(hit, ray.direction);
-        if (scene.hasMedia())
-          ray.origin = originBehind(ray, hit);
-        else
-          ray = spawn(hit.point, ray.direction);
-        continue;
-      }
-      if (depth == settings.maxDepth) {
-        counts.truncatedThroughput += double(maxComponent(flux));
+      drawWavelength(scene, photon.wavelength, sampler, hit);
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), photon.nesting, arena);
+      if (bsdf) return bsdf;
+      photon.nesting.enterMedium(hit, ray.direction);
+      if (scene.hasMedia())
+        ray.origin = originBehind(ray, hit);
+      else
+        ray = spawn(hit.point, ray.direction);
+    }
+  }
+
+  /** A surface where a photon has arrived. */
+  struct Arrival {
+    const Hit& hit;
+    ScatteringPoint scattering;
+    Vec3f wi; ///< unit, towards where the photon came from
+    LightState afterD, afterS;
+    LobeSet allowed = NO_LOBE; ///< lobes that the photon may leave by
+    bool sends = false;        ///< photons to the targets, which BSDF sampling then leaves out
+  };
+
+  Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
+    photon.ratio.arrive(photon.ray.direction, hit.point);
+    Arrival at{hit, ScatteringPoint(bsdf, hit.point), -photon.ray.direction,
+               classes.step(photon.state, PathEvent::D), classes.step(photon.state, PathEvent::S)};
+    const bool isForRays = photon.straight && startDensity() < settings.minStartDensity;
+    const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly || isForRays;
+    at.allowed =
+        LobeSet((endsHere ? NO_LOBE : NON_DELTA_LOBES) | (classes.dead(at.afterS) ? NO_LOBE : DELTA_LOBES));
+    return at;
+  }
+
+  /** Sends a photon on from a surface by its BSDF and roulette. False when it ends there. */
+  bool scatter(PhotonState& photon, const Arrival& at, Sampler& sampler) {
+    const SurfacePoint& point = at.hit.point;
+    const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
+    if (!s || (at.sends && !s->specular() && conesAround(s->direction) > 0)) return false;
+    const Rgb scattered = photon.flux * s->weight;
+    const float before = maxComponent(photon.flux), after = maxComponent(scattered);
+    photon.flux = scattered;
+    if (!russianRoulette(std::min(1.0f, after / before), photon.depth, sampler, photon.flux)) return false;
+    photon.state = s->specular() ? at.afterS : at.afterD;
+    photon.flux *= dispersedColour(point, *s, photon.wavelength);
+    photon.nesting.scatters(at.hit, at.wi, s->direction);
+    photon.caustic = photon.caustic && s->specular();
+    photon.straight = photon.straight && passesPane(scene, at.scattering, *s);
+    if (s->specular())
+      photon.ratio.leave(s->direction, point);
+    else
+      photon.ratio = ratioAfter(photon.ratio, photon.depth - 1, at.hit, at.scattering, at.wi, s->direction);
+    photon.ray = spawn(point, s->direction);
+    return true;
+  }
+
+  /** Splits a strong photon into several, all but one of which wait. */
+  void split(PhotonState& photon, const Arrival& at, Sampler& sampler) {
+    constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
+    const int count = splitCount(photon.flux, at.hit.point.position);
+    photon.flux /= static_cast<float>(count);
+    for (int i = 1; i < count; ++i) {
+      PhotonState copy = photon;
+      Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+      if (scatter(copy, at, own)) waiting.emplace_back(std::move(copy), own);
+    }
+  }
+
+  /** Of trial photons: notes where one comes into a target straight from the light. */
+  void noteTargetsEntered(const Vec3f& position) {
+    for (const DxtranSphere& t : settings.targets)
+      if (glm::distance(position, t.center) < t.radius) enteredTargets += t.importance;
+  }
+
+  /** Follows a photon until it is killed. */
+  void walk(PhotonState photon, Sampler& sampler) {
+    Hit hit;
+    bool toTarget = photon.relativePower < 1; // and has not come down yet
+    while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
+      if (photon.depth == settings.maxDepth) {
+        counts.truncatedThroughput += double(maxComponent(photon.flux));
         return;
       }
-      if (region && depth == 0)
-        for (const DxtranSphere& t : settings.targets)
-          if (glm::distance(hit.point.position, t.center) < t.radius) entered += t.importance;
-      const bool outside = !settings.targets.empty() && findCones(hit.point.position);
-      if (std::exchange(toTarget, false) && region) arrived += region->contains(hit.point.position);
-      if (outside && lowered < 1) {
-        if (!russianRoulette(lowered, depth, sampler, flux)) return;
-        lowered = 1;
+      const Vec3f position = hit.point.position;
+      if (region && photon.depth == 0) noteTargetsEntered(position);
+      const bool outside = !settings.targets.empty() && findCones(position);
+      if (std::exchange(toTarget, false) && region) arrived += region->contains(position);
+      if (outside && photon.relativePower < 1) {
+        if (!russianRoulette(photon.relativePower, photon.depth, sampler, photon.flux)) return;
+        photon.relativePower = 1;
       }
-      const ScatteringPoint scattering(*bsdf, hit.point);
-      const Vec3f wi = -ray.direction;
-      ratio.arrive(ray.direction, hit.point);
-      const LightState stateD = classes.step(state, PathEvent::D), stateS = classes.step(state, PathEvent::S);
-      if (scattering.keepsPhotons() && !classes.dead(stateD) && (!straight || storesDirect))
-        store(hit.point, scattering, wi, flux, state, caustic, ratio);
-      ++depth;
-      const bool isForRays = straight && startDensity() < settings.minStartDensity;
-      const LobeSet allowed =
-          LobeSet((classes.dead(stateD) || settings.causticsOnly || isForRays ? NO_LOBE : NON_DELTA_LOBES) |
-                  (classes.dead(stateS) ? NO_LOBE : DELTA_LOBES));
-      const bool sends = outside && (allowed & NON_DELTA_LOBES) && (scattering.lobes() & LAMBERTIAN);
-      if (sends) sendToTargets(flight, hit, scattering, stateD, sampler);
-      const auto goOn = [&](Flight& f, Sampler& own) {
-        const std::optional<Scatter> s = scattering.scatter(wi, Transport::FLUX, own, allowed);
-        if (!s || (sends && !s->specular() && conesAround(s->direction) > 0)) return false;
-        const Rgb scattered = f.flux * s->weight;
-        const float before = maxComponent(f.flux), after = maxComponent(scattered);
-        f.flux = scattered;
-        if (!russianRoulette(std::min(1.0f, after / before), f.depth, own, f.flux)) return false;
-        f.state = s->specular() ? stateS : stateD;
-        f.flux *= dispersedColour(hit.point, *s, f.wavelength);
-        f.nesting.scatters(hit, wi, s->direction);
-        f.caustic = f.caustic && s->specular();
-        f.straight = f.straight && passesPane(scene, scattering, *s);
-        if (s->specular())
-          f.ratio.leave(s->direction, hit.point);
-        else
-          f.ratio = ratioAfter(f.ratio, f.depth - 1, hit, scattering, wi, s->direction);
-        f.ray = spawn(hit.point, s->direction);
-        return true;
-      };
-      constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
-      const int count = scattering.keepsPhotons() ? splitCount(flux, hit.point.position) : 1;
-      flux /= static_cast<float>(count);
-      for (int i = 1; i < count; ++i) {
-        Flight copy = flight;
-        Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
-        if (goOn(copy, own)) waiting.emplace_back(std::move(copy), own);
-      }
-      if (!goOn(flight, sampler)) return;
+      Arrival at = arrive(photon, hit, *bsdf);
+      const bool keepsPhotons = at.scattering.keepsPhotons();
+      if (keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect)) store(photon, at);
+      ++photon.depth;
+      at.sends = outside && (at.allowed & NON_DELTA_LOBES) && (at.scattering.lobes() & LAMBERTIAN);
+      if (at.sends) sendToTargets(photon, at, sampler);
+      if (keepsPhotons) split(photon, at, sampler);
+      if (!scatter(photon, at, sampler)) return;
     }
   }
 
@@ -348,11 +391,11 @@ class PhotonWalk {
   }
 
   /** Photons to the targets from where `from` has scattered. */
-  void sendToTargets(const Flight& from, const Hit& hit, const ScatteringPoint& scattering, LightState state,
-                     const Sampler& sampler) {
+  void sendToTargets(const PhotonState& from, const Arrival& at, const Sampler& sampler) {
     constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
     constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
-    const Vec3f wi = -from.ray.direction;
+    const ScatteringPoint& scattering = at.scattering;
+    const Vec3f& wi = at.wi;
     const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
     const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
     Sampler branch = sampler.fork(BRANCH);
@@ -361,24 +404,25 @@ class PhotonWalk {
       // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
       if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
       const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
-      const float wanted = std::clamp(maxComponent(from.flux) * seen / (base * part), MIN_COUNT, MAX_COUNT);
+      const float wanted =
+          std::clamp(maxComponent(from.flux) * seen / (unguidedPower * part), MIN_COUNT, MAX_COUNT);
       const int count = static_cast<int>(wanted + branch.next1D());
       for (int i = 0; i < count; ++i) {
         Sampler own = branch.fork(static_cast<uint32_t>(i));
         const Vec3f direction = cone.sample(own.next2D());
-        Flight sentOut = from;
+        PhotonState next = from;
         const float density = wanted *
                               static_cast<float>(std::max<std::ptrdiff_t>(1, conesAround(direction))) /
                               (2 * PI * cone.opening);
-        sentOut.flux *= scattering.evaluateFlux(wi, direction) / density;
-        if (isBlack(sentOut.flux)) continue;
-        sentOut.lowered = std::min(1.0f, maxComponent(sentOut.flux) / maxComponent(from.flux));
-        sentOut.state = state;
-        sentOut.caustic = sentOut.straight = false;
-        sentOut.ratio = ratioAfter(from.ratio, from.depth - 1, hit, scattering, wi, direction);
-        sentOut.nesting.scatters(hit, wi, direction);
-        sentOut.ray = spawn(hit.point, direction);
-        waiting.emplace_back(std::move(sentOut), own);
+        next.flux *= scattering.evaluateFlux(wi, direction) / density;
+        if (isBlack(next.flux)) continue;
+        next.relativePower = std::min(1.0f, maxComponent(next.flux) / maxComponent(from.flux));
+        next.state = at.afterD;
+        next.caustic = next.straight = false;
+        next.ratio = ratioAfter(from.ratio, from.depth - 1, at.hit, scattering, wi, direction);
+        next.nesting.scatters(at.hit, wi, direction);
+        next.ray = spawn(at.hit.point, direction);
+        waiting.emplace_back(std::move(next), own);
         ++sent;
       }
     }
@@ -395,18 +439,18 @@ class PhotonWalk {
     return packed;
   }
 
-  void store(const SurfacePoint& point, const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& flux,
-             LightState state, bool caustic, const ReverseRatio& ratio) {
-    const float geometric = absDot(wi, point.geometricNormal);
+  void store(const PhotonState& photon, const Arrival& at) {
+    const SurfacePoint& point = at.hit.point;
+    const float geometric = absDot(at.wi, point.geometricNormal);
     if (geometric == 0) return; // in the plane of the surface: brings no flux
     Photon p;
     p.position = point.position;
-    p.direction = packOnSide(wi, point.geometricNormal);
-    p.normal = packDirection(point.normalTowards(wi));
-    p.power = flux * (absDot(wi, scattering.normal()) / geometric);
-    p.pathState = state.byte;
-    p.caustic = caustic;
-    p.reverseRatio = ratio.value();
+    p.direction = packOnSide(at.wi, point.geometricNormal);
+    p.normal = packDirection(point.normalTowards(at.wi));
+    p.power = photon.flux * (absDot(at.wi, at.scattering.normal()) / geometric);
+    p.pathState = photon.state.byte;
+    p.caustic = photon.caustic;
+    p.reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(p);
   }
 
@@ -415,11 +459,12 @@ class PhotonWalk {
   const ShootSettings& settings;
   TransportCounts& counts;
   StoredPhotons& out;
-  std::vector<std::pair<Flight, Sampler>> waiting;
+  std::vector<std::pair<PhotonState, Sampler>> waiting;
   std::vector<Target> cones; ///< of the last surface
   Origin origin;
-  float base = 0, entered = 0;
+  float unguidedPower = 0, enteredTargets = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
+  float byMedia = 0;        ///< the part of the photons that emissive media emit
   BsdfArena arena;
 };
 

@@ -26,8 +26,8 @@ struct RenderStatistics {
   size_t mapBytes = 0;
   uint64_t splatsSaturated = 0; ///< that were too large to be added up, and lost light by it
   TransportCounts counts;
-  uint64_t samples = 0;                     ///< eye paths
-  uint64_t least = 0, median = 0, most = 0; ///< eye paths of a pixel
+  uint64_t samples = 0;                     ///< camera paths
+  uint64_t least = 0, median = 0, most = 0; ///< camera paths of a pixel
   int passes = 0;                           ///< rounds of samples over the whole picture
   int forwardPasses = 0;                    ///< photon maps shot
   int threads = 0;

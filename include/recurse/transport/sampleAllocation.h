@@ -100,7 +100,7 @@ class SampleAllocation {
   /** What a pixel gets samples in proportion to. */
   struct Need {
     double all = 0;
-    double eye = 0; ///< the part of the eye paths; the same without a map for each sample
+    double eye = 0; ///< the part of the camera paths; the same without a map for each sample
   };
   /** Pilot samples of each pixel among those of the stage that come before `sample` and from `from` on. */
   int64_t pilots(int64_t from, int64_t sample) const;

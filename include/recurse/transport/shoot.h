@@ -49,7 +49,7 @@ struct ShootSettings {
   bool causticsOnly = false;             ///< photons end at the first non-delta surface, and in media
   const EmissiveMedia* media = nullptr;  ///< that emit as well as the lights; null: none
   uint16_t outside = 0;                  ///< medium that light from infinitely far starts in
-  Rgb fromFar{1};                        ///< what it has come through before: transmittance
+  Rgb outsideTransmittance{1};           ///< what it has come through before: transmittance
   const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
   const LightPortals* portals = nullptr; ///< where light from infinitely far comes in; null: everywhere
   const PhotonAim* aim = nullptr;        ///< where far lamps send photons; null: everywhere

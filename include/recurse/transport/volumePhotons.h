@@ -40,9 +40,9 @@ class DiscBounds {
   bool cuts(const Vec3f& away) const;
   /** The part of the kernel's integral over the disc that is left; never 0. */
   float fraction(const KernelPoints& points, float radius) const;
-  /** How far the photon is along `direction` from the surface that a ray comes from whose origin is at
-   * `origin`, seen from the photon; `t` if that is none of these, up to `tolerance`. */
-  float wayFromSurface(const Vec3f& origin, const Vec3f& direction, float t, float tolerance) const;
+  /** Distance along `direction` from the bounding surface on which a ray starts, up to `tolerance`, to the
+   * photon; `t` where it starts on none. `origin`: of the ray, relative to the photon. */
+  float distanceFromSurface(const Vec3f& origin, const Vec3f& direction, float t, float tolerance) const;
 
  private:
   static constexpr size_t MAX_COUNT = 3;
@@ -75,17 +75,17 @@ class VolumePhotonMap {
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     const KernelPoints points = boundsOf.empty() ? KernelPoints() : kernelPointsAcross(ray.direction);
     tree.visitAlong(ray, end, [&](size_t i) {
-      const Vec3f way = photons[i].position - ray.origin;
-      const float t = glm::dot(way, ray.direction), radius2 = square(radii[i]);
-      const float distance2 = lengthSquared(way - ray.direction * t);
+      const Vec3f offset = photons[i].position - ray.origin;
+      const float t = glm::dot(offset, ray.direction), radius2 = square(radii[i]);
+      const float distance2 = lengthSquared(offset - ray.direction * t);
       if (!(t > 0 && t < end && distance2 < radius2)) return;
       float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov's
       float depth = t;
       if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
         const DiscBounds& b = bounds[boundsOf[i]];
-        if (b.cuts(ray.direction * t - way)) return;
+        if (b.cuts(ray.direction * t - offset)) return;
         kernel /= b.fraction(points, radii[i]);
-        depth = b.wayFromSurface(-way, ray.direction, t, radii[i] / 2);
+        depth = b.distanceFromSurface(-offset, ray.direction, t, radii[i] / 2);
       }
       visit(photons[i], depth, kernel);
     });

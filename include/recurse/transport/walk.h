@@ -1,5 +1,6 @@
 /** @file
- * What eye walks and photon walks share: queries that are counted, and roulette.
+ * What walks from the camera and from lights share: counted intersection queries, Russian roulette,
+ * visibility.
  */
 #pragma once
 
@@ -15,20 +16,19 @@
 
 namespace recurse {
 
-/** Beyond this many events a walk does not branch any more. */
-constexpr int LONG_WALK = 64;
-/** Beyond this many events a walk that loses nothing, such as light between perfect mirrors, may end. */
-constexpr int ENDLESS_WALK = 512;
+/** A camera path of more scattering events does not branch. */
+constexpr int MAX_BRANCHING_DEPTH = 64;
+/** Paths that lose no energy, as between perfect mirrors, play roulette beyond so many scattering events. */
+constexpr int LOSSLESS_ROULETTE_DEPTH = 512;
 
 /**
- * Russian roulette: true to go on, and then the weight is divided by the chance. Of endless walks the part
- * (512/n)² is left after n events: they end, and however slowly what they bring falls off, its variance is
- * finite. (With the same chance at every event it is not, once that is below the square of the albedo: nearly
- * always nearly everything is lost.)
+ * Russian roulette: true to go on, with the weight divided by the chance. Paths that lose no energy survive n
+ * events with probability (512/n)²: a chance that stays below the squared albedo would give infinite
+ * variance.
  */
 inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& weight) {
   constexpr float NOTHING_LOST = 0.99999f;
-  if (length > ENDLESS_WALK && chance > NOTHING_LOST)
+  if (length > LOSSLESS_ROULETTE_DEPTH && chance > NOTHING_LOST)
     chance = std::min(chance, 1 - 2 / static_cast<float>(length));
   if (chance >= 1) return true;
   if (!(chance > 0) || sampler.next1D() >= chance) return false;
@@ -51,8 +51,8 @@ inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
 }
 
 /**
- * Where a ray goes on straight behind a surface that it met. Where several meet in an edge it gets behind
- * each of them: displaced from each surface alone, it would find itself before the others again, for ever.
+ * Origin of a ray that goes on straight behind a surface. At an edge it lies behind every surface there:
+ * displaced from one surface only, the ray would hit the others again and again.
  */
 inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
   constexpr float AT_ONCE = 2; // distance to the next surface over its error
@@ -96,7 +96,7 @@ inline Rgb dispersedColour(const SurfacePoint& point, const Scatter& s, float& w
   return wavelengthColour(wavelength);
 }
 
-/** What a sample stands for where an eye ray has arrived, its width included. */
+/** What a sample stands for where a camera ray has arrived, its width included. */
 inline Footprint footprint(const CameraRay& ray) { return {ray.direction, ray.width * ray.sampleSpacing}; }
 
 /** The BSDF of what a ray met, once the material has shaped the surface; null where rays pass through. */
@@ -112,7 +112,7 @@ inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena
 /** The same, but that solids which are there by priority hide the others. */
 inline const Bsdf* bsdfAt(const Scene& scene, Hit& hit, const Vec3f& direction, const Footprint& footprint,
                           Nesting& nesting, BsdfArena& arena) {
-  if (isNested(hit) && !nesting.meets(scene, hit, direction)) return nullptr;
+  if (isNested(hit) && !nesting.isTrueIntersection(scene, hit, direction)) return nullptr;
   return bsdfAt(hit, footprint, arena);
 }
 
@@ -182,7 +182,7 @@ inline Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, 
   BsdfArena arena;
   Hit hit;
   while (panes ? intersect(scene, ray, hit, counts) : intersectPosition(scene, ray, hit, counts)) {
-    if (hit.material && !(isNested(hit) && !nesting.meets(scene, hit, light.direction))) {
+    if (hit.material && !(isNested(hit) && !nesting.isTrueIntersection(scene, hit, light.direction))) {
       if (sum.panes++ == maxPanes || !panes) return {};
       arena.reset();
       const Bsdf* bsdf = bsdfAt(hit, Footprint(), arena);

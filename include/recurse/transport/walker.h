@@ -46,15 +46,15 @@ template <class State> class Walker {
   bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
             MediumEmission&& mediumEmission) {
     for (;;) {
-      const bool met = intersect(scene, path.ray, vertex.hit, counts);
+      const bool isHit = intersect(scene, path.ray, vertex.hit, counts);
       vertex.medium = nullptr;
-      if (media && met) path.nesting.approach(vertex.hit, path.ray.direction);
-      if (media && fly(path, vertex, met ? vertex.hit.t : INFINITE, sampler, mediumEmission)) {
+      if (media && isHit) path.nesting.approach(vertex.hit, path.ray.direction);
+      if (media && sampleMedium(path, vertex, isHit ? vertex.hit.t : INFINITE, sampler, mediumEmission)) {
         if (isBlack(path.throughput) || endsByDepth(path)) return false;
         arriveInMedium(path, vertex);
         return true;
       }
-      if (!met) {
+      if (!isHit) {
         emission(nullptr);
         return false;
       }
@@ -92,21 +92,21 @@ template <class State> class Walker {
     const auto s = vertex.scattering->scatter(vertex.wi, TRANSPORT, sampler, vertex.allowed);
     if (!s) return {};
     const float before = maxComponent(path.throughput);
-    take(path, vertex, *s);
+    applyWeight(path, vertex, *s);
     if (isBlack(path.throughput)) return {};
     const float chance = TRANSPORT == Transport::FLUX
                              ? maxComponent(path.throughput) / before // keeps photons alike
                              : maxComponent(path.throughput) * path.etaScale;
     const bool roulette = TRANSPORT == Transport::FLUX || path.depth > ROULETTE_FREE_DEPTH;
     if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
-    goOn(path, vertex, *s);
+    spawnRay(path, vertex, *s);
     return s;
   }
 
   /** Goes on by a step that the caller has chosen. */
   void follow(Path& path, const Vertex& vertex, const Scatter& s) const {
-    take(path, vertex, s);
-    goOn(path, vertex, s);
+    applyWeight(path, vertex, s);
+    spawnRay(path, vertex, s);
   }
 
  private:
@@ -121,14 +121,15 @@ template <class State> class Walker {
 
   /** True where the medium on the way to `end` scatters, at vertex.hit.point. */
   template <class MediumEmission>
-  bool fly(Path& path, Vertex& vertex, float end, Sampler& sampler, MediumEmission&& emission) const {
+  bool sampleMedium(Path& path, Vertex& vertex, float end, Sampler& sampler,
+                    MediumEmission&& emission) const {
     const Medium* medium = scene.medium(path.nesting.medium(scene));
     if (!medium) return false;
-    SpectralPath spectral{path.throughput, path.own, path.light};
-    const Collision c = flyThrough(*medium, path.ray, end, path.hero, sampler, spectral, emission);
+    SpectralPath spectral{path.throughput, path.pathPdf, path.lightPdf};
+    const Collision c = sampleCollision(*medium, path.ray, end, path.hero, sampler, spectral, emission);
     path.throughput = spectral.throughput;
-    path.own = spectral.own;
-    path.light = spectral.light;
+    path.pathPdf = spectral.pathPdf;
+    path.lightPdf = spectral.lightPdf;
     if (!c.scatters) return false;
     vertex.medium = medium;
     vertex.hit = Hit();
@@ -166,7 +167,7 @@ template <class State> class Walker {
     path.parallel = false;
     path.from = vertex.hit.point.position;
     path.cosine = 1;
-    path.light = path.own;
+    path.lightPdf = path.pathPdf;
     path.width = path.spread = 0;
     path.ray = spawn(vertex.hit.point, s.direction);
     return s;
@@ -192,13 +193,13 @@ template <class State> class Walker {
     vertex.toPrevious = path.parallel ? 1 : double(path.cosine) * perDistance2;
   }
 
-  void take(Path& path, const Vertex& vertex, const Scatter& s) const {
+  void applyWeight(Path& path, const Vertex& vertex, const Scatter& s) const {
     path.throughput *= s.weight;
     path.state = s.specular() ? vertex.afterS : vertex.afterD;
     path.etaScale *= square(s.eta);
   }
 
-  void goOn(Path& path, const Vertex& vertex, const Scatter& s) const {
+  void spawnRay(Path& path, const Vertex& vertex, const Scatter& s) const {
     path.delta = s.specular();
     path.throughput *= dispersedColour(vertex.point(), s, path.wavelength);
     const bool all = (vertex.scattering->lobes() & ~vertex.allowed & ALL_LOBES) == 0;
@@ -207,7 +208,7 @@ template <class State> class Walker {
     path.from = vertex.hit.point.position;
     path.cosine = absDot(s.direction, vertex.hit.point.geometricNormal);
     path.nesting.scatters(vertex.hit, vertex.wi, s.direction);
-    if (media && !passesPane(scene, *vertex.scattering, s)) path.light = path.own;
+    if (media && !passesPane(scene, *vertex.scattering, s)) path.lightPdf = path.pathPdf;
     if (!path.delta) path.width = path.spread = 0; // what a pixel sees from here on is not known
     path.ray = spawn(vertex.hit.point, s.direction);
   }
