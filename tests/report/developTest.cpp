@@ -105,36 +105,6 @@ TEST(BrightEdges, OfLampsAreAsSmoothAsThoseOfPaper) {
   EXPECT_GT(staircase(byOperator("filmic", slantedEdge(100, 0.1f))), 0.15) << "the measure sees nothing";
 }
 
-TEST(BrightEdges, OfNarrowLampsAreSmoothToo) {
-  // A tube, nearly upright, on paper: the sum of each row of the picture is to be the same.
-  const auto tube = [](float width, float bright) {
-    return filled(48, 96, [&](int x, int y) {
-      float covered = 0;
-      for (float sub = 0.5f; sub < 16; ++sub) {
-        const float left = 20 + 0.0875f * (float(y) + sub / 16) - float(x);
-        covered += std::clamp(left + width, 0.0f, 1.0f) / 16 - std::clamp(left, 0.0f, 1.0f) / 16;
-      }
-      return Rgb(0.1f + covered * (bright - 0.1f));
-    });
-  };
-  const auto unevenness = [](const Image& picture) {
-    double mean = 0, squares = 0;
-    for (int y = 8; y < 88; ++y) {
-      double row = 0;
-      for (int x = 0; x < 48; ++x) row += double(picture.rgb(x, y).g - picture.rgb(0, y).g);
-      mean += row / 80;
-      squares += row * row / 80;
-    }
-    return std::sqrt(std::max(squares - mean * mean, 0.0)) / mean;
-  };
-  for (const float width : {0.3f, 1.0f, 2.0f, 3.0f})
-    for (const float bright : {30.0f, 1000.0f}) {
-      const double before = unevenness(byOperator("filmic", tube(width, bright)));
-      const double after = unevenness(shownBy("filmic", tube(width, bright)));
-      EXPECT_LT(after, 0.6 * before) << width << " " << bright << ": " << after << " of " << before;
-    }
-}
-
 TEST(BrightEdges, ColouredLampsKeepTheirColourBesideTheEdge) {
   const auto lamp = [](float covered) {
     return covered * Rgb(80, 20, 2) + (1 - covered) * Rgb(0.1f, 0.1f, 0.3f);
