@@ -339,7 +339,7 @@ void meshFiles(const Report& report) {
 /** Measured materials: a file that is cut short, and numbers that are none. */
 void measuredFiles(const Report& report) {
   const Folder folder;
-  std::ifstream in("scenes/materials/copper.bsdf", std::ios::binary);
+  std::ifstream in(RECURSE_SOURCE_DIR "/scenes/materials/copper.bsdf", std::ios::binary);
   const std::string good{std::istreambuf_iterator<char>(in), {}};
   const auto refused = [&](const std::string& detail, const std::string& bytes, const std::string& reason) {
     folder.write("a.bsdf", bytes);
