@@ -16,10 +16,11 @@ namespace {
 class Estimate {
  public:
   Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
-           const GatherSettings& settings, float merging, const PathClasses& classes, CameraState cameraState)
+           const GatherSettings& settings, const GatherResult& weights, const PathClasses& classes,
+           CameraState cameraState)
       : scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
-        states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(merging),
-        rest(settings.rest),
+        states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(weights.merging),
+        rest(weights.rest),
         lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
         shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
         bent(point.shadingNormal != point.geometricNormal) {
@@ -185,7 +186,9 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
     search();
   }
   if (!boundary) return support;
-  if (!support.byNearest && support.region.radius > flat && !anyWithin(map, support.region)) {
+  // Rays weigh by the support whether there are photons in it or not.
+  if (!settings.leavesRestToRays && !support.byNearest && support.region.radius > flat &&
+      !anyWithin(map, support.region)) {
     support.empty = true;
     return support;
   }
@@ -238,6 +241,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
                     CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary) {
   ++out.counts.gathers;
   GatherResult result;
+  result.rest = settings.rest;
   if (map.empty()) return result;
   GatherRegion place;
   place.center = point.position;
@@ -249,9 +253,10 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
                                             boundary, scratch, out.counts);
 
   result.merging = mergingWithin(settings.merging, support.radius2);
+  result.rest = settings.restWithin(support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
-  Estimate estimate(scattering, point, eye, settings, result.merging, out.pathClasses(), cameraState);
+  Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState);
   if (estimate.oneSum()) {
     const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
     result.found = sum.found;
@@ -273,7 +278,9 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
   if (!estimate.isLambertian()) out.counts.photonsScattered += static_cast<uint64_t>(result.found);
-  if (result.found > 0) estimate.addTo(out, throughput * (INV_PI / (support.radius2 * support.fraction)));
+  if (result.found > 0)
+    estimate.addTo(out, throughput * ((settings.weighedAgainstRays ? 1 : result.rest) * INV_PI /
+                                      (support.radius2 * support.fraction)));
   return result;
 }
 

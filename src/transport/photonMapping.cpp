@@ -177,14 +177,17 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
     const PhotonLayer& caustics = photons.caustics();
     merging = addPhotons(scene, caustics, causticIrradiances,
                          photons.query(caustics, hit.point, wi, scattering.lobes()), scattering, hit.point,
-                         path, sampler, out);
+                         path, sampler, out)
+                  .merging;
     indirect = photons.query(photons.indirect(), hit.point, wi, scattering.lobes());
     weighIndirect(path, indirect);
-    const GatherSettings& gather = indirect.settings;
-    indirect.settings.merging = gather.rest > 0 || gather.merging > 0
-                                    ? addPhotons(scene, photons.indirect(), irradiances, indirect, scattering,
-                                                 hit.point, path, sampler, out)
-                                    : 0;
+    GatherSettings& gather = indirect.settings;
+    if (gather.rest > 0 || gather.merging > 0) {
+      const GatherResult used = addPhotons(scene, photons.indirect(), irradiances, indirect, scattering,
+                                           hit.point, path, sampler, out);
+      gather.merging = used.merging;
+      gather.rest = used.rest;
+    }
   }
 
   const int rays = path.nonDelta == 0 ? std::max(settings.finalGather, 1) : 1;

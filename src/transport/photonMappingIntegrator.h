@@ -103,11 +103,12 @@ class PhotonMapping final : public Integrator {
   // ------------------------------------------------------------------------------------------------ photons
   /** What part of the indirect light at the end of the path is read from the map. */
   void weighIndirect(const PathState& path, PhotonQuery& query) const;
-  /** Adds what photons of a layer bring at a point. Returns their weight against rays that find the same
+  /** Adds what photons of a layer bring at a point. Returns their weights against rays that find the same
    * light. */
-  float addPhotons(const Scene& scene, const PhotonLayer& layer, const IrradianceCache& cache,
-                   const PhotonQuery& query, const ScatteringPoint& scattering, const SurfacePoint& point,
-                   const PathState& path, const Sampler& sampler, PathRadiance& out) const;
+  GatherResult addPhotons(const Scene& scene, const PhotonLayer& layer, const IrradianceCache& cache,
+                          const PhotonQuery& query, const ScatteringPoint& scattering,
+                          const SurfacePoint& point, const PathState& path, const Sampler& sampler,
+                          PathRadiance& out) const;
   /** Whether many rays ask for the irradiance at the record near by, and the photons' directions make no
    * difference. */
   bool hasRecord(const IrradianceCache& cache, const PhotonQuery& query, const ScatteringPoint& scattering,

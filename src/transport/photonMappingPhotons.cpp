@@ -7,8 +7,9 @@ namespace recurse {
 
 void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) const {
   GatherSettings& gather = query.settings;
-  if (path.nonDelta == 0 && mayGoOn() && settings.nearest == 0 && settings.radius == 0 &&
-      !settings.directLight) {
+  gather.leavesRestToRays =
+      mayGoOn() && settings.nearest == 0 && settings.radius == 0 && !settings.directLight;
+  if (path.nonDelta == 0 && gather.leavesRestToRays) {
     photons.weighAgainstRays(query, path.ray.width);
     return;
   }
@@ -23,10 +24,11 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
   }
 }
 
-float PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& layer, const IrradianceCache& cache,
-                                const PhotonQuery& query, const ScatteringPoint& scattering,
-                                const SurfacePoint& point, const PathState& path, const Sampler& sampler,
-                                PathRadiance& out) const {
+GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& layer,
+                                       const IrradianceCache& cache, const PhotonQuery& query,
+                                       const ScatteringPoint& scattering, const SurfacePoint& point,
+                                       const PathState& path, const Sampler& sampler,
+                                       PathRadiance& out) const {
   const Vec3f wi = -path.ray.direction;
   if (hasRecord(cache, query, scattering, point, path)) {
     const GatherSettings search = atRecord(layer, query);
@@ -40,13 +42,15 @@ float PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& layer, co
     if (!isBlack(e))
       out.add(LightState(0), path.camera,
               path.sharedThroughput() * e * scattering.value(wi, point.normalTowards(wi)));
-    return mergingWithin(search.merging, square(search.radius));
+    GatherResult weights;
+    weights.merging = mergingWithin(search.merging, square(search.radius));
+    weights.rest = search.rest;
+    return weights;
   }
   BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
                               query.place.away};
   return gather(layer.map, query.settings, scattering, point, wi, path.ray.width * photons.scale(),
-                path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr)
-      .merging;
+                path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr);
 }
 
 bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& query,

@@ -257,8 +257,6 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   /** Squared relative error of a covered fraction that eight rays have found, which no pass makes smaller:
    * weighed as the variance of one of so many passes. */
   constexpr double UNSURE_FRACTION = 0.01 * 32;
-  // The rays' part of both errors: beyond, the second estimate costs more than it brings.
-  constexpr double ONLY_RAYS = 0.35, ONLY_MAP = 0.65;
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = true;
   gather.merging = gather.rest = 0;
@@ -270,16 +268,18 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   const double pixels =
       std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
   const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
-  double error2 = stain * variance + double(place.bias2);
-  if (!query.place.known || place.radius > place.around.flat) error2 += UNSURE_FRACTION * squared;
-  gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance / error2);
+  GatherErrors& errors = gather.errors;
+  errors.variance = stain * variance;
+  errors.bias2 = double(place.bias2);
+  if (!query.place.known || place.radius > place.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
+  gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
+                                      (errors.variance + errors.bias2));
   // Where it is not known what rays err by, as in scenes with media: most indirect light of a room comes from
   // about a tenth of the directions.
   constexpr double FEW_DIRECTIONS = 10;
-  const double byRays =
+  errors.byRays =
       std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : FEW_DIRECTIONS * squared;
-  gather.rest = static_cast<float>(
-      std::clamp((byRays / (byRays + error2) - ONLY_RAYS) / (ONLY_MAP - ONLY_RAYS), 0.0, 1.0));
+  gather.rest = errors.photonWeight(1);
 }
 
 LePdf PhotonPass::pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {

@@ -4,6 +4,8 @@
  */
 #pragma once
 
+#include <algorithm>
+
 #include "recurse/model/scatteringPoint.h"
 #include "recurse/transport/boundaryCorrection.h"
 #include "recurse/transport/gatherWeighting.h"
@@ -11,6 +13,19 @@
 #include "recurse/transport/kernel.h"
 
 namespace recurse {
+
+/** Squared errors, by which the weight of photons is chosen whose ratio to rays is not known. */
+struct GatherErrors {
+  double byRays = 0, variance = 0, bias2 = 0;
+  /** The photons' weight where a `part` of the area is left that the errors are for, with fewer photons. */
+  float photonWeight(double part) const {
+    // The rays' part of all: beyond, the second estimate costs more than it brings.
+    constexpr double ONLY_RAYS = 0.35, ONLY_PHOTONS = 0.65;
+    const double rays = part * byRays;
+    const double share = rays > 0 ? rays / (rays + variance + part * bias2) : 0;
+    return static_cast<float>(std::clamp((share - ONLY_RAYS) / (ONLY_PHOTONS - ONLY_RAYS), 0.0, 1.0));
+  }
+};
 
 struct GatherSettings {
   Kernel kernel = Kernel::EPANECHNIKOV;
@@ -22,6 +37,16 @@ struct GatherSettings {
    * area, `rest` the weight of photons whose ratio is not known. */
   bool weighedAgainstRays = false;
   float merging = 0, rest = 1;
+  /** The caller's rays bring what photons do not, and `rest` goes by the support that is used: by `errors`
+   * where photons are weighed; else by its part of the area within `radius` (there is one), so that no photon
+   * is brighter than over all of that. */
+  bool leavesRestToRays = false;
+  GatherErrors errors = {};
+  float restWithin(float radius2) const {
+    if (!leavesRestToRays) return rest;
+    const float part = std::min(1.0f, radius2 / square(radius));
+    return weighedAgainstRays ? errors.photonWeight(double(part)) : rest * part;
+  }
 };
 
 /** What an estimate went by. */
@@ -29,6 +54,7 @@ struct GatherResult {
   float radius = 0;  ///< of the support that was used
   int found = 0;     ///< photons in it
   float merging = 0; ///< see GatherSettings; for the kernel's area
+  float rest = 1;    ///< see GatherSettings; for the support that was used
 };
 
 /**
