@@ -349,34 +349,36 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
     return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, targets);
   };
   guidance = learned();
-  const auto adoptIfBetter = [&](auto& known, auto found) {
+  const auto adoptIfBetter = [&](LightPortals otherPortals, PhotonAim otherAim) {
     constexpr double WORTH_IT = 2;                       // of a variance of which trials know little
     constexpr uint64_t FEW_TRIALS = 256, MANY_TIMES = 4; // of some 32,000 trial photons
-    if (!found.active() || control.stopped()) return;
-    std::swap(known, found);
-    lights = lightsByPower(scene.lights());
+    if (control.stopped()) return;
+    const auto exchange = [&] {
+      std::swap(portals, otherPortals);
+      std::swap(aim, otherAim);
+      lights = lightsByPower(scene.lights());
+    };
+    exchange();
     PhotonGuidance with = learned();
     // Where hardly a photon comes down, what it would bring is not known.
     const bool areManyMore =
         guidance.useful < FEW_TRIALS && with.useful >= MANY_TIMES * std::max<uint64_t>(1, guidance.useful);
     const bool isBetter = with.secondMoment > 0 && with.secondMoment * WORTH_IT < guidance.secondMoment;
-    if (areManyMore || isBetter) {
+    if (areManyMore || isBetter)
       guidance = std::move(with);
-      return;
-    }
-    known = std::move(found);
-    lights = lightsByPower(scene.lights());
+    else
+      exchange();
   };
   // A search for the nearest photons of one map wants them to be of nearly equal power.
-  if (progressive && settings.without != Mechanism::PORTALS) {
+  if (progressive) {
     LightPortals openings;
-    openings.learn(scene, seed, statistics.counts);
-    adoptIfBetter(portals, std::move(openings));
-  }
-  if (progressive && settings.without != Mechanism::AIM) {
+    if (settings.without != Mechanism::PORTALS) openings.learn(scene, seed, statistics.counts);
     PhotonAim farLamps;
-    farLamps.learn(scene, seed, statistics.counts);
-    adoptIfBetter(aim, std::move(farLamps));
+    if (settings.without != Mechanism::AIM) farLamps.learn(scene, seed, statistics.counts);
+    if (openings.active()) adoptIfBetter(openings, {});
+    if (farLamps.active()) adoptIfBetter(portals, farLamps);
+    // While a far lamp of much power shines all around, hardly a photon is left to show what openings bring.
+    if (openings.active() && farLamps.active() && !portals.active()) adoptIfBetter(openings, farLamps);
   }
   if (portals.active())
     statistics.notes.push_back(formatted(

@@ -78,6 +78,21 @@ TEST(LightPortals, ARoomWithAHoleIsAsBrightAsByPaths) {
   }
 }
 
+TEST(LightPortals, ASkyBesideAFarSunIsFoundToo) {
+  // The sun is a ball of forty times the sky's power, so that it takes nearly all photons while it is not
+  // aimed.
+  const int count = samples(32);
+  const std::string sun =
+      "AttributeBegin Translate 60 250 30 AreaLightSource \"diffuse\" \"rgb L\" [400 400 400] "
+      "Material \"diffuse\" \"rgb reflectance\" [0 0 0] Shape \"sphere\" \"float radius\" 8 "
+      "AttributeEnd";
+  const Rendered path = renderText(roomWithHole(16, sun), "path", "", 8 * count);
+  const Rendered photons = renderText(roomWithHole(16, sun), "photonmap", "\"bool trial\" false", count);
+  const double error = std::hypot(path.standardError(), photons.standardError());
+  EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.02 + 3 * error / path.mean());
+  EXPECT_GT(photons.statistics.photonsStored, photons.statistics.photonsEmitted / 20);
+}
+
 TEST(LightPortals, ASkyWithASunComesInAsItDoesWithoutBoxes) {
   const std::string pool = view(16, "-3.5 2.6 -7.5  0 -.8 0  0 1 0", 8) + R"(
 AttributeBegin
