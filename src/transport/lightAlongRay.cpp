@@ -20,7 +20,8 @@ int candidatePairs(const Light& light) {
 std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& lightSampler,
                                               const Medium& medium, const Ray& ray, float end,
                                               Sampler& sampler) {
-  const Rgb extinction = medium.at(ray.origin).extinction();
+  const MediumPoint point = medium.at(ray.origin);
+  const Rgb extinction = point.extinction();
   const TransmittanceDistance open(extinction, end);
   // The lamp is chosen from a place that does not depend on the distances.
   const SurfacePoint from = pointInMedium(ray, open.sample(sampler.next1D(), sampler.next1D()));
@@ -39,11 +40,12 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
   float sum = 0;
   float pick = sampler.next1D();
   const auto consider = [&](float t) {
-    const SurfacePoint point = pointInMedium(ray, t);
+    const SurfacePoint place = pointInMedium(ray, t);
     const std::optional<LiSample> light =
-        lightSampler.sampleLi(*chosen.light, point.time, point.position, choice.pick, sampler.next2D());
+        lightSampler.sampleLi(*chosen.light, place.time, place.position, choice.pick, sampler.next2D());
     if (!light || !(light->pdf > 0)) return;
-    const float worth = luminance(light->radiance * flight::transmittance(extinction, t)) *
+    // Of colours that a medium scatters unequally, each is brought by its own distances.
+    const float worth = luminance(light->radiance * point.scattering * flight::transmittance(extinction, t)) *
                         medium.phase->value(glm::dot(light->direction, ray.direction));
     const float pdf = near ? (open.pdf(t) + near->pdf(t)) / 2 : open.pdf(t);
     const float density = pdf * chosen.probability * light->pdf;

@@ -336,6 +336,19 @@ TEST(MediaPhotons, DenseMatterIsNoDarkerThanByPaths) {
   EXPECT_NEAR(photons.mean() / paths.mean(), 1, 0.08);
 }
 
+TEST(MediaPhotons, MatterDenseInOneChannelIsNoDarkerInThatThanByPaths) {
+  // Of the distances along a ray few are those that bring red, and luminance alone would hardly choose them.
+  const std::string slab = view(16, "0 0 -1  0 0 1  0 1 0", 80) + EVEN_SKY +
+                           "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [ 0 0 0 ] "
+                           "\"rgb sigma_s\" [ 1e4 1 1 ]\nMediumInterface \"m\" \"\"\n" +
+                           MEDIUM_BOX;
+  const Rgb paths = meanOfMedium(renderText(slab, "path", "\"integer maxdepth\" 2", samples(512)));
+  const Rgb photons =
+      meanOfMedium(renderText(slab, "photonmap", "\"integer maxdepth\" 2 \"bool trial\" false", samples(32)));
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(double(photons[c] / paths[c]), 1, SANITIZED ? 0.15 : 0.05) << "channel " << c;
+}
+
 TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
   expectWhatPathFinds(foggyRoom(16), {{"all", "all"},
                                       {"single", "LVE"},
