@@ -192,8 +192,7 @@ void RenderCommandOptions::addTo(CLI::App& command) {
       ->take_all();
   render.addTo(command);
   command
-      .add_option("--paths", paths,
-                   "Only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
+      .add_option("--paths", paths, "Only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
       ->type_name("EXPR");
   develop.addTo(command);
   addCheckpointOptions(command, *this);
@@ -201,7 +200,7 @@ void RenderCommandOptions::addTo(CLI::App& command) {
   addLayerOptions(command, *this);
   addRepetitionOptions(command, *this);
   command.add_flag("--send-scene", sendScene,
-                    "For recurse-mpi: rank 0 alone reads the scene, and sends its files to the others");
+                   "For recurse-mpi: rank 0 alone reads the scene, and sends its files to the others");
   command.add_flag("--check", check, "Load the scene, report what it contains and needs, do not render");
   command.footer(EXAMPLES);
 }
