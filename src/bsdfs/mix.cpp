@@ -13,9 +13,14 @@ namespace {
 
 using Parts = std::vector<const Material*>;
 
+bool isInterface(const Material* m) { return m->lobes() == NO_LOBE; }
+
 LobeSet lobesOf(const Parts& parts) {
-  LobeSet all = parts[0]->lobes();
-  for (const Material* m : parts) all = lobesOfSum(all, m->lobes());
+  LobeSet all = NO_LOBE;
+  for (const Material* m : parts) {
+    if (isInterface(m)) continue;
+    all = all == NO_LOBE ? m->lobes() : lobesOfSum(all, m->lobes());
+  }
   return all;
 }
 
@@ -25,11 +30,47 @@ int refractionsOf(const Parts& parts) {
   return n;
 }
 
+/** How much of a surface each part of a mix covers. `interface` covers nothing, and parts that are mixes with
+ * it have holes of their own. */
+class Coverage {
+ public:
+  Coverage(const Parts& parts, const TexturedRgb& amount)
+      : parts(parts), amount(amount), holes(std::any_of(parts.begin(), parts.end(), [](const Material* m) {
+          return isInterface(m) || m->opacity;
+        })) {}
+  bool hasHoles() const { return holes; }
+  float opacity(const SurfacePoint& point) const {
+    const auto [first, second] = ofParts(point);
+    return first + second;
+  }
+  /** The second part's share of what is covered. */
+  float second(const SurfacePoint& point) const {
+    if (!holes) return amount.at(point).r;
+    const auto [first, second] = ofParts(point);
+    if (first + second == 0) return isInterface(parts[0]) ? 1 : 0;
+    return second / (first + second);
+  }
+
+ private:
+  static float ofPart(const Material* m, const SurfacePoint& point) {
+    if (isInterface(m)) return 0;
+    return m->opacity ? m->opacity->value(point).r : 1;
+  }
+  std::pair<float, float> ofParts(const SurfacePoint& point) const {
+    const float a = amount.at(point).r;
+    return {(1 - a) * ofPart(parts[0], point), a * ofPart(parts[1], point)};
+  }
+
+  Parts parts;
+  TexturedRgb amount;
+  bool holes;
+};
+
 class Mix final : public Material {
  public:
-  Mix(const Parts& parts, const TexturedRgb& amount) : parts(parts), amount(amount) {}
+  Mix(const Parts& parts, const Coverage& coverage) : parts(parts), coverage(coverage) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
-    const float a = amount.at(point).r;
+    const float a = coverage.second(point);
     if (a == 0) return parts[0]->bsdfAt(point, arena);
     if (a == 1) return parts[1]->bsdfAt(point, arena);
     BsdfSum sum;
@@ -42,23 +83,23 @@ class Mix final : public Material {
 
  private:
   Parts parts;
-  TexturedRgb amount;
+  Coverage coverage;
 };
 
 /** One of two materials at each place, by a number that is hashed from it: where they have bumps, each
  * shading frame has its own material, as in pbrt-v4. */
 class Choice {
  public:
-  Choice(const Parts& parts, const TexturedRgb& amount) : parts(parts), amount(amount) {}
+  Choice(const Parts& parts, const Coverage& coverage) : parts(parts), coverage(coverage) {}
   const Material& at(const SurfacePoint& point) const {
     uint64_t h = 0;
     for (int i = 0; i < 3; ++i) h = hashCombine(h, std::bit_cast<uint32_t>(point.position[i]));
-    return *parts[unitFloat(static_cast<uint32_t>(h >> 32)) < amount.at(point).r ? 1 : 0];
+    return *parts[unitFloat(static_cast<uint32_t>(h >> 32)) < coverage.second(point) ? 1 : 0];
   }
 
  private:
   Parts parts;
-  TexturedRgb amount;
+  Coverage coverage;
 };
 
 class ChosenDetail final : public SurfaceDetail {
@@ -74,7 +115,7 @@ class ChosenDetail final : public SurfaceDetail {
 
 class ChosenMaterial final : public Material {
  public:
-  ChosenMaterial(const Parts& parts, const TexturedRgb& amount) : parts(parts), choice(parts, amount) {
+  ChosenMaterial(const Parts& parts, const Coverage& coverage) : parts(parts), choice(parts, coverage) {
     detail = std::make_unique<ChosenDetail>(choice);
   }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
@@ -88,18 +129,14 @@ class ChosenMaterial final : public Material {
   Choice choice;
 };
 
-/** The part of a mix that is not `interface`. */
+/** In the place of alpha. */
 class Opacity final : public Texture {
  public:
-  Opacity(const TexturedRgb& amount, bool ofSecond) : amount(amount), ofSecond(ofSecond) {}
-  Rgb value(const SurfacePoint& point) const override {
-    const Rgb a = amount.at(point);
-    return ofSecond ? a : Rgb(1) - a;
-  }
+  explicit Opacity(const Coverage& coverage) : coverage(coverage) {}
+  Rgb value(const SurfacePoint& point) const override { return Rgb(coverage.opacity(point)); }
 
  private:
-  TexturedRgb amount;
-  bool ofSecond;
+  Coverage coverage;
 };
 
 class Compound final : public Material {
@@ -117,8 +154,6 @@ class Compound final : public Material {
   Parts parts;
   std::vector<Rgb> weights;
 };
-
-bool isInterface(const Material* m) { return m->lobes() == NO_LOBE; }
 
 /** The materials that the parameter `materials` names. */
 Parts namedParts(const Parameters& p, const MaterialContext& c, size_t mostInterfaces) {
@@ -153,22 +188,15 @@ void registerMix(PlugIns& plugIns) {
                      "\"string materials\" [\"red\" \"frosted\"]",
                      "\"string materials\" [\"brushed\" \"glass\"] \"float amount\" .7"}},
        [](const Parameters& p, const MaterialContext& c) {
-         Parts parts = namedParts(p, c, 1);
-         TexturedRgb amount = c.textures.real(p, "amount");
-         std::unique_ptr<const Texture> opacity;
-         if (std::any_of(parts.begin(), parts.end(), isInterface)) {
-           const size_t solid = isInterface(parts[0]) ? 1 : 0;
-           opacity = std::make_unique<Opacity>(amount, solid == 1);
-           parts = {parts[solid]};
-           amount = {};
-         }
+         const Parts parts = namedParts(p, c, 1);
+         const Coverage coverage(parts, c.textures.real(p, "amount"));
          const auto hasBumps = [](const Material* m) { return m->detail != nullptr; };
          std::unique_ptr<Material> made;
          if (std::any_of(parts.begin(), parts.end(), hasBumps))
-           made = std::make_unique<ChosenMaterial>(parts, amount);
+           made = std::make_unique<ChosenMaterial>(parts, coverage);
          else
-           made = std::make_unique<Mix>(parts, amount);
-         made->opacity = std::move(opacity);
+           made = std::make_unique<Mix>(parts, coverage);
+         if (coverage.hasHoles()) made->opacity = std::make_unique<Opacity>(coverage);
          return made;
        }});
   plugIns.materials.add(

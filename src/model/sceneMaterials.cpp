@@ -64,9 +64,9 @@ const Material* SceneMaterials::makeMaterial(const ParsedDirective& d) {
         if (m->detail && p.plugInName() != "mix")
           p.fail(parameter, "material \"" + name + "\" has bumps of its own, and cannot be a part of another",
                  "\"displacement\" or \"normalmap\" of \"" + p.plugInName() + "\" itself");
-        if (m->opacity)
+        if (m->opacity && p.plugInName() != "mix")
           p.fail(parameter,
-                 "material \"" + name + "\" is a mix with \"interface\", and cannot be a part of another");
+                 "material \"" + name + "\" is a mix with \"interface\", and can be a part of a mix only");
         if (m->filling)
           p.fail(parameter, "material \"" + name + "\" fills its shapes, and cannot be a part of another");
         return m;

@@ -2,7 +2,7 @@
  * Edges of what is brighter than white. A pixel half covered by a lamp is white like the lamp after tone
  * mapping, so that a smooth edge becomes a staircase. The right picture is tone-mapped first and filtered
  * then; for that a pixel's two sides are looked for in its surroundings, and its colour tells how much of it
- * each one covers.
+ * each one covers. Of a lamp that is too narrow to fill a pixel the brightest pixel stands for its side.
  */
 #include <algorithm>
 #include <array>
@@ -45,14 +45,15 @@ class BrightEdges {
       : light(light), shown(shown), width(light.width), height(light.height) {}
 
   void mixInto(Image& out) const {
+    if (std::none_of(light.pixels.begin(), light.pixels.end(), [](float v) { return v > 1; })) return;
     const std::vector<char> isBright = evenBright();
-    if (std::find(isBright.begin(), isBright.end(), 1) == isBright.end()) return;
     parallelFor(size_t(height), [&](size_t row) {
       const int y = int(row);
       for (int x = 0; x < width; ++x) {
         if (isBright[index(x, y)]) continue;
-        const auto bright = nearest(x, y, [&](int i, int j) { return isBright[index(i, j)] != 0; });
-        if (bright) mixPixel(out, x, y, light.rgb(bright->x, bright->y), shownAt(*bright));
+        const auto narrow = narrowLamp(x, y);
+        const auto side = narrow ? narrow : evenSide(x, y, isBright);
+        if (side) mixPixel(out, x, y, light.rgb(side->x, side->y), shownAt(*side));
       }
     });
   }
@@ -85,6 +86,51 @@ class BrightEdges {
     return std::nullopt;
   }
   bool isInside(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+
+  /** The nearest even pixel of the brighter side: paper around a lamp may be brighter than white, too. */
+  std::optional<Offset> evenSide(int x, int y, const std::vector<char>& isBright) const {
+    float most = 0;
+    const auto isEven = [&](int i, int j) { return isBright[index(i, j)] != 0; };
+    nearest(x, y, [&](int i, int j) {
+      if (isEven(i, j)) most = std::max(most, brightness(i, j));
+      return false;
+    });
+    return nearest(x, y, [&](int i, int j) { return isEven(i, j) && brightness(i, j) > 0.5f * most; });
+  }
+
+  /** The brightest pixel around one that lies at a bright line. Lines are told from noise by the moments of
+   * brightness: long, thin, and filled. */
+  std::optional<Offset> narrowLamp(int x, int y) const {
+    static const std::vector<Offset> OFFSETS = offsetsWithin(SIDE_REACH2);
+    Offset brightest{x, y};
+    float near = 0, low = INFINITE; // of the pixels from which an edge reaches here; of all
+    for (const Offset& o : OFFSETS) {
+      if (!isInside(x + o.x, y + o.y)) continue;
+      const float b = brightness(x + o.x, y + o.y);
+      if (o.distance2() <= EDGE_REACH2)
+        near = std::max(near, b);
+      else if (near <= 0.5f)
+        return std::nullopt;
+      low = std::min(low, b);
+      if (b > brightness(brightest.x, brightest.y)) brightest = {x + o.x, y + o.y};
+    }
+    const float top = brightness(brightest.x, brightest.y);
+    if (top <= 1 || near < 0.5f * top || low >= 0.5f * top) return std::nullopt;
+    double sum = 0, sx = 0, sy = 0, xx = 0, xy = 0, yy = 0;
+    for (const Offset& o : OFFSETS) {
+      if (!isInside(x + o.x, y + o.y)) continue;
+      const double w = double((brightness(x + o.x, y + o.y) - low) / (top - low));
+      sum += w, sx += w * o.x, sy += w * o.y;
+      xx += w * o.x * o.x, xy += w * o.x * o.y, yy += w * o.y * o.y;
+    }
+    // Variances [pixels²] along and across.
+    const double a = xx / sum - square(sx / sum), b = xy / sum - sx * sy / square(sum),
+                 c = yy / sum - square(sy / sum);
+    const double root = std::hypot((a - c) / 2, b), along = (a + c) / 2 + root, across = (a + c) / 2 - root;
+    constexpr double LENGTH = 4; // in pixels as bright as the brightest
+    const bool isLine = sum >= LENGTH && across <= 1.5 && along >= 2 * across;
+    return isLine ? std::optional(brightest) : std::nullopt;
+  }
 
   /** An edge of what is so bright reaches the pixel. */
   bool isReached(int x, int y, float bright) const {

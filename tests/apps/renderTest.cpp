@@ -268,6 +268,18 @@ TEST_F(ProgramRender, FailedRunsLoseNoPicture) {
   EXPECT_EQ(leftBehind(), 0u);
 }
 
+TEST_F(ProgramRender, FilesOfTheSceneAreNotWrittenOver) {
+  ASSERT_EQ(run({"render", "scene.pbrt", "--integrator", "path", "-q", "-o", "slide.png"}).status, 0);
+  const std::string before = contents(file("slide.png"));
+  write("show.pbrt", scene("", "LightSource \"projection\" \"string filename\" \"slide.png\"\n"));
+  for (const char* option : {"-o", "--preview", "--stats"}) {
+    const Outcome o = run({"render", "show.pbrt", "-q", "-o", "a.exr", option, "./slide.png"});
+    EXPECT_EQ(o.status, 2) << option;
+    EXPECT_TRUE(has(o.err, "is a file of the scene, and is not written over")) << o.err;
+  }
+  EXPECT_EQ(contents(file("slide.png")), before);
+}
+
 TEST_F(ProgramRender, OneUnwritableOutputKeepsTheOthers) {
   // The folder goes away while the picture is rendered.
   std::filesystem::create_directory(file("gone"));

@@ -102,7 +102,42 @@ TEST(BrightEdges, OfLampsAreAsSmoothAsThoseOfPaper) {
     for (const float lamp : {2.0f, 20.0f, 100.0f, 1e4f})
       EXPECT_LT(staircase(shownBy(entry.name, slantedEdge(lamp, 0.1f))), 0.03) << entry.name << " " << lamp;
   }
+  // Paper beside the lamp that itself is brighter than white.
+  EXPECT_LT(staircase(shownBy("filmic", slantedEdge(60, 1.1f))), 0.03);
   EXPECT_GT(staircase(byOperator("filmic", slantedEdge(100, 0.1f))), 0.15) << "the measure sees nothing";
+}
+
+TEST(BrightEdges, OfNarrowLampsAreSmoothToo) {
+  // A tube, nearly upright, on paper: the sum of each row of the picture is to be the same.
+  const auto tube = [](float width, float bright, float paper) {
+    return filled(48, 96, [&](int x, int y) {
+      float covered = 0;
+      for (float sub = 0.5f; sub < 16; ++sub) {
+        const float left = 20 + 0.0875f * (float(y) + sub / 16) - float(x);
+        covered += std::clamp(left + width, 0.0f, 1.0f) / 16 - std::clamp(left, 0.0f, 1.0f) / 16;
+      }
+      return Rgb(paper + covered * (bright - paper));
+    });
+  };
+  const auto unevenness = [](const Image& picture) {
+    double mean = 0, squares = 0;
+    for (int y = 8; y < 88; ++y) {
+      double row = 0;
+      for (int x = 0; x < 48; ++x) row += double(picture.rgb(x, y).g - picture.rgb(0, y).g);
+      mean += row / 80;
+      squares += row * row / 80;
+    }
+    return std::sqrt(std::max(squares - mean * mean, 0.0)) / mean;
+  };
+  for (const float width : {0.3f, 1.0f, 2.0f, 3.0f})
+    for (const float bright : {30.0f, 1000.0f})
+      for (const float paper : {0.1f, 1.1f}) {
+        const Image light = tube(width, bright, paper);
+        const double before = unevenness(byOperator("filmic", light));
+        const double after = unevenness(shownBy("filmic", light));
+        EXPECT_LT(after, 0.6 * before)
+            << width << " " << bright << " " << paper << ": " << after << " of " << before;
+      }
 }
 
 TEST(BrightEdges, ColouredLampsKeepTheirColourBesideTheEdge) {

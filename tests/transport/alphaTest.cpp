@@ -70,10 +70,17 @@ TEST(Alpha, AMixWithInterfaceIsAScreenWithHoles) {
   const char* const SCREEN = R"(Texture "holes" "float" "checkerboard" "float uscale" 2 "float vscale" 2
 Texture "sheet" "float" "checkerboard" "float uscale" 2 "float vscale" 2 "float tex1" 0 "float tex2" 1
 MakeNamedMaterial "grey" "string type" "diffuse" "rgb reflectance" [.7 .6 .5]
+MakeNamedMaterial "black" "string type" "diffuse" "rgb reflectance" [0 0 0]
 MakeNamedMaterial "nothing" "string type" "interface"
+MakeNamedMaterial "screen" "string type" "mix" "string materials" ["nothing" "grey"] "texture amount" "holes"
+MakeNamedMaterial "same" "string type" "mix" "string materials" ["grey" "nothing"] "texture amount" "sheet"
+MakeNamedMaterial "unseen" "string type" "mix" "string materials" ["nothing" "black"] "float amount" 0
 )";
   for (const char* mix : {R"("string materials" ["nothing" "grey"] "texture amount" "holes")",
-                          R"("string materials" ["grey" "nothing"] "texture amount" "sheet")"}) {
+                          R"("string materials" ["grey" "nothing"] "texture amount" "sheet")",
+                          R"("string materials" ["screen" "same"] "float amount" .3)",
+                          R"("string materials" ["screen" "nothing"] "float amount" 0)",
+                          R"("string materials" ["unseen" "grey"] "texture amount" "holes")"}) {
     SCOPED_TRACE(mix);
     const std::string screen = std::string(SCREEN) + "Material \"mix\" " + mix +
                                "\nShape \"bilinearmesh\" \"point3 P\" [-1 -1 1  1 -1 1  -1 1 1  1 1 1]\n";

@@ -9,17 +9,13 @@
 
 #include "recurse/model/scatteringPoint.h"
 #include "recurse/transport/directLight.h"
-#include "recurse/transport/mergeWeights.h"
-#include "recurse/transport/shoot.h"
-#include "recurse/transport/walk.h"
+#include "recurse/transport/photonStart.h"
+#include "recurse/transport/targetCones.h"
 
 namespace recurse {
 
 /** Photons are shot in batches of so many. */
 constexpr uint64_t PHOTON_BATCH = 4096;
-/** Nearer than so many radii a target is too wide for a cone. */
-constexpr float NEAR_TARGET = 1.5f;
-
 /** Photons that walks have stored. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;
@@ -39,8 +35,8 @@ class PhotonWalk {
  public:
   PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
              TransportCounts& counts, StoredPhotons& out)
-      : scene(scene), classes(classes), settings(settings), counts(counts), out(out), byMedia(partOfMedia()) {
-  }
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out),
+        starts(scene, classes, settings, counts) {}
 
   /** Returns what the photon started by, and one over its density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
@@ -49,11 +45,12 @@ class PhotonWalk {
     EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
-    unguidedPower = enteredTargets = 0;
+    starts.fullPower = enteredTargets = 0;
+    const float byMedia = starts.byMedia();
     const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
     storesDirect = settings.direct || fromMedium;
     std::optional<PhotonState> photon =
-        fromMedium ? emitFromMedium(start, time, sampler) : emitFromLight(start, time, sampler);
+        fromMedium ? starts.fromMedium(start, time, sampler) : starts.fromLight(start, time, sampler);
     if (!photon) return start;
     walk(std::move(*photon), sampler);
     while (!waiting.empty()) {
@@ -64,9 +61,11 @@ class PhotonWalk {
     return start;
   }
   /** Power of a photon that starts with weight 1, of the last one that was shot. */
-  float fullPower() const { return unguidedPower; }
+  float fullPower() const { return starts.fullPower; }
   /** Of its start, if it came from infinitely far [1/length²]; else infinite. */
-  float startDensity() const { return isInfinite(origin.kind) ? origin.pdf.position : INFINITE; }
+  float startDensity() const {
+    return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
+  }
   /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
    * light. */
   float enteredImportance() const { return enteredTargets; }
@@ -75,99 +74,6 @@ class PhotonWalk {
   uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
 
  private:
-  /** A photon under way. */
-  struct PhotonState {
-    Ray ray;
-    Rgb flux;
-    LightState state;
-    Nesting nesting;
-    ReverseRatio ratio;
-    int depth = 0;
-    bool caustic = true;
-    bool straight = true; ///< from the light: nothing but thin panes so far
-    float relativePower =
-        1;                ///< to that of the photon that it branched off; below 1 until it leaves its target
-    float wavelength = 0; ///< as in Subpath
-    // In media:
-    Rgb pathPdf{1}; ///< see SpectralPath
-    int hero = 0;   ///< the channel that draws distances
-  };
-
-  const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }
-
-  /** The part of the photons that emissive media emit: in proportion to power, but between a tenth and nine
-   * tenths where there are lights too. */
-  float partOfMedia() const {
-    constexpr double MAX_PART = 0.9;
-    if (!settings.media || settings.media->empty()) return 0;
-    double byLights = 0;
-    for (size_t i = 0; i < lights().size(); ++i) byLights += double(maxComponent(lights()[i].power()));
-    if (!(byLights > 0)) return 1;
-    const double byMedia = settings.media->power();
-    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
-  }
-
-  /** True where a photon of such a start is worth following; counts those that are not finite. */
-  bool isUseful(const Rgb& flux) {
-    if (!recurse::isFinite(flux)) {
-      ++counts.nonFinite;
-      return false;
-    }
-    return !isBlack(flux) && !classes.dead(classes.lightStart());
-  }
-
-  /** A photon of an emissive medium. */
-  std::optional<PhotonState> emitFromMedium(const EmissionGuide::TrainingSample& start, float time,
-                                            Sampler& sampler) {
-    const auto& n = start.numbers;
-    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
-    const Rgb flux = power * (start.weight / byMedia / static_cast<float>(settings.photons));
-    if (!isUseful(flux)) return {};
-    const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
-    PhotonState photon{ray, flux, classes.lightStart(), nesting, {}};
-    photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-    return photon;
-  }
-
-  /** A photon of a light, which is chosen by power. */
-  std::optional<PhotonState> emitFromLight(const EmissionGuide::TrainingSample& start, float time,
-                                           Sampler& sampler) {
-    const auto& n = start.numbers;
-    float pick = n[0];
-    const size_t index = lights().chooseIndex(pick);
-    const Light& source = lights()[index];
-    const float probability = lights().probability(index);
-    if (!(probability > 0)) return {};
-    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
-    const Vec2f towards{n[4], n[5]};
-    std::optional<LeSample> emission =
-        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
-    if (!emission) return {};
-    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
-    if (isBlack(emission->flux)) return {};
-    LePdf pdf = source.pdfLe(*emission);
-    if (aimed) pdf.direction = emission->pdfDirection;
-    if (source.isInfinite() && settings.portals && settings.portals->active()) {
-      settings.portals->redirect(*emission, pick, {n[2], n[3]});
-      pdf.position = emission->pdfPosition;
-    }
-    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), probability};
-    Rgb flux = emission->flux / (probability * (1 - byMedia) * static_cast<float>(settings.photons));
-    unguidedPower = maxComponent(flux);
-    if (source.isInfinite()) flux *= settings.outsideTransmittance;
-    if (!isUseful(flux)) return {};
-    const Ray ray{emission->origin, emission->direction, INFINITE, time};
-    const ReverseRatio ratio =
-        source.isIntersectable() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
-    PhotonState photon{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
-    if (scene.hasMedia()) {
-      const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
-      photon.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
-      photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
-    }
-    return photon;
-  }
-
   /** A short beam: its length is sampled by the channel of least extinction, so that no channel is amplified.
    */
   void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
@@ -272,7 +178,7 @@ class PhotonWalk {
   bool scatter(PhotonState& photon, const Arrival& at, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;
     const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
-    if (!s || (at.sends && !s->specular() && conesAround(s->direction) > 0)) return false;
+    if (!s || (at.sends && !s->specular() && cones.around(s->direction) > 0)) return false;
     const Rgb scattered = photon.flux * s->weight;
     const float before = maxComponent(photon.flux), after = maxComponent(scattered);
     photon.flux = scattered;
@@ -319,7 +225,7 @@ class PhotonWalk {
       }
       const Vec3f position = hit.point.position;
       if (region && photon.depth == 0) noteTargetsEntered(position);
-      const bool outside = !settings.targets.empty() && findCones(position);
+      const bool outside = !settings.targets.empty() && cones.find(settings.targets, position);
       if (std::exchange(toTarget, false) && region) arrived += region->contains(position);
       if (outside && photon.relativePower < 1) {
         if (!russianRoulette(photon.relativePower, photon.depth, sampler, photon.flux)) return;
@@ -345,15 +251,6 @@ class PhotonWalk {
     return static_cast<int>(std::min(count, MAX_COUNT));
   }
 
-  /** Where the photon comes from. */
-  struct Origin {
-    LightKind kind = LightKind::POINT;
-    LePdf pdf;
-    Vec3f position{0};
-    uint32_t light = 0;
-    float probability = 0; ///< of the light
-  };
-
   /** Of a photon that leaves a surface by a non-delta lobe: known for what came straight from the light. */
   ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
                           const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
@@ -363,31 +260,13 @@ class PhotonWalk {
       return before.furtherOn(scattering.pdfNonDelta(direction, wi), scattering.pdfNonDelta(wi, direction),
                               direction, hit.point);
     const LightSampler& sampler = *settings.shadowRays;
+    const PhotonOrigin& origin = starts.origin;
     const float chosen =
         sampler.probability(scene.lights(), lightSampleContext(sampler, hit.point, direction), origin.light);
     const float arrivals =
         arrivalDensity(origin.kind, origin.pdf, glm::distance(origin.position, hit.point.position),
                        absDot(wi, hit.point.geometricNormal), origin.probability, chosen);
     return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
-  }
-
-  /** What is seen of a target from a place outside. */
-  struct Target {
-    Cone cone;
-    float part;
-  };
-  /** The targets that photons are sent to from a place. True when it is outside of all. */
-  bool findCones(const Vec3f& from) {
-    cones.clear();
-    for (const DxtranSphere& t : settings.targets) {
-      if (!(lengthSquared(t.center - from) > square(NEAR_TARGET * t.radius))) return false;
-      cones.push_back({Cone::toSphere(from, t.center, t.radius), t.part});
-    }
-    return true;
-  }
-  std::ptrdiff_t conesAround(const Vec3f& direction) const {
-    return std::count_if(cones.begin(), cones.end(),
-                         [&](const Target& t) { return t.cone.contains(direction); });
   }
 
   /** Photons to the targets from where `from` has scattered. */
@@ -405,14 +284,14 @@ class PhotonWalk {
       if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
       const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
       const float wanted =
-          std::clamp(maxComponent(from.flux) * seen / (unguidedPower * part), MIN_COUNT, MAX_COUNT);
+          std::clamp(maxComponent(from.flux) * seen / (starts.fullPower * part), MIN_COUNT, MAX_COUNT);
       const int count = static_cast<int>(wanted + branch.next1D());
       for (int i = 0; i < count; ++i) {
         Sampler own = branch.fork(static_cast<uint32_t>(i));
         const Vec3f direction = cone.sample(own.next2D());
         PhotonState next = from;
         const float density = wanted *
-                              static_cast<float>(std::max<std::ptrdiff_t>(1, conesAround(direction))) /
+                              static_cast<float>(std::max<std::ptrdiff_t>(1, cones.around(direction))) /
                               (2 * PI * cone.opening);
         next.flux *= scattering.evaluateFlux(wi, direction) / density;
         if (isBlack(next.flux)) continue;
@@ -460,11 +339,10 @@ class PhotonWalk {
   TransportCounts& counts;
   StoredPhotons& out;
   std::vector<std::pair<PhotonState, Sampler>> waiting;
-  std::vector<Target> cones; ///< of the last surface
-  Origin origin;
-  float unguidedPower = 0, enteredTargets = 0;
+  PhotonStart starts;
+  TargetCones cones; ///< of the last surface
+  float enteredTargets = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
-  float byMedia = 0;        ///< the part of the photons that emissive media emit
   BsdfArena arena;
 };
 

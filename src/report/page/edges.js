@@ -6,7 +6,8 @@ function offsetsWithin(radius2) {
     for (let x = -r; x <= r; ++x) if (x * x + y * y <= radius2) out.push([x, y]);
   return out.sort((a, b) => a[0] ** 2 + a[1] ** 2 - b[0] ** 2 - b[1] ** 2); // keeps the order of equals
 }
-const EDGE_OFFSETS = offsetsWithin(6), SIDE_OFFSETS = offsetsWithin(25), EVEN = 0.8;
+const EDGE_REACH2 = 6;
+const EDGE_OFFSETS = offsetsWithin(EDGE_REACH2), SIDE_OFFSETS = offsetsWithin(25), EVEN = 0.8;
 
 /** Changes `shown`, which an operator made of `light`, the exposed picture. */
 function mixBrightEdges(light, shown, width, height) {
@@ -35,13 +36,50 @@ function mixBrightEdges(light, shown, width, height) {
     const [least, most] = range(i % width, Math.floor(i / width));
     return least > 1 && least >= EVEN * most;
   });
-  if (!isBright.includes(1)) return;
+  if (!brightness.some((b) => b > 1)) return;
+  /** The nearest even pixel of the brighter side; -1. */
+  const evenSide = (x, y) => {
+    let most = 0;
+    find(x, y, SIDE_OFFSETS, (i) => {
+      if (isBright[i]) most = Math.max(most, brightness[i]);
+      return false;
+    });
+    return find(x, y, SIDE_OFFSETS, (i) => isBright[i] && brightness[i] > 0.5 * most);
+  };
+  /** The brightest pixel around one that lies at a bright line; -1. */
+  const narrowLamp = (x, y) => {
+    let brightest = y * width + x, near = 0, low = Infinity;
+    const around = (visit) => {
+      for (const [dx, dy] of SIDE_OFFSETS) {
+        const i = x + dx, j = y + dy;
+        if (i >= 0 && j >= 0 && i < width && j < height) visit(dx, dy, j * width + i);
+      }
+    };
+    around((dx, dy, i) => {
+      const b = brightness[i];
+      if (dx * dx + dy * dy <= EDGE_REACH2) near = Math.max(near, b);
+      low = Math.min(low, b);
+      if (b > brightness[brightest]) brightest = i;
+    });
+    const top = brightness[brightest];
+    if (top <= 1 || near < 0.5 * top || low >= 0.5 * top) return -1;
+    let sum = 0, sx = 0, sy = 0, xx = 0, xy = 0, yy = 0;
+    around((dx, dy, i) => {
+      const w = (brightness[i] - low) / (top - low);
+      sum += w, sx += w * dx, sy += w * dy;
+      xx += w * dx * dx, xy += w * dx * dy, yy += w * dy * dy;
+    });
+    const a = xx / sum - (sx / sum) ** 2, b = xy / sum - sx * sy / sum ** 2, c = yy / sum - (sy / sum) ** 2;
+    const root = Math.hypot((a - c) / 2, b), along = (a + c) / 2 + root, across = (a + c) / 2 - root;
+    return sum >= 4 && across <= 1.5 && along >= 2 * across ? brightest : -1;
+  };
   const before = shown.slice(), colour = (values, i) => [0, 1, 2].map((c) => values[3 * i + c]);
   const shownAt = (i) => colour(before, i).map((v) => Math.min(v, 1));
   for (let y = 0; y < height; ++y)
     for (let x = 0; x < width; ++x) {
       const here = y * width + x;
-      const bright = isBright[here] ? -1 : find(x, y, SIDE_OFFSETS, (i) => isBright[i]);
+      if (isBright[here]) continue;
+      const narrow = narrowLamp(x, y), bright = narrow >= 0 ? narrow : evenSide(x, y);
       if (bright < 0) continue;
       const top = brightness[bright];
       const isReached = (i, j) => find(i, j, EDGE_OFFSETS, (k) => brightness[k] > 0.5 * top) >= 0;
