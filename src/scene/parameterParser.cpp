@@ -101,6 +101,73 @@ void skipBadDeclaration(TokenStream& tokens) {
   }
 }
 
+/** A value without brackets. */
+void parseSingleValue(TokenStream& tokens, ValueKind kind, ErrorLog& log, ParsedParameter& out) {
+  const bool numeric = kind == ValueKind::NUMBERS;
+  const Token first = tokens.peek();
+  if (first.kind == TokenKind::END || first.kind == TokenKind::CLOSE || isDirectiveName(first) ||
+      (numeric && looksLikeDeclaration(first))) {
+    log.error(first.kind == TokenKind::END ? out.location : first.location(),
+              "parameter \"" + out.name + "\" has no value");
+    return;
+  }
+  tokens.take();
+  try {
+    addValue(first, kind, out);
+  } catch (const SceneError& e) {
+    log.report(e);
+  }
+  if (!looksLikeNumber(tokens.peek())) return;
+  if (kind != ValueKind::UNKNOWN)
+    log.error(tokens.peek().location(),
+              "parameter \"" + out.name + "\": several values need brackets around them: [ ... ]");
+  // They are taken as values, so that nothing else is said about them.
+  while (looksLikeNumber(tokens.peek())) {
+    const Token more = tokens.take();
+    try {
+      if (numeric) out.numbers.push_back(numberValue(more));
+    } catch (const SceneError& e) {
+      log.report(e);
+    }
+  }
+}
+
+/** The values behind an opening bracket, and the closing one. */
+void parseList(TokenStream& tokens, ValueKind kind, ErrorLog& log, ParsedParameter& out) {
+  const bool numeric = kind == ValueKind::NUMBERS;
+  bool bad = false; // one message for a list is enough
+  for (;;) {
+    if (numeric && !bad) {
+      try {
+        tokens.appendNumbers(out.numbers);
+      } catch (const SceneError& e) {
+        log.report(e);
+        bad = true;
+        tokens.take();
+      }
+    }
+    const Token token = tokens.peek();
+    if (token.kind == TokenKind::CLOSE) {
+      tokens.take();
+      return;
+    }
+    const bool endsHere = token.kind == TokenKind::END || isDirectiveName(token);
+    if (endsHere || (numeric && looksLikeDeclaration(token))) {
+      log.error(endsHere ? out.valueLocation : token.location(),
+                "the list of values of \"" + out.name + "\" is not closed by ']'");
+      return;
+    }
+    tokens.take();
+    if (token.kind == TokenKind::OPEN && bad) continue;
+    try {
+      if (!bad) addValue(token, kind, out);
+    } catch (const SceneError& e) {
+      log.report(e);
+      bad = true;
+    }
+  }
+}
+
 } // namespace
 
 const std::vector<std::string>& parameterTypeWords() {
@@ -139,72 +206,15 @@ void splitDeclaration(const Token& token, std::string& type, std::string& name, 
 
 void parseValues(TokenStream& tokens, ErrorLog& log, ParsedParameter& out) {
   const ValueKind kind = valueKindOf(out.type);
-  const bool numeric = kind == ValueKind::NUMBERS;
   const Token first = tokens.peek();
   out.valueLocation = first.location();
   if (first.kind != TokenKind::OPEN) {
-    if (first.kind == TokenKind::END || first.kind == TokenKind::CLOSE || isDirectiveName(first) ||
-        (numeric && looksLikeDeclaration(first))) {
-      log.error(first.kind == TokenKind::END ? out.location : first.location(),
-                "parameter \"" + out.name + "\" has no value");
-      return;
-    }
-    tokens.take();
-    try {
-      addValue(first, kind, out);
-    } catch (const SceneError& e) {
-      log.report(e);
-    }
-    if (looksLikeNumber(tokens.peek())) {
-      if (kind != ValueKind::UNKNOWN)
-        log.error(tokens.peek().location(),
-                  "parameter \"" + out.name + "\": several values need brackets around them: [ ... ]");
-      // They are taken as values, so that nothing else is said about them.
-      while (looksLikeNumber(tokens.peek())) {
-        const Token more = tokens.take();
-        try {
-          if (numeric) out.numbers.push_back(numberValue(more));
-        } catch (const SceneError& e) {
-          log.report(e);
-        }
-      }
-    }
+    parseSingleValue(tokens, kind, log, out);
     return;
   }
-
   tokens.take();
   out.valueLocation = tokens.peek().location();
-  bool bad = false; // one message for a list is enough
-  for (;;) {
-    if (numeric && !bad) {
-      try {
-        tokens.appendNumbers(out.numbers);
-      } catch (const SceneError& e) {
-        log.report(e);
-        bad = true;
-        tokens.take();
-      }
-    }
-    const Token token = tokens.peek();
-    if (token.kind == TokenKind::CLOSE) {
-      tokens.take();
-      break;
-    }
-    const bool endsHere = token.kind == TokenKind::END || isDirectiveName(token);
-    if (endsHere || (numeric && looksLikeDeclaration(token))) {
-      log.error(endsHere ? out.valueLocation : token.location(),
-                "the list of values of \"" + out.name + "\" is not closed by ']'");
-      break;
-    }
-    tokens.take();
-    if (token.kind == TokenKind::OPEN && bad) continue;
-    try {
-      if (!bad) addValue(token, kind, out);
-    } catch (const SceneError& e) {
-      log.report(e);
-      bad = true;
-    }
-  }
+  parseList(tokens, kind, log, out);
   if (out.numbers.capacity() > WORTH_SHRINKING && out.numbers.capacity() > out.numbers.size() * 5 / 4)
     out.numbers.shrink_to_fit();
 }

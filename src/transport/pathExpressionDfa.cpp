@@ -62,20 +62,53 @@ struct Piece {
   std::vector<uint32_t> followers;
 };
 
-/** The subset construction; `acceptsEmpty` adds the empty word. */
-Dfa determinised(const std::vector<Piece>& pieces, bool acceptsEmpty, Effort& effort) {
-  std::vector<uint32_t> offset, pieceOf;
-  for (uint32_t p = 0; p < pieces.size(); ++p) {
-    offset.push_back(static_cast<uint32_t>(pieceOf.size()));
-    effort.spend(pieces[p].dfa->size());
-    pieceOf.insert(pieceOf.end(), pieces[p].dfa->size(), p);
+/** The subset construction: states are sets of states of all pieces, numbered piece after piece. */
+class SubsetConstruction {
+ public:
+  SubsetConstruction(const std::vector<Piece>& pieces, Effort& effort) : pieces(pieces), effort(effort) {
+    for (uint32_t p = 0; p < pieces.size(); ++p) {
+      offset.push_back(static_cast<uint32_t>(pieceOf.size()));
+      effort.spend(pieces[p].dfa->size());
+      pieceOf.insert(pieceOf.end(), pieces[p].dfa->size(), p);
+    }
+    seenIn.resize(pieceOf.size(), 0);
   }
 
-  std::vector<uint32_t> seenIn(pieceOf.size(), 0), pending;
-  uint32_t round = 0;
-  std::vector<uint32_t> subset;
-  bool accepting = false;
-  const auto add = [&](uint32_t global) {
+  /** `acceptsEmpty` adds the empty word. */
+  Dfa run(bool acceptsEmpty) {
+    // The start is a state of its own, though its subset may occur again later without the empty word.
+    begin();
+    for (uint32_t p = 0; p < pieces.size(); ++p)
+      if (pieces[p].initial) add(offset[p]);
+    std::sort(subset.begin(), subset.end());
+    const std::vector<uint32_t> start = subset;
+    subsets.push_back(&start);
+    out.accepting.push_back(accepting || acceptsEmpty);
+
+    for (size_t s = 0; s < subsets.size(); ++s) {
+      const std::vector<uint32_t>& from = *subsets[s];
+      out.next.emplace_back();
+      for (size_t a = 0; a < PATH_LETTERS; ++a) {
+        effort.spend(from.size() + 1);
+        begin();
+        for (const uint32_t g : from) {
+          const uint32_t base = offset[pieceOf[g]];
+          add(base + pieces[pieceOf[g]].dfa->next[g - base][a]);
+        }
+        out.next[s][a] = finish();
+      }
+    }
+    return std::move(out);
+  }
+
+ private:
+  void begin() {
+    ++round;
+    subset.clear();
+    accepting = false;
+  }
+  /** Adds a state, and where its piece may end the first ones of the followers. */
+  void add(uint32_t global) {
     pending.push_back(global);
     while (!pending.empty()) {
       const uint32_t g = pending.back();
@@ -90,12 +123,9 @@ Dfa determinised(const std::vector<Piece>& pieces, bool acceptsEmpty, Effort& ef
       effort.spend(piece.followers.size());
       for (const uint32_t f : piece.followers) pending.push_back(offset[f]);
     }
-  };
-
-  Dfa out;
-  std::unordered_map<std::vector<uint32_t>, uint32_t, HashStates> number;
-  std::vector<const std::vector<uint32_t>*> subsets;
-  const auto finish = [&] {
+  }
+  /** The number of the subset. */
+  uint32_t finish() {
     std::sort(subset.begin(), subset.end());
     const auto [at, fresh] = number.try_emplace(subset, static_cast<uint32_t>(subsets.size()));
     if (fresh) {
@@ -105,36 +135,21 @@ Dfa determinised(const std::vector<Piece>& pieces, bool acceptsEmpty, Effort& ef
       out.accepting.push_back(accepting);
     }
     return at->second;
-  };
-  const auto begin = [&] {
-    ++round;
-    subset.clear();
-    accepting = false;
-  };
-
-  // The start is a state of its own, though its subset may occur again later without the empty word.
-  begin();
-  for (uint32_t p = 0; p < pieces.size(); ++p)
-    if (pieces[p].initial) add(offset[p]);
-  std::sort(subset.begin(), subset.end());
-  const std::vector<uint32_t> startSubset = subset;
-  subsets.push_back(&startSubset);
-  out.accepting.push_back(accepting || acceptsEmpty);
-
-  for (size_t s = 0; s < subsets.size(); ++s) {
-    const std::vector<uint32_t>& from = *subsets[s];
-    out.next.emplace_back();
-    for (size_t a = 0; a < PATH_LETTERS; ++a) {
-      effort.spend(from.size() + 1);
-      begin();
-      for (const uint32_t g : from) {
-        const uint32_t base = offset[pieceOf[g]];
-        add(base + pieces[pieceOf[g]].dfa->next[g - base][a]);
-      }
-      out.next[s][a] = finish();
-    }
   }
-  return minimised(out);
+
+  const std::vector<Piece>& pieces;
+  Effort& effort;
+  std::vector<uint32_t> offset, pieceOf; ///< first state of a piece; the piece of a state
+  std::vector<uint32_t> seenIn, pending, subset;
+  uint32_t round = 0;
+  bool accepting = false;
+  std::unordered_map<std::vector<uint32_t>, uint32_t, HashStates> number;
+  std::vector<const std::vector<uint32_t>*> subsets;
+  Dfa out;
+};
+
+Dfa determinised(const std::vector<Piece>& pieces, bool acceptsEmpty, Effort& effort) {
+  return minimised(SubsetConstruction(pieces, effort).run(acceptsEmpty));
 }
 
 } // namespace

@@ -95,78 +95,24 @@ class PlaceFinder {
 
   /** Takes discs of other areas where those promise less error. */
   void judge(std::vector<Place>& places, size_t ofPhotons, double alpha, LightDetail detail) {
-    constexpr size_t MAX_MEASURED = 4096; // of either kind
-    // One place has hardly any evidence, and many see the same photons: the more unequal those are in power,
-    // the farther it is looked, for as much evidence as so many equal ones give.
-    constexpr int NEAREST = 16;
-    constexpr float PHOTONS = 8;
-    constexpr double DARK = 0.3;
-    constexpr float COHERENT = 0.7f;
-    constexpr float MAX_RATIO = 4; // of radii: places in a small pool of light tell nothing of wide discs
-    std::vector<size_t> judged;
-    const auto judgeSome = [&](size_t from, size_t end) {
-      const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
-      for (size_t i = from; i < end; i += stride) judged.push_back(i);
-    };
-    judgeSome(0, ofPhotons);
-    judgeSome(ofPhotons, places.size());
-    std::vector<Photon> measuredAt(judged.size());
-    std::vector<SupportErrors> errors(judged.size());
-    std::vector<float> radii(judged.size()); // before any is chosen anew
-    forAll(judged.size(), [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
-      const size_t i = judged[m];
-      measuredAt[m].position = places[i].position;
-      radii[m] = places[i].radius;
-      GatherRegion region = regionAt(places[i]);
-      BoundaryCorrection boundary = surroundingsOf(places[i], i);
-      region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
-      errors[m] = supportErrors(first, region, search.kernel, places[i].error, boundary, rays, partCounts);
-      if (rays.lights) addDirect(places[i], i, errors[m], partCounts);
-    });
-    double mean = 0;
-    for (const SupportErrors& e : errors) mean += e.irradiance / static_cast<double>(errors.size());
-    PhotonMap measured;
-    measured.build(measuredAt);
+    const Measured measured = measure(places, ofPhotons);
     // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011) the mean has P^(alpha-1) /
     // alpha of the first one's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
     // have the same order.
     const double biasWeight = (2 - alpha) / square(alpha);
-    const double dark2 = square(DARK * mean);
     forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
       Place& place = places[i];
       const float radius = place.radius;
-      GatherRegion region;
-      region.center = place.position;
-      region.bothSides = true;
-      measured.nearest(region, NEAREST, scratch);
-      Evidence evidence;
-      const auto add = [&](const PhotonBlock& block, bool onlySeen) {
-        for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-          const size_t m = measured.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
-          const Place& other = places[judged[m]];
-          if (!(std::max(radius, radii[m]) < MAX_RATIO * std::min(radius, radii[m]))) continue;
-          const bool seen =
-              glm::dot(place.normal, other.normal) > COHERENT && place.around.sees(other.position);
-          if (seen || !onlySeen) evidence.add(errors[m], dark2);
-        }
-      };
-      measured.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, true); });
-      if (evidence.places == 0)
-        measured.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, false); });
+      const Evidence evidence = evidenceAt(places, measured, place, scratch);
       if (evidence.places == 0) return;
-      Evidence nearest = std::exchange(evidence, {});
-      region.radius = radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
-      measured.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
-      if (evidence.places < nearest.places) evidence = nearest;
-
-      const SupportErrors& errorsHere = evidence.absolute;
+      const SupportErrors& errors = evidence.absolute;
       const size_t best = evidence.relative.best(biasWeight, detail);
-      place.irradiance = static_cast<float>(errorsHere.irradiance / evidence.places);
-      place.variance = static_cast<float>(errorsHere.variance[best] / evidence.places);
+      place.irradiance = static_cast<float>(errors.irradiance / evidence.places);
+      place.variance = static_cast<float>(errors.variance[best] / evidence.places);
       double bias2 = 0;
-      for (size_t j = 0; j < best; ++j) bias2 += errorsHere.sureBias2(j);
+      for (size_t j = 0; j < best; ++j) bias2 += errors.sureBias2(j);
       place.bias2 = static_cast<float>(biasWeight * bias2 / evidence.places);
-      if (rays.lights) place.worth = worth(errorsHere, best, double(place.bias2), evidence.places);
+      if (rays.lights) place.worth = worth(errors, best, double(place.bias2), evidence.places);
       if (best == SupportErrors::OWN) return;
       settle(
           place, i, [&](const GatherRegion&) { return radius * ofArea(best); }, partCounts);
@@ -174,6 +120,82 @@ class PlaceFinder {
   }
 
  private:
+  /** Places at which the errors of discs are measured, by their own numbers. */
+  struct Measured {
+    std::vector<size_t> places;
+    std::vector<SupportErrors> errors;
+    std::vector<float> radii; ///< before any is chosen anew
+    PhotonMap positions;
+    double dark2 = 0; ///< square of the irradiance that counts as dark
+  };
+
+  Measured measure(const std::vector<Place>& places, size_t ofPhotons) {
+    constexpr size_t MAX_MEASURED = 4096; // of either kind
+    constexpr double DARK = 0.3;          // of the mean irradiance
+    Measured measured;
+    const auto measureSome = [&](size_t from, size_t end) {
+      const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
+      for (size_t i = from; i < end; i += stride) measured.places.push_back(i);
+    };
+    measureSome(0, ofPhotons);
+    measureSome(ofPhotons, places.size());
+    const size_t count = measured.places.size();
+    std::vector<Photon> at(count);
+    measured.errors.resize(count);
+    measured.radii.resize(count);
+    forAll(count, [&](size_t m, PhotonScratch&, TransportCounts& partCounts) {
+      const size_t i = measured.places[m];
+      SupportErrors& errors = measured.errors[m];
+      at[m].position = places[i].position;
+      measured.radii[m] = places[i].radius;
+      GatherRegion region = regionAt(places[i]);
+      BoundaryCorrection boundary = surroundingsOf(places[i], i);
+      region.flatness = flatnessOf(places[i], boundary, region.radius * ofArea(SupportErrors::AREAS - 1));
+      errors = supportErrors(first, region, search.kernel, places[i].error, boundary, rays, partCounts);
+      if (rays.lights) addDirect(places[i], i, errors, partCounts);
+    });
+    double mean = 0;
+    for (const SupportErrors& e : measured.errors) mean += e.irradiance / static_cast<double>(count);
+    measured.dark2 = square(DARK * mean);
+    measured.positions.build(at);
+    return measured;
+  }
+
+  /** What places near by tell. One place has hardly any evidence, and many see the same photons: the more
+   * unequal those are in power, the farther it is looked, for as much evidence as so many equal ones give. */
+  static Evidence evidenceAt(const std::vector<Place>& places, const Measured& measured, const Place& place,
+                             PhotonScratch& scratch) {
+    constexpr int NEAREST = 16;
+    constexpr float PHOTONS = 8;
+    constexpr float COHERENT = 0.7f;
+    constexpr float MAX_RATIO = 4; // of radii: places in a small pool of light tell nothing of wide discs
+    const PhotonMap& positions = measured.positions;
+    GatherRegion region;
+    region.center = place.position;
+    region.bothSides = true;
+    positions.nearest(region, NEAREST, scratch);
+    Evidence evidence;
+    const auto add = [&](const PhotonBlock& block, bool onlySeen) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+        const size_t m = positions.emissionIndex(block.first + static_cast<size_t>(std::countr_zero(rest)));
+        const Place& other = places[measured.places[m]];
+        const float radius = measured.radii[m];
+        if (!(std::max(place.radius, radius) < MAX_RATIO * std::min(place.radius, radius))) continue;
+        const bool seen =
+            glm::dot(place.normal, other.normal) > COHERENT && place.around.sees(other.position);
+        if (seen || !onlySeen) evidence.add(measured.errors[m], measured.dark2);
+      }
+    };
+    positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, true); });
+    if (evidence.places == 0)
+      positions.visitNearest(scratch, [&](const PhotonBlock& block) { add(block, false); });
+    if (evidence.places == 0) return evidence;
+    const Evidence nearest = std::exchange(evidence, {});
+    region.radius = place.radius * std::sqrt(PHOTONS * static_cast<float>(nearest.relativeVariance()));
+    positions.visitWithin(region, [&](const PhotonBlock& block) { add(block, true); });
+    return evidence.places < nearest.places ? nearest : evidence;
+  }
+
   /** Calls f(i, scratch, counts) for 0 <= i < count, side by side. */
   template <class F> void forAll(size_t count, const F& f) {
     constexpr size_t AT_ONCE = 64;
