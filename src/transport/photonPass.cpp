@@ -380,26 +380,28 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
     // While a far lamp of much power shines all around, hardly a photon is left to show what openings bring.
     if (openings.active() && farLamps.active() && !portals.active()) adoptIfBetter(openings, farLamps);
   }
-  if (portals.active())
-    statistics.notes.push_back(formatted(
-        "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));
-  if (aim.active())
-    statistics.notes.push_back(formatted("photons: %zu far lamp%s aimed at what camera paths meet",
-                                         aim.lampCount(), aim.lampCount() == 1 ? " is" : "s are"));
   if (scene.hasMedia() || settings.causticsOnly || settings.directLight)
     guidance.minStartDensity = guidance.sparsePart = 0;
+  noteGuidance(statistics.notes);
+}
+
+void PhotonPass::noteGuidance(std::vector<std::string>& notes) const {
+  if (portals.active())
+    notes.push_back(formatted(
+        "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));
+  if (aim.active())
+    notes.push_back(formatted("photons: %zu far lamp%s aimed at what camera paths meet", aim.lampCount(),
+                              aim.lampCount() == 1 ? " is" : "s are"));
   if (leavesLightToRays())
-    statistics.notes.push_back(
-        formatted("photons: %.2g of the light comes by few strong ones, and is left to rays",
-                  double(guidance.sparsePart)));
+    notes.push_back(formatted("photons: %.2g of the light comes by few strong ones, and is left to rays",
+                              double(guidance.sparsePart)));
   if (guidance.emission.active())
-    statistics.notes.push_back(
+    notes.push_back(
         formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",
                   guidance.emission.gain()));
   if (!guidance.targets.empty())
-    statistics.notes.push_back(
-        formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
-                  guidance.targets.size()));
+    notes.push_back(formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
+                              guidance.targets.size()));
 }
 
 } // namespace recurse

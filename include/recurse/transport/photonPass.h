@@ -139,6 +139,8 @@ class PhotonPass {
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
+  /** Adds what was learned, in words. */
+  void noteGuidance(std::vector<std::string>& notes) const;
   /** Lights by the power that comes where photons are sent. */
   LightTable lightsByPower(const LightTable& lights) const;
   /** What light from infinitely far comes through before it reaches the scene. */
