@@ -19,7 +19,7 @@ int candidatePairs(const Light& light) {
 
 std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& lightSampler,
                                               const Medium& medium, const Ray& ray, float end,
-                                              Sampler& sampler) {
+                                              const RaysToLights& rays, int which, Sampler& sampler) {
   const MediumPoint point = medium.at(ray.origin);
   const Rgb extinction = point.extinction();
   const TransmittanceDistance open(extinction, end);
@@ -28,6 +28,8 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
   const SampledLight choice(scene.lights(), lightSampler, {from.position}, sampler);
   const ChosenLight& chosen = choice.chosen;
   if (!(chosen.probability > 0)) return {};
+  const int count = rays.to(*chosen.light);
+  if (which >= count) return {};
   std::optional<EquiangularDistance> near;
   if (!chosen.light->isInfinite())
     if (const std::optional<LeSample> start =
@@ -61,14 +63,16 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
       pick = (pick - chance) / (1 - chance);
     }
   };
+  const bool area = chosen.light->kind() == LightKind::AREA;
   const int pairs = candidatePairs(*chosen.light);
   const float u = sampler.next1D();
   for (int i = 0; i < pairs; ++i) {
-    const float place = (static_cast<float>(i) + u) / static_cast<float>(pairs);
+    const float part = (static_cast<float>(i) + u) / static_cast<float>(pairs);
+    const float place = area ? part : (static_cast<float>(which) + part) / static_cast<float>(count);
     consider(open.sample(sampler.next1D(), place));
     consider(near ? std::min(near->sample(place), end) : open.sample(sampler.next1D(), place));
   }
-  if (kept) kept->reciprocalPdf = sum / (static_cast<float>(2 * pairs) * keptWorth);
+  if (kept) kept->reciprocalPdf = sum / (static_cast<float>(2 * pairs * count) * keptWorth);
   return kept;
 }
 

@@ -26,9 +26,12 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
     all.push_back({"shadow rays through panes", "LS+DS*E", "none: the same, straight through thin panes",
                    "caustics", false, true});
     all.push_back({"photons of media that glow", "LDS*E", each, "direct light"});
-    all.push_back({"shadow rays in media", "LVS*E",
-                   std::to_string(settings.lightSamples) + " for each part of a path in a medium",
-                   "direct light in media"});
+    all.push_back(
+        {"shadow rays in media", "LVS*E",
+         std::to_string(settings.lightSamples) +
+             " for each part of a path in a medium; from lights without a surface four times as many "
+             "before the first surface",
+         "direct light in media"});
     all.push_back({"shadow rays in media through panes", "LS+VS*E",
                    "none: the same, straight through thin panes", "light in media", false, true});
     all.push_back({"photons in media of media that glow", "LVS*E",

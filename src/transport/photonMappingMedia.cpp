@@ -11,6 +11,13 @@ namespace {
 
 constexpr uint32_t HERO = 64; ///< tells its number from those of branches
 
+/** A shadow ray costs far less than all else of a sample: before the camera path's first surface there are
+ * more of them, as the sun through a window, or a spot, is seen from a part of the way only. */
+RaysToLights raysToLights(int lightSamples, bool first) {
+  constexpr int RAYS = 4; // with more, their time is no longer small in a sample's
+  return {lightSamples, first ? RAYS * lightSamples : lightSamples};
+}
+
 } // namespace
 
 bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, Sampler& sampler,
@@ -54,13 +61,17 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   }
   const Rgb scattering = medium.at(path.ray.origin).scattering;
   if (isBlack(scattering) || !lightIsSampled(scene, out.pathClasses(), camera)) return;
-  for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
-    const std::optional<LightAlongRay> s = sampleLightAlong(scene, lights, medium, path.ray, end, sampler);
+  const RaysToLights rays = raysToLights(settings.lightSamples, path.depth == 0);
+  for (int i = 0; i < rays.others && !out.abandoned(); ++i) {
+    // Of numbers of their own, so that a path goes on as it would without them.
+    Sampler more = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
+    Sampler& random = i < rays.area ? sampler : more;
+    const std::optional<LightAlongRay> s =
+        sampleLightAlong(scene, lights, medium, path.ray, end, rays, i, random);
     if (!s) continue;
     hit.point = pointInMedium(path.ray, s->t);
     const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
-    addLightInMedia(scene, vertex(hit, spectral), s->light,
-                    static_cast<float>(settings.lightSamples) / s->reciprocalPdf, panes, sampler, out);
+    addLightInMedia(scene, vertex(hit, spectral), s->light, 1 / s->reciprocalPdf, panes, random, out);
   }
 }
 

@@ -95,11 +95,50 @@ TEST(LightAlongRay, IsTheLightOfLampsWithLittleVariance) {
     std::vector<double> values;
     for (uint32_t i = 0; i < 40000; ++i) {
       Sampler sampler(7, i, 0);
-      const auto s = sampleLightAlong(*scene, guide, medium, ray, end, sampler);
+      const auto s = sampleLightAlong(*scene, guide, medium, ray, end, {}, 0, sampler);
       values.push_back(s ? brought(s->t, s->light) * double(s->reciprocalPdf) : 0);
     }
     const Mean mean(values);
     EXPECT_NEAR(mean.value, truth, 4.5 * mean.error) << c.lamp;
     EXPECT_LT(square(mean.error / truth) * double(values.size()), c.variance) << c.lamp;
+  }
+}
+
+TEST(LightAlongRay, SeveralRaysFindTheSameLightOfAShaftWithLessVariance) {
+  // Seen by the lamps: a tenth of the ray. The panel's light is that of one ray however many the others have.
+  const std::string panel = "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [.5 .5 .5]\nTranslate 0 3 "
+                            "4\nShape \"sphere\" \"float radius\" .5\nAttributeEnd\n";
+  const std::string sun = "LightSource \"distant\" \"point3 from\" [1 1 0]\n";
+  const std::string spot = "LightSource \"spot\" \"point3 from\" [1 0 8] \"point3 to\" [0 0 4]\n";
+  const float end = 10, shaftBegin = 4, shaftEnd = 5;
+  struct Case {
+    std::string lamps;
+    double gain; ///< at least, of variance by four rays in the place of one
+  };
+  // Rays that know nothing of each other gain a factor of four.
+  for (const Case& c : {Case{sun, 4.5}, Case{spot, 3}, Case{sun + panel, 1}, Case{panel, 0.8}}) {
+    const auto scene = sceneFrom(fogWith(c.lamps));
+    const Medium& medium = *scene->medium(scene->cameraMedium());
+    const Ray ray{Vec3f(0), Vec3f(0, 0, 1)};
+    const Rgb extinction = medium.at(ray.origin).extinction();
+    const LightSampler guide;
+    const auto found = [&](const RaysToLights& rays, uint64_t seed) {
+      std::vector<double> values;
+      for (uint32_t i = 0; i < 20000; ++i) {
+        Sampler sampler(seed, i, 0);
+        values.push_back(0);
+        for (int which = 0; which < rays.others; ++which) {
+          const auto s = sampleLightAlong(*scene, guide, medium, ray, end, rays, which, sampler);
+          if (s && s->t > shaftBegin && s->t < shaftEnd)
+            values.back() +=
+                double(luminance(s->light.radiance * flight::transmittance(extinction, s->t)) *
+                       medium.phase->value(glm::dot(s->light.direction, ray.direction)) * s->reciprocalPdf);
+        }
+      }
+      return Mean(values);
+    };
+    const Mean one = found({1, 1}, 7), four = found({1, 4}, 8);
+    EXPECT_NEAR(four.value, one.value, 4.5 * std::hypot(one.error, four.error)) << c.lamps;
+    EXPECT_GT(square(one.error / four.error), c.gain) << c.lamps;
   }
 }

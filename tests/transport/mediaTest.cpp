@@ -349,6 +349,31 @@ TEST(MediaPhotons, MatterDenseInOneChannelIsNoDarkerInThatThanByPaths) {
     EXPECT_NEAR(double(photons[c] / paths[c]), 1, SANITIZED ? 0.15 : 0.05) << "channel " << c;
 }
 
+TEST(MediaPhotons, AShaftOfSunlightIsAsBrightAsByPathsWithLittleVariance) {
+  // The sun shines through a slit, across the rays of all pixels.
+  const auto scene =
+      sceneFrom(view(16, "0 0 -1  0 0 1  0 1 0", 0.1) +
+                "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [0 0 0] \"rgb "
+                "sigma_s\" [2 2 2]\n"
+                "AttributeBegin\nMediumInterface \"m\" \"\"\n" +
+                MEDIUM_BOX +
+                "AttributeEnd\nLightSource \"distant\" \"point3 from\" [1 0 0] \"point3 to\" [0 0 0]\n"
+                "Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n"
+                "Shape \"box\" \"point3 p1\" [2.1 -2 -2] \"point3 p2\" [2.2 2 .4]\n"
+                "Shape \"box\" \"point3 p1\" [2.1 -2 .5] \"point3 p2\" [2.2 2 3]\n");
+  const auto found = [&](const std::string& integrator, const std::string& parameters, int samples) {
+    const Rendered r = renderScene(*scene, integrator, "\"integer maxdepth\" 1 " + parameters, samples);
+    std::vector<double> values(r.pixels());
+    for (size_t i = 0; i < values.size(); ++i) values[i] = double(r.value(i).g);
+    return Mean(values);
+  };
+  const Mean paths = found("path", "", 256), photons = found("photonmap", "\"integer photons\" 100", 1);
+  EXPECT_NEAR(photons.value, paths.value, 4.5 * std::hypot(photons.error, paths.error));
+  // Of the light along the ray .09 is in the sun: one shadow ray would have a relative variance of 9.7, one
+  // of four in its part of the ray 1.7.
+  EXPECT_LT(square(photons.error / photons.value) * 256, 4);
+}
+
 TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
   expectWhatPathFinds(foggyRoom(16), {{"all", "all"},
                                       {"single", "LVE"},

@@ -64,21 +64,30 @@ class EquiangularDistance {
   float begin, angle;
 };
 
+/** How many shadow rays towards lights start along a ray. */
+struct RaysToLights {
+  int area = 1;   ///< towards those with a surface, whose shadows in a medium have soft edges
+  int others = 1; ///< at least as many: shafts of light between sharp shadows
+
+  int to(const Light& light) const { return light.kind() == LightKind::AREA ? area : others; }
+};
+
 /** Light that a medium scatters into a ray, unless something is in its way. */
 struct LightAlongRay {
   float t = 0;             ///< distance along the ray
   LiSample light;          ///< seen from there
-  float reciprocalPdf = 0; ///< of distance, lamp and direction together, by its mean [length·sr]
+  float reciprocalPdf = 0; ///< of distance, lamp and direction in all samples, by its mean [length·sr]
 };
 
 /**
- * One sample of it for a ray of unit direction through a homogeneous medium that ends at `end`: one of some
- * candidates, half of them by transmittance and half by nearness to a lamp, by resampled importance sampling
- * (Talbot, Cline and Egbert 2005, "Importance Resampling for Global Illumination"). None where no lamp lights
- * either.
+ * Sample `which` of `rays.others` for a ray of unit direction through a homogeneous medium that ends at
+ * `end`; those towards `others` are stratified by distance. It is one of some candidates, half of them by
+ * transmittance and half by nearness to a lamp, by resampled importance sampling (Talbot, Cline and Egbert
+ * 2005, "Importance Resampling for Global Illumination"). None where no lamp lights either, or where the lamp
+ * that was chosen has its rays.
  */
 std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSampler& lightSampler,
                                               const Medium& medium, const Ray& ray, float end,
-                                              Sampler& sampler);
+                                              const RaysToLights& rays, int which, Sampler& sampler);
 
 } // namespace recurse
