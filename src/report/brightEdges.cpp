@@ -95,6 +95,7 @@ class BrightEdges {
       if (isEven(i, j)) most = std::max(most, brightness(i, j));
       return false;
     });
+    if (most == 0) return std::nullopt;
     return nearest(x, y, [&](int i, int j) { return isEven(i, j) && brightness(i, j) > 0.5f * most; });
   }
 

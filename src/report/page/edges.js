@@ -44,31 +44,30 @@ function mixBrightEdges(light, shown, width, height) {
       if (isBright[i]) most = Math.max(most, brightness[i]);
       return false;
     });
-    return find(x, y, SIDE_OFFSETS, (i) => isBright[i] && brightness[i] > 0.5 * most);
+    return most > 0 ? find(x, y, SIDE_OFFSETS, (i) => isBright[i] && brightness[i] > 0.5 * most) : -1;
   };
   /** The brightest pixel around one that lies at a bright line; -1. */
   const narrowLamp = (x, y) => {
-    let brightest = y * width + x, near = 0, low = Infinity;
-    const around = (visit) => {
-      for (const [dx, dy] of SIDE_OFFSETS) {
-        const i = x + dx, j = y + dy;
-        if (i >= 0 && j >= 0 && i < width && j < height) visit(dx, dy, j * width + i);
-      }
-    };
-    around((dx, dy, i) => {
-      const b = brightness[i];
+    let brightest = y * width + x, near = 0, low = Infinity; // near: of the pixels from which an edge reaches here
+    for (const [dx, dy] of SIDE_OFFSETS) {
+      const i = x + dx, j = y + dy;
+      if (i < 0 || j < 0 || i >= width || j >= height) continue;
+      const b = brightness[j * width + i];
       if (dx * dx + dy * dy <= EDGE_REACH2) near = Math.max(near, b);
+      else if (near <= 0.5) return -1;
       low = Math.min(low, b);
-      if (b > brightness[brightest]) brightest = i;
-    });
+      if (b > brightness[brightest]) brightest = j * width + i;
+    }
     const top = brightness[brightest];
     if (top <= 1 || near < 0.5 * top || low >= 0.5 * top) return -1;
     let sum = 0, sx = 0, sy = 0, xx = 0, xy = 0, yy = 0;
-    around((dx, dy, i) => {
-      const w = (brightness[i] - low) / (top - low);
+    for (const [dx, dy] of SIDE_OFFSETS) {
+      const i = x + dx, j = y + dy;
+      if (i < 0 || j < 0 || i >= width || j >= height) continue;
+      const w = (brightness[j * width + i] - low) / (top - low);
       sum += w, sx += w * dx, sy += w * dy;
       xx += w * dx * dx, xy += w * dx * dy, yy += w * dy * dy;
-    });
+    }
     const a = xx / sum - (sx / sum) ** 2, b = xy / sum - sx * sy / sum ** 2, c = yy / sum - (sy / sum) ** 2;
     const root = Math.hypot((a - c) / 2, b), along = (a + c) / 2 + root, across = (a + c) / 2 - root;
     return sum >= 4 && across <= 1.5 && along >= 2 * across ? brightest : -1;
