@@ -62,16 +62,20 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   const Rgb scattering = medium.at(path.ray.origin).scattering;
   if (isBlack(scattering) || !lightIsSampled(scene, out.pathClasses(), camera)) return;
   const RaysToLights rays = raysToLights(settings.lightSamples, path.depth == 0);
-  for (int i = 0; i < rays.others && !out.abandoned(); ++i) {
-    // Of numbers of their own, so that a path goes on as it would without them.
-    Sampler more = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
-    Sampler& random = i < rays.area ? sampler : more;
+  const auto addRay = [&](int which, Sampler& random) {
     const std::optional<LightAlongRay> s =
-        sampleLightAlong(scene, lights, medium, path.ray, end, rays, i, random);
-    if (!s) continue;
+        sampleLightAlong(scene, lights, medium, path.ray, end, rays, which, random);
+    if (!s) return;
     hit.point = pointInMedium(path.ray, s->t);
     const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
     addLightInMedia(scene, vertex(hit, spectral), s->light, 1 / s->reciprocalPdf, panes, random, out);
+  };
+  int i = 0;
+  for (; i < rays.area && !out.abandoned(); ++i) addRay(i, sampler);
+  for (; i < rays.others && !out.abandoned(); ++i) {
+    // Of numbers of their own, so that a path goes on as it would without them.
+    Sampler own = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
+    addRay(i, own);
   }
 }
 

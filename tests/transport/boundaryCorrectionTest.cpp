@@ -262,39 +262,17 @@ TEST(BoundaryCorrection, NarrowGaps) {
   EXPECT_GT(estimateOverTruth(*wide, inside, settings, 4, onSide(false), true).value, .05);
 }
 
-TEST(BoundaryCorrection, PhotonsWeighByTheSupportThatIsUsed) {
-  // A ceiling close above the floor makes the support of .2 as small as the gap.
-  const auto scene = sceneOf(FLOOR + quad("-1 -1 .01  -1 1 .01  1 1 .01  1 -1 .01"));
-  Hit hit;
-  ASSERT_TRUE(scene->intersect({{.1f, .1f, .005f}, {0, 0, -1}}, hit));
-  BsdfArena arena;
-  const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
-  PhotonMap map;
-  map.build(onFloor(1, 20000));
-  GatherSettings settings;
-  settings.radius = .2f;
-  settings.weighedAgainstRays = true;
-  settings.merging = 3;
-  const PathClasses classes;
-  TransportCounts counts;
-  PathRadiance out(classes, counts);
-  BoundaryCorrection boundary{*scene, Sampler(5, 0, 0)};
-  const GatherResult result = gather(map, settings, scattering, hit.point, {0, 0, 1}, 0, Rgb(1),
-                                     classes.step(classes.cameraStart(), PathEvent::D), out, &boundary);
-  EXPECT_LT(result.radius, .05f);
-  EXPECT_NEAR(result.merging, 3 * PI * square(result.radius), 1e-6f);
-}
-
-TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
-  const auto scene = sceneOf(FLOOR + quad("-1 -1 .01  -1 1 .01  1 1 .01  1 -1 .01"));
-  Hit hit;
-  ASSERT_TRUE(scene->intersect({{.1f, .1f, .005f}, {0, 0, -1}}, hit));
-  BsdfArena arena;
-  const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
-  const PathClasses classes;
-  GatherSettings settings;
-  settings.radius = .2f;
-  const auto estimate = [&](const PhotonMap& map, float& radiance) {
+/** A floor with a ceiling close above, which makes a support of .2 as small as the gap. */
+class NarrowGap {
+ public:
+  NarrowGap() {
+    EXPECT_TRUE(scene->intersect({{.1f, .1f, .005f}, {0, 0, -1}}, hit));
+    settings.radius = .2f;
+  }
+  GatherResult estimate(const PhotonMap& map, float& radiance) const {
+    BsdfArena arena;
+    const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
+    const PathClasses classes;
     TransportCounts counts;
     PathRadiance out(classes, counts);
     BoundaryCorrection boundary{*scene, Sampler(5, 0, 0)};
@@ -302,27 +280,50 @@ TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
                                        classes.step(classes.cameraStart(), PathEvent::D), out, &boundary);
     radiance = luminance(out.scattered());
     return result;
-  };
+  }
+
+  GatherSettings settings;
+
+ private:
+  std::unique_ptr<Scene> scene = sceneOf(FLOOR + quad("-1 -1 .01  -1 1 .01  1 1 .01  1 -1 .01"));
+  Hit hit;
+};
+
+TEST(BoundaryCorrection, PhotonsWeighByTheSupportThatIsUsed) {
+  NarrowGap gap;
+  PhotonMap map;
+  map.build(onFloor(1, 20000));
+  gap.settings.weighedAgainstRays = true;
+  gap.settings.merging = 3;
+  float radiance = 0;
+  const GatherResult result = gap.estimate(map, radiance);
+  EXPECT_LT(result.radius, .05f);
+  EXPECT_NEAR(result.merging, 3 * PI * square(result.radius), 1e-6f);
+}
+
+TEST(BoundaryCorrection, ASmallerSupportLeavesMoreToRays) {
+  NarrowGap gap;
+  GatherSettings& settings = gap.settings;
   PhotonMap map, elsewhere;
   map.build(onFloor(1, 20000));
   std::vector<Photon> behind = onFloor(1, 20000);
   std::erase_if(behind, [](const Photon& p) { return p.position.x > -.5f; });
   elsewhere.build(behind);
   float whole = 0, part = 0, none = 0;
-  EXPECT_EQ(estimate(map, whole).rest, 1);
+  EXPECT_EQ(gap.estimate(map, whole).rest, 1);
   settings.errors = {1, .01, .1};
   ASSERT_EQ(settings.errors.photonWeight(1), 1);
   for (const bool weighed : {false, true}) {
     settings.leavesRestToRays = true;
     settings.weighedAgainstRays = weighed;
-    const GatherResult used = estimate(map, part);
+    const GatherResult used = gap.estimate(map, part);
     ASSERT_LT(used.radius, .05f);
     const float left = square(used.radius / settings.radius);
     EXPECT_NEAR(used.rest, weighed ? settings.errors.photonWeight(double(left)) : left, 1e-5f);
     EXPECT_LT(used.rest, .99f);
     EXPECT_NEAR(part, used.rest * whole, 1e-5f * whole);
     // Rays bring as much where there happens to be no photon.
-    EXPECT_EQ(estimate(elsewhere, none).rest, used.rest);
+    EXPECT_EQ(gap.estimate(elsewhere, none).rest, used.rest);
   }
 }
 

@@ -16,6 +16,7 @@ namespace recurse {
 
 /** Photons are shot in batches of so many. */
 constexpr uint64_t PHOTON_BATCH = 4096;
+
 /** Photons that walks have stored. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;

@@ -21,7 +21,7 @@ class TargetCones {
     float part;
   };
 
-  /** True when the place is outside of all; there are none where it is not. */
+  /** True when the place is outside of all; only then they are complete. */
   bool find(const std::vector<DxtranSphere>& targets, const Vec3f& from) {
     cones.clear();
     for (const DxtranSphere& t : targets) {
