@@ -184,6 +184,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
+  inVain = manySeen.empty() && stored + mediaPhotons.size() == 0;
   const bool areAllWanted = classes.lightStateCount() == 1; // else none may be, as in LDE
   if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
     statistics.warnings.push_back(formatted(

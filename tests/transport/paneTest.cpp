@@ -64,10 +64,10 @@ const std::vector<std::pair<const char*, const char*>> WAYS = {
     {"path", ""},
     {"path", "\"integer lightsamples\" 3"},
     {"simplepath", ""},
-    {"photonmap", "\"integer photons\" 20000"},
+    {"photonmap", "\"integer passes\" 0 \"integer photons\" 5000"},
     {"photonmap", "\"integer photons\" 200000 \"integer passes\" 1 \"integer lightsamples\" 2"},
     {"photonmap", "\"integer photons\" 200000 \"integer passes\" 1 \"integer finalgather\" 4"},
-    {"photonmap", "\"integer photons\" 20000 \"bool causticsonly\" true"},
+    {"photonmap", "\"integer passes\" 0 \"integer photons\" 5000 \"bool causticsonly\" true"},
 };
 
 } // namespace
@@ -160,7 +160,7 @@ Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
   const std::vector<double> truth =
       renderClasses(*scene, {"path", "\"integer maxdepth\" 4"}, classes, samples(2048), 1).layerMeans();
   const std::vector<double> photons =
-      renderClasses(*scene, {"photonmap", "\"integer photons\" 20000 \"integer maxdepth\" 4"}, classes,
+      renderClasses(*scene, {"photonmap", "\"integer passes\" 0 \"integer photons\" 10000 \"integer maxdepth\" 4"}, classes,
                     samples(512), 2)
           .layerMeans();
   for (const size_t i : {0u, 3u, 6u}) EXPECT_NEAR(photons[i], truth[i], 0.03 * truth[i]) << i / 3;
