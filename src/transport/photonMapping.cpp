@@ -35,12 +35,7 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
   }
   ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
   statistics.counts.add(std::exchange(learned, {}));
-  if (pass.index == 0) {
-    if (settings.trial && mayGoOn() && photons.areInVain())
-      pathTracer = pathTracerBeside(nullptr, scene, classes);
-    else if (mayLeaveItToPaths(scene))
-      tryPaths(scene, classes, pass, control, statistics);
-  }
+  if (pass.index == 0 && mayLeaveItToPaths(scene)) tryPaths(scene, classes, pass, control, statistics);
   recordSampler = Sampler(pass.seed, pass.index, 0);
   const bool oneClass = classes.lightStateCount() == 1; // else some photons count and some do not
   const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;

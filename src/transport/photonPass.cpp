@@ -37,6 +37,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   ForwardStatistics statistics;
   progressive = !pass.only;
   radiusOverFirst = radiusScale(pass.index, settings.alpha);
+  if (pass.index > 0 && inVain) return statistics;
   auto start = std::chrono::steady_clock::now();
   ShootSettings shoot;
   shoot.photons = photonCount(scene, progressive);

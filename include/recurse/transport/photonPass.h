@@ -87,8 +87,6 @@ class PhotonPass {
   const MediaPhotons& inMedia() const { return mediaPhotons; }
   /** Fewer than one in MIN_STORED photons of the first pass, or than MIN_MAP, came down on surfaces. */
   bool hasTooFewPhotons() const { return tooFew; }
-  /** The eye sees no surface that gathers photons, and the first pass kept none anywhere. */
-  bool areInVain() const { return inVain; }
   /** Relative variance of what one camera ray from each visible place finds of caustics, the mean over all.
    */
   double causticVarianceByRays() const { return causticRays; }
@@ -169,7 +167,8 @@ class PhotonPass {
   VisibleRegion region;        ///< the same
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays
-  bool progressive = false, tooFew = false, inVain = false, causticsKnown = false;
+  bool progressive = false, tooFew = false, causticsKnown = false;
+  bool inVain = false; ///< the eye sees no surface that gathers photons, and the first pass kept none
   float radiusOverFirst = 1;
 };
 
