@@ -135,9 +135,9 @@ TEST(Motion, ALampThatMovesLightsAsTheMeanOfItsMoments) {
       for (size_t p = 0; p < expected.size(); ++p) expected[p] += double(moment.value(p).g) / MOMENTS;
     }
     for (const Way& way :
-         {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 40000 \"integer passes\" 256"},
+         {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 10000 \"integer passes\" 256"},
           Way{"photonmap",
-              "\"integer photons\" 40000 \"integer passes\" 256 \"string direct\" \"photons\""}}) {
+              "\"integer photons\" 10000 \"integer passes\" 256 \"string direct\" \"photons\""}}) {
       const Rendered moving = renderText(underMovingLamp(-1, shape), way.integrator, way.parameters,
                                          way.integrator == "path" ? 1024 : 256);
       double mean = 0;
