@@ -60,6 +60,15 @@ template <int N> std::array<Vec3f, N> directions(const Vec3f& normal, float turn
   return all;
 }
 
+/** The distance to what lies below a place of the surface, as far as `most`; infinite where nothing does. */
+float depthBelow(const Scene& scene, const Vec3f& place, const Vec3f& normal, float error, float most,
+                 TransportCounts& counts) {
+  const float start = 4 * error; // past the surface itself
+  Hit hit;
+  if (!intersectNonDelta(scene, {place - normal * start, -normal, most - start}, hit, counts)) return INFINITE;
+  return start + hit.t;
+}
+
 /** The walls that rays along the surface meet within the region's radius, rising from it or ending just above
  * it; `met` gets the distances, infinite where there is none. */
 template <size_t N>
@@ -87,6 +96,7 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
   };
   const float low = std::max(RISE * region.radius, 2 * error);
   lookAlong(low);
+  found.depth = depthBelow(scene, region.center, region.normal, error, 2 * GAP * region.radius, counts);
   float high = GAP * region.radius;
   Hit above;
   if (intersectPosition(scene, {region.center + region.normal * low, region.normal, 2 * high - low}, above,
@@ -231,6 +241,7 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
                                  Sampler& sampler, TransportCounts& counts) {
   constexpr int DIRECTIONS = 12;
   constexpr float RINGS[] = {0.05f, 0.15f, 0.35f, 0.55f, 0.75f, 1};
+  constexpr size_t LOOKED_BELOW = 3;
   const auto rays = directions<DIRECTIONS>(region.normal, sampler.next1D());
   Neighbourhood found;
   found.reach = region.radius;
@@ -251,6 +262,11 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
     }
     found.flat = distance * std::cos(PI / DIRECTIONS); // an edge may lie between two directions
     before = distance;
+    if (ring == RINGS[LOOKED_BELOW])
+      for (size_t i = 0; i < DIRECTIONS; i += 3)
+        found.depth =
+            std::min(found.depth, depthBelow(scene, region.center + rays[i] * found.flat, region.normal,
+                                             error, 2 * GAP * region.radius, counts));
   }
   return found;
 }
@@ -305,6 +321,9 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
   }
   constexpr float MAX_CLEARANCES = 2; // in a gap light changes within its height
   region.radius = std::min(region.radius, MAX_CLEARANCES * boundary.known->clearance + boundary.away);
+  // Half as far as the next layer: it may be nearer elsewhere.
+  const float lowest = std::max(boundary.known->depth / 2, 8 * error);
+  if (region.radius * region.flatness > lowest) region.flatness = lowest / region.radius;
   const auto clip = [&] {
     region.clipCount = 0;
     for (size_t i = 0; i < boundary.known->planeCount; ++i) {

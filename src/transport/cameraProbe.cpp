@@ -44,7 +44,7 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
         if (!kept && !s) return {};
         if (kept && (!s || weighting.followed(s->pdf) < 0.5f)) {
           hit.point.geometricNormal = hit.point.normalTowards(-ray.direction);
-          return VisiblePoint{hit.point, ray.width};
+          return VisiblePoint{hit.point, ray.width, (scattering.lobes() & TRANSMISSION) != 0};
         }
         direction = s->direction;
       } else {

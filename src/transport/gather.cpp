@@ -199,8 +199,10 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
     support.radius2 = square(support.region.radius);
     support.byNearest = false;
   };
+  const float flatness = support.region.flatness;
   fit();
-  if (support.byNearest && support.region.clipCount > 0) { // the nearest that are not clipped away
+  // The nearest that are not left out now.
+  if (support.byNearest && (support.region.clipCount > 0 || support.region.flatness < flatness)) {
     search();
     fit();
   }

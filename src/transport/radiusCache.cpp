@@ -19,17 +19,16 @@ float radiusScale(uint32_t index, double alpha) {
 namespace {
 
 /** Finds the surface that a photon lies on: photons do not know it. A ray that is short against `near`, from
- * where the photon came from; false when it meets nothing. */
-bool surfaceOf(const Scene& scene, const Photon& photon, float near, SurfacePoint& point,
-               TransportCounts& counts) {
+ * where the photon came from; none when it meets nothing. */
+std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, float near,
+                                      TransportCounts& counts) {
   const Vec3f direction = unpackDirection(photon.direction);
   const float start = 0.01f * near;
   Hit hit;
   if (!intersect(scene, {photon.position + direction * start, -direction, 2 * start}, hit, counts))
-    return false;
-  point = hit.point;
-  point.geometricNormal = point.normalTowards(direction);
-  return true;
+    return {};
+  hit.point.geometricNormal = hit.point.normalTowards(direction);
+  return VisiblePoint{hit.point, 0, hit.material && (hit.material->lobes() & TRANSMISSION)};
 }
 
 using Place = RadiusCache::Place;
@@ -45,11 +44,12 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Pl
   const SampledLight choice(scene.lights(), lights, lightSampleContext(lights, point, place.normal), sampler);
   const std::optional<LiSample> light = choice.sampleLi(point);
   if (!light || !(light->pdf > 0)) return 0;
-  const float cosine = glm::dot(place.normal, light->direction);
-  if (cosine <= 0) return 0;
+  const float facing = glm::dot(place.normal, light->direction);
+  if (facing <= 0 && !place.bothSides) return 0;
   const Transmittance free =
       transmittance(scene, hit, place.normal, *light, Nesting(), panesLeft(-1, 0), counts);
-  return double(channelSum(light->radiance * free.value) * cosine / (light->pdf * choice.chosen.probability));
+  return double(channelSum(light->radiance * free.value) * std::abs(facing) /
+                (light->pdf * choice.chosen.probability));
 }
 
 /** Finds out how far to look at places, by the photons of a first map. */
@@ -66,7 +66,7 @@ class PlaceFinder {
     const size_t tried = places.size();
     places.resize(tried + seen.size());
     forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
-      SurfacePoint point;
+      std::optional<VisiblePoint> found;
       if (i < tried) {
         Photon photon;
         photon.position = first.position(i * every);
@@ -74,15 +74,19 @@ class PlaceFinder {
         GatherRegion region;
         region.center = photon.position;
         region.bothSides = true;
-        if (!surfaceOf(scene, photon, kthDistance(region, scratch), point, partCounts)) return;
+        found = surfaceOf(scene, photon, kthDistance(region, scratch), partCounts);
+        // What transmits light is looked at from either side, wherever the light is.
+        if (found && found->transmits && i % 2 == 1) found->point.geometricNormal *= -1.0f;
       } else {
-        point = seen[i - tried].point;
-        places[i].footprint = seen[i - tried].footprint;
+        found = seen[i - tried];
       }
+      if (!found) return;
       Place& place = places[i];
-      place.position = point.position;
-      place.normal = point.geometricNormal;
-      place.error = glm::length(point.error);
+      place.position = found->point.position;
+      place.normal = found->point.geometricNormal;
+      place.error = glm::length(found->point.error);
+      place.footprint = found->footprint;
+      place.bothSides = found->transmits;
       settle(
           place, i, [&](const GatherRegion& region) { return kthDistance(region, scratch); }, partCounts);
     });
@@ -239,6 +243,7 @@ class PlaceFinder {
     region.normal = place.normal;
     region.flatness = search.flatness;
     region.radius = place.radius;
+    region.bothSides = place.bothSides;
     return region;
   }
   BoundaryCorrection surroundingsOf(const Place& place, size_t key) const {

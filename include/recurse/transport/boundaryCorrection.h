@@ -31,6 +31,9 @@ struct Neighbourhood {
   float flat = 0;  ///< within this distance the surface is whole and flat, but for what lies beyond borders
   /** How far above the place something else is; infinite where that is more than .4 of the reach. */
   float clearance = INFINITE;
+  /** How far below the place another surface is, which may be lit on the same side; infinite where that is
+   * more than .4 of the reach. */
+  float depth = INFINITE;
   size_t planeCount = 0;
   std::array<BoundaryPlane, MAX_PLANES> planes;
 
@@ -76,8 +79,8 @@ inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, floa
  * another room, and returns the part of the kernel's weight over the whole support that then lies on a
  * surface which can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A
  * support of which hardly anything is surface, whose surface bends away, or which lies in a gap of less than
- * half its radius, is made smaller first. Where the borders are not known the part goes by eight places: it
- * is exact on a plane, and about .1 off elsewhere.
+ * half its radius, is made smaller first; one that would reach another surface below is made flatter. Where
+ * the borders are not known the part goes by eight places: it is exact on a plane, and about .1 off elsewhere.
  */
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
                       TransportCounts& counts);

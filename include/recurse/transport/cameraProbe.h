@@ -15,6 +15,7 @@ namespace recurse {
 struct VisiblePoint {
   SurfacePoint point;  ///< its geometric normal points to where it is seen from
   float footprint = 0; ///< how wide a pixel is there [scene units]
+  bool transmits = false; ///< light from behind it is seen as well
 };
 
 /** The places that a grid of `across`² camera rays over the picture sees, by the strongest delta lobe at each
