@@ -65,7 +65,8 @@ float depthBelow(const Scene& scene, const Vec3f& place, const Vec3f& normal, fl
                  TransportCounts& counts) {
   const float start = 4 * error; // past the surface itself
   Hit hit;
-  if (!intersectNonDelta(scene, {place - normal * start, -normal, most - start}, hit, counts)) return INFINITE;
+  if (!intersectNonDelta(scene, {place - normal * start, -normal, most - start}, hit, counts))
+    return INFINITE;
   return start + hit.t;
 }
 
@@ -146,14 +147,16 @@ class SurfaceProbe {
       : scene(scene), error(error), region(region), counts(counts) {}
 
   /** Whether the plane goes on at one of its places, so far from the region's centre. */
-  bool flat(const Vec3f& place, float distance) const {
+  bool flat(const Vec3f& place, float distance) {
     constexpr float SAME_PLANE = 0.9998f;
     return cosine(place, distance) >= SAME_PLANE;
   }
+  /** Of the place last looked at, from the plane. */
+  float height() const { return lastHeight; }
 
   /** The straight line at which the surface ends, or turns off, between the places `in` and `out`; none where
    * it is not straight, or where the surface bends little by little. */
-  std::optional<BoundaryPlane> edge(Vec3f in, Vec3f out, float distance) const {
+  std::optional<BoundaryPlane> edge(Vec3f in, Vec3f out, float distance) {
     constexpr float CREASE = 0.99f;
     const float tolerance = 1e-4f * distance + 2 * error;
     if (!flat(in, distance)) return {};
@@ -189,10 +192,11 @@ class SurfaceProbe {
 
  private:
   /** Between the surface's normal and the plane's; 0 where there is none. */
-  float cosine(const Vec3f& place, float distance) const {
+  float cosine(const Vec3f& place, float distance) {
     Hit hit;
     const float height = std::max(RISE * distance, 4 * error);
     if (!intersectNonDelta(scene, downThrough(place, region.normal, height), hit, counts)) return 0;
+    lastHeight = std::abs(glm::dot(hit.point.position - region.center, region.normal));
     return std::abs(glm::dot(hit.point.geometricNormal, region.normal));
   }
 
@@ -200,6 +204,7 @@ class SurfaceProbe {
   float error;
   const GatherRegion& region;
   TransportCounts& counts;
+  float lastHeight = 0;
 };
 
 /** The part of the kernel's weight that the region's half-spaces leave. What they leave is seen
@@ -241,13 +246,21 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
                                  Sampler& sampler, TransportCounts& counts) {
   constexpr int DIRECTIONS = 12;
   constexpr float RINGS[] = {0.05f, 0.15f, 0.35f, 0.55f, 0.75f, 1};
-  constexpr size_t LOOKED_BELOW = 3;
   const auto rays = directions<DIRECTIONS>(region.normal, sampler.next1D());
   Neighbourhood found;
   found.reach = region.radius;
   std::array<float, DIRECTIONS> walls;
   findWalls(scene, error, region, rays, walls, found, counts);
-  const SurfaceProbe probe(scene, error, region, counts);
+  for (size_t i = 0; i < DIRECTIONS; ++i) {
+    const float distance = RINGS[i % 2 == 0 ? 1 : 2] * region.radius, height = GAP * region.radius;
+    Hit hit;
+    if (walls[i] > distance &&
+        intersectNonDelta(scene, downThrough(region.center + rays[i] * distance, region.normal, height), hit,
+                          counts))
+      found.depth = std::min(found.depth,
+                             depthBelow(scene, hit.point.position, region.normal, error, 2 * height, counts));
+  }
+  SurfaceProbe probe(scene, error, region, counts);
   float before = 0;
   for (const float ring : RINGS) {
     const float distance = ring * region.radius;
@@ -255,18 +268,16 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
       if (walls[i] <= distance) continue;
       const Vec3f place = region.center + rays[i] * distance;
       if (!found.sees(place)) continue;
-      if (probe.flat(place, distance)) continue;
+      if (probe.flat(place, distance)) {
+        found.relief = std::max(found.relief, probe.height());
+        continue;
+      }
       const auto edge = probe.edge(region.center + rays[i] * before, place, distance);
       if (!edge || found.planeCount == Neighbourhood::MAX_PLANES) return found;
       found.add(*edge);
     }
     found.flat = distance * std::cos(PI / DIRECTIONS); // an edge may lie between two directions
     before = distance;
-    if (ring == RINGS[LOOKED_BELOW])
-      for (size_t i = 0; i < DIRECTIONS; i += 3)
-        found.depth =
-            std::min(found.depth, depthBelow(scene, region.center + rays[i] * found.flat, region.normal,
-                                             error, 2 * GAP * region.radius, counts));
   }
   return found;
 }

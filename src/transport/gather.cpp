@@ -179,7 +179,8 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   };
   const float flat = boundary ? boundary->flat() : 0;
   support.region.flatness =
-      flat > 0 ? flatnessOfFlat(*boundary, settings.flatness, error) : settings.flatness;
+      flat > 0 ? flatnessOfFlat(*boundary, settings.flatness, error, std::min(settings.radius, flat))
+               : settings.flatness;
   search();
   if (flat > 0 && support.region.radius > flat) { // no telling what is flat so far away
     support.region.flatness = settings.flatness;

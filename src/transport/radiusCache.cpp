@@ -25,8 +25,7 @@ std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, 
   const Vec3f direction = unpackDirection(photon.direction);
   const float start = 0.01f * near;
   Hit hit;
-  if (!intersect(scene, {photon.position + direction * start, -direction, 2 * start}, hit, counts))
-    return {};
+  if (!intersect(scene, {photon.position + direction * start, -direction, 2 * start}, hit, counts)) return {};
   hit.point.geometricNormal = hit.point.normalTowards(direction);
   return VisiblePoint{hit.point, 0, hit.material && (hit.material->lobes() & TRANSMISSION)};
 }
@@ -251,7 +250,7 @@ class PlaceFinder {
     return {scene, Sampler(0, 0, static_cast<uint32_t>(key)), around.reach > 0 ? &around : nullptr};
   }
   float flatnessOf(const Place& place, const BoundaryCorrection& boundary, float radius) const {
-    return radius <= boundary.flat() ? flatnessOfFlat(boundary, search.flatness, place.error)
+    return radius <= boundary.flat() ? flatnessOfFlat(boundary, search.flatness, place.error, radius)
                                      : search.flatness;
   }
 

@@ -27,8 +27,9 @@ struct BoundaryPlane {
 /** What is known of the surface around a place. */
 struct Neighbourhood {
   static constexpr size_t MAX_PLANES = GatherRegion::MAX_CLIPS;
-  float reach = 0; ///< the distance that was looked at
-  float flat = 0;  ///< within this distance the surface is whole and flat, but for what lies beyond borders
+  float reach = 0;  ///< the distance that was looked at
+  float flat = 0;   ///< within this distance the surface is whole and flat, but for what lies beyond borders
+  float relief = 0; ///< how far from the place's plane the surface was met within this distance
   /** How far above the place something else is; infinite where that is more than .4 of the reach. */
   float clearance = INFINITE;
   /** How far below the place another surface is, which may be lit on the same side; infinite where that is
@@ -68,10 +69,10 @@ struct BoundaryCorrection {
   float flat() const { return known ? known->flat - away : 0; }
 };
 
-/** Of a search region that is known to lie on a flat surface: what lies off it belongs to another surface,
- * perhaps to the lit side of a wall. No more than `most`. */
-inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, float error) {
-  return std::min(most, 0.05f + 16 * error / boundary.known->reach);
+/** Of a search region of such a radius that is known to lie on a flat surface: what lies off it belongs to
+ * another surface, perhaps to the lit side of a wall, or below a thin lid. No more than `most`. */
+inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, float error, float radius) {
+  return std::min(most, 1e-3f + (4 * boundary.known->relief + 16 * error) / radius);
 }
 
 /**
@@ -80,7 +81,8 @@ inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, floa
  * surface which can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A
  * support of which hardly anything is surface, whose surface bends away, or which lies in a gap of less than
  * half its radius, is made smaller first; one that would reach another surface below is made flatter. Where
- * the borders are not known the part goes by eight places: it is exact on a plane, and about .1 off elsewhere.
+ * the borders are not known the part goes by eight places: it is exact on a plane, and about .1 off
+ * elsewhere.
  */
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
                       TransportCounts& counts);

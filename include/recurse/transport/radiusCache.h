@@ -73,8 +73,8 @@ class RadiusCache {
   size_t size() const { return places.size(); }
   struct Place {
     Vec3f position{0}, normal{0};
-    float error = 0;         ///< of the position
-    bool bothSides = false;  ///< as of GatherRegion
+    float error = 0;        ///< of the position
+    bool bothSides = false; ///< as of GatherRegion
     float radius = 0;
     float footprint = 0; ///< how wide a pixel is there [scene units]; 0: not known to be seen
     /** Of the irradiance, its channels added up, in the first pass: its value [W/m²], variance, and what the
