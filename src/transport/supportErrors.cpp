@@ -29,16 +29,13 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   constexpr size_t AREAS = SupportErrors::AREAS;
   const float own = region.radius;
   alignas(32) float inverse[AREAS], norm[AREAS];
-  const auto fit = [&](GatherRegion& support, size_t j) {
-    support.radius = own * ofArea(j);
-    const float part = coveredFraction(boundary, error, kernel, support, counts);
-    const float radius2 = square(support.radius);
+  for (size_t j = 0; j < AREAS; ++j) { // the largest comes last: its half-spaces stay
+    region.radius = own * ofArea(j);
+    const float part = coveredFraction(boundary, error, kernel, region, counts);
+    const float radius2 = square(region.radius);
     inverse[j] = 1 / radius2;
     norm[j] = INV_PI / (radius2 * part);
-  };
-  fit(region, AREAS - 1); // whose half-spaces stay, and the flattest
-  GatherRegion smaller = region;
-  for (size_t j = AREAS - 1; j-- > 0;) fit(smaller, j);
+  }
   Float8 sum(0), variance(0), noise(0), rays(0);
   const float rarest = byRays.maxBrightness * meanPower(photons, region, own);
   withKernel(kernel, [&](auto k) {
