@@ -333,8 +333,8 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
   constexpr float MAX_CLEARANCES = 2; // in a gap light changes within its height
   region.radius = std::min(region.radius, MAX_CLEARANCES * boundary.known->clearance + boundary.away);
   // Half as far as the next layer: it may be nearer elsewhere.
-  const float lowest = std::max(boundary.known->depth / 2, 8 * error);
-  if (region.radius * region.flatness > lowest) region.flatness = lowest / region.radius;
+  const float lowest = std::max(boundary.known->depth / 2, 8 * error) / region.radius;
+  region.flatness = std::min(region.flatness, std::max(lowest, FLATTEST));
   const auto clip = [&] {
     region.clipCount = 0;
     for (size_t i = 0; i < boundary.known->planeCount; ++i) {

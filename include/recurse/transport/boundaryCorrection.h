@@ -69,10 +69,13 @@ struct BoundaryCorrection {
   float flat() const { return known ? known->flat - away : 0; }
 };
 
+/** Flatter supports than this would lose photons of the surface itself. */
+inline constexpr float FLATTEST = 1e-3f;
+
 /** Of a search region of such a radius that is known to lie on a flat surface: what lies off it belongs to
  * another surface, perhaps to the lit side of a wall, or below a thin lid. No more than `most`. */
 inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, float error, float radius) {
-  return std::min(most, 1e-3f + (4 * boundary.known->relief + 16 * error) / radius);
+  return std::min(most, FLATTEST + (4 * boundary.known->relief + 16 * error) / radius);
 }
 
 /**
