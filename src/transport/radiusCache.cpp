@@ -320,16 +320,18 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
 }
 
 CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
-  constexpr int MAX_COUNT = 4;
+  constexpr int MAX_COUNT = 32; // there may be many on the next layer
   thread_local PhotonScratch scratch;
   CachedRadius best{limit, nullptr, INFINITE, 0};
-  /** Whether there is no need for another one: a place on another side or behind a wall tells hardly
-   * anything. */
+  /** Whether there is no need for another one: a place on another side, on the next layer or behind a wall
+   * tells hardly anything. */
   const auto take = [&](size_t slot) {
     const Place& place = places[slot];
     const float away = glm::distance(position, place.position);
     constexpr float COHERENT = 0.9f;
-    const bool same = glm::dot(place.normal, normal) > COHERENT && place.around.sees(position);
+    const float above = glm::dot(position - place.position, place.normal);
+    const bool same = glm::dot(place.normal, normal) > COHERENT && place.around.sees(position) &&
+                      above < place.around.clearance && -above < place.around.depth;
     if (same == (best.known != nullptr) ? away < best.away : same)
       best = {place.radius, same ? &place.around : nullptr, away, slot};
     return same;

@@ -143,9 +143,10 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
       // Every pass needs a sample.
       wanted(settings.samplesPerPixel > 0 ? std::max(settings.samplesPerPixel, passCount) : int64_t(1) << 31),
       // As in pbrt: a sample stands for its share of the pixel, of which many samples leave at least an
-      // eighth.
-      sampleSpacing(settings.samplesPerPixel > 0 ? std::max(0.125f, 1 / std::sqrt(static_cast<float>(wanted)))
-                                                 : 1),
+      // eighth. Where a limit ends the render it is as sharp as with the scene's own number of samples.
+      sampleSpacing(
+          std::max(0.125f, 1 / std::sqrt(static_cast<float>(
+                                   settings.samplesPerPixel > 0 ? wanted : scene.sampler().pixelSamples)))),
       moves(scene.moves()), tilesX((film.bounds().width() + TILE - 1) / TILE),
       tilesY((film.bounds().height() + TILE - 1) / TILE) {
   statistics.threads = threadCount();

@@ -56,3 +56,65 @@ INSTANTIATE_TEST_SUITE_P(All, Leaks,
                                            Mask{"floor", "0 .3 -1.2  -.9 0 -1.2  0 1 0", 14, 128},
                                            Mask{"table", "0 .3 -1.2  -.9 .7 -1.2  0 1 0", 14, 128}),
                          [](const auto& info) { return info.param.name; });
+
+/** A lid, evenly lit, over lamps whose light leaves through the bottom of the same thin box. */
+const std::string LID = view(48, "0 2.2 0  0 1.2 0  0 0 1", 26) + R"(
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 -2  2 0 -2  -2 0 2  2 0 2 ]
+Shape "bilinearmesh" "point3 P" [ -2 3 -2  2 3 -2  -2 3 2  2 3 2 ]
+Material "diffuse" "rgb reflectance" [ .3 .3 .3 ]
+Shape "box" "point3 p1" [ -.5 1.22 -.3 ] "point3 p2" [ .5 1.23 .3 ]
+Material "diffusetransmission" "rgb reflectance" [ .4 .4 .4 ] "rgb transmittance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -.5 1.2 -.3  .5 1.2 -.3  -.5 1.2 .3  .5 1.2 .3 ]
+AreaLightSource "diffuse" "rgb L" [ 60 60 60 ]
+Shape "bilinearmesh" "point3 P" [ -.45 1.219 -.2  .45 1.219 -.2  -.45 1.219 -.19  .45 1.219 -.19 ]
+Shape "bilinearmesh" "point3 P" [ -.45 1.219 .2  .45 1.219 .2  -.45 1.219 .21  .45 1.219 .21 ]
+)";
+
+TEST(ThinLayers, AreNotMixed) {
+  const auto scene = sceneFrom(LID);
+  const Rendered truth = renderScene(*scene, "bdpt", "", samples(64));
+  std::vector<double> means;
+  for (uint64_t seed = 1; seed <= 4; ++seed) {
+    const Rendered found = renderScene(*scene, "photonmap", "\"bool trial\" false", SANITIZED ? 1 : 4, seed);
+    means.push_back(found.mean());
+    for (size_t i = 0; i < found.pixels(); ++i) {
+      const double pixel = found.luminanceAt(i) / found.mean();
+      EXPECT_TRUE(pixel > 0.5 && pixel < 1.5) << pixel << " at " << i % 48 << ", " << i / 48;
+    }
+  }
+  const Mean found(means);
+  EXPECT_NEAR(found.value, truth.mean(), 4 * std::hypot(found.error, truth.standardError()));
+}
+
+TEST(ThinLayers, BothSidesOfASheetShowTheShadowsOnIt) {
+  // The lamp is behind the sheet, in glass: photons alone bring its light. Bars leave columns 24 to 38 lit.
+  const auto scene = sceneFrom(view(48, "0 .5 -2  0 .5 0  0 1 0", 26) + R"(
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 -2.5  2 -1 -2.5  -2 -1 2.5  2 -1 2.5 ]
+Shape "bilinearmesh" "point3 P" [ -2 -1 2.5  2 -1 2.5  -2 2 2.5  2 2 2.5 ]
+Material "diffusetransmission" "rgb reflectance" [ .4 .4 .4 ] "rgb transmittance" [ .4 .4 .4 ]
+Shape "bilinearmesh" "point3 P" [ -.5 0 0  .5 0 0  -.5 1 0  .5 1 0 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "bilinearmesh" "point3 P" [ -.25 0 .1  0 0 .1  -.25 1 .1  0 1 .1 ]
+Shape "bilinearmesh" "point3 P" [ .25 0 .1  .5 0 .1  .25 1 .1  .5 1 .1 ]
+Translate 0 .5 .8
+AttributeBegin
+Material "dielectric"
+Shape "sphere" "float radius" .05
+AttributeEnd
+AreaLightSource "diffuse" "rgb L" [ 300 300 300 ]
+Shape "sphere" "float radius" .02
+)");
+  const auto columns = [](const Rendered& picture, size_t first, size_t end) {
+    double sum = 0;
+    for (size_t y = 0; y < 48; ++y)
+      for (size_t x = first; x < end; ++x) sum += picture.luminanceAt(y * 48 + x) / 48 / double(end - first);
+    return sum;
+  };
+  const Rendered truth = renderScene(*scene, "bdpt", "", samples(64));
+  const Rendered found = renderScene(*scene, "photonmap", "\"bool trial\" false", SANITIZED ? 1 : 4);
+  const double lit = columns(truth, 26, 34);
+  EXPECT_NEAR(columns(found, 26, 34), lit, 0.05 * lit);
+  EXPECT_NEAR(columns(found, 14, 19), columns(truth, 14, 19), 0.05 * lit);
+}

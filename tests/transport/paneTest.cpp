@@ -160,8 +160,9 @@ Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
   const std::vector<double> truth =
       renderClasses(*scene, {"path", "\"integer maxdepth\" 4"}, classes, samples(2048), 1).layerMeans();
   const std::vector<double> photons =
-      renderClasses(*scene, {"photonmap", "\"integer passes\" 0 \"integer photons\" 10000 \"integer maxdepth\" 4"}, classes,
-                    samples(512), 2)
+      renderClasses(*scene,
+                    {"photonmap", "\"integer passes\" 0 \"integer photons\" 10000 \"integer maxdepth\" 4"},
+                    classes, samples(512), 2)
           .layerMeans();
   for (const size_t i : {0u, 3u, 6u}) EXPECT_NEAR(photons[i], truth[i], 0.03 * truth[i]) << i / 3;
 }

@@ -176,3 +176,30 @@ TEST(TimeLimit, RendersThatWereStoppedGoOnWithTheSamePicture) {
     }
   }
 }
+
+TEST(TimeLimits, TexturesAreAsSharpAsWithTheScenesNumberOfSamples) {
+  // White and black meet between pixels 7 and 8; as wide as a pixel, the filter would carry 1/8 over.
+  const auto scene = sceneFrom(R"(
+Film "rgb" "integer xresolution" 16 "integer yresolution" 4
+PixelFilter "box"
+Sampler "independent" "integer pixelsamples" 64
+LookAt 0 0 -1  0 0 0  0 1 0
+Camera "orthographic" "float screenwindow" [ -1 1 -.25 .25 ]
+WorldBegin
+LightSource "infinite" "rgb L" [ 1 1 1 ]
+Texture "halves" "spectrum" "checkerboard" "float uscale" 2 "rgb tex1" [ .8 .8 .8 ] "rgb tex2" [ 0 0 0 ]
+Material "diffuse" "texture reflectance" "halves"
+Shape "bilinearmesh" "point3 P" [ -1 -9 0  1 -9 0  -1 9 0  1 9 0 ] "point2 uv" [ 0 .1  1 .1  0 .2  1 .2 ]
+)");
+  const auto path = integratorFrom("path", "");
+  Film film(scene->film().crop, 1);
+  RenderSettings settings;
+  settings.samplesPerPixel = 0;
+  settings.timeLimit = 0.5;
+  const std::atomic<bool> stop{false};
+  render(*scene, *path, PathClasses(), settings, film, stop, {}, {});
+  ASSERT_GT(film.samples(0), 16u);
+  const auto [dark, bright] = std::minmax(film.value(7, 0).r, film.value(8, 0).r);
+  EXPECT_NEAR(bright, 0.8, 0.1);
+  EXPECT_LT(dark, 0.04 * bright);
+}

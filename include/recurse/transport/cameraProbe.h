@@ -13,8 +13,8 @@ namespace recurse {
 
 /** A surface that is seen through mirrors and glass only, or at once. */
 struct VisiblePoint {
-  SurfacePoint point;  ///< its geometric normal points to where it is seen from
-  float footprint = 0; ///< how wide a pixel is there [scene units]
+  SurfacePoint point;     ///< its geometric normal points to where it is seen from
+  float footprint = 0;    ///< how wide a pixel is there [scene units]
   bool transmits = false; ///< light from behind it is seen as well
 };
 
