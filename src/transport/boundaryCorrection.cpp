@@ -146,10 +146,10 @@ class SurfaceProbe {
   SurfaceProbe(const Scene& scene, float error, const GatherRegion& region, TransportCounts& counts)
       : scene(scene), error(error), region(region), counts(counts) {}
 
-  /** Whether the plane goes on at one of its places, so far from the region's centre. */
-  bool flat(const Vec3f& place, float distance) {
+  /** Whether the plane goes on at one of its places. */
+  bool flat(const Vec3f& place) {
     constexpr float SAME_PLANE = 0.9998f;
-    return cosine(place, distance) >= SAME_PLANE;
+    return cosine(place) >= SAME_PLANE && !isStep(place);
   }
   /** Of the place last looked at, from the plane. */
   float height() const { return lastHeight; }
@@ -159,13 +159,13 @@ class SurfaceProbe {
   std::optional<BoundaryPlane> edge(Vec3f in, Vec3f out, float distance) {
     constexpr float CREASE = 0.99f;
     const float tolerance = 1e-4f * distance + 2 * error;
-    if (!flat(in, distance)) return {};
+    if (!flat(in)) return {};
     const Vec3f outwards = glm::normalize(out - in), aside = glm::cross(region.normal, outwards);
     for (float between = glm::distance(in, out); between > tolerance; between /= 2) {
       const Vec3f middle = (in + out) * 0.5f;
-      (flat(middle, distance) ? in : out) = middle;
+      (flat(middle) ? in : out) = middle;
     }
-    if (cosine(out, distance) > CREASE) return {};
+    if (cosine(out) > CREASE && !isStep(out)) return {};
     // Where the edge leaves a small circle on either side.
     const float circle = 0.2f * distance;
     std::array<Vec3f, 2> ends;
@@ -174,10 +174,10 @@ class SurfaceProbe {
         return in + (outwards * std::cos(angle) + aside * (side * std::sin(angle))) * circle;
       };
       float empty = 0, full = PI;
-      if (flat(onCircle(empty), distance) || !flat(onCircle(full), distance)) return {};
+      if (flat(onCircle(empty)) || !flat(onCircle(full))) return {};
       while ((full - empty) * circle > tolerance) {
         const float middle = (full + empty) / 2;
-        (flat(onCircle(middle), distance) ? full : empty) = middle;
+        (flat(onCircle(middle)) ? full : empty) = middle;
       }
       ends[side > 0] = onCircle(full);
     }
@@ -191,10 +191,16 @@ class SurfaceProbe {
   }
 
  private:
+  /** Whether the place last looked at is higher or lower than the slope of the same plane makes it, as on a
+   * board that lies on a table. */
+  bool isStep(const Vec3f& place) const {
+    constexpr float SLOPE = 0.02f; // of SAME_PLANE
+    return lastHeight > SLOPE * glm::distance(place, region.center) + 4 * error;
+  }
   /** Between the surface's normal and the plane's; 0 where there is none. */
-  float cosine(const Vec3f& place, float distance) {
+  float cosine(const Vec3f& place) {
     Hit hit;
-    const float height = std::max(RISE * distance, 4 * error);
+    const float height = std::max(RISE * region.radius, 4 * error);
     if (!intersectNonDelta(scene, downThrough(place, region.normal, height), hit, counts)) return 0;
     lastHeight = std::abs(glm::dot(hit.point.position - region.center, region.normal));
     return std::abs(glm::dot(hit.point.geometricNormal, region.normal));
@@ -268,7 +274,7 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
       if (walls[i] <= distance) continue;
       const Vec3f place = region.center + rays[i] * distance;
       if (!found.sees(place)) continue;
-      if (probe.flat(place, distance)) {
+      if (probe.flat(place)) {
         found.relief = std::max(found.relief, probe.height());
         continue;
       }
@@ -350,12 +356,18 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
   constexpr float MIN_FRACTION = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
   constexpr int MAX_STEPS = 40, FEW_PLACES = 8, MANY_PLACES = 32;
   SurfaceInSupport surface;
+  float before = 0;
   for (int step = 0; step < MAX_STEPS; ++step) {
     clip();
-    if (region.radius <= boundary.flat())
-      return region.clipCount == 0
-                 ? 1
-                 : std::max(MIN_WEDGE, unclippedPart(kernel, region, boundary.sampler.next1D()));
+    if (region.radius <= boundary.flat()) {
+      if (region.clipCount == 0) return 1;
+      const float part = unclippedPart(kernel, region, boundary.sampler.next1D());
+      // What a smaller support does not help, as in the tip of a wedge, stays as it is.
+      if (part >= MIN_FRACTION || part < 1.05f * before) return std::max(MIN_WEDGE, part);
+      before = part;
+      region.radius *= STEP;
+      continue;
+    }
     surface = measure<FEW_PLACES>(boundary, error, kernel, region, counts);
     if (surface.fraction >= MIN_FRACTION && surface.cosine >= MIN_COSINE) {
       if (step == 0) return surface.fraction;

@@ -317,21 +317,33 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   std::vector<Place> inOrder(places.size());
   for (size_t slot = 0; slot < places.size(); ++slot) inOrder[slot] = places[index.emissionIndex(slot)];
   places = std::move(inOrder);
+  parallelFor(places.size(), [&](size_t i) {
+    thread_local PhotonScratch scratch;
+    constexpr int AROUND = 4; // itself and three others
+    GatherRegion region;
+    region.center = places[i].position + lift * places[i].normal;
+    region.bothSides = true;
+    places[i].spacing = std::sqrt(index.nearest(region, AROUND, scratch).radius2);
+  });
 }
 
 CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   constexpr int MAX_COUNT = 32; // there may be many on the next layer
   thread_local PhotonScratch scratch;
   CachedRadius best{limit, nullptr, INFINITE, 0};
-  /** Whether there is no need for another one: a place on another side, on the next layer or behind a wall
-   * tells hardly anything. */
+  if (index.empty()) return best;
+  /** Whether the place lies on the surface of the point: one on another side, on the next layer or behind a
+   * wall tells hardly anything. */
+  const auto isSameSurface = [&](const Place& place) {
+    constexpr float COHERENT = 0.9f;
+    const float above = glm::dot(position - place.position, place.normal);
+    return glm::dot(place.normal, normal) > COHERENT && place.around.sees(position) &&
+           above < place.around.clearance && -above < place.around.depth;
+  };
   const auto take = [&](size_t slot) {
     const Place& place = places[slot];
     const float away = glm::distance(position, place.position);
-    constexpr float COHERENT = 0.9f;
-    const float above = glm::dot(position - place.position, place.normal);
-    const bool same = glm::dot(place.normal, normal) > COHERENT && place.around.sees(position) &&
-                      above < place.around.clearance && -above < place.around.depth;
+    const bool same = isSameSurface(place);
     if (same == (best.known != nullptr) ? away < best.away : same)
       best = {place.radius, same ? &place.around : nullptr, away, slot};
     return same;
@@ -339,7 +351,25 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   GatherRegion region;
   region.center = position + lift * normal;
   region.bothSides = true;
-  if (!index.empty() && !take(index.nearestSlot(region.center, scratch))) {
+  if (take(index.nearestSlot(region.center, scratch))) {
+    // One of those around by chance, so that no borders between places are seen.
+    uint64_t hash = 0;
+    Vec3f offset;
+    for (int i = 0; i < 3; ++i) {
+      hash = hashCombine(hash, std::bit_cast<uint32_t>(position[i]));
+      offset[i] = 2 * unitFloat(static_cast<uint32_t>(hash >> 32)) - 1;
+    }
+    offset = (offset - normal * glm::dot(offset, normal)) * places[best.index].spacing;
+    const size_t slot = index.nearestSlot(region.center + offset, scratch);
+    const Place& place = places[slot];
+    if (isSameSurface(place)) {
+      // Of a surface that is whole as far as that the nearest place knows most.
+      if (best.known->isWholeWithin(place.radius + best.away))
+        best = {place.radius, best.known, best.away, slot};
+      else
+        best = {place.radius, &place.around, glm::distance(position, place.position), slot};
+    }
+  } else {
     index.nearest(region, MAX_COUNT, scratch);
     index.visitNearest(scratch, [&](const PhotonBlock& block) {
       for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)

@@ -142,6 +142,39 @@ TEST(BoundaryCorrection, ConcaveCornersAndWhatLiesBehindThem) {
     }
 }
 
+TEST(BoundaryCorrection, StripsMuchNarrowerThanTheSearch) {
+  const auto scene = sceneOf(quad("-.02 -1 0  .02 -1 0  .02 1 0  -.02 1 0"));
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (Photon& p : list) {
+      p.position.x *= 0.02f;
+      p.power *= 0.02f;
+    }
+    return list;
+  };
+  GatherSettings settings;
+  settings.radius = 1;
+  const Mean m = estimateOverTruth(*scene, down(0.01f, 0.1f), settings, samples(100), photons, true);
+  EXPECT_NEAR(m.value, 1, 0.03 + 4 * m.error);
+}
+
+TEST(BoundaryCorrection, BesideALowBoardThatLiesOnTheFloor) {
+  const auto scene =
+      sceneOf(FLOOR + "Shape \"box\" \"point3 p1\" [ .1 -1 .001 ] \"point3 p2\" [ 1 1 .006 ]\n");
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (Photon& p : list)
+      if (p.position.x > 0.1f) p.position.z = 0.006f;
+    return list;
+  };
+  for (const float x : {0.0f, 0.05f, 0.09f}) {
+    GatherSettings settings;
+    settings.radius = 0.4f;
+    const Mean m = estimateOverTruth(*scene, down(x, 0.1f), settings, samples(100), photons, true);
+    EXPECT_NEAR(m.value, 1, 0.03 + 4 * m.error) << x;
+  }
+}
+
 TEST(BoundaryCorrection, CurvedSurfaces) {
   const auto scene = sceneOf("Shape \"sphere\" \"float radius\" 1\n");
   const auto photons = [](uint64_t seed) {

@@ -43,6 +43,10 @@ struct Neighbourhood {
     return std::all_of(planes.begin(), planes.begin() + planeCount,
                        [&](const BoundaryPlane& b) { return glm::dot(position, b.normal) > b.offset; });
   }
+  /** Whether nothing bounds the surface as far as that, nor is close above it. */
+  bool isWholeWithin(float distance) const {
+    return distance <= flat && planeCount == 0 && clearance == INFINITE;
+  }
   /** Without effect where there is no more room. */
   void add(const BoundaryPlane& plane) {
     if (planeCount < MAX_PLANES) planes[planeCount++] = plane;

@@ -24,9 +24,9 @@ float radiusScale(uint32_t index, double alpha);
 /** Known before a search at a point. */
 struct CachedRadius {
   float radius = 0;                     ///< of the first pass
-  const Neighbourhood* known = nullptr; ///< of the nearest place, if that looks the same way and is seen
-  float away = 0;                       ///< the distance to the nearest place
-  size_t index = 0;                     ///< of that place
+  const Neighbourhood* known = nullptr; ///< of a place near by that looks the same way and is seen, if any
+  float away = 0;                       ///< the distance to that place
+  size_t index = 0;                     ///< of the place whose radius it is
 };
 
 /** What photons save. */
@@ -66,8 +66,9 @@ class RadiusCache {
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
              const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
              TransportCounts& counts);
-  /** How far to look at a point with this geometric normal: the radius of the nearest of the places, and no
-   * less than the way there. */
+  /** How far to look at a point with this geometric normal: the radius of one of the places around, which the
+   * point's coordinates choose like a random number so that no borders between places are seen, and no less
+   * than the way to it. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
 
   size_t size() const { return places.size(); }
@@ -76,6 +77,7 @@ class RadiusCache {
     float error = 0;        ///< of the position
     bool bothSides = false; ///< as of GatherRegion
     float radius = 0;
+    float spacing = 0;   ///< distance to the third nearest of the other places
     float footprint = 0; ///< how wide a pixel is there [scene units]; 0: not known to be seen
     /** Of the irradiance, its channels added up, in the first pass: its value [W/m²], variance, and what the
      * square of the bias weighs beside it over many passes [W²/m⁴]. The variance is infinite where no photon
