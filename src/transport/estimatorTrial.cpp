@@ -104,6 +104,16 @@ EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds&
   return f;
 }
 
+double EstimatorTrial::effectiveCount(const Rounds& rounds) {
+  double sum = 0, squares = 0;
+  for (const TrialSamples& samples : rounds)
+    for (const float x : samples.luminance) {
+      sum += double(x);
+      squares += square(double(x));
+    }
+  return squares > 0 ? square(sum) / squares : 0;
+}
+
 double EstimatorTrial::missedVariance(const Rounds& own, const Rounds& others) {
   constexpr double SURE = 0.8; // of what the darker round of the others found: both may be too bright
   const auto mean = [](const TrialSamples& samples) {

@@ -48,6 +48,9 @@ class EstimatorTrial {
    * the same picture, by the same camera rays: where both are bright, the picture is. */
   using Rounds = std::array<TrialSamples, 2>;
   static Figures figures(const Rounds& own, const Rounds& others);
+  /** By how many samples the light comes, (sum x)² / sum x² (Kish 1965, "Survey Sampling"): where they are
+   * few, what they err by is not known. */
+  static double effectiveCount(const Rounds& rounds);
   /** The relative variance, at least, of an unbiased estimator's pixels by light that `others` found and none
    * of its own samples did: it comes in samples rarer than these are many. */
   static double missedVariance(const Rounds& own, const Rounds& others);
