@@ -82,6 +82,7 @@ TEST(ThinLayers, AreNotMixed) {
   }
   const Mean found(means);
   EXPECT_NEAR(found.value, truth.mean(), 4 * std::hypot(found.error, truth.standardError()));
+  if (SANITIZED) return; // in time for that single pixels are too noisy
   const auto [darkest, brightest] = std::minmax_element(pixels.begin(), pixels.end());
   EXPECT_GT(*darkest, 0.8 * found.value);
   EXPECT_LT(*brightest, 1.25 * found.value);

@@ -199,7 +199,8 @@ Shape "bilinearmesh" "point3 P" [ -1 -9 0  1 -9 0  -1 9 0  1 9 0 ] "point2 uv" [
   const std::atomic<bool> stop{false};
   render(*scene, *path, PathClasses(), settings, film, stop, {}, {});
   ASSERT_GT(film.samples(0), 16u);
-  const auto [dark, bright] = std::minmax(film.value(7, 0).r, film.value(8, 0).r);
+  const float left = film.value(7, 0).r, right = film.value(8, 0).r;
+  const auto [dark, bright] = std::minmax(left, right);
   EXPECT_NEAR(bright, 0.8, 0.1);
   EXPECT_LT(dark, 0.04 * bright);
 }
