@@ -308,7 +308,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
                          ofPhotons);
   std::vector<Photon> lifted(places.size());
   for (size_t i = 0; i < places.size(); ++i)
-    lifted[i].position = places[i].position + lift * places[i].normal;
+    lifted[i].position = regionInIndex(places[i].position, places[i].normal).center;
   if (alpha > 0 && search.nearest > 0 && !places.empty()) {
     finder.judge(places, ofPhotons, alpha, detail);
     limit *= ofArea(SupportErrors::AREAS - 2);
@@ -320,9 +320,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   parallelFor(places.size(), [&](size_t i) {
     thread_local PhotonScratch scratch;
     constexpr int AROUND = 4; // itself and three others
-    GatherRegion region;
-    region.center = places[i].position + lift * places[i].normal;
-    region.bothSides = true;
+    const GatherRegion region = regionInIndex(places[i].position, places[i].normal);
     places[i].spacing = std::sqrt(index.nearest(region, AROUND, scratch).radius2);
   });
 }
@@ -348,9 +346,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
       best = {place.radius, same ? &place.around : nullptr, away, slot};
     return same;
   };
-  GatherRegion region;
-  region.center = position + lift * normal;
-  region.bothSides = true;
+  const GatherRegion region = regionInIndex(position, normal);
   if (take(index.nearestSlot(region.center, scratch))) {
     // One of those around by chance, so that no borders between places are seen.
     uint64_t hash = 0;

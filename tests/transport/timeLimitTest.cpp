@@ -177,7 +177,7 @@ TEST(TimeLimit, RendersThatWereStoppedGoOnWithTheSamePicture) {
   }
 }
 
-TEST(TimeLimits, TexturesAreAsSharpAsWithTheScenesNumberOfSamples) {
+TEST(TimeLimit, TexturesAreAsSharpAsWithTheScenesNumberOfSamples) {
   // White and black meet between pixels 7 and 8; as wide as a pixel, the filter would carry 1/8 over.
   const auto scene = sceneFrom(R"(
 Film "rgb" "integer xresolution" 16 "integer yresolution" 4

@@ -94,6 +94,13 @@ class RadiusCache {
    * surface faces the same way, and the two sides of a thin wall are far apart. */
   PhotonMap index;
   float limit = 0, lift = 0;
+  /** Around where a place at the point would be in the index. */
+  GatherRegion regionInIndex(const Vec3f& position, const Vec3f& normal) const {
+    GatherRegion region;
+    region.center = position + lift * normal;
+    region.bothSides = true;
+    return region;
+  }
 };
 
 } // namespace recurse
