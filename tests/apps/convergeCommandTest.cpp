@@ -41,7 +41,7 @@ TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
   ASSERT_EQ(first.status, 0) << first.err;
   for (const char* part : {"made by path tracing", "relMSE of their mean", "ε 0.01", "picture 12 of 12"})
     EXPECT_TRUE(has(first.err, part)) << part << "\n" << first.err;
-  for (const char* part : {"bias²", "time to", "no trim", "t^"})
+  for (const char* part : {"bias²", "time to", "no trim", "error ~"})
     EXPECT_TRUE(has(first.out, part)) << first.out;
   const nlohmann::json j = study();
   ASSERT_EQ(j["cells"].size(), 12u);

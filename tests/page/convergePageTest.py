@@ -12,7 +12,7 @@ from pageTest import SCENE, OfflinePage, browser, main, recurse
 class ConvergePage(OfflinePage):
     @classmethod
     def make(cls):
-        recurse("converge", SCENE, "-o", cls.folder, "-q", "--resolution", "32x32", "--samples", "1,4,16",
+        recurse("converge", SCENE, "-o", cls.folder, "-q", "--resolution", "32x32", "--samples", "1,8,64",
                 "--reference-error", "0.05", "--run", "path=--integrator path",
                 "--run", "pm=--integrator photonmap --photons 20k")
         with open(cls.folder + "/points.csv", encoding="utf-8") as file:
