@@ -112,14 +112,16 @@ class DiffuseArea final : public AreaLight {
   }
 
  private:
-  LeSample leaving(const ShapeSample& s, const Vec3f& direction, const Vec3f& normal, float cosine,
-                   float sides) const {
+  /** None along the surface: there is no light, and its density is 0. */
+  std::optional<LeSample> leaving(const ShapeSample& s, const Vec3f& direction, const Vec3f& normal,
+                                  float cosine, float sides) const {
+    if (!(cosine > 0)) return {};
     const Rgb l = emitted(s.point) * opacity(s.point);
-    return {{s.point.rayOrigin(direction), direction, normal, s.primitive},
-            l,
-            s.pdf,
-            cosine * INV_PI / sides,
-            l * (PI * sides / s.pdf)};
+    return LeSample{{s.point.rayOrigin(direction), direction, normal, s.primitive},
+                    l,
+                    s.pdf,
+                    cosine * INV_PI / sides,
+                    l * (PI * sides / s.pdf)};
   }
   Rgb emitted(const SurfacePoint& point) const {
     return picture ? constant * picture->at(point.uv) : constant;

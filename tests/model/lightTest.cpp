@@ -129,6 +129,26 @@ TEST(Lights, EmittedRaysHaveTheDensitiesThatAreToldOfThem) {
   }
 }
 
+TEST(Lights, NumbersAtTheEndsOfTheirRangeStartNoRayOfDensityZero) {
+  const float ends[] = {0, 0.25f, 0.5f, 0.75f, ONE_MINUS_EPSILON};
+  for (const LightUse& light : everyLight())
+    for (const float pick : ends)
+      for (const float x : ends)
+        for (const float y : ends)
+          for (const float u : ends)
+            for (const float v : ends) {
+              const auto s = light->sampleLe({pick, {x, y}, {u, v}});
+              if (!s || isBlack(s->flux)) continue;
+              const auto numbers = [&] {
+                return light.text + " by " + std::to_string(pick) + ", " + std::to_string(x) + " " +
+                       std::to_string(y) + ", " + std::to_string(u) + " " + std::to_string(v);
+              };
+              ASSERT_TRUE(isFinite(s->flux)) << numbers();
+              ASSERT_GT(s->pdfPosition, 0) << numbers();
+              ASSERT_GT(s->pdfDirection, 0) << numbers();
+            }
+}
+
 TEST(Lights, RadianceIsToldForOtherDirections) {
   for (const LightUse& light : everyLight()) {
     if (light.light->isInfinite()) continue;
