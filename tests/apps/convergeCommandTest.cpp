@@ -43,6 +43,8 @@ TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
     EXPECT_TRUE(has(first.err, part)) << part << "\n" << first.err;
   for (const char* part : {"bias²", "time to", "no trim", "error ~"})
     EXPECT_TRUE(has(first.out, part)) << first.out;
+  // Renders so short may take the same time, which has no slope; convergeTest.cpp has given times.
+  EXPECT_TRUE(has(first.out, "t^") || has(first.out, "no fit")) << first.out;
   const nlohmann::json j = study();
   ASSERT_EQ(j["cells"].size(), 12u);
   EXPECT_EQ(lines(contents(file("study/cells.csv"))), 13u);
