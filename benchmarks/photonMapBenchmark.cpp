@@ -22,9 +22,9 @@
 #include <flann/algorithms/dist.h>
 #include <flann/algorithms/kdtree_single_index.h>
 
-#include "recurse/core/parallel.h"
-#include "recurse/transport/kernel.h"
-#include "recurse/transport/photonMapQuery.h"
+#include "recurse/core/threads/parallel.h"
+#include "transport/photonmap/kernel.h"
+#include "transport/photonmap/photonMapQuery.h"
 
 using namespace recurse;
 

@@ -7,10 +7,10 @@
 #include <cstdio>
 #include <sstream>
 
-#include "model/embree.h"
-#include "recurse/core/parallel.h"
-#include "recurse/scene/loader.h"
-#include "recurse/transport/integrator.h"
+#include "model/embree/embree.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/scene/directives/loader.h"
+#include "recurse/transport/integrator/integrator.h"
 
 using namespace recurse;
 

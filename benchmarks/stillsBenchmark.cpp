@@ -15,10 +15,10 @@
 #include <cstring>
 #include <ctime>
 
-#include "recurse/core/parallel.h"
-#include "recurse/scene/loader.h"
-#include "recurse/transport/pathExpression.h"
-#include "recurse/transport/render.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/render/render.h"
+#include "recurse/scene/directives/loader.h"
 
 using namespace recurse;
 

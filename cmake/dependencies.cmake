@@ -6,23 +6,22 @@ find_package(nlohmann_json CONFIG QUIET)
 recurse_need(nlohmann_json_FOUND nlohmann-json nlohmann-json3-dev)
 find_package(CLI11 CONFIG QUIET)
 recurse_need(CLI11_FOUND CLI11 libcli11-dev)
-# The page of `recurse render --live`. The definitions are those that Debian's library was built with.
-find_path(RECURSE_HTTPLIB_INCLUDE httplib.h)
-find_library(RECURSE_HTTPLIB_LIBRARY cpp-httplib)
-if(RECURSE_HTTPLIB_INCLUDE AND RECURSE_HTTPLIB_LIBRARY)
-    set(RECURSE_HTTPLIB_FOUND TRUE)
-    add_library(RecurseHttplib::httplib INTERFACE IMPORTED)
-    set_target_properties(RecurseHttplib::httplib PROPERTIES
-        INTERFACE_INCLUDE_DIRECTORIES "${RECURSE_HTTPLIB_INCLUDE}"
-        INTERFACE_COMPILE_DEFINITIONS "CPPHTTPLIB_OPENSSL_SUPPORT;CPPHTTPLIB_ZLIB_SUPPORT;CPPHTTPLIB_BROTLI_SUPPORT"
-        INTERFACE_LINK_LIBRARIES "${RECURSE_HTTPLIB_LIBRARY}")
-endif()
-recurse_need(RECURSE_HTTPLIB_FOUND cpp-httplib libcpp-httplib-dev)
 # `recurse-mpi`, which is left out where there is no MPI.
 option(RECURSE_MPI "Build recurse-mpi where MPI is found" ON)
 if(RECURSE_MPI)
     set(MPI_CXX_SKIP_MPICXX ON)
     find_package(MPI QUIET COMPONENTS CXX)
+endif()
+# The Python module, which is left out where pybind11, NumPy or Python's headers are missing.
+option(RECURSE_PYTHON "Build the Python module where pybind11 is found" ON)
+if(RECURSE_PYTHON AND NOT RECURSE_SANITIZE)
+    # The system's Python, whose packages have the two; -DPython_EXECUTABLE=... asks for another one.
+    find_program(Python_EXECUTABLE python3 PATHS /usr/bin NO_DEFAULT_PATH)
+    find_package(Python QUIET COMPONENTS Interpreter Development.Module NumPy)
+    set(PYBIND11_FINDPYTHON ON)
+    if(Python_NumPy_FOUND)
+        find_package(pybind11 CONFIG QUIET)
+    endif()
 endif()
 # The plots of the page of `recurse converge`; goes into the program as it is.
 find_file(RECURSE_CHART_JS chart.min.js PATH_SUFFIXES share/javascript/chart.js share/nodejs/chart.js/dist)

@@ -5,7 +5,8 @@ option(RECURSE_LTO "Optimise across translation units (interprocedural optimisat
 option(RECURSE_WERROR "Warnings are errors" OFF)
 option(RECURSE_BENCHMARKS "Build the benchmarks (Google Benchmark)" ON)
 option(RECURSE_FUZZ "Build the libFuzzer targets (clang)" OFF)
-set(RECURSE_PROCESSOR "native" CACHE STRING "The x86-64 processor to build for, as for -march=; empty: any")
+set(RECURSE_PROCESSOR "x86-64-v3" CACHE STRING
+    "The x86-64 processor to build for, as for -march=: x86-64-v3 has AVX2, native is this machine, empty is any")
 set(RECURSE_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize=")
 
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
@@ -28,7 +29,7 @@ set_target_properties(recurse_options PROPERTIES EXPORT_NAME options)
 target_compile_features(recurse_options INTERFACE cxx_std_20)
 target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic>)
 # Contraction of a*b+c would make results depend on the compiler; the photon index relies on exact distances.
-target_compile_options(recurse_options INTERFACE -ffp-contract=off -fno-math-errno)
+target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-ffp-contract=off;-fno-math-errno>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # Sees overlaps in "text" + std::string where there are none (GCC bug 105651, mended in 13).
     target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wno-restrict>)
@@ -48,8 +49,6 @@ if(RECURSE_PROCESSOR AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     # The kernels are written for 8 lanes of AVX2; wider registers gain nothing here.
     target_compile_options(recurse_options INTERFACE
         $<BUILD_INTERFACE:-march=${RECURSE_PROCESSOR};-mprefer-vector-width=256>)
-    # The headers of the library then have AVX2 in them, and what uses it must have the same types.
-    target_compile_options(recurse_options INTERFACE $<INSTALL_INTERFACE:-march=x86-64-v3>)
 endif()
 if(RECURSE_SANITIZE)
     target_compile_options(recurse_options INTERFACE
@@ -57,4 +56,4 @@ if(RECURSE_SANITIZE)
     target_link_options(recurse_options INTERFACE -fsanitize=${RECURSE_SANITIZE})
 endif()
 # OpenImageIO alone loads 250 libraries, a fifth of a second; what does not use it shall not wait for it.
-target_link_options(recurse_options INTERFACE -Wl,--as-needed)
+target_link_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wl,--as-needed>)

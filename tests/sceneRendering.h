@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "recurse/core/parallel.h"
-#include "recurse/scene/loader.h"
-#include "recurse/transport/render.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/render/render.h"
+#include "recurse/scene/directives/loader.h"
 #include "sanitized.h"
 
 namespace recurse::testing {

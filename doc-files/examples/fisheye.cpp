@@ -3,8 +3,8 @@
  */
 #include <cmath>
 
-#include "recurse/model/cameraFrame.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/camera/cameraFrame.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

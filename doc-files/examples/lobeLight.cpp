@@ -4,8 +4,8 @@
  */
 #include <cmath>
 
-#include "recurse/core/sampling.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

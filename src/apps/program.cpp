@@ -13,24 +13,18 @@
 
 #include <unistd.h>
 
-#include "apps/commands.h"
-#include "apps/interrupt.h"
-#include "apps/manual.h"
-#include "apps/optionText.h"
+#include "apps/commands/commands.h"
+#include "apps/options/manual.h"
+#include "apps/options/optionText.h"
+#include "apps/options/suggestions.h"
 #include "apps/program.h"
-#include "apps/renderOutput.h"
-#include "recurse/core/atomicFile.h"
+#include "apps/run/interrupt.h"
+#include "apps/run/renderOutput.h"
+#include "recurse/core/io/atomicFile.h"
 
 namespace recurse::apps {
 
-void print(const std::string& text) {
-  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
-    throw Error(std::string("standard output: ") + std::strerror(errno));
-}
-
 namespace {
-
-void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
 ExitStatus sayError(const std::string& message, ExitStatus status) {
   say("recurse: " + message + (message.ends_with('\n') ? "" : "\n"));
@@ -72,18 +66,27 @@ std::string wrapped(const std::string& help) {
   return out;
 }
 
-/** "; did you mean --spp?" for the first of the words that looks like an option of the command and is none.
- */
-std::string nearestOptions(const CLI::App& command, const std::vector<std::string>& words) {
-  std::vector<std::string> names;
+/** What the first word that the command does not know may stand for: an option, or before any command one of
+ * these. */
+std::string nearestTo(const CLI::App& command, const std::vector<std::string>& words) {
+  const auto isIn = [](const std::vector<Described>& list, const std::string& word) {
+    return std::any_of(list.begin(), list.end(), [&](const Described& one) { return one.first == word; });
+  };
+  std::vector<Described> options, commands;
   for (const CLI::Option* option : command.get_options())
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    for (const std::string& name : option->get_lnames())
+      options.emplace_back(name, option->get_description());
+  for (const CLI::App* sub : command.get_subcommands([](const CLI::App*) { return true; }))
+    commands.emplace_back(sub->get_name(), sub->get_description());
   for (const std::string& given : words) {
     const std::string word = given.substr(0, given.find('='));
-    if (!word.starts_with("--") || std::find(names.begin(), names.end(), word) != names.end()) continue;
-    std::string list;
-    for (const std::string& name : nearestNames(word, names)) list += (list.empty() ? "" : " or ") + name;
-    return list.empty() ? "" : "; did you mean " + list + "?";
+    if (!word.starts_with("--")) {
+      if (!commands.empty()) return suggestion(word, commands);
+      continue;
+    }
+    const std::string name = word.substr(2);
+    if (isIn(options, name)) continue;
+    return suggestion(name, options, "--");
   }
   return {};
 }
@@ -136,7 +139,7 @@ ExitStatus run(int argc, char** argv) {
     const CLI::App* at = &app;
     while (!at->get_subcommands().empty()) at = at->get_subcommands().front();
     const std::string name = at == &app ? "recurse" : "recurse " + at->get_name();
-    const std::string near = nearestOptions(*at, std::vector<std::string>(argv + 1, argv + argc));
+    const std::string near = nearestTo(*at, std::vector<std::string>(argv + 1, argv + argc));
     return sayError(error.what() + near + "\nRun '" + name + " --help' for more.", ExitStatus::BAD_USAGE);
   }
   return chosen();

@@ -2,9 +2,9 @@
  * Ashikhmin and Shirley 2000, "An Anisotropic Phong BRDF Model": an anisotropic gloss lobe over a diffuse
  * base that gets what the gloss lets through.
  */
-#include "recurse/model/glossOverDiffuse.h"
-#include "recurse/model/microfacet.h"
-#include "recurse/model/plugIns.h"
+#include "bsdfs/microfacet/glossOverDiffuse.h"
+#include "bsdfs/microfacet/microfacet.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -2,9 +2,9 @@
  * Blinn and Phong's gloss: Blinn 1977, "Models of Light Reflection for Computer Synthesized Pictures", scaled
  * so that the lobe reflects `specular` at normal incidence and less elsewhere.
  */
-#include "recurse/model/glossOverDiffuse.h"
-#include "recurse/model/microfacet.h"
-#include "recurse/model/plugIns.h"
+#include "bsdfs/microfacet/glossOverDiffuse.h"
+#include "bsdfs/microfacet/microfacet.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -1,10 +1,10 @@
 /** @file
  * Metals, smooth and rough: mirrors, large or microscopic, with the Fresnel reflectance of a conductor.
  */
-#include "recurse/model/conductorOptics.h"
-#include "recurse/model/facetLosses.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/roughness.h"
+#include "bsdfs/microfacet/conductorOptics.h"
+#include "bsdfs/microfacet/facetLosses.h"
+#include "bsdfs/microfacet/roughness.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -2,11 +2,11 @@
  * Glass, water and the like: a smooth or rough interface between two dielectrics, with Fresnel reflection and
  * refraction.
  */
-#include "recurse/model/dielectricInterface.h"
-#include "recurse/model/dispersion.h"
-#include "recurse/model/facetLosses.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/roughness.h"
+#include "bsdfs/microfacet/dielectricInterface.h"
+#include "bsdfs/microfacet/facetLosses.h"
+#include "bsdfs/microfacet/roughness.h"
+#include "recurse/model/bsdf/dispersion.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

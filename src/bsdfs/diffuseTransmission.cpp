@@ -1,8 +1,9 @@
 /** @file
  * Lambertian reflection and transmission: paper, leaves, thin cloth.
  */
-#include "recurse/core/sampling.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/io/text.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 
@@ -44,8 +45,9 @@ class DiffuseTransmission final : public Material {
   DiffuseTransmission(const TexturedRgb& reflectance, const TexturedRgb& transmittance, float scale)
       : reflectance(reflectance), transmittance(transmittance), scale(scale) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
-    return arena.make<DiffuseTransmissionBsdf>(reflectance.at(point) * scale,
-                                               transmittance.at(point) * scale);
+    const Rgb r = reflectance.at(point) * scale, t = transmittance.at(point) * scale;
+    const float most = std::max(maxComponent(r + t), 1.0f);
+    return arena.make<DiffuseTransmissionBsdf>(r / most, t / most);
   }
   LobeSet lobes() const override { return NON_DELTA_LOBES; }
 
@@ -60,25 +62,26 @@ void registerDiffuseTransmission(PlugIns& plugIns) {
   plugIns.materials.add(
       {{.name = "diffusetransmission",
         .summary = "Lambertian reflection and transmission, as of paper.",
-        .parameters = {spectrumParameter("reflectance", "0.25", SpectrumKind::ALBEDO,
-                                         "albedo of what is reflected")
-                           .withTexture(),
-                       spectrumParameter(
-                           "transmittance", "0.25", SpectrumKind::ALBEDO,
-                           "albedo of what goes through; both together at most 1, which is checked unless "
-                           "a texture gives one")
-                           .withTexture(),
-                       realParameter("scale", "1", "factor of both").range(0, 1)},
+        .parameters =
+            {spectrumParameter("reflectance", "0.25", SpectrumKind::ALBEDO, "albedo of what is reflected")
+                 .withTexture(),
+             spectrumParameter("transmittance", "0.25", SpectrumKind::ALBEDO,
+                               "albedo of what goes through; where both add up to more than 1 they are "
+                               "scaled down to that")
+                 .withTexture(),
+             realParameter("scale", "1", "factor of both").range(0, 1)},
         .examples = {"", "\"rgb reflectance\" [.5 .2 .1] \"rgb transmittance\" [.5 .7 .3]",
                      "\"rgb reflectance\" [.25 .5 1] \"rgb transmittance\" [.75 .5 0]"}},
        [](const Parameters& p, const MaterialContext& c) {
          const double scale = p.real("scale");
          if (p.texture("reflectance").empty() && p.texture("transmittance").empty()) {
            const Rgbd sum = (p.spectrum("reflectance") + p.spectrum("transmittance")) * scale;
-           if (std::max({sum.r, sum.g, sum.b}) > 1 + 1e-6)
-             p.fail(
-                 p.has("transmittance") ? "transmittance" : "reflectance",
-                 "reflectance and transmittance add up to more than 1: more light would leave than arrives");
+           const double most = std::max({sum.r, sum.g, sum.b});
+           if (most > 1 + 1e-6)
+             p.warn(p.has("transmittance") ? "transmittance" : "reflectance",
+                    formatted("reflectance and transmittance add up to %.3g, so that more light would leave "
+                              "than arrives: both are divided by that",
+                              most));
          }
          return std::make_unique<DiffuseTransmission>(
              c.textures.rgb(p, "reflectance"), c.textures.rgb(p, "transmittance"), static_cast<float>(scale));

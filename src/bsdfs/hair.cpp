@@ -5,8 +5,8 @@
  */
 #include <cfloat>
 
-#include "recurse/model/fresnel.h"
-#include "recurse/model/plugIns.h"
+#include "bsdfs/microfacet/fresnel.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -1,7 +1,7 @@
 /** @file
  * No scattering at all: a boundary of media that light passes straight through.
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -3,8 +3,8 @@
  * of Portsmouth, Kutz and Hill 2024 ("EON: A Practical Energy-Preserving Rough Diffuse BRDF"), whose single
  * scattering is Fujii's and which gives the light that it loses back as multiple scattering.
  */
-#include "recurse/core/sampling.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

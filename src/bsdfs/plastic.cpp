@@ -5,11 +5,11 @@
  * inner reflections as in Egan and Hilgeman 1979). `coateddiffuse` is the same with the coat's light walked
  * at random, absorption and media.
  */
-#include "recurse/model/albedoTable.h"
-#include "recurse/model/dielectricInterface.h"
-#include "recurse/model/glossOverDiffuse.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/roughness.h"
+#include "bsdfs/microfacet/albedoTable.h"
+#include "bsdfs/microfacet/dielectricInterface.h"
+#include "bsdfs/microfacet/glossOverDiffuse.h"
+#include "bsdfs/microfacet/roughness.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

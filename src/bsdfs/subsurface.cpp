@@ -1,10 +1,10 @@
 /** @file
  * Milk, skin, marble and the like: a dielectric boundary, and the medium that scatters inside of it.
  */
-#include "recurse/model/dielectricInterface.h"
-#include "recurse/model/mediumParameters.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/roughness.h"
+#include "bsdfs/microfacet/dielectricInterface.h"
+#include "bsdfs/microfacet/roughness.h"
+#include "recurse/model/medium/mediumParameters.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

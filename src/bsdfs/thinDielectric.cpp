@@ -1,8 +1,8 @@
 /** @file
  * A thin pane: both faces of a slab at once, with all reflections between them.
  */
-#include "recurse/model/fresnel.h"
-#include "recurse/model/plugIns.h"
+#include "bsdfs/microfacet/fresnel.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

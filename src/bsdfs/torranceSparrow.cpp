@@ -3,10 +3,10 @@
  * facets in V-shaped grooves, whose geometrical factor it introduced, with a choice of distributions, and a
  * diffuse part.
  */
-#include "recurse/model/conductorOptics.h"
-#include "recurse/model/glossOverDiffuse.h"
-#include "recurse/model/microfacet.h"
-#include "recurse/model/plugIns.h"
+#include "bsdfs/microfacet/conductorOptics.h"
+#include "bsdfs/microfacet/glossOverDiffuse.h"
+#include "bsdfs/microfacet/microfacet.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -3,8 +3,8 @@
  */
 #include <cmath>
 
-#include "recurse/model/plugIns.h"
-#include "recurse/scene/spectrum.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/scene/parameters/spectrum.h"
 
 namespace recurse {
 
@@ -123,16 +123,21 @@ void registerRgbFilm(PlugIns& plugIns) {
 void registerSamplers(PlugIns& plugIns) {
   const auto add = [&](const char* name, std::vector<ParameterSpec> more) {
     const bool grid = std::string(name) == "stratified";
+    const bool isSobol = std::string(name).ends_with("sobol");
     if (!grid) more.push_back(integerParameter("pixelsamples", "16", "samples a pixel").range(1, 1 << 30));
     more.push_back(integerParameter("seed", "0", "another seed gives another, independent picture")
                        .range(0, 2147483647));
     plugIns.samplers.add(
         {{.name = name,
           .summary =
-              "Sets the number of samples and the seed; Recurse always draws Owen-scrambled Sobol' points.",
+              "Sets the number of samples and the seed; Recurse always draws Owen-scrambled Sobol' points" +
+              std::string(isSobol ? "." : ", and says so in a warning."),
           .parameters = std::move(more),
           .examples = {""}},
-         [grid](const Parameters& p, const NoContext&) {
+         [grid, isSobol](const Parameters& p, const NoContext&) {
+           if (!isSobol)
+             p.warn("", "\"" + p.plugInName() +
+                            "\" is not there: samples are Owen-scrambled Sobol' points, as of \"sobol\"");
            auto s = std::make_unique<SamplerSettings>();
            const int64_t n =
                grid ? int64_t(p.integer("xsamples")) * p.integer("ysamples") : p.integer("pixelsamples");

@@ -1,8 +1,8 @@
 /** @file
  * All directions around a point in one picture.
  */
-#include "recurse/model/cameraFrame.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/camera/cameraFrame.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -3,7 +3,7 @@
  */
 #include <cmath>
 
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

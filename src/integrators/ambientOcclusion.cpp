@@ -2,9 +2,9 @@
  * Ambient occlusion (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model"): how much of an even
  * white sky reaches what is seen.
  */
-#include "recurse/core/sampling.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/transport/walker.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
+#include "transport/paths/walker.h"
 
 namespace recurse {
 

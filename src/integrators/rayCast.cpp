@@ -2,9 +2,9 @@
  * Ray casting (Appel 1968, "Some Techniques for Shading Machine Renderings of Solids"): the surface that a
  * pixel sees, lit straight by the lights, and a constant in the place of all other light.
  */
-#include "recurse/model/plugIns.h"
-#include "recurse/transport/localShading.h"
-#include "recurse/transport/walker.h"
+#include "recurse/model/scene/plugIns.h"
+#include "transport/direct/localShading.h"
+#include "transport/paths/walker.h"
 
 namespace recurse {
 

@@ -4,11 +4,11 @@
  */
 #include <chrono>
 
-#include "recurse/model/plugIns.h"
-#include "recurse/transport/gather.h"
-#include "recurse/transport/localShading.h"
-#include "recurse/transport/pathEnds.h"
-#include "recurse/transport/walker.h"
+#include "recurse/model/scene/plugIns.h"
+#include "transport/density/gather.h"
+#include "transport/direct/localShading.h"
+#include "transport/emission/pathEnds.h"
+#include "transport/paths/walker.h"
 
 namespace recurse {
 
@@ -60,9 +60,11 @@ class SimplePhotonMap final : public Integrator {
       CameraVertex vertex;
       const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
       if (!walker.next(path, vertex, sampler, addEmission)) continue;
-      if (vertex.isConnectable())
-        gather(map, search, *vertex.scattering, vertex.point(), vertex.wi, path.width, vertex.throughput,
-               vertex.afterD, out);
+      if (vertex.isConnectable()) {
+        const GatherResult result = gather(map, search, *vertex.scattering, vertex.point(), vertex.wi,
+                                           path.width, vertex.throughput, vertex.afterD, out);
+        out.counts.otherRadii.add(result.radius, path.width);
+      }
       if (!(vertex.allowed & DELTA_LOBES)) continue;
       const auto mirrored = vertex.scattering->specularReflectionBackwardScatter(vertex.wi);
       const auto refracted = vertex.scattering->specularRefractionBackwardScatter(vertex.wi, sampler);
@@ -103,14 +105,12 @@ class SimplePhotonMap final : public Integrator {
 
   void store(const LightVertex& vertex, std::vector<Photon>& stored) const {
     const SurfacePoint& point = vertex.point();
-    const float cosine = absDot(vertex.wi, point.geometricNormal);
-    if (!(cosine > 0)) return;
+    if (glm::dot(vertex.wi, point.geometricNormal) == 0) return;
     Photon photon;
     photon.position = point.position;
     photon.direction = packDirection(vertex.wi);
     photon.normal = packDirection(point.normalTowards(vertex.wi));
-    // The cosine of the estimate is that of the shading normal, the density of photons that of the surface.
-    photon.power = vertex.throughput * (absDot(vertex.wi, point.shadingNormal) / cosine / float(photons));
+    photon.power = vertex.throughput / float(photons);
     photon.pathState = vertex.state.byte;
     stored.push_back(photon);
   }

@@ -3,12 +3,12 @@
  * all that the camera sees. What comes from near by is bounded, and rays that go on bring the rest (Kollig
  * and Keller 2004, "Illumination in the Presence of Weak Singularities").
  */
-#include "recurse/core/text.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/transport/localShading.h"
-#include "recurse/transport/pathEnds.h"
-#include "recurse/transport/photonGuidance.h"
-#include "recurse/transport/walker.h"
+#include "recurse/core/io/text.h"
+#include "recurse/model/scene/plugIns.h"
+#include "transport/direct/localShading.h"
+#include "transport/emission/pathEnds.h"
+#include "transport/forward/photonGuidance.h"
+#include "transport/paths/walker.h"
 
 namespace recurse {
 
@@ -52,8 +52,9 @@ class VirtualPointLights final : public Integrator {
  public:
   explicit VirtualPointLights(const VplSettings& settings) : settings(settings) {}
 
-  int passes(int samplesPerPixel) const override {
-    return samplesPerPixel > 0 ? std::min(settings.passes, samplesPerPixel) : settings.passes;
+  Passes passes(int samplesPerPixel) const override {
+    if (settings.passes == 0) return Passes::perSample();
+    return Passes::fixed(samplesPerPixel > 0 ? std::min(settings.passes, samplesPerPixel) : settings.passes);
   }
   bool passHasOneTime() const override { return true; }
   void prepare(const Scene& scene, const PathClasses&) override {

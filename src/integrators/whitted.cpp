@@ -2,9 +2,9 @@
  * Recursive ray tracing (Whitted 1980, "An Improved Illumination Model for Shaded Display"): mirrors and
  * glass are followed in all their directions, and whatever scatters otherwise is lit straight by the lights.
  */
-#include "recurse/model/plugIns.h"
-#include "recurse/transport/localShading.h"
-#include "recurse/transport/walker.h"
+#include "recurse/model/scene/plugIns.h"
+#include "transport/direct/localShading.h"
+#include "transport/paths/walker.h"
 
 namespace recurse {
 

@@ -2,9 +2,9 @@
  * A surface that emits the same radiance in all directions, from one side or both: of one colour, or a
  * picture.
  */
-#include "recurse/core/sampling.h"
-#include "recurse/model/lightProbe.h"
-#include "recurse/model/plugIns.h"
+#include "lights/maps/lightProbe.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 
@@ -164,8 +164,12 @@ std::unique_ptr<AreaLight> makeDiffuseArea(const Parameters& p, const AreaLightC
   } else {
     colour = p.spectrum("L");
   }
-  if (p.hasValue("power"))
+  if (p.hasValue("power")) {
+    if (!(c.shape.area() > 0))
+      p.fail("power", "the shape has no area to emit it from: are all its corners on one line?",
+             "a shape with an area, or a light \"point\"");
     scale *= p.real("power") / (double(PI) * double(c.shape.area()) * (twoSided ? 2 : 1) * mean);
+  }
   return std::make_unique<DiffuseArea>(c.shape, Rgb(colour * scale), twoSided, std::move(picture));
 }
 

@@ -1,8 +1,8 @@
 /** @file
  * A light at a point, the same in all directions.
  */
-#include "recurse/core/sampling.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

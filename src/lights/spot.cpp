@@ -1,7 +1,7 @@
 /** @file
  * A light at a point that shines into a cone with a soft edge.
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

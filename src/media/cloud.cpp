@@ -1,9 +1,9 @@
 /** @file
  * A cloud by noise, after that of pbrt-v4: dense at the bottom of its box, and torn further up.
  */
-#include "recurse/model/gridMedium.h"
-#include "recurse/model/noise.h"
-#include "recurse/model/plugIns.h"
+#include "media/grid/gridMedium.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/texture/noise.h"
 
 namespace recurse {
 

@@ -2,8 +2,8 @@
  * Media on regular grids in a box: one density for all coefficients (uniformgrid), or coefficients of each
  * cell (rgbgrid).
  */
-#include "recurse/model/gridMedium.h"
-#include "recurse/model/plugIns.h"
+#include "media/grid/gridMedium.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -1,8 +1,8 @@
 /** @file
  * The medium that is the same everywhere.
  */
-#include "recurse/model/mediumParameters.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/medium/mediumParameters.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 
@@ -34,12 +34,12 @@ class Homogeneous final : public Medium {
 } // namespace
 
 void registerHomogeneous(PlugIns& plugIns) {
-  std::vector<ParameterSpec> parameters = mediumParameters(".0011 .0024 .014", "2.55 3.21 3.77");
+  std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
   parameters.push_back(
       stringParameter("preset", "", "measured matter in the place of sigma_a and sigma_s, in millimetres")
           .oneOf(mediumPresetNames()));
   plugIns.media.add({{.name = "homogeneous",
-                      .summary = "A medium that is the same everywhere.",
+                      .summary = "Fog, smoke or a liquid: a medium that is the same everywhere.",
                       .parameters = parameters,
                       .examples = {"", "\"rgb sigma_s\" [ 1 2 3 ] \"float scale\" 10",
                                    "\"string preset\" \"Wholemilk\"", "\"rgb Le\" [ 1 .5 .2 ]"}},

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "mpi/messages.h"
-#include "recurse/core/error.h"
+#include "recurse/core/io/error.h"
 
 namespace recurse::apps {
 

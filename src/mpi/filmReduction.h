@@ -8,7 +8,7 @@
 
 #include <mpi.h>
 
-#include "recurse/model/film.h"
+#include "recurse/model/film/film.h"
 
 namespace recurse::apps {
 

@@ -9,8 +9,8 @@
 #include <thread>
 #include <utility>
 
-#include "recurse/core/error.h"
-#include "recurse/transport/sampleAllocation.h"
+#include "recurse/core/io/error.h"
+#include "recurse/render/sampleAllocation.h"
 
 namespace recurse::apps {
 
@@ -21,15 +21,18 @@ namespace {
 constexpr double UNIT_SECONDS = 1;
 /** Looking at the error takes no more than one part in so many of the time. */
 constexpr double ERROR_PART = 20;
+/** Seconds without a word from a rank, which reports five times a second. */
+constexpr double SILENCE_SECONDS = 3;
 
 /** The rank that deals out. */
 class Leader {
  public:
   Leader(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings, Film& film,
          Clock::time_point began, const std::atomic<bool>& stop,
-         const std::function<void(const RenderProgress&)>& progress)
+         const std::function<void(const RenderProgress&)>& progress,
+         const std::function<void(const std::string&)>& log)
       : worker(worker), names(names), settings(settings), film(film), stop(stop), progress(progress),
-        ranks(names.size()), samples(worker.renderer.samples()), tiles(double(samples.tiles())),
+        log(log), ranks(names.size()), samples(worker.renderer.samples()), tiles(double(samples.tiles())),
         firstSample(settings.firstSample),
         lastSample(settings.endSample > 0 ? settings.endSample : samples.samples()),
         allocation(settings.allocation),
@@ -56,6 +59,7 @@ class Leader {
       if (worker.reduced()) addFilms();
       if (saveDue && isFilmKnown()) save();
       watch();
+      tellSilence();
       beginStage();
       deal();
       reduceIfDue();
@@ -71,7 +75,7 @@ class Leader {
     out.notes = worker.renderer.statistics().notes;
     for (const std::string& w : worker.renderer.statistics().warnings) out.warnings.push_back(w);
     out.stopReason = reason.value_or(StopReason::SAMPLES);
-    out.oneMap = samples.passes() == 1 && out.photonsEmitted > 0;
+    out.oneMap = samples.hasOneMap() && out.photonsEmitted > 0;
     out.gatherSeconds = std::max(0.0, out.renderSeconds - out.photonSeconds - out.balanceSeconds);
     return out;
   }
@@ -82,6 +86,8 @@ class Leader {
     double unitSize = 0; ///< of the last one
     double speed = 0;    ///< samples of a tile in a second; 0: not known yet
     FullReport last;
+    Clock::time_point heard = Clock::now();
+    bool isMissed = false;
   };
   struct Dealt {
     int64_t id = 0;
@@ -126,6 +132,8 @@ class Leader {
     Rank& rank = ranks[size_t(from)];
     if (!r.failure.empty()) throw Error(names[size_t(from)] + ": " + r.failure);
     if (r.stop) stopped = true;
+    rank.heard = Clock::now();
+    if (std::exchange(rank.isMissed, false) && log) log("warning: " + names[size_t(from)] + " answers again");
     rank.last = r;
     if (r.finished < 0) return;
     --rank.units;
@@ -155,6 +163,11 @@ class Leader {
                         [&](const Dealt& d) { return !d.finished && d.unit.firstSample <= firstSample; });
   }
 
+  /** Whether photons are shot here, or another rank has samples. */
+  bool hasBegunPicture() const {
+    return worker.renderer.hasShot() ||
+           std::any_of(ranks.begin(), ranks.end(), [](const Rank& r) { return r.last.tileSamples > 0; });
+  }
   /** Whether it is to end early. */
   void watch() {
     if (reason) return;
@@ -163,9 +176,20 @@ class Leader {
     if (everyPixelHasASample()) {
       if (firstSampleEnd == 0) firstSampleEnd = elapsed();
       if (elapsed() + reductionSeconds > std::max(settings.timeLimit, firstSampleEnd)) end(StopReason::TIME);
+    } else if (settings.limitsFirstPass && !hasBegunPicture() && elapsed() > settings.timeLimit) {
+      end(StopReason::TIME);
     } else if (unitsOut() > 0 && worker.renderer.tileSamples() > 0 &&
                elapsed() > settings.timeLimit + settings.firstSampleTime) {
       end(StopReason::TIME);
+    }
+  }
+  void tellSilence() {
+    for (size_t r = 0; r < ranks.size(); ++r) {
+      if (r == LEADER || ranks[r].isMissed || secondsSince(ranks[r].heard) < SILENCE_SECONDS) continue;
+      ranks[r].isMissed = true;
+      if (log)
+        log("warning: waiting for " + names[r] +
+            ", which does not answer: is its process stopped, or its machine out of reach?");
     }
   }
   void end(StopReason why) {
@@ -334,6 +358,7 @@ class Leader {
   Film& film;
   const std::atomic<bool>& stop;
   const std::function<void(const RenderProgress&)>& progress;
+  const std::function<void(const std::string&)>& log;
   std::vector<Rank> ranks;
   const SampleRenderer& samples;
   double tiles;
@@ -355,8 +380,9 @@ class Leader {
 
 RenderStatistics lead(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings,
                       Film& film, Clock::time_point start, const std::atomic<bool>& stop,
-                      const std::function<void(const RenderProgress&)>& progress) {
-  return Leader(worker, names, settings, film, start, stop, progress).lead();
+                      const std::function<void(const RenderProgress&)>& progress,
+                      const std::function<void(const std::string&)>& log) {
+  return Leader(worker, names, settings, film, start, stop, progress, log).lead();
 }
 
 } // namespace recurse::apps

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "apps/program.h"
+#include "apps/run/console.h"
 #include "mpi/mpiCluster.h"
 
 namespace {
@@ -49,7 +50,7 @@ int main(int argc, char** argv) {
   QuietUntilJoined quiet(mpi.leads());
   mpi.onJoined = [&] { quiet.release(); };
   if (argc > 1 && std::string_view(argv[1]) != "render" && argv[1][0] != '-') {
-    if (mpi.leads()) std::fprintf(stderr, "recurse-mpi: renders only; for '%s' there is recurse\n", argv[1]);
+    if (mpi.leads()) say(std::string("recurse-mpi: renders only; for '") + argv[1] + "' there is recurse\n");
     return 2;
   }
   setCluster(&mpi);

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "recurse/transport/render.h"
-#include "recurse/transport/workQueue.h"
+#include "recurse/render/render.h"
+#include "recurse/render/workQueue.h"
 
 namespace recurse::apps {
 
@@ -32,22 +32,28 @@ struct Command {
 
 /** The numbers of RenderStatistics that add up. */
 struct Figures {
-  double photonSeconds = 0, balanceSeconds = 0, processorSeconds = 0, truncatedThroughput = 0;
+  double photonSeconds = 0, balanceSeconds = 0, processorSeconds = 0, learningProcessorSeconds = 0,
+         photonProcessorSeconds = 0, truncatedThroughput = 0;
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0, mapBytes = 0, rays = 0, nonFinite = 0,
            gathers = 0, photonsFound = 0;
   int64_t forwardPasses = 0;
+  KernelRadii causticRadii, otherRadii;
 
   Figures() = default;
   explicit Figures(const RenderStatistics& s)
       : photonSeconds(s.photonSeconds), balanceSeconds(s.balanceSeconds),
-        processorSeconds(s.processorSeconds), truncatedThroughput(s.counts.truncatedThroughput),
+        processorSeconds(s.processorSeconds), learningProcessorSeconds(s.learningProcessorSeconds),
+        photonProcessorSeconds(s.photonProcessorSeconds), truncatedThroughput(s.counts.truncatedThroughput),
         photonsEmitted(s.photonsEmitted), photonsStored(s.photonsStored), photonsRefused(s.photonsRefused),
         mapBytes(s.mapBytes), rays(s.counts.rays), nonFinite(s.counts.nonFinite), gathers(s.counts.gathers),
-        photonsFound(s.counts.photonsFound), forwardPasses(s.forwardPasses) {}
+        photonsFound(s.counts.photonsFound), forwardPasses(s.forwardPasses),
+        causticRadii(s.counts.causticRadii), otherRadii(s.counts.otherRadii) {}
   void addTo(RenderStatistics& s) const {
     s.photonSeconds += photonSeconds;
     s.balanceSeconds += balanceSeconds;
     s.processorSeconds += processorSeconds;
+    s.learningProcessorSeconds += learningProcessorSeconds;
+    s.photonProcessorSeconds += photonProcessorSeconds;
     s.counts.truncatedThroughput += truncatedThroughput;
     s.photonsEmitted += photonsEmitted;
     s.photonsStored += photonsStored;
@@ -57,6 +63,8 @@ struct Figures {
     s.counts.nonFinite += nonFinite;
     s.counts.gathers += gathers;
     s.counts.photonsFound += photonsFound;
+    s.counts.causticRadii.add(causticRadii);
+    s.counts.otherRadii.add(otherRadii);
     s.forwardPasses += static_cast<int>(forwardPasses);
   }
 };

@@ -15,8 +15,10 @@
 
 #include "mpi/leader.h"
 #include "mpi/sharedPhotons.h"
-#include "recurse/core/error.h"
-#include "recurse/core/parallel.h"
+#include "recurse/core/io/error.h"
+#include "recurse/core/threads/interrupt.h"
+#include "recurse/core/threads/parallel.h"
+#include "render/watchdog.h"
 
 namespace recurse::apps {
 
@@ -39,10 +41,11 @@ std::map<std::string, std::string> identityOf(const std::string& text) {
 /** What a rank sends that cannot join. */
 constexpr char FAILED = '!';
 
-/** The photons of the only pass. Where that is stopped somewhere each rank shoots them when it needs them. */
-void shootTogether(Worker& worker, const std::atomic<bool>& stop,
+/** The photons of the only pass. Where that is to end at any rank it ends at all: each then shoots them when
+ * it needs them. */
+void shootTogether(Worker& worker, const std::function<bool()>& isToEnd,
                    const std::function<void(const RenderProgress&)>& progress) {
-  std::atomic<bool> stopping{stop.load()};
+  std::atomic<bool> stopping{isToEnd()};
   SharedPhotons sharing(stopping);
   ForwardControl control;
   control.stop = &stopping;
@@ -50,7 +53,6 @@ void shootTogether(Worker& worker, const std::atomic<bool>& stop,
   const Clock::time_point start = Clock::now();
   Clock::time_point told = start;
   control.progress = [&](double fraction) {
-    if (stop) stopping = true;
     if (!progress || secondsSince(told) < 0.1) return;
     told = Clock::now();
     RenderProgress p;
@@ -59,6 +61,9 @@ void shootTogether(Worker& worker, const std::atomic<bool>& stop,
     p.elapsed = secondsSince(start);
     progress(p);
   };
+  const Watchdog watchdog([&] {
+    if (isToEnd()) stopping = true;
+  });
   worker.renderer.shootOnlyPass(control);
 }
 
@@ -167,18 +172,33 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
   std::optional<SampleAllocation> workerAllocation;
   if (leads() && settings.allocation)
     workerSettings.allocation = &workerAllocation.emplace(*settings.allocation);
-  Worker worker(scene, integrator, classes, workerSettings,
-                leads() ? log : std::function<void(const std::string&)>(), leads());
-  RenderStatistics statistics;
   const Clock::time_point start = Clock::now();
-  if (size > 1 && worker.renderer.samples().passes() == 1)
-    shootTogether(worker, stop, leads() ? progress : nullptr);
+  // Photons that ranks share need the same learning at all of them: where some are not done with it in time,
+  // no photons are shot either.
+  const auto isToEnd = [&] {
+    return stop || (settings.limitsFirstPass && settings.timeLimit > 0 &&
+                    settings.from.statistics.renderSeconds + secondsSince(start) > settings.timeLimit);
+  };
+  std::optional<Worker> learned;
+  {
+    std::atomic<bool> enough{false};
+    const Watchdog watchdog([&] {
+      if (isToEnd()) enough = true;
+    });
+    const InterruptibleWork learning(&enough);
+    learned.emplace(scene, integrator, classes, workerSettings,
+                    leads() ? log : std::function<void(const std::string&)>(), leads());
+  }
+  Worker& worker = *learned;
+  RenderStatistics statistics;
+  if (size > 1 && worker.renderer.samples().hasOneMap())
+    shootTogether(worker, isToEnd, leads() ? progress : nullptr);
   if (leads()) {
     // It has to have room for what the ranks' films have.
     if (worker.sum->splats()) film.enableSplats(worker.sum->splats()->unit());
     if (settings.allocation)
       settings.allocation->setMapPerSample(worker.renderer.samples().hasMapPerSample());
-    statistics = lead(worker, names, settings, film, start, stop, progress);
+    statistics = lead(worker, names, settings, film, start, stop, progress, log);
   } else {
     follow(worker, stop);
   }

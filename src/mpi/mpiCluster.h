@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cluster.h"
+#include "apps/run/cluster.h"
 
 namespace recurse::apps {
 

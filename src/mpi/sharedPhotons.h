@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-#include "recurse/transport/integrator.h"
+#include "recurse/transport/integrator/integrator.h"
 
 namespace recurse::apps {
 

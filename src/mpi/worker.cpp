@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "recurse/core/parallel.h"
+#include "recurse/core/threads/parallel.h"
 
 namespace recurse::apps {
 

@@ -15,7 +15,7 @@
 
 #include "mpi/filmReduction.h"
 #include "mpi/messages.h"
-#include "recurse/transport/unitRenderer.h"
+#include "render/unitRenderer.h"
 
 namespace recurse::apps {
 
@@ -25,6 +25,7 @@ constexpr std::chrono::microseconds BUSY_POLL{50}, IDLE_POLL{500};
 /** What every rank does: renders units, gives its film away, and reports. */
 class Worker {
  public:
+  /** Learns what the integrator learns before the first sample. */
   Worker(const Scene& scene, Integrator& integrator, const PathClasses& classes,
          const RenderSettings& settings, const std::function<void(const std::string&)>& log, bool leads);
   ~Worker();

@@ -1,7 +1,8 @@
 /** @file
  * The phase function of Henyey and Greenstein 1941, "Diffuse radiation in the galaxy".
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/medium/phaseFunction.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

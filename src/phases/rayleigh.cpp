@@ -1,7 +1,8 @@
 /** @file
  * Rayleigh's phase function, of particles much smaller than the wavelength: 3/(16π) (1 + cos²).
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/medium/phaseFunction.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

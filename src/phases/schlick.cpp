@@ -2,7 +2,8 @@
  * Schlick's phase function (Blasi, Le Saec and Schlick 1993, "A Rendering Algorithm for Discrete Volume
  * Density Objects"): (1 - k²) / (4π (1 - k cos)²).
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/medium/phaseFunction.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

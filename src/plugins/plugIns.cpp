@@ -2,9 +2,10 @@
  * Makes the registries from the list, and from a second one where RECURSE_MORE_PLUG_INS names it: of plug-ins
  * that are compiled with a program and not with the library.
  */
-#include "recurse/model/plugIns.h"
-#include "recurse/model/surfaceDetail.h"
-#include "recurse/transport/integrator.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/scene/importExpansion.h"
+#include "recurse/model/scene/surfaceParameters.h"
+#include "recurse/transport/integrator/integrator.h"
 
 namespace recurse {
 

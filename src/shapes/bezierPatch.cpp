@@ -3,8 +3,8 @@
  */
 #include <array>
 
-#include "recurse/model/plugIns.h"
-#include "recurse/model/triangleMesh.h"
+#include "recurse/model/mesh/triangleMesh.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -6,7 +6,7 @@
  */
 #include <array>
 
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

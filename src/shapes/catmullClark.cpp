@@ -10,8 +10,9 @@
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
-#include "recurse/model/displacement.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/threads/memory.h"
+#include "recurse/model/mesh/displacement.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 
@@ -240,8 +241,12 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
   const ControlMesh mesh = controlMesh(p);
   const int levels = p.integer("levels");
   constexpr double MOST_FACES = 1e8;
-  if (double(mesh.indices.size()) / 4 * std::pow(4.0, levels) > MOST_FACES)
+  const double faces = double(mesh.indices.size()) * std::pow(4.0, levels - 1);
+  if (faces > MOST_FACES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_FACES)) + " faces", "fewer levels");
+  // Of topology, limits with their tangents, and normals.
+  constexpr double FACE_BYTES = 500;
+  requireMemory("subdivision by " + std::to_string(levels) + " levels", FACE_BYTES * faces);
   try {
     const std::set<std::pair<int, int>> edges = edgesOf(mesh);
     for (size_t i = 0; i < mesh.creases.size(); i += 2) {

@@ -5,9 +5,9 @@
  */
 #include <mutex>
 
-#include "recurse/core/sampler.h"
-#include "recurse/model/boxTree.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/shape/boxTree.h"
 
 namespace recurse {
 
@@ -402,7 +402,8 @@ void registerCsg(PlugIns& plugIns) {
         .parameters = {stringParameter("operation", "union", "what to make of the operands")
                            .oneOf({"union", "intersection", "difference"}),
                        arrayParameter(ParameterType::STRING, "operands", 0, "",
-                                      "names of objects, two or more")
+                                      "names of objects, two or more; up to 256 levels of csg, and a million "
+                                      "solids in a scene")
                            .require(),
                        booleanParameter(
                            "onematerial", "false",

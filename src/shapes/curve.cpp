@@ -1,8 +1,8 @@
 /** @file
  * Curves as pbrt-v4 has them: Bézier and B-spline, flat, cylinder and ribbon.
  */
-#include "recurse/model/curveShape.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/shape/curveShape.h"
 
 namespace recurse {
 

@@ -4,8 +4,9 @@
  */
 #include <unordered_map>
 
-#include "recurse/model/displacement.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/threads/memory.h"
+#include "recurse/model/mesh/displacement.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 
@@ -200,6 +201,10 @@ std::unique_ptr<Shape> makeLoopSubdivision(const Parameters& p, const ShapeConte
   if (double(mesh.triangles.size()) * std::pow(4.0, levels) > MOST_TRIANGLES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_TRIANGLES)) + " triangles",
            "fewer levels");
+  // A triangle has an edge and a half, three entries in tables of edges and half a vertex.
+  constexpr double TRIANGLE_BYTES = 300;
+  requireMemory("subdivision by " + std::to_string(levels) + " levels",
+                TRIANGLE_BYTES * double(mesh.triangles.size()) * std::pow(4.0, levels));
   try {
     return makeDisplacedMesh(subdivided(std::move(mesh), levels), p, context);
   } catch (const SceneError&) {

@@ -1,9 +1,9 @@
 /** @file
  * Triangle meshes from PLY files.
  */
-#include "model/plyFile.h"
-#include "recurse/model/displacement.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/mesh/displacement.h"
+#include "recurse/model/mesh/plyFile.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -1,8 +1,8 @@
 /** @file
  * Triangle meshes written in the scene file itself.
  */
-#include "recurse/model/displacement.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/mesh/displacement.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

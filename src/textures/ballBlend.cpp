@@ -1,10 +1,10 @@
 /** @file
  * Values of balls, blended by the fields that metaballs are made of.
  */
-#include "recurse/model/ballField.h"
-#include "recurse/model/boxTree.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/textureMapping.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/shape/ballField.h"
+#include "recurse/model/shape/boxTree.h"
+#include "recurse/model/texture/textureMapping.h"
 
 namespace recurse {
 

@@ -1,8 +1,8 @@
 /** @file
  * Interpolation between four corners.
  */
-#include "recurse/model/plugIns.h"
-#include "recurse/model/textureMapping.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/texture/textureMapping.h"
 
 namespace recurse {
 

@@ -1,8 +1,8 @@
 /** @file
  * Squares or cubes of two textures in turn, averaged over the footprint in closed form.
  */
-#include "recurse/model/noise.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/texture/noise.h"
 
 namespace recurse {
 

@@ -1,7 +1,7 @@
 /** @file
  * The same value everywhere.
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

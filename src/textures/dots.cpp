@@ -1,8 +1,8 @@
 /** @file
  * Polka dots: at most one in each unit cell.
  */
-#include "recurse/model/noise.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/texture/noise.h"
 
 namespace recurse {
 

@@ -3,9 +3,9 @@
  */
 #include <optional>
 
-#include "recurse/core/imageTexture.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/textureMapping.h"
+#include "recurse/core/image/imageTexture.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/texture/textureMapping.h"
 
 namespace recurse {
 

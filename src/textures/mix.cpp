@@ -1,7 +1,7 @@
 /** @file
  * Two textures mixed: by an amount, or by the direction that the surface faces.
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -1,8 +1,8 @@
 /** @file
  * Textures made of solid noise: fbm, wrinkled, windy, marble.
  */
-#include "recurse/model/noise.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/texture/noise.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -1,7 +1,7 @@
 /** @file
  * A texture times a number or a colour.
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

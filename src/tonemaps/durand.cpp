@@ -4,8 +4,8 @@
  */
 #include <cmath>
 
-#include "recurse/model/plugIns.h"
-#include "recurse/model/toneCurve.h"
+#include "recurse/model/film/toneCurve.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

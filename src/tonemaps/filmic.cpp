@@ -1,8 +1,8 @@
 /** @file
  * Filmic curves, applied to each channel, so that bright colours fade to white as they do on film.
  */
-#include "recurse/model/plugIns.h"
-#include "recurse/model/toneCurve.h"
+#include "recurse/model/film/toneCurve.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -1,7 +1,7 @@
 /** @file
  * No operator.
  */
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

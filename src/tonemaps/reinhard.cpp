@@ -1,8 +1,8 @@
 /** @file
  * The global operator of Reinhard et al. 2002, "Photographic Tone Reproduction for Digital Images".
  */
-#include "recurse/model/plugIns.h"
-#include "recurse/model/toneCurve.h"
+#include "recurse/model/film/toneCurve.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <random>
 
-#include "recurse/core/error.h"
-#include "recurse/core/fileLock.h"
-#include "recurse/core/image.h"
-#include "recurse/report/checkpoint.h"
+#include "recurse/core/image/image.h"
+#include "recurse/core/io/error.h"
+#include "recurse/core/io/fileLock.h"
+#include "recurse/render/checkpoint.h"
 #include "sanitized.h"
 
 using namespace programTesting;
@@ -150,6 +150,33 @@ TEST_F(Checkpoints, SplitJobsMakeTheSamePicture) {
   expectError(run({"split", "scene.pbrt", "--parts", "3", "-o", "job", "--spp", "2"}), "--parts");
   expectError(run({"split", "scene.pbrt", "--parts", "3", "-o", "job", "--spp", "8", "--adaptive"}),
               "--adaptive");
+}
+
+TEST_F(Checkpoints, ASplitJobWorksInTheFolderWhereItIs) {
+  ASSERT_EQ(
+      run({"split", "scene.pbrt", "--parts", "2", "-o", "job", "--spp", "2", "--integrator", "path"}).status,
+      0);
+  std::filesystem::copy(file("job"), file("copy of it"));
+  const auto shell = [&](const std::string& command) {
+    return std::system(
+        ("cd " + folder + " && export RECURSE=" RECURSE_PROGRAM " && " + command + " 2>log").c_str());
+  };
+  ASSERT_EQ(shell("'copy of it/local.sh'"), 0) << contents(file("log"));
+  EXPECT_TRUE(exists("copy of it/picture.exr"));
+  EXPECT_FALSE(exists("job/part-000.rck") || exists("job/picture.exr"));
+  // Slurm runs a copy of the script that it was given.
+  std::filesystem::remove(file("copy of it/part-001.rck"));
+  std::filesystem::create_directories(file("spool"));
+  std::filesystem::copy(file("copy of it/slurm.sh"), file("spool/slurm_script"));
+  write("spool/scontrol",
+        "#!/bin/sh\necho 'JobId='$3\necho '   Command=" + folder + "/copy of it/slurm.sh'\n");
+  std::filesystem::permissions(file("spool/scontrol"), std::filesystem::perms::owner_all);
+  ASSERT_EQ(shell("PATH=$PWD/spool:$PATH SLURM_JOB_ID=8 SLURM_ARRAY_JOB_ID=7 SLURM_ARRAY_TASK_ID=1 "
+                  "spool/slurm_script"),
+            0)
+      << contents(file("log"));
+  EXPECT_TRUE(exists("copy of it/part-001.rck") && exists("copy of it/slurm-7_1.log"));
+  EXPECT_FALSE(exists("job/part-001.rck"));
 }
 
 TEST_F(Checkpoints, APictureOfWhatIsUnfinishedIsAskedFor) {

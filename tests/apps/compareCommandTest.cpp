@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
 
 using namespace programTesting;
 using recurse::Image;

@@ -5,7 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
+#include "recurse/core/io/fileLock.h"
 
 using namespace programTesting;
 using recurse::Image;
@@ -121,6 +122,35 @@ TEST_F(ConvergeProgram, PhotonBudgets) {
   EXPECT_EQ(j["cells"][1]["photons"], 4000);
   EXPECT_EQ(j["cells"][1]["samples_per_pixel"], 2);
   EXPECT_TRUE(j["cells"][1]["relmse_noise_free"].is_null());
+}
+
+TEST_F(ConvergeProgram, NamesThePlotOnlyWhereItWroteOne) {
+  makeReference("a.exr", "100");
+  ASSERT_EQ(
+      std::system(("cd " + folder +
+                   " && PATH=/nowhere " RECURSE_PROGRAM " converge scene.pbrt -o study --reference a.exr "
+                   "--samples 1 --seeds 1 --run path='--integrator path' >out 2>log")
+                      .c_str()),
+      0);
+  const std::string said = contents(file("log"));
+  EXPECT_TRUE(has(said, "plot.png was not made")) << said;
+  ASSERT_TRUE(has(said, "written: study/index.html")) << said;
+  EXPECT_FALSE(has(said.substr(said.find("written:")), "plot.png")) << said;
+}
+
+TEST_F(ConvergeProgram, OneProcessAtATimeInAFolder) {
+  makeReference("a.exr", "100");
+  std::filesystem::create_directories(file("study"));
+  const recurse::FileLock held(file("study/"));
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"converge", "scene.pbrt", "-o", "study", "--reference", "a.exr", "--samples",
+                                 "1", "--seeds", "1"},
+        std::vector<std::string>{"stills", "scene.pbrt", "-o", "study", "--spp", "1"},
+        std::vector<std::string>{"methods", "scene.pbrt", "-o", "study", "--spp", "1"}}) {
+    const Outcome o = run(command);
+    EXPECT_EQ(o.status, 1) << command[0] << o.err;
+    EXPECT_TRUE(has(o.err, "study/: another process is working with it")) << command[0] << o.err;
+  }
 }
 
 TEST_F(ConvergeProgram, InterruptKeepsWhatIsFinished) {

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
+#include "recurse/model/scene/plugIns.h"
+#include "report/page/bitmapFont.h"
 
 using namespace programTesting;
 using recurse::Image;
@@ -60,6 +62,23 @@ TEST_F(DevelopProgram, MakesASheetOfAllOperators) {
   const Image sheet = readImage(file("sheet.png"));
   EXPECT_GT(sheet.width, 3 * 64);
   EXPECT_GT(sheet.height, 2 * 32);
+}
+
+TEST_F(DevelopProgram, NamesInASheetOfSmallPicturesDoNotOverlap) {
+  recurse::writeImage(file("small.exr"), Image(5, 3, {"R", "G", "B"}));
+  ASSERT_EQ(run({"develop", "small.exr", "-q", "-o", "sheet.png", "--sheet"}).status, 0);
+  const auto dots = [](const Image& image) {
+    int count = 0;
+    for (size_t i = 0; i < image.pixels.size(); i += 3) count += image.pixels[i] > 0.5f;
+    return count;
+  };
+  int expected = 0;
+  for (const std::string& name : recurse::plugIns().toneMaps.names()) {
+    Image alone(400, 40, {"R", "G", "B"});
+    recurse::drawText(alone, 0, 0, name, recurse::Rgb(1), 2);
+    expected += dots(alone);
+  }
+  EXPECT_EQ(dots(readImage(file("sheet.png"))), expected);
 }
 
 TEST_F(DevelopProgram, BloomSpreadsALamp) {

@@ -3,7 +3,7 @@
  */
 #include "program.h"
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
 
 using namespace programTesting;
 using recurse::readImage;
@@ -54,6 +54,25 @@ TEST_F(Frames, AreTheScenesWithTheirNumbersWrittenOut) {
   EXPECT_TRUE(readImage(file("film-0002.exr")).pixels == readImage(file("f-0002.exr")).pixels);
 }
 
+TEST_F(Frames, ShareOneExposure) {
+  // The lamp becomes darker by six stops; the frame before it is lit is black.
+  write("dim.pbrt",
+        "Animate \"l\" \"float times\" [ 0 1 2 ] \"float values\" [ 0 16 .25 ]\n" +
+            scene("", "AttributeBegin AreaLightSource \"diffuse\" \"rgb L\" [ $l $l $l ] Translate 0 .4 0 "
+                      "Shape \"sphere\" \"float radius\" .3 AttributeEnd\n"));
+  std::string text = contents(file("dim.pbrt"));
+  text.replace(text.find("[ 4 4 4 ]"), 9, "[ 0 0 0 ]");
+  write("dim.pbrt", text);
+  const Outcome o = run({"render", "dim.pbrt", "--frames", "0:2", "-o", "f#.png", "-o", "f#.exr",
+                         "--integrator", "path", "--tonemap", "none"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const std::string chosen = readImage(file("f1.png")).metadata.at("recurse:developed");
+  EXPECT_EQ(readImage(file("f2.png")).metadata.at("recurse:developed"), chosen);
+  const Outcome alone = run({"develop", "f1.exr", "-o", "alone.png", "--tonemap", "none"});
+  ASSERT_EQ(alone.status, 0) << alone.err;
+  EXPECT_EQ(readImage(file("alone.png")).pixels, readImage(file("f1.png")).pixels);
+}
+
 TEST_F(Frames, AreCheckedWithoutRendering) {
   const Outcome good = run({"render", "film.pbrt", "--frames", "1:3", "--check"});
   EXPECT_EQ(good.status, 0) << good.err;
@@ -81,7 +100,6 @@ TEST_F(Frames, ErrorsSayWhatToDo) {
   fails({"--frames", "3:1"}, "from 3 to");
   fails({"--frames", "1:2:3"}, "FIRST:LAST");
   fails({"--frames", "a"}, "--frames: 'a'");
-  fails({"--frames", "0:1", "--watch"}, "not together with --watch");
   fails({"--frames", "0:1", "--checkpoint", "c"}, "not together with --checkpoint");
   const Outcome still = run({"render", "scene.pbrt", "--frames", "0:1"});
   EXPECT_NE(still.status, 0);

@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "recurse/core/image/image.h"
+
 using namespace programTesting;
 
 namespace {
@@ -43,6 +45,29 @@ TEST_F(MethodsProgram, MakesReportAndGoesOn) {
   EXPECT_EQ(run(COMMAND).status, 0);
   EXPECT_EQ(contents(file("out/method-path.exr")), kept);
   EXPECT_TRUE(exists("out/method-few.exr"));
+}
+
+TEST_F(MethodsProgram, AmbientOcclusionShowsAClosedRoom) {
+  write("room.pbrt", scene("", "Shape \"sphere\" \"float radius\" 9\n"));
+  const Outcome o = run({"methods", "room.pbrt", "-o", "out", "--spp", "4", "--method", "ambientocclusion",
+                         "--reference-spp", "1"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  double light = 0;
+  const nlohmann::json j = report();
+  for (const double mean : j["methods"][0]["class_means"]) light += mean;
+  EXPECT_GT(light, 0.2) << j["methods"][0]["settings"];
+}
+
+TEST_F(MethodsProgram, NoMethodTakesMuchLongerThanItsTime) {
+  // A sample of each pixel would take minutes.
+  const Outcome o =
+      run({"methods", "scene.pbrt", "-o", "out", "--time-limit", "0.5s", "--reference-spp", "1",
+           "--resolution", "384x256", "--method", "slow=--integrator vpl --set lightpaths=10000"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(report()["methods"][0]["failure"], "");
+  // The first sample of each pixel may take as long again; the render of a scene takes ten seconds more.
+  const recurse::Image picture = recurse::readImage(file("out/method-slow.exr"));
+  EXPECT_LT(std::stod(picture.metadata.at("recurse:seconds")), 9);
 }
 
 TEST_F(MethodsProgram, InterruptKeepsWhatIsFinished) {

@@ -3,7 +3,8 @@
  */
 #include "program.h"
 
-#include "recurse/core/image.h"
+#include "model/gameFileTesting.h"
+#include "recurse/core/image/image.h"
 
 using namespace programTesting;
 using recurse::Image;
@@ -66,6 +67,53 @@ TEST_F(ProgramModel, IsConvertedToASceneThatStandsByItself) {
   EXPECT_EQ(picture("made.pbrt", "b.exr"), direct);
 }
 
+TEST_F(ProgramModel, AMapOfAGameIsChosenWithItsCamera) {
+  using namespace recurse::testing;
+  BspWriter map;
+  map.shader("textures/floor");
+  map.square(0, 0);
+  map.entities = "{ \"classname\" \"worldspawn\" }\n"
+                 "{ \"classname\" \"light\" \"origin\" \"40 40 60\" }\n"
+                 "{ \"classname\" \"info_player_deathmatch\" \"origin\" \"-20 40 4\" \"angle\" \"180\" }\n"
+                 "{ \"classname\" \"info_player_deathmatch\" \"origin\" \"-20 40 4\" \"angle\" \"0\" }\n";
+  std::filesystem::create_directories(file("game"));
+  const std::string red = contents(file("models/red.png"));
+  write("game/a-pictures.pk3", zipFile({{"textures/floor.png", red}}));
+  write("game/broken.pk3", "no archive");
+  write("game/maps.pk3", zipFile({{"maps/one.bsp", map.file()}, {"maps/two.bsp", map.file()}}));
+  const auto render = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", "game/maps.pk3", "-o", "m.exr",        "--resolution",
+                                          "32x24",  "--spp",         "1",  "--integrator", "path"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  const Outcome several = render({});
+  EXPECT_EQ(several.status, 3);
+  EXPECT_TRUE(has(several.err, "--map, of: one, two")) << several.err;
+  const Outcome o = render({"--map", "two", "--camera", "spawn:2"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_FALSE(has(o.err, "no picture")) << o.err;
+  const recurse::Rgb floor = readImage(file("m.exr")).rgb(16, 20);
+  EXPECT_GT(floor.r, 0);
+  EXPECT_EQ(floor.g, 0); // by the picture in the archive beside it
+  const Outcome away = render({"--map", "two", "--camera", "spawn 1"});
+  ASSERT_EQ(away.status, 0) << away.err;
+  EXPECT_EQ(readImage(file("m.exr")).rgb(16, 20).r, 0);
+  const Outcome none = render({"--map", "two", "--camera", "spawn:3"});
+  EXPECT_EQ(none.status, 2);
+  EXPECT_TRUE(has(none.err, "there are: spawn:1, spawn:2")) << none.err;
+  EXPECT_EQ(run({"render", "scene.pbrt", "--camera", "spawn:1"}).status, 2);
+  EXPECT_EQ(run({"render", "models/box.obj", "--map", "two"}).status, 2);
+  // A loose map with the archives of its game.
+  std::filesystem::create_directories(file("game/maps"));
+  write("game/maps/three.bsp", map.file());
+  const Outcome loose = run({"render", "game/maps/three.bsp", "-o", "m.exr", "--resolution", "32x24", "--spp",
+                             "1", "--integrator", "path", "--camera", "spawn:2"});
+  ASSERT_EQ(loose.status, 0) << loose.err;
+  EXPECT_FALSE(has(loose.err, "no picture")) << loose.err;
+  EXPECT_GT(readImage(file("m.exr")).rgb(16, 20).r, 0);
+}
+
 TEST_F(ProgramModel, WrongUsageIsExplained) {
   EXPECT_EQ(run({"convert", "scene.pbrt", "-o", "made.pbrt"}).status, 2);
   EXPECT_EQ(run({"convert", "models/box.obj", "-o", "made.txt"}).status, 2);
@@ -73,4 +121,55 @@ TEST_F(ProgramModel, WrongUsageIsExplained) {
   EXPECT_EQ(o.status, 3);
   EXPECT_TRUE(has(o.err, "there is no file \"models/gone.obj\"")) << o.err;
   EXPECT_FALSE(std::filesystem::exists(file("made.pbrt")));
+}
+
+TEST_F(ProgramModel, FilesOutsideOfItsFolderAreNotCopied) {
+  write("secret.png", "this is a secret");
+  write("models/own.png", "this is the model's own");
+  std::filesystem::create_symlink("../secret.png", file("models/link.png"));
+  std::filesystem::create_symlink("own.png", file("models/inside.png"));
+  write("secret.bin", std::string(36, '\x3f'));
+  const auto copied = [&](const std::string& text) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(file("made-files")))
+      if (has(contents(entry.path()), text)) return true;
+    return false;
+  };
+  const auto model = [&](const std::string& picture, const std::string& buffer) {
+    write("models/m.gltf", R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+      "nodes": [{"mesh": 0}], "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}], "textures": [{"source": 0}],
+      "images": [{"uri": ")" + picture +
+                               R"("}], "buffers": [{"byteLength": 36, "uri": ")" + buffer + R"("}],
+      "bufferViews": [{"buffer": 0, "byteLength": 36}],
+      "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}]})");
+  };
+  write("models/m.bin", std::string("\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\0"
+                                    "\0\0\0\0\0\0\x80\x3f\0\0\0\0",
+                                    36));
+  for (const std::string& name : {file("secret.png"), std::string("../secret.png"), std::string("link.png"),
+                                  std::string("../models/../secret.png"), std::string("%2e%2e/secret.png")}) {
+    model(name, "m.bin");
+    const Outcome o = run({"convert", "models/m.gltf", "-o", "made.pbrt"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    EXPECT_FALSE(copied("secret")) << name;
+    EXPECT_TRUE(has(o.err, "outside of the model's folder") && has(o.err, "--allow-outside")) << o.err;
+    std::filesystem::remove_all(file("made-files"));
+    const Outcome allowed = run({"convert", "models/m.gltf", "-o", "made.pbrt", "--allow-outside"});
+    EXPECT_EQ(allowed.status, 0) << allowed.err;
+    EXPECT_TRUE(copied("secret")) << name;
+    EXPECT_TRUE(has(allowed.err, "outside of the model's folder")) << allowed.err;
+    std::filesystem::remove_all(file("made-files"));
+  }
+  for (const std::string name : {"own.png", "inside.png", "../models/own.png"}) {
+    model(name, "m.bin");
+    const Outcome o = run({"convert", "models/m.gltf", "-o", "made.pbrt"});
+    EXPECT_TRUE(copied("the model's own")) << name;
+    EXPECT_FALSE(has(o.err, "outside")) << o.err;
+    std::filesystem::remove_all(file("made-files"));
+  }
+  // What a mesh is read from is copied too.
+  model("own.png", "../secret.bin");
+  EXPECT_EQ(run({"convert", "models/m.gltf", "-o", "made.pbrt"}).status, 3);
+  EXPECT_FALSE(exists("made.pbrt") && exists("made-files"));
+  EXPECT_EQ(run({"convert", "models/m.gltf", "-o", "made.pbrt", "--allow-outside"}).status, 0);
 }

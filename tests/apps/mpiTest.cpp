@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
 #include "sanitized.h"
 
 using namespace programTesting;
@@ -97,6 +97,20 @@ TEST_F(Mpi, KilledRanksCostNothingButTime) {
     killAndGoOn(settings, random);
 }
 
+TEST_F(Mpi, ARankThatDoesNotAnswerIsNamed) {
+  EXPECT_EQ(shell(ranks(2) + "render scene.pbrt --integrator path --spp 1000000000 --time-limit 2s -o r.exr "
+                             "--progress json & run=$!; "
+                             "for i in $(seq 200); do grep -q '\"picture\"' log && break; sleep 0.05; done; "
+                             "stopped=$(pgrep -P $(pgrep -P $run) | tail -n 1); kill -STOP $stopped; "
+                             "for i in $(seq 200); do grep -q 'waiting for' log && break; sleep 0.05; done; "
+                             "kill -CONT $stopped; wait $run"),
+            0)
+      << log();
+  EXPECT_TRUE(has(log(), "waiting for rank 1 on ")) << log();
+  EXPECT_TRUE(has(log(), "answers again")) << log();
+  EXPECT_TRUE(exists("r.exr"));
+}
+
 TEST_F(Mpi, WhoHasAnotherSceneIsNamed) {
   write("other.pbrt", scene() + "\n# another word\n");
   write("rank.sh", "#!/bin/sh\nscene=scene.pbrt\n[ $OMPI_COMM_WORLD_RANK = 1 ] && scene=$OTHER\n"
@@ -149,6 +163,19 @@ TEST_F(Mpi, LimitsHold) {
       shell(ranks(2) + "render scene.pbrt --integrator path --error-target 0.1 -o r.exr --stats s.json"), 0)
       << log();
   EXPECT_TRUE(has(contents(file("s.json")), "\"stop_reason\": \"error\"")) << log();
+}
+
+TEST_F(Mpi, TimeLimitEndsTheFirstPassOfPhotons) {
+  // As many photons as this take longer than the test may.
+  for (const std::string passes : {"1", "0"}) {
+    ASSERT_EQ(shell(ranks(2) +
+                    "render scene.pbrt --integrator photonmap --set photons=2000000000 --set passes=" +
+                    passes + " --time-limit 0.5s -o r.exr --stats s.json"),
+              0)
+        << log();
+    EXPECT_TRUE(has(contents(file("s.json")), "\"stop_reason\": \"time\"")) << log();
+    EXPECT_TRUE(has(log(), "before \"photonmap\" had its first sample")) << log();
+  }
 }
 
 #endif

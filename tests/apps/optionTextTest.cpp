@@ -3,8 +3,8 @@
  */
 #include <gtest/gtest.h>
 
-#include "apps/optionText.h"
-#include "recurse/core/error.h"
+#include "apps/options/optionText.h"
+#include "recurse/core/io/error.h"
 
 using namespace recurse;
 using namespace recurse::apps;

@@ -52,7 +52,7 @@ class Program : public testing::Test {
            "Camera \"perspective\" \"float fov\" 50\n"
            "Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 \"string filename\" "
            "\"film.exr\"\n"
-           "Sampler \"independent\" \"integer pixelsamples\" 2\n" +
+           "Sampler \"sobol\" \"integer pixelsamples\" 2\n" +
            header +
            "WorldBegin\n"
            "AttributeBegin\n"
@@ -64,6 +64,15 @@ class Program : public testing::Test {
            "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2 0 2 3 ]\n"
            "  \"point3 P\" [ -2 0 -2  -2 0 2  2 0 2  2 0 -2 ]\n" +
            inWorld;
+  }
+
+  /** The scene with shapes that take a minute to make. */
+  static std::string slowScene() {
+    std::string shapes;
+    for (int i = 0; i < 100; ++i)
+      shapes += "Shape \"loopsubdiv\" \"integer levels\" 9 \"point3 P\" [ 0 0 0  1 0 0  0 1 0  0 0 1 ] "
+                "\"integer indices\" [ 0 1 2  0 2 3 ]\n";
+    return scene({}, shapes);
   }
 
   Outcome run(const std::vector<std::string>& arguments,

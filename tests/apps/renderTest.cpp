@@ -12,7 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
 
 using namespace programTesting;
 using recurse::Image;
@@ -88,6 +88,22 @@ TEST_F(ProgramRender, ResolutionCropAndExposure) {
   EXPECT_EQ(readImage(file("dark.png")).rgb(10, 5), recurse::BLACK);
 }
 
+TEST_F(ProgramRender, TimeLimitHoldsForLoading) {
+  write("slow.pbrt", slowScene());
+  const Outcome o = run({"render", "slow.pbrt", "--time-limit", "1s", "-o", "a.exr"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "the time limit was up before the scene was loaded")) << o.err;
+  EXPECT_LT(o.seconds, 10);
+  EXPECT_EQ(leftBehind(), 0u);
+}
+
+TEST_F(ProgramRender, AFilmTooLargeForTheMemoryIsRefusedBeforeItTakesAny) {
+  const Outcome o =
+      run({"render", "scene.pbrt", "--resolution", "60000x60000", "--memory", "2G", "-o", "a.exr"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "a film of 60000x60000 pixels needs about")) << o.err;
+}
+
 TEST_F(ProgramRender, FilmScalesByTheImagingRatio) {
   write("bright.pbrt", scene("Film \"rgb\" \"integer xresolution\" 24 \"integer yresolution\" 16 "
                              "\"float exposuretime\" 2 \"float iso\" 200\n"));
@@ -125,10 +141,10 @@ TEST_F(ProgramRender, OptionsOverrideTheFile) {
 
 TEST_F(ProgramRender, WhoGetsAPathTracerByTheFileIsToldOfPhotons) {
   write("public.pbrt", scene("Integrator \"volpath\"\n"));
-  const char* remark = "--integrator photonmap often has less noise";
+  const char* remark = "--integrator auto often has less noise";
   EXPECT_TRUE(has(run({"render", "public.pbrt", "--spp", "1", "-o", "a.exr"}).err, remark));
   EXPECT_FALSE(has(run({"render", "public.pbrt", "--spp", "1", "-q", "-o", "a.exr"}).err, remark));
-  for (const char* integrator : {"path", "photonmap"})
+  for (const char* integrator : {"path", "auto"})
     EXPECT_FALSE(has(
         run({"render", "public.pbrt", "--spp", "1", "-o", "a.exr", "--integrator", integrator}).err, remark));
 }
@@ -139,10 +155,21 @@ TEST_F(ProgramRender, CheckReportsWithoutRendering) {
     const Outcome o = run(arguments);
     EXPECT_EQ(o.status, 0) << o.err;
     for (const char* part :
-         {"24x16", "4 triangles", "1 on surfaces", "reflection", "photonmap", "memory", "a map about"})
+         {"24x16", "4 triangles", "1 on surfaces", "reflection", "auto", "memory", "a map about"})
       EXPECT_TRUE(has(o.out, part)) << part << "\n" << o.out;
     EXPECT_FALSE(exists("film.exr"));
   }
+}
+
+TEST_F(ProgramRender, StatisticsTellWhatAutoHasChosen) {
+  const Outcome o =
+      run({"render", "scene.pbrt", "--integrator", "auto", "--stats", "s.json", "-q", "-o", "a.exr"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const nlohmann::json json = nlohmann::json::parse(contents(file("s.json")));
+  bool isTold = false;
+  for (const std::string note : json["notes"])
+    isTold = isTold || note.starts_with("auto: photonmap, without a trial: the picture has fewer than 9216");
+  EXPECT_TRUE(isTold) << o.err;
 }
 
 TEST_F(ProgramRender, StatisticsHaveTheirKeys) {
@@ -186,6 +213,25 @@ TEST_F(ProgramRender, StatisticsHaveTheirKeys) {
   EXPECT_TRUE(has(o.err, "written: a.exr, s.json")) << o.err;
 }
 
+TEST_F(ProgramRender, StatisticsSplitProcessorTime) {
+  const auto split = [&](const std::string& integrator) {
+    const Outcome o =
+        run({"render", "scene.pbrt", "--integrator", integrator, "--spp", "4", "--stats", "s.json"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    const nlohmann::json json = nlohmann::json::parse(contents(file("s.json")));
+    const nlohmann::json parts = json["processor_seconds_by_part"];
+    double sum = 0;
+    for (const char* part : {"learning", "photons", "camera_paths"}) sum += parts[part].get<double>();
+    EXPECT_NEAR(sum, json["processor_seconds"], 1e-9);
+    return parts;
+  };
+  const nlohmann::json mapped = split("photonmap"), traced = split("path");
+  EXPECT_GT(mapped["learning"], 0);
+  EXPECT_GT(mapped["photons"], 0);
+  EXPECT_GT(mapped["camera_paths"], 0);
+  EXPECT_LT(traced["photons"], 0.01);
+}
+
 TEST_F(ProgramRender, ProgressAsJsonAndOff) {
   const Outcome json =
       run({"render", "scene.pbrt", "--integrator", "path", "--progress", "json", "-o", "a.exr"});
@@ -225,6 +271,30 @@ TEST_F(ProgramRender, PathClassesSelectLight) {
   Image image = readImage(file("a.exr"));
   EXPECT_EQ(image.rgb(12, 14), recurse::BLACK); // the floor is lit, but does not shine
   EXPECT_EQ(image.metadata["recurse:classes"], "LE");
+}
+
+TEST_F(ProgramRender, ClassesBecomeLayersBesideThePicture) {
+  const std::vector<std::string> render = {"render", "scene.pbrt", "--integrator", "path", "-q", "-o"};
+  const auto rendered = [&](const std::string& name, const std::vector<std::string>& options) {
+    std::vector<std::string> all = render;
+    all.push_back(name);
+    all.insert(all.end(), options.begin(), options.end());
+    EXPECT_EQ(run(all).status, 0);
+    return readImage(file(name));
+  };
+  const Image whole = rendered("whole.exr", {});
+  const Image image = rendered("a.exr", {"--class", "seen=LE", "--class", "lit=all - LE"});
+  const int seen = image.channel("seen.R"), lit = image.channel("lit.R");
+  ASSERT_GE(seen, 0);
+  ASSERT_GE(lit, 0);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      EXPECT_EQ(image.rgb(x, y), whole.rgb(x, y));
+      EXPECT_NEAR(image.at(x, y)[seen] + image.at(x, y)[lit], whole.rgb(x, y).r, 1e-5f * whole.rgb(x, y).r);
+    }
+  EXPECT_GT(image.at(12, 14)[lit], 0);
+  EXPECT_TRUE(has(image.metadata.at("recurse:settings"), "--class seen=LE"))
+      << image.metadata.at("recurse:settings");
 }
 
 TEST_F(ProgramRender, InterruptWritesWhatThereIs) {
@@ -331,6 +401,25 @@ std::string environmentMap(int width, int height, float pixel) {
 }
 
 } // namespace
+
+TEST_F(ProgramRender, WhatIsTakenFromPbrtAndNotDoneIsAWarning) {
+  const auto warnings = [&](const std::string& header) {
+    write("named.pbrt",
+          "Film \"rgb\"\nCamera \"perspective\"\n" + header + "\nWorldBegin\nShape \"sphere\"\n");
+    return run({"render", "named.pbrt", "--check"}).err;
+  };
+  for (const std::string name : {"halton", "independent", "pmj02bn", "stratified"})
+    EXPECT_TRUE(has(warnings("Sampler \"" + name + "\""),
+                    "warning: \"" + name + "\" is not there: samples are Owen-scrambled Sobol' points"))
+        << name;
+  for (const std::string name : {"sobol", "paddedsobol", "zsobol"})
+    EXPECT_FALSE(has(warnings("Sampler \"" + name + "\""), "Sobol")) << name;
+  for (const std::string name : {"samplelights", "samplebsdf"}) {
+    const std::string given = "Integrator \"simplepath\" \"bool " + name + "\" ";
+    EXPECT_TRUE(has(warnings(given + "false"), "warning: \"" + name + "\" false has no effect")) << name;
+    EXPECT_FALSE(has(warnings(given + "true"), name)) << name;
+  }
+}
 
 TEST_F(ProgramRender, WithoutItsDisplayServerItGoesOn) {
   const TakenPort nobody(false);

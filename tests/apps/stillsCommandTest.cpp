@@ -3,6 +3,10 @@
  */
 #include "program.h"
 
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
 using namespace programTesting;
 
 namespace {
@@ -80,6 +84,24 @@ TEST_F(StillsCommand, ComparesWithOtherStills) {
   EXPECT_EQ(missing.status, 1);
   EXPECT_TRUE(has(missing.err, "nowhere")) << missing.err;
   EXPECT_FALSE(exists("c"));
+}
+
+TEST_F(StillsCommand, CompareHasARowForEachClass) {
+  for (const char* seed : {"1", "2", "3"})
+    ASSERT_EQ(run({"stills", "scene.pbrt", "-o", seed, "-q", "--integrator", "path", "--seed", seed}).status,
+              0);
+  const Outcome table = run({"compare", "1", "2/stills.exr"});
+  ASSERT_EQ(table.status, 0) << table.err;
+  EXPECT_TRUE(has(table.out, "relMSE of classes")) << table.out;
+  const Outcome o = run({"compare", "1", "2", "3", "--json"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const nlohmann::json classes = nlohmann::json::parse(o.out)["classes"];
+  const auto layer = std::find_if(classes.begin(), classes.end(),
+                                  [](const nlohmann::json& one) { return one["name"] == "direct-diffuse"; });
+  ASSERT_NE(layer, classes.end()) << o.out;
+  EXPECT_EQ((*layer)["expression"], "LDE");
+  EXPECT_GT((*layer)["relmse_at_1"], 0);
+  EXPECT_TRUE(layer->contains("relmse_noise_free_at_8"));
 }
 
 TEST_F(StillsCommand, ErrorsSayWhatIsWrong) {

@@ -31,13 +31,19 @@ TEST_F(ProgramUsage, HelpOfEverySubcommandHasExamples) {
 TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{}, "subcommand is required"},
-      {{"rendre", "scene.pbrt"}, "--help"},
+      {{"rendre", "scene.pbrt"}, "did you mean render?"},
+      {{"rendr", "scene.pbrt", "--spp", "4"}, "did you mean render?"},
       {{"render"}, "required"},
       {{"render", "scene.pbrt", "--spp"}, "--spp"},
       {{"render", "scene.pbrt", "--spp", "0"}, "whole number from 1"},
       {{"render", "scene.pbrt", "--spp", "2.5"}, "whole number"},
       {{"render", "scene.pbrt", "--no-such-option"}, "--no-such-option"},
       {{"render", "scene.pbrt", "--sp", "4"}, "did you mean --spp"},
+      {{"render", "scene.pbrt", "--res", "8x8"}, "did you mean --resume or --resolution?"},
+      {{"render", "scene.pbrt", "--time", "8s"}, "did you mean --time-limit"},
+      {{"render", "scene.pbrt", "--samples", "8"}, "did you mean --spp"},
+      {{"render", "scene.pbrt", "--depth", "8"}, "did you mean --maxdepth"},
+      {{"reference", "fog"}, "did you mean homogeneous?"},
       {{"compare", "a.exr", "b.exr", "--fail-abve=relmse=1"}, "did you mean --fail-above?"},
       {{"render", "scene.pbrt", "-o", "a.bmp2"}, ".exr .hdr .pfm .png"},
       {{"render", "scene.pbrt", "-o", "a.exr", "-o", "a.exr"}, "twice"},
@@ -56,6 +62,9 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
       {{"render", "scene.pbrt", "--nthreads", "0"}, "--nthreads"},
       {{"render", "scene.pbrt", "--progress", "loud"}, "plain"},
       {{"render", "scene.pbrt", "--paths", "L("}, "column"},
+      {{"render", "scene.pbrt", "--class", "LDE"}, "NAME=EXPRESSION"},
+      {{"render", "scene.pbrt", "--class", "a=L("}, "column"},
+      {{"render", "scene.pbrt", "--class", "a=LDE", "--paths", "LDE"}, "not together with --paths"},
       {{"render", "scene.pbrt", "-q", "-v"}, "excludes"},
       {{"compare", "a.exr"}, "required"},
       {{"compare", "a.exr", "b.exr", "--fail-above", "beauty=1"}, "relmse"},
@@ -153,6 +162,21 @@ TEST_F(ProgramUsage, ReferenceClassesAndExplain) {
   }
 }
 
+TEST_F(ProgramUsage, ExplainTellsWhatAutoChooses) {
+  // A coat under an even sky, in as many pixels as a trial takes.
+  write("coat.pbrt", "Film \"rgb\" \"integer xresolution\" 96 \"integer yresolution\" 96\n"
+                     "LookAt 0 1.5 4  0 .4 0  0 1 0\nCamera \"perspective\" \"float fov\" 40\nWorldBegin\n"
+                     "LightSource \"infinite\" \"rgb L\" [1 1 1]\n"
+                     "Material \"coateddiffuse\" \"float roughness\" .001\n"
+                     "Shape \"sphere\" \"float radius\" .6\n");
+  const std::string chosen = run({"explain", "coat.pbrt"}).out;
+  EXPECT_TRUE(has(chosen, "auto: path: by a trial") && !has(chosen, "photon map")) << chosen;
+  const std::string forced = run({"explain", "coat.pbrt", "--set", "passes=1"}).out;
+  EXPECT_TRUE(has(forced, "auto: photonmap, without a trial: there is one photon map")) << forced;
+  const std::string any = run({"explain", "--integrator", "auto"}).out;
+  EXPECT_TRUE(has(any, "By the scene it chooses photonmap; path;") && has(any, "photon map")) << any;
+}
+
 TEST_F(ProgramUsage, ErrorsOfAllPartsOfASceneAreToldAtOnce) {
   write("bad.pbrt", "Camera \"perspective\" \"float fov\" 500\n"
                     "WorldBegin\n"
@@ -198,12 +222,25 @@ TEST_F(ProgramUsage, TheProgramTakesNoMoreMemoryThanItMay) {
   EXPECT_EQ(run({"render", "scene.pbrt", "--memory", "much"}).status, 2);
 }
 
-TEST_F(ProgramUsage, LongNamesAreNotPrintedBack) {
-  write("long.pbrt", scene("", "NamedMaterial \"" + std::string(1000000, 'a') + "\"\nShape \"sphere\"\n"));
+TEST_F(ProgramUsage, LongNamesAreNeitherComparedNorPrintedBack) {
+  constexpr size_t LENGTH = 10000000;
+  write("long.pbrt", scene("", "NamedMaterial \"" + std::string(LENGTH, 'a') + "\"\nShape \"sphere\"\n"));
   const Outcome o = run({"render", "long.pbrt"});
   EXPECT_EQ(o.status, 3);
   EXPECT_TRUE(has(o.err, "there is no material named \"aaaa")) << o.err.substr(0, 1000);
   EXPECT_LT(o.err.size(), 2000u);
+  write("long.pbrt", scene("", "Shape \"" + std::string(LENGTH, 'a') + "\"\n"));
+  const Outcome shape = run({"render", "long.pbrt"});
+  EXPECT_EQ(shape.status, 3);
+  EXPECT_TRUE(has(shape.err, "unknown Shape \"aaaa")) << shape.err.substr(0, 1000);
+}
+
+TEST_F(ProgramUsage, ShapesThatAreReadFromFilesAreAmongThoseThatThereAre) {
+  write("shape.pbrt", scene("", "Shape \"quakemap\"\n"));
+  const Outcome o = run({"render", "shape.pbrt"});
+  EXPECT_EQ(o.status, 3);
+  EXPECT_TRUE(has(o.err, "did you mean \"quake3map\"?")) << o.err;
+  EXPECT_TRUE(has(o.err, "\"mesh\"") && has(o.err, "\"md2\"") && has(o.err, "\"quake3map\"\n")) << o.err;
 }
 
 TEST_F(ProgramUsage, LightThatAnIntegratorCannotFindIsTold) {

@@ -3,7 +3,11 @@
  */
 #include "program.h"
 
-#include "recurse/core/image.h"
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include "recurse/core/image/image.h"
 
 using namespace programTesting;
 using recurse::readImage;
@@ -24,6 +28,48 @@ class Watch : public Program {
     return false;
   }
   static constexpr const char* WAITING = "waiting for a change";
+};
+
+/** The live page of a program under way. */
+class LivePage {
+ public:
+  /** `said` is what the program has said so far. */
+  explicit LivePage(const std::string& said) {
+    const std::string scheme = "http://";
+    const size_t at = said.find(scheme);
+    if (at == std::string::npos) return;
+    const std::string url =
+        said.substr(at + scheme.size(), said.find_first_of(" \n", at) - at - scheme.size());
+    host = url.substr(0, url.find('/'));
+    base = url.substr(url.find('/'));
+  }
+  /** The answer with its head; empty without one. */
+  std::string answer(const std::string& method, const std::string& path) const {
+    const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    address.sin_port = htons(static_cast<uint16_t>(std::atoi(host.c_str() + host.find(':') + 1)));
+    std::string out;
+    if (::connect(socket, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0) {
+      const std::string request = method + " " + base + path + " HTTP/1.1\r\nHost: " + host +
+                                  "\r\nConnection: close\r\nContent-Length: 0\r\n\r\n";
+      ::send(socket, request.data(), request.size(), MSG_NOSIGNAL);
+      char bytes[4096];
+      for (ssize_t n; (n = ::recv(socket, bytes, sizeof bytes, 0)) > 0;) out.append(bytes, size_t(n));
+    }
+    ::close(socket);
+    return out;
+  }
+  /** A number of its state; -1 without an answer. */
+  double state(const std::string& name) const {
+    const std::string text = answer("GET", "state"), key = "\"" + name + "\":";
+    const size_t at = text.find(key);
+    return at == std::string::npos ? -1 : std::atof(text.c_str() + at + key.size());
+  }
+
+ private:
+  std::string host, base;
 };
 
 } // namespace
@@ -64,12 +110,79 @@ TEST_F(Watch, EndsARenderThatIsUnderWay) {
   EXPECT_EQ(o.status, 0) << o.err;
 }
 
+TEST_F(Watch, ShowsAllRendersOnOneLivePage) {
+  const Outcome o = run({"render", "scene.pbrt", "--watch", "--live", "-o", "w.exr", "--integrator", "path"},
+                        [&](pid_t child) {
+                          EXPECT_TRUE(said(WAITING, 1));
+                          const LivePage page(contents(file(".stderr")));
+                          const double before = page.state("version");
+                          EXPECT_GT(before, 0);
+                          EXPECT_EQ(page.state("width"), 24);
+                          write("scene.pbrt", scene("", "Shape \"sphere\" \"float radius\" .2\n"));
+                          EXPECT_TRUE(said(WAITING, 2));
+                          EXPECT_GT(page.state("version"), before);
+                          write("scene.pbrt", "nonsense");
+                          EXPECT_TRUE(said(WAITING, 3));
+                          EXPECT_GT(page.state("version"), before); // the last picture stays
+                          ::kill(child, SIGINT);
+                        });
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(o.err.find("http://"), o.err.rfind("http://")) << o.err;
+}
+
+TEST_F(Watch, GoesOnWhenThePageStopsARender) {
+  const Outcome o = run({"render", "scene.pbrt", "--watch", "--live", "-o", "w.exr", "--integrator", "path",
+                         "--spp", "100000000"},
+                        [&](pid_t child) {
+                          EXPECT_TRUE(said("http://", 1));
+                          const LivePage page(contents(file(".stderr")));
+                          for (int i = 0; i < 3000 && !(page.state("version") > 0); ++i) sleepSeconds(0.02);
+                          EXPECT_TRUE(has(page.answer("POST", "stop"), "204"));
+                          EXPECT_TRUE(said(WAITING, 1));
+                          write("scene.pbrt", "nonsense");
+                          EXPECT_TRUE(said(WAITING, 2));
+                          ::kill(child, SIGINT);
+                        });
+  EXPECT_EQ(o.status, 0) << o.err;
+}
+
+TEST_F(Watch, RendersTheFramesOfAnAnimationAgain) {
+  const std::string moving = "Animate \"x\" \"float times\" [ 0 1 ] \"float values\" [ -.5 .5 ]\n" +
+                             scene("", "Translate $x .5 0\nShape \"sphere\" \"float radius\" .3\n");
+  write("scene.pbrt", moving);
+  const Outcome o =
+      run({"render", "scene.pbrt", "--watch", "--frames", "0:1", "-o", "f#.exr", "--integrator", "path"},
+          [&](pid_t child) {
+            EXPECT_TRUE(said(WAITING, 1));
+            const std::vector<float> first = readImage(file("f0.exr")).pixels,
+                                     second = readImage(file("f1.exr")).pixels;
+            EXPECT_EQ(readImage(file("f1.exr")).width, 24);
+            EXPECT_FALSE(first == second);
+            write("scene.pbrt", moving + "Translate 0 .5 0\nShape \"sphere\" \"float radius\" .2\n");
+            EXPECT_TRUE(said(WAITING, 2));
+            EXPECT_FALSE(readImage(file("f0.exr")).pixels == first);
+            EXPECT_FALSE(readImage(file("f1.exr")).pixels == second);
+            ::kill(child, SIGINT);
+          });
+  EXPECT_EQ(o.status, 0) << o.err;
+}
+
 TEST_F(Watch, RefusesWhatMakesNoSense) {
   for (const std::vector<std::string>& more :
-       {std::vector<std::string>{"--check"}, {"--live"}, {"--checkpoint", "c.rck"}}) {
+       {std::vector<std::string>{"--check"}, {"--send-scene"}, {"--checkpoint", "c.rck"}}) {
     std::vector<std::string> words = {"render", "scene.pbrt", "--watch", "-o", "w.exr"};
     words.insert(words.end(), more.begin(), more.end());
     EXPECT_EQ(run(words).status, 2) << more[0];
   }
   EXPECT_EQ(run({"render", "scene.pbrt", "--send-scene"}).status, 2);
+}
+
+TEST_F(Watch, ASignalEndsLoadingAtOnce) {
+  write("scene.pbrt", slowScene());
+  const Outcome o = run({"render", "scene.pbrt", "--watch", "-o", "w.exr"}, [](pid_t child) {
+    sleepSeconds(1);
+    ::kill(child, SIGINT);
+  });
+  EXPECT_EQ(o.status, 130) << o.err;
+  EXPECT_LT(o.seconds, 10);
 }

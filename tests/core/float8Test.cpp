@@ -2,7 +2,7 @@
  * Eight numbers at a time: both ways of the processor against plain arithmetic, and against each other, bit
  * by bit.
  */
-#include "recurse/core/float8.h"
+#include "recurse/core/math/float8.h"
 
 #include <array>
 #include <cstring>

@@ -14,10 +14,10 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "recurse/core/atomicFile.h"
-#include "recurse/core/error.h"
-#include "recurse/core/image.h"
-#include "recurse/core/memory.h"
+#include "recurse/core/image/image.h"
+#include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/error.h"
+#include "recurse/core/threads/memory.h"
 
 using namespace recurse;
 namespace fs = std::filesystem;

@@ -19,30 +19,64 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::set<std::string> INTERFACE_MODULES = {"core", "scene", "model", "transport", "report"};
+const std::set<std::string> INTERFACE_MODULES = {"core",      "scene",  "model", "pathclasses",
+                                                 "transport", "render", "report"};
 const std::set<std::string> PLUG_IN_FOLDERS = {"bsdfs",       "shapes",   "lights",   "media",
                                                "phases",      "cameras",  "textures", "filters",
                                                "integrators", "tonemaps", "importers"};
 
-/** What each module may include besides itself. */
+/** The modules that each module may include besides itself. */
 const std::map<std::string, std::set<std::string>> MAY_INCLUDE = [] {
   std::map<std::string, std::set<std::string>> m;
   m["core"] = {};
   m["scene"] = {"core"};
   m["model"] = {"core", "scene"};
-  m["transport"] = {"core", "scene", "model"};
-  m["plugins"] = {"core", "scene", "model", "transport"};
-  m["report"] = {"core", "scene", "model", "transport"};
-  m["apps"] = {"core", "scene", "model", "transport", "report"};
-  m["mpi"] = {"core", "transport", "model", "apps"};
-  for (const std::string& folder : PLUG_IN_FOLDERS) m[folder] = m["transport"];
-  m["integrators"].insert("transport");
+  m["pathclasses"] = {"core"};
+  m["transport"] = {"core", "scene", "model", "pathclasses"};
+  m["plugins"] = m["render"] = {"core", "scene", "model", "pathclasses", "transport"};
+  m["report"] = {"core", "scene", "model", "pathclasses", "transport", "render"};
+  m["apps"] = {"core", "scene", "model", "pathclasses", "transport", "render", "report"};
+  m["mpi"] = {"core", "model", "pathclasses", "transport", "render", "apps"};
+  m["python"] = {"core", "scene", "model", "pathclasses", "transport", "render", "report", "apps"};
+  for (const std::string& folder : PLUG_IN_FOLDERS) m[folder] = {"core", "scene", "model"};
+  m["integrators"] = {"core", "scene", "model", "pathclasses", "transport"};
   return m;
 }();
+
+/** The folders of transport that each of them may include besides itself. */
+const std::map<std::string, std::set<std::string>> TRANSPORT_MAY_INCLUDE = [] {
+  std::map<std::string, std::set<std::string>> m;
+  m["integrator"] = m["photonmap"] = m["guiding"] = {};
+  m["weights"] = m["paths"] = {"integrator"};
+  m["direct"] = {"integrator", "weights", "paths"};
+  m["media"] = {"integrator", "weights", "paths", "photonmap"};
+  m["emission"] = {"integrator", "weights", "paths", "direct", "photonmap", "media"};
+  m["forward"] = m["emission"];
+  m["forward"].insert("emission");
+  m["learning"] = m["direct"];
+  m["learning"].insert({"direct", "guiding"});
+  m["density"] = m["forward"];
+  m["density"].insert("forward");
+  return m;
+}();
+
+/** The same of integrators. */
+const std::map<std::string, std::set<std::string>> INTEGRATORS_MAY_INCLUDE = {
+    {"photonmap", {"path"}}, {"auto", {"path", "photonmap"}}};
+
+/** Modules whose private headers a module may include besides its own. */
+const std::map<std::string, std::set<std::string>> MAY_INCLUDE_PRIVATE = {{"integrators", {"transport"}},
+                                                                          {"render", {"transport"}},
+                                                                          {"apps", {"report", "transport"}},
+                                                                          {"mpi", {"apps", "render"}},
+                                                                          {"python", {"apps", "transport"}}};
+
+constexpr size_t MAX_FILES_IN_FOLDER = 16;
 
 /** A source file: where it is, and what it includes of the project. */
 struct SourceFile {
   std::string module;
+  std::string folder;       ///< below the module's; empty: none
   bool isInterface = false; ///< in include/recurse
   std::string text;
   std::vector<std::string> includes; ///< as paths from the root
@@ -80,6 +114,7 @@ class LayeringChecker {
       checkIncludes(path, file);
     }
     findCycles();
+    checkFolders();
     checkPlugInList();
     return complaints;
   }
@@ -98,6 +133,7 @@ class LayeringChecker {
       std::ifstream stream(entry.path());
       SourceFile file;
       file.module = std::distance(below.begin(), below.end()) > 1 ? below.begin()->string() : "";
+      if (std::distance(below.begin(), below.end()) > 2) file.folder = std::next(below.begin())->string();
       file.isInterface = folder != "src";
       file.text.assign(std::istreambuf_iterator<char>(stream), {});
       readIncludes(file);
@@ -123,11 +159,11 @@ class LayeringChecker {
     const size_t said = file.text.find("@file");
     if (!file.text.starts_with("/**") || said == std::string::npos || said > file.text.find("*/"))
       complain(path + " does not open with a comment /** @file ... */");
-    if (PLUG_IN_FOLDERS.contains(file.module) && path.ends_with(".h"))
-      complain(path + " is a header in a folder of plug-ins");
+    if (PLUG_IN_FOLDERS.contains(file.module) && file.folder.empty() && path.ends_with(".h"))
+      complain(path + " is a header in a folder of plug-ins: it belongs into a folder below");
     if (file.isInterface && path.ends_with(".cpp")) complain(path + " belongs into src");
     static const std::regex INTRINSIC(R"(\b_mm\d*_|\b__m(128|256|512)|mmintrin\.h)");
-    if (path != "include/recurse/core/float8.h" && std::regex_search(file.text, INTRINSIC))
+    if (path != "include/recurse/core/math/float8.h" && std::regex_search(file.text, INTRINSIC))
       complain(path + " knows the processor, which only float8.h may");
   }
 
@@ -140,33 +176,98 @@ class LayeringChecker {
         continue;
       }
       const SourceFile& other = included->second;
+      const bool isUpward = other.module != file.module && allowed != MAY_INCLUDE.end() &&
+                            !allowed->second.contains(other.module);
       if (file.isInterface && !other.isInterface)
         complain(path + " is an interface and includes " + name + ", which is not installed");
-      if (other.module != file.module && allowed != MAY_INCLUDE.end() &&
-          !allowed->second.contains(other.module))
+      else if (isUpward)
         complain(path + " includes " + name + ": " + file.module + " must not see " + other.module);
+      else if (!other.isInterface && !maySeePrivate(file, other))
+        complain(path + " includes " + name + ", which is private to " + folderOf(name));
+      checkFloors(path, file, name, other, "transport", TRANSPORT_MAY_INCLUDE);
+      checkFloors(path, file, name, other, "integrators", INTEGRATORS_MAY_INCLUDE);
     }
+  }
+
+  /** Of the folders of a module, what one may include of another. */
+  void checkFloors(const std::string& path, const SourceFile& file, const std::string& name,
+                   const SourceFile& other, const std::string& module,
+                   const std::map<std::string, std::set<std::string>>& mayInclude) {
+    if (file.module != module || other.module != module || file.folder == other.folder) return;
+    const auto allowed = mayInclude.find(file.folder);
+    if (allowed == mayInclude.end() || !allowed->second.contains(other.folder))
+      complain(path + " includes " + name + ": " + file.folder + " must not see " + other.folder);
+  }
+
+  static std::string folderOf(const std::string& path) {
+    return fs::path(path).parent_path().generic_string();
+  }
+
+  /** Whether the header `other` in src is open to the file. In a folder below one of plug-ins it is private
+   * to that folder, but if no plug-in lives there it is shared by all of the kind. */
+  bool maySeePrivate(const SourceFile& file, const SourceFile& other) const {
+    if (other.module != file.module) {
+      const auto more = MAY_INCLUDE_PRIVATE.find(file.module);
+      return file.module == "plugins" ||
+             (more != MAY_INCLUDE_PRIVATE.end() && more->second.contains(other.module));
+    }
+    if (!PLUG_IN_FOLDERS.contains(file.module) || file.folder == other.folder || file.module == "integrators")
+      return true;
+    for (const auto& [path, sibling] : files)
+      if (sibling.module == other.module && sibling.folder == other.folder &&
+          sibling.text.find("void register") != std::string::npos)
+        return false;
+    return true;
+  }
+
+  void checkFolders() {
+    std::map<std::string, size_t> counts;
+    for (const auto& [path, file] : files)
+      for (std::string folder = folderOf(path); folder != "src" && folder != "include/recurse";
+           folder = folderOf(folder))
+        counts[folder] += folder == folderOf(path) ? 1 : 0;
+    for (const auto& [folder, count] : counts) {
+      if (count > MAX_FILES_IN_FOLDER)
+        complain(folder + " has " + std::to_string(count) + " files, more than " +
+                 std::to_string(MAX_FILES_IN_FOLDER));
+      const bool isSource = folder.starts_with("src/");
+      const std::string inSource =
+          isSource ? folder : "src" + folder.substr(std::string("include/recurse").size());
+      if (!fs::exists(root / inSource / "README.md") && !fs::exists(root / folder / "README.md"))
+        complain(folder + " has no README.md");
+    }
+  }
+
+  /** A header and the source of the same name: its path without the root and the extension. */
+  static std::string unitOf(const std::string& path) {
+    const std::string root = path.starts_with("src/") ? "src/" : "include/recurse/";
+    return fs::path(path.substr(root.size())).replace_extension().generic_string();
   }
 
   void findCycles() {
+    std::map<std::string, std::set<std::string>> units;
+    for (const auto& [path, file] : files)
+      for (const std::string& name : file.includes)
+        if (files.contains(name) && unitOf(name) != unitOf(path)) units[unitOf(path)].insert(unitOf(name));
     std::map<std::string, int> state; // 1: on the way, 2: done
     std::vector<std::string> way;
-    for (const auto& [path, file] : files) visit(path, state, way);
+    for (const auto& [unit, others] : units) visit(unit, units, state, way);
   }
 
-  void visit(const std::string& path, std::map<std::string, int>& state, std::vector<std::string>& way) {
-    if (state[path] == 2) return;
-    if (state[path] == 1) {
+  void visit(const std::string& unit, const std::map<std::string, std::set<std::string>>& units,
+             std::map<std::string, int>& state, std::vector<std::string>& way) {
+    if (state[unit] == 2) return;
+    if (state[unit] == 1) {
       std::string circle;
-      for (auto i = std::find(way.begin(), way.end(), path); i != way.end(); ++i) circle += *i + " -> ";
-      return complain("includes go in a circle: " + circle + path);
+      for (auto i = std::find(way.begin(), way.end(), unit); i != way.end(); ++i) circle += *i + " -> ";
+      return complain("includes go in a circle: " + circle + unit);
     }
-    state[path] = 1;
-    way.push_back(path);
-    for (const std::string& name : files[path].includes)
-      if (files.contains(name)) visit(name, state, way);
+    state[unit] = 1;
+    way.push_back(unit);
+    if (const auto others = units.find(unit); others != units.end())
+      for (const std::string& other : others->second) visit(other, units, state, way);
     way.pop_back();
-    state[path] = 2;
+    state[unit] = 2;
   }
 
   /** All matches of the pattern's first group in the files that `wanted` accepts: what, and how often. */
@@ -212,14 +313,15 @@ class LayeringCheck : public testing::Test {
     fs::remove_all(root);
     write("include/recurse/core/a.h", "#include <vector>\n");
     write("include/recurse/model/m.h", "#include \"recurse/core/a.h\"\n");
-    write("include/recurse/transport/t.h", "#include \"recurse/model/m.h\"\n");
+    write("include/recurse/transport/integrator/t.h", "#include \"recurse/model/m.h\"\n");
     write("src/model/own.h", "#include \"recurse/model/m.h\"\n// #include \"recurse/report/r.h\"\n");
-    write("src/model/m.cpp", "#include \"model/own.h\"\n");
+    write("src/model/user.cpp", "#include \"model/own.h\"\n");
     write("src/bsdfs/b.cpp", "#include \"recurse/model/m.h\"\nvoid registerB(PlugIns& plugIns) {}\n");
-    write("src/integrators/i.cpp", "#include \"recurse/transport/t.h\"\nvoid registerI(PlugIns& p) {}\n");
+    write("src/integrators/i.cpp",
+          "#include \"recurse/transport/integrator/t.h\"\nvoid registerI(PlugIns& p) {}\n");
     write("src/plugins/list.h", "RECURSE_PLUG_IN(B)\nRECURSE_PLUG_IN(I)\n");
     write("src/plugins/plugIns.cpp", "#include \"plugins/list.h\"\n#include \"recurse/model/m.h\"\n");
-    write("src/apps/main.cpp", "#include <recurse/transport/t.h>\n");
+    write("src/apps/main.cpp", "#include <recurse/transport/integrator/t.h>\n");
   }
   ~LayeringCheck() override { fs::remove_all(root); }
 
@@ -229,6 +331,9 @@ class LayeringCheck : public testing::Test {
   void writeBare(const std::string& path, const std::string& text) {
     fs::create_directories((root / path).parent_path());
     std::ofstream(root / path) << text;
+    for (fs::path folder = fs::path(path).parent_path(); folder.has_parent_path();
+         folder = folder.parent_path())
+      std::ofstream(root / folder / "README.md") << "# A folder\n";
   }
   /** The one complaint; all of them in a line when there are more. */
   std::string complaint() const {
@@ -251,20 +356,22 @@ TEST(Layering, OfThisRepository) {
 TEST_F(LayeringCheck, AcceptsASoundTree) { EXPECT_EQ(complaint(), ""); }
 
 TEST_F(LayeringCheck, FindsAnUpwardInclude) {
-  write("src/core/a.cpp", "#include \"recurse/model/m.h\"\n");
-  EXPECT_EQ(complaint(), "src/core/a.cpp includes include/recurse/model/m.h: core must not see model");
+  write("src/core/up.cpp", "#include \"recurse/model/m.h\"\n");
+  EXPECT_EQ(complaint(), "src/core/up.cpp includes include/recurse/model/m.h: core must not see model");
 }
 
 TEST_F(LayeringCheck, FindsAnUpwardIncludeInAngleBracketsAndOddSpacing) {
-  write("src/scene/a.cpp", "  #  include   <recurse/transport/t.h>\n");
-  EXPECT_EQ(complaint(),
-            "src/scene/a.cpp includes include/recurse/transport/t.h: scene must not see transport");
+  write("src/scene/a.cpp", "  #  include   <recurse/transport/integrator/t.h>\n");
+  EXPECT_EQ(
+      complaint(),
+      "src/scene/a.cpp includes include/recurse/transport/integrator/t.h: scene must not see transport");
 }
 
 TEST_F(LayeringCheck, OnlyIntegratorsAmongThePlugInsSeeTransport) {
-  write("src/lights/l.cpp", "#include \"recurse/transport/t.h\"\n");
-  EXPECT_EQ(complaint(),
-            "src/lights/l.cpp includes include/recurse/transport/t.h: lights must not see transport");
+  write("src/lights/l.cpp", "#include \"recurse/transport/integrator/t.h\"\n");
+  EXPECT_EQ(
+      complaint(),
+      "src/lights/l.cpp includes include/recurse/transport/integrator/t.h: lights must not see transport");
 }
 
 TEST_F(LayeringCheck, NobodySeesTheApps) {
@@ -283,8 +390,14 @@ TEST_F(LayeringCheck, FindsCircles) {
   write("include/recurse/core/a.h", "#include \"recurse/core/b.h\"\n");
   write("include/recurse/core/b.h", "#include \"recurse/core/c.h\"\n");
   write("include/recurse/core/c.h", "#include \"recurse/core/b.h\"\n");
-  EXPECT_EQ(complaint(), "includes go in a circle: include/recurse/core/b.h -> include/recurse/core/c.h -> "
-                         "include/recurse/core/b.h");
+  EXPECT_EQ(complaint(), "includes go in a circle: core/b -> core/c -> core/b");
+}
+
+TEST_F(LayeringCheck, FindsCirclesOfHeadersAndTheirSources) {
+  write("include/recurse/core/b.h", "");
+  write("include/recurse/core/c.h", "#include \"recurse/core/b.h\"\n");
+  write("src/core/b.cpp", "#include \"recurse/core/b.h\"\n#include \"recurse/core/c.h\"\n");
+  EXPECT_EQ(complaint(), "includes go in a circle: core/b -> core/c -> core/b");
 }
 
 TEST_F(LayeringCheck, FindsAMissingHeader) {
@@ -309,7 +422,54 @@ TEST_F(LayeringCheck, FindsWhatKnowsTheProcessor) {
 
 TEST_F(LayeringCheck, FindsAHeaderAmongPlugIns) {
   write("src/shapes/quadric.h", "");
-  EXPECT_EQ(complaint(), "src/shapes/quadric.h is a header in a folder of plug-ins");
+  EXPECT_EQ(complaint(),
+            "src/shapes/quadric.h is a header in a folder of plug-ins: it belongs into a folder below");
+}
+
+TEST_F(LayeringCheck, APlugInsHeaderIsPrivateToItsFolder) {
+  write("src/bsdfs/coated/coat.h", "");
+  write("src/bsdfs/coated/coated.cpp", "#include \"bsdfs/coated/coat.h\"\nvoid registerC(PlugIns& p) {}\n");
+  write("src/plugins/list.h", "RECURSE_PLUG_IN(B)\nRECURSE_PLUG_IN(C)\nRECURSE_PLUG_IN(I)\n");
+  EXPECT_EQ(complaint(), "");
+  write("src/bsdfs/b.cpp", "#include \"bsdfs/coated/coat.h\"\nvoid registerB(PlugIns& plugIns) {}\n");
+  EXPECT_EQ(complaint(),
+            "src/bsdfs/b.cpp includes src/bsdfs/coated/coat.h, which is private to src/bsdfs/coated");
+}
+
+TEST_F(LayeringCheck, HeadersInAFolderWithoutPlugInsAreSharedByTheKind) {
+  write("src/bsdfs/microfacet/facets.h", "");
+  write("src/bsdfs/b.cpp", "#include \"bsdfs/microfacet/facets.h\"\nvoid registerB(PlugIns& plugIns) {}\n");
+  EXPECT_EQ(complaint(), "");
+}
+
+TEST_F(LayeringCheck, HeadersInSourceFoldersArePrivateToTheirModule) {
+  write("src/bsdfs/b.cpp", "#include \"model/own.h\"\nvoid registerB(PlugIns& plugIns) {}\n");
+  EXPECT_EQ(complaint(), "src/bsdfs/b.cpp includes src/model/own.h, which is private to src/model");
+}
+
+TEST_F(LayeringCheck, TransportHasFloorsOfItsOwn) {
+  write("src/transport/paths/walk.h", "#include \"transport/density/gather.h\"\n");
+  write("src/transport/density/gather.h", "");
+  EXPECT_EQ(complaint(),
+            "src/transport/paths/walk.h includes src/transport/density/gather.h: paths must not see density");
+}
+
+TEST_F(LayeringCheck, AnIntegratorIsReadWithoutThoseThatBuildOnIt) {
+  write("src/integrators/path/trace.h", "");
+  write("src/integrators/photonmap/photons.h", "#include \"integrators/path/trace.h\"\n");
+  EXPECT_EQ(complaint(), "");
+  write("src/integrators/path/trace.cpp", "#include \"integrators/photonmap/photons.h\"\n");
+  EXPECT_NE(complaint().find("src/integrators/path/trace.cpp includes src/integrators/photonmap/photons.h: "
+                             "path must not see photonmap"),
+            std::string::npos);
+}
+
+TEST_F(LayeringCheck, FindsACrowdedFolderAndOneThatDoesNotSayWhatItIsFor) {
+  for (int i = 0; i < 17; ++i) write("src/core/many/f" + std::to_string(i) + ".cpp", "");
+  EXPECT_EQ(complaint(), "src/core/many has 17 files, more than 16");
+  for (int i = 0; i < 2; ++i) fs::remove(root / ("src/core/many/f" + std::to_string(i) + ".cpp"));
+  fs::remove(root / "src/core/many/README.md");
+  EXPECT_EQ(complaint(), "src/core/many has no README.md");
 }
 
 TEST_F(LayeringCheck, FindsAFileInNoModule) {

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "recurse/core/longSum.h"
+#include "recurse/core/math/longSum.h"
 
 using recurse::LongSum;
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "recurse/core/rgb.h"
+#include "recurse/core/math/rgb.h"
 
 using namespace recurse;
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "recurse/core/sampler.h"
+#include "recurse/core/sampling/sampler.h"
 
 using namespace recurse;
 

@@ -11,8 +11,8 @@
 #include <assimp/scene.h>
 
 #include "fuzz/fuzzing.h"
-#include "model/assimpScene.h"
-#include "recurse/model/plugIns.h"
+#include "importers/assimp/assimpScene.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
  * libFuzzer target: any bytes at all as a Quake III map.
  */
 #include "fuzz/fuzzing.h"
-#include "model/quake3Bsp.h"
+#include "importers/quake3/quake3Bsp.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace recurse;

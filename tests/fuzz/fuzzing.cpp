@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "recurse/model/plugIns.h"
-#include "recurse/scene/loader.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/scene/directives/loader.h"
 
 namespace recurse {
 

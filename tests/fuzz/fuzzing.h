@@ -10,7 +10,7 @@
 #include <string>
 #include <unistd.h>
 
-#include "recurse/core/error.h"
+#include "recurse/core/io/error.h"
 
 namespace recurse {
 

@@ -7,9 +7,9 @@
 #include <cstdlib>
 
 #include "fuzz/nanoVdbFuzzing.h"
-#include "model/nanoVdb.h"
-#include "recurse/core/error.h"
-#include "recurse/core/memory.h"
+#include "media/nanovdb/nanoVdbFile.h"
+#include "recurse/core/io/error.h"
+#include "recurse/core/threads/memory.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
  * libFuzzer target: any bytes at all as an MD2 model.
  */
 #include "fuzz/fuzzing.h"
-#include "model/md2Model.h"
+#include "importers/md2/md2Model.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace recurse;

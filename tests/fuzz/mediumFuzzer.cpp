@@ -9,10 +9,10 @@
 
 #include "fuzz/fuzzing.h"
 #include "fuzz/nanoVdbFuzzing.h"
-#include "recurse/core/memory.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/sceneImport.h"
-#include "recurse/scene/loader.h"
+#include "recurse/core/threads/memory.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/scene/sceneImport.h"
+#include "recurse/scene/directives/loader.h"
 
 namespace {
 

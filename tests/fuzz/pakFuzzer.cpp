@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "fuzz/fuzzing.h"
-#include "recurse/core/zipArchive.h"
+#include "recurse/core/io/zipArchive.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace recurse;

@@ -1,7 +1,7 @@
 /** @file
  * libFuzzer target: any bytes at all as a PCX picture.
  */
-#include "core/pcx.h"
+#include "core/image/pcx.h"
 #include "fuzz/fuzzing.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

@@ -2,7 +2,7 @@
  * libFuzzer target: any bytes at all as a PLY mesh.
  */
 #include "fuzz/fuzzing.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/model/scene/plugIns.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace recurse;

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <string>
 
-#include "recurse/scene/loader.h"
+#include "recurse/scene/directives/loader.h"
 
 namespace recurse {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fuzz/fuzzing.h"
-#include "model/gameShader.h"
+#include "importers/quake3/gameShader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace recurse;

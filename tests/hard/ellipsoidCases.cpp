@@ -6,7 +6,7 @@
 
 #include <random>
 
-#include "recurse/core/sampling.h"
+#include "recurse/core/sampling/sampling.h"
 
 namespace recurse::hard {
 

@@ -79,7 +79,8 @@ std::vector<Method> otherMethods() {
 std::vector<Way> allWays(double photons, const std::string& more) {
   std::vector<Way> ways;
   forIntegrators([&](const auto& entry, const Integrator& integrator) {
-    if (isOtherMethod(integrator)) return;
+    // With one map there is nothing to choose.
+    if (isOtherMethod(integrator) || !integrator.choices().empty()) return;
     const auto parameter = [&](const char* name) -> const ParameterSpec* {
       for (const ParameterSpec& p : entry.parameters)
         if (p.name == name && !p.ignored) return &p;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
 #include "sceneRendering.h"
 
 namespace recurse::hard {

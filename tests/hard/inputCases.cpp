@@ -9,11 +9,12 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <regex>
 
 #include <unistd.h>
 
-#include "recurse/core/parallel.h"
-#include "recurse/scene/loader.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/scene/directives/loader.h"
 
 namespace recurse::hard {
 
@@ -190,6 +191,14 @@ template <class F> void forEachNumber(const F& f) {
   registry(all.integrators);
 }
 
+/** Whether a message quotes the name of one of the parameters in a scene's text. */
+bool namesParameter(const std::string& message, const std::string& parameters) {
+  static const std::regex NAME("\"\\w+ (\\w+)\"");
+  for (std::sregex_iterator it(parameters.begin(), parameters.end(), NAME), end; it != end; ++it)
+    if (message.find('"' + (*it)[1].str() + '"') != std::string::npos) return true;
+  return false;
+}
+
 /** What the reader and the builder say, and then the picture: empty when all is well. */
 std::string outcome(const std::string& text, const std::vector<Way>& ways, bool& refused) {
   Diagnostics diagnostics;
@@ -216,6 +225,10 @@ std::string outcome(const std::string& text, const std::vector<Way>& ways, bool&
       if (const std::string problem = r.unsound(); !problem.empty()) return way.label + ": " + problem;
     } catch (const SceneError&) {
       refused = true; // by the integrator
+    } catch (const Error& e) {
+      // What depends on the scene is refused when the integrator prepares for it.
+      if (!namesParameter(e.what(), way.parameters)) throw;
+      refused = true;
     }
   return {};
 }

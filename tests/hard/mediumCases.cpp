@@ -5,7 +5,7 @@
 #include "hardCase.h"
 
 #include "model/nanoVdbTesting.h"
-#include "recurse/scene/loader.h"
+#include "recurse/scene/directives/loader.h"
 
 namespace recurse::hard {
 

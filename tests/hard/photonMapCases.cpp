@@ -4,8 +4,8 @@
  */
 #include "hardCase.h"
 
-#include "recurse/core/parallel.h"
-#include "recurse/transport/gather.h"
+#include "recurse/core/threads/parallel.h"
+#include "transport/density/gather.h"
 
 namespace recurse::hard {
 

@@ -4,11 +4,11 @@
  */
 #include <fstream>
 
+#include "bsdfs/measured/adaptiveBrdf.h"
+#include "bsdfs/measured/tensorFile.h"
 #include "model/adaptiveBrdfTesting.h"
 #include "model/bsdfTesting.h"
-#include "recurse/core/tensorFile.h"
-#include "recurse/model/adaptiveBrdf.h"
-#include "recurse/scene/spectrum.h"
+#include "recurse/scene/parameters/spectrum.h"
 
 using namespace recurse;
 using namespace recurse::testing;

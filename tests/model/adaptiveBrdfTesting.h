@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "recurse/core/parametricWarp.h"
-#include "recurse/model/microfacet.h"
+#include "bsdfs/measured/parametricWarp.h"
+#include "bsdfs/microfacet/microfacet.h"
 
 namespace recurse::testing {
 

@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "model/bsdfTesting.h"
-#include "recurse/core/parallel.h"
-#include "recurse/core/sampling.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/core/threads/parallel.h"
 #include "sanitized.h"
 
 using namespace recurse;

@@ -8,9 +8,9 @@
 
 #include <random>
 
-#include "recurse/core/sampling.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/scatteringPoint.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/bsdf/scatteringPoint.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 

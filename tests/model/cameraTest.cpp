@@ -3,9 +3,9 @@
  */
 #include <gtest/gtest.h>
 
-#include "recurse/core/sampler.h"
-#include "recurse/model/film.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/model/film/film.h"
+#include "recurse/model/scene/plugIns.h"
 
 using namespace recurse;
 

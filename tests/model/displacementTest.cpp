@@ -2,9 +2,10 @@
  * Displaced meshes: how finely they are divided, where they come to lie, and that they stay closed.
  */
 #include "model/importTesting.h"
+#include "model/mesh/viewDicing.h"
 #include "model/shapeTesting.h"
-#include "model/viewDicing.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/threads/memory.h"
+#include "recurse/model/scene/plugIns.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -184,4 +185,27 @@ TEST(Displacement, SaysWhatIsWrong) {
   EXPECT_NE(messages.find("nothing is displaced"), std::string::npos) << messages;
   EXPECT_FALSE(sceneOf(sceneText("", SQUARE), &messages));
   EXPECT_NE(messages.find("height"), std::string::npos) << messages;
+}
+
+TEST(Displacement, MemoryIsForetoldAtTheShape) {
+  std::string polygon = "\"integer levels\" 8 \"integer corners\" [1000] \"point3 P\" [", indices;
+  for (int i = 0; i < 1000; ++i) {
+    const double angle = 2 * M_PI * i / 1000;
+    polygon += std::to_string(std::cos(angle)) + " " + std::to_string(std::sin(angle)) + " 0 ";
+    indices += std::to_string(i) + " ";
+  }
+  setMemoryLimit(8e9);
+  for (const std::string& shape :
+       {"\"catmullclark\" " + polygon + "] \"integer indices\" [" + indices + "]",
+        std::string("\"loopsubdiv\" \"integer levels\" 12 \"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1] "
+                    "\"integer indices\" [0 1 2 0 2 3]"),
+        std::string("\"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] "
+                    "\"float displacement\" .1 \"float edgelength\" 1e-9")}) {
+    std::string messages;
+    EXPECT_FALSE(sceneOf(sceneText("", "Shape " + shape), &messages));
+    EXPECT_EQ(messages.find("test.pbrt:4:"), 0u) << messages;
+    EXPECT_NE(messages.find(" needs about "), std::string::npos) << messages;
+    EXPECT_NE(messages.find("(--memory)"), std::string::npos) << messages;
+  }
+  setMemoryLimit(INFINITY);
 }

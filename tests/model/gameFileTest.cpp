@@ -6,16 +6,16 @@
 #include <functional>
 #include <random>
 
-#include "core/pcx.h"
+#include "core/image/pcx.h"
+#include "importers/md2/md2Model.h"
+#include "importers/quake3/gameShader.h"
+#include "importers/quake3/quake3Bsp.h"
 #include "model/gameFileTesting.h"
-#include "model/gameShader.h"
 #include "model/importTesting.h"
-#include "model/md2Model.h"
-#include "model/quake3Bsp.h"
-#include "recurse/core/image.h"
-#include "recurse/core/zipArchive.h"
-#include "recurse/model/keptParts.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/image/image.h"
+#include "recurse/core/io/zipArchive.h"
+#include "recurse/model/scene/keptParts.h"
+#include "recurse/model/scene/plugIns.h"
 #include "sanitized.h"
 
 using namespace recurse;
@@ -178,6 +178,61 @@ TEST_F(GameFile, QuakeMapHasItsSurfacesPicturesAndUnits) {
   EXPECT_NEAR(hit.point.geometricNormal.z, 1, 1e-6);
   EXPECT_GT(albedo(*built, {0.2, 0.5, 1}).r, 0.5f); // s along x
   EXPECT_GT(albedo(*built, {1.8, 0.5, 1}).b, 0.5f);
+}
+
+TEST_F(GameFile, LaterArchivesWinAndMapsMayBeLoose) {
+  BspWriter map;
+  map.shader("textures/Wall");
+  map.square(0, 0);
+  const std::string red = pngFile(directory + "/x.png", {0.8f, 0, 0}, {0.8f, 0, 0}),
+                    blue = pngFile(directory + "/x.png", {0, 0, 0.8f}, {0, 0, 0.8f});
+  write("a.pk3", zipFile({{"maps/one.bsp", map.file()}, {"textures/wall.png", red}}));
+  write("b.pk3", zipFile({{"TEXTURES/WALL.png", blue}}));
+  std::filesystem::create_directories(directory + "/maps");
+  std::filesystem::create_directories(directory + "/textures");
+  write("maps/Two.bsp", map.file());
+  const auto colour = [&](const std::string& paks) {
+    const SceneDescription scene = load("Shape \"quake3map\" \"string pak\" [ " + paks + " ]");
+    EXPECT_EQ(messages, "") << paks;
+    const std::unique_ptr<Scene> built = build(scene);
+    return built ? albedo(*built, {1, 0.5, 1}) : BLACK;
+  };
+  EXPECT_GT(colour("\"a.pk3\" \"b.pk3\"").b, 0.5f);
+  EXPECT_GT(colour("\"b.pk3\" \"a.pk3\"").r, 0.5f);
+  EXPECT_GT(colour("\"a.pk3\" \"maps/Two.bsp\"").r, 0.5f);
+  write("textures/WALL.png", blue); // beside the folder of the map
+  EXPECT_GT(colour("\"a.pk3\" \"maps/Two.bsp\"").b, 0.5f);
+  EXPECT_GT(colour("\"maps/Two.bsp\" \"a.pk3\"").r, 0.5f);
+  load("Shape \"quake3map\" \"string pak\" [ \"a.pk3\" \"gone.pk3\" ]", true);
+  EXPECT_NE(messages.find("there is no file \"gone.pk3\""), std::string::npos) << messages;
+}
+
+TEST_F(GameFile, QuakeFacesMayShareTheirIndices) {
+  BspWriter map;
+  map.shader("textures/wall");
+  map.square(0, 0);
+  for (int i = 1; i < 100; ++i) { // as q3map2 writes them
+    const int32_t firstVertex = map.vertexCount;
+    for (const Vec2f& c : {Vec2f(0, 0), Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0)})
+      map.vertex({80 * c.x, 80 * c.y, float(i)}, c, {0, 0, 1});
+    map.face(0, 1, firstVertex, 0);
+  }
+  const Quake3Bsp bsp = readQuake3Bsp("m.bsp", map.file());
+  ASSERT_EQ(bsp.faces.size(), 100u);
+  EXPECT_EQ(bsp.faces.back().triangles.size(), 2u);
+}
+
+TEST_F(GameFile, MissingPicturesAreOneWarning) {
+  BspWriter map;
+  for (int i = 0; i < 8; ++i) {
+    map.shader("textures/wall" + std::to_string(i));
+    map.square(i, float(i));
+  }
+  write("m.pk3", zipFile({{"maps/one.bsp", map.file()}}));
+  load("Shape \"quake3map\" \"string pak\" \"m.pk3\"");
+  EXPECT_NE(messages.find("there are no pictures for 8 textures: \"textures/wall0\", "), std::string::npos)
+      << messages;
+  EXPECT_EQ(messages.find("warning"), messages.rfind("warning")) << messages;
 }
 
 TEST_F(GameFile, QuakePatchIsCurved) {

@@ -8,7 +8,7 @@
 #include <string>
 #include <zlib.h>
 
-#include "recurse/core/vector.h"
+#include "recurse/core/math/vector.h"
 
 namespace recurse::testing {
 

@@ -6,10 +6,13 @@
 #include <random>
 
 #include "model/textureTesting.h"
-#include "recurse/core/imageTexture.h"
-#include "recurse/core/parallel.h"
-#include "recurse/model/scene.h"
-#include "recurse/scene/loader.h"
+#include "recurse/core/image/image.h"
+#include "recurse/core/image/imageTexture.h"
+#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/model/scene/scene.h"
+#include "recurse/scene/directives/loader.h"
+#include "sanitized.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -30,14 +33,16 @@ Rgb noisy(int x, int y) {
   return {one(1), one(2), one(3)};
 }
 
-std::string complaintOf(const std::string& scene) {
+/** What is told while a scene is built, whether it can be or not. */
+std::string toldOf(const std::string& scene, bool isBuilt) {
   Diagnostics diagnostics;
   const SceneDescription d =
       parseScene("Camera \"perspective\"\nWorldBegin\n" + scene, "test.pbrt", ".", diagnostics);
   EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
-  EXPECT_FALSE(buildScene(d, {}, diagnostics));
+  EXPECT_EQ(buildScene(d, {}, diagnostics) != nullptr, isBuilt);
   return diagnostics.format();
 }
+std::string complaintOf(const std::string& scene) { return toldOf(scene, false); }
 void expectPart(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << "wanted: " << part << "\nin: " << text;
 }
@@ -253,4 +258,80 @@ TEST(ImageMap, TexturesThatNameEachOther) {
   expectPart(complaintOf("Texture \"a\" \"spectrum\" \"constant\"\nMaterial \"diffuse\" \"texture "
                          "displacement\" \"a\"\nShape \"sphere\""),
              "no float texture \"a\"");
+}
+
+TEST(ImageMap, TexturesAndMaterialsOfTooManyLevelsOrPartsAreRefused) {
+  const auto chain = [](int count, const auto& link) {
+    std::string text;
+    for (int i = 1; i <= count; ++i)
+      text += link("\"t" + std::to_string(i) + "\"", "\"t" + std::to_string(i - 1) + "\"");
+    return text;
+  };
+  const std::string first = "Texture \"t0\" \"spectrum\" \"constant\"\n";
+  const auto deep = [&](int levels) {
+    return first +
+           chain(levels,
+                 [](const std::string& name, const std::string& part) {
+                   return "Texture " + name + " \"spectrum\" \"scale\" \"texture tex\" " + part + "\n";
+                 }) +
+           "Material \"diffuse\" \"texture reflectance\" \"t" + std::to_string(levels) +
+           "\"\nShape \"sphere\"";
+  };
+  EXPECT_EQ(toldOf(deep(255), true), "");
+  expectPart(complaintOf(deep(20000)), "at more than 256 levels");
+  const auto doubled = [&](int times) {
+    return first +
+           chain(times,
+                 [](const std::string& name, const std::string& part) {
+                   return "Texture " + name + " \"spectrum\" \"mix\" \"texture tex1\" " + part +
+                          " \"texture tex2\" " + part + "\n";
+                 }) +
+           "Material \"diffuse\" \"texture reflectance\" \"t" + std::to_string(times) +
+           "\"\nShape \"sphere\"";
+  };
+  EXPECT_EQ(toldOf(doubled(10), true), "");
+  expectPart(complaintOf(doubled(40)), "more than 100000 textures");
+  const auto mixed = [&](int levels) {
+    return "MakeNamedMaterial \"t0\" \"string type\" \"diffuse\"\n" +
+           chain(levels,
+                 [](const std::string& name, const std::string& part) {
+                   return "MakeNamedMaterial " + name + " \"string type\" \"mix\" \"string materials\" [ " +
+                          part + " \"t0\" ]\n";
+                 }) +
+           "NamedMaterial \"t" + std::to_string(levels) + "\"\nShape \"sphere\"";
+  };
+  const std::string base = "MakeNamedMaterial \"t0\" \"string type\" \"diffuse\"\n";
+  expectPart(complaintOf(base +
+                         chain(40,
+                               [](const std::string& name, const std::string& part) {
+                                 return "MakeNamedMaterial " + name +
+                                        " \"string type\" \"mix\" \"string materials\" [ " + part + " " +
+                                        part + " ]\n";
+                               }) +
+                         "NamedMaterial \"t40\"\nShape \"sphere\""),
+             "more than 100000 materials");
+  EXPECT_EQ(toldOf(mixed(255), true), "");
+  expectPart(complaintOf(mixed(20000)), "at more than 256 levels");
+}
+
+TEST(ImageMap, PicturesThatRunOutOfMemoryAreNamed) {
+  if (SANITIZED) GTEST_SKIP() << "sanitizers end a program that runs out of memory";
+  const Folder folder;
+  const std::string file = folder.picture("huge.exr", 16, 3, noisy);
+  std::ifstream in(file, std::ios::binary);
+  std::string bytes(std::istreambuf_iterator<char>(in), {});
+  // The last column of the data window: 8 million, of 3 rows.
+  const std::string before("dataWindow\0box2i\0\x10\0\0\0", 21);
+  const size_t at = bytes.find(before);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + before.size() + 8, 4, std::string("\0\0\x80\0", 4));
+  std::ofstream(file, std::ios::binary) << bytes;
+  const MemoryCap cap(0.5e9);
+  const std::string said =
+      complaintOf("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"" + file +
+                  "\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n"
+                  "Shape \"sphere\"");
+  expectPart(said, "test.pbrt:3:");
+  expectPart(said, "huge.exr: cannot be read: it takes more memory than there is");
+  EXPECT_THROW(readImage(file), Error);
 }

@@ -8,10 +8,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "recurse/model/scatteringPoint.h"
-#include "recurse/model/scene.h"
-#include "recurse/model/sceneImport.h"
-#include "recurse/scene/loader.h"
+#include "recurse/model/bsdf/scatteringPoint.h"
+#include "recurse/model/scene/importExpansion.h"
+#include "recurse/model/scene/scene.h"
+#include "recurse/model/scene/sceneImport.h"
+#include "recurse/scene/directives/loader.h"
 
 namespace recurse::testing {
 

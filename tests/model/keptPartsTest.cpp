@@ -3,10 +3,10 @@
  */
 #include <gtest/gtest.h>
 
-#include "recurse/core/sampler.h"
-#include "recurse/model/keptParts.h"
-#include "recurse/model/scene.h"
-#include "recurse/scene/loader.h"
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/model/scene/keptParts.h"
+#include "recurse/model/scene/scene.h"
+#include "recurse/scene/directives/loader.h"
 
 using namespace recurse;
 

@@ -1,12 +1,14 @@
 /** @file
  * Lens systems against the matrices of rays near the axis.
  */
+#include <cstdio>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
-#include "recurse/core/sampler.h"
-#include "recurse/model/lensSystem.h"
-#include "recurse/model/plugIns.h"
+#include "cameras/realistic/lensSystem.h"
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/model/scene/plugIns.h"
 
 using namespace recurse;
 
@@ -116,6 +118,25 @@ TEST(RealisticCamera, EvenLightFillsTheExitPupil) {
   EXPECT_GT(corner, 0.1 * middle);
   EXPECT_LT(corner, 0.9 * middle);
   EXPECT_NEAR(irradiance({60.5f, 40.5f}), corner, 0.02 * middle);
+}
+
+TEST(RealisticCamera, AWrongSurfaceIsToldByItsOwnLine) {
+  const std::string name = ::testing::TempDir() + "lens" + std::to_string(::getpid()) + ".dat";
+  const auto says = [&](const std::string& text) {
+    std::ofstream(name) << text;
+    CameraContext context;
+    context.width = context.height = 10;
+    Diagnostics diagnostics;
+    plugIns().cameras.make(parseParameterText("realistic", "\"string lensfile\" \"" + name + "\""), context,
+                           diagnostics);
+    std::remove(name.c_str());
+    return diagnostics.format();
+  };
+  // Three numbers: the diameter is taken from the line below.
+  const std::string shortLine = says("20 3 1.5\n-20 1 0 5\n");
+  EXPECT_NE(shortLine.find("line 1: a lens without a diameter"), std::string::npos) << shortLine;
+  const std::string end = says("# a comment\n20 3 1.5 5\n-20 1 0\n");
+  EXPECT_NE(end.find("line 3: the last surface is cut off"), std::string::npos) << end;
 }
 
 TEST(RealisticCamera, PicturesAreUpright) {

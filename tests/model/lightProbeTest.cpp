@@ -12,11 +12,11 @@
 
 #include <unistd.h>
 
-#include "recurse/core/sampling.h"
-#include "recurse/model/environmentMap.h"
-#include "recurse/model/iesProfile.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/portal.h"
+#include "lights/environment/portal.h"
+#include "lights/maps/environmentMap.h"
+#include "lights/pattern/iesProfile.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
 
 using namespace recurse;
 

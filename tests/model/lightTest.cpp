@@ -4,8 +4,8 @@
  */
 #include <gtest/gtest.h>
 
-#include "recurse/core/sampling.h"
-#include "recurse/model/plugIns.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
 
 using namespace recurse;
 
@@ -296,4 +296,18 @@ TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
         << light.text;
     EXPECT_LT(photons.error(), 0.1 * photons.value()) << light.text; // it has seen something
   }
+}
+
+TEST(Lights, PowerOfAShapeWithoutAreaIsRefusedForThatReason) {
+  Diagnostics diagnostics;
+  const auto line = plugIns().shapes.make(
+      parseParameterText("trianglemesh", "\"integer indices\" [0 1 2] \"point3 P\" [0 0 0  1 1 1  2 2 2]"),
+      ShapeContext{Mat4d(1)}, diagnostics);
+  ASSERT_TRUE(line) << diagnostics.format();
+  const auto make = [&](const char* parameters) {
+    return plugIns().areaLights.make(parseParameterText("diffuse", parameters), {*line}, diagnostics);
+  };
+  EXPECT_TRUE(make("\"rgb L\" [1 1 1]"));
+  EXPECT_FALSE(make("\"float power\" 10"));
+  EXPECT_NE(diagnostics.format().find("no area"), std::string::npos) << diagnostics.format();
 }

@@ -9,7 +9,8 @@
 #include <unistd.h>
 
 #include "model/importTesting.h"
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
+#include "sanitized.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -265,4 +266,34 @@ TEST_F(MeshFile, FaultsOfAssimpAreErrorsThatNameTheFile) {
         std::_Exit(3);
       },
       ::testing::ExitedWithCode(3), "m.dae: cannot be used");
+}
+
+TEST_F(MeshFile, ErrorsInsideOfOneNameItAndItsDirective) {
+  write("huge.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n");
+  const SceneDescription scene = load("Shape \"mesh\" \"string filename\" \"huge.obj\"");
+  Diagnostics diagnostics;
+  EXPECT_FALSE(buildScene(scene, {}, diagnostics));
+  const std::string said = diagnostics.format();
+  EXPECT_EQ(said.find("test.pbrt:2:7: error: the shape is too large"), 0u) << said;
+  EXPECT_NE(said.find("\"huge.obj\""), std::string::npos) << said;
+  for (const auto& [name, content] : *scene.shapes.at(0).shape.files)
+    EXPECT_TRUE(name.starts_with("huge.obj/")) << name;
+}
+
+TEST_F(MeshFile, MemoryBeyondItsSizeIsRefused) {
+  if (SANITIZED) GTEST_SKIP() << "sanitizers end a program that runs out of memory";
+  // A word among the indices of a COLLADA file, and a stride that is none.
+  write("m.dae", R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"
+version="1.4.1"><asset><up_axis>Y_UP</up_axis></asset><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="12">-1 -1 0 1 -1 0 1 1 0 -1 1 0</float_array><technique_common>
+<accessor source="#pa" count="4" stride="-1e308"><param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="2">
+<input semantic="VERTEX" source="#v" offset="0"/><p>0 inf 2 0 2 3</p></triangles></mesh></geometry>
+</library_geometries><library_visual_scenes><visual_scene id="vs"><node id="n"><instance_geometry url="#g"/>
+</node></visual_scene></library_visual_scenes><scene><instance_visual_scene url="#vs"/></scene></COLLADA>)");
+  load("Shape \"mesh\" \"string filename\" \"m.dae\"", true);
+  EXPECT_NE(messages.find("m.dae: cannot be used: it takes more memory than a file of its size should"),
+            std::string::npos)
+      << messages;
 }

@@ -1,6 +1,8 @@
 /** @file
  * Metaballs against interval arithmetic.
  */
+#include <ctime>
+
 #include "model/shapeTesting.h"
 
 using namespace recurse;
@@ -171,4 +173,31 @@ TEST(Metaballs, RaysFindTheNearestInAnyCloud) {
     EXPECT_NEAR(double(hit->t), found[0].t, 1e-6);
   }
   EXPECT_GT(met, 1000);
+}
+
+TEST(Metaballs, TimeGrowsNoFasterThanTheirNumber) {
+  // Rays through clouds in which each ball reaches over half of the others.
+  const auto secondsFor = [](int count) {
+    Random random(34);
+    std::ostringstream text;
+    text << "\"point3 P\" [";
+    for (int i = 0; i < count; ++i) {
+      const Vec3d p = random.direction() * std::cbrt(random.uniform());
+      text << p.x << " " << p.y << " " << p.z << " ";
+    }
+    const auto shape = make("metaballs", text.str() + "]");
+    const auto now = [] {
+      timespec t{};
+      ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+      return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+    };
+    const double start = now();
+    for (int i = 0; i < 20; ++i) {
+      const Vec3d to = random.direction() * 0.5, d = random.direction();
+      EXPECT_TRUE(shape->intersect(0, Vec3f(to - 3.0 * d), Vec3f(d), 0, INFINITE));
+    }
+    return now() - start;
+  };
+  secondsFor(250); // the first has to read the program
+  EXPECT_LT(secondsFor(8000) / secondsFor(250), 32 * 4);
 }

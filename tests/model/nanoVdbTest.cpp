@@ -22,9 +22,9 @@
 #include <fstream>
 #include <random>
 
-#include "model/nanoVdb.h"
-#include "recurse/core/error.h"
-#include "recurse/model/sceneImport.h"
+#include "media/nanovdb/nanoVdbFile.h"
+#include "recurse/core/io/error.h"
+#include "recurse/model/scene/sceneImport.h"
 #include "sanitized.h"
 
 using namespace recurse;

@@ -13,7 +13,7 @@
 
 #include <unistd.h>
 
-#include "recurse/core/vector.h"
+#include "recurse/core/math/vector.h"
 
 namespace recurse::testing {
 

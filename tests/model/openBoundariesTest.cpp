@@ -3,8 +3,8 @@
  */
 #include <gtest/gtest.h>
 
-#include "recurse/model/scene.h"
-#include "recurse/scene/loader.h"
+#include "recurse/model/scene/scene.h"
+#include "recurse/scene/directives/loader.h"
 
 using namespace recurse;
 

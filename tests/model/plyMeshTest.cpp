@@ -10,8 +10,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "recurse/model/plugIns.h"
-#include "recurse/model/triangleMesh.h"
+#include "recurse/model/mesh/triangleMesh.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
 void registerPlyMesh(PlugIns&);

@@ -5,9 +5,9 @@
 #include <array>
 #include <functional>
 
-#include "model/embree.h"
+#include "model/embree/embree.h"
 #include "model/shapeTesting.h"
-#include "recurse/core/parallel.h"
+#include "recurse/core/threads/parallel.h"
 #include "sanitized.h"
 
 using namespace recurse;
@@ -161,7 +161,7 @@ TEST(Shape, FacesCoverTheSurfaceOnce) {
   EXPECT_GT(shapesWithFaces, 30);
 }
 
-TEST(Shape, SamplesByAreaFollowTheirDensity) {
+TEST(ShapeDensity, SamplesByAreaFollowTheirDensity) {
   Random random(4);
   for (const Specimen& s : sampledSpecimens()) {
     // Integrals over the surface of 1 and of the squares of coordinates: by lines, and by samples.
@@ -246,7 +246,7 @@ static Vec3f placeAway(Random& random, const Specimen& s, double distance) {
   }
 }
 
-TEST(Shape, SamplesByDirectionFollowTheirDensity) {
+TEST(ShapeDensity, SamplesByDirectionFollowTheirDensity) {
   Random random(6);
   for (const Specimen& s : sampledSpecimens()) {
     for (const double distance : {0.2, 1.2, 4.0}) {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <random>
 
-#include "recurse/model/curveShape.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/triangleMesh.h"
+#include "recurse/model/mesh/triangleMesh.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/shape/curveShape.h"
 
 namespace recurse::testing {
 

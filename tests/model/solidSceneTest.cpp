@@ -2,8 +2,8 @@
  * Solids and curves in whole scenes: materials of operands, instances, errors with their places.
  */
 #include "model/shapeTesting.h"
-#include "recurse/model/scene.h"
-#include "recurse/scene/loader.h"
+#include "recurse/model/scene/scene.h"
+#include "recurse/scene/directives/loader.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -34,6 +34,17 @@ constexpr const char* OBJECTS = "ObjectBegin \"block\"\nMaterial \"diffuse\" \"r
                                 "Shape \"box\"\nObjectEnd\n"
                                 "ObjectBegin \"ball\"\nMaterial \"dielectric\"\n"
                                 "Shape \"sphere\" \"float radius\" 1.2\nObjectEnd\n";
+
+/** Objects "c0", a sphere, to "c(levels)", each the union of two of the one before; then the last of them. */
+std::string towerOfSolids(int levels, const std::string& other = {}) {
+  std::string text = "ObjectBegin \"c0\"\nShape \"sphere\"\nObjectEnd\n";
+  for (int i = 1; i <= levels; ++i) {
+    const std::string below = "\"c" + std::to_string(i - 1) + "\"";
+    text += "ObjectBegin \"c" + std::to_string(i) + "\"\nShape \"csg\" \"string operands\" [" + below + " " +
+            (other.empty() ? below : other) + "]\nObjectEnd\n";
+  }
+  return text + "ObjectInstance \"c" + std::to_string(levels) + "\"\n";
+}
 
 Hit hitAlong(const Scene& scene, const Vec3f& origin, const Vec3f& direction) {
   Hit hit;
@@ -133,4 +144,21 @@ TEST(SolidScene, CurvesAreAsWideAsTheySay) {
   ASSERT_TRUE(ribbon.scene) << ribbon.messages;
   EXPECT_NEAR(width(*ribbon.scene, .75f, down), .175, 2e-3);
   EXPECT_NEAR(width(*ribbon.scene, .75f, tilted, true), .175 * std::sqrt(.5), 2e-3);
+}
+
+TEST(SolidScene, TooManySolidsAreRefusedWithTheirPlace) {
+  const std::string said = errorsOf(towerOfSolids(40));
+  EXPECT_NE(said.find("test.pbrt:124:13: error: too many solids are put together: more than 1000000"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(said.find("^"), std::string::npos);
+  EXPECT_TRUE(load(towerOfSolids(8)).scene);
+}
+
+TEST(SolidScene, TooManyLevelsOfSolidsAreRefusedWithTheirPlace) {
+  const std::string said = errorsOf(OBJECTS + towerOfSolids(5000, "\"ball\""));
+  EXPECT_NE(said.find("error: solids are made of solids at more than 256 levels"), std::string::npos) << said;
+  const Loaded deepest = load(OBJECTS + towerOfSolids(256, "\"ball\""));
+  ASSERT_TRUE(deepest.scene) << deepest.messages;
+  EXPECT_NEAR(hitAlong(*deepest.scene, {-3, 0, 0}, {1, 0, 0}).t, 1.8, 1e-4);
 }

@@ -3,7 +3,7 @@
  * meet it again; and what constructive solid geometry makes of them.
  */
 #include "model/shapeTesting.h"
-#include "recurse/core/parallel.h"
+#include "recurse/core/threads/parallel.h"
 
 using namespace recurse;
 using namespace recurse::testing;

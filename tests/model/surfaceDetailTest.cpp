@@ -6,8 +6,8 @@
 #include "model/bsdfTesting.h"
 #include "model/shapeTesting.h"
 #include "model/textureTesting.h"
-#include "recurse/model/surfaceDetail.h"
-#include "recurse/model/triangleMesh.h"
+#include "recurse/model/bsdf/surfaceDetail.h"
+#include "recurse/model/mesh/triangleMesh.h"
 
 using namespace recurse;
 using namespace recurse::testing;

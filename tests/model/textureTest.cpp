@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "recurse/model/noise.h"
+#include "recurse/model/texture/noise.h"
 
 using namespace recurse;
 using namespace recurse::testing;

@@ -8,9 +8,9 @@
 #include <map>
 #include <unistd.h>
 
-#include "recurse/core/image.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/model/textureMapping.h"
+#include "recurse/core/image/image.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/model/texture/textureMapping.h"
 
 namespace recurse::testing {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 
-#include "recurse/model/plugIns.h"
-#include "recurse/model/toneCurve.h"
+#include "recurse/model/film/toneCurve.h"
+#include "recurse/model/scene/plugIns.h"
 
 using namespace recurse;
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include <recurse/model/scene.h>
-#include <recurse/scene/loader.h>
-#include <recurse/transport/pathExpression.h>
+#include <recurse/model/scene/scene.h>
+#include <recurse/pathclasses/pathExpression.h>
+#include <recurse/scene/directives/loader.h>
 
 using namespace recurse;
 

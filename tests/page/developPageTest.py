@@ -55,10 +55,11 @@ class DevelopPage(unittest.TestCase):
             "return [...c.getImageData(0, 0, 1, 1).data];"
             " })()")[:3]
 
-    def developed(self, exposure, operator):
+    def developed(self, exposure, operator, *more):
         """Bytes of the program's own picture."""
         path = self.folder + "/developed.png"
-        recurse("develop", self.folder + "/picture.exr", "-q", "-o", path, "--exposure", exposure, "--tonemap", operator)
+        recurse("develop", self.folder + "/picture.exr", "-q", "-o", path, "--exposure", exposure, "--tonemap", operator,
+                *more)
         out = []
         for pixel in PIXELS:
             lines = recurse("info", path, "--pixel", "%d,%d" % pixel).splitlines()
@@ -85,6 +86,15 @@ class DevelopPage(unittest.TestCase):
         browser.evaluate("document.getElementById('automatic').click()")
         browser.settle()
         self.compare(self.developed("auto", names[-1]), "automatic again")
+
+    def testShowsEdgesOfLampsInTheirGlare(self):
+        bloom = ("--bloom", "0.2")
+        recurse("develop", self.folder + "/picture.exr", "-q", "-o", self.folder + "/bloom.html", *bloom)
+        browser.open(self.folder + "/bloom.html", "document.body.dataset.ready")
+        browser.settle()
+        self.compare(self.developed("auto", "filmic", *bloom), "as it opens")
+        self.choose(3, "aces")
+        self.compare(self.developed("3", "aces", *bloom), "brighter")
 
     def compare(self, expected, what):
         for pixel, colour in zip(PIXELS, expected):

@@ -134,7 +134,7 @@ class LivePage(Page):
         self.assertFalse(self.render.state()["stopped"])
 
     def testPortInUseIsAnError(self):
-        port = self.render.url.rsplit(":", 1)[1].strip("/")
+        port = self.render.url.rsplit(":", 1)[1].split("/")[0]
         other = subprocess.run([PROGRAM, "render", SCENE, "-o", os.devnull + ".exr", "--live", "--live-address",
                                 "127.0.0.1:" + port], stderr=subprocess.PIPE, text=True)
         self.assertNotEqual(other.returncode, 0)

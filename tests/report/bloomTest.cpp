@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
-#include "recurse/core/vector.h"
-#include "recurse/report/bloom.h"
+#include "recurse/core/math/vector.h"
+#include "report/develop/bloom.h"
 
 using namespace recurse;
 

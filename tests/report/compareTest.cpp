@@ -9,8 +9,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "recurse/core/error.h"
-#include "recurse/report/compare.h"
+#include "recurse/core/io/error.h"
+#include "recurse/report/compare/compare.h"
+#include "report/compare/falseColour.h"
 #include "report/noise.h"
 
 using namespace recurse;
@@ -230,4 +231,66 @@ TEST(ErrorByScale, NoiseOfTheReferenceDoesNotWeighDarkPixelsUp) {
   EXPECT_EQ(metricByName(c, "relmse_noise_free_at_8"), c.relMseNoiseFreeByScale[3]);
   EXPECT_NE(comparisonTable(c).find("8x8"), std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(comparisonJson(c))["relmse_noise_free_at_8"], c.relMseNoiseFreeByScale[3]);
+}
+
+namespace {
+
+/** Stills of two classes of paths, and what both bring together. */
+Image twoClasses(const Image& direct, const Image& caustic, const std::string& causticExpression = "LS+DE") {
+  Image stills(direct.width, direct.height,
+               {"R", "G", "B", "direct.R", "direct.G", "direct.B", "caustic.R", "caustic.G", "caustic.B"});
+  for (int y = 0; y < stills.height; ++y)
+    for (int x = 0; x < stills.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        stills.at(x, y)[3 + c] = direct.at(x, y)[c];
+        stills.at(x, y)[6 + c] = caustic.at(x, y)[c];
+        stills.at(x, y)[c] = direct.at(x, y)[c] + caustic.at(x, y)[c];
+      }
+  stills.metadata["recurse:classes"] = "direct = LDE; caustic = " + causticExpression;
+  return stills;
+}
+
+} // namespace
+
+TEST(ClassErrors, EachIsThatOfItsOwnLayer) {
+  const Image direct = constant(128, 96, {0.3f, 0.3f, 0.3f}), caustic = constant(128, 96, {0.2f, 0.2f, 0.2f});
+  const auto reference = [&](unsigned seed) {
+    return twoClasses(noisy(direct, 0.05, seed), noisy(caustic, 0.05, seed + 1));
+  };
+  const Image a = reference(1), b = reference(3);
+  const Image x = twoClasses(noisy(direct, 0.1, 5), constant(128, 96, {0.22f, 0.22f, 0.22f}));
+  Comparison c = compareImages(x, a, b);
+  addClasses(c, x, a, &b);
+  ASSERT_EQ(c.classes.size(), 3u);
+  EXPECT_EQ(c.classes[0].name, "beauty");
+  EXPECT_EQ(c.classes[0].relMseNoiseFreeByScale[0], c.relMseNoiseFreeByScale[0]);
+  EXPECT_EQ(c.classes[1].expression, "LDE");
+  EXPECT_NEAR(c.classes[1].share, 0.6, 0.01);
+  const ByScale& noise = c.classes[1].relMseNoiseFreeByScale;
+  EXPECT_NEAR(noise[0], 0.1, 0.01); // 0.1² / (0.3² + 0.01)
+  for (size_t i = 1; i < 4; ++i) EXPECT_NEAR(noise[i - 1] / noise[i], 4, 0.8) << i;
+  for (size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(c.classes[2].relMseNoiseFreeByScale[i], 0.008, 0.001) << i; // 0.02² / (0.2² + 0.01)
+  const std::string table = comparisonTable(c);
+  for (const char* part : {"relMSE of classes, noise-free", "LS+DE", "60 %"})
+    EXPECT_NE(table.find(part), std::string::npos) << part << "\n" << table;
+  const nlohmann::json json = nlohmann::json::parse(comparisonJson(c))["classes"];
+  ASSERT_EQ(json.size(), 3u);
+  EXPECT_EQ(json[2]["name"], "caustic");
+  EXPECT_EQ(json[1]["relmse_noise_free_at_8"], noise[3]);
+  EXPECT_EQ(json[1]["relmse_at_2"], c.classes[1].relMseByScale[1]);
+}
+
+TEST(ClassErrors, ClassesOfOtherPathsAreLeftOutAndPicturesWithoutClassesHaveNone) {
+  const Image grey = constant(16, 16, {0.3f, 0.3f, 0.3f});
+  const Image x = twoClasses(grey, grey), other = twoClasses(grey, grey, "LS+D+E");
+  Comparison c = compareImages(x, other);
+  addClasses(c, x, other);
+  EXPECT_EQ(c.classes.size(), 2u);
+  ASSERT_EQ(c.classesLeftOut.size(), 1u);
+  EXPECT_NE(comparisonTable(c).find("caustic: it is LS+DE, in a reference LS+D+E"), std::string::npos);
+  Comparison plain = compareImages(grey, x);
+  addClasses(plain, grey, x);
+  EXPECT_TRUE(plain.classes.empty());
+  EXPECT_EQ(comparisonTable(plain).find("classes"), std::string::npos);
 }

@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "recurse/core/error.h"
-#include "recurse/report/converge.h"
+#include "recurse/core/io/error.h"
+#include "recurse/report/converge/converge.h"
 #include "report/noise.h"
 
 using namespace recurse;

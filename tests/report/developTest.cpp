@@ -13,9 +13,10 @@
 
 #include <unistd.h>
 
-#include "recurse/core/error.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/report/develop.h"
+#include "recurse/core/io/error.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/report/develop/develop.h"
+#include "report/develop/bloom.h"
 #include "sceneRendering.h"
 
 using namespace recurse;
@@ -138,6 +139,47 @@ TEST(BrightEdges, OfNarrowLampsAreSmoothToo) {
         EXPECT_LT(after, 0.6 * before)
             << width << " " << bright << " " << paper << ": " << after << " of " << before;
       }
+}
+
+TEST(BrightEdges, GlareFallsFromALampOnwards) {
+  // A round lamp; each pixel the mean over its area.
+  const Image lamp = filled(49, 49, [](int x, int y) {
+    float covered = 0;
+    for (int i = 0; i < 64; ++i)
+      covered += std::hypot(float(x) - 24.3f + float(i % 8) / 8, float(y) - 24.1f + float(i / 8) / 8) < 2.3f;
+    return Rgb(0.07f) + covered / 64 * Rgb(2000, 1700, 1200);
+  });
+  for (const char* name : {"filmic", "aces", "reinhard", "drago"})
+    for (const double bloom : {0.03, 0.3}) {
+      DevelopSettings settings = plain();
+      settings.toneMap = toneMap(name);
+      settings.bloom = bloom;
+      settings.display = DisplayEncoding("linear");
+      const Image shown = develop(lamp, settings).picture;
+      Image glaring = lamp;
+      applyBloom(glaring, bloom, settings.bloomDegrees);
+      glaring = byOperator(name, glaring);
+      for (int y = 0; y < 49; ++y)
+        for (int x = 0; x < 49; ++x) {
+          const std::string place = std::string(name) + " " + std::to_string(bloom) + " " +
+                                    std::to_string(x) + " " + std::to_string(y);
+          if (lamp.rgb(x, y).r < 0.1f) { // the glare beside the lamp is no edge
+            EXPECT_EQ(shown.rgb(x, y).g, glaring.rgb(x, y).g) << place;
+            continue;
+          }
+          // No pixel of the edge is darker than those further out.
+          const int outwards = x > 24 ? x + 1 : x - 1;
+          EXPECT_GE(shown.rgb(x, y).g, std::min(shown.rgb(outwards, y).g, shown.rgb(24, 24).g)) << place;
+        }
+    }
+}
+
+TEST(BrightEdges, StaySmoothInGlare) {
+  DevelopSettings settings = plain();
+  settings.toneMap = toneMap("filmic");
+  settings.bloom = 0.02;
+  settings.display = DisplayEncoding("linear");
+  EXPECT_LT(staircase(develop(slantedEdge(20, 0.1f), settings).picture), 0.03);
 }
 
 TEST(BrightEdges, ColouredLampsKeepTheirColourBesideTheEdge) {

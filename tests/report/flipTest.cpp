@@ -9,9 +9,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "recurse/core/error.h"
-#include "recurse/report/compare.h"
-#include "recurse/report/flip.h"
+#include "recurse/core/io/error.h"
+#include "recurse/report/compare/compare.h"
+#include "recurse/report/compare/flip.h"
+#include "report/compare/falseColour.h"
 
 using namespace recurse;
 

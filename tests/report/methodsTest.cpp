@@ -1,11 +1,11 @@
 /** @file
  * Methods side by side: classes as fine as what they claim, and figures against known pictures.
  */
-#include "recurse/report/methods.h"
+#include "recurse/report/methods/methods.h"
 
 #include <gtest/gtest.h>
 
-#include "recurse/transport/pathExpression.h"
+#include "recurse/pathclasses/pathExpression.h"
 
 using namespace recurse;
 

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "recurse/core/image.h"
+#include "recurse/core/image/image.h"
 
 namespace recurse {
 

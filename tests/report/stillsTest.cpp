@@ -13,13 +13,14 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
-#include "recurse/core/error.h"
-#include "recurse/core/parallel.h"
-#include "recurse/model/plugIns.h"
-#include "recurse/report/stills.h"
-#include "recurse/scene/loader.h"
-#include "recurse/transport/pathExpression.h"
-#include "recurse/transport/render.h"
+#include "recurse/core/io/error.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/render/render.h"
+#include "recurse/report/stills/stills.h"
+#include "recurse/scene/directives/loader.h"
+#include "report/stills/sheet.h"
 
 using namespace recurse;
 namespace fs = std::filesystem;
@@ -241,6 +242,22 @@ TEST(Stills, ContactSheetShowsEveryLayerTwice) {
     }
   EXPECT_EQ(red, 4u * size_t(s.pictureWidth * s.pictureHeight));
   EXPECT_EQ(green, size_t(s.pictureWidth * s.pictureHeight));
+}
+
+TEST(Stills, CaptionsInASheetOfSmallPicturesDoNotOverlap) {
+  const auto dots = [](const std::string& left, const std::string& right) {
+    SheetCell cell;
+    cell.left = cell.right = Image(6, 60, {"R", "G", "B"});
+    cell.leftCaption = left;
+    cell.rightCaption = right;
+    const Image sheet = drawSheet("", "", {cell});
+    int count = 0;
+    for (size_t i = 0; i < sheet.pixels.size(); i += 3) count += sheet.pixels[i] > 0.1f;
+    return count;
+  };
+  const std::string left = "1.23 s, 4096 spp", right = "not in it";
+  EXPECT_EQ(dots(left, right), dots(left, "") + dots("", right));
+  EXPECT_GT(dots(left, ""), 100);
 }
 
 TEST(Stills, ContactSheetOfAnySizeOfPicture) {

@@ -5,6 +5,19 @@
 
 using namespace recurse;
 
+namespace {
+
+/** Objects that stand in each other at so many levels, and the outermost in the world. */
+std::string towerOfObjects(int levels) {
+  std::string tower = "WorldBegin ObjectBegin \"0\" Shape \"a\" ObjectEnd ";
+  for (int i = 0; i < levels; ++i)
+    tower += "ObjectBegin \"" + std::to_string(i + 1) + "\" ObjectInstance \"" + std::to_string(i) +
+             "\" ObjectEnd ";
+  return tower + "ObjectInstance \"" + std::to_string(levels) + "\"";
+}
+
+} // namespace
+
 TEST(Directives, Settings) {
   const SceneDescription s = parseGood(R"(
     Film "rgb" "integer xresolution" [ 10 ] "string filename" "a.exr"
@@ -202,6 +215,8 @@ TEST(Directives, ObjectErrors) {
     tower += "ObjectBegin \"" + std::to_string(i) + "\" " + below + below + "ObjectEnd ";
   }
   EXPECT_CONTAINS(messages(tower + "ObjectInstance \"29\""), "too many objects stand in");
+  EXPECT_CONTAINS(messages(towerOfObjects(5000)), "at more than 256 levels");
+  EXPECT_EQ(parseGood(towerOfObjects(256)).instances.size(), 1u);
   EXPECT_CONTAINS(messages("WorldBegin ObjectEnd"), "without ObjectBegin");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\""), "has no ObjectEnd");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" AttributeBegin ObjectEnd"), "still open");

@@ -105,7 +105,7 @@ TEST(Files, RecursionIsAnErrorWithTheChain) {
                   "a.pbrt includes " + d.path("b.pbrt") + " includes " + d.path("c.pbrt") + " includes ");
 }
 
-TEST(Files, DepthAndNumberOfIncludesAreLimited) {
+TEST(Files, DepthAndTextOfIncludesAreLimited) {
   const TemporaryDirectory d;
   d.write("a.pbrt", "WorldBegin Include \"0.pbrt\"");
   for (int i = 0; i < 100; ++i)
@@ -117,7 +117,17 @@ TEST(Files, DepthAndNumberOfIncludesAreLimited) {
     d.write(std::to_string(i) + ".pbrt", next + next);
   }
   d.write("40.pbrt", "");
-  EXPECT_CONTAINS(messagesOf(d, "a.pbrt"), "files are included in all");
+  EXPECT_CONTAINS(messagesOf(d, "a.pbrt"), "included in all");
+  EXPECT_CONTAINS(messagesOf(d, "a.pbrt"), "64 GiB");
+}
+
+TEST(Files, ManySmallFilesMayBeIncluded) {
+  const TemporaryDirectory d;
+  std::string all = "WorldBegin\n";
+  for (int i = 0; i < 100001; ++i) all += "Include \"b.pbrt\"\n";
+  d.write("a.pbrt", all);
+  d.write("b.pbrt", "AttributeBegin AttributeEnd");
+  EXPECT_EQ(messagesOf(d, "a.pbrt"), "");
 }
 
 TEST(Files, RepeatedIncludeIsFine) {

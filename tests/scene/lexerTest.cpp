@@ -1,7 +1,7 @@
 /** @file
  * Tokens: numbers in all their forms, strings with escapes, comments, places.
  */
-#include "scene/lexer.h"
+#include "scene/text/lexer.h"
 #include "sceneTesting.h"
 
 using namespace recurse;

@@ -1,7 +1,7 @@
 /** @file
  * Binding of parameters to declarations, and reading them.
  */
-#include "recurse/scene/registry.h"
+#include "recurse/scene/parameters/registry.h"
 #include "sceneTesting.h"
 
 using namespace recurse;
@@ -199,7 +199,7 @@ TEST(Parameters, Colours) {
   EXPECT_CONTAINS(errorOf("\"spectrum c\" [400 1 500]", albedo), "a value is missing");
   EXPECT_CONTAINS(errorOf("\"spectrum c\" [500 1 400 1]", albedo), "must increase");
   EXPECT_CONTAINS(errorOf("\"spectrum c\" []", albedo), "0 values");
-  EXPECT_CONTAINS(errorOf("\"blackbody c\" [5500 2]", free), "pbrt-v3");
+  EXPECT_CONTAINS(errorOf("\"blackbody c\" [5500 -2]", free), "must not be negative");
   EXPECT_CONTAINS(errorOf("\"blackbody c\" -5", free), "must be positive");
   EXPECT_EQ(good("\"spectrum c\" [400 .25 700 .25]", {albedo}).spectrum("c"), Rgbd(.25));
   try {
@@ -209,6 +209,14 @@ TEST(Parameters, Colours) {
     EXPECT_CONTAINS(std::string(e.what()), "did you mean \"metal-Au-eta\"?");
     EXPECT_CONTAINS(std::string(e.what()), "glass-BK7");
   }
+}
+
+TEST(Parameters, BlackbodiesOfOldFilesHaveAScale) {
+  const ParameterSpec spec = spectrumParameter("c", "", SpectrumKind::ILLUMINANT, "");
+  const Bound scaled = bindText("\"blackbody c\" [5500 2]", {spec});
+  EXPECT_FALSE(scaled.diagnostics.hasErrors()) << scaled.diagnostics.format();
+  EXPECT_CONTAINS(scaled.diagnostics.format(), "a temperature and a scale, as in pbrt-v3");
+  EXPECT_EQ(scaled.parameters.spectrum("c"), 2.0 * good("\"blackbody c\" 5500", {spec}).spectrum("c"));
 }
 
 TEST(Parameters, ColourArrays) {

@@ -1,7 +1,7 @@
 /** @file
  * The reference page names everything that the parser and the declarations know.
  */
-#include "recurse/scene/reference.h"
+#include "recurse/scene/directives/reference.h"
 #include "sceneTesting.h"
 
 using namespace recurse;

@@ -9,7 +9,7 @@
 #include <string>
 #include <unistd.h>
 
-#include "recurse/scene/loader.h"
+#include "recurse/scene/directives/loader.h"
 
 namespace recurse {
 

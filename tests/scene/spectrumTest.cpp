@@ -1,7 +1,7 @@
 /** @file
  * Conversion of spectra to RGB.
  */
-#include "recurse/scene/spectrum.h"
+#include "recurse/scene/parameters/spectrum.h"
 #include "sceneTesting.h"
 
 using namespace recurse;

@@ -1,7 +1,7 @@
 /** @file
  * Tracks, and `$name` in the place of numbers.
  */
-#include "recurse/scene/track.h"
+#include "scene/directives/track.h"
 #include "sceneTesting.h"
 
 using namespace recurse;
@@ -78,6 +78,42 @@ TEST(Track, AFrameIsTheSceneWithItsNumbersWrittenOut) {
   }
   ASSERT_EQ(s.tracks.size(), 2u);
   EXPECT_EQ(s.tracks[0].lastTime, 10);
+}
+
+TEST(Track, StandsInStringsAsAWholeNumber) {
+  const std::string track = "Animate \"n\" \"float times\" [ 0 10 ] \"float values\" [ 0 20 ] "
+                            "Animate \"my.n\" \"float times\" [ 0 ] \"float values\" [ -3 ] WorldBegin ";
+  const auto nameOf = [&](const std::string& text, double frame) {
+    const SceneDescription s =
+        frameOf(track +
+                    "Attribute \"shape\" \"float radius\" $my.n Shape \"plymesh\" \"string filename\" \"$n\" "
+                    "Shape \"plymesh\" \"string filename\" \"" +
+                    text + "\"",
+                frame);
+    return s.shapes.back().shape.parameters.at(0).strings.at(0);
+  };
+  EXPECT_EQ(nameOf("cloth$n.ply", 3), "cloth6.ply");
+  EXPECT_EQ(nameOf("cloth$n%04d.ply", 3), "cloth0006.ply");
+  EXPECT_EQ(nameOf("${n}a$n-$n_b/${my.n}%03d", 3), "6a6-$n_b/-03");
+  EXPECT_EQ(nameOf("$n", 1.3), "3"); // 2.6
+  EXPECT_EQ(nameOf("$n%d$n%.ply", 5), "10%d10%.ply");
+  EXPECT_EQ(nameOf("$m ${n $ 5$", 5), "$m ${n $ 5$");
+}
+
+TEST(Track, StringsWithoutTracksStayAsTheyAre) {
+  const SceneDescription s = parseGood("WorldBegin Shape \"plymesh\" \"string filename\" \"a$n%04d.ply\"");
+  EXPECT_EQ(s.shapes.back().shape.parameters.at(0).strings.at(0), "a$n%04d.ply");
+}
+
+TEST(Track, ErrorsPointAtItsUse) {
+  const std::string tracks = "Animate \"a\" \"float times\" [ 0 ] \"float values\" [ 1 2 ]\nWorldBegin\n";
+  EXPECT_CONTAINS(messages(tracks + "Shape \"sphere\" \"float radius\" $a"), "test.pbrt:3:31: error:");
+  EXPECT_CONTAINS(messages(tracks + "Translate $a $a"), "test.pbrt:3:14: error:");
+  EXPECT_CONTAINS(messages(tracks + "Shape \"sphere\" \"string x\" \"is$a\""),
+                  "test.pbrt:3:30: error: track $a has 2 numbers");
+  EXPECT_CONTAINS(messages("Animate \"n\" \"float times\" [ 0 ] \"float values\" [ 1 ]\nWorldBegin\n"
+                           "Shape \"sphere\" \"string x\" \"is$n%4d\""),
+                  "test.pbrt:3:32: error: the width of the number $n cannot be read");
 }
 
 TEST(Track, SaysWhatIsWrong) {

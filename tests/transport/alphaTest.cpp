@@ -150,7 +150,7 @@ TEST(Alpha, PartsThatAreCutOutDoNotShine) {
   const std::string cut = scene(R"(Texture "half" "float" "checkerboard" "float vscale" 2
 Shape "bilinearmesh" "point3 P" [-.5 -.5 2  -.5 .5 2  .5 -.5 2  .5 .5 2] "texture alpha" "half"
 )");
-  for (const Way& way : allWays("100000")) {
+  for (const Way& way : quickWays("100000")) {
     const Rendered a = renderText(half, way.integrator, way.parameters, samples(64)),
                    b = renderText(cut, way.integrator, way.parameters, samples(64), 2);
     EXPECT_NEAR(a.mean(), b.mean(), .02 * a.mean()) << way.integrator << way.parameters;
@@ -170,7 +170,7 @@ Shape "bilinearmesh" "point3 P" [-3 -3 0  3 -3 0  -3 3 0  3 3 0]
 )";
   };
   // The view is a hundredth of the plate: so many that the photons there are even to less than a hundredth.
-  for (const Way& way : allWays(SANITIZED ? "200000" : "400000")) {
+  for (const Way& way : quickWays(SANITIZED ? "200000" : "400000")) {
     const Rendered seen = renderText(scene(""), way.integrator, way.parameters, samples(64)),
                    unseen =
                        renderText(scene("\"float alpha\" 0"), way.integrator, way.parameters, samples(64), 2);

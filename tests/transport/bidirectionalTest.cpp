@@ -4,7 +4,7 @@
  */
 #include "classRendering.h"
 
-#include "recurse/transport/bidirectional.h"
+#include "integrators/bidirectional/bidirectional.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -63,6 +63,57 @@ void expectEqual(const BatchMeans& means, const BatchMeans& truth, const PathCla
     EXPECT_LT(error, (SANITIZED ? 0.4 : 0.1) * truth.mean(i))
         << what << ": " << classes.classes()[i / 3].expression << " too vague to tell";
   }
+}
+
+/** A closed box that emits 1 and reflects one half. */
+std::string furnace() {
+  return R"(
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  1 1 -1  1 1 1  -1 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 1  1 -1 1 ]
+)";
+}
+
+/** Water with pebbles on its ground and weeds between them, below a wide lamp. */
+std::string tank() {
+  std::string text = view(24, "0 1.4 -3  0 .3 0  0 1 0", 22) + R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 12 12 11 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "trianglemesh" "point3 P" [ -1.5 3 -1.5  1.5 3 -1.5  1.5 3 1.5  -1.5 3 1.5 ] "integer indices" [ 0 1 2 0 2 3 ]
+AttributeEnd
+Material "dielectric" "float eta" 1.33
+Shape "trianglemesh" "point3 P" [ -1 0 -.6  1 0 -.6  -1 .9 -.6  1 .9 -.6  -1 0 .6  1 0 .6  -1 .9 .6  1 .9 .6 ]
+"integer indices" [ 0 2 1 1 2 3  4 5 6 5 7 6  0 1 4 1 5 4  2 6 3 3 6 7  0 4 2 2 4 6  1 3 5 3 7 5 ]
+Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
+Shape "bilinearmesh" "point3 P" [ -.98 .02 -.58  .98 .02 -.58  -.98 .02 .58  .98 .02 .58 ]
+)";
+  Sampler random(1, 0, 0);
+  const auto at = [&](double low, double high) { return low + (high - low) * double(random.next1D()); };
+  text += "Material \"diffuse\" \"rgb reflectance\" [ .5 .45 .4 ]\n";
+  for (int i = 0; i < 150; ++i) {
+    const double radius = at(.02, .06), x = at(-.9, .9), z = at(-.5, .5);
+    text += "AttributeBegin\nTranslate " + number(x) + " " + number(.02 + .4 * radius) + " " + number(z) +
+            "\nScale 1 .6 1\nShape \"sphere\" \"float radius\" " + number(radius) + "\nAttributeEnd\n";
+  }
+  text += "Material \"diffusetransmission\" \"rgb reflectance\" [ .15 .3 .1 ]"
+          " \"rgb transmittance\" [ .1 .25 .05 ]\n";
+  for (int i = 0; i < 60; ++i) {
+    const double x = at(-.9, .9), z = at(-.5, .5), width = at(.01, .03), height = at(.2, .6);
+    const auto corner = [&](double side, double y) {
+      return number(x + side * width / 2 + .2 * y) + " " + number(y) + " " + number(z) + "  ";
+    };
+    text += "AttributeBegin\nTranslate " + number(x) + " 0 " + number(z) + "\nRotate " + number(at(0, 360)) +
+            " 0 1 0\nTranslate " + number(-x) + " 0 " + number(-z) +
+            "\nShape \"bilinearmesh\" \"point3 P\" [ " + corner(-1, .02) + corner(1, .02) +
+            corner(-1, height) + corner(1, height) + "]\nAttributeEnd\n";
+  }
+  return text;
 }
 
 PathClasses classOf(const std::string& expression) {
@@ -135,16 +186,7 @@ LightSource "distant" "point3 from" [ 1 -1 2 ] "point3 to" [ 0 0 0 ] "rgb L" [ .
 /** In a closed shell that emits E and reflects ρ everywhere, all that is seen is E / (1 - ρ). */
 TEST(Bidirectional, ClosedFurnaceIsEvenlyBright) {
   const ThreadPool pool;
-  const auto scene = sceneFrom(view(8, "0 0 0  1 .5 .2  0 0 1", 70) + R"(
-Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
-AreaLightSource "diffuse" "rgb L" [ 1 1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 1 -1  -1 1 -1 ]
-Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ -1 -1 1  1 -1 1  1 1 1  -1 1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ -1 -1 -1  1 -1 -1  1 -1 1  -1 -1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 1 -1  1 1 -1  1 1 1  -1 1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -1 -1 -1  -1 1 -1  -1 1 1  -1 -1 1 ]
-Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 1  1 -1 1 ]
-)");
+  const auto scene = sceneFrom(view(8, "0 0 0  1 .5 .2  0 0 1", 70) + furnace());
   const PathClasses classes = classOf("all");
   for (const char* name : {"bdpt", "vcm"}) {
     const BatchMeans means = classMeans(*scene, {name, ""}, classes, samples(64), 12);
@@ -152,6 +194,49 @@ Shape "trianglemesh" "integer indices" [ 0 2 1  0 3 2 ] "point3 P" [ 1 -1 -1  1 
         << name;
     EXPECT_LT(means.standardError(0), 0.02) << name;
   }
+}
+
+/** The light of two and more reflections in a closed shell that emits E and reflects ρ everywhere, ρ²E / (1 -
+ * ρ), by photons alone: edges and corners are as bright as the middle. */
+TEST(Bidirectional, PhotonsAreAsManyAtEdges) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(view(12, "0 0 0  1 .7 .6  0 0 1", 100) + furnace());
+  BidirectionalSettings photons;
+  photons.hits = photons.shadowRays = photons.connections = photons.splats = false;
+  photons.merges = true;
+  photons.radius = .3f;
+  photons.lightPaths = 4000;
+  const PathClasses classes = classOf("L(S|D)+D(S|D)*E");
+  const BatchMeans means = meansOf(*scene, photons, classes, samples(16), 8);
+  EXPECT_NEAR(means.mean(0), 0.5, 0.0025 + ERRORS_APART * means.standardError(0));
+  EXPECT_LT(means.standardError(0), SANITIZED ? 6e-3 : 2e-3);
+}
+
+/** Photons of one layer are none of the other: light that comes through both is found once. */
+TEST(Bidirectional, PhotonsOfLayersBehindEachOtherAreKeptApart) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(view(16, "0 0 -5  0 0 0  0 1 0", 24) + R"(
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 10 10 10 ]
+Material "diffuse" "rgb reflectance" [ 0 0 0 ]
+Shape "trianglemesh" "point3 P" [ -1 -1 1  1 -1 1  1 1 1  -1 1 1 ] "integer indices" [ 0 2 1 0 3 2 ]
+AttributeEnd
+Material "diffusetransmission" "rgb reflectance" [ .3 .25 .2 ] "rgb transmittance" [ .3 .25 .2 ]
+Shape "bilinearmesh" "point3 P" [ -1 -1 .5  1 -1 .5  -1 1 .5  1 1 .5 ]
+Shape "bilinearmesh" "point3 P" [ -1 -1 .504  1 -1 .504  -1 1 .504  1 1 .504 ]
+)");
+  const PathClasses classes = classOf("all");
+  const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(128), 8);
+  expectEqual(classMeans(*scene, {"vcm", ""}, classes, samples(32), 8), truth, classes, 0.005, "two layers");
+}
+
+/** Pebbles and narrow two-sided weeds in a tank of water, whose light no connection finds. */
+TEST(Bidirectional, SmallThingsUnderWaterAreAsBrightAsByPathTracing) {
+  const ThreadPool pool;
+  const auto scene = sceneFrom(tank());
+  const PathClasses classes = classOf("LS+D(S|D)*S+E");
+  const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(256), 6);
+  expectEqual(classMeans(*scene, {"vcm", ""}, classes, samples(32), 6), truth, classes, 0.02, "tank");
 }
 
 /** A sky of radiance 1 around what absorbs nothing: everything is 1. */

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "recurse/transport/bidirectionalWeights.h"
+#include "transport/weights/bidirectionalWeights.h"
 
 using namespace recurse;
 
@@ -18,6 +18,9 @@ namespace {
 struct RandomPath {
   std::vector<WeightedVertex> x;
   WeightedPath path;
+  size_t panes = 0;       ///< before the light
+  double lightPdf = 0;    ///< of shadow rays, in the measure of the light's end
+  double straightWay = 1; ///< densities of a walk through the panes over those of the straight way
 
   explicit RandomPath(std::mt19937& random, size_t edges) : x(edges + 1) {
     const auto chance = [&] { return std::bernoulli_distribution(0.5)(random); };
@@ -27,24 +30,54 @@ struct RandomPath {
       v.fromLight = density();
     }
     for (size_t i = 1; i < edges; ++i) x[i].delta = std::bernoulli_distribution(0.3)(random);
+    if (edges > 1 && x[edges - 1].delta) panes = std::uniform_int_distribution<size_t>(0, edges - 1)(random);
     path.vertices = x;
+    path.light = LightGeometry(std::uniform_int_distribution<int>(0, 2)(random));
     path.splats = chance() ? 1000 : 0;
     path.connections = chance() ? 1 : 0;
-    path.shadowRays = chance() ? density() : 0;
+    if (chance()) lightPdf = density();
+    path.shadowRays = edges > 1 && x[edges - 1].delta ? 0 : lightPdf;
+    if (panes > 0) setPanes(density);
     path.lightIsIntersectable = chance();
+    if (path.light == LightGeometry::DELTA) path.lightIsIntersectable = false;
     path.photons = chance() ? 1000 : 0;
     path.mergeArea = 1e-3 * density();
     path.correlationArea = chance() ? 1e-2 * density() : 0;
-    path.light = LightGeometry(std::uniform_int_distribution<int>(0, 2)(random));
-    if (path.light == LightGeometry::DELTA) path.lightIsIntersectable = false;
     if (chance()) x[edges].fromLight = path.splats = path.photons = path.connections = 0; // no photons there
     countMerges(path);
+  }
+
+  /** Thin panes before the light, at random distances and angles. Hits and shadow rays have the densities of
+   * the straight way, but for what delta lobes put in the place of that. */
+  template <class Density> void setPanes(const Density& density) {
+    const size_t k = x.size() - 1, j = k - 1 - panes;
+    const double pdfDirection = density();
+    const bool infinite = path.light == LightGeometry::INFINITE;
+    double distance = 0, last = 0, walked = 1, straight = pdfDirection;
+    for (size_t i = j + 1; i <= k; ++i) {
+      last = density();
+      distance += last;
+      const double cosine = 1 / (1 + density());
+      const bool endless = infinite && i == k;
+      x[i].fromCamera = (i == j + 1 ? pdfDirection : 1) * (endless ? 1 : cosine / (last * last));
+      x[i].delta = i < k;
+      walked *= x[i].fromCamera;
+      if (i == k && !infinite) straight *= cosine / (distance * distance);
+    }
+    if (j == 0 || x[j].delta) return;
+    straightWay = walked / straight;
+    path.shadowRays = shadowRaysThroughPanes(lightPdf, pdfDirection, infinite ? 1 : distance / last);
   }
 
   /** Samples times density of C_i by (1), the shadow ray's and the hit's among them. */
   double connection(size_t i) const {
     const size_t k = path.edges();
     double p = 1;
+    if (panes > 0 && i == k - 1) {
+      if (panes == k - 1 || x[k - 1 - panes].delta) return 0;
+      for (size_t j = 1; j <= k - 1 - panes; ++j) p *= x[j].fromCamera;
+      return p * lightPdf * straightWay;
+    }
     for (size_t j = 1; j <= k; ++j) {
       if (i == k - 1 && j == k)
         p *= path.shadowRays;
@@ -68,7 +101,7 @@ struct RandomPath {
 
 TEST(BidirectionalWeights, AreDensitiesOverTheirSumAndAddUpToOne) {
   std::mt19937 random(1);
-  int merged = 0, paths = 0;
+  int merged = 0, paths = 0, throughPanes = 0;
   for (int n = 0; n < 20000; ++n) {
     const size_t k = 1 + size_t(n) % 7;
     const RandomPath r(random, k);
@@ -83,6 +116,7 @@ TEST(BidirectionalWeights, AreDensitiesOverTheirSumAndAddUpToOne) {
       const double w = i == k ? hitWeight(r.path) : connectionWeight(r.path, i);
       EXPECT_NEAR(w, r.connection(i) / all, 1e-9) << "C" << i << " of " << k;
       sum += w;
+      throughPanes += r.panes > 0 && i + 1 == k && w < 1;
     }
     for (size_t i = 1; i + 1 < k; ++i) {
       if (!(r.merge(i) > 0)) continue;
@@ -95,6 +129,7 @@ TEST(BidirectionalWeights, AreDensitiesOverTheirSumAndAddUpToOne) {
   }
   EXPECT_GT(paths, 10000);
   EXPECT_GT(merged, 1000);
+  EXPECT_GT(throughPanes, 100);
 }
 
 TEST(BidirectionalWeights, MergesCountBetweenOneAndAllPhotons) {

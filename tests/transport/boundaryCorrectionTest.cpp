@@ -4,9 +4,9 @@
  */
 #include <random>
 
-#include "recurse/transport/gather.h"
-#include "recurse/transport/radiusCache.h"
 #include "rendering.h"
+#include "transport/density/gather.h"
+#include "transport/density/radiusCache.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -194,6 +194,132 @@ TEST(BoundaryCorrection, CurvedSurfaces) {
     const Mean m = estimateOverTruth(*scene, {{0.2f, 0.1f, 3}, {0, 0, -1}}, settings, samples(100), photons);
     EXPECT_NEAR(m.value, 1, 0.015 + 4 * m.error) << radius;
   }
+}
+
+namespace {
+
+/** A sheet over the square that waves along x, of strips that are straight between their edges. */
+struct WavySheet {
+  double amplitude, z = 0;
+  bool smooth = false; ///< there are normals at the edges
+  static constexpr double LENGTH = .1;
+  static constexpr int STRIPS_PER_WAVE = 16;
+
+  static double step() { return LENGTH / STRIPS_PER_WAVE; }
+  double edge(double i) const { return z + amplitude * std::sin(2 * M_PI * i / STRIPS_PER_WAVE); }
+  double at(double x) const {
+    const double i = std::floor((x + 1) / step()), part = (x + 1) / step() - i;
+    return edge(i) * (1 - part) + edge(i + 1) * part;
+  }
+  double slope(double x) const {
+    const double i = std::floor((x + 1) / step());
+    return (edge(i + 1) - edge(i)) / step();
+  }
+  std::string shape() const {
+    std::ostringstream points, normals, indices;
+    const int strips = int(std::lround(2 / step()));
+    for (int i = 0; i <= strips; ++i)
+      for (const int y : {-1, 1}) {
+        points << -1 + i * step() << ' ' << y << ' ' << edge(i) << "  ";
+        normals << edge(i - 1) - edge(i + 1) << " 0 " << 2 * step() << "  ";
+      }
+    for (int i = 0; i < strips; ++i)
+      indices << 2 * i << ' ' << 2 * i + 2 << ' ' << 2 * i + 3 << "  " << 2 * i << ' ' << 2 * i + 3 << ' '
+              << 2 * i + 1 << "  ";
+    return "Shape \"trianglemesh\" \"integer indices\" [ " + indices.str() + "] \"point3 P\" [ " +
+           points.str() + "]" + (smooth ? " \"normal N\" [ " + normals.str() + "]" : "") + "\n";
+  }
+  /** Photons from above, near the middle, that make IRRADIANCE. */
+  std::vector<Photon> lit(uint64_t seed) const {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (Photon& p : list) {
+      p.position *= .4f;
+      p.power *= square(.4f);
+    }
+    for (Photon& p : list) {
+      const double x = double(p.position.x), tilt = slope(x);
+      const Frame frame(glm::normalize(Vec3f(float(-tilt), 0, 1)));
+      p.position.z = float(at(x));
+      p.direction = packDirection(frame.toWorld(unpackDirection(p.direction)));
+      p.normal = packDirection(frame.z);
+      p.power *= float(std::hypot(1, tilt));
+    }
+    return list;
+  }
+};
+
+} // namespace
+
+TEST(BoundaryCorrection, SmallWaves) {
+  for (const bool smooth : {false, true})
+    for (const double amplitude : {.002, .02}) {
+      const WavySheet sheet{amplitude, 0, smooth};
+      const auto scene = sceneOf(sheet.shape());
+      for (const float radius : {.03f, .2f})
+        for (const float x : {.003f, .078f}) {
+          GatherSettings settings;
+          settings.radius = radius;
+          const Mean m = estimateOverTruth(*scene, down(x, .1f), settings, samples(40),
+                                           [&](uint64_t seed) { return sheet.lit(seed); });
+          EXPECT_NEAR(m.value, 1, .03 + 4 * m.error)
+              << amplitude << (smooth ? " smooth" : "") << " radius " << radius << " at " << x;
+        }
+    }
+}
+
+TEST(BoundaryCorrection, ThinWrinkledDoubleLayers) {
+  for (const double amplitude : {.002, .01}) {
+    const WavySheet sheet{amplitude}, lower{amplitude, -.004};
+    const auto scene = sceneOf(sheet.shape() + lower.shape());
+    GatherSettings settings;
+    settings.radius = .2f;
+    for (const float x : {.003f, .053f, .078f}) {
+      const Mean m = estimateOverTruth(*scene, down(x, .1f), settings, samples(80),
+                                       [&](uint64_t seed) { return sheet.lit(seed); });
+      EXPECT_NEAR(m.value, 1, .03 + 4 * m.error) << amplitude << " at " << x;
+    }
+  }
+}
+
+TEST(BoundaryCorrection, PhotonsBelowAWaterLineDoNotCountAboveIt) {
+  // The wall of a pool is the floor here, and the water's surface stands on it.
+  const auto scene =
+      sceneOf(FLOOR + "Material \"dielectric\" \"float eta\" 1.33\n" + quad("0 -1 0  0 1 0  0 1 1  0 -1 1"));
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (Photon& p : list)
+      if (p.position.x > 0) p.power *= 2;
+    return list;
+  };
+  GatherSettings settings;
+  settings.radius = .2f;
+  for (const bool known : {false, true})
+    for (const float x : {-.1f, -.01f, .03f, .1f}) {
+      const Mean m = estimateOverTruth(*scene, down(x, .1f), settings, samples(100), photons, known);
+      EXPECT_NEAR(m.value, x > 0 ? 2 : 1, .02 + 4 * m.error) << x << (known ? " known" : "");
+    }
+}
+
+TEST(BoundaryCorrection, ASheetCloseBeforeAWallEndsWhatIsSeenOfTheWall) {
+  // The wall is the floor here: of a disc of .4, the sheet hides what lies behind it.
+  const auto scene = sceneOf(FLOOR + quad(".1 -1 .02  1 -1 .02  1 1 .02  .1 1 .02"));
+  const Neighbourhood beside = around(*scene, down(0, 0), .4f);
+  EXPECT_GT(beside.flat, .38f);
+  ASSERT_EQ(beside.planeCount, 1u);
+  EXPECT_NEAR(beside.planes[0].offset, -.1f, 2e-4f);
+  const auto photons = [](uint64_t seed) {
+    std::vector<Photon> list = onFloor(seed, 4000);
+    for (Photon& p : list)
+      if (p.position.x > .1f) p.position.z = .02f;
+    return list;
+  };
+  GatherSettings settings;
+  settings.radius = .4f;
+  for (const bool known : {false, true})
+    for (const float x : {-.1f, 0.0f, .05f}) {
+      const Mean m = estimateOverTruth(*scene, down(x, .1f), settings, samples(100), photons, known);
+      EXPECT_NEAR(m.value, 1, .02 + 4 * m.error) << x << (known ? " known" : "");
+    }
 }
 
 TEST(BoundaryCorrection, WhatIsSeenOfWallsAndEdges) {
@@ -496,4 +622,65 @@ TEST(BoundaryCorrection, ASmallPoolOfLightDoesNotSpread) {
     reach += away > 0.3f && cache.at(v.point.position, {0, 0, 1}).radius > away - 0.05f;
   }
   EXPECT_LT(reach, 36) << "of 3600";
+}
+
+TEST(BoundaryCorrection, PhotonsInOnePointTellNoRadius) {
+  const ThreadPool pool;
+  const auto scene = sceneOf(FLOOR);
+  // As many as are searched for, and more, at a point that is seen.
+  const Vec3f point(0.5f, 0.25f, 0);
+  std::vector<Photon> coincident = onFloor(1, 12);
+  for (Photon& p : coincident) p.position = point;
+  std::vector<Photon> all = onFloor(2, 2000);
+  all.insert(all.end(), coincident.begin(), coincident.end());
+  Hit hit;
+  ASSERT_TRUE(scene->intersect(down(point.x, point.y), hit));
+  hit.point.position = point;
+  const std::vector<VisiblePoint> seen = {{hit.point, 0.01f}};
+  const GatherSettings search = nearestWithin(8, 1);
+  for (const double alpha : {0.0, 2.0 / 3}) {
+    TransportCounts counts;
+    RadiusCache cache, ofThose;
+    ofThose.build(
+        *scene,
+        [&] {
+          PhotonMap map;
+          map.build(coincident);
+          return map;
+        }(),
+        seen, search, alpha, LightDetail::SMOOTH, {}, counts);
+    EXPECT_EQ(ofThose.size(), 0u);
+    EXPECT_GT(ofThose.at(point, {0, 0, 1}).radius, 0);
+    PhotonMap map;
+    map.build(all);
+    cache.build(*scene, map, seen, search, alpha, LightDetail::SMOOTH, {}, counts);
+    EXPECT_GT(cache.size(), 0u);
+    for (size_t i = 0; i < cache.size(); ++i) EXPECT_GT(cache.place(i).radius, 0);
+    EXPECT_GT(cache.at(point, {0, 0, 1}).radius, 0);
+  }
+}
+
+TEST(Gather, TakesPhotonsInOnePointOverTheWholeSupport) {
+  const auto scene = sceneOf(FLOOR);
+  Hit hit;
+  ASSERT_TRUE(scene->intersect(down(0.5f, 0.25f), hit));
+  std::vector<Photon> list = onFloor(1, 8);
+  double power = 0;
+  for (Photon& p : list) {
+    p.position = hit.point.position;
+    power += double(p.power.g);
+  }
+  PhotonMap map;
+  map.build(list);
+  GatherSettings search = nearestWithin(8, 0.5f);
+  search.kernel = Kernel::CONSTANT;
+  BsdfArena arena;
+  const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
+  const PathClasses classes;
+  TransportCounts counts;
+  PathRadiance out(classes, counts);
+  gather(map, search, scattering, hit.point, {0, 0, 1}, 0, Rgb(1),
+         classes.step(classes.cameraStart(), PathEvent::D), out);
+  const double density = power / (M_PI * square(0.5));
+  EXPECT_NEAR(double(out.total().g), ALBEDO / M_PI * density, 1e-4 * density);
 }

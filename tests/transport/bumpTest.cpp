@@ -169,6 +169,30 @@ AttributeBegin Translate -.6 .3 -.4 Shape "sphere" "float radius" .5 AttributeEn
               .01 * path.mean() + 4 * (path.standardError() + light.standardError()));
 }
 
+TEST(Bumps, SmallerThanAKernelShadeThePhotonsOfEachDirection) {
+  // Light from low down: half of each wave turns away from it, and from an eye that is as low.
+  const Folder folder;
+  constexpr int N = 64;
+  const std::string waves = folder.picture(
+      "waves.exr", N, N, [](int x, int) { return Rgb(float(.05 * std::sin(2 * M_PI * x / N))); });
+  for (const std::string material : {"\"diffuse\"", "\"conductor\" \"float roughness\" .6"})
+    for (const std::string eye : {"0 0 4", "-3.8 0 1.2"}) {
+      const auto scene = sceneFrom(view(8, eye + "  0 0 0  0 1 0", 12) +
+                                   "LightSource \"distant\" \"point3 from\" [1 0 .4] \"point3 to\" [0 0 0]\n"
+                                   "Texture \"waves\" \"float\" \"imagemap\" \"string filename\" \"" +
+                                   waves + "\" \"float uscale\" 8 \"float vscale\" 8\nMaterial " + material +
+                                   " \"texture displacement\" \"waves\"\n"
+                                   "Shape \"bilinearmesh\" \"point3 P\" [-2 -2 0  2 -2 0  -2 2 0  2 2 0]\n");
+      const Rendered path = renderScene(*scene, "path", "", 16);
+      const Rendered photons =
+          renderScene(*scene, "photonmap",
+                      "\"integer passes\" 1 \"integer photons\" 50000 \"float radius\" .3 "
+                      "\"string direct\" \"photons\" \"float followroughness\" 0",
+                      16);
+      EXPECT_NEAR(photons.mean(), path.mean(), .03 * path.mean()) << material << " from " << eye;
+    }
+}
+
 TEST(Bumps, OfMixedMaterialsAreThoseOfEach) {
   const std::string
       red = "MakeNamedMaterial \"red\" \"string type\" \"diffuse\" \"rgb reflectance\" [.8 0 0] "

@@ -6,8 +6,8 @@
 #include <bit>
 #include <map>
 
-#include "recurse/transport/cryptomatte.h"
-#include "recurse/transport/featureLayers.h"
+#include "recurse/render/featureLayers.h"
+#include "render/cryptomatte.h"
 
 using namespace recurse;
 

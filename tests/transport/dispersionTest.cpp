@@ -3,9 +3,9 @@
  */
 #include "classRendering.h"
 
-#include "recurse/model/dispersion.h"
-#include "recurse/model/scatteringPoint.h"
-#include "recurse/scene/spectrum.h"
+#include "recurse/model/bsdf/dispersion.h"
+#include "recurse/model/bsdf/scatteringPoint.h"
+#include "recurse/scene/parameters/spectrum.h"
 
 using namespace recurse;
 using namespace recurse::testing;

@@ -4,9 +4,9 @@
  */
 #include "classRendering.h"
 
-#include "recurse/transport/directLight.h"
-#include "recurse/transport/estimatorDomains.h"
-#include "recurse/transport/gatherWeighting.h"
+#include "recurse/transport/integrator/estimatorDomains.h"
+#include "transport/direct/directLight.h"
+#include "transport/weights/gatherWeighting.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -432,6 +432,6 @@ TEST(Counts, IncludeLearning) {
         integratorFrom(name, name == std::string("path") ? "" : "\"integer photons\" 1000");
     const PathClasses classes;
     integrator->prepare(*scene, classes);
-    EXPECT_GE(integrator->forward(*scene, classes, {1, 0, true}, {}).counts.rays, learning) << name;
+    EXPECT_GE(integrator->forward(*scene, classes, {1, 0}, {}).counts.rays, learning) << name;
   }
 }

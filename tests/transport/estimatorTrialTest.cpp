@@ -1,12 +1,12 @@
 /** @file
- * Trials of estimators, and what photonmap makes of them.
+ * Trials of estimators, and what auto chooses by them.
  */
 #include "rendering.h"
 
 #include <random>
 
-#include "recurse/transport/estimatorTrial.h"
-#include "recurse/transport/photonPass.h"
+#include "integrators/auto/estimatorTrial.h"
+#include "integrators/photonmap/photonPass.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -50,11 +50,15 @@ Shape "sphere" "float radius" .02
 AttributeEnd
 )";
 
-bool isLeftToPaths(const Rendered& r) {
+/** What auto says it has chosen. */
+std::string choiceOf(const Rendered& r) {
   for (const std::string& note : r.statistics.notes)
-    if (note.find("left to path tracing") != std::string::npos) return true;
-  return false;
+    if (note.starts_with("auto: ")) return note;
+  ADD_FAILURE() << "auto says nothing";
+  return {};
 }
+
+bool isLeftToPaths(const Rendered& r) { return choiceOf(r).starts_with("auto: path"); }
 
 } // namespace
 
@@ -126,22 +130,21 @@ Shape "sphere" "float radius" .3
   for (const std::string& text : {lamp, haze})
     for (const char* name : {"path", "photonmap"}) {
       const auto scene = sceneFrom(text);
-      const auto integrator = integratorFrom(name, name == std::string("path") ? "" : "\"bool trial\" false");
+      const auto integrator = integratorFrom(name, "");
       const PathClasses classes;
       integrator->prepare(*scene, classes);
-      integrator->forward(*scene, classes, {1, 0, false, 0}, {});
+      integrator->forward(*scene, classes, {1, 0, PassSchedule::PER_SAMPLE, 0}, {});
       const TrialSamples samples = EstimatorTrial(*scene, classes, 1, 0).take(*integrator, 0);
       for (const float luminance : samples.luminance) ASSERT_LT(luminance, 1e-3f) << name;
       EXPECT_GT(renderScene(*scene, name, "", 1).mean(), 1) << name;
     }
 }
 
-TEST(EstimatorTrial, PhotonmapLeavesCoatsUnderTheSkyToPaths) {
+TEST(EstimatorTrial, CoatsUnderTheSkyAreLeftToPaths) {
   const auto scene = sceneFrom(coats());
-  const Rendered paths = renderScene(*scene, "path", "", 2), chosen = renderScene(*scene, "photonmap", "", 2);
+  const Rendered paths = renderScene(*scene, "path", "", 2), chosen = renderScene(*scene, "auto", "", 2);
   EXPECT_TRUE(isLeftToPaths(chosen));
   for (size_t i = 0; i < paths.pixels(); ++i) ASSERT_EQ(chosen.value(i), paths.value(i)) << i;
-  EXPECT_FALSE(isLeftToPaths(renderScene(*scene, "photonmap", "\"bool trial\" false", 2)));
 }
 
 TEST(EstimatorTrial, CausticsAreLeftToPhotonsWherePathsBringTheRest) {
@@ -156,7 +159,7 @@ Translate 2.5 4 0
 AreaLightSource "diffuse" "rgb L" [ 50000 50000 50000 ]
 Shape "sphere" "float radius" .05
 )");
-  const Rendered chosen = renderScene(*scene, "photonmap", "", 2),
+  const Rendered chosen = renderScene(*scene, "auto", "", 2),
                  asked = renderScene(*scene, "photonmap", "\"bool causticsonly\" true", 2);
   EXPECT_TRUE(isLeftToPaths(chosen));
   for (size_t i = 0; i < chosen.pixels(); ++i) ASSERT_EQ(chosen.value(i), asked.value(i)) << i;
@@ -171,8 +174,8 @@ TEST(EstimatorTrial, CausticsOfPointsInMediaStayWithPhotons) {
       "Translate 0 1 0\nShape \"sphere\" \"float radius\" .3\n";
   const std::string glass = "MediumInterface \"\" \"haze\"\nMaterial \"dielectric\"\n"
                             "Shape \"sphere\" \"float radius\" .1\n";
-  EXPECT_TRUE(isLeftToPaths(renderText(coats() + haze, "photonmap", "", 1)));
-  EXPECT_FALSE(isLeftToPaths(renderText(coats() + haze + glass, "photonmap", "", 1)));
+  EXPECT_TRUE(isLeftToPaths(renderText(coats() + haze, "auto", "", 1)));
+  EXPECT_FALSE(isLeftToPaths(renderText(coats() + haze + glass, "auto", "", 1)));
 }
 
 TEST(EstimatorTrial, MediaHideNoCaustics) {
@@ -187,15 +190,15 @@ MediumInterface "faint" ""
   PhotonPass photons(settings);
   LightSampler lights;
   lights.learn(*scene);
-  photons.run(*scene, PathClasses(), {1, 0, false, 0}, {}, lights);
+  photons.run(*scene, PathClasses(), {1, 0, PassSchedule::PER_SAMPLE, 0}, {}, lights);
   EXPECT_GT(photons.causticVarianceByRays(), 10);
 }
 
-TEST(EstimatorTrial, PhotonmapKeepsPhotonsForCaustics) {
-  EXPECT_FALSE(isLeftToPaths(renderText(glassBall(SMALL_LAMP), "photonmap", "", 1)));
+TEST(EstimatorTrial, CausticsStayWithPhotons) {
+  EXPECT_FALSE(isLeftToPaths(renderText(glassBall(SMALL_LAMP), "auto", "", 1)));
   // Path tracing does not find a point light's caustic, whatever its own noise.
   EXPECT_FALSE(isLeftToPaths(renderText(
-      glassBall("LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 .9 0]"), "photonmap", "", 1)));
+      glassBall("LightSource \"point\" \"rgb I\" [1 1 1] \"point3 from\" [0 .9 0]"), "auto", "", 1)));
 }
 
 TEST(EstimatorTrial, LightThatNoPathFindsIsMissed) {
@@ -220,7 +223,7 @@ Material "conductor" "rgb reflectance" [ .5 .5 .5 ]
 AreaLightSource "diffuse" "rgb L" [ 10000 10000 10000 ]
 Shape "sphere" "float radius" .002
 )";
-  const Rendered chosen = renderText(hidden, "photonmap", "", 1);
+  const Rendered chosen = renderText(hidden, "auto", "", 1);
   EXPECT_FALSE(isLeftToPaths(chosen));
   EXPECT_GT(chosen.mean(), 0);
 }
@@ -246,5 +249,5 @@ AreaLightSource "diffuse" "rgb L" [ 40 40 40 ]
 Shape "bilinearmesh" "point3 P" [ 1.2 2.49 4.5  1.7 2.49 4.5  1.2 2.49 5  1.7 2.49 5 ]
 )");
   for (uint64_t seed = 3; seed <= (SANITIZED ? 3 : 4); ++seed)
-    EXPECT_FALSE(isLeftToPaths(renderScene(*scene, "photonmap", "", 1, seed))) << seed;
+    EXPECT_FALSE(isLeftToPaths(renderScene(*scene, "auto", "", 1, seed))) << seed;
 }

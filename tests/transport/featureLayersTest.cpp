@@ -3,7 +3,7 @@
  */
 #include "transport/rendering.h"
 
-#include "recurse/transport/featureLayers.h"
+#include "recurse/render/featureLayers.h"
 
 using namespace recurse;
 

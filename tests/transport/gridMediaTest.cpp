@@ -5,7 +5,7 @@
 #include <random>
 
 #include "model/nanoVdbTesting.h"
-#include "recurse/scene/spectrum.h"
+#include "recurse/scene/parameters/spectrum.h"
 #include "rendering.h"
 
 using namespace recurse;

@@ -40,9 +40,8 @@ TEST_P(Leaks, AreNone) {
   const Rendered truth = renderScene(*scene, "path", "", samples(GetParam().pathSamples));
   std::vector<double> means;
   for (uint64_t seed = 1; seed <= 5; ++seed)
-    means.push_back(renderScene(*scene, "photonmap", "\"integer photons\" 40000 \"bool trial\" false",
-                                SANITIZED ? 2 : 8, seed)
-                        .mean());
+    means.push_back(
+        renderScene(*scene, "photonmap", "\"integer photons\" 40000", SANITIZED ? 2 : 8, seed).mean());
   const Mean found(means);
   const double error = std::hypot(found.error, truth.standardError());
   EXPECT_NEAR(found.value, truth.mean(), SURE * truth.mean() + 4 * error);
@@ -76,7 +75,7 @@ TEST(ThinLayers, AreNotMixed) {
   const Rendered truth = renderScene(*scene, "bdpt", "", samples(64));
   std::vector<double> means, pixels(truth.pixels());
   for (uint64_t seed = 1; seed <= 4; ++seed) {
-    const Rendered found = renderScene(*scene, "photonmap", "\"bool trial\" false", SANITIZED ? 2 : 8, seed);
+    const Rendered found = renderScene(*scene, "photonmap", "", SANITIZED ? 2 : 8, seed);
     means.push_back(found.mean());
     for (size_t i = 0; i < pixels.size(); ++i) pixels[i] += found.luminanceAt(i) / 4;
   }
@@ -114,8 +113,21 @@ Shape "sphere" "float radius" .02
     return sum;
   };
   const Rendered truth = renderScene(*scene, "bdpt", "", samples(64));
-  const Rendered found = renderScene(*scene, "photonmap", "\"bool trial\" false", SANITIZED ? 1 : 4);
+  const Rendered found = renderScene(*scene, "photonmap", "", SANITIZED ? 1 : 4);
   const double lit = columns(truth, 26, 34);
   EXPECT_NEAR(columns(found, 26, 34), lit, 0.05 * lit);
   EXPECT_NEAR(columns(found, 14, 19), columns(truth, 14, 19), 0.05 * lit);
+}
+
+TEST(DiffuseTransmission, WhatWouldAddLightIsScaledDownWithAWarning) {
+  const std::string text =
+      view(2, "0 0 -3  0 0 1  0 1 0", 1) +
+      "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial \"diffusetransmission\" \"rgb "
+      "reflectance\" [.9 .9 .9] \"rgb transmittance\" [.6 .6 .6]\nShape \"disk\"\n";
+  Diagnostics diagnostics;
+  buildScene(parseScene(text, "test.pbrt", ".", diagnostics), {}, diagnostics);
+  EXPECT_FALSE(diagnostics.hasErrors()) << diagnostics.format();
+  EXPECT_NE(diagnostics.format().find("add up to 1.5"), std::string::npos) << diagnostics.format();
+  const Rendered r = renderText(text, "path", "", samples(1024));
+  EXPECT_NEAR(r.mean(), 1, 4.5 * r.standardError());
 }

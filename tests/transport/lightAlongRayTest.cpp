@@ -2,7 +2,7 @@
  * Where light is looked for along rays through media: densities against what they sample, the light of lamps
  * against its integral along the ray.
  */
-#include "recurse/transport/lightAlongRay.h"
+#include "transport/direct/lightAlongRay.h"
 #include "transport/rendering.h"
 
 using namespace recurse;
@@ -140,5 +140,72 @@ TEST(LightAlongRay, SeveralRaysFindTheSameLightOfAShaftWithLessVariance) {
     const Mean one = found({1, 1}, 7), four = found({1, 4}, 8);
     EXPECT_NEAR(four.value, one.value, 4.5 * std::hypot(one.error, four.error)) << c.lamps;
     EXPECT_GT(square(one.error / four.error), c.gain) << c.lamps;
+  }
+}
+
+TEST(LightAlongRay, RaysPastALampOrOntoItHaveLittleVariance) {
+  // A square lamp, .02 wide, three units away along the ray, which grazes it or ends on it.
+  constexpr double SIDE = 0.02, AWAY = 3, GAP = 1e-3;
+  struct Case {
+    std::string what, corners;
+    Vec3d center, acrossX, acrossY, normal;
+    float end;
+  };
+  const std::vector<Case> cases = {
+      {"past it",
+       "-.01 -.001 2.99  -.01 -.001 3.01  .01 -.001 3.01  .01 -.001 2.99",
+       {0, -GAP, AWAY},
+       {SIDE, 0, 0},
+       {0, 0, SIDE},
+       {0, 1, 0},
+       10},
+      {"onto it",
+       "-.01 -.01 3  -.01 .01 3  .01 .01 3  .01 -.01 3",
+       {0, 0, AWAY},
+       {SIDE, 0, 0},
+       {0, SIDE, 0},
+       {0, 0, -1},
+       static_cast<float>(AWAY)},
+  };
+  for (const Case& c : cases) {
+    const auto scene = sceneFrom(
+        fogWith("AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [1 1 1]\nShape \"trianglemesh\" "
+                "\"integer indices\" [0 1 2 0 2 3] \"point3 P\" [" +
+                c.corners + "]\nAttributeEnd\nShape \"sphere\" \"float radius\" 20\n")); // keeps the origin
+    const Medium& medium = *scene->medium(scene->cameraMedium());
+    const Ray ray{Vec3f(0), Vec3f(0, 0, 1)};
+    const Rgb extinction = medium.at(ray.origin).extinction();
+    // By points of the lamp, and distances along the ray by even angles about each.
+    double truth = 0;
+    constexpr int POINTS = 100, ANGLES = 200;
+    for (int i = 0; i < POINTS * POINTS; ++i) {
+      const Vec3d point = c.center + c.acrossX * ((i % POINTS + 0.5) / POINTS - 0.5) +
+                          c.acrossY * ((i / POINTS + 0.5) / POINTS - 0.5);
+      const double away = std::hypot(point.x, point.y), begin = std::atan2(-point.z, away),
+                   angle = std::atan2(double(c.end) - point.z, away) - begin;
+      for (int k = 0; k < ANGLES; ++k) {
+        const double t = point.z + away * std::tan(begin + angle * (k + 0.5) / ANGLES);
+        const Vec3d towards = point - Vec3d(0, 0, t);
+        const double cosine = -glm::dot(towards, c.normal) / glm::length(towards);
+        if (cosine > 0)
+          truth += cosine * angle / away *
+                   double(luminance(flight::transmittance(extinction, float(t))) *
+                          medium.phase->value(float(towards.z / glm::length(towards))));
+      }
+    }
+    truth *= SIDE * SIDE / (double(POINTS) * POINTS * ANGLES);
+    std::vector<double> values;
+    for (uint32_t i = 0; i < 40000; ++i) {
+      Sampler sampler(7, i, 0);
+      const auto s = sampleLightAlong(*scene, {}, medium, ray, c.end, {}, 0, sampler);
+      values.push_back(s ? double(luminance(s->light.radiance * flight::transmittance(extinction, s->t)) *
+                                  medium.phase->value(glm::dot(s->light.direction, ray.direction)) *
+                                  s->reciprocalPdf)
+                         : 0);
+    }
+    const Mean mean(values);
+    EXPECT_NEAR(mean.value, truth, 4.5 * mean.error + 0.01 * truth) << c.what;
+    EXPECT_LT(square(mean.error / truth) * double(values.size()), 5) << c.what;
+    EXPECT_LT(*std::max_element(values.begin(), values.end()) / truth, 500) << c.what;
   }
 }

@@ -1,8 +1,11 @@
 /** @file
  * Where light from far away comes in: densities against closed forms, and which photons get in.
  */
-#include "recurse/transport/lightPortals.h"
-#include "recurse/transport/shoot.h"
+#include <tuple>
+
+#include "transport/direct/lightPortals.h"
+#include "transport/forward/shoot.h"
+#include "transport/forward/shootSettings.h"
 #include "transport/roomWithHole.h"
 
 using namespace recurse;
@@ -87,7 +90,7 @@ TEST(LightPortals, ASkyBesideAFarSunIsFoundToo) {
       "Material \"diffuse\" \"rgb reflectance\" [0 0 0] Shape \"sphere\" \"float radius\" 8 "
       "AttributeEnd";
   const Rendered path = renderText(roomWithHole(16, sun), "path", "", 8 * count);
-  const Rendered photons = renderText(roomWithHole(16, sun), "photonmap", "\"bool trial\" false", count);
+  const Rendered photons = renderText(roomWithHole(16, sun), "photonmap", "", count);
   const double error = std::hypot(path.standardError(), photons.standardError());
   EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.02 + 3 * error / path.mean());
   EXPECT_GT(photons.statistics.photonsStored, photons.statistics.photonsEmitted / 20);
@@ -137,7 +140,7 @@ Shape "sphere" "float radius" .3
 )";
   const Rendered path = renderText(milk, "path", "", 256);
   for (uint64_t seed = 1; seed <= 3; ++seed) {
-    const Rendered photons = renderText(milk, "photonmap", "\"bool trial\" false", 16, seed);
+    const Rendered photons = renderText(milk, "photonmap", "", 16, seed);
     EXPECT_NEAR(photons.mean() / path.mean(), 1, 0.08 + 3 * path.standardError() / path.mean()) << seed;
   }
 }
@@ -158,7 +161,7 @@ Shape "trianglemesh" "integer indices" [0 1 2 0 2 3  4 5 6 4 6 7  8 9 10 8 10 11
   // No fewer under sanitizers: fewer would not tell light that is counted twice.
   constexpr int COUNT = 32;
   const Rendered path = renderText(room, "path", "", 16 * COUNT);
-  const Rendered photons = renderText(room, "photonmap", "\"bool trial\" false", COUNT);
+  const Rendered photons = renderText(room, "photonmap", "", COUNT);
   const auto& notes = photons.statistics.notes;
   EXPECT_TRUE(std::any_of(notes.begin(), notes.end(),
                           [](const std::string& n) { return n.find("left to rays") != std::string::npos; }));
@@ -203,4 +206,49 @@ TEST(StrongPhotons, AreSplitWithoutLossWhereTheyAreSeen) {
   EXPECT_NEAR(b.value / a.value, 1, 4 * std::hypot(a.error, b.error) / a.value);
   EXPECT_GT(split.count, 2 * whole.count);
   EXPECT_LT(split.strongest, 0.6f * whole.strongest);
+}
+
+TEST(StrongPhotons, FollowAMirrorOnlyOnceWhereTheyAreSplit) {
+  // What a coat mirrors has one direction, and all copies of a photon would come to one point.
+  const auto scene = sceneFrom(view(16, "0 -3 2  0 0 .2  0 0 1", 40) + R"(
+LightSource "spot" "point3 from" [ 0 -1 1 ] "point3 to" [ 0 0 0 ] "rgb I" [ 9 9 9 ]
+Material "coateddiffuse" "float roughness" 0 "rgb reflectance" [ .5 .5 .5 ]
+Shape "bilinearmesh" "point3 P" [ -2 -2 0  2 -2 0  -2 2 0  2 2 0 ]
+Material "diffuse"
+Shape "bilinearmesh" "point3 P" [ -2 2 0  2 2 0  -2 2 4  2 2 4 ]
+)");
+  VisibleRegion everywhere;
+  everywhere.add(scene->bounds().center, 2 * scene->bounds().radius);
+  ShootSettings settings;
+  settings.photons = 4000;
+  settings.direct = false;
+  settings.region = &everywhere;
+  struct Shot {
+    double flux = 0, squares = 0; ///< of all photons, and sum of their squares
+    size_t coincident = 0;
+    float strongest = 0;
+  };
+  const auto shoot = [&] {
+    Shot shot;
+    std::vector<Photon> photons =
+        shootPhotons(*scene, PathClasses(), Pass(), settings, ForwardControl()).stored;
+    std::sort(photons.begin(), photons.end(), [](const Photon& a, const Photon& b) {
+      return std::tie(a.position.x, a.position.y, a.position.z) <
+             std::tie(b.position.x, b.position.y, b.position.z);
+    });
+    for (size_t i = 0; i < photons.size(); ++i) {
+      const float power = maxComponent(photons[i].power);
+      shot.flux += double(power);
+      shot.squares += square(double(power));
+      shot.strongest = std::max(shot.strongest, power);
+      if (i > 0 && photons[i].position == photons[i - 1].position) ++shot.coincident;
+    }
+    return shot;
+  };
+  const Shot whole = shoot();
+  EXPECT_EQ(whole.coincident, 0u);
+  settings.splitPower = whole.strongest / 16;
+  const Shot split = shoot();
+  EXPECT_EQ(split.coincident, 0u);
+  EXPECT_NEAR(split.flux / whole.flux, 1, 4 * std::sqrt(whole.squares + split.squares) / whole.flux);
 }

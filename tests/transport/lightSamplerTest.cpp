@@ -4,7 +4,9 @@
  */
 #include <map>
 
-#include "recurse/transport/directLight.h"
+#include "integrators/path/pathTracing.h"
+#include "integrators/photonmap/photonMapping.h"
+#include "transport/direct/directLight.h"
 #include "transport/rendering.h"
 
 using namespace recurse;
@@ -214,11 +216,37 @@ TEST(LightSampler, WhatLearningTookIsTold) {
     return first - second;
   };
   EXPECT_EQ(raysOfFirstPass("path", ""), learning);
+  EXPECT_EQ(raysOfFirstPass("auto", "\"integer passes\" 0 \"integer photons\" 2000"), learning);
+  EXPECT_EQ(raysOfFirstPass("photonmap",
+                            "\"integer passes\" 0 \"integer photons\" 2000 \"bool causticsonly\" true"),
+            learning);
   EXPECT_EQ(raysOfFirstPass("photonmap", "\"integer passes\" 1 \"integer photons\" 2000"), learning);
   EXPECT_EQ(
       raysOfFirstPass("photonmap",
                       "\"integer passes\" 1 \"integer photons\" 2000 \"string without\" \"lightlearning\""),
       0u);
+}
+
+TEST(LightSampler, LearnsOnceForIntegratorsThatShareIt) {
+  const auto scene = sceneFrom(rooms());
+  const ThreadPool pool(0);
+  LightSampler lights;
+  ASSERT_GT(lights.learn(*scene).rays, 0u);
+  const auto path = makePathTracing({}, nullptr, &lights);
+  path->prepare(*scene, PathClasses());
+  EXPECT_EQ(path->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays, 0u);
+  PhotonMappingSettings settings;
+  settings.photons = 1000;
+  std::unique_ptr<PhotonMapper> each[] = {makePhotonMapping(settings, &lights),
+                                          makeCausticPaths(settings, &lights)};
+  for (const auto& photons : each) {
+    photons->prepare(*scene, PathClasses());
+    const auto pass = [&] {
+      return photons->forward(*scene, PathClasses(), Pass(), ForwardControl()).counts.rays;
+    };
+    const uint64_t first = pass();
+    EXPECT_EQ(first, pass());
+  }
 }
 
 /** Of many lamps behind walls the one that shines here is chosen: the same light with less noise. */

@@ -2,8 +2,9 @@
  * Media against closed forms: phase functions over the registry, transmittance, single scattering, furnaces,
  * boundaries, path classes.
  */
-#include "recurse/transport/shoot.h"
 #include "rendering.h"
+#include "transport/forward/shoot.h"
+#include "transport/paths/walk.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -70,6 +71,15 @@ TEST(PhaseFunctions, AreDensitiesThatTheySample) {
     }
 }
 
+TEST(Media, HomogeneousOnesHaveTheCoefficientsOfPbrtByDefault) {
+  Diagnostics diagnostics;
+  const auto medium =
+      plugIns().media.make(parseParameterText("homogeneous", ""), MediumContext(), diagnostics);
+  ASSERT_TRUE(medium) << diagnostics.format();
+  EXPECT_EQ(medium->at(Vec3f(0)).absorption, Rgb(1));
+  EXPECT_EQ(medium->at(Vec3f(0)).scattering, Rgb(1));
+}
+
 TEST(Media, TransmittanceByChannel) {
   const Rgbd sigma(0.3, 1, 3);
   const Rendered homogeneous = renderText(
@@ -85,6 +95,64 @@ TEST(Media, TransmittanceByChannel) {
           EVEN_SKY),
       "path", "", samples(16384));
   expectColour(meanOfMedium(grid), exp(-0.75 * sigma), 0.012, "grid");
+}
+
+TEST(Media, AbsorptionAndEmissionAloneHaveNoVariance) {
+  const Rgbd sigma(0.3, 1, 3), emitted(0.5, 0.2, 0);
+  const std::string scene = throughTheBox("\"string type\" \"homogeneous\" \"rgb sigma_a\" [.3 1 3] \"rgb "
+                                          "sigma_s\" [0 0 0] \"rgb Le\" [.5 .2 0]",
+                                          EVEN_SKY);
+  for (const std::string integrator : {"path", "simplepath"}) {
+    const Rendered r = renderText(scene, integrator, "", 1);
+    for (size_t i = 0; i < r.pixels(); ++i)
+      expectColour(r.value(i), exp(-sigma) + emitted * (1.0 - exp(-sigma)), 1e-5, integrator);
+  }
+}
+
+TEST(Media, AbsorptionOfAGridIsExpectedAtEachStep) {
+  // One cell: along its middle the density rises from a half to 1 and falls again, 3/4 in the mean.
+  const Rendered r = renderText(
+      throughTheBox("\"string type\" \"uniformgrid\" \"point3 p0\" [-2 -2 0] \"point3 p1\" [2 2 1] \"rgb "
+                    "sigma_a\" [1 1 1] \"rgb sigma_s\" [0 0 0] \"float density\" 2",
+                    EVEN_SKY),
+      "path", "", samples(1024));
+  const double expected = std::exp(-1.5);
+  EXPECT_NEAR(r.mean(), expected, 4.5 * r.standardError());
+  // Of paths that go on or end: expected * (1 - expected).
+  const double variance = square(r.standardError()) * double(r.pixels()) * samples(1024);
+  EXPECT_LT(variance, 0.75 * expected * (1 - expected));
+}
+
+TEST(Media, LampsInGlassAreNoMatterOfChanceBehindFog) {
+  // Seen in a pane of .04 through five units of a medium that only absorbs.
+  const Rendered r = renderText(
+      "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.4 .4 .4] \"rgb sigma_s\" [0 0 "
+      "0]\nMediumInterface \"\" \"m\"\n" +
+          view(4, "0 0 -1  0 0 1  0 1 0", 0.1) +
+          "MediumInterface \"m\" \"m\"\nAttributeBegin\nTranslate 0 0 -2\nAreaLightSource \"diffuse\" \"rgb "
+          "L\" [1 1 1]\nShape \"disk\" \"float radius\" 9\nAttributeEnd\nTranslate 0 0 1\nMaterial "
+          "\"dielectric\" \"float eta\" 1.5\nShape \"disk\" \"float radius\" 9\n",
+      "photonmap", "", 2);
+  const double image = 0.04 * std::exp(-2.0); // and what the lamp reflects again: a hundredth
+  for (size_t i = 0; i < r.pixels(); ++i) EXPECT_NEAR(r.luminanceAt(i), image, 0.05 * image);
+}
+
+TEST(Media, ChannelsMayOnlyAbsorbBesideOthersThatScatter) {
+  // All is as hot as the walls: 1 everywhere, and black where nothing comes through.
+  const auto inside = [](const std::string& medium, const std::string& wall) {
+    return "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" " + medium +
+           "\nMediumInterface \"\" \"m\"\n" + view(4, "0 0 0  0 0 1  0 1 0", 90) +
+           "MediumInterface \"m\" \"m\"\nReverseOrientation\nMaterial \"diffuse\" \"rgb reflectance\" [.4 "
+           ".4 .4]\nAreaLightSource \"diffuse\" \"rgb L\" [" +
+           wall + "]\nShape \"sphere\" \"float radius\" 1\n";
+  };
+  const Rendered hot =
+      renderText(inside("\"rgb sigma_a\" [1 .5 0] \"rgb sigma_s\" [0 .5 2] \"rgb Le\" [1 1 1]", ".6 .6 .6"),
+                 "path", "", samples(1024));
+  expectColour(meanOfMedium(hot), Rgbd(1), SANITIZED ? 0.06 : 0.02, "hot");
+  const Rendered dark = renderText(inside("\"rgb sigma_a\" [1e6 0 0] \"rgb sigma_s\" [0 .5 2]", ".6 .6 .6"),
+                                   "path", "", samples(1024));
+  expectColour(meanOfMedium(dark), {0, 1, 1}, SANITIZED ? 0.06 : 0.02, "dark in red");
 }
 
 TEST(Media, SingleScatteringOfParallelLight) {
@@ -156,6 +224,35 @@ TEST(Media, IsothermalEnclosure) {
   text.replace(text.find("Camera"), 6, inside);
   const Rendered r = renderText(text, "path", "", samples(1024));
   expectColour(meanOfMedium(r), Rgbd(1), SANITIZED ? 0.06 : 0.02, "");
+}
+
+TEST(Media, MirrorsTurnQuadricsInsideOutAsInPbrt) {
+  // Outside the medium has no end, and no light of the sky comes through.
+  const std::string ball = "Shape \"sphere\"", drum =
+                                                   "Shape \"cylinder\" \"float radius\" 2\n"
+                                                   "Shape \"disk\" \"float radius\" 2 \"float height\" 1\n"
+                                                   "ReverseOrientation\n"
+                                                   "Shape \"disk\" \"float radius\" 2 \"float height\" -1\n";
+  const std::string mirror = "Scale 1 1 -1\n", turn = "ReverseOrientation\n";
+  for (const std::string& shape : {ball, drum}) {
+    const auto seen = [&](const std::string& before) {
+      return renderText(view(2, "0 0 -3  0 0 1  0 1 0", 0.01) + EVEN_SKY +
+                            "MakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 1 1] "
+                            "\"rgb sigma_s\" [0 0 0]\nMaterial \"interface\"\nMediumInterface \"m\" \"\"\n" +
+                            before + shape,
+                        "path", "", 1)
+          .mean();
+    };
+    EXPECT_NEAR(seen(""), std::exp(-2.0), 1e-5) << shape;
+    EXPECT_EQ(seen(turn), 0) << shape;
+    EXPECT_EQ(seen(mirror), 0) << shape;
+    EXPECT_NEAR(seen(mirror + turn), std::exp(-2.0), 1e-5) << shape;
+  }
+  // Lamps shine where they did.
+  const Rendered lamp = renderText(view(2, "0 0 -3  0 0 1  0 1 0", 0.01) +
+                                       "AreaLightSource \"diffuse\" \"rgb L\" [2 2 2]\n" + mirror + ball,
+                                   "path", "", 1);
+  EXPECT_NEAR(lamp.mean(), 2, 1e-5);
 }
 
 TEST(Media, AreKeptInNestedDielectrics) {
@@ -313,7 +410,7 @@ void expectWhatPathFinds(const std::string& text, const std::vector<PathClass>& 
                          int photonSamples = 64) {
   const auto scene = sceneFrom(text);
   const PathClasses classes(asked);
-  const Film truth = renderMediaClasses(*scene, "path", "", classes, samples(2048));
+  const Film truth = renderMediaClasses(*scene, "path", "", classes, samples(16384));
   for (const std::string parameters : {"\"integer lightsamples\" 8", "\"string direct\" \"photons\""}) {
     const Film film =
         renderMediaClasses(*scene, "photonmap", parameters, classes, SANITIZED ? 4 : photonSamples);
@@ -332,7 +429,7 @@ TEST(MediaPhotons, DenseMatterIsNoDarkerThanByPaths) {
       "\"rgb sigma_s\" [ 1000 1000 1000 ]\nTranslate 0 0 .5\nMediumInterface \"m\" \"\"\n"
       "Material \"interface\"\nShape \"sphere\" \"float radius\" .5\n";
   const Rendered paths = renderText(ball, "path", "", samples(256));
-  const Rendered photons = renderText(ball, "photonmap", "\"bool trial\" false", samples(16));
+  const Rendered photons = renderText(ball, "photonmap", "", samples(16));
   EXPECT_NEAR(photons.mean() / paths.mean(), 1, 0.08);
 }
 
@@ -343,8 +440,7 @@ TEST(MediaPhotons, MatterDenseInOneChannelIsNoDarkerInThatThanByPaths) {
                            "\"rgb sigma_s\" [ 1e4 1 1 ]\nMediumInterface \"m\" \"\"\n" +
                            MEDIUM_BOX;
   const Rgb paths = meanOfMedium(renderText(slab, "path", "\"integer maxdepth\" 2", samples(512)));
-  const Rgb photons =
-      meanOfMedium(renderText(slab, "photonmap", "\"integer maxdepth\" 2 \"bool trial\" false", samples(32)));
+  const Rgb photons = meanOfMedium(renderText(slab, "photonmap", "\"integer maxdepth\" 2", samples(32)));
   for (int c = 0; c < 3; ++c)
     EXPECT_NEAR(double(photons[c] / paths[c]), 1, SANITIZED ? 0.15 : 0.05) << "channel " << c;
 }

@@ -3,7 +3,7 @@
  */
 #include "rendering.h"
 
-#include "recurse/transport/cameraProbe.h"
+#include "transport/emission/cameraProbe.h"
 
 using namespace recurse;
 using namespace recurse::testing;

@@ -106,6 +106,61 @@ TEST(Panes, AreEventsOfThePathsClass) {
   EXPECT_NEAR(alone.layerMeans()[0], 0.5 * COSINE * square(transmitted(COSINE)), 1e-3);
 }
 
+/** The same by paths from both ends, which find some of the light otherwise. */
+TEST(Panes, PathsFromBothEndsHaveTheSameShadowRays) {
+  const PathClasses classes({{"none", "LDE"}, {"one", "LSDE"}, {"two", "LSSDE"}});
+  for (const int panes : {1, 2}) {
+    const auto scene = sceneFrom(sunnyFloor(panes));
+    const double expected = 0.5 * COSINE * std::pow(transmitted(COSINE), panes);
+    for (const std::string name : {"bdpt", "vcm"}) {
+      const std::string depth = "\"integer maxdepth\" " + std::to_string(panes + 1),
+                        less = "\"integer maxdepth\" " + std::to_string(panes);
+      const Rendered r = renderClasses(*scene, {name, depth}, classes, 16, 1);
+      for (size_t layer = 0; layer < 3; ++layer)
+        EXPECT_NEAR(r.mean(layer), layer == size_t(panes) ? expected : 0, 5e-3 * expected)
+            << name << " " << panes;
+      EXPECT_EQ(renderScene(*scene, name, less, 4).mean(), 0) << panes << " panes, " << name;
+    }
+  }
+}
+
+/** A small lamp that the camera does not see, floor and wall behind one pane, and a second one before the
+ * camera. Without shadow rays through panes nothing but a lucky hit of the lamp finds light of LSDSE. */
+TEST(Panes, ASmallLampBehindThemMakesNoBrightPixels) {
+  const auto scene = sceneFrom(view(16, "0 1.2 -3.5  0 .4 0  0 1 0", 40) + R"(
+AttributeBegin
+Translate 0 2.6 1
+AreaLightSource "diffuse" "rgb L" [ 4000 4000 4000 ]
+Shape "sphere" "float radius" .01
+AttributeEnd
+Material "thindielectric"
+Shape "bilinearmesh" "point3 P" [ -2 0 -2.5  2 0 -2.5  -2 2 -2.5  2 2 -2.5 ]
+Shape "bilinearmesh" "point3 P" [ -2 2 -3  2 2 -3  -2 2 2  2 2 2 ]
+Material "diffuse" "rgb reflectance" [ .6 .5 .4 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 -3  2 0 -3  -2 0 2  2 0 2 ]
+Shape "bilinearmesh" "point3 P" [ -2 0 2  2 0 2  -2 3 2  2 3 2 ]
+)");
+  const PathClasses classes({{"direct", "LSDSE"}, {"two", "LSDDSE"}});
+  const Rendered seen = renderClasses(*scene, {"path", ""}, classes, samples(128), 1);
+  const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(64), 6);
+  for (const char* name : {"bdpt", "vcm"}) {
+    const Rendered r = renderClasses(*scene, {name, ""}, classes, samples(64), 1);
+    const BatchMeans means = classMeans(*scene, {name, ""}, classes, samples(64), 6);
+    for (size_t layer = 0; layer < classes.layerCount(); ++layer) {
+      const size_t i = 3 * layer;
+      const double error = std::hypot(means.standardError(i), truth.standardError(i));
+      EXPECT_NEAR(means.mean(i), truth.mean(i), 4.5 * error) << name << " " << layer;
+      EXPECT_LT(error, (SANITIZED ? 0.05 : 0.02) * truth.mean(i)) << name << " " << layer;
+      double brightest = 0, most = 0;
+      for (size_t p = 0; p < r.pixels(); ++p) {
+        brightest = std::max(brightest, r.luminanceAt(p, layer));
+        most = std::max(most, seen.luminanceAt(p, layer));
+      }
+      EXPECT_LT(brightest, 2 * most) << name << " " << layer;
+    }
+  }
+}
+
 TEST(Panes, ShadowRaysAndOtherRaysShareTheLightBehindThem) {
   const std::string sky = "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n",
                     lamp = "AttributeBegin\nMaterial \"interface\"\nReverseOrientation\n"
@@ -114,7 +169,9 @@ TEST(Panes, ShadowRaysAndOtherRaysShareTheLightBehindThem) {
   for (const std::string& light : {sky, lamp}) {
     const auto scene = sceneFrom(furnaceUnderGlass(light));
     ASSERT_TRUE(scene);
-    for (const auto& [name, parameters] : WAYS) {
+    auto ways = WAYS;
+    ways.insert(ways.end(), {{"bdpt", ""}, {"vcm", ""}});
+    for (const auto& [name, parameters] : ways) {
       const Rendered r = renderScene(*scene, name, parameters, samples(256));
       EXPECT_NEAR(r.mean(), 1, 5 * std::min(r.standardError(), 4e-3)) << name << " " << parameters << "\n"
                                                                       << light;

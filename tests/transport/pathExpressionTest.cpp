@@ -10,10 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include "recurse/core/error.h"
-#include "recurse/transport/classesReport.h"
-#include "recurse/transport/estimatorDomains.h"
-#include "recurse/transport/pathExpression.h"
+#include "recurse/core/io/error.h"
+#include "recurse/pathclasses/classesReport.h"
+#include "recurse/pathclasses/pathClasses.h"
+#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/transport/integrator/estimatorDomains.h"
 #include "sanitized.h"
 
 namespace recurse {

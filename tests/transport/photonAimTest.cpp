@@ -1,7 +1,7 @@
 /** @file
  * Far lamps whose photons are aimed: densities, fluxes against closed forms, and caustics.
  */
-#include "recurse/transport/photonAim.h"
+#include "transport/emission/photonAim.h"
 #include "transport/rendering.h"
 
 using namespace recurse;
@@ -106,7 +106,7 @@ TEST(PhotonAim, AFarSunHasTheCausticOfADistantLight) {
   // r²/d².
   const auto render = [&](const std::string& light) {
     const std::string text = ballOnFloor(24, light);
-    return renderText(text, "photonmap", "\"bool trial\" false", samples(32));
+    return renderText(text, "photonmap", "", samples(32));
   };
   const Rendered sun =
       render("Translate 400 -600 960 AreaLightSource \"diffuse\" \"rgb L\" [ 72000 72000 72000 ] "

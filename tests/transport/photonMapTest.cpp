@@ -2,7 +2,7 @@
  * The photon map finds exactly what a search through all photons finds, whichever index it uses; and what
  * it does with odd input.
  */
-#include "recurse/transport/photonMapQuery.h"
+#include "transport/photonmap/photonMapQuery.h"
 
 #include <algorithm>
 #include <functional>
@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "recurse/core/parallel.h"
-#include "recurse/transport/kernel.h"
+#include "recurse/core/threads/parallel.h"
+#include "transport/photonmap/kernel.h"
 
 using namespace recurse;
 

@@ -1,7 +1,7 @@
 /** @file
  * Shadow rays through learned portals: densities, and the light of a hole against its solid angle.
  */
-#include "recurse/transport/portalSampler.h"
+#include "transport/direct/portalSampler.h"
 #include "transport/roomWithHole.h"
 
 using namespace recurse;

@@ -4,7 +4,7 @@
  */
 #include "rendering.h"
 
-#include "recurse/transport/radiusCache.h"
+#include "transport/density/radiusCache.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -65,7 +65,8 @@ TEST(Progressive, APassDependsOnNoneButTheFirst) {
   const PathClasses classes;
   const auto afterPasses = [&](std::initializer_list<uint32_t> passes) {
     const auto integrator = integratorFrom("photonmap", ALL_FROM_PHOTONS);
-    for (const uint32_t pass : passes) integrator->forward(*scene, classes, {7, pass, false}, {});
+    for (const uint32_t pass : passes)
+      integrator->forward(*scene, classes, {7, pass, PassSchedule::PER_SAMPLE}, {});
     return radiances(*scene, *integrator);
   };
   const auto jumped = afterPasses({0, 3});
@@ -81,7 +82,8 @@ TEST(Progressive, MemoryDoesNotGrow) {
       "photonmap", "\"integer photons\" 4000 \"integer passes\" 0 \"string direct\" \"photons\"");
   size_t early = 0;
   for (uint32_t pass = 0; pass < (SANITIZED ? 100u : 1000u); ++pass) {
-    const size_t bytes = integrator->forward(*scene, classes, {1, pass, false}, {}).mapBytes;
+    const size_t bytes =
+        integrator->forward(*scene, classes, {1, pass, PassSchedule::PER_SAMPLE}, {}).mapBytes;
     if (pass < 20)
       early = std::max(early, bytes);
     else

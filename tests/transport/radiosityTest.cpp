@@ -143,3 +143,17 @@ TEST(Radiosity, SaysWhatItIgnores) {
   ASSERT_EQ(r.statistics.warnings.size(), 1u);
   EXPECT_NE(r.statistics.warnings[0].find("1 of the scene's shapes"), std::string::npos);
 }
+
+TEST(Radiosity, TooSmallPatchesAreRefusedBeforeTheyAreMade) {
+  const auto scene = sceneFrom(mattRoom(""));
+  const auto told = [&](const std::string& patchSize) -> std::string {
+    try {
+      renderScene(*scene, "radiosity", "\"integer rays\" 100 \"float patchsize\" " + patchSize, 1);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return {};
+  };
+  EXPECT_EQ(told(".5"), "");
+  EXPECT_NE(told("1e-6").find("\"patchsize\" 1e-06 makes"), std::string::npos) << told("1e-6");
+}

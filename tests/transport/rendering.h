@@ -4,6 +4,8 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <set>
+#include <typeindex>
 
 #include "sceneRendering.h"
 
@@ -51,18 +53,59 @@ struct Mean {
   double value = 0, error = 0;
 };
 
-/** The ways of estimating the whole of light transport: integrator and parameters. */
+/** An integrator and its parameters. */
 struct Way {
   std::string integrator, parameters;
 };
+
+/** Whether the integrator takes the parameter. */
+inline bool hasParameter(const std::string& integrator, const std::string& name) {
+  for (const ParameterSpec& p : plugIns().integrators.find(integrator)->parameters)
+    if (p.name == name && !p.ignored) return true;
+  return false;
+}
+
+/**
+ * The ways of estimating the whole of light transport: the integrators of the registry that claim all paths
+ * and suppose nothing, without those that are another name of one, as they are by default; and photonmap with
+ * one map of so many photons. Progressive ones emit as many in 16 passes.
+ */
 inline std::vector<Way> allWays(const std::string& photons) {
+  std::vector<Way> ways;
+  const std::string progressive =
+      "\"integer passes\" 0 \"integer photons\" " + std::to_string(std::max(1, std::stoi(photons) / 16));
+  std::set<std::type_index> known;
+  for (const auto& entry : plugIns().integrators.entries()) {
+    const auto made = integratorFrom(entry.name, "");
+    const Integrator& integrator = *made;
+    const bool isTextbook = entry.name == "simplephotonmap"; // one wide search, whose blur is seen
+    if (integrator.claims().empty() && integrator.suppositions().empty() && !isTextbook &&
+        known.insert(typeid(integrator)).second)
+      ways.push_back({entry.name, hasParameter(entry.name, "photons") && hasParameter(entry.name, "passes")
+                                      ? progressive
+                                      : ""});
+  }
   const std::string p = "\"integer passes\" 1 \"integer photons\" " + photons;
-  return {{"path", ""},
-          {"photonmap", p},
-          {"photonmap", p + " \"string direct\" \"photons\""},
-          {"photonmap", p + " \"integer finalgather\" 2"},
-          {"photonmap", p + " \"integer finalgather\" 1 \"string direct\" \"photons\""},
-          {"photonmap", p + " \"bool causticsonly\" true"}};
+  for (const char* more :
+       {"", " \"string direct\" \"photons\"", " \"integer finalgather\" 2",
+        " \"integer finalgather\" 1 \"string direct\" \"photons\"", " \"bool causticsonly\" true"})
+    ways.push_back({"photonmap", p + more});
+  return ways;
+}
+
+/** Those of them that have light paths for all samples, or none: others take long for many samples. */
+inline std::vector<Way> quickWays(const std::string& photons) {
+  std::vector<Way> ways = allWays(photons);
+  std::erase_if(ways, [](const Way& way) {
+    return integratorFrom(way.integrator, way.parameters)->passes(1).schedule() == PassSchedule::PER_SAMPLE;
+  });
+  return ways;
+}
+
+/** The way estimates light by a map of photons, which others do not blur. */
+inline bool readsPhotons(const Way& way) {
+  return hasParameter(way.integrator, "gatherphotons") &&
+         way.parameters.find("causticsonly") == std::string::npos;
 }
 
 } // namespace recurse::testing

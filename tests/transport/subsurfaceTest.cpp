@@ -4,8 +4,8 @@
  */
 #include <random>
 
-#include "recurse/model/fresnel.h"
-#include "recurse/model/mediumParameters.h"
+#include "bsdfs/microfacet/fresnel.h"
+#include "recurse/model/medium/mediumParameters.h"
 #include "rendering.h"
 
 using namespace recurse;

@@ -56,7 +56,7 @@ const std::pair<const char*, const char*> SLOW[] = {
 class SlowPasses : public Integrator {
  public:
   SlowPasses(double first, double later) : first(first), later(later) {}
-  int passes(int) const override { return 0; }
+  Passes passes(int) const override { return Passes::perSample(); }
   ForwardStatistics forward(const Scene&, const PathClasses&, const Pass& pass,
                             const ForwardControl& control) override {
     const auto end =
@@ -82,6 +82,19 @@ RenderStatistics renderSlowPasses(double first, double later, double limit) {
   return render(*scene, integrator, PathClasses(), settings, film, std::atomic<bool>{false}, {}, {});
 }
 
+/** Its first pass learns in loops that look at nothing, for minutes. */
+class SlowLearner : public Integrator {
+ public:
+  ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) override {
+    for (int i = 0; i < 60; ++i)
+      parallelFor(1000 * size_t(threadCount()),
+                  [](size_t) { std::this_thread::sleep_for(std::chrono::milliseconds(1)); });
+    return {};
+  }
+  void backward(const Scene&, const CameraRay&, Sampler&, PathRadiance&) const override {}
+  std::vector<EstimatorDomain> domains() const override { return {}; }
+};
+
 } // namespace
 
 TEST(TimeLimit, IsUsedAfterAFirstPassThatTookMostOfIt) {
@@ -96,6 +109,26 @@ TEST(TimeLimit, EndsPassesThatTakeLongerThanTheFirst) {
   EXPECT_EQ(s.least, 1u);
   EXPECT_EQ(s.most, 1u);
   EXPECT_EQ(s.stopReason, StopReason::TIME);
+}
+
+TEST(TimeLimit, EndsLearningWithoutASampleWhereThatIsWanted) {
+  const auto scene = sceneFrom(LIT_FLOOR);
+  for (const bool isStopped : {false, true}) {
+    SlowLearner integrator;
+    std::atomic<bool> stop{false};
+    std::jthread later([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      if (isStopped) stop = true;
+    });
+    RenderSettings settings;
+    settings.timeLimit = isStopped ? 0 : 0.2;
+    settings.limitsFirstPass = true;
+    Film film(scene->film().crop, 1);
+    const RenderStatistics s = render(*scene, integrator, PathClasses(), settings, film, stop, {}, {});
+    EXPECT_LT(s.renderSeconds, 10);
+    EXPECT_EQ(s.samples, 0u);
+    EXPECT_EQ(s.stopReason, isStopped ? StopReason::INTERRUPTED : StopReason::TIME);
+  }
 }
 
 TEST(TimeLimit, IsKeptWithinASample) {
@@ -203,4 +236,40 @@ Shape "bilinearmesh" "point3 P" [ -1 -9 0  1 -9 0  -1 9 0  1 9 0 ] "point2 uv" [
   const auto [dark, bright] = std::minmax(left, right);
   EXPECT_NEAR(bright, 0.8, 0.1);
   EXPECT_LT(dark, 0.04 * bright);
+}
+
+TEST(TimeLimit, EndsWhatIsLearnedOfLights) {
+  // Each ray meets all of many lamps, and there are 18,000 of them before the first sample.
+  std::string text = R"(
+Film "rgb" "integer xresolution" 96 "integer yresolution" 96
+LookAt 0 0 -5  0 0 0  0 1 0
+Camera "perspective"
+WorldBegin
+Material "diffuse"
+ObjectBegin "0" AreaLightSource "diffuse" Shape "sphere" ObjectEnd
+)";
+  constexpr int DOUBLINGS = 13;
+  for (int i = 0; i < DOUBLINGS; ++i) {
+    const std::string below = "ObjectInstance \"" + std::to_string(i) + "\" ";
+    text += "ObjectBegin \"" + std::to_string(i + 1) + "\" " + below + below + "ObjectEnd\n";
+  }
+  text += "ObjectInstance \"" + std::to_string(DOUBLINGS) + "\"\n";
+  const auto scene = sceneFrom(text);
+  const auto integrator = integratorFrom("path", "\"integer maxdepth\" 1");
+  for (const bool isStopped : {false, true}) {
+    std::atomic<bool> stop{false};
+    std::jthread later([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      stop = isStopped;
+    });
+    RenderSettings settings;
+    settings.samplesPerPixel = 0;
+    settings.timeLimit = isStopped ? 0 : 0.2;
+    settings.firstSampleTime = 0.2;
+    Film film(scene->film().crop, 1);
+    const auto start = std::chrono::steady_clock::now();
+    const RenderStatistics s = render(*scene, *integrator, PathClasses(), settings, film, stop, {}, {});
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 5);
+    EXPECT_EQ(s.stopReason, isStopped ? StopReason::INTERRUPTED : StopReason::TIME);
+  }
 }

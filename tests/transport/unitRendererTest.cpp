@@ -7,7 +7,7 @@
 #include <random>
 #include <thread>
 
-#include "recurse/transport/unitRenderer.h"
+#include "render/unitRenderer.h"
 
 using namespace recurse;
 using namespace recurse::testing;

@@ -5,7 +5,7 @@
  */
 #include "rendering.h"
 
-#include "recurse/transport/walker.h"
+#include "transport/paths/walker.h"
 
 using namespace recurse;
 using namespace recurse::testing;

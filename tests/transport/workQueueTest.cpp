@@ -6,13 +6,13 @@
 #include <map>
 #include <random>
 
-#include "recurse/transport/workQueue.h"
+#include "recurse/render/workQueue.h"
 
 using namespace recurse;
 
 TEST(WorkQueue, EverySampleOnceAndTheSplatsOfEveryPassOnce) {
   std::mt19937 random(5);
-  for (const int passes : {1, 0, 3, 40})
+  for (const Passes& passes : {Passes::oneMap(), Passes::perSample(), Passes::fixed(3), Passes::fixed(40)})
     for (const int workers : {1, 2, 7, 64}) {
       const int64_t samples = 40, tiles = 13;
       WorkQueue queue(samples, tiles, passes);
@@ -34,7 +34,8 @@ TEST(WorkQueue, EverySampleOnceAndTheSplatsOfEveryPassOnce) {
             if (begun.splats && t == begun.firstTile) ++splats[s];
           }
       }
-      EXPECT_EQ(done.size(), size_t(samples * tiles)) << passes << " passes, " << workers << " workers";
+      EXPECT_EQ(done.size(), size_t(samples * tiles))
+          << passes.minSamples() << " passes, " << workers << " workers";
       for (const auto& [what, times] : done) ASSERT_EQ(times, 1);
       EXPECT_EQ(splats.size(), size_t(samples));
       for (const auto& [sample, times] : splats) ASSERT_EQ(times, 1) << sample;
@@ -42,7 +43,7 @@ TEST(WorkQueue, EverySampleOnceAndTheSplatsOfEveryPassOnce) {
 }
 
 TEST(WorkQueue, UnitsBecomeSmallTowardsTheEnd) {
-  WorkQueue queue(1000, 10, 1);
+  WorkQueue queue(1000, 10, Passes::oneMap());
   double last = 0;
   while (const auto unit = queue.take(1000, 4)) {
     EXPECT_LE(unit->size(), 1000);
@@ -52,19 +53,19 @@ TEST(WorkQueue, UnitsBecomeSmallTowardsTheEnd) {
 }
 
 TEST(WorkQueue, PassesStayWholeWhileThereAreEnoughForAll) {
-  WorkQueue queue(64, 10, 16); // four samples a pass
+  WorkQueue queue(64, 10, Passes::fixed(16)); // four samples a pass
   for (int i = 0; i < 12; ++i) {
     const auto unit = queue.take(30, 4);
     EXPECT_EQ(unit->size(), 40);
     EXPECT_EQ(unit->firstSample, 4 * i);
   }
   // Four are left for four; then they are shared.
-  WorkQueue last(4, 10, 1 + 1, {WorkUnit{2, 4, 0, 10}});
+  WorkQueue last(4, 10, Passes::fixed(2), {WorkUnit{2, 4, 0, 10}});
   EXPECT_EQ(last.take(1e9, 5)->endTile, 2);
 }
 
 TEST(WorkQueue, SamplesOfATileStayTogetherWhereTheyMust) {
-  for (const int passes : {1, 4}) {
+  for (const Passes& passes : {Passes::oneMap(), Passes::fixed(4)}) {
     WorkQueue queue(256, 10, passes, {WorkUnit{64, 128, 0, 10}});
     queue.keepPassesWhole();
     double size = 0;

@@ -1,4 +1,4 @@
-// Edges of what is brighter than white stay smooth under a tone operator: src/report/brightEdges.cpp.
+// Edges of what is brighter than white stay smooth under a tone operator: src/report/develop/brightEdges.cpp.
 
 function offsetsWithin(radius2) {
   const out = [], r = Math.floor(Math.sqrt(radius2));
@@ -9,8 +9,8 @@ function offsetsWithin(radius2) {
 const EDGE_REACH2 = 6;
 const EDGE_OFFSETS = offsetsWithin(EDGE_REACH2), SIDE_OFFSETS = offsetsWithin(25), EVEN = 0.8;
 
-/** Changes `shown`, which an operator made of `light`, the exposed picture. */
-function mixBrightEdges(light, shown, width, height) {
+/** Changes `shown`, which an operator made of `glaring`, the exposed picture; `light` is what of it is no glare. */
+function mixBrightEdges(light, glaring, shown, width, height) {
   const brightness = Float32Array.from({ length: width * height },
     (_, i) => Math.max(light[3 * i], light[3 * i + 1], light[3 * i + 2]));
   /** The first pixel at one of the offsets of which `is` is true; -1 where there is none. */
@@ -72,6 +72,18 @@ function mixBrightEdges(light, shown, width, height) {
     const root = Math.hypot((a - c) / 2, b), along = (a + c) / 2 + root, across = (a + c) / 2 - root;
     return sum >= 4 && across <= 1.5 && along >= 2 * across ? brightest : -1;
   };
+  const most = (values, i) => Math.max(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
+  /** A pixel that is as bright as `dark` would be in the glare of another one. */
+  const withGlareOf = (here, dark) => {
+    if (light === glaring) return dark;
+    const limit = Math.max(...[0, 1, 2].map((c) => glaring[3 * here + c] - (light[3 * here + c] - light[3 * dark + c])));
+    let out = dark;
+    find(here % width, Math.floor(here / width), SIDE_OFFSETS, (i) => {
+      if (most(glaring, i) > most(glaring, out) && most(glaring, i) <= limit) out = i;
+      return false;
+    });
+    return out;
+  };
   const before = shown.slice(), colour = (values, i) => [0, 1, 2].map((c) => values[3 * i + c]);
   const shownAt = (i) => colour(before, i).map((v) => Math.min(v, 1));
   for (let y = 0; y < height; ++y)
@@ -89,7 +101,7 @@ function mixBrightEdges(light, shown, width, height) {
       const length2 = contrast.reduce((sum, v) => sum + v * v, 0);
       const covered = Math.min(Math.max(
         colour(light, here).reduce((sum, v, c) => sum + (v - low[c]) * contrast[c], 0) / length2, 0), 1);
-      const shownBright = shownAt(bright), shownDark = shownAt(dark), part = Math.min(top - 1, 1);
+      const shownBright = shownAt(bright), shownDark = shownAt(withGlareOf(here, dark)), part = Math.min(top - 1, 1);
       shownAt(here).forEach((v, c) => {
         const mixed = covered * shownBright[c] + (1 - covered) * shownDark[c];
         shown[3 * here + c] = v + part * (Math.min(mixed, v) - v);

@@ -16,7 +16,7 @@ function blurredTransposed(field, width, height, half) {
   return out;
 }
 
-/** As gaussianBlur() of src/model/toneCurve.cpp: a wide blur is done on a smaller picture. */
+/** As gaussianBlur() of src/model/film/toneCurve.cpp: a wide blur is done on a smaller picture. */
 function gaussianBlur(field, width, height, sigma) {
   const factor = Math.max(1, Math.floor(sigma / 8)), w = Math.ceil(width / factor), h = Math.ceil(height / factor);
   const rest = factor > 1 ? Math.sqrt((sigma / factor) ** 2 - 0.25) : sigma;

@@ -87,11 +87,12 @@ const TONE_OPERATORS = {
   drago,
 };
 
-/** As paint() of pixels.js, by an operator. */
-function paintBy(operator, canvas, values, width, height, exposure) {
+/** As paint() of pixels.js, by an operator; `direct` is what of the values is no glare. */
+function paintBy(operator, canvas, values, width, height, exposure, direct = values) {
   if (operator === "none") { paint(canvas, values, width, height, exposure); return; }
   const scale = 2 ** exposure;
-  const light = values.map((v) => (Number.isFinite(v * scale) ? Math.min(Math.max(v * scale, 0), 1e9) : 0));
+  const exposed = (list) => list.map((v) => (Number.isFinite(v * scale) ? Math.min(Math.max(v * scale, 0), 1e9) : 0));
+  const light = exposed(values);
   const shown = light.slice();
   if (LOCAL_OPERATORS[operator]) {
     LOCAL_OPERATORS[operator](shown, width, height);
@@ -99,7 +100,7 @@ function paintBy(operator, canvas, values, width, height, exposure) {
     const change = TONE_OPERATORS[operator]((q) => scale * luminanceQuantile(values, q));
     for (let i = 0; i < shown.length; i += 3) change(shown.subarray(i, i + 3));
   }
-  mixBrightEdges(light, shown, width, height);
+  mixBrightEdges(direct === values ? light : exposed(direct), light, shown, width, height);
   paint(canvas, shown, width, height, 0);
 }
 

@@ -1,0 +1,77 @@
+/** @file
+ * Pictures in memory and on disk (OpenImageIO): reading, and writing that never leaves half a file behind.
+ */
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "recurse/core/io/fileReference.h"
+#include "recurse/core/math/rgb.h"
+
+namespace recurse {
+
+/** Float pixels, row by row from the top, channels interleaved. */
+struct Image {
+  int width = 0, height = 0;
+  std::vector<std::string> channels; ///< names: R G B, or with layers: direct.R ...
+  std::vector<float> pixels;
+  std::map<std::string, std::string> metadata;
+
+  Image() = default;
+  Image(int width, int height, std::vector<std::string> channelNames)
+      : width(width), height(height), channels(std::move(channelNames)),
+        pixels(size_t(width) * size_t(height) * channels.size()) {}
+  float* at(int x, int y) { return &pixels[(size_t(y) * size_t(width) + size_t(x)) * channels.size()]; }
+  const float* at(int x, int y) const {
+    return &pixels[(size_t(y) * size_t(width) + size_t(x)) * channels.size()];
+  }
+  /** Index of a channel; -1 when there is none of that name. */
+  int channel(const std::string& name) const;
+  Rgb rgb(int x, int y) const {
+    const float* p = at(x, y);
+    return {p[0], p[1], p[2]};
+  }
+};
+
+/** A picture with the channels and metadata of another one of the same size after its own. */
+Image withChannels(const Image& picture, const Image& more);
+
+/** Where R, G, B are among a file's channels, then its others; a single channel stands for all three. Throws
+ * Error naming the file when there are neither. */
+std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);
+
+/** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */
+float linearFromSrgb(float encoded);
+/** The reverse. */
+float srgbFromLinear(float linear);
+
+/** Reads any format that OpenImageIO knows; 8- and 16-bit sRGB pictures become linear. Throws Error naming
+ * the file and the reason. */
+Image readImage(const FileReference& file);
+
+struct ImageWriteOptions {
+  float exposure = 0;   ///< stops, for the formats of displays
+  bool encoded = false; ///< the values are in [0, 1] and for a display already; only for those formats
+};
+
+/** True for the formats of 8 bits for displays: .png .jpg .jpeg .tif .tiff. Throws Error for an unknown one.
+ */
+bool isDisplayFormat(const std::string& fileName);
+
+/**
+ * Writes by extension: .exr (float, all channels), .hdr .pfm (linear RGB), .png .jpg .jpeg .tif .tiff (8 bit
+ * sRGB of R, G, B). The file appears under its name only when it is complete. Throws Error naming file and
+ * reason.
+ */
+void writeImage(const std::string& fileName, const Image& image, const ImageWriteOptions& options = {});
+
+/** Throws Error when a picture could not be written there: unknown extension, no such folder, not allowed.
+ *  Called before a long render. */
+void checkImageWritable(const std::string& fileName);
+
+/** Writes text to a file in the same all-or-nothing way. */
+void writeFileAtomically(const std::string& fileName, const std::string& text);
+
+} // namespace recurse

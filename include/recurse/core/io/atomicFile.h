@@ -1,0 +1,43 @@
+/** @file
+ * Files that appear under their name only when they are complete, so that a failed run loses nothing.
+ */
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace recurse {
+
+/**
+ * A file that is written under a temporary name in the folder of its target, and takes the target's name in
+ * commit(). Without a commit the temporary file is removed and an existing target stays as it was. Targets
+ * that are not regular files (/dev/stdout, a terminal, /dev/null) are written to directly. Every function
+ * throws Error naming the target and the reason.
+ */
+class AtomicFile {
+ public:
+  explicit AtomicFile(const std::string& target);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(const void* data, size_t size);
+  void commit();
+
+ private:
+  [[noreturn]] void fail(int reason) const;
+
+  std::string givenName, target, temporary; ///< temporary: empty when written to directly
+  int descriptor = -1;
+  int slot = -1; ///< in the table that removeTemporaryFiles looks at
+};
+
+/** Throws Error when a file could not be written there: no such folder, not allowed, a folder itself, a named
+ * pipe. Leaves no trace. */
+void checkFileWritable(const std::string& fileName);
+
+/** Unlinks the temporary files of every AtomicFile that is not committed. May be called in a signal handler
+ * that ends the program. */
+void removeTemporaryFiles() noexcept;
+
+} // namespace recurse

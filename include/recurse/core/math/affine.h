@@ -1,0 +1,31 @@
+/** @file
+ * Whether a matrix can place anything.
+ */
+#pragma once
+
+#include <cmath>
+
+#include "recurse/core/math/vector.h"
+
+namespace recurse {
+
+inline bool isFinite(const Mat4d& m) {
+  for (int c = 0; c < 4; ++c)
+    for (int r = 0; r < 4; ++r)
+      if (!std::isfinite(m[c][r])) return false;
+  return true;
+}
+
+/** Exact in its columns even for matrices whose determinant would underflow. */
+inline bool isInvertible(const Mat4d& m) {
+  Mat3d linear(m);
+  for (int c = 0; c < 3; ++c) {
+    const double size = std::max({std::abs(linear[c].x), std::abs(linear[c].y), std::abs(linear[c].z)});
+    if (!(size > 0)) return false;
+    linear[c] /= size;
+  }
+  // Below this the columns agree in all digits that a file could have.
+  return std::abs(glm::determinant(linear)) > 1e-14;
+}
+
+} // namespace recurse

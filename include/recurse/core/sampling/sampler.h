@@ -1,0 +1,78 @@
+/** @file
+ * Samples: Sobol' points with hashed Owen scrambling (Burley, "Practical Hash-based Owen Scrambling", JCGT
+ * 9(4), 2020), padded two dimensions at a time. A sample depends only on (seed, stream, index, dimension), so
+ * that pictures do not depend on the number of threads or their order.
+ */
+#pragma once
+
+#include <cstdint>
+
+#include "recurse/core/math/vector.h"
+
+namespace recurse {
+
+/** A 64-bit mixing function (the finaliser of splitmix64, Steele et al. 2014), of an unsigned number or of
+ * each of a vector's. */
+template <class T>
+requires(sizeof(T) >= sizeof(uint64_t)) constexpr T mixBits(T v) {
+  v ^= v >> 30;
+  v *= 0xbf58476d1ce4e5b9ull;
+  v ^= v >> 27;
+  v *= 0x94d049bb133111ebull;
+  return v ^ (v >> 31);
+}
+constexpr uint64_t hashCombine(uint64_t a, uint64_t b) { return mixBits(a * 0x9e3779b97f4a7c15ull + b + 1); }
+
+/** A float in [0, 1) from the upper 24 bits. */
+constexpr float unitFloat(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+
+/** The bits in the opposite order. */
+constexpr uint32_t reverseBits(uint32_t v) {
+  v = __builtin_bswap32(v);
+  v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
+  v = ((v >> 2) & 0x33333333u) | ((v & 0x33333333u) << 2);
+  return ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
+}
+
+/** The samples of one light or eye path: call next1D and next2D in an order fixed by the path. Cheap to copy.
+ */
+class Sampler {
+ public:
+  /** `stream` tells pixels, and photon passes, apart; `index` counts samples of that stream. */
+  Sampler(uint64_t seed, uint64_t stream, uint32_t index)
+      : key(hashCombine(mixBits(seed), stream)), reversedIndex(reverseBits(index)) {}
+
+  /** In [0, 1). */
+  float next1D() { return numbers[next()]; }
+  /** In [0, 1)². */
+  Vec2f next2D() {
+    const unsigned i = next();
+    return {numbers[i], numbers[AT_ONCE + i]};
+  }
+  /** An independent sampler for a branch of the path. */
+  Sampler fork(uint32_t branch) const {
+    Sampler s = *this;
+    s.key = hashCombine(key ^ (uint64_t(dimension) << 32), branch);
+    s.dimension = (dimension + AT_ONCE - 1) / AT_ONCE * AT_ONCE;
+    return s;
+  }
+
+ private:
+  /** Pairs of dimensions that are made together. */
+  static constexpr unsigned AT_ONCE = 4;
+
+  unsigned next() {
+    const unsigned i = dimension % AT_ONCE;
+    if (i == 0) refill();
+    ++dimension;
+    return i;
+  }
+  void refill();
+
+  uint64_t key;
+  uint32_t reversedIndex;
+  uint32_t dimension = 0;
+  float numbers[2 * AT_ONCE]; ///< filled where dimension % AT_ONCE > 0
+};
+
+} // namespace recurse

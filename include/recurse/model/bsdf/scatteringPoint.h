@@ -1,0 +1,327 @@
+/** @file
+ * Scattering at a surface point: the one place that turns a BSDF plug-in's local functions into what the
+ * forward and the backward pass need. Here, and nowhere else, stand the 1/η² scaling of radiance at
+ * refraction, the factor for shading normals in the forward pass (Veach 1997, equation 5.19), and the refusal
+ * of light that would leak through the geometric surface.
+ */
+#pragma once
+
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/bsdf/bsdf.h"
+#include "recurse/model/bsdf/directionGuide.h"
+
+namespace recurse {
+
+/** What is carried along the walk. */
+enum class Transport {
+  RADIANCE, ///< backward, from the eye
+  FLUX,     ///< forward, from the lights
+};
+
+/** A step of a walk. */
+struct Scatter {
+  Vec3f direction; ///< unit, world
+  Rgb weight{
+      0}; ///< BSDF · cosine / density, with the factors of the transport: multiply the throughput by it
+  float pdf = 0; ///< per solid angle [1/sr], the choice of the lobe included; for a delta lobe, the chance of
+                 ///< the choice
+  Lobe lobe = NO_LOBE;
+  float eta = 1; ///< refractive index on the new side over that on the old one
+  /** Albedo over the weight: turns a guided weight, which is low where light comes from, into the mean weight
+   * of BSDF sampling, which Russian roulette goes by. 1 without a guide. */
+  float rouletteScale = 1;
+
+  bool specular() const { return (lobe & DELTA_LOBES) != 0; }
+};
+
+class ScatteringPoint {
+ public:
+  ScatteringPoint(const Bsdf& bsdf, const SurfacePoint& point)
+      : bsdf(bsdf), frame(point.shadingNormal), geometricNormal(point.geometricNormal), lobeSet(bsdf.lobes()),
+        curve(point.curve) {
+    if (lobeSet & ANISOTROPIC) frame = Frame(point.shadingNormal, point.dpdu);
+    if (lobeSet & LAMBERTIAN) constant = bsdf.value({0, 0, 1}, {0, 0, 1});
+  }
+
+  /** Mixes radiance walks' sampling with a guide, at opaque surfaces; photons are not guided. Null: none. */
+  void follow(const DirectionGuide* newGuide) { guide = isGuidable() ? newGuide : nullptr; }
+  /** Whether a guide for one side of the surface makes sense. */
+  bool isGuidable() const { return hasNonDelta() && !(lobeSet & (TRANSMISSION | FIBRE)); }
+
+  LobeSet lobes() const { return lobeSet; }
+  bool hasNonDelta() const { return (lobeSet & NON_DELTA_LOBES) != 0; }
+  /** Whether a density of photons makes sense here; elsewhere rays find what they would tell. */
+  bool keepsPhotons() const {
+    return hasNonDelta() && curve == SurfacePoint::Curve::NONE && !(lobeSet & FIBRE);
+  }
+  bool hasDelta() const { return (lobeSet & DELTA_LOBES) != 0; }
+
+  /** The non-delta BSDF alone [1/sr] for radiance that arrives from wo and leaves towards wi: what a photon's
+   * power is multiplied by. */
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const {
+    if (leaks(wi, wo)) return BLACK;
+    if (lobeSet & LAMBERTIAN) return glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0 ? constant : BLACK;
+    return bsdf.value(frame.toLocal(wo), frame.toLocal(wi));
+  }
+
+  /** Recurse's `evaluate`: the non-delta BSDF times the cosine of `light`, for radiance that arrives from
+   *  `light` and leaves towards `eye`. */
+  Rgb evaluate(const Vec3f& eye, const Vec3f& light) const {
+    return value(eye, light) * absDot(light, frame.z);
+  }
+
+  /** The non-delta BSDF times the cosine of `wo`, for a photon that came from `wi` and goes on to `wo`. */
+  Rgb evaluateFlux(const Vec3f& wi, const Vec3f& wo) const {
+    const Vec3f localI = frame.toLocal(wi), localO = frame.toLocal(wo);
+    const Rgb f = lobeSet & LAMBERTIAN ? value(wo, wi) : leaks(wi, wo) ? BLACK : fluxValue(localI, localO);
+    return f * (std::abs(localO.z) * shadingNormalFactor(wi, localI, wo, localO));
+  }
+
+  /** Density with which scatter chooses wo by a non-delta lobe [1/sr], for the same allowed lobes. */
+  float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
+    if (!(lobeSet & allowed & DELTA_LOBES)) return pdfNonDelta(wi, wo);
+    const Vec3f local = frame.toLocal(wi);
+    return pdfNonDelta(wi, wo) * nonDeltaProbability(local);
+  }
+  /** The same when only the non-delta lobes are sampled (scatterNonDelta). */
+  float pdfNonDelta(const Vec3f& wi, const Vec3f& wo) const {
+    const float byBsdf = pdfBsdf(wi, wo);
+    if (!guide) return byBsdf;
+    const float a = guide->bsdfProbability();
+    return a * byBsdf + (1 - a) * guide->pdf(wo);
+  }
+  /** Density of BSDF sampling alone, without the guide [1/sr]. */
+  float pdfBsdf(const Vec3f& wi, const Vec3f& wo) const {
+    if (lobeSet & LAMBERTIAN) {
+      const float cosI = glm::dot(wi, frame.z), cosO = glm::dot(wo, frame.z);
+      return cosI * cosO > 0 ? std::abs(cosO) * INV_PI : 0;
+    }
+    return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
+  }
+
+  /** One step by any of the allowed lobes, chosen in proportion to what they scatter. Empty: absorbed. */
+  std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler,
+                                 LobeSet allowed = ALL_LOBES) const {
+    allowed &= lobeSet;
+    if (!(allowed & DELTA_LOBES)) {
+      if (!(allowed & NON_DELTA_LOBES)) return {};
+      return scatterNonDelta(wi, transport, sampler);
+    }
+    const Vec3f local = frame.toLocal(wi);
+    DeltaScatters found;
+    bsdf.deltas(local, found);
+    const float diffuse = (allowed & NON_DELTA_LOBES) ? maxComponent(bsdf.albedo(local)) : 0;
+    float total = diffuse;
+    for (const DeltaScatter& d : found) total += maxComponent(d.weight);
+    if (!(total > 0)) return {};
+    float u = sampler.next1D() * total;
+    if (u < diffuse) {
+      std::optional<Scatter> s = scatterNonDelta(wi, transport, sampler);
+      if (s) {
+        s->weight *= total / diffuse;
+        s->pdf *= diffuse / total;
+      }
+      return s;
+    }
+    u -= diffuse;
+    const DeltaScatter* chosen = nullptr;
+    for (const DeltaScatter& d : found) {
+      const float share = maxComponent(d.weight);
+      if (share <= 0) continue;
+      chosen = &d;
+      if (u < share) break;
+      u -= share;
+    }
+    std::optional<Scatter> s = toWorld(wi, local, *chosen, transport);
+    if (s) {
+      s->pdf = maxComponent(chosen->weight) / total;
+      s->weight /= s->pdf;
+    }
+    return s;
+  }
+
+  /** One step by the non-delta lobes only. */
+  std::optional<Scatter> scatterNonDelta(const Vec3f& wi, Transport transport, Sampler& sampler) const {
+    const Vec2f u = sampler.next2D();
+    if (guide && transport == Transport::RADIANCE) return scatterGuided(wi, u, sampler);
+    if (lobeSet & LAMBERTIAN) return scatterLambertian(wi, transport, u);
+    const Vec3f local = frame.toLocal(wi);
+    const std::optional<Vec3f> wo = bsdf.sample(local, u, sampler.next1D());
+    if (!wo) return {};
+    Scatter s;
+    s.direction = frame.toWorld(*wo);
+    s.pdf = bsdf.pdf(local, *wo);
+    if (!(s.pdf > 0) || leaks(wi, s.direction)) return {};
+    s.lobe = local.z * wo->z > 0 ? REFLECTION : TRANSMISSION;
+    // Radiance goes the other way; where it is refracted that is the factor 1/η².
+    const Rgb f = transport == Transport::FLUX ? fluxValue(local, *wo) : bsdf.value(*wo, local);
+    s.weight = f * (std::abs(wo->z) / s.pdf);
+    if (s.lobe == TRANSMISSION) s.eta = local.z > 0 ? bsdf.eta() : 1 / bsdf.eta();
+    if (transport == Transport::FLUX) s.weight *= shadingNormalFactor(wi, local, s.direction, *wo);
+    return s;
+  }
+
+  /** Every delta step, to follow all of them; the weights are those of the steps, not divided by a chance. */
+  int deltaScatters(const Vec3f& wi, Transport transport,
+                    std::array<Scatter, DeltaScatters::MAX_COUNT>& out) const {
+    const Vec3f local = frame.toLocal(wi);
+    DeltaScatters found;
+    bsdf.deltas(local, found);
+    int n = 0;
+    for (const DeltaScatter& d : found)
+      if (const std::optional<Scatter> s = toWorld(wi, local, d, transport))
+        out[static_cast<size_t>(n++)] = *s;
+    return n;
+  }
+
+  // Recurse's operations by their names.
+
+  /** A photon's next step by the diffuse lobes: flux towards a random direction. */
+  std::optional<Scatter> diffuseForwardScatter(const Vec3f& wi, Sampler& sampler) const {
+    return scatterNonDelta(wi, Transport::FLUX, sampler);
+  }
+  /** The mirror direction of an eye ray, with all mirror lobes' weights together. */
+  std::optional<Scatter> specularReflectionBackwardScatter(const Vec3f& wi) const {
+    return firstDelta(wi, MIRROR);
+  }
+  /** The refracted direction of an eye ray, radiance scaling included; the first where there are several. */
+  std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi) const {
+    return firstDelta(wi, REFRACTION);
+  }
+  /** The same, but that of several one is chosen by chance, with the weight of all. */
+  std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi, Sampler& sampler) const;
+
+  const Vec3f& normal() const { return frame.z; }
+
+ private:
+  /** The BSDF for flux from wi to wo. A hair has turned to the photon, and the eye sees another side of it.
+   * Across the whole width both meet the same, mirrored, if they exchange their inclinations to the hair and
+   * keep their azimuths. */
+  Rgb fluxValue(const Vec3f& wi, const Vec3f& wo) const {
+    if (!(lobeSet & FIBRE) || curve != SurfacePoint::Curve::FACES_RAY) return bsdf.value(wi, wo);
+    const float across = std::sqrt((1 - square(wi.x)) / (1 - square(wo.x)));
+    if (!(across > 0 && across < INFINITE)) return BLACK;
+    return bsdf.value({wi.x, wo.y * across, wo.z * across}, {wo.x, wi.y / across, wi.z / across});
+  }
+
+  /** One step by the BSDF or by the guide, with the density of both (one-sample balance heuristic, Veach
+   * 1997, section 9.2.4). */
+  std::optional<Scatter> scatterGuided(const Vec3f& wi, const Vec2f& u, Sampler& sampler) const {
+    const float a = guide->bsdfProbability(), choice = sampler.next1D();
+    const Vec3f local = frame.toLocal(wi);
+    Scatter s;
+    float byGuide = 0;
+    if (choice < a) {
+      const std::optional<Vec3f> wo = bsdf.sample(local, u, choice / a);
+      if (!wo) return {};
+      s.direction = frame.toWorld(*wo);
+      byGuide = guide->pdf(s.direction);
+    } else {
+      s.direction = guide->sample(u, byGuide);
+    }
+    s.pdf = a * pdfBsdf(wi, s.direction) + (1 - a) * byGuide;
+    const Rgb f = evaluate(wi, s.direction);
+    if (!(s.pdf > 0) || isBlack(f)) return {};
+    s.weight = f / s.pdf;
+    s.lobe = REFLECTION;
+    const float albedo = maxComponent(bsdf.albedo(local)); // 0: not known
+    if (albedo > 0) s.rouletteScale = albedo / maxComponent(s.weight);
+    return s;
+  }
+
+  /** The quotient of a constant BSDF times the cosine and a density in proportion to the cosine is the
+   * albedo: most surfaces of most scenes, so no virtual function is asked. */
+  std::optional<Scatter> scatterLambertian(const Vec3f& wi, Transport transport, const Vec2f& u) const {
+    Vec3f local = cosineHemisphere(u);
+    const float cosI = glm::dot(wi, frame.z);
+    if (cosI < 0) local.z = -local.z;
+    Scatter s;
+    s.direction = frame.toWorld(local);
+    s.pdf = std::abs(local.z) * INV_PI;
+    if (!(s.pdf > 0) || cosI == 0 || leaks(wi, s.direction)) return {};
+    s.weight = constant * PI;
+    s.lobe = REFLECTION;
+    if (transport == Transport::FLUX)
+      s.weight *= shadingNormalFactor(wi, frame.toLocal(wi), s.direction, local);
+    return s;
+  }
+
+  /** True when the directions' sides by the geometric normal are not those by the shading normal. */
+  bool leaks(const Vec3f& wi, const Vec3f& wo) const {
+    const bool sameGeometric = glm::dot(wi, geometricNormal) * glm::dot(wo, geometricNormal) > 0;
+    const bool sameShading = glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0;
+    return sameGeometric != sameShading;
+  }
+
+  float nonDeltaProbability(const Vec3f& local) const {
+    DeltaScatters found;
+    bsdf.deltas(local, found);
+    const float diffuse = maxComponent(bsdf.albedo(local));
+    float total = diffuse;
+    for (const DeltaScatter& d : found) total += maxComponent(d.weight);
+    return total > 0 ? diffuse / total : 0;
+  }
+
+  float shadingNormalFactor(const Vec3f& wi, const Vec3f& wiLocal, const Vec3f& wo,
+                            const Vec3f& woLocal) const {
+    if (frame.z == geometricNormal)
+      return 1; // exactly: at grazing angles the quotient would be rounding alone
+    const float denominator = absDot(wi, geometricNormal) * std::abs(woLocal.z);
+    if (denominator == 0) return 0; // a photon that arrives in the plane of the surface brings no flux
+    return std::abs(wiLocal.z) * absDot(wo, geometricNormal) / denominator;
+  }
+
+  std::optional<Scatter> toWorld(const Vec3f& wi, const Vec3f& local, const DeltaScatter& d,
+                                 Transport transport) const {
+    Scatter s;
+    s.direction = glm::normalize(frame.toWorld(d.wo));
+    if (leaks(wi, s.direction)) return {};
+    s.weight = d.weight;
+    s.pdf = 1;
+    s.lobe = d.lobe;
+    s.eta = d.eta;
+    if (transport == Transport::RADIANCE)
+      s.weight /= square(d.eta);
+    else
+      s.weight *= shadingNormalFactor(wi, local, s.direction, d.wo);
+    return s;
+  }
+
+  std::optional<Scatter> firstDelta(const Vec3f& wi, Lobe lobe) const {
+    std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+    const int n = deltaScatters(wi, Transport::RADIANCE, all);
+    for (int i = 0; i < n; ++i)
+      if (all[static_cast<size_t>(i)].lobe == lobe) return all[static_cast<size_t>(i)];
+    return {};
+  }
+
+  const Bsdf& bsdf;
+  Frame frame;
+  Vec3f geometricNormal;
+  LobeSet lobeSet;
+  SurfacePoint::Curve curve;
+  Rgb constant{0};                       ///< the value of a Lambertian BSDF
+  const DirectionGuide* guide = nullptr; ///< of radiance walks; null: BSDF sampling
+};
+
+inline std::optional<Scatter> ScatteringPoint::specularRefractionBackwardScatter(const Vec3f& wi,
+                                                                                 Sampler& sampler) const {
+  std::array<Scatter, DeltaScatters::MAX_COUNT> all;
+  const int count = deltaScatters(wi, Transport::RADIANCE, all);
+  std::optional<Scatter> chosen;
+  float total = 0, chance = 0;
+  for (int i = 0; i < count; ++i) {
+    const Scatter& s = all[static_cast<size_t>(i)];
+    const float worth = s.lobe == REFRACTION ? maxComponent(s.weight) * square(s.eta) : 0;
+    if (!(worth > 0)) continue;
+    total += worth;
+    if (chosen && sampler.next1D() * total >= worth) continue;
+    chosen = s;
+    chance = worth;
+  }
+  if (chosen) chosen->weight *= total / chance;
+  return chosen;
+}
+
+} // namespace recurse

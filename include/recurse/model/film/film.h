@@ -1,0 +1,157 @@
+/** @file
+ * The film: for each pixel and layer the sum of its samples, the same bits for any order of them, and what
+ * the error estimate needs; and what light paths have splatted. Integrators do not see it; they fill a
+ * PathRadiance, or a Splatter, which know the layers.
+ */
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "recurse/core/math/longSum.h"
+#include "recurse/core/math/rgb.h"
+#include "recurse/model/camera/camera.h"
+#include "recurse/model/film/splatPlane.h"
+
+namespace recurse {
+
+class Film {
+  struct Pixel {
+    LongSum weight, luminance, luminanceSquared;
+    LongSum halfLuminance; ///< of the samples of every second batch
+    uint64_t samples = 0, halfSamples = 0;
+    void add(const Pixel& o) {
+      weight += o.weight;
+      luminance += o.luminance;
+      luminanceSquared += o.luminanceSquared;
+      halfLuminance += o.halfLuminance;
+      samples += o.samples;
+      halfSamples += o.halfSamples;
+    }
+  };
+
+ public:
+  Film(const PixelBounds& bounds, size_t layers)
+      : pixelBounds(bounds), layers(layers), sums(bounds.area() * layers * 3), pixels(bounds.area()) {}
+
+  const PixelBounds& bounds() const { return pixelBounds; }
+  size_t layerCount() const { return layers; }
+
+  /** Adds sample `index` to a pixel: `values` has one colour a layer, `total` their sum without double
+   * counting. Calls for different pixels may run at the same time. */
+  void add(size_t pixel, uint32_t index, float weight, const Rgb* values, const Rgb& total) {
+    LongSum* sum = &sums[pixel * layers * 3];
+    for (size_t i = 0; i < layers; ++i)
+      for (int c = 0; c < 3; ++c) *sum++ += double(values[i][c]) * double(weight);
+    Pixel& p = pixels[pixel];
+    p.weight += double(weight);
+    const double y = double(luminance(total));
+    p.luminance += y;
+    p.luminanceSquared += y * y;
+    ++p.samples;
+    if (index / BATCH % 2 == 0) return;
+    p.halfLuminance += y;
+    ++p.halfSamples;
+  }
+
+  /** Makes room for splats, unless it is there, in fixed-point numbers of this unit, a power of two. */
+  void enableSplats(double unit) {
+    if (!splatPlane) splatPlane.emplace(pixelBounds, layers, unit);
+  }
+  /** What was splatted, to be added to the samples' mean; null unless enabled. */
+  SplatPlane* splats() { return splatPlane ? &*splatPlane : nullptr; }
+  const SplatPlane* splats() const { return splatPlane ? &*splatPlane : nullptr; }
+  /** Adds a contribution around any place of the film to the layers of a bit set: SplatPlane::add(). */
+  void splat(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value) {
+    splatPlane->add(film, filter, layerSet, value);
+  }
+
+  /** Adds all samples and splats of another film of the same pixels and layers. */
+  void add(const Film& other);
+  /** What it takes in memory, and of state(), without splats. */
+  static double bytes(double pixels, double layers) {
+    return pixels * (layers * 3 * sizeof(LongSum) + sizeof(Pixel));
+  }
+  /** The numbers that the film consists of, as they lie in memory, to be kept and put back. */
+  std::vector<std::span<std::byte>> state() {
+    std::vector<std::span<std::byte>> parts{std::as_writable_bytes(std::span(sums)),
+                                            std::as_writable_bytes(std::span(pixels))};
+    if (splatPlane)
+      for (const std::span<std::byte> part : splatPlane->state()) parts.push_back(part);
+    return parts;
+  }
+
+  /** A part of state() as numbers that add up. */
+  struct StatePart {
+    /** Adds so many elements that do not overlap to others. */
+    using Add = void (*)(const void* from, void* into, size_t count);
+    std::span<std::byte> bytes;
+    size_t elementBytes;
+    Add add;
+  };
+  /** state(), in the same order, for sums that are made elsewhere. */
+  std::vector<StatePart> stateParts();
+
+  /** The pixel's value in a layer; black before the first sample. */
+  Rgb value(size_t pixel, size_t layer) const {
+    const double weight = pixels[pixel].weight;
+    const LongSum* sum = &sums[(pixel * layers + layer) * 3];
+    const Rgb mean = weight != 0 ? Rgb(Rgbd(sum[0], sum[1], sum[2]) / weight) : BLACK;
+    return splatPlane ? mean + splatPlane->value(pixel, layer) : mean;
+  }
+  uint64_t samples(size_t pixel) const { return pixels[pixel].samples; }
+  uint64_t totalSamples() const {
+    uint64_t n = 0;
+    for (const Pixel& p : pixels) n += p.samples;
+    return n;
+  }
+  /** Luminance of the samples' mean and the splats together. */
+  double luminanceOf(size_t pixel) const {
+    const Pixel& p = pixels[pixel];
+    return (p.samples > 0 ? p.luminance / double(p.samples) : 0) +
+           (splatPlane ? splatPlane->luminance(pixel) : 0);
+  }
+  /** Variance of the samples' luminance at a pixel, without splats; zero before the second sample. */
+  double variance(size_t pixel) const {
+    const Pixel& p = pixels[pixel];
+    if (p.samples < 2) return 0;
+    const double n = double(p.samples);
+    return std::max(0.0, (p.luminanceSquared - p.luminance * p.luminance / n) / (n - 1));
+  }
+
+  /**
+   * Standard error of each pixel's luminance. Samples are stratified and photon passes are shared by many
+   * pixels, so that the spread of samples tells how the error is distributed, but not how large it is: that
+   * is told by the difference of two halves of the samples, of which each has whole batches of consecutive
+   * ones, averaged over the pixels around. What all samples share, such as one photon map, is not in it.
+   */
+  std::vector<double> standardErrors() const;
+  /**
+   * One number for the picture: the 95th percentile over pixels of standard error divided by luminance, where
+   * the luminance counts as no less than a tenth of the picture's mean. Infinite while a pixel has fewer than
+   * MIN_SAMPLES samples, from which no spread can be told.
+   */
+  double relativeError() const;
+  static constexpr uint64_t MIN_SAMPLES = 8;
+
+ private:
+  static constexpr uint32_t BATCH = 8; ///< samples, a power of two as are the strata of Sobol' points
+
+  /** Below it a relative error says nothing that the eye could see. */
+  double darkLuminance() const;
+  /** Variance of the mean of a pixel's samples by the difference of its halves; none with one half only. */
+  std::optional<double> varianceByHalves(size_t pixel) const;
+
+  PixelBounds pixelBounds;
+  size_t layers;
+  std::vector<LongSum> sums; ///< red, green and blue of each layer of each pixel
+  std::vector<Pixel> pixels;
+  std::optional<SplatPlane> splatPlane;
+};
+
+} // namespace recurse

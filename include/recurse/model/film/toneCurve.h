@@ -1,0 +1,54 @@
+/** @file
+ * What tone operators share: curves that keep the grey card, colours of a given luminance, blurred pictures.
+ */
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "recurse/model/film/toneMap.h"
+
+namespace recurse {
+
+/** The factor s for which a rising curve(s · GREY_CARD) is GREY_CARD; the curve passes through 0. */
+template <class Curve> float greyKeepingScale(const Curve& curve) {
+  float low = 0, high = 1;
+  while (curve(high * GREY_CARD) < GREY_CARD) high *= 2;
+  for (int i = 0; i < 40; ++i) {
+    const float middle = 0.5f * (low + high);
+    (curve(middle * GREY_CARD) < GREY_CARD ? low : high) = middle;
+  }
+  return 0.5f * (low + high);
+}
+
+/** Replaces each colour of the picture by change(colour). */
+template <class Change> void changeColours(Image& picture, const Change& change) {
+  const size_t stride = picture.channels.size();
+  for (size_t i = 0; i + 2 < picture.pixels.size(); i += stride) {
+    float* p = &picture.pixels[i];
+    const Rgb colour = change(Rgb(p[0], p[1], p[2]));
+    std::copy_n(&colour.r, 3, p);
+  }
+}
+
+/** The colour made brighter or darker to luminance y. Where a channel would exceed 1 the colour fades towards
+ * grey instead, as far as y is below 1. */
+inline Rgb withLuminance(const Rgb& colour, float y) {
+  const float before = luminance(colour);
+  if (!(before > 0)) return BLACK;
+  const Rgb scaled = colour * (y / before);
+  const float largest = maxComponent(scaled);
+  return largest <= 1 ? scaled : y >= 1 ? Rgb(y) : Rgb(y) + (scaled - y) * ((1 - y) / (largest - y));
+}
+
+/** The luminance below which the fraction `q` of the pixels is. */
+float luminanceQuantile(const Image& picture, double q);
+
+/** The luminance of each pixel, row by row. */
+std::vector<float> luminances(const Image& picture);
+
+/** A field of width × height numbers blurred by a Gaussian of standard deviation `sigma` [pixels]. At the
+ * border the mean is over what is inside. */
+std::vector<float> gaussianBlur(const std::vector<float>& field, int width, int height, float sigma);
+
+} // namespace recurse

@@ -1,0 +1,30 @@
+/** @file
+ * Triangle meshes from PLY files (Turk, "The PLY Polygon File Format", 1994): text and both binary kinds,
+ * plain or compressed with gzip.
+ */
+#pragma once
+
+#include "recurse/core/io/fileReference.h"
+#include "recurse/model/mesh/triangleMesh.h"
+
+namespace recurse {
+
+struct PlyFile {
+  MeshData mesh;
+  uint64_t badNormals = 0;   ///< that are not finite; they are zero in the mesh
+  size_t brokenVertices = 0; ///< that are not finite and that no face uses
+
+  /** Calls warn(text) for what has been left out. */
+  template <class Warn> void forWarnings(const Warn& warn) const {
+    if (badNormals > 0)
+      warn(std::to_string(badNormals) +
+           " vertices have normals that are not finite; faces are shaded without them");
+    if (brokenVertices > 0)
+      warn(std::to_string(brokenVertices) + " vertices are not finite; no face uses them");
+  }
+};
+
+/** Throws Error with the place of what is wrong. */
+PlyFile readPly(const FileReference& file);
+
+} // namespace recurse

@@ -1,0 +1,79 @@
+/** @file
+ * Triangle meshes: the shape that the mesh plug-ins make, and that Embree intersects by itself.
+ */
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <vector>
+
+#include "recurse/model/shape/shape.h"
+
+namespace recurse {
+
+/** A mesh as files have it, in object space and double precision. */
+struct MeshData {
+  std::vector<Vec3d> positions;
+  std::vector<Vec3d> normals;        ///< one for each position, or none; need not be unit
+  std::vector<Vec3d> tangents;       ///< pbrt's S: one for each position, or none
+  std::vector<Vec2d> uvs;            ///< one for each position, or none
+  std::vector<glm::uvec3> triangles; ///< indices of positions
+};
+
+class TriangleMesh final : public Shape {
+ public:
+  /** Bakes the transform. Throws Error for indices out of range, non-finite numbers or arrays of wrong
+   * length. */
+  TriangleMesh(const MeshData& data, const ShapeContext& context);
+  /** The same, and takes the data apart on the way, so that a large mesh is in memory once. */
+  TriangleMesh(MeshData&& data, const ShapeContext& context);
+
+  const std::vector<Vec3f>& positions() const { return vertices; }
+  const std::vector<glm::uvec3>& indices() const { return triangles; }
+
+  uint32_t primitiveCount() const override { return static_cast<uint32_t>(triangles.size()); }
+  Bounds3f bounds(uint32_t primitive) const override;
+  std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
+  SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const override;
+  SurfacePoint placeAt(uint32_t primitive, const HitParameters& parameters) const override;
+  /** Has what surfaceAt will read of a triangle brought into the cache: first this, then its vertices. */
+  void prefetchTriangle(uint32_t primitive) const {
+    __builtin_prefetch(&triangles[primitive]);
+    __builtin_prefetch(&planes[primitive]);
+  }
+  void prefetchVertices(uint32_t primitive) const {
+    for (int k = 0; k < 3; ++k) __builtin_prefetch(&vertices[triangles[primitive][k]]);
+  }
+  float area() const override { return totalArea; }
+  ShapeSample sampleArea(float pick, const Vec2f& u) const override;
+  const TriangleMesh* triangleMesh() const override { return this; }
+  std::unique_ptr<Solid> asSolid() const override;
+  std::vector<RimPiece> rim() const override;
+
+ private:
+  /** The winding rule's normal in double precision, not normalised; zero for a triangle without area. */
+  Vec3d windingNormal(const glm::uvec3& triangle) const;
+  void tabulateAreas() const;
+  /** What a hit needs of its triangle and is slow to find out: a normal on the outer side by the winding
+   * rule, and the distance from the plane within which Embree may find a point. */
+  struct Plane {
+    Vec3f normal;
+    float error;
+  };
+  Plane planeOf(const glm::uvec3& triangle) const;
+  template <bool ALL> SurfacePoint pointAt(uint32_t primitive, const Vec2f& parameters) const;
+
+  std::vector<Vec3f> vertices, normals, tangents;
+  std::vector<Vec2f> uvs;
+  std::vector<glm::uvec3> triangles;
+  std::vector<Plane> planes;
+  float totalArea = 0;
+  bool flipped = false; ///< the winding rule's normal points inside
+
+  // Only emitting meshes are sampled, so the table is made when it is first wanted.
+  mutable std::once_flag once;
+  mutable std::atomic<bool> tabulated = false; ///< quicker to ask than the flag
+  mutable std::vector<double> cumulativeArea;  ///< of triangles [0, i]
+};
+
+} // namespace recurse

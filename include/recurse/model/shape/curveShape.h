@@ -1,0 +1,57 @@
+/** @file
+ * Thin curves: cubic Bézier segments of changing width, which Embree intersects.
+ */
+#pragma once
+
+#include "recurse/model/shape/shape.h"
+
+namespace recurse {
+
+class CurveShape final : public Shape {
+ public:
+  /** FLAT: turned to the ray; CYLINDER: the same with normals that differ across; RIBBON: as narrow as
+   * normals turn it from the ray. */
+  enum class Kind { FLAT, CYLINDER, RIBBON };
+  struct Segment {
+    Vec3d controls[4];
+    double width0, width1;
+    Vec3d normal0{0}, normal1{0}; ///< of ribbons
+  };
+
+  CurveShape(const std::vector<Segment>& segments, Kind kind, const ShapeContext& context);
+
+  Kind kind() const { return curveKind; }
+  /** Four control points for each segment, with the radius. */
+  const std::vector<glm::vec4>& controls() const { return points; }
+  /** What surfaceAt needs of Embree's hit at u along a segment, by a ray that may be of any length; empty
+   * where a ribbon is narrower than that. */
+  std::optional<HitParameters> parametersOf(uint32_t segment, float u, const Vec3f& origin,
+                                            const Vec3f& direction, float t) const;
+
+  uint32_t primitiveCount() const override { return static_cast<uint32_t>(points.size() / 4); }
+  Bounds3f bounds(uint32_t segment) const override;
+  std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
+  SurfacePoint surfaceAt(uint32_t segment, const HitParameters& parameters) const override;
+  /** It has no inside. */
+  std::vector<RimPiece> rim() const override {
+    const Vec3f start(points.front());
+    return {{start, start, start}};
+  }
+  bool canBeSampled() const override { return false; }
+  float area() const override { return 0; }
+  ShapeSample sampleArea(float, const Vec2f&) const override { return {}; }
+
+ private:
+  struct Place {
+    Vec3d position, tangent; ///< the tangent is the derivative by u
+    double radius;
+  };
+  Place placeOn(uint32_t segment, double u) const;
+
+  Kind curveKind;
+  std::vector<glm::vec4> points;
+  std::vector<Vec3d> ends; ///< of ribbons, the unit normals at both ends of each segment
+  float side = 1;          ///< -1: orientation is reversed
+};
+
+} // namespace recurse

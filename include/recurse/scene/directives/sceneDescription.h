@@ -1,0 +1,97 @@
+/** @file
+ * A scene as it was written: directives with their parameters and transforms, in double precision, before any
+ * plug-in has looked at them.
+ */
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "recurse/scene/parameters/parameters.h"
+
+namespace recurse {
+
+/** What a shape is made of: an index into `materials`, a name into `namedMaterials`, or nothing (interface).
+ */
+struct MaterialReference {
+  enum class Kind { INDEX, NAME, NONE } kind = Kind::INDEX;
+  int index = 0;
+  std::string name;
+  SourceLocation location;
+};
+
+struct MediumReference {
+  std::string inside, outside; ///< names; empty: vacuum
+};
+
+struct ShapeDescription {
+  ParsedDirective shape;
+  Mat4d worldFromObject{1};                 ///< inside an object definition: instance space from object
+  std::optional<Mat4d> worldFromObjectLast; ///< of EndTime, where it differs
+  bool reverseOrientation = false;
+  MaterialReference material;
+  int areaLight = -1; ///< into areaLights; -1: does not emit
+  MediumReference medium;
+};
+
+struct LightDescription {
+  ParsedDirective light;
+  Mat4d worldFromLight{1};
+  std::string medium; ///< that the light stands in
+};
+
+struct ObjectDescription {
+  std::string name;
+  SourceLocation location;
+  std::vector<ShapeDescription> shapes;
+};
+
+struct InstanceDescription {
+  std::string object;
+  Mat4d worldFromInstance{1};
+  std::optional<Mat4d> worldFromInstanceLast; ///< of EndTime, where it differs
+  SourceLocation location;
+};
+
+struct TextureDescription {
+  std::string name;
+  bool spectrum = false; ///< else float
+  ParsedDirective texture;
+  Mat4d worldFromTexture{1};
+};
+
+/** An Animate directive. */
+struct TrackDescription {
+  std::string name;
+  SourceLocation location;
+  double firstTime = 0, lastTime = 0; ///< of its keyframes
+};
+
+struct SceneDescription {
+  std::string fileName;
+  double frame = 0; ///< whose numbers the tracks have
+  std::vector<TrackDescription> tracks;
+  std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and what it includes
+  ParsedDirective film, camera, filter, sampler, integrator, accelerator;
+  Mat4d worldFromCamera{1};
+  std::optional<Mat4d> worldFromCameraLast; ///< of EndTime, where it differs
+  double startTime = 0, endTime = 1;        ///< when the transforms of StartTime and EndTime hold
+  std::map<std::string, ParsedParameter> options;
+  std::vector<ParsedDirective> materials; ///< [0] is the default material, diffuse
+  std::map<std::string, ParsedDirective> namedMaterials;
+  std::vector<TextureDescription> textures; ///< in the order of the file
+  std::vector<ParsedDirective> areaLights;
+  std::map<std::string, ParsedDirective> media;
+  std::map<std::string, Mat4d> worldFromMedium; ///< for every medium
+  std::string cameraMedium;
+  std::vector<ShapeDescription> shapes;
+  std::map<std::string, ObjectDescription> objects;
+  std::vector<InstanceDescription> instances;
+  std::vector<LightDescription> lights;
+  std::vector<std::string> importNotes;   ///< what importers took from their files, and what not
+  std::vector<std::string> importedFiles; ///< paths of what they read
+};
+
+} // namespace recurse

@@ -1,0 +1,108 @@
+/** @file
+ * Registries: plug-ins of one kind by name, with what they declare about themselves.
+ */
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "recurse/scene/parameters/parameters.h"
+
+namespace recurse {
+
+/** What the reference page prints of a plug-in, and what tests make one from. */
+struct PlugInInfo {
+  std::string name;
+  std::string summary; ///< one sentence
+  std::vector<ParameterSpec> parameters;
+  /** Parameters of typical uses in scene-file syntax; tests over the registry make one plug-in from each. */
+  std::vector<std::string> examples;
+};
+
+/** A plug-in of interface I, made from parameters and whatever `Context` the interface's makers need. */
+template <class I, class Context> struct PlugIn : PlugInInfo {
+  std::function<std::unique_ptr<I>(const Parameters&, const Context&)> make;
+};
+
+template <class I, class Context> class Registry {
+ public:
+  using Entry = PlugIn<I, Context>;
+
+  /** `kind` is the directive's word, for messages: "Shape". */
+  explicit Registry(std::string kind) : kindName(std::move(kind)) {}
+
+  void add(Entry entry) { list.push_back(std::move(entry)); }
+  /** Gives every plug-in, but those of the names in `except`, parameters that it need not know of: `finish`
+   * reads them once it is made. */
+  void addToAll(const std::vector<ParameterSpec>& parameters,
+                const std::function<void(I&, const Parameters&, const Context&)>& finish,
+                const std::vector<std::string>& except = {}) {
+    for (Entry& e : list) {
+      if (std::find(except.begin(), except.end(), e.name) != except.end()) continue;
+      e.parameters.insert(e.parameters.end(), parameters.begin(), parameters.end());
+      e.make = [make = std::move(e.make), finish](const Parameters& p, const Context& c) {
+        std::unique_ptr<I> made = make(p, c);
+        if (made) finish(*made, p, c);
+        return made;
+      };
+    }
+  }
+  const std::string& kind() const { return kindName; }
+  const std::vector<Entry>& entries() const { return list; }
+  std::vector<std::string> names() const {
+    std::vector<std::string> out;
+    for (const Entry& e : list) out.push_back(e.name);
+    return out;
+  }
+  const Entry* find(const std::string& name) const {
+    for (const Entry& e : list)
+      if (e.name == name) return &e;
+    return nullptr;
+  }
+
+  /**
+   * Checks the parameters and makes the plug-in. Null when the name is unknown or anything is wrong; the
+   * diagnostics say what.
+   */
+  std::unique_ptr<I> make(const ParsedDirective& directive, const Context& context, Diagnostics& diagnostics,
+                          bool lenient = false) const;
+
+ private:
+  std::string kindName;
+  std::vector<Entry> list;
+};
+
+/** Reports a plug-in name that is not in `names`, with the nearest ones. */
+void reportUnknownPlugIn(const std::string& kind, const ParsedDirective& directive,
+                         const std::vector<std::string>& names, Diagnostics& diagnostics);
+
+template <class I, class Context>
+std::unique_ptr<I> Registry<I, Context>::make(const ParsedDirective& directive, const Context& context,
+                                              Diagnostics& diagnostics, bool lenient) const {
+  const Entry* entry = find(directive.type);
+  if (!entry) {
+    reportUnknownPlugIn(kindName, directive, names(), diagnostics);
+    return nullptr;
+  }
+  Diagnostics own;
+  const Parameters parameters = bindParameters(directive, entry->parameters, own, lenient);
+  for (const Diagnostic& d : own.all())
+    d.severity == Severity::ERROR ? diagnostics.error(d.location, d.message, d.accepted)
+                                  : diagnostics.warning(d.location, d.message, d.accepted);
+  if (own.hasErrors()) return nullptr;
+  try {
+    std::unique_ptr<I> made = entry->make(parameters, context);
+    for (const Diagnostic& d : parameters.warnings().all())
+      diagnostics.warning(d.location, d.message, d.accepted);
+    return made;
+  } catch (const SceneError& e) {
+    for (const Diagnostic& d : e.diagnostics()) diagnostics.error(d.location, d.message, d.accepted);
+    if (e.diagnostics().empty()) diagnostics.error(directive.location, e.what());
+  }
+  return nullptr;
+}
+
+} // namespace recurse

@@ -1,0 +1,54 @@
+/** @file
+ * How often the forward pass is made in a render, and for which samples.
+ */
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+namespace recurse {
+
+enum class PassSchedule {
+  ONE_MAP,   ///< one pass for all samples
+  FIXED,     ///< a given number of passes, each for an equal part of the samples
+  DOUBLING,  ///< as many samples as in all passes before; one in the first and the second
+  PER_SAMPLE ///< a pass for each sample of all pixels
+};
+
+/** The passes of a render, numbered from 0. */
+class Passes {
+ public:
+  static Passes oneMap() { return {PassSchedule::ONE_MAP, 1}; }
+  /** `count` > 0. One pass is oneMap(). */
+  static Passes fixed(int64_t count) {
+    return {count == 1 ? PassSchedule::ONE_MAP : PassSchedule::FIXED, count};
+  }
+  static Passes doubling() { return {PassSchedule::DOUBLING, 1}; }
+  static Passes perSample() { return {PassSchedule::PER_SAMPLE, 1}; }
+
+  PassSchedule schedule() const { return kind; }
+  /** A render has at least as many samples of each pixel. */
+  int64_t minSamples() const { return count; }
+  /** The first sample of a pass, of `samples` of each pixel in all. */
+  int64_t begin(int64_t pass, int64_t samples) const {
+    if (kind == PassSchedule::PER_SAMPLE) return pass;
+    if (kind == PassSchedule::DOUBLING) return pass == 0 ? 0 : int64_t(1) << std::min<int64_t>(pass - 1, 62);
+    return pass * samples / count;
+  }
+  /** The pass that a sample belongs to. */
+  int64_t of(int64_t sample, int64_t samples) const {
+    if (kind == PassSchedule::PER_SAMPLE) return sample;
+    if (kind == PassSchedule::DOUBLING) return std::bit_width(static_cast<uint64_t>(sample));
+    int64_t pass = sample * count / samples;
+    while (begin(pass + 1, samples) <= sample) ++pass;
+    return pass;
+  }
+
+ private:
+  Passes(PassSchedule kind, int64_t count) : kind(kind), count(count) {}
+  PassSchedule kind;
+  int64_t count; ///< 1 of DOUBLING and PER_SAMPLE
+};
+
+} // namespace recurse

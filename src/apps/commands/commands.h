@@ -1,0 +1,32 @@
+/** @file
+ * The subcommands of the program. Each adds itself to the command line, and what it will do to `chosen`.
+ */
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/run/console.h"
+#include "recurse/core/io/error.h"
+
+namespace recurse::apps {
+
+using Command = std::function<ExitStatus()>;
+
+void addRenderCommand(CLI::App& app, Command& chosen);
+void addSplitCommand(CLI::App& app, Command& chosen);
+void addMergeCommand(CLI::App& app, Command& chosen);
+void addDevelopCommand(CLI::App& app, Command& chosen);
+void addStillsCommand(CLI::App& app, Command& chosen);
+void addCompareCommand(CLI::App& app, Command& chosen);
+void addConvergeCommand(CLI::App& app, Command& chosen);
+void addMethodsCommand(CLI::App& app, Command& chosen);
+void addInfoCommand(CLI::App& app, Command& chosen);
+void addClassesCommand(CLI::App& app, Command& chosen);
+void addExplainCommand(CLI::App& app, Command& chosen);
+void addConvertCommand(CLI::App& app, Command& chosen);
+void addReferenceCommand(CLI::App& app, Command& chosen);
+
+} // namespace recurse::apps

@@ -1,0 +1,177 @@
+/** @file
+ * `recurse compare`: how far a picture is from a reference.
+ */
+#include <cstdio>
+
+#include "apps/commands/commands.h"
+#include "apps/options/optionText.h"
+#include "apps/run/outputFiles.h"
+#include "recurse/report/compare/compare.h"
+#include "recurse/report/compare/flip.h"
+#include "recurse/report/stills/stills.h"
+
+namespace recurse::apps {
+
+namespace {
+
+struct CompareOptions {
+  std::string picture, reference, second;
+  std::vector<std::string> noiseFree, failAbove, failBelow;
+  std::string output, map = "relative";
+  bool json = false;
+};
+
+struct Limit {
+  std::string metric;
+  double value = 0;
+  bool above = true;
+};
+
+Limit parseLimit(const std::string& option, const std::string& text, bool above) {
+  const size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error(option + ": '" + text + "' is not METRIC=NUMBER, such as relmse=0.01", ExitStatus::BAD_USAGE);
+  Limit limit{text.substr(0, equals), parseReal(option, text.substr(equals + 1)), above};
+  const std::vector<std::string> names = metricNames();
+  if (std::find(names.begin(), names.end(), limit.metric) == names.end()) {
+    std::string message = option + ": no error measure '" + limit.metric + "'; there are:";
+    for (const std::string& name : names) message += " " + name;
+    throw Error(message, ExitStatus::BAD_USAGE);
+  }
+  return limit;
+}
+
+Image mapOf(const std::string& scale, const Image& image, const Image& reference,
+            const Comparison& comparison) {
+  if (scale == "flip") return flipMap(*comparison.flip);
+  if (scale == "hdrflip") return flipMap(*comparison.hdrFlip);
+  return errorMap(image, reference, scale == "signed" ? ErrorMap::SIGNED : ErrorMap::RELATIVE);
+}
+
+ExitStatus compareFiles(const CompareOptions& o) {
+  std::vector<Limit> limits;
+  for (const std::string& text : o.failAbove) limits.push_back(parseLimit("--fail-above", text, true));
+  for (const std::string& text : o.failBelow) limits.push_back(parseLimit("--fail-below", text, false));
+  if (!o.noiseFree.empty() && !o.second.empty())
+    throw Error("--noise-free A B goes with one picture and one reference", ExitStatus::BAD_USAGE);
+  const bool noiseFree = !o.second.empty() || !o.noiseFree.empty();
+  for (const Limit& limit : limits)
+    if (limit.metric.ends_with("_noise_free") && !noiseFree)
+      throw Error(limit.metric + " needs two independent references", ExitStatus::BAD_USAGE);
+  if (!o.output.empty()) checkImageWritable(o.output);
+  std::vector<std::string> references = o.noiseFree;
+  references.insert(references.end(), {o.reference, o.second});
+  std::vector<InputFile> inputs = inputFiles("a reference", references);
+  inputs.push_back({"the picture that is compared", o.picture});
+  requireDistinctFiles({{"-o", o.output}}, inputs);
+
+  const Image image = readImage(stillsFile(o.picture));
+  Image reference = readImage(stillsFile(o.reference));
+  Comparison comparison;
+  std::string against = o.reference;
+  if (!o.second.empty()) {
+    const Image second = readImage(stillsFile(o.second));
+    comparison = compareImages(image, reference, second);
+    addClasses(comparison, image, reference, &second);
+    reference = meanImage(reference, second);
+    against = "the mean of " + o.reference + " and " + o.second;
+  } else if (!o.noiseFree.empty()) {
+    const Image a = readImage(stillsFile(o.noiseFree[0])), b = readImage(stillsFile(o.noiseFree[1]));
+    comparison = compareImages(image, a, b, &reference);
+    addClasses(comparison, image, a, &b, &reference);
+  } else {
+    comparison = compareImages(image, reference);
+    addClasses(comparison, image, reference);
+  }
+
+  addFlip(comparison, image, reference);
+  print(o.json ? comparisonJson(comparison)
+               : "x = " + o.picture + "\nr = " + against + "\n\n" + comparisonTable(comparison));
+  if (!o.output.empty()) writeImage(o.output, mapOf(o.map, image, reference, comparison));
+
+  std::string failures;
+  const auto fail = [&failures](const std::string& why) {
+    failures += (failures.empty() ? "" : "\nrecurse: ") + why;
+  };
+  if (comparison.pixels == 0) fail("no pixel could be compared");
+  if (comparison.nonFinite > 0)
+    fail(o.picture + ": " + std::to_string(comparison.nonFinite) + " pixels are not finite");
+  for (const Limit& limit : limits) {
+    const double value = metricByName(comparison, limit.metric);
+    // Written so that NaN fails.
+    const bool good = limit.above ? value <= limit.value : value >= limit.value;
+    if (good) continue;
+    const std::string definition = metricDefinition(limit.metric);
+    fail(limit.metric + " is " + formatted("%.6g", value) + ", " + (limit.above ? "above " : "below ") +
+         formatted("%.6g", limit.value) + (definition.empty() ? "" : " (" + definition + ")"));
+  }
+  if (!failures.empty()) throw Error(failures);
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addCompareCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<CompareOptions>();
+  CompareOptions& o = *options;
+  CLI::App* command = app.add_subcommand("compare", "Measure the error of a picture against a reference");
+  command->add_option("picture", o.picture, "The picture, x, or a folder of 'recurse stills'")
+      ->required()
+      ->type_name("X");
+  command->add_option("reference", o.reference, "What it should be, r; with a second: one of two, a")
+      ->required()
+      ->type_name("REFERENCE");
+  command->add_option("second", o.second, "Another reference, b, whose noise is independent of the first's")
+      ->type_name("B");
+  command
+      ->add_option(
+          "--noise-free", o.noiseFree,
+          "Two independent references for the errors free of the references' noise; REFERENCE is the r "
+          "of the denominators then")
+      ->expected(2)
+      ->type_name("A B");
+  command->add_flag(
+      "--json", o.json,
+      "Print JSON: mse relmse relmse_trimmed mape smape psnr max mean_ratio ..., each over all channels "
+      "and as NAME_rgb; flip hdrflip; relmse_at_8 after averaging 8x8 pixels; with two references "
+      "mse_noise_free relmse_noise_free relmse_noise_free_at_8; of stills `classes`, each with name, "
+      "expression, share and the errors by scale");
+  command->add_option("-o,--output", o.output, "Write a false-colour picture of the error")
+      ->type_name("FILE");
+  command
+      ->add_option(
+          "--map", o.map,
+          "Its scale (default: relative). relative: |x-r|/(|r|+0.01) from 0.001, dark violet, to 1, "
+          "yellow, logarithmic; signed: (x-r)/(|r|+0.01) from -0.5, blue, to 0.5, red; flip and hdrflip: "
+          "what is seen, from 0 to 1")
+      ->check(CLI::IsMember({"relative", "signed", "flip", "hdrflip"}))
+      ->type_name("SCALE");
+  command->add_option("--fail-above", o.failAbove, "Exit status 1 when a measure is larger; may be repeated")
+      ->expected(1)
+      ->take_all()
+      ->type_name("METRIC=NUMBER");
+  command->add_option("--fail-below", o.failBelow, "The same when it is smaller: for psnr and mean_ratio")
+      ->expected(1)
+      ->take_all()
+      ->type_name("METRIC=NUMBER");
+  command->footer(
+      "Examples:\n"
+      "  recurse compare picture.exr reference.exr\n"
+      "  recurse compare picture.exr reference.exr --json -o error.png\n"
+      "  recurse compare picture.exr reference.exr -o seen.png --map hdrflip\n"
+      "  recurse compare picture.exr a.exr b.exr\n"
+      "  recurse compare picture.exr best.exr --noise-free a.exr b.exr\n"
+      "  recurse compare picture.exr reference.exr --fail-above relmse=0.01 --fail-below "
+      "mean_ratio=0.99\n"
+      "  recurse compare picture.exr a.exr b.exr --fail-above relmse_noise_free_at_8=0.001\n"
+      "  recurse compare stills/stills.exr reference/stills.exr\n\n"
+      "With two references whose noise is independent, the error mean((x-a)(x-b)/(r^2+0.01)) is free of\n"
+      "that noise; r is their mean, or REFERENCE with --noise-free. FLIP, the difference that is seen when\n"
+      "the pictures alternate, is for a display 0.7 m and 3840 pixels wide at 0.7 m. Pixels where a\n"
+      "reference is not finite are left out and counted; pixels of X that are not finite give exit\n"
+      "status 1. Of pictures with the same path classes, as 'recurse stills' writes them, each class has\n"
+      "its error by scale.");
+  command->callback([options, &chosen] { chosen = [options] { return compareFiles(*options); }; });
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,79 @@
+/** @file
+ * `recurse convert`: a model becomes a scene that stands by itself.
+ */
+#include <filesystem>
+
+#include "apps/commands/commands.h"
+#include "apps/load/modelScene.h"
+#include "apps/run/outputFiles.h"
+#include "recurse/core/image/image.h"
+#include "recurse/core/io/atomicFile.h"
+
+namespace recurse::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+ExitStatus convert(const std::string& input, const ModelChoice& choice, const std::string& output,
+                   bool allowsOutside) {
+  if (!isModelFile(input))
+    throw Error(input + ": is no model by its name; accepted are .gltf .glb .obj .dae .fbx .stl .3ds .ply "
+                        ".md2 .pk3 .bsp and more",
+                ExitStatus::BAD_USAGE);
+  if (!output.ends_with(".pbrt"))
+    throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
+  checkFileWritable(output);
+  Diagnostics diagnostics;
+  const std::string folder = fs::path(output).stem().string() + "-files/";
+  const std::unique_ptr<ModelScene> scene =
+      modelScene(input, choice, folder, allowsOutside ? "warn" : "refuse", diagnostics);
+  diagnostics.throwIfErrors();
+  say(diagnostics.format());
+  const fs::path base = fs::path(output).parent_path();
+  std::vector<OutputFile> written = {{"-o", output}};
+  for (const auto& [name, content] : *scene->files) written.push_back({"-o", (base / name).string()});
+  requireDistinctFiles(written, inputFiles("a file of the model", scene->filesRead));
+  std::error_code error;
+  if (!scene->files->empty()) fs::create_directories(base / folder, error);
+  if (error) throw Error((base / folder).string() + ": cannot be made: " + error.message());
+  for (const auto& [name, content] : *scene->files) writeFileAtomically((base / name).string(), *content);
+  writeFileAtomically(output, scene->text);
+  say(output + ": " + scene->note + "\n");
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addConvertCommand(CLI::App& app, Command& chosen) {
+  auto input = std::make_shared<std::string>();
+  auto output = std::make_shared<std::string>();
+  auto allowsOutside = std::make_shared<bool>(false);
+  auto choice = std::make_shared<ModelChoice>();
+  CLI::App* command =
+      app.add_subcommand("convert", "Make a scene of a model: camera, light, meshes, pictures");
+  command
+      ->add_option("model", *input,
+                   "The model: .gltf .glb .obj .dae .fbx .stl .3ds .ply .md2 .pk3 .bsp and more")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("-o,--output", *output,
+                   "The scene to write, .pbrt; meshes and pictures go into a folder beside it")
+      ->required()
+      ->type_name("FILE");
+  command->add_flag("--allow-outside", *allowsOutside,
+                    "Take over pictures and other files that the model names outside of its own folder, each "
+                    "with a warning; without it they are left out");
+  choice->addTo(*command);
+  command->footer(
+      "The scene has the model's camera, or one that sees all of it; the model's lights, or a sky and\n"
+      "a sun. 'recurse render' does the same with a model, without writing the scene.\n\n"
+      "Examples:\n"
+      "  recurse convert model.gltf -o scene.pbrt\n"
+      "  recurse render model.gltf -o model.png");
+  command->callback(
+      [=, &chosen] { chosen = [=] { return convert(*input, *choice, *output, *allowsOutside); }; });
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,92 @@
+/** @file
+ * `recurse develop`: a picture without bounds in, pictures for a display out.
+ */
+#include <filesystem>
+
+#include "apps/commands/commands.h"
+#include "apps/options/developOptions.h"
+#include "apps/options/optionText.h"
+#include "apps/run/outputFiles.h"
+#include "recurse/core/io/atomicFile.h"
+
+namespace recurse::apps {
+
+namespace {
+
+struct DevelopCommandOptions {
+  std::string input;
+  std::vector<std::string> outputs;
+  DevelopOptions develop;
+  bool sheet = false, quiet = false;
+};
+
+bool isPage(const std::string& name) { return name.ends_with(".html"); }
+
+ExitStatus developPicture(const DevelopCommandOptions& o) {
+  const DevelopSettings settings = o.develop.settings();
+  for (const std::string& name : o.outputs) {
+    if (isPage(name))
+      checkFileWritable(name);
+    else
+      checkImageWritable(name);
+    if (!isPage(name) && !isDisplayFormat(name))
+      badUsage("-o: " + name + " is not for a display; accepted: .png .jpg .jpeg .tif .tiff .html");
+    if (isPage(name) && o.develop.toneMap.find(' ') != std::string::npos)
+      badUsage("--tonemap: pages have the operators with their defaults");
+    if (isPage(name) && o.sheet) badUsage("--sheet: not for the page " + name);
+  }
+  requireDistinctFiles(outputFiles("-o", o.outputs), {{"the picture that is developed", o.input}});
+  const Image picture = readImage(o.input);
+  Developed developed = o.sheet ? operatorSheet(picture, settings) : develop(picture, settings);
+  developed.picture.metadata["recurse:developed"] = o.develop.text(developed.stops);
+  std::string written;
+  for (const std::string& name : o.outputs) {
+    if (isPage(name))
+      writeFileAtomically(name,
+                          developPage(picture, settings, std::filesystem::path(o.input).filename().string(),
+                                      o.develop.toneMap));
+    else
+      writeImage(name, developed.picture, {.encoded = true});
+    written += (written.empty() ? "" : ", ") + name;
+  }
+  if (!o.quiet)
+    say(formatted("exposed by %+.2f stops", developed.stops) + ", tone operator " +
+        (o.sheet ? "as the captions say" : o.develop.toneMap) + "\nwritten: " + written + "\n");
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addDevelopCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<DevelopCommandOptions>();
+  DevelopCommandOptions& o = *options;
+  CLI::App* command = app.add_subcommand(
+      "develop", "Make pictures for a display of one without bounds: exposure, tone operator");
+  command->add_option("picture", o.input, "A picture with linear values: .exr, .hdr, .pfm")
+      ->required()
+      ->type_name("PICTURE");
+  command
+      ->add_option("-o,--output", o.outputs,
+                   "Picture to write, several allowed: .png .jpg .tif; .html: a page with sliders for "
+                   "exposure and operator")
+      ->required()
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--sheet", o.sheet, "A contact sheet of all tone operators instead of one picture");
+  o.develop.addTo(*command);
+  command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
+  command->footer("In this order: white balance, exposure, bloom, tone operator, encoding, dither.\n\n"
+                  "Examples:\n"
+                  "  recurse develop picture.exr -o picture.png\n"
+                  "  recurse develop picture.exr -o bright.jpg --exposure auto+1 --tonemap aces\n"
+                  "  recurse develop picture.exr -o soft.png --tonemap 'durand \"float sigmarange\" 0.3'\n"
+                  "  recurse develop picture.exr -o evening.png --white-balance 3200 --bloom 0.3\n"
+                  "  recurse develop picture.exr -o plain.png --exposure 0 --tonemap none\n"
+                  "  OCIO=config.ocio recurse develop picture.exr -o film.tif --tonemap none --display ocio\n"
+                  "  recurse develop picture.exr -o operators.png --sheet\n"
+                  "  recurse develop picture.exr -o look.html");
+  command->callback([options, &chosen] { chosen = [options] { return developPicture(*options); }; });
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,303 @@
+/** @file
+ * `recurse render`: a scene file in, pictures out.
+ */
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+#include <optional>
+
+#include "apps/commands/commands.h"
+#include "apps/load/sentScene.h"
+#include "apps/options/optionText.h"
+#include "apps/options/renderCommandOptions.h"
+#include "apps/run/blackPicture.h"
+#include "apps/run/cluster.h"
+#include "apps/run/watch.h"
+#include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/files.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/render/featureLayers.h"
+
+namespace recurse::apps {
+
+namespace {
+
+/** The film's file name, in the current folder as pbrt has it; a picture with everything where it says
+ * nothing. A scene from elsewhere does not choose other folders: of a name that leads out of the current one
+ * the last part is taken. */
+std::string defaultOutput(const LoadedScene& loaded) {
+  std::filesystem::path name = loaded.scene->film().fileName;
+  if (name.empty()) name = std::filesystem::path(loaded.fileName).stem();
+  if (name.extension().empty()) name += ".exr";
+  if (isInside(name.string(), ".")) return name.string();
+  const std::string last = name.filename().string();
+  if (name.has_parent_path()) {
+    say("warning: the scene names its picture " + name.string() + "; it goes to " + last +
+        " in the current folder, unless -o names another place\n");
+    if (isInside(last, ".")) return last;
+  }
+  badUsage(last + ": is a link that leads out of the current folder; -o names a place for the picture");
+}
+
+using OnLoaded = std::function<void(const std::vector<std::string>& files)>;
+
+/** Of the scene, or of what the leading process sends. */
+LoadedScene load(const RenderCommandOptions& o, const RenderPlan& plan) {
+  const NothingToWrite loading(plan.timeLimit);
+  const LoadOverrides& overrides = plan.overrides;
+  if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction, o.frame);
+  if (!cluster()) badUsage("--send-scene: for recurse-mpi");
+  if (!cluster()->leads()) {
+    const auto received = std::make_shared<const ReceivedScene>(*cluster());
+    LoadedScene loaded = loadAndBuild(received->fileName(), overrides, o.render.integrator);
+    loaded.place = received; // textures are read while it renders
+    return loaded;
+  }
+  std::optional<LoadedScene> loaded;
+  try {
+    loaded = loadAndBuild(o.render.scene, overrides, o.render.integrator);
+  } catch (...) {
+    sendNoScene(*cluster());
+    throw;
+  }
+  sendScene(*cluster(), *loaded);
+  return std::move(*loaded);
+}
+
+/** The name of a frame's file: its number in the place of the last '#'s, else before the extension. */
+std::string numberedName(const std::string& name, int frame) {
+  constexpr size_t DIGITS = 4;
+  const std::filesystem::path path = name;
+  std::string file = path.filename().string(), number = std::to_string(frame);
+  const size_t end = file.find_last_of('#');
+  if (end == std::string::npos) {
+    number.insert(0, DIGITS - std::min(DIGITS, number.size()), '0');
+    file = path.stem().string() + "-" + number + path.extension().string();
+  } else {
+    size_t begin = end;
+    while (begin > 0 && file[begin - 1] == '#') --begin;
+    const size_t digits = end + 1 - begin;
+    number.insert(0, digits - std::min(digits, number.size()), '0');
+    file.replace(begin, digits, number);
+  }
+  return (path.parent_path() / file).string();
+}
+
+/** Tells what a frame took from the one before, whose scene is not needed any more. */
+void startFrame(AnimationFrame& frame, const std::shared_ptr<const LoadedScene>& loaded,
+                const RenderCommandOptions& o) {
+  if (loaded->description.tracks.empty())
+    badUsage("--frames: " + o.render.scene + " has no Animate directive, so that all frames are the same");
+  if (!o.render.quiet) {
+    std::string kept;
+    const auto add = [&kept](const auto& parts, const char* what) {
+      const size_t all = parts.kept + parts.made;
+      if (parts.kept > 0)
+        kept += (kept.empty() ? "; as before: " : ", ") + std::to_string(parts.kept) + " of " +
+                std::to_string(all) + " " + what;
+    };
+    add(frame.kept.models, "models");
+    add(frame.kept.shapes, "shapes");
+    add(frame.kept.trees, "objects' trees");
+    add(frame.kept.media, "media");
+    say("frame " + std::to_string(frame.number) + ": built in " +
+        durationText(loaded->loadSeconds + loaded->buildSeconds) + kept + "\n");
+  }
+  frame.isFirst = !frame.before;
+  frame.before = loaded;
+}
+
+/** What to try where the file names a path tracer, as most public scenes do, and the command line nothing. */
+std::string integratorRemark(const RenderOptions& options, const LoadedScene& loaded) {
+  const std::string& type = loaded.description.integrator.type;
+  if (options.integrator.named() || (type != "path" && type != "volpath")) return "";
+  return "the scene asks for \"" + type + "\"; --integrator auto often has less noise in the same time\n";
+}
+
+/** The files for the picture; none where a part of the samples goes into a checkpoint alone. */
+std::vector<std::string> outputsOf(const RenderCommandOptions& o, const LoadedScene& loaded) {
+  if (!o.outputs.empty() || (o.sampleRange && !o.checkpoint.empty())) return o.outputs;
+  const std::string name = defaultOutput(loaded);
+  return {o.frame ? numberedName(name, o.frame->number) : name};
+}
+
+/** Keeps the errors of single files until all others are written. */
+class Attempts {
+ public:
+  /** False when it failed. */
+  bool attempt(const std::function<void()>& write) {
+    try {
+      write();
+      return true;
+    } catch (const Error& error) {
+      failures += (failures.empty() ? "" : "\nrecurse: ") + std::string(error.what());
+      return false;
+    }
+  }
+  void throwFailures() const {
+    if (!failures.empty()) throw Error(failures);
+  }
+
+ private:
+  std::string failures;
+};
+
+RenderReport reportOf(const Rendering& rendering, const RenderCommandOptions& o) {
+  RenderReport report = rendering.report(
+      "recurse render", o.pathsText() + (o.frame ? " --frames " + std::to_string(o.frame->number) : ""));
+  report.extra = o.extra;
+  return report;
+}
+
+/** Writes the files that were asked for, and sums the render up. */
+void writeResults(const Rendering& rendering, const RenderCommandOptions& o,
+                  const std::vector<std::string>& outputs, const FeatureSettings& features,
+                  PictureWriter& writer, FilmViewers& viewers) {
+  const RenderReport report = reportOf(rendering, o);
+  Image image = pictureOf(rendering.film(), report);
+  if (!features.layers.empty()) image = withChannels(image, renderFeatures(*report.loaded.scene, features));
+  Attempts files;
+  std::vector<std::string> written;
+  const auto writePicture = [&](const std::string& name) {
+    if (files.attempt([&] { writer.write(name, image); })) written.push_back(name);
+  };
+  for (const std::string& name : outputs) writePicture(name);
+  if (o.frame && !o.frame->stops) o.frame->stops = writer.stops();
+  viewers.finish(image, [](const std::string& text) { say(text + "\n"); });
+  if (!o.viewers.preview.empty()) writePicture(o.viewers.preview);
+  if (!o.render.statistics.empty() &&
+      files.attempt([&] { writeFileAtomically(o.render.statistics, statisticsJson(report)); }))
+    written.push_back(o.render.statistics);
+  if (!o.render.quiet)
+    say(renderSummary(report, written, !o.render.verbose) + integratorRemark(o.render, report.loaded) +
+        writer.remark());
+  if (!rendering.checkpointFailure().empty())
+    files.attempt([&] { throw Error(rendering.checkpointFailure()); });
+  files.throwFailures();
+}
+
+std::string titleOf(const RenderCommandOptions& o) {
+  return std::filesystem::path(o.render.scene).filename().string();
+}
+
+ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
+  const bool leads = !cluster() || cluster()->leads();
+  RenderCommandOptions o = leads ? given : given.withoutOutputs();
+  if (o.frame && o.frame->stops) o.develop.exposure = formatted("%.17g", *o.frame->stops);
+  RenderPlan plan = o.plan();
+  PictureWriter writer(o.develop);
+  const PathClasses classes = o.pathClasses();
+  o.checkOutputs(o.outputs);
+  const ThreadPool pool(plan.threads > 0 || !cluster() ? plan.threads : cluster()->threads());
+  const auto held = std::make_shared<const LoadedScene>(load(o, plan));
+  const LoadedScene& loaded = *held;
+  if (onLoaded) onLoaded(loaded.files);
+  if (o.frame) startFrame(*o.frame, held, o);
+  if (o.check) {
+    if (o.frame && !o.frame->isFirst) return ExitStatus::DONE;
+    print(sceneReport(loaded, classes.layerCount()));
+    if (const std::string why = darknessReason(loaded); !why.empty())
+      std::fputs(("warning: the picture will be black: " + why + "\n").c_str(), stderr);
+    return ExitStatus::DONE;
+  }
+  const std::vector<std::string> outputs = outputsOf(o, loaded);
+  if (leads) {
+    o.checkOutputs(outputs);
+    o.keepInputs(outputs, loaded.files);
+  }
+  const FeatureSettings features = o.features(outputs, leads && loaded.scene->film().layered);
+
+  FilmViewers viewers(o.viewers, o.develop, titleOf(o), requestStop);
+  if (o.viewers.any())
+    plan.look = [&](const auto& picture, const auto& say) { return viewers.look(picture, say); };
+  plan.endsWithFirstPicture = plan.explainsBlack = true;
+  const Rendering rendering(loaded, classes, plan, o.render,
+                            [&](const RenderProgress& progress) { viewers.show(progress); });
+  if (!leads) return ExitStatus::DONE;
+  writeResults(rendering, o, outputs, features, writer, viewers);
+  return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+}
+
+/** One picture after the other, on one live page; stops where one is interrupted. */
+ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
+  for (const auto& [isGiven, option] : {std::pair(!given.checkpoint.empty(), "--checkpoint"),
+                                        std::pair(given.sampleRange.has_value(), "--sample-range"),
+                                        std::pair(given.sendScene, "--send-scene")})
+    if (isGiven) badUsage(std::string("--frames: not together with ") + option);
+  constexpr int64_t LAST_FRAME = 9999999;
+  const std::vector<std::string> range = split(given.frames, ':');
+  if (range.size() > 2)
+    badUsage("--frames: '" + given.frames + "' is not FIRST:LAST, such as 0:48, nor one frame's number");
+  const int64_t first = parseCount("--frames", range.front(), 0, LAST_FRAME);
+  const int64_t last = parseCount("--frames", range.back(), first, LAST_FRAME);
+  AnimationFrame frame;
+  ViewerOptions viewers = given.viewers;
+  const bool ownsPage = !viewers.page && (!cluster() || cluster()->leads());
+  if (ownsPage) viewers.page = viewers.openPage(titleOf(given), requestStop);
+  ExitStatus status = ExitStatus::DONE;
+  for (int64_t n = first; n <= last && status == ExitStatus::DONE; ++n) {
+    RenderCommandOptions o = given;
+    o.viewers = viewers;
+    frame.number = static_cast<int>(n);
+    o.frame = &frame;
+    for (std::string& name : o.outputs) name = numberedName(name, frame.number);
+    if (!o.render.statistics.empty()) o.render.statistics = numberedName(o.render.statistics, frame.number);
+    status = renderScene(o, onLoaded);
+  }
+  if (ownsPage && viewers.page) viewers.page->finish();
+  return status;
+}
+
+/** Renders picture or frames at a quarter of the width and height, then in full, whenever the scene changes.
+ * One live page shows all of it; its button ends the render under way, and changes are waited for. */
+ExitStatus renderAgainAndAgain(const RenderCommandOptions& given) {
+  if (cluster()) badUsage("--watch: one process only");
+  for (const auto& [isGiven, option] :
+       {std::pair(given.check, "--check"), std::pair(!given.checkpoint.empty(), "--checkpoint"),
+        std::pair(given.sampleRange.has_value(), "--sample-range"),
+        std::pair(given.sendScene, "--send-scene")})
+    if (isGiven) badUsage(std::string("--watch: not together with ") + option);
+  constexpr int FIRST_REDUCTION = 4;
+  std::atomic<bool> isRendering{false}, isStoppedByPage{false};
+  RenderCommandOptions o = given;
+  o.viewers.check();
+  o.viewers.page = o.viewers.openPage(titleOf(o), [&] {
+    if (!isRendering) return;
+    isStoppedByPage = true;
+    requestStop();
+  });
+  bool skipsFull = false;
+  const auto end = [&] {
+    isRendering = false;
+    skipsFull = isStoppedByPage.exchange(false);
+    if (skipsFull) withdrawStop();
+  };
+  return watchScene(given.render.scene, [&](bool first, const OnLoaded& onLoaded) {
+    o.reduction = first ? FIRST_REDUCTION : 1;
+    try {
+      isRendering = true;
+      if (first || !skipsFull) o.frames.empty() ? renderScene(o, onLoaded) : renderFrames(o, onLoaded);
+    } catch (...) {
+      end();
+      throw;
+    }
+    end();
+    if (o.viewers.page && (!first || skipsFull)) o.viewers.page->finish();
+  });
+}
+
+} // namespace
+
+void addRenderCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<RenderCommandOptions>();
+  CLI::App* command = app.add_subcommand("render", "Render a scene file to pictures");
+  options->addTo(*command);
+  command->callback([options, &chosen] {
+    chosen = [options] {
+      if (options->watch) return renderAgainAndAgain(*options);
+      return options->frames.empty() ? renderScene(*options) : renderFrames(*options);
+    };
+  });
+}
+
+} // namespace recurse::apps

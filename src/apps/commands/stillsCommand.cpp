@@ -1,0 +1,141 @@
+/** @file
+ * `recurse stills`: one render, every class of paths a picture of its own.
+ */
+#include <filesystem>
+#include <optional>
+
+#include "apps/commands/commands.h"
+#include "apps/options/optionText.h"
+#include "apps/options/renderOptions.h"
+#include "apps/run/outputFiles.h"
+#include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/fileLock.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/report/stills/stills.h"
+
+namespace recurse::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct StillsOptions {
+  RenderOptions render;
+  std::string folder, compare;
+  std::vector<std::string> classes;
+};
+
+/** The plan of the classes that are asked for. */
+StillsPlan planOf(const StillsOptions& o) {
+  std::vector<PathClass> classes;
+  for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
+  return planStills(classes);
+}
+
+/** Statistics and inputs must not be among the files that the folder gets. */
+void checkFiles(const StillsOptions& o, const std::vector<std::string>& sceneFiles) {
+  std::vector<OutputFile> outputs = {{"--stats", o.render.statistics}};
+  std::vector<InputFile> inputs = inputFiles("a file of the scene", sceneFiles);
+  inputs.push_back({"the stills of --compare", stillsFile(o.compare)});
+  for (const char* name : {"common", "own"})
+    requireOutsideOf((fs::path(o.folder) / name).string(), outputs, inputs);
+  for (const char* name : {"stills.exr", "sheet.png", "index.html"})
+    outputs.push_back({"-o", (fs::path(o.folder) / name).string()});
+  requireDistinctFiles(outputs, inputs);
+}
+
+/** Fails before the render where it can, not after it. */
+void checkComparable(const Stills& other, const Scene& scene, const std::string& name) {
+  const PixelBounds& crop = scene.film().crop;
+  if (other.image.width != crop.width() || other.image.height != crop.height())
+    throw Error("--compare: " + name + " has " + std::to_string(other.image.width) + "x" +
+                    std::to_string(other.image.height) + " pixels, this render has " +
+                    std::to_string(crop.width()) + "x" + std::to_string(crop.height()),
+                ExitStatus::BAD_USAGE);
+}
+
+ExitStatus renderStills(const StillsOptions& o) {
+  const RenderPlan plan = o.render.plan();
+  std::optional<StillsPlan> asked;
+  if (!o.classes.empty()) asked = planOf(o);
+  if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
+  std::optional<Stills> other;
+  if (!o.compare.empty()) other = readStills(o.compare);
+  const ThreadPool pool(plan.threads);
+  std::optional<NothingToWrite> loading(plan.timeLimit);
+  const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
+  loading.reset();
+  if (other) checkComparable(*other, *loaded.scene, o.compare);
+  checkFiles(o, loaded.files);
+  checkStillsWritable(o.folder);
+  const FileLock lock(folderName(o.folder));
+  const StillsPlan stillsPlan = asked ? *asked : planStills(defaultStillClasses(loaded.scene->hasMedia()));
+  const PathClasses classes(stillsPlan.classes);
+
+  std::string classOptions;
+  for (const std::string& text : o.classes) classOptions += " --class " + shellQuoted(text);
+  const Rendering rendering(loaded, classes, plan, o.render);
+  const RenderReport report = rendering.report("recurse stills", classOptions);
+  Stills stills = makeStills(rendering.film(), stillsPlan, loaded.scene->film().imagingRatio);
+  stills.image.metadata = metadataOf(report);
+  stills.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  stills.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
+                 " samples per pixel";
+  if (rendering.interrupted()) stills.label += ", interrupted";
+  describeStills(stills);
+  writeStills(o.folder, stills, other ? &*other : nullptr);
+  std::vector<std::string> written;
+  for (const char* name : {"stills.exr", "sheet.png", "index.html", "common/*.png", "own/*.png"})
+    written.push_back(folderName(o.folder) + name);
+  if (!o.render.statistics.empty()) {
+    writeFileAtomically(o.render.statistics, statisticsJson(report));
+    written.push_back(o.render.statistics);
+  }
+  if (!o.render.quiet) {
+    say(renderSummary(report, written, !o.render.verbose));
+    print(stillsTable(stills));
+  }
+  return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+}
+
+} // namespace
+
+void addStillsCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<StillsOptions>();
+  StillsOptions& o = *options;
+  CLI::App* command =
+      app.add_subcommand("stills", "Render classes of light paths, each a picture of its own");
+  o.render.addSceneTo(*command);
+  command
+      ->add_option("-o,--output", o.folder,
+                   "Folder to write stills.exr, sheet.png, index.html, common/ and own/ to; made if need be")
+      ->required()
+      ->type_name("DIR");
+  command
+      ->add_option("--class", o.classes,
+                   "A class of paths, such as caustic=LS+DE, several allowed; see 'recurse classes' "
+                   "(default: ten that make up the whole picture, and six more where there are media)")
+      ->type_name("NAME=EXPR")
+      ->expected(1)
+      ->take_all();
+  command
+      ->add_option("--compare", o.compare,
+                   "Other stills of the same size, a folder or an EXR file, to compare with on the page")
+      ->type_name("DIR|EXR");
+  o.render.addTo(*command);
+  command->footer(
+      "stills.exr has the whole picture in R, G, B and each class in NAME.R, NAME.G, NAME.B. common/ has\n"
+      "each class as PNG at the exposure of the whole picture, own/ at one of its own: the 98th percentile "
+      "of\n"
+      "the luminance of its pixels that are not black is shown as 0.9 of white. sheet.png has all of them\n"
+      "with their names, and index.html is a page for a browser. What the given classes leave over becomes\n"
+      "the class 'rest'.\n\n"
+      "Examples:\n"
+      "  recurse stills scene.pbrt -o stills\n"
+      "  recurse stills scene.pbrt -o stills --class caustic=LS+DE --class mirrored=LDS+E --spp 64\n"
+      "  recurse stills scene.pbrt -o path --integrator path --compare stills");
+  command->callback([options, &chosen] { chosen = [options] { return renderStills(*options); }; });
+}
+
+} // namespace recurse::apps

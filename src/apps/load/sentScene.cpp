@@ -1,0 +1,78 @@
+/** @file
+ * Files of a scene, one after the other in pieces: first the path, then the content, an empty piece at the
+ * end of each.
+ */
+#include "apps/load/sentScene.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "recurse/core/io/error.h"
+
+namespace recurse::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/** Bytes that are sent at once. */
+constexpr size_t PIECE = size_t(16) << 20;
+
+/** As it is written, but from the root: what lies beside it is found in the same way in the copy. */
+std::string absolutePath(const std::string& path) { return fs::absolute(path).string(); }
+
+} // namespace
+
+void sendScene(const Cluster& cluster, const LoadedScene& loaded) {
+  cluster.tellAll(absolutePath(loaded.fileName));
+  std::vector<char> piece(PIECE);
+  for (const std::string& file : loaded.files) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in) {
+      cluster.tellAll("");
+      throw Error("--send-scene: cannot read " + file + ": " + std::strerror(errno));
+    }
+    cluster.tellAll(absolutePath(file));
+    while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())).gcount() > 0)
+      cluster.tellAll(std::string(piece.data(), static_cast<size_t>(in.gcount())));
+    cluster.tellAll("");
+  }
+  cluster.tellAll("");
+}
+
+void sendNoScene(const Cluster& cluster) { cluster.tellAll(""); }
+
+ReceivedScene::ReceivedScene(const Cluster& cluster) {
+  const std::string name = cluster.tellAll("");
+  if (name.empty()) throw Error("rank 0 has no scene to send");
+  std::string pattern = (fs::temp_directory_path() / "recurse-scene-XXXXXX").string();
+  const char* made = ::mkdtemp(pattern.data());
+  std::string failure = made ? "" : std::strerror(errno);
+  folder = pattern;
+  // What cannot be written is received all the same: the others are sending.
+  for (std::string file = cluster.tellAll(""); !file.empty(); file = cluster.tellAll("")) {
+    const std::string path = folder + file;
+    std::error_code ignored;
+    if (failure.empty()) fs::create_directories(fs::path(path).parent_path(), ignored);
+    std::ofstream out(failure.empty() ? path : "", std::ios::binary);
+    for (std::string piece = cluster.tellAll(""); !piece.empty(); piece = cluster.tellAll(""))
+      out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
+    if (failure.empty() && !out.flush()) failure = std::strerror(errno);
+  }
+  scene = folder + name;
+  if (failure.empty()) return;
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  throw Error("--send-scene: cannot write to " + folder + ": " + failure);
+}
+
+ReceivedScene::~ReceivedScene() {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder, ignored);
+}
+
+} // namespace recurse::apps

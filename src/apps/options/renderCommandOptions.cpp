@@ -1,0 +1,230 @@
+/** @file
+ * The options of `recurse render`, and what is wrong with them.
+ */
+#include "apps/options/renderCommandOptions.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "apps/options/optionText.h"
+#include "recurse/core/io/atomicFile.h"
+
+namespace recurse::apps {
+
+namespace {
+
+constexpr const char* EXAMPLES =
+    "Examples:\n"
+    "  recurse render scene.pbrt -o picture.exr -o picture.png\n"
+    "  recurse render scene.pbrt -o quick.png --time-limit 30s --resolution 320x240\n"
+    "  recurse render scene.pbrt -o truth.exr --integrator path --spp 1024\n"
+    "  recurse render scene.pbrt -o sure.exr --integrator path --error-target 0.05\n"
+    "  recurse render scene.pbrt -o even.exr --integrator path --spp 256 --adaptive --samples-layer\n"
+    "  recurse render scene.pbrt -o fine.exr --photons 10M --spp 64 --stats fine.json\n"
+    "  recurse render scene.pbrt -o caustics.exr --paths 'LS+DE'\n"
+    "  recurse render scene.pbrt -o classes.exr --class 'caustic=LS+DE' --class 'direct=LDE'\n"
+    "  recurse render scene.pbrt -o bright.png --exposure auto+1 --tonemap reinhard\n"
+    "  recurse render scene.pbrt -o plain.png --exposure 0 --tonemap none\n"
+    "  recurse render scene.pbrt -o long.exr --spp 4096 --checkpoint long.rck --resume\n"
+    "  recurse render scene.pbrt -o half.exr --spp 512 --sample-range 0:256 --checkpoint a.rck\n"
+    "  recurse render scene.pbrt -o layers.exr --layers albedo,normal,depth\n"
+    "  recurse render scene.pbrt -o long.exr --spp 4096 --live\n"
+    "  recurse render pak0.pk3 --map q3dm1 --camera spawn:1 -o map.png\n"
+    "  recurse render scene.pbrt -o long.exr --spp 4096 --preview look.png --every 30s\n"
+    "  recurse render scene.pbrt -o look.png --watch --time-limit 20s\n"
+    "  recurse render scenes/animation.pbrt --frames 0:48 -o film.png\n"
+    "  recurse render scene.pbrt --check\n\n"
+    "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
+    "complete one.";
+
+void addCheckpointOptions(CLI::App& command, RenderCommandOptions& o) {
+  command
+      .add_option("--checkpoint", o.checkpoint,
+                  "Keep the render in this file, every now and then and at its end or interruption")
+      ->type_name("FILE");
+  command.add_option("--checkpoint-interval", o.checkpointInterval, "How often that is done (default: 60s)")
+      ->type_name("TIME");
+  command.add_flag("--resume", o.resume,
+                   "Go on with the render in the --checkpoint file, bit for bit as if it had never stopped; "
+                   "begin where there is no such file");
+  command
+      .add_option(
+          "--sample-range", o.sampleRange,
+          "Only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds renders up")
+      ->type_name("FIRST:END");
+}
+
+void addLayerOptions(CLI::App& command, RenderCommandOptions& o) {
+  command.add_flag("--error-layer", o.extra.error,
+                   "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
+  command.add_flag("--samples-layer", o.extra.samples,
+                   "Add the number of samples of each pixel to .exr, as channel samples.N");
+  command
+      .add_option(
+          "--layers", o.layers,
+          "Add features of what the pixels see to .exr: albedo, normal (shading, towards the viewer), "
+          "geonormal (of the surface itself), depth (distance), position (in world space), cryptoobject and "
+          "cryptomaterial (mattes by the Cryptomatte convention)")
+      ->type_name("NAME,NAME...");
+  command.add_flag("--layers-through", o.throughSpecular,
+                   "For --layers: of what is seen in mirrors and through smooth glass");
+}
+
+void addRepetitionOptions(CLI::App& command, RenderCommandOptions& o) {
+  command.add_flag(
+      "--watch", o.watch,
+      "Render again when a file of the scene changes, at a quarter of the width and height first, "
+      "until Ctrl-C; with --frames all of them");
+  command
+      .add_option(
+          "--frames", o.frames,
+          "Frames of a scene with Animate directives, FIRST to LAST inclusive or one alone, each a picture: "
+          "'-o film.png' writes film-0000.png and so on, '-o film##.png' film00.png. The exposure of .png is "
+          "chosen by the first frame that is not black, for all; --exposure sets it, as for frames of "
+          "several "
+          "calls. Files that are read, "
+          "shapes and objects that do not change are not built again; lights, materials and the tree over "
+          "all are. A --time-limit holds for each frame")
+      ->type_name("FIRST:LAST");
+}
+
+} // namespace
+
+void RenderCommandOptions::checkOutputs(const std::vector<std::string>& outputs) const {
+  for (const std::string& name : outputs) checkImageWritable(name);
+  viewers.check();
+  requireDistinctFiles(written(outputs), {});
+  if (!render.statistics.empty()) checkFileWritable(render.statistics);
+  if (checkpoint.empty()) return;
+  if (!resume && std::filesystem::exists(checkpoint))
+    throw Error("--checkpoint: " + checkpoint + " exists; go on with it by --resume, or remove it",
+                ExitStatus::BAD_USAGE);
+  checkFileWritable(checkpoint);
+}
+
+void RenderCommandOptions::keepInputs(const std::vector<std::string>& outputs,
+                                      const std::vector<std::string>& inputs) const {
+  requireDistinctFiles(written(outputs), inputFiles("a file of the scene", inputs));
+}
+
+std::vector<OutputFile> RenderCommandOptions::written(const std::vector<std::string>& outputs) const {
+  std::vector<OutputFile> out = outputFiles("-o", outputs);
+  out.insert(out.end(),
+             {{"--preview", viewers.preview}, {"--stats", render.statistics}, {"--checkpoint", checkpoint}});
+  return out;
+}
+
+PathClasses RenderCommandOptions::pathClasses() const {
+  if (!paths.empty() && !classes.empty()) badUsage("--class: not together with --paths");
+  if (!paths.empty()) return PathClasses(std::vector<PathClass>{{paths, paths}});
+  if (classes.empty()) return {};
+  std::vector<PathClass> all = {{"all", "all"}};
+  for (const std::string& text : classes) all.push_back(parseClass("--class", text));
+  return PathClasses(all);
+}
+
+std::string RenderCommandOptions::pathsText() const {
+  std::string out = paths.empty() ? "" : " --paths " + shellQuoted(paths);
+  for (const std::string& text : classes) out += " --class " + shellQuoted(text);
+  return out;
+}
+
+RenderPlan RenderCommandOptions::plan() const {
+  RenderPlan out = render.plan();
+  out.checkpoint = checkpoint;
+  out.resume = resume;
+  const auto needsCheckpoint = [&](bool given, const char* option) {
+    if (given && checkpoint.empty())
+      throw Error(std::string(option) + ": needs --checkpoint FILE", ExitStatus::BAD_USAGE);
+  };
+  needsCheckpoint(resume, "--resume");
+  needsCheckpoint(checkpointInterval.has_value(), "--checkpoint-interval");
+  if (checkpointInterval)
+    out.checkpointInterval = parseDuration("--checkpoint-interval", *checkpointInterval);
+  if (!sampleRange) return out;
+  if (out.adaptive)
+    throw Error(
+        "--sample-range: with --adaptive the number of samples follows from those before; other parts "
+        "of a picture are other seeds (--seed)",
+        ExitStatus::BAD_USAGE);
+  const std::vector<std::string> range = split(*sampleRange, ':');
+  if (range.size() != 2)
+    throw Error("--sample-range: '" + *sampleRange + "' is not FIRST:END, such as 64:128",
+                ExitStatus::BAD_USAGE);
+  if (!out.samples)
+    throw Error("--sample-range: needs --spp N, the number of samples of which these are a part",
+                ExitStatus::BAD_USAGE);
+  out.firstSample = parseCount("--sample-range", range[0], 0, *out.samples - 1);
+  out.endSample = parseCount("--sample-range", range[1], out.firstSample + 1, *out.samples);
+  return out;
+}
+
+FeatureSettings RenderCommandOptions::features(const std::vector<std::string>& outputs, bool layered) const {
+  FeatureSettings out;
+  out.throughSpecular = throughSpecular;
+  const bool hasExr =
+      std::any_of(outputs.begin(), outputs.end(), [](const auto& name) { return name.ends_with(".exr"); });
+  if (!layers.empty()) {
+    out.layers = split(layers, ',');
+    requireFeatureLayers(out.layers);
+    if (!hasExr) badUsage("--layers: only .exr can hold them; add -o FILE.exr");
+  } else if (layered && hasExr) { // as far as pbrt has them too
+    for (const FeatureLayer& layer : featureLayers())
+      if (*layer.channels) out.layers.emplace_back(layer.name);
+  } else if (throughSpecular) {
+    badUsage("--layers-through: needs --layers");
+  }
+  return out;
+}
+
+RenderCommandOptions RenderCommandOptions::withoutOutputs() const {
+  plan(); // what is wrong with them is wrong for all
+  RenderCommandOptions o = *this;
+  o.outputs.clear();
+  o.checkpoint.clear();
+  o.checkpointInterval.reset();
+  o.resume = false;
+  o.viewers = {};
+  o.layers.clear();
+  o.throughSpecular = false;
+  o.render.statistics.clear();
+  o.render.progress = "off";
+  o.render.quiet = true;
+  o.render.verbose = false;
+  return o;
+}
+
+void RenderCommandOptions::addTo(CLI::App& command) {
+  render.addSceneTo(command);
+  command
+      .add_option(
+          "-o,--output", outputs,
+          "Picture to write, several allowed: .exr with everything, .hdr and .pfm linear, .png .jpg .tif "
+          "for display (default: the file name in the scene, in the current folder; none for a "
+          "--sample-range with a --checkpoint)")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all();
+  render.addTo(command);
+  command
+      .add_option("--paths", paths, "Only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
+      ->type_name("EXPR");
+  command
+      .add_option("--class", classes,
+                  "Add the light paths of a class to .exr, such as caustic=LS+DE as caustic.R, caustic.G and "
+                  "caustic.B; several allowed")
+      ->type_name("NAME=EXPR")
+      ->expected(1)
+      ->take_all();
+  develop.addTo(command);
+  addCheckpointOptions(command, *this);
+  viewers.addTo(command);
+  addLayerOptions(command, *this);
+  addRepetitionOptions(command, *this);
+  command.add_flag("--send-scene", sendScene,
+                   "For recurse-mpi: rank 0 alone reads the scene, and sends its files to the others");
+  command.add_flag("--check", check, "Load the scene, report what it contains and needs, do not render");
+  command.footer(EXAMPLES);
+}
+
+} // namespace recurse::apps

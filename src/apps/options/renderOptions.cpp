@@ -1,0 +1,316 @@
+/** @file
+ * Options of a render: declared, understood, and written down again.
+ */
+#include "apps/options/renderOptions.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "apps/load/missedLight.h"
+#include "apps/options/optionText.h"
+#include "apps/run/blackPicture.h"
+#include "apps/run/cluster.h"
+#include "apps/run/console.h"
+#include "apps/view/progressDisplay.h"
+#include "recurse/core/image/imageTexture.h"
+#include "recurse/core/threads/memory.h"
+
+namespace recurse::apps {
+
+RenderSettings RenderPlan::settings(const Scene& scene) const {
+  RenderSettings out;
+  out.timeLimit = timeLimit;
+  out.firstSampleTime = firstSampleTime.value_or(out.firstSampleTime);
+  out.seed = seed.value_or(scene.sampler().seed);
+  // A time limit or an error target alone means: as many samples as fit.
+  out.errorTarget = errorTarget;
+  out.firstSample = firstSample;
+  out.endSample = endSample;
+  out.saveInterval = checkpointInterval;
+  out.samplesPerPixel = samples.value_or(timeLimit > 0 || errorTarget > 0 ? 0 : scene.sampler().pixelSamples);
+  return out;
+}
+
+void RenderOptions::addSceneTo(CLI::App& command) {
+  command.add_option("scene", scene, "Scene file, pbrt-v4 text format, may be gzip-compressed; or a model")
+      ->required()
+      ->type_name("SCENE");
+  model.addTo(command);
+}
+
+void RenderOptions::addTo(CLI::App& command) {
+  integrator.addTo(command);
+  const auto add = [&](const char* name, auto& target, const char* type, const char* description) {
+    return command.add_option(name, target, description)->type_name(type);
+  };
+  add("--spp", samples, "N",
+      "Samples per pixel (default: the scene's, or with --time-limit or --error-target as many as it takes)");
+  command.add_flag(
+      "--adaptive", adaptive,
+      "Samples go where the error is: pixels get between a quarter of --spp and eight times as many, "
+      "as the first samples of the pixels around them tell; a crop is a picture of its own then");
+  add("--time-limit", timeLimit, "TIME",
+      "Longest time for photons and picture: 30s, 2m, 1h30m; the first sample of each pixel may take 10s "
+      "more. Loading, which is not counted, may not take longer than this either. 'recurse render' takes it "
+      "by "
+      "plain path tracing where photons are not ready in time");
+  add("--error-target", errorTarget, "E",
+      "Stop when the picture's relative standard error, the 95th percentile over pixels, is E, such as 0.05; "
+      "the bias of a photon map is not in it");
+  add("--nthreads", threads, "N", "Threads (default: one for each core); the picture does not depend on it");
+  add("--seed", seed, "N", "Another seed, another independent picture (default: the scene's)");
+  add("--resolution", resolution, "WxH", "Size of the picture in pixels (default: the scene's)");
+  add("--cropwindow", cropWindow, "x0,x1,y0,y1", "Render this part only, as fractions of width and height");
+  add("--memory", memory, "BYTES",
+      "What the program may take, such as 8G: scenes, pictures and photons that would need more are refused "
+      "(default: what there is)");
+  add("--texture-memory", textureMemory, "BYTES",
+      "What pictures on surfaces may take in memory, such as 2G; the rest is in a temporary file, in TMPDIR "
+      "or "
+      "/var/tmp (default: what they need)");
+  command.add_flag("--compact", compact, "The scene's tree in about half of the memory; rays take longer");
+  add("--stats", statistics, "FILE", "Write statistics as JSON");
+  add("--progress", progress, "WAY", "auto, plain, json or off, on standard error (default: auto)")
+      ->check(CLI::IsMember({"auto", "plain", "json", "off"}))
+      ->type_name("WAY");
+  CLI::Option* quietFlag = command.add_flag("-q,--quiet", quiet, "Print errors and warnings only");
+  command.add_flag("-v,--verbose", verbose, "Print what the scene contains and what was chosen")
+      ->excludes(quietFlag);
+  command.add_flag("--lenient", lenient, "Unknown parameters in the scene are warnings instead of errors");
+}
+
+RenderPlan RenderOptions::plan() const {
+  RenderPlan plan;
+  if (samples) plan.samples = static_cast<int>(parseCount("--spp", *samples, 1, 1 << 30));
+  if (timeLimit) plan.timeLimit = parseDuration("--time-limit", *timeLimit);
+  if (errorTarget) {
+    plan.errorTarget = parseReal("--error-target", *errorTarget);
+    if (!(plan.errorTarget > 0)) throw Error("--error-target: must be more than 0", ExitStatus::BAD_USAGE);
+  }
+  if (memory) setMemoryLimit(double(parseCount("--memory", *memory, 1, int64_t(1) << 50)));
+  if (textureMemory)
+    setTextureMemory(double(parseCount("--texture-memory", *textureMemory, 1, int64_t(1) << 50)));
+  if (threads) plan.threads = static_cast<int>(parseCount("--nthreads", *threads, 1, 4096));
+  if (seed) plan.seed = parseSeed("--seed", *seed);
+  if (resolution) {
+    const std::array<int, 2> size = parseResolution("--resolution", *resolution);
+    plan.overrides.width = size[0];
+    plan.overrides.height = size[1];
+  }
+  if (cropWindow) plan.overrides.cropWindow = parseCropWindow("--cropwindow", *cropWindow);
+  plan.overrides.lenient = lenient;
+  plan.overrides.model = model;
+  plan.overrides.compact = compact;
+  plan.adaptive = adaptive;
+  return plan;
+}
+
+std::string RenderOptions::text(const LoadedScene& loaded, const RenderSettings& settings) const {
+  std::string out = shellQuoted(scene) + model.text() + " --integrator " +
+                    shellQuoted(loaded.integratorDirective.type) + integrator.text();
+  if (settings.samplesPerPixel > 0) out += " --spp " + std::to_string(settings.samplesPerPixel);
+  if (adaptive) out += " --adaptive";
+  if (timeLimit) out += " --time-limit " + shellQuoted(*timeLimit);
+  if (errorTarget) out += " --error-target " + shellQuoted(*errorTarget);
+  out += " --seed " + std::to_string(settings.seed);
+  if (resolution) out += " --resolution " + *resolution;
+  if (cropWindow) out += " --cropwindow " + *cropWindow;
+  if (lenient) out += " --lenient";
+  if (settings.firstSample > 0 || settings.endSample > 0)
+    out +=
+        " --sample-range " + std::to_string(settings.firstSample) + ":" + std::to_string(settings.endSample);
+  return out;
+}
+
+namespace {
+
+/** What the samples of a render depend on, but for the seed. */
+std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const RenderSettings& settings,
+                                              const std::vector<PathClass>& classes, bool adaptive) {
+  const FilmSettings& film = loaded.scene->film();
+  std::string integrator = loaded.integratorDirective.type;
+  for (const std::string& setting : settingsOf(loaded.integratorDirective)) integrator += ", " + setting;
+  std::string crop;
+  for (const int x : {film.crop.x0, film.crop.x1, film.crop.y0, film.crop.y1})
+    crop += (crop.empty() ? "" : ",") + std::to_string(x);
+  return {{"version", VERSION},
+          {"scene files (hash)", contentHash(loaded.description)},
+          {"integrator", integrator},
+          {"resolution", std::to_string(film.width) + "x" + std::to_string(film.height)},
+          {"part of the picture in pixels", crop},
+          {"path classes", classesText(classes)},
+          {"samples per pixel",
+           settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"},
+          {"samples go", adaptive ? "where the error is" : ALL_ALIKE}};
+}
+
+} // namespace
+
+namespace {
+
+Film emptyFilm(const Scene& scene, const PathClasses& classes) {
+  const PixelBounds& crop = scene.film().crop;
+  requireMemory("a film of " + std::to_string(crop.width()) + "x" + std::to_string(crop.height()) + " pixels",
+                Film::bytes(double(crop.area()), double(classes.layerCount())));
+  return {crop, classes.layerCount()};
+}
+
+} // namespace
+
+Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
+                     const RenderOptions& options, const Retell& retell)
+    : loaded(loaded), options(options),
+      settings(plan.settings(*loaded.scene)), kept{{},
+                                                   {},
+                                                   loaded.scene->film().imagingRatio,
+                                                   classes.classes(),
+                                                   {{settings.seed, settings.firstSample,
+                                                     settings.firstSample}},
+                                                   {},
+                                                   emptyFilm(*loaded.scene, classes),
+                                                   {}} {
+  if (plan.adaptive) kept.allocation.emplace(kept.film.bounds(), kept.imagingRatio);
+  if (options.verbose) say(sceneReport(loaded, classes.layerCount()));
+  ProgressDisplay display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress));
+  // Warnings are about what the picture will look like, so they come at once and even when quiet.
+  const auto log = [&](const std::string& text) {
+    if (options.verbose || text.starts_with("warning")) display.message(text);
+  };
+  const auto show = [&](RenderProgress progress) {
+    if (retell) retell(progress);
+    display.update(progress);
+  };
+  if (!plan.checkpoint.empty() || cluster())
+    kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
+  if (cluster()) {
+    auto identity = kept.identity;
+    identity["seed"] = std::to_string(settings.seed);
+    cluster()->join(identity);
+  }
+  if (!plan.checkpoint.empty()) {
+    lock.emplace(plan.checkpoint);
+    if (plan.resume && std::filesystem::exists(plan.checkpoint)) {
+      Checkpoint before = Checkpoint::read(plan.checkpoint);
+      requireSame(plan.checkpoint, kept.identity, before.identity);
+      const Checkpoint::Part &then = before.parts.front(), &now = kept.parts.front();
+      if (before.parts.size() > 1) throw Error(plan.checkpoint + ": is the sum of several renders");
+      if (then.seed != now.seed || then.first != now.first)
+        throw Error(plan.checkpoint + ": has seed " + std::to_string(then.seed) + " and samples from " +
+                    std::to_string(then.first) + "; here it is seed " + std::to_string(now.seed) +
+                    " and samples from " + std::to_string(now.first));
+      settings.from = before.position;
+      kept.film = std::move(before.film);
+      kept.allocation = std::move(before.allocation);
+      log("going on with " + plan.checkpoint);
+    }
+    settings.save = [&](const RenderPosition& position) {
+      kept.position = position;
+      uint64_t most = 0;
+      for (size_t i = 0; i < kept.film.bounds().area(); ++i) most = std::max(most, kept.film.samples(i));
+      kept.parts.front().end = settings.firstSample + int64_t(most);
+      figures = position.statistics;
+      figures.samples = kept.film.totalSamples();
+      kept.metadata = metadataOf(report("recurse render"));
+      try {
+        writeCheckpoint(plan.checkpoint, kept);
+        failure.clear();
+      } catch (const Error& error) { // the render is worth more than its copy
+        if (failure.empty()) display.message(std::string("warning: ") + error.what());
+        failure = error.what();
+      }
+    };
+  }
+  const std::optional<PathClasses> firstClasses = firstPictureClasses(*loaded.integrator, classes);
+  const auto renderFirst = [&] {
+    first = renderFirstPicture(loaded, *firstClasses, settings, graceful.flag(), show);
+  };
+  settings.limitsFirstPass = plan.endsWithFirstPicture && firstClasses;
+  if (plan.look) {
+    settings.look = [&] { return plan.look([&] { return grownPicture(); }, log); };
+    if (firstClasses && kept.film.totalSamples() == 0) {
+      renderFirst();
+      // Its time is a part of the render's.
+      if (settings.timeLimit > 0)
+        settings.timeLimit = std::max(settings.timeLimit - first->statistics.renderSeconds,
+                                      std::numeric_limits<double>::min());
+    }
+    if (first || kept.film.totalSamples() > 0) settings.lookAfter = settings.look();
+  }
+  settings.allocation = kept.allocation ? &*kept.allocation : nullptr;
+  std::string missed = missedPaths(loaded, kept.classes);
+  if (!missed.empty()) {
+    missed = "light of point, spot and distant lights by way of mirrors or glass (" + missed +
+             "), but for what goes straight through thin panes, is missing: '" +
+             loaded.integratorDirective.type + "' does not find it, 'photonmap' does";
+    log("warning: " + missed);
+  }
+  const auto renderAlone = [](auto&&... arguments) { return recurse::render(arguments...); };
+  const auto renderTogether = [](auto&&... arguments) { return cluster()->render(arguments...); };
+  const auto renderBy = [&](const auto& way) {
+    return way(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful.flag(), show, log);
+  };
+  figures = cluster() ? renderBy(renderTogether) : renderBy(renderAlone);
+  if (cluster() && !cluster()->leads()) return;
+  if (!missed.empty()) figures.warnings.push_back(missed);
+  if (plan.endsWithFirstPicture && firstClasses && figures.samples == 0) {
+    if (!first && !interrupted()) renderFirst();
+    if (first && first->statistics.samples > 0) takeFirstPicture(log);
+  }
+  if (plan.explainsBlack && missed.empty() && figures.least > 0 && isNearlyBlack(film()))
+    if (const std::string why = blackPictureText(loaded, classes, film()); !why.empty()) {
+      figures.warnings.push_back(why);
+      log("warning: " + why);
+    }
+  if (interrupted() && figures.samples == 0)
+    throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
+  if (figures.samples == 0) throw Error("no sample was ready in time: nothing is written");
+}
+
+Image Rendering::grownPicture() {
+  const auto pictureIn = [&](const Film& film) {
+    return pictureOf(film, kept.classes, kept.imagingRatio, {});
+  };
+  Image image = pictureIn(kept.film);
+  if (!first) return image;
+  const Image before = pictureIn(first->film);
+  const size_t channels = image.channels.size();
+  bool isComplete = true;
+  for (size_t pixel = 0; pixel < kept.film.bounds().area(); ++pixel) {
+    if (kept.film.samples(pixel) > 0) continue;
+    isComplete = false;
+    std::copy_n(&before.pixels[pixel * channels], channels, &image.pixels[pixel * channels]);
+  }
+  if (isComplete) first.reset();
+  return image;
+}
+
+void Rendering::takeFirstPicture(const std::function<void(const std::string&)>& log) {
+  const RenderStatistics ended = std::exchange(figures, first->statistics);
+  isFirst = true;
+  figures.stopReason = ended.stopReason;
+  figures.renderSeconds += ended.renderSeconds;
+  figures.processorSeconds += ended.processorSeconds;
+  figures.learningProcessorSeconds += ended.learningProcessorSeconds;
+  figures.photonProcessorSeconds += ended.photonProcessorSeconds;
+  const std::string type = "\"" + loaded.integratorDirective.type + "\"";
+  figures.warnings.push_back(
+      (interrupted() ? "the render was interrupted" : "the time limit was over") + std::string(" before ") +
+      type + " had its first sample: the picture is one sample of each pixel by path tracing instead" +
+      (interrupted() ? "" : "; give it a longer --time-limit, or choose --integrator path"));
+  log("warning: " + figures.warnings.back());
+}
+
+RenderReport Rendering::report(const std::string& command, const std::string& rest) const {
+  return {loaded,
+          figures,
+          settings.seed,
+          kept.classes,
+          command + " " + options.text(loaded, settings) + rest,
+          kept.film.bounds().width(),
+          kept.film.bounds().height()};
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,107 @@
+/** @file
+ * The options and the run that every command with a render in it shares.
+ */
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "apps/load/loadedScene.h"
+#include "apps/options/integratorOptions.h"
+#include "apps/run/firstPicture.h"
+#include "apps/run/interrupt.h"
+#include "apps/run/renderOutput.h"
+#include "recurse/core/io/fileLock.h"
+#include "recurse/render/checkpoint.h"
+#include "recurse/render/render.h"
+
+namespace recurse::apps {
+
+/** The options once they have been understood. */
+struct RenderPlan {
+  LoadOverrides overrides;
+  std::optional<int> samples;
+  std::optional<uint64_t> seed;
+  double timeLimit = 0, errorTarget = 0;
+  std::optional<double> firstSampleTime;  ///< see RenderSettings
+  int threads = 0;                        ///< 0: one for each core
+  int64_t firstSample = 0, endSample = 0; ///< see RenderSettings
+  std::string checkpoint;                 ///< file to keep the render in; empty: none
+  double checkpointInterval = 60;         ///< seconds
+  bool resume = false;                    ///< from that file, where it exists
+  bool adaptive = false;                  ///< see SampleAllocation
+  /** Gets the picture as it grows, first a FirstPicture; see RenderSettings::look. Messages go to `say`. */
+  using Look = std::function<double(const std::function<Image()>& picture,
+                                    const std::function<void(const std::string&)>& say)>;
+  Look look;
+  /** A FirstPicture takes the place of one whose first sample was not ready within the time limit. */
+  bool endsWithFirstPicture = false;
+  bool explainsBlack = false; ///< a black picture gets a warning that says why
+
+  /** With what the scene says where the options do not. */
+  RenderSettings settings(const Scene& scene) const;
+};
+
+struct RenderOptions {
+  std::string scene;
+  ModelChoice model;
+  IntegratorOptions integrator;
+  std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow,
+      textureMemory, memory;
+  std::string statistics, progress = "auto";
+  bool quiet = false, verbose = false, lenient = false, compact = false, adaptive = false;
+
+  /** The scene file, which is the first positional argument, and what of a model is asked for. */
+  void addSceneTo(CLI::App& command);
+  /** All others. */
+  void addTo(CLI::App& command);
+  /** Throws Error (BAD_USAGE). */
+  RenderPlan plan() const;
+  /** The part of a command line that gives the same picture, whatever the scene file and the defaults
+   * become: scene and options, without what the command itself adds. */
+  std::string text(const LoadedScene& loaded, const RenderSettings& settings) const;
+};
+
+/**
+ * A film rendered in the constructor, with progress and messages as the options ask for them. While it lives,
+ * Ctrl-C does not end the program, so that what was rendered can be written.
+ */
+class Rendering {
+ public:
+  /** May change what is told of the progress before it is shown. */
+  using Retell = std::function<void(RenderProgress&)>;
+
+  /** Throws Error (INTERRUPTED) when an interrupt came before the first sample, and where the render cannot
+   * go on from its checkpoint. */
+  Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
+            const RenderOptions& options, const Retell& retell = {});
+
+  /** What there is at the end; a FirstPicture where that has taken its place. */
+  const Film& film() const { return isFirst ? first->film : kept.film; }
+  const RenderStatistics& statistics() const { return figures; }
+  /** Why the checkpoint could not be written; empty where it could. */
+  const std::string& checkpointFailure() const { return failure; }
+  bool interrupted() const { return figures.stopReason == StopReason::INTERRUPTED; }
+  /** `command` and `rest` are what stands before and after the options of the render. */
+  RenderReport report(const std::string& command, const std::string& rest = {}) const;
+
+ private:
+  /** The picture as it grows; where a pixel has no sample yet, the first picture. */
+  Image grownPicture();
+  /** Puts the first picture in the place of a film without samples, with a warning. */
+  void takeFirstPicture(const std::function<void(const std::string&)>& log);
+
+  const LoadedScene& loaded;
+  const RenderOptions& options;
+  RenderSettings settings;
+  const GracefulStop graceful;
+  std::optional<FileLock> lock; ///< of the checkpoint, which no other process may replace meanwhile
+  Checkpoint kept;
+  std::optional<FirstPicture> first; ///< until every pixel has a sample
+  bool isFirst = false;              ///< `first` has taken the place of the picture
+  RenderStatistics figures;
+  std::string failure;
+};
+
+} // namespace recurse::apps

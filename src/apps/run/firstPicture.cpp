@@ -1,0 +1,66 @@
+/** @file
+ * One sample of each pixel by a path tracer that learns nothing.
+ */
+#include "apps/run/firstPicture.h"
+
+#include "recurse/pathclasses/pathExpression.h"
+
+namespace recurse::apps {
+
+namespace {
+
+/** Paths of emitted and direct light. */
+constexpr const char* DIRECT = "L(S|D|V)?E";
+
+/** The integrator's limit of scattering events; -1: none. */
+int maxDepthOf(const ParsedDirective& integrator) {
+  for (const ParsedParameter& p : integrator.parameters)
+    if (p.name == "maxdepth" && p.numbers.size() == 1) return static_cast<int>(p.numbers[0]);
+  return -1;
+}
+
+} // namespace
+
+std::unique_ptr<Integrator> pathTracerThatLearnsNothing(int maxDepth) {
+  ParsedDirective directive;
+  directive.type = "simplepath";
+  ParsedParameter limit;
+  limit.type = "integer";
+  limit.name = "maxdepth";
+  limit.numbers = {double(maxDepth)};
+  directive.parameters.push_back(limit);
+  Diagnostics none;
+  return makeIntegrator(directive, false, none);
+}
+
+std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, const PathClasses& classes) {
+  const std::string claims = integrator.claims();
+  if (claims.empty()) return classes;
+  const PathAutomaton claimed = PathAutomaton::compile(claims);
+  if (claimed.subsetOf(PathAutomaton::compile(DIRECT))) return {};
+  std::vector<PathClass> left;
+  for (const PathClass& c : classes.classes()) {
+    if (PathAutomaton::compile(c.expression).intersect(claimed).isEmpty()) return {};
+    left.push_back({c.name, "(" + c.expression + ") & (" + claims + ")"});
+  }
+  return PathClasses(left);
+}
+
+FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
+                                const RenderSettings& settings, const std::atomic<bool>& stop,
+                                const std::function<void(const RenderProgress&)>& progress) {
+  const auto path = pathTracerThatLearnsNothing(maxDepthOf(loaded.integratorDirective));
+  RenderSettings once;
+  once.samplesPerPixel = 1;
+  once.seed = settings.seed;
+  once.timeLimit = settings.timeLimit;
+  const auto tell = [&](RenderProgress p) {
+    p.phase = "first picture";
+    if (progress) progress(p);
+  };
+  FirstPicture out{Film(loaded.scene->film().crop, classes.layerCount()), {}};
+  out.statistics = render(*loaded.scene, *path, classes, once, out.film, stop, tell, nullptr);
+  return out;
+}
+
+} // namespace recurse::apps

@@ -1,0 +1,97 @@
+/** @file
+ * Signal handlers, with nothing in them that a handler must not do.
+ */
+#include "apps/run/interrupt.h"
+
+#include <chrono>
+#include <condition_variable>
+#include <csignal>
+#include <cstring>
+#include <mutex>
+
+#include <unistd.h>
+
+#include "recurse/core/io/atomicFile.h"
+#include "recurse/core/io/error.h"
+
+namespace recurse::apps {
+
+namespace {
+
+std::atomic<bool> stopRequested{false};
+std::atomic<int> graceful{0};  // how many GracefulStops there are
+std::atomic<int> immediate{0}; // how many NothingToWrites there are
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+void writeText(const char* text) {
+  const ssize_t written = ::write(STDERR_FILENO, text, std::strlen(text));
+  static_cast<void>(written); // nothing could be done about it here
+}
+
+/** The system repeats these until the program ends; a second one is not a person's. */
+bool isRepeatedBySystem(int signal) { return signal == SIGXCPU || signal == SIGPIPE; }
+
+void handle(int signal) {
+  if (graceful.load() > 0 && immediate.load() == 0) {
+    const bool isFirst = !stopRequested.exchange(true);
+    if (isFirst) writeText("\nInterrupted: writing what there is. Once more gives up at once.\n");
+    if (isFirst || isRepeatedBySystem(signal)) return;
+  }
+  removeTemporaryFiles();
+  if (signal == SIGPIPE) { // ends the program as a reader that has seen enough expects it
+    ::signal(SIGPIPE, SIG_DFL);
+    ::raise(SIGPIPE);
+    return;
+  }
+  writeText("\nInterrupted.\n");
+  ::_exit(static_cast<int>(ExitStatus::INTERRUPTED));
+}
+
+/** A signal that the program's parent wants to be ignored, as nohup does, stays so. */
+void installUnlessIgnored(int signal, const struct sigaction& action) {
+  struct sigaction before {};
+  if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
+    ::sigaction(signal, &action, nullptr);
+}
+
+} // namespace
+
+void installInterruptHandlers() {
+  struct sigaction action {};
+  action.sa_handler = handle;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGUSR1, &action, nullptr); // of schedulers, before the time is up; mpirun passes it on at once
+  ::sigaction(SIGXCPU, &action, nullptr);
+  installUnlessIgnored(SIGHUP, action);
+  installUnlessIgnored(SIGPIPE, action);
+  ::signal(SIGXFSZ, SIG_IGN); // writing fails instead
+}
+
+void requestStop() { stopRequested = true; }
+void withdrawStop() { stopRequested = false; }
+
+NothingToWrite::NothingToWrite(double timeLimit) {
+  ++immediate;
+  if (!(timeLimit > 0)) return;
+  clock = std::jthread([timeLimit](const std::stop_token& done) {
+    std::mutex own;
+    std::unique_lock<std::mutex> lock(own);
+    std::condition_variable_any sleep;
+    sleep.wait_for(lock, done, std::chrono::duration<double>(timeLimit), [] { return false; });
+    if (done.stop_requested()) return;
+    removeTemporaryFiles();
+    writeText("recurse: the time limit was up before the scene was loaded: nothing is written. A longer "
+              "--time-limit leaves time for a picture.\n");
+    ::_exit(static_cast<int>(ExitStatus::FAILED));
+  });
+}
+NothingToWrite::~NothingToWrite() { --immediate; }
+
+GracefulStop::GracefulStop() { ++graceful; }
+GracefulStop::~GracefulStop() { --graceful; }
+const std::atomic<bool>& GracefulStop::flag() const { return stopRequested; }
+
+} // namespace recurse::apps

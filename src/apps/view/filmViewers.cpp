@@ -1,0 +1,199 @@
+/** @file
+ * The threads that show pictures of a render, and who gets one when.
+ */
+#include "apps/view/filmViewers.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "apps/options/optionText.h"
+#include "apps/view/tevClient.h"
+#include "recurse/core/io/error.h"
+
+namespace recurse::apps {
+
+PictureThread::PictureThread(Present present) : present(std::move(present)), thread([this] { work(); }) {}
+
+void PictureThread::end() {
+  if (!thread.joinable()) return;
+  {
+    const std::lock_guard<std::mutex> guard(mutex);
+    ends = true;
+  }
+  wake.notify_one();
+  thread.join();
+}
+
+void PictureThread::offer(Image picture) {
+  {
+    const std::lock_guard<std::mutex> guard(mutex);
+    next = std::move(picture);
+  }
+  wake.notify_one();
+}
+
+double PictureThread::cost() const {
+  const std::lock_guard<std::mutex> guard(mutex);
+  return seconds;
+}
+
+std::string PictureThread::takeFailure() {
+  const std::lock_guard<std::mutex> guard(mutex);
+  return std::exchange(failure, {});
+}
+
+void PictureThread::work() {
+  std::unique_lock<std::mutex> lock(mutex);
+  for (;;) {
+    wake.wait(lock, [this] { return next || ends; });
+    if (!next) return;
+    const Image picture = std::move(*next);
+    next.reset();
+    lock.unlock();
+    const auto start = std::chrono::steady_clock::now();
+    std::string reason;
+    try {
+      present(picture);
+    } catch (const std::exception& error) {
+      reason = error.what();
+    }
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    lock.lock();
+    seconds = took.count();
+    if (!reason.empty() && !std::exchange(failed, true)) failure = reason;
+  }
+}
+
+void ViewerOptions::addTo(CLI::App& command) {
+  const std::string group = "To look at while it renders";
+  command.add_option("--preview", preview, "Keep a picture of what there is so far up to date in this file")
+      ->type_name("FILE")
+      ->group(group);
+  command.add_option("--every", every, "How often that is done at the most (default: 5s)")
+      ->type_name("TIME")
+      ->group(group);
+  command
+      .add_flag("--live", live,
+                "Serve a page with the picture as it grows, exposure and tone operator, values of pixels, "
+                "time left, "
+                "and a button to stop and keep what there is; who has its address, which is printed, may "
+                "watch and stop")
+      ->group(group);
+  command
+      .add_option(
+          "--live-address", liveAddress,
+          "For --live: where the page is served (default: 127.0.0.1, which only this machine reaches, at "
+          "any free port); IPv6 as [::1]:8080")
+      ->type_name("HOST:PORT")
+      ->group(group);
+  command
+      .add_option(
+          "--live-host", liveHosts,
+          "For --live: a name by which browsers may reach the page, several allowed, besides localhost "
+          "and this machine's numbers")
+      ->type_name("NAME")
+      ->expected(1)
+      ->take_all()
+      ->group(group);
+  command
+      .add_option("--display-server", displayServer,
+                  "Send the picture as it grows to the viewer tev, such as "
+                  "localhost:14158")
+      ->type_name("HOST:PORT")
+      ->group(group);
+}
+
+void ViewerOptions::check() const {
+  if (!preview.empty()) checkImageWritable(preview);
+  if (every && preview.empty()) badUsage("--every: needs --preview FILE");
+  if (every) parseDuration("--every", *every);
+  if (!liveAddress.empty() && !live) badUsage("--live-address: needs --live");
+  if (!liveHosts.empty() && !live) badUsage("--live-host: needs --live");
+  if (!displayServer.empty()) TevClient(displayServer, "");
+}
+
+std::shared_ptr<LiveServer> ViewerOptions::openPage(const std::string& title,
+                                                    std::function<void()> stop) const {
+  if (!live) return nullptr;
+  auto opened = std::make_shared<LiveServer>(liveAddress.empty() ? LOOPBACK : liveAddress, liveHosts, title,
+                                             std::move(stop));
+  std::fputs(("the picture as it grows: " + opened->url() + "\n").c_str(), stderr);
+  return opened;
+}
+
+FilmViewers::FilmViewers(const ViewerOptions& options, const DevelopOptions& develop,
+                         const std::string& title, std::function<void()> stop)
+    : keepsPage(options.page != nullptr) {
+  const auto begin = Clock::now();
+  if (!options.preview.empty()) {
+    constexpr double PREVIEW_SECONDS = 5;
+    const double interval = options.every ? parseDuration("--every", *options.every) : PREVIEW_SECONDS;
+    auto write = [file = options.preview, develop](const Image& p) { PictureWriter(develop).write(file, p); };
+    viewers.push_back({std::make_unique<PictureThread>(std::move(write)), interval, true, begin});
+  }
+  if (!options.displayServer.empty()) {
+    auto client = std::make_shared<TevClient>(options.displayServer, title);
+    auto send = [client](const Image& p) { client->send(p); };
+    viewers.push_back({std::make_unique<PictureThread>(std::move(send)), 1, false, begin, client});
+  }
+  live = options.page ? options.page : options.openPage(title, std::move(stop));
+  if (live) live->begin();
+}
+
+double FilmViewers::look(const std::function<Image()>& picture,
+                         const std::function<void(const std::string&)>& say) {
+  // Who looks shall not cost more than a fiftieth of the time.
+  constexpr double LEAST_PART = 50;
+  const auto start = Clock::now();
+  const auto after = [&](double seconds) {
+    return start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  };
+  std::optional<Image> newest;
+  const auto made = [&] {
+    if (!newest) newest = picture();
+    return *newest;
+  };
+  Clock::time_point next = after(3600);
+  for (Viewer& viewer : viewers) {
+    if (const std::string failure = viewer.thread->takeFailure(); !failure.empty())
+      say("warning: " + failure);
+    if (viewer.due <= start) {
+      viewer.thread->offer(made());
+      viewer.due = after(std::max(viewer.interval, LEAST_PART * viewer.thread->cost()));
+    }
+    next = std::min(next, viewer.due);
+  }
+  if (live) {
+    if (liveDue <= start) {
+      live->show(made());
+      liveDue = after(std::max(1.0, LEAST_PART * live->cost()));
+    }
+    next = std::min(next, liveDue);
+  }
+  const std::chrono::duration<double> cost = Clock::now() - start, wait = next - start;
+  return std::max(wait.count(), LEAST_PART * cost.count());
+}
+
+void FilmViewers::show(const RenderProgress& progress) {
+  if (live) live->show(progress);
+}
+
+void FilmViewers::finish(const Image& picture, const std::function<void(const std::string&)>& say) {
+  constexpr std::chrono::seconds PATIENCE{2}; // for the last picture
+  for (Viewer& viewer : viewers) {
+    if (viewer.server) viewer.server->endBy(Clock::now() + PATIENCE);
+    if (!viewer.isPreview) viewer.thread->offer(picture);
+  }
+  for (Viewer& viewer : viewers) {
+    viewer.thread->end();
+    if (const std::string failure = viewer.thread->takeFailure(); !failure.empty() && !viewer.isPreview)
+      say("warning: " + failure);
+  }
+  viewers.clear();
+  if (!live) return;
+  live->show(picture);
+  if (!keepsPage) live->finish();
+}
+
+} // namespace recurse::apps

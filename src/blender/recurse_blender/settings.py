@@ -1,0 +1,125 @@
+"""Settings of a scene, and their panels."""
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from .text import number
+
+INTEGRATORS = [
+    ("photonmap", "Photon mapping", "Photons for indirect light and caustics, new ones in each pass"),
+    ("path", "Path tracing", "Without bias; caustics of small lamps are noisy"),
+    ("vcm", "Vertex connection and merging", "Bidirectional paths with photons"),
+    ("bdpt", "Bidirectional path tracing", "Without bias; paths from camera and lamps, connected"),
+    ("whitted", "Whitted", "Direct light, mirrors and glass"),
+    ("ambientocclusion", "Ambient occlusion", "How much of an even sky reaches each place"),
+]
+WITH_DEPTH = ("photonmap", "path", "vcm", "bdpt", "whitted")
+
+
+class RecurseSettings(bpy.types.PropertyGroup):
+    """Of a scene."""
+
+    integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="photonmap", description="How light is computed")
+    samples: IntProperty(name="Samples", default=64, min=1, max=1 << 30, description="Samples of each pixel")
+    time_limit: FloatProperty(name="Time Limit", default=0, min=0, unit="TIME_ABSOLUTE",
+                              description="Longest time for a picture [s]; 0: none")
+    error_target: FloatProperty(name="Error Target", default=0, min=0, max=1, precision=3,
+                                description="Relative error at which a picture is done; 0: none")
+    adaptive: BoolProperty(name="Adaptive", default=False, description="More samples where the error is larger")
+    photons: IntProperty(name="Photons", default=0, min=0, max=2000000000,
+                         description="Photons of each pass; 0: chosen by the size of the picture")
+    caustics_only: BoolProperty(name="Caustics Only", default=False,
+                                description="Photons of caustics only, beside path tracing of all other light")
+    max_depth: IntProperty(name="Max Bounces", default=-1, min=-1, max=1000000000,
+                           description="Most scattering events of a path; -1: any number")
+    seed: IntProperty(name="Seed", default=0, min=0, description="Another seed, another independent picture")
+    threads: IntProperty(name="Threads", default=0, min=0, max=4096, description="0: one for each core")
+    classes: StringProperty(name="Path Classes", default="",
+                            description="A pass for each class of light paths: caustic=LS+DE; direct=LDE")
+    use_albedo: BoolProperty(name="Albedo", default=False, description="The pass Albedo, for denoisers")
+
+    def directives(self):
+        """Integrator and samples as a scene file has them."""
+        line = f'Integrator "{self.integrator}"'
+        if self.integrator in WITH_DEPTH and self.max_depth >= 0:
+            line += f' "integer maxdepth" {self.max_depth}'
+        if self.integrator in ("photonmap", "vcm") and self.photons > 0:
+            line += f' "integer photons" {self.photons}' + (' "integer passes" 0' if self.integrator == "photonmap" else "")
+        if self.integrator == "photonmap" and self.caustics_only:
+            line += ' "bool causticsonly" true'
+        return [line, f'Sampler "zsobol" "integer pixelsamples" {self.samples} "integer seed" {self.seed}']
+
+    def options(self):
+        """What only the command line has."""
+        out = []
+        if self.time_limit > 0:
+            out += ["--time-limit", number(self.time_limit)]
+        if self.error_target > 0:
+            out += ["--error-target", number(self.error_target)]
+        if not (self.time_limit > 0 or self.error_target > 0):
+            out += ["--spp", str(self.samples)]
+        if self.adaptive and "--spp" in out:
+            out.append("--adaptive")
+        if self.threads > 0:
+            out += ["--nthreads", str(self.threads)]
+        for name, expression in self.class_list():
+            out += ["--class", f"{name}={expression}"]
+        return out
+
+    def class_list(self):
+        """Names and expressions of path classes."""
+        pairs = [text.partition("=") for text in self.classes.split(";") if text.strip()]
+        return [(name.strip(), (expression or name).strip()) for name, _, expression in pairs]
+
+
+class _Panel(bpy.types.Panel):
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {"RECURSE"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine in cls.COMPAT_ENGINES
+
+    def column(self, context, *names):
+        """Settings below each other."""
+        self.layout.use_property_split = True
+        column = self.layout.column()
+        for name in names:
+            column.prop(context.scene.recurse, name)
+        return column
+
+
+class RECURSE_PT_sampling(_Panel):
+    bl_label = "Sampling"
+
+    def draw(self, context):
+        self.column(context, "integrator", "samples", "time_limit", "error_target", "adaptive", "max_depth", "seed", "threads")
+
+
+class RECURSE_PT_photons(_Panel):
+    bl_label = "Photons"
+
+    def draw(self, context):
+        self.column(context, "photons", "caustics_only").active = context.scene.recurse.integrator in ("photonmap", "vcm")
+
+
+class RECURSE_PT_passes(_Panel):
+    bl_label = "Passes"
+    bl_context = "view_layer"
+
+    def draw(self, context):
+        column = self.column(context, "use_albedo", "classes")
+        for name in ("use_pass_z", "use_pass_normal", "use_pass_cryptomatte_object", "use_pass_cryptomatte_material"):
+            column.prop(context.view_layer, name)
+
+
+class RECURSE_PT_file(_Panel):
+    bl_label = "Scene File"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        self.layout.operator("recurse.write_scene")
+
+
+CLASSES = (RecurseSettings, RECURSE_PT_sampling, RECURSE_PT_photons, RECURSE_PT_passes, RECURSE_PT_file)

@@ -1,0 +1,176 @@
+/** @file
+ * A smooth or rough boundary between two dielectrics, for flux (Walter et al. 2007): what `dielectric` is
+ * made of, and what lies on top of the coated materials.
+ */
+#pragma once
+
+#include <optional>
+
+#include "bsdfs/microfacet/fresnel.h"
+#include "bsdfs/microfacet/microfacet.h"
+#include "recurse/model/bsdf/bsdf.h"
+
+namespace recurse {
+
+/** The outer side is that of +z. Not for `facets` that are smooth, except for the functions that say so. */
+struct DielectricInterface {
+  float eta = 1.5f; ///< refractive index below over above
+  Microfacets facets;
+
+  /** A sampled direction; weight = f cos / pdf of the chosen kind of scattering. */
+  struct Step {
+    Vec3f wo{0, 0, 1};
+    float weight = 0;
+  };
+
+  /** Index beyond over that on the side of w. */
+  float relative(const Vec3f& w) const { return w.z > 0 ? eta : 1 / eta; }
+
+  /** The scattering of flux from wi to wo: BRDF, or BTDF [1/sr]. */
+  float value(const Vec3f& wi, const Vec3f& wo) const {
+    Facet f;
+    if (!facet(wi, wo, f)) return 0;
+    if (wi.z * wo.z > 0) return f.fresnel * facets.reflection(wi, wo, f.m);
+    return f.fresnel * facets.density(f.m) * facets.shadowedPair(wi, wo) * absDot(wi, f.m) * f.jacobian;
+  }
+
+  /** Density of sample() for the same lobes [1/sr]. */
+  float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet lobes = NON_DELTA_LOBES) const {
+    const bool reflection = wi.z * wo.z > 0;
+    if (!(lobes & (reflection ? REFLECTION : TRANSMISSION))) return 0;
+    Facet f;
+    if (!facet(wi, wo, f)) return 0;
+    const float chance = (lobes & NON_DELTA_LOBES) == NON_DELTA_LOBES ? f.fresnel
+                         : f.fresnel > 0                              ? 1.0f
+                                                                      : 0.0f;
+    if (reflection) return chance * facets.reflectionPdf(wi, f.m);
+    return chance * facets.visibleDensity(wi, f.m) * f.jacobian;
+  }
+
+  /** Chooses wo; `pick` decides between reflection and transmission where both are allowed. */
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick,
+                              LobeSet lobes = NON_DELTA_LOBES) const {
+    const float side = wi.z > 0 ? 1.0f : -1.0f;
+    Vec3f m = facets.sampleVisible({wi.x * side, wi.y * side, wi.z * side}, u) * side;
+    const float c = glm::dot(wi, m), rel = relative(wi);
+    if (!(c > 0)) return {};
+    const DielectricFresnel f = dielectricFresnel(std::min(c, 1.0f), rel);
+    const bool both = (lobes & NON_DELTA_LOBES) == NON_DELTA_LOBES;
+    Vec3f wo;
+    if (both ? pick < f.reflectance : (lobes & REFLECTION) != 0) {
+      wo = mirrored(wi, m);
+      if (!(wo.z * side > 0)) return {};
+    } else {
+      if (f.reflectance >= 1) return {};
+      wo = m * (c / rel - f.cosTransmitted) - wi / rel;
+      if (!(wo.z * side < 0)) return {};
+    }
+    return glm::normalize(wo);
+  }
+
+  /** Transmission or reflection alone; of a smooth boundary too, whose density is a delta. */
+  std::optional<Step> step(const Vec3f& wi, const Vec2f& u, Lobe lobe) const {
+    if (facets.smooth()) {
+      const float rel = relative(wi);
+      const DielectricFresnel f = dielectricFresnel(std::min(std::abs(wi.z), 1.0f), rel);
+      if (lobe == REFLECTION) return Step{{-wi.x, -wi.y, wi.z}, f.reflectance};
+      if (f.reflectance >= 1) return {};
+      return Step{{-wi.x / rel, -wi.y / rel, -std::copysign(f.cosTransmitted, wi.z)}, 1 - f.reflectance};
+    }
+    const std::optional<Vec3f> wo = sample(wi, u, 0, lobe);
+    if (!wo) return {};
+    const float p = pdf(wi, *wo, lobe);
+    if (!(p > 0)) return {};
+    return Step{*wo, value(wi, *wo) * std::abs(wo->z) / p};
+  }
+
+  /** The delta lobes of a smooth boundary. */
+  void deltas(const Vec3f& wi, DeltaScatters& out) const {
+    const float rel = relative(wi);
+    const DielectricFresnel f = dielectricFresnel(std::min(std::abs(wi.z), 1.0f), rel);
+    if (f.reflectance > 0) out.add({{-wi.x, -wi.y, wi.z}, Rgb(f.reflectance), 1, MIRROR});
+    if (f.reflectance < 1)
+      out.add({{-wi.x / rel, -wi.y / rel, -std::copysign(f.cosTransmitted, wi.z)},
+               Rgb(1 - f.reflectance),
+               rel,
+               REFRACTION});
+  }
+
+ private:
+  /** The facet that takes one direction to another. */
+  struct Facet {
+    Vec3f m{0, 0, 1};  ///< its normal, on the side of wi
+    float fresnel = 0; ///< the part of the light that goes that way
+    float jacobian =
+        0; ///< of refraction: solid angle of normals over that of wo (Walter et al. 2007, eq. 17)
+  };
+  /** False where no facet can. */
+  bool facet(const Vec3f& wi, const Vec3f& wo, Facet& f) const {
+    const float product = wi.z * wo.z;
+    if (product > 0) {
+      f.m = halfVector(wi, wo);
+      if (wi.z < 0) f.m = -f.m;
+      const float c = glm::dot(wi, f.m);
+      f.fresnel = dielectricFresnel(std::clamp(c, 0.0f, 1.0f), relative(wi)).reflectance;
+      return c > 0;
+    }
+    if (!(product < 0)) return false;
+    // All from the upper and the lower direction, not from wi and wo, so that the way back finds the same.
+    const Vec3f& up = wi.z > 0 ? wi : wo;
+    const Vec3f& down = wi.z > 0 ? wo : wi;
+    Vec3f m = up + down * eta;
+    const float length2 = lengthSquared(m);
+    if (!(length2 > 0)) return false;
+    m /= std::sqrt(length2);
+    if (m.z < 0) m = -m;
+    const float cosUp = glm::dot(up, m), cosDown = -glm::dot(down, m);
+    if (!(cosUp > 0 && cosDown > 0)) return false;
+    // From the thinner side there is no critical angle, near which a rounded cosine says little.
+    const DielectricFresnel fresnel = eta > 1 ? dielectricFresnel(std::min(cosUp, 1.0f), eta)
+                                              : dielectricFresnel(std::min(cosDown, 1.0f), 1 / eta);
+    f.fresnel = 1 - fresnel.reflectance;
+    f.jacobian = (wi.z > 0 ? cosDown * square(eta) : cosUp) / length2;
+    f.m = wi.z < 0 ? -m : m;
+    return true;
+  }
+};
+
+/** A smooth boundary. */
+class DielectricBsdf final : public Bsdf {
+ public:
+  explicit DielectricBsdf(float eta) : surface{eta, {}} {}
+  LobeSet lobes() const override { return MIRROR | REFRACTION; }
+  void deltas(const Vec3f& wi, DeltaScatters& out) const override { surface.deltas(wi, out); }
+  bool lossless() const override { return true; }
+
+ private:
+  DielectricInterface surface;
+};
+
+/** A rough one. */
+class RoughDielectricBsdf : public Bsdf {
+ public:
+  explicit RoughDielectricBsdf(const DielectricInterface& surface) : surface(surface) {}
+  LobeSet lobes() const override {
+    return surface.facets.anisotropic() ? NON_DELTA_LOBES | ANISOTROPIC : NON_DELTA_LOBES;
+  }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override { return Rgb(surface.value(wi, wo)); }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override { return surface.pdf(wi, wo); }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    return surface.sample(wi, u, pick);
+  }
+  Rgb albedo(const Vec3f&) const override { return Rgb(1); }
+  float eta() const override { return surface.eta; }
+
+ protected:
+  ~RoughDielectricBsdf() = default;
+  DielectricInterface surface;
+};
+
+/** Without the light that meets several facets. */
+class SingleScattering final : public RoughDielectricBsdf {
+ public:
+  using RoughDielectricBsdf::RoughDielectricBsdf;
+};
+
+} // namespace recurse

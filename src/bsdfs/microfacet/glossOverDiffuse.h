@@ -1,0 +1,89 @@
+/** @file
+ * The pattern of the classic models: a gloss lobe beside, or on top of, a diffuse one, the same on both sides
+ * of the surface.
+ */
+#pragma once
+
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/bsdf/bsdf.h"
+
+namespace recurse {
+
+/** A `Gloss` has, for directions that point up (z >= 0): `value(a, b)` and `diffuse(a, b)`, its two lobes
+ * [1/sr], both reciprocal; `sample(a, u, pick)`, below the surface where it absorbs, and `pdf(a, b)` [1/sr],
+ * of the gloss lobe; `albedo(a)` and `diffuseAlbedo(a)`, nearly; `anisotropic()` and `lossless()`. */
+template <class Gloss> class GlossOverDiffuse final : public Bsdf {
+ public:
+  explicit GlossOverDiffuse(const Gloss& gloss) : gloss(gloss) {}
+
+  LobeSet lobes() const override { return gloss.anisotropic() ? REFLECTION | ANISOTROPIC : REFLECTION; }
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+    if (!(wi.z * wo.z > 0)) return BLACK;
+    const Vec3f a = up(wi), b = up(wo);
+    return gloss.value(a, b) + gloss.diffuse(a, b);
+  }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+    if (!(wi.z * wo.z > 0)) return 0;
+    const Vec3f a = up(wi), b = up(wo);
+    const float glossy = chance(a);
+    return (glossy > 0 ? glossy * gloss.pdf(a, b) : 0) + (1 - glossy) * b.z * INV_PI;
+  }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    const Vec3f a = up(wi);
+    const float glossy = chance(a);
+    const Vec3f wo =
+        pick < glossy ? gloss.sample(a, u, std::min(pick / glossy, ONE_MINUS_EPSILON)) : cosineHemisphere(u);
+    if (!(wo.z > 0)) return {};
+    const Vec3f unit = glm::normalize(wo);
+    return wi.z < 0 ? Vec3f(unit.x, unit.y, -unit.z) : unit;
+  }
+  Rgb albedo(const Vec3f& wi) const override {
+    const Vec3f a = up(wi);
+    return min(gloss.albedo(a) + gloss.diffuseAlbedo(a), Rgb(1));
+  }
+  bool lossless() const override { return gloss.lossless(); }
+
+ private:
+  static Vec3f up(const Vec3f& w) { return {w.x, w.y, std::abs(w.z)}; }
+  /** Of the gloss lobe; never so little that what the albedo leaves out would come as bright rare samples. */
+  float chance(const Vec3f& a) const {
+    const float g = maxComponent(gloss.albedo(a)), d = maxComponent(gloss.diffuseAlbedo(a));
+    if (!(d > 0)) return 1;
+    if (!(g > 0)) return 0;
+    return std::clamp(g / (g + d), 0.1f, 0.9f);
+  }
+
+  Gloss gloss;
+};
+
+/** A material that makes GlossOverDiffuse from what `make(point)` returns. */
+template <class Make> class GlossMaterial final : public Material {
+ public:
+  GlossMaterial(const Make& make, bool anisotropic)
+      : make(make), lobeSet(anisotropic ? REFLECTION | ANISOTROPIC : REFLECTION) {}
+  const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
+    const auto gloss = make(point);
+    return arena.make<GlossOverDiffuse<std::remove_const_t<decltype(gloss)>>>(gloss);
+  }
+  LobeSet lobes() const override { return lobeSet; }
+
+ private:
+  Make make;
+  LobeSet lobeSet;
+};
+template <class Make> std::unique_ptr<Material> glossMaterial(const Make& make, bool anisotropic) {
+  return std::make_unique<GlossMaterial<Make>>(make, anisotropic);
+}
+
+/** Declares the two colours that the classic models share. */
+inline void addGlossParameters(std::vector<ParameterSpec>& parameters) {
+  parameters.push_back(
+      spectrumParameter("specular", "0.25", SpectrumKind::ALBEDO, "strength of the gloss lobe")
+          .withTexture());
+  parameters.push_back(spectrumParameter("reflectance", "0.5", SpectrumKind::ALBEDO,
+                                         "albedo of the diffuse part, which gets what the gloss leaves: it "
+                                         "counts times 1 - specular")
+                           .withTexture());
+}
+
+} // namespace recurse

@@ -1,0 +1,154 @@
+/** @file
+ * Temporary file, rename, and a table of names that a signal handler can read.
+ */
+#include "recurse/core/io/atomicFile.h"
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <cstring>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "recurse/core/io/error.h"
+#include "recurse/core/io/files.h"
+
+namespace recurse {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/** A signal handler must not take locks or allocate: names lie in fixed places with a flag each. */
+struct Slot {
+  std::atomic<bool> taken{false}, filled{false};
+  char name[PATH_MAX];
+};
+std::array<Slot, 64> slots;
+
+int remember(const std::string& name) {
+  if (name.size() >= PATH_MAX) return -1;
+  for (size_t i = 0; i < slots.size(); ++i) {
+    if (slots[i].taken.exchange(true)) continue;
+    std::memcpy(slots[i].name, name.c_str(), name.size() + 1);
+    slots[i].filled.store(true);
+    return static_cast<int>(i);
+  }
+  return -1; // a 65th file at once is only not removed at a hard interrupt
+}
+
+void forget(int slot) {
+  if (slot < 0) return;
+  slots[static_cast<size_t>(slot)].filled.store(false);
+  slots[static_cast<size_t>(slot)].taken.store(false);
+}
+
+[[noreturn]] void failFor(const std::string& name, int reason) {
+  throw Error(name + ": cannot be written: " + std::strerror(reason));
+}
+
+fs::path folderOf(const std::string& target) {
+  const fs::path folder = fs::path(target).parent_path();
+  return folder.empty() ? fs::path(".") : folder;
+}
+
+/** What the name stands for once links are followed, so that a rename does not replace the link. */
+std::string resolved(const std::string& name) {
+  std::error_code error;
+  const fs::path real = fs::canonical(name, error);
+  return error ? name : real.string();
+}
+
+bool isSpecialFile(const std::string& target, struct stat& status) {
+  return ::stat(target.c_str(), &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
+}
+
+} // namespace
+
+AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolved(name)) {
+  checkFileWritable(name);
+  struct stat status {};
+  if (isSpecialFile(target, status)) {
+    descriptor = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor < 0) fail(errno);
+    return;
+  }
+  static std::atomic<unsigned> counter{0};
+  // The same name is only met again when an earlier process of this number was killed: such a file is waste.
+  temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
+                                   std::to_string(counter.fetch_add(1)) + ".tmp"))
+                  .string();
+  descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    temporary.clear();
+    fail(errno);
+  }
+  slot = remember(temporary);
+  // A file that is there already keeps its permissions; where that is not possible it still is written.
+  if (::stat(target.c_str(), &status) == 0 && ::fchmod(descriptor, status.st_mode & 07777) != 0) errno = 0;
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor >= 0) ::close(descriptor);
+  if (!temporary.empty()) ::unlink(temporary.c_str());
+  forget(slot);
+}
+
+void AtomicFile::write(const void* data, size_t size) {
+  const char* from = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t written = ::write(descriptor, from, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    from += written;
+    size -= static_cast<size_t>(written);
+  }
+}
+
+void AtomicFile::commit() {
+  const int closing = descriptor;
+  descriptor = -1;
+  if (::close(closing) != 0) fail(errno); // network file systems tell of a full disk only here
+  if (temporary.empty()) return;
+  if (::rename(temporary.c_str(), target.c_str()) != 0) fail(errno);
+  temporary.clear();
+  forget(slot);
+  slot = -1;
+}
+
+void AtomicFile::fail(int reason) const { failFor(givenName, reason); }
+
+void checkFileWritable(const std::string& fileName) {
+  if (fileName.empty()) throw Error("the name of the output file is empty");
+  const std::string target = resolved(fileName);
+  struct stat status {};
+  if (::stat(target.c_str(), &status) == 0) {
+    if (S_ISDIR(status.st_mode)) failFor(fileName, EISDIR);
+    // A rename could replace a write-protected file, but its owner has said that it shall stay.
+    if (::access(target.c_str(), W_OK) != 0) failFor(fileName, errno);
+    // Writing to the others may wait for a reader for ever.
+    if (!S_ISREG(status.st_mode) && !S_ISCHR(status.st_mode) && !isOpenStream(target))
+      throw Error(fileName + ": cannot be written: it is " + specialKind(target) + ", not a file");
+    if (!S_ISREG(status.st_mode)) return;
+  } else if (errno != ENOENT) {
+    failFor(fileName, errno);
+  }
+  const std::string folder = folderOf(target).string();
+  if (::stat(folder.c_str(), &status) != 0)
+    throw Error(fileName + ": cannot be written: no such folder: " + folder);
+  if (!S_ISDIR(status.st_mode)) failFor(fileName, ENOTDIR);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    throw Error(fileName + ": cannot be written: the folder " + folder + ": " + std::strerror(errno));
+  if (fs::path(target).filename().string().size() > NAME_MAX) failFor(fileName, ENAMETOOLONG);
+}
+
+void removeTemporaryFiles() noexcept {
+  for (Slot& slot : slots)
+    if (slot.filled.load()) ::unlink(slot.name);
+}
+
+} // namespace recurse

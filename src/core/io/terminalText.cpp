@@ -1,0 +1,59 @@
+/** @file
+ * Control characters of ASCII and of ISO 6429 in UTF-8.
+ */
+#include "recurse/core/io/terminalText.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace recurse {
+
+namespace {
+
+uint8_t byteAt(const std::string& text, size_t i) {
+  return i < text.size() ? static_cast<uint8_t>(text[i]) : 0;
+}
+
+/** Bytes of the character of UTF-8 that begins at `i`, 1 to 4; 0 where none does. */
+size_t characterBytes(const std::string& text, size_t i) {
+  const uint8_t first = byteAt(text, i);
+  if (first < 0x80) return 1;
+  const size_t count = first >= 0xf0 && first < 0xf5 ? 4 : first >= 0xe0 ? 3 : first >= 0xc2 ? 2 : 0;
+  if (first >= 0xf5) return 0;
+  for (size_t k = 1; k < count; ++k)
+    if ((byteAt(text, i + k) & 0xc0) != 0x80) return 0;
+  return count;
+}
+
+bool isControl(const std::string& text, size_t i, size_t bytes) {
+  const uint8_t first = byteAt(text, i);
+  return bytes == 1 ? first < 0x20 || first == 0x7f
+                    : bytes == 2 && first == 0xc2 && byteAt(text, i + 1) < 0xa0;
+}
+
+} // namespace
+
+std::string terminalText(const std::string& text) {
+  static constexpr char DIGITS[] = "0123456789abcdef";
+  std::string out;
+  out.reserve(text.size());
+  for (size_t i = 0; i < text.size();) {
+    const size_t bytes = characterBytes(text, i), taken = std::max<size_t>(bytes, 1);
+    const bool isPlain = text[i] == '\n' || text[i] == '\t' || (bytes > 0 && !isControl(text, i, bytes));
+    for (size_t k = i; k < i + taken; ++k) {
+      const uint8_t byte = byteAt(text, k);
+      if (isPlain)
+        out += text[k];
+      else
+        out += {'\\', 'x', DIGITS[byte >> 4], DIGITS[byte & 15]};
+    }
+    i += taken;
+  }
+  return out;
+}
+
+bool hasControlCharacters(const std::string& text) {
+  return terminalText(text) != text || text.find_first_of("\n\t") != std::string::npos;
+}
+
+} // namespace recurse

@@ -1,0 +1,25 @@
+/** @file
+ * Memory on huge pages.
+ */
+#include "recurse/core/threads/largeArray.h"
+
+#include <new>
+
+#include <sys/mman.h>
+
+namespace recurse {
+
+void* allocateLarge(size_t& bytes) {
+  constexpr size_t LINE = 64, HUGE_PAGE = size_t(1) << 21;
+  const size_t alignment = bytes >= HUGE_PAGE ? HUGE_PAGE : LINE;
+  const size_t rounded = (bytes + alignment - 1) / alignment * alignment;
+  // Only whole huge pages are worth having, and only if little of the last one is left over.
+  const bool huge = alignment == HUGE_PAGE && rounded - bytes <= bytes / 64;
+  bytes = huge ? rounded : (bytes + LINE - 1) / LINE * LINE;
+  void* p = nullptr;
+  if (posix_memalign(&p, alignment, std::max(bytes, LINE)) != 0) throw std::bad_alloc();
+  if (alignment == HUGE_PAGE) madvise(p, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+  return p;
+}
+
+} // namespace recurse

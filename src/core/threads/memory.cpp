@@ -1,0 +1,87 @@
+/** @file
+ * Memory by the word of Linux, of the control group and of the limits that a shell sets.
+ */
+#include "recurse/core/threads/memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include <sys/resource.h>
+
+#include "recurse/core/io/error.h"
+#include "recurse/core/io/text.h"
+
+namespace recurse {
+
+namespace {
+
+double memoryLimit = INFINITY; // of the process
+
+/** The number after a word in a file of "Name: number kB" lines [bytes]; infinite without. */
+double numberAfter(const char* fileName, const std::string& word) {
+  std::ifstream in(fileName);
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with(word)) return std::atof(line.c_str() + word.size()) * 1024;
+  return INFINITY;
+}
+
+/** The limit of a control group [bytes]; infinite without one. */
+double groupLimit() {
+  std::ifstream in("/sys/fs/cgroup/memory.max");
+  double bytes = 0;
+  return in >> bytes ? bytes : INFINITY; // "max" is no number
+}
+
+double limitOfAddresses() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return INFINITY;
+  return double(limit.rlim_cur) - numberAfter("/proc/self/status", "VmSize:");
+}
+
+} // namespace
+
+void setMemoryLimit(double bytes) { memoryLimit = bytes; }
+
+double availableMemory() {
+  const double left = memoryLimit < INFINITY ? memoryLimit - numberAfter("/proc/self/status", "VmRSS:")
+                                             : numberAfter("/proc/meminfo", "MemAvailable:");
+  return std::max(0.0, std::min({left, groupLimit(), limitOfAddresses()}));
+}
+
+void requireMemory(const std::string& subject, double bytes) {
+  constexpr double SMALL = 0x1p26; // to ask the system takes as long as what needs so little
+  if (bytes <= SMALL) return;
+  const double available = availableMemory();
+  if (bytes <= available) return;
+  throw Error(
+      subject +
+      formatted(" needs about %.3g GB of memory, and %.3g GB are available", bytes / 1e9, available / 1e9) +
+      (memoryLimit < INFINITY ? " (--memory)" : ""));
+}
+
+MemoryCap::MemoryCap(double bytes) : limit(numberAfter("/proc/self/status", "VmData:") + bytes) {
+  rlimit before{};
+  outer = ::getrlimit(RLIMIT_DATA, &before) == 0 ? before.rlim_cur : RLIM_INFINITY;
+  apply();
+}
+
+MemoryCap::~MemoryCap() {
+  limit = INFINITY;
+  apply();
+}
+
+void MemoryCap::raise(double bytes) {
+  limit += bytes;
+  apply();
+}
+
+void MemoryCap::apply() const {
+  rlimit now{};
+  if (::getrlimit(RLIMIT_DATA, &now) != 0) return;
+  now.rlim_cur = limit < double(outer) ? static_cast<rlim_t>(limit) : static_cast<rlim_t>(outer);
+  ::setrlimit(RLIMIT_DATA, &now);
+}
+
+} // namespace recurse

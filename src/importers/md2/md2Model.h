@@ -1,0 +1,42 @@
+/** @file
+ * Quake II models (MD2, version 8): triangles between keyframes whose positions are bytes in a box of their
+ * own.
+ */
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recurse/core/io/byteReader.h"
+#include "recurse/model/mesh/triangleMesh.h"
+
+namespace recurse {
+
+/** A model in memory, which checks what it reads and throws Error with the place. +z is up; it looks along
+ * +x. */
+class Md2Model {
+ public:
+  /** The bytes must outlive the model; `name` is for messages. */
+  Md2Model(const std::string& name, std::string_view bytes);
+
+  uint64_t frames() const { return frameCount; }
+  /** Names of pictures. */
+  std::vector<std::string> skins() const;
+  /** "stand, run, death" of frames named stand01, stand02 and so on. */
+  std::string animations() const;
+  /** The pose at a frame from 0 to frames() - 1; between two of them positions are interpolated. */
+  MeshData pose(double frame) const;
+
+ private:
+  uint64_t frameAt(uint64_t frame) const { return framesAt + frame * frameSize; }
+  std::vector<Vec3d> positions(uint64_t frame) const;
+  uint32_t indexAt(uint64_t offset, const char* what, uint64_t count) const;
+  Vec2d texCoord(uint32_t index) const;
+
+  ByteReader file;
+  uint64_t skinWidth, skinHeight, frameSize, skinCount, vertices, texCoords, triangles, frameCount;
+  uint64_t skinsAt, texCoordsAt, trianglesAt, framesAt;
+};
+
+} // namespace recurse

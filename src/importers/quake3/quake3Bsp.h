@@ -1,0 +1,57 @@
+/** @file
+ * Compiled maps of Quake III (IBSP version 46): what of their lumps is geometry or light.
+ */
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recurse/core/math/vector.h"
+
+namespace recurse {
+
+/** Lengths are in map units, +z is up; triangles go round counter-clockwise seen from their front; v grows
+ * upwards. */
+struct Quake3Bsp {
+  struct ShaderReference {
+    std::string name;
+    bool isSky = false, isInvisible = false;
+  };
+  struct Vertex {
+    Vec3d position{0}, normal{0};
+    Vec2d uv{0};
+  };
+  struct Face {
+    uint32_t shader = 0;
+    std::vector<Vertex> vertices;
+    std::vector<glm::uvec3> triangles; ///< of vertices; of a patch none
+    uint32_t patchWidth = 0,
+             patchHeight = 0; ///< control points of a biquadratic patch, row by row; 0: no patch
+  };
+  using Entity = std::map<std::string, std::string>; ///< keys in lower case
+
+  std::vector<ShaderReference> shaders;
+  std::vector<Face> faces; ///< polygons, patches and meshes; no billboards
+  std::vector<Entity> entities;
+};
+
+/** Values of an entity's keys; empty where there is none. */
+std::string valueOf(const Quake3Bsp::Entity& entity, const std::string& key);
+std::optional<Vec3d> vectorOf(const Quake3Bsp::Entity& entity, const std::string& key);
+double numberOf(const Quake3Bsp::Entity& entity, const std::string& key, double otherwise);
+
+/** Throws Error naming the file, the place and what is wrong there. */
+Quake3Bsp readQuake3Bsp(const std::string& name, std::string_view bytes);
+
+/** How many parts each piece of the patches has to be cut into along each side, so that no triangle is
+ * further than `tolerance` from the surface. */
+int patchSteps(const Quake3Bsp& map, double tolerance, int most);
+/** Cuts a patch into triangles, `steps` along each side of each of its pieces; replaces the control points.
+ */
+void tessellatePatch(Quake3Bsp::Face& face, int steps);
+
+} // namespace recurse

@@ -1,0 +1,181 @@
+/** @file
+ * auto: photon mapping, path tracing, or path tracing with photons of caustics, by a trial on a few blocks of
+ * the picture.
+ */
+#include "integrators/auto/estimatorTrial.h"
+#include "integrators/path/pathTracing.h"
+#include "integrators/photonmap/photonMapping.h"
+#include "recurse/core/io/text.h"
+#include "recurse/core/threads/processorTime.h"
+#include "recurse/model/scene/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class Auto final : public Integrator {
+ public:
+  explicit Auto(const PhotonMappingSettings& settings)
+      : settings(settings), mapper(makePhotonMapping(settings, &lights)) {}
+
+  Passes passes(int samplesPerPixel) const override { return mapper->passes(samplesPerPixel); }
+  uint64_t photonsEmitted(const Scene& scene) const override { return mapper->photonsEmitted(scene); }
+  bool passHasOneTime() const override { return true; }
+  bool supportsMedia(const Scene& scene) const override { return mapper->supportsMedia(scene); }
+  std::string choices() const override {
+    return "photonmap; path; or path with photons of caustics (photonmap with \"bool causticsonly\" true)";
+  }
+  std::vector<EstimatorDomain> domains() const override { return chosen().domains(); }
+
+  void prepare(const Scene& scene, const PathClasses& classes) override {
+    learned = {};
+    if (!settings.directLight && settings.without != Mechanism::LIGHT_LEARNING)
+      learned = lights.learn(scene, settings.without != Mechanism::SHADOW_OPENINGS);
+    mapper->prepare(scene, classes);
+  }
+  ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            const ForwardControl& control) override {
+    if (pass.index == 0) instead.reset();
+    ForwardStatistics statistics = chosen().forward(scene, classes, pass, control);
+    statistics.counts.add(std::exchange(learned, {}));
+    if (pass.index == 0) {
+      const ProcessorTimer timer(statistics.learningSeconds);
+      choose(scene, classes, pass, control, statistics);
+    }
+    return statistics;
+  }
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    chosen().backward(scene, ray, sampler, out);
+  }
+  void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
+    chosen().backwardBatch(scene, paths);
+  }
+
+ private:
+  Integrator& chosen() const { return instead ? *instead : *mapper; }
+
+  /** Chooses after the first pass of photonmap, and says what. */
+  void choose(const Scene& scene, const PathClasses& classes, const Pass& pass, const ForwardControl& control,
+              ForwardStatistics& statistics) {
+    if (const std::string reason = reasonForPhotons(scene, pass); !reason.empty())
+      statistics.notes.push_back("auto: photonmap, without a trial: " + reason);
+    else
+      tryPaths(scene, classes, pass, control, statistics);
+  }
+
+  /** Why there is no trial; empty where it is little work beside the picture and may change something. */
+  std::string reasonForPhotons(const Scene& scene, const Pass& pass) const {
+    constexpr int MAX_LIGHT_SAMPLES = 64; // with more, a trial may take longer than the picture
+    if (settings.lightSamples > MAX_LIGHT_SAMPLES)
+      return "\"lightsamples\" is above " + std::to_string(MAX_LIGHT_SAMPLES);
+    if (settings.finalGather >= 0 || settings.nearest > 0 || settings.radius > 0 || settings.directLight)
+      return "the integrator's parameters say how photons are used";
+    if (pass.schedule == PassSchedule::ONE_MAP) return "there is one photon map";
+    if (scene.lights().size() == 0) return "there is no light";
+    if (scene.film().whole().area() < EstimatorTrial::PIXELS)
+      return formatted("the picture has fewer than %d pixels", EstimatorTrial::PIXELS);
+    // Beside paths photons are kept on surfaces only.
+    if (scene.hasMedia() && !raysFindAll(scene)) return "paths do not find all light of the media";
+    return {};
+  }
+
+  /** Whether rays find all light that photons do. */
+  bool raysFindAll(const Scene& scene) const {
+    const PhotonPass& photons = mapper->photonPass();
+    const bool causticsInMedia = scene.hasMedia() && (scene.contents().lobes & DELTA_LOBES);
+    if (photons.caustics().map.empty() && !causticsInMedia) return true;
+    bool met = true; // by rays, as lamps far away hardly are
+    for (uint32_t i = 0; i < scene.lights().size(); ++i)
+      met = met && scene.lights()[i].isIntersectable() && !photons.isAimed(i);
+    return met;
+  }
+
+  /** Leaves the picture to path tracing, with caustic photons or without any, where a few blocks of it tell
+   * that other photons are not worth their work. */
+  void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                const ForwardControl& control, ForwardStatistics& statistics) {
+    constexpr uint64_t STREAM = 0x747269616cull;
+    constexpr double PASS_RAY = 1.6; // to shoot, store and sort, over a ray of a camera path
+    constexpr double CLEARLY = 2;    // a trial misses rare bright samples, of which paths have more
+    const Pass other{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time};
+    const EstimatorTrial trial(scene, classes, other.seed, pass.time);
+    const double pixels = double(scene.film().whole().area());
+    using Rounds = EstimatorTrial::Rounds;
+    // A round by this pass's photons, and one by another's.
+    const auto takeBoth = [&](PhotonMapper& photons, double& shotRays) {
+      Rounds rounds{trial.take(photons, 0), {}};
+      const ForwardStatistics shot =
+          photons.withPass(other, scene, classes, control, [&] { rounds[1] = trial.take(photons, 1); });
+      for (const TrialSamples& samples : rounds) statistics.counts.add(samples.counts);
+      statistics.counts.add(shot.counts);
+      shotRays = double(shot.counts.rays);
+      return rounds;
+    };
+    std::unique_ptr<Integrator> paths =
+        makePathTracing({settings.maxDepth, settings.lightSamples}, nullptr, &lights);
+    paths->prepare(scene, classes);
+    const Rounds traced{trial.take(*paths, 0), trial.take(*paths, 1)};
+    for (const TrialSamples& samples : traced) statistics.counts.add(samples.counts);
+    double shot = 0;
+    const Rounds mapped = takeBoth(*mapper, shot);
+    EstimatorTrial::Figures byMap = EstimatorTrial::figures(mapped, traced);
+    byMap.work += PASS_RAY * shot / pixels;
+    EstimatorTrial::Figures byPaths = EstimatorTrial::figures(traced, mapped);
+    byPaths.add(mapper->photonPass().causticVarianceByRays() +
+                EstimatorTrial::missedVariance(traced, mapped));
+    bool withCaustics = false;
+    if (!mapper->photonPass().caustics().map.empty()) {
+      std::unique_ptr<PhotonMapper> causticPaths = makeCausticPaths(settings, &lights);
+      causticPaths->prepare(scene, classes);
+      statistics.counts.add(causticPaths->forward(scene, classes, pass, control).counts);
+      const Rounds both = takeBoth(*causticPaths, shot);
+      EstimatorTrial::Figures byBoth = EstimatorTrial::figures(both, mapped);
+      byBoth.work += PASS_RAY * shot / pixels;
+      byBoth.add(EstimatorTrial::missedVariance(both, mapped));
+      withCaustics = !raysFindAll(scene) || byBoth.errorOver(byPaths) < CLEARLY;
+      if (withCaustics) {
+        byPaths = byBoth;
+        paths = std::move(causticPaths);
+      }
+    }
+    if (control.stopped()) return;
+    // Behind a door ajar neither finds enough light to be judged; photons find their way sooner.
+    constexpr double FEW = 64; // the scenes that are better left to paths have hundreds and more
+    const char* const rival = withCaustics ? "path with photons of caustics" : "path";
+    if (EstimatorTrial::effectiveCount(traced) < FEW) {
+      statistics.notes.push_back("auto: photonmap: by a trial, paths hardly find the light");
+      return;
+    }
+    const double ratio = byMap.errorOver(byPaths);
+    const bool arePathsBetter = ratio > CLEARLY;
+    statistics.notes.push_back(
+        formatted("auto: %s: by a trial, photonmap has %.2g times the squared error of "
+                  "%s for the same work",
+                  arePathsBetter ? rival : "photonmap", ratio, rival));
+    if (arePathsBetter) instead = std::move(paths);
+  }
+
+  PhotonMappingSettings settings;
+  LightSampler lights;     ///< of all integrators here
+  TransportCounts learned; ///< what that took, until it has been told
+  std::unique_ptr<PhotonMapper> mapper;
+  std::unique_ptr<Integrator> instead; ///< renders in the place of `mapper`; null: photons pay
+};
+
+} // namespace
+
+void registerAuto(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "auto",
+        .summary =
+            "Recurse's default: photonmap, or path where a trial on a few blocks of the picture finds "
+            "half of the squared error for the same work, with photons of caustics where there are any.",
+        .parameters = photonMappingParameters(),
+        .examples = {""}},
+       [](const Parameters& p, const NoContext&) {
+         return std::make_unique<Auto>(photonMappingSettings(p));
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,42 @@
+/** @file
+ * Bidirectional path tracing (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo
+ * Rendering"): every connection between a path from the camera and one from a light.
+ */
+#include "integrators/bidirectional/bidirectional.h"
+#include "recurse/model/scene/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class Bdpt final : public Bidirectional {
+ public:
+  explicit Bdpt(const BidirectionalSettings& settings) : Bidirectional(settings) {}
+};
+
+} // namespace
+
+void registerBdpt(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "bdpt",
+        .summary = "Bidirectional path tracing: paths from the camera and from the lights, connected. "
+                   "Without bias.",
+        .parameters =
+            {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
+                 .range(-1, 1e9),
+             integerParameter("lightpaths", "", "light paths in each pass; by default one for each pixel")
+                 .range(1, 2e9),
+             ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed"),
+             ignoredParameter(ParameterType::BOOLEAN, "visualizestrategies",
+                              "no picture but the sum is made"),
+             ignoredParameter(ParameterType::BOOLEAN, "visualizeweights", "no picture but the sum is made")},
+        .examples = {"", "\"integer lightpaths\" 4000 \"integer maxdepth\" 8"}},
+       [](const Parameters& p, const NoContext&) {
+         BidirectionalSettings settings;
+         settings.maxDepth = p.integer("maxdepth");
+         if (p.hasValue("lightpaths")) settings.lightPaths = static_cast<uint64_t>(p.integer("lightpaths"));
+         return std::make_unique<Bdpt>(settings);
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,255 @@
+/** @file
+ * Paths from both ends: light paths of a pass, kept and splatted; camera paths that meet lights, send shadow
+ * rays, are connected with a light path, and merged with all of them.
+ */
+#include "integrators/bidirectional/bidirectional.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <string_view>
+
+#include "recurse/core/threads/parallel.h"
+#include "transport/density/radiusCache.h"
+#include "transport/direct/directLight.h"
+#include "transport/paths/walker.h"
+
+namespace recurse {
+
+namespace {
+
+/** Tells light paths from others of the same pass. */
+constexpr uint64_t LIGHT_STREAM = 0x4c49474854504154ull;
+constexpr uint64_t BATCH = 4096;
+/** Radius of merges in the first pass, in pixels: photons of a few pixels are averaged. */
+constexpr double MERGE_PIXELS = 1.5;
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+void Bidirectional::prepare(const Scene& scene, const PathClasses&) {
+  if (settings.shadowRays) lights.learn(scene);
+  lightPaths = settings.lightPaths > 0 ? double(settings.lightPaths)
+                                       : double(scene.film().width) * double(scene.film().height);
+  if (scene.lights().size() == 0) lightPaths = 0;
+  splatted = settings.splats && scene.camera().isConnectable() && lightPaths > 0;
+}
+
+double Bidirectional::mergeRadius(double footprint) const {
+  return radiusScale * (settings.radius > 0 ? double(settings.radius) : MERGE_PIXELS * footprint);
+}
+
+WeightedPath Bidirectional::weightedPath(double radius, double distance) const {
+  // Within a degree of the first surface photons count as the same (Grittmann et al. 2021).
+  constexpr double ONE_DEGREE = 0.017455;
+  WeightedPath path;
+  path.splats = splatted ? lightPaths : 0;
+  path.connections = settings.connections && lightPaths > 0 ? 1 : 0;
+  path.photons = settings.merges ? lightPaths : 0;
+  path.mergeArea = double(PI) * square(radius);
+  path.correlationArea = settings.correlated ? double(PI) * square(distance * ONE_DEGREE) : 0;
+  return path;
+}
+
+void Bidirectional::completePath(const Scene& scene, WeightedPath& path, const LightEnd& end,
+                                 const ShadowRayStart& shadowRayStart) const {
+  path.lightIsIntersectable = settings.hits && end.isIntersectable();
+  path.light = end.geometry();
+  if (settings.shadowRays)
+    path.shadowRays = shadowRayDensity(scene, lights, shadowRayStart, end, path.vertices);
+  countMerges(path);
+}
+
+/** Light paths of one batch. */
+class Bidirectional::LightWalk {
+ public:
+  LightWalk(const Bidirectional& owner, const Scene& scene, const PathClasses& classes,
+            TransportCounts& counts, Splatter* splatter, float time, LightSubpaths& out)
+      : owner(owner), scene(scene), classes(classes), counts(counts), splatter(splatter), time(time),
+        out(out), walker(scene, classes, counts, owner.settings.maxDepth) {}
+
+  void trace(Sampler sampler) {
+    if (!owner.keepsLightPaths()) out.clear();
+    StoredPath& stored = out.paths.emplace_back();
+    stored.first = out.vertices.size();
+    const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
+    if (!start) return;
+    stored.end = start->end;
+    LightSubpath path = start->path;
+    while (walker.next(path, vertex, sampler)) {
+      store(stored);
+      if (splatter && !owner.settings.merges) sumTechniques(stored);
+      if (splatter && vertex.isConnectable())
+        splat(stored, path.nesting, sampler.fork(static_cast<uint32_t>(vertex.depth)));
+      const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
+      if (!step) return;
+      StoredVertex& last = out.vertices.back();
+      last.delta = path.delta;
+      last.straight = passesPane(scene, *vertex.scattering, *step);
+      const double back = path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
+      (stored.count > 1 ? out.vertices[out.vertices.size() - 2].fromCamera : stored.fromCamera) = back;
+    }
+  }
+
+ private:
+  void store(StoredPath& path) {
+    StoredVertex& v = out.vertices.emplace_back();
+    v.point = vertex.point();
+    v.material = vertex.hit.material;
+    v.wi = vertex.wi;
+    v.throughput = vertex.throughput;
+    v.fromLight = vertex.pdf;
+    v.toPrevious = vertex.toPrevious;
+    v.state = vertex.state;
+    v.afterD = vertex.afterD;
+    v.connectable = vertex.isConnectable();
+    ++path.count;
+  }
+
+  /** Techniques beyond y_count-1, by those beyond y_count-2. */
+  void sumTechniques(const StoredPath& path) {
+    if (path.count < 2 || out.startsAtPane(path)) return;
+    x.assign(1, {});
+    out.appendDensities(path, path.count, 3, x);
+    WeightedPath full = owner.weightedPath(0, 0);
+    full.vertices = x;
+    if (path.count > 2) {
+      beyond = sumBeyond(full, 3, beyond);
+      return;
+    }
+    owner.completePath(scene, full, path.end, out.shadowRayStart(path, path.count, -vertex.wi));
+    beyond = sumBeyond(full);
+  }
+
+  /** C_0: what the last vertex sends straight to the camera. */
+  void splat(const StoredPath& path, const Nesting& nesting, Sampler sampler) {
+    if (classes.join(vertex.afterD, classes.cameraStart()) == 0) return;
+    const SurfacePoint& point = vertex.point();
+    const auto lens = scene.camera().sampleWi(point.position, sampler.next2D(), time);
+    if (!lens || !(lens->pdf > 0)) return;
+    Ray ray;
+    ray.origin = lens->position;
+    ray.direction = -lens->direction;
+    ray.time = time;
+    const CameraEnd end(scene, ray);
+    if (!end.connectable) return;
+    const Rgb contribution = vertex.throughput * vertex.scattering->evaluateFlux(vertex.wi, lens->direction) *
+                             (lens->importance / lens->pdf);
+    if (isBlack(contribution)) return;
+    if (!visible(scene, vertex.hit, vertex.wi,
+                 visibilityTarget(lens->position, lens->direction, lens->distance), nesting, counts))
+      return;
+    const double distance = double(lens->distance);
+    const bool summed = !owner.settings.merges && path.count > 1 && !out.startsAtPane(path);
+    x.assign(1, {});
+    out.appendDensities(path, path.count, summed ? 2 : path.count + 1, x);
+    x[1].fromCamera = end.pdfAt(lens->position, point, lens->direction);
+    x[2].fromCamera = vertex.pdfPrevious(lens->direction);
+    WeightedPath weighted = owner.weightedPath(owner.mergeRadius(end.footprint(distance)), distance);
+    weighted.vertices = x;
+    if (summed)
+      weighted.beyond = beyond;
+    else
+      owner.completePath(scene, weighted, path.end, out.shadowRayStart(path, path.count, lens->direction));
+    splatter->add(vertex.afterD, classes.cameraStart(), lens->film,
+                  contribution * static_cast<float>(connectionWeight(weighted, 0)), counts);
+  }
+
+  const Bidirectional& owner;
+  const Scene& scene;
+  const PathClasses& classes;
+  TransportCounts& counts;
+  Splatter* splatter;
+  float time;
+  LightSubpaths& out;
+  Walker<LightState> walker;
+  LightVertex vertex;
+  std::vector<WeightedVertex> x;
+  double beyond = 0; ///< sumBeyond() of y_count-1, once there are two vertices and where nothing merges
+};
+
+ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                                         const ForwardControl& control) {
+  ForwardStatistics statistics;
+  const auto start = std::chrono::steady_clock::now();
+  radiusScale = double(recurse::radiusScale(pass.index, settings.alpha));
+  subpaths.clear();
+  photonVertices.clear();
+  if (lightPaths == 0) return statistics;
+  const auto count = static_cast<uint64_t>(lightPaths);
+  const size_t batches = (count + BATCH - 1) / BATCH;
+  std::vector<LightSubpaths> parts(batches);
+  std::vector<TransportCounts> counts(batches);
+  std::vector<size_t> bytes(batches);
+  Splatter* splatter = splatted ? control.splatter : nullptr;
+  parallelFor(batches, [&](size_t b) {
+    if (control.stopped()) return;
+    LightWalk walks(*this, scene, classes, counts[b], splatter, pass.time, parts[b]);
+    for (uint64_t i = b * BATCH; i < std::min(count, (b + 1) * BATCH); ++i)
+      walks.trace(
+          Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (i >> 32), static_cast<uint32_t>(i)));
+    bytes[b] = parts[b].memoryBytes();
+    if (!keepsLightPaths()) parts[b] = {};
+  });
+  if (splatter) splatter->addPaths(count);
+  if (keepsLightPaths())
+    for (LightSubpaths& part : parts) {
+      subpaths.append(part);
+      part = {};
+    }
+  for (const TransportCounts& c : counts) statistics.counts.add(c);
+  statistics.shootSeconds = secondsSince(start);
+  statistics.photonsEmitted = count;
+  if (settings.merges) buildPhotons();
+  statistics.photonsStored = settings.merges ? photons.size() : subpaths.vertices.size();
+  statistics.photonsRefused = photons.refused();
+  statistics.balanceSeconds = secondsSince(start) - statistics.shootSeconds;
+  statistics.mapBytes = keepsLightPaths() ? subpaths.memoryBytes() + photons.memoryBytes()
+                                          : *std::max_element(bytes.begin(), bytes.end());
+  return statistics;
+}
+
+void Bidirectional::buildPhotons() {
+  std::vector<Photon> found;
+  for (size_t p = 0; p < subpaths.paths.size(); ++p) {
+    const StoredPath& path = subpaths.paths[p];
+    // Shadow rays bring what comes straight from a light.
+    for (uint32_t t = 2; t <= path.count; ++t) {
+      const StoredVertex& v = subpaths.vertices[path.first + t - 1];
+      const float geometric = absDot(v.wi, v.point.geometricNormal);
+      if (!v.connectable || geometric == 0) continue;
+      Photon photon;
+      photon.position = v.point.position;
+      photon.direction = packDirection(v.wi);
+      photon.normal = packDirection(v.point.normalTowards(v.wi));
+      photon.power = v.throughput * (absDot(v.wi, v.point.shadingNormal) / geometric);
+      photon.pathState = v.state.byte;
+      found.push_back(photon);
+      photonVertices.push_back({static_cast<uint32_t>(p), t});
+    }
+  }
+  photons.build(found);
+}
+
+std::vector<EstimatorDomain> Bidirectional::domains() const {
+  std::vector<EstimatorDomain> all;
+  const auto add = [&](bool used, const char* estimator, const char* expression, const char* cost) {
+    const bool hitsLights = std::string_view(estimator) == "emission";
+    const bool onlyPanes = std::string_view(estimator) == "shadow rays through panes";
+    if (used) all.push_back({estimator, expression, cost, "paths from both ends", hitsLights, onlyPanes});
+  };
+  add(settings.hits, "emission", "L(S|D)*E", "none: met by the rays of camera paths");
+  add(settings.shadowRays, "shadow rays", "LD(S|D)*E", "one for each diffuse vertex of a camera path");
+  add(settings.shadowRays, "shadow rays through panes", "LS+D(S|D)*E",
+      "none: the same, straight through thin panes");
+  add(settings.connections, "connections", "L(S|D)*DD(S|D)*E",
+      "a ray between any two diffuse vertices of a camera path and of one light path");
+  add(settings.splats, "splats", "L(S|D)*DE", "a ray from each diffuse vertex of a light path to the camera");
+  add(settings.merges, "photons", "L(S|D)+D(S|D)*E", "one estimate at each diffuse vertex of a camera path");
+  return all;
+}
+
+} // namespace recurse

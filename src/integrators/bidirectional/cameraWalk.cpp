@@ -1,0 +1,312 @@
+/** @file
+ * The camera's side of bidirectional estimators: a path that meets lights, sends shadow rays, is connected
+ * with a light path and merged with the photons of all.
+ */
+#include <algorithm>
+#include <bit>
+
+#include "integrators/bidirectional/bidirectional.h"
+#include "transport/density/boundaryCorrection.h"
+#include "transport/direct/directLight.h"
+#include "transport/paths/walker.h"
+#include "transport/photonmap/photonMapQuery.h"
+
+namespace recurse {
+
+/** One camera path and all that is made with it. Its vertices are x_1 … x_s. */
+class Bidirectional::CameraWalk {
+ public:
+  CameraWalk(const Bidirectional& owner, const Scene& scene, const CameraRay& ray, Sampler& sampler,
+             PathRadiance& out)
+      : owner(owner), scene(scene), classes(out.pathClasses()), sampler(sampler), out(out),
+        camera(scene, ray), walker(scene, classes, out.counts, owner.settings.maxDepth),
+        path(startCameraSubpath(scene, classes, ray, out.counts)), vertices(1) {
+    path.pdf = camera.pdf;
+    path.parallel = camera.parallel;
+    const std::vector<StoredPath>& paths = owner.subpaths.paths;
+    if (!owner.settings.connections || paths.empty()) return;
+    const auto i = static_cast<size_t>(double(sampler.next1D()) * double(paths.size()));
+    light = &paths[std::min(i, paths.size() - 1)];
+  }
+
+  void run() {
+    while (walker.next(path, vertex, sampler, [&](const Hit* hit) { addEmission(hit); })) {
+      arrive();
+      if (vertex.isConnectable()) {
+        if (owner.settings.shadowRays) addShadowRay();
+        if (light && !owner.settings.merges && beyond.empty()) sumLightPath(*light);
+        if (light)
+          for (uint32_t t = 1; t <= light->count; ++t) addConnection(*light, t);
+        if (owner.settings.merges) addPhotons();
+      }
+      const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
+      if (!step) return;
+      vertices.back().delta = path.delta;
+      vertices[vertices.size() - 2].fromLight =
+          path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
+      if (!owner.settings.merges) sumCameraPath();
+      if (!path.delta) radiusKnown = true;
+      leave(passesPane(scene, *vertex.scattering, *step));
+    }
+  }
+
+ private:
+  void arrive() {
+    const double distance = double(glm::distance(vertex.point().position, path.from));
+    if (vertices.size() == 1) firstDistance = distance;
+    seenAlong += distance;
+    if (!radiusKnown) radius = owner.mergeRadius(camera.footprint(seenAlong));
+    vertices.push_back({vertex.pdf, 1});
+  }
+
+  /** Keeps in mind where the shadow ray started that finds what the walk meets next. */
+  void leave(bool straight) {
+    last = vertex.point();
+    if (straight) {
+      if (passed++ == 0) firstPane = last;
+      return;
+    }
+    passed = 0;
+    lit = last;
+    towardsBeforeLit = vertex.wi;
+    isLit = !path.delta;
+  }
+  ShadowRayStart shadowRayStart() const {
+    return {isLit ? &lit : nullptr, towardsBeforeLit, passed, &firstPane, &last};
+  }
+
+  /** Light that the ray met, or found outside of the scene. */
+  void addEmission(const Hit* hit) {
+    const Vec3f towardsLight = path.ray.direction;
+    if (hit) {
+      addHit(
+          hit->lightIndex,
+          {hit->point.position, -towardsLight, hit->point.geometricNormal, hit->primitive, hit->point.time},
+          hit->areaLight->radiance(hit->point, -towardsLight));
+      return;
+    }
+    for (size_t i = 0; i < scene.environment().size(); ++i)
+      addHit(scene.environmentIndices()[i], {path.ray.origin, -towardsLight},
+             scene.environment()[i]->radiance(towardsLight));
+  }
+
+  /** C_k. */
+  void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance) {
+    if (!owner.settings.hits || isBlack(radiance)) return;
+    double weight = 1;
+    if (vertices.size() > 1) {
+      const LightEnd end = lightEnd(scene, index, ray, last);
+      copyVertices();
+      x.back().fromLight = end.pdfNext;
+      x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
+      weight = hitWeight(weighted(end, shadowRayStart()));
+    }
+    out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight));
+  }
+
+  /** C_k-1. */
+  void addShadowRay() {
+    if (!lightIsSampled(scene, classes, vertex.afterD)) return;
+    const SampledLight choice(scene.lights(), owner.lights,
+                              lightSampleContext(owner.lights, vertex.point(), vertex.wi), sampler);
+    const std::optional<LiSample> sample = choice.sampleLi(vertex.point());
+    if (!sample || !(sample->pdf > 0)) return;
+    const Vec3f direction = sample->direction;
+    const float pdf = choice.chosen.probability * sample->pdf;
+    const Rgb radiance =
+        vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction) * sample->radiance / pdf;
+    if (isBlack(radiance)) return;
+    panes.clear();
+    const Transmittance free = transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
+                                             panesLeft(owner.settings.maxDepth, vertex.depth), out.counts,
+                                             [&](const SurfacePoint& pane) { panes.push_back(pane); });
+    if (isBlack(free.value)) return;
+    double next = vertex.pdfDirection(vertex.wi, direction);
+    copyVertices();
+    x[x.size() - 2].fromLight = vertex.pdfPrevious(direction);
+    ShadowRayStart start{&vertex.point(), vertex.wi, panes.size(), panes.data(), &vertex.point()};
+    for (const SurfacePoint& pane : panes) {
+      x.back().fromLight = areaPerSolidAngle(pane.position, *start.lastPane, direction);
+      x.push_back({next * areaPerSolidAngle(start.lastPane->position, pane, direction), 1, true});
+      next = 1;
+      start.lastPane = &pane;
+    }
+    const LightEnd end = lightEnd(scene, choice.chosen.index, sample->emitted(), *start.lastPane);
+    x.back().fromLight = end.pdfNext;
+    x.push_back({next * directionToEnd(end, start.lastPane->position), end.pdf});
+    const WeightedPath full = weighted(end, start);
+    if (!(full.shadowRays > 0)) return;
+    out.add(afterPanes(classes, free.panes), vertex.afterD,
+            radiance * free.value * static_cast<float>(connectionWeight(full, full.edges() - 1)));
+  }
+
+  /** C_s, with y_t of the light path, t > 0. */
+  void addConnection(const StoredPath& from, uint32_t t) {
+    const StoredVertex& y = vertexOf(from, t);
+    if (!y.connectable || owner.isTooLong(vertices.size() - 1 + t) ||
+        classes.join(y.afterD, vertex.afterD) == 0)
+      return;
+    const Vec3f offset = y.point.position - vertex.point().position;
+    const float distance2 = lengthSquared(offset);
+    if (!(distance2 > 0)) return;
+    const float distance = std::sqrt(distance2);
+    const Vec3f direction = offset / distance;
+    const Rgb here = vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction);
+    if (isBlack(here)) return;
+    arena.reset();
+    const Bsdf* bsdf = y.material->bsdfAt(y.point, arena);
+    if (!bsdf) return;
+    const ScatteringPoint there(*bsdf, y.point);
+    const Rgb radiance = here * y.throughput * there.evaluateFlux(y.wi, -direction) / distance2;
+    if (isBlack(radiance) || !visible(scene, vertex.hit, vertex.wi,
+                                      visibilityTarget(y.point.rayOrigin(-direction), direction, distance),
+                                      path.nesting, out.counts))
+      return;
+    copyVertices();
+    const size_t s = x.size() - 1;
+    const bool summed = !owner.settings.merges && t > 1 && !owner.subpaths.startsAtPane(from);
+    owner.subpaths.appendDensities(from, t, summed ? 2 : t + 1, x);
+    x[s - 1].fromLight = vertex.pdfPrevious(direction);
+    x[s].fromLight =
+        double(there.pdf(y.wi, -direction)) * areaPerSolidAngle(y.point.position, vertex.point(), direction);
+    x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, direction) *
+                          areaPerSolidAngle(vertex.point().position, y.point, direction);
+    x[s + 1].delta = false;
+    x[s + 2].fromCamera = double(there.pdf(-direction, y.wi)) * y.toPrevious;
+    WeightedPath full = weighted();
+    if (summed)
+      full.beyond = beyond[t - 1];
+    else
+      owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, t, -direction));
+    out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(connectionWeight(full, s)));
+  }
+
+  /** M_s, with all photons around. */
+  void addPhotons() {
+    const SurfacePoint& point = vertex.point();
+    GatherRegion region;
+    region.center = point.position;
+    region.normal = point.normalTowards(vertex.wi);
+    region.radius = static_cast<float>(radius);
+    region.flatness = FLATNESS;
+    region.bothSides = (vertex.scattering->lobes() & TRANSMISSION) != 0;
+    ++out.counts.gathers;
+    if (!anyWithin(owner.photons, region)) return;
+    BoundaryCorrection boundary{scene, sampler.fork(BOUNDARY_FORK)};
+    const float covered =
+        coveredFraction(boundary, glm::length(point.error), Kernel::CONSTANT, region, out.counts);
+    supportArea = double(PI) * square(double(region.radius)) * double(covered);
+    owner.photons.visitWithin(region, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+        const uint32_t slot = block.first + static_cast<uint32_t>(std::countr_zero(rest));
+        addPhoton(owner.photonVertices[owner.photons.emissionIndex(slot)]);
+      }
+    });
+  }
+
+  void addPhoton(const PhotonVertex& photon) {
+    const StoredPath& from = owner.subpaths.paths[photon.path];
+    const uint32_t t = photon.number;
+    const StoredVertex& y = vertexOf(from, t);
+    if (owner.isTooLong(vertices.size() - 2 + t) || classes.join(y.state, vertex.afterD) == 0) return;
+    const Rgb f = vertex.scattering->value(vertex.wi, y.wi);
+    if (isBlack(f)) return;
+    ++out.counts.photonsFound;
+    // Photons are per area of the surface, which shading normals do not know (Veach 1997, equation 5.19).
+    const float area = absDot(y.wi, y.point.shadingNormal) / absDot(y.wi, y.point.geometricNormal);
+    const Rgb radiance = vertex.throughput * f * y.throughput *
+                         static_cast<float>(double(area) / (owner.lightPaths * supportArea));
+    copyVertices();
+    const size_t s = x.size() - 1;
+    owner.subpaths.appendDensities(from, t - 1, t, x);
+    x[s - 1].fromLight = vertex.pdfPrevious(y.wi);
+    x[s].fromLight = y.fromLight;
+    x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, y.wi) * y.toPrevious;
+    const WeightedPath full = weighted(from.end, owner.subpaths.shadowRayStart(from, t, vertex.wi));
+    out.add(y.state, vertex.afterD, radiance * static_cast<float>(mergeWeight(full, s)));
+  }
+
+  const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {
+    return owner.subpaths.vertex(from, number);
+  }
+  /** The path of the vertices `x`, as far as it does not depend on the light. */
+  WeightedPath weighted() {
+    WeightedPath full = owner.weightedPath(radius, firstDistance);
+    full.vertices = x;
+    if (!camera.connectable) full.splats = 0;
+    full.summed = summed;
+    full.sumNearCamera = nearCamera;
+    return full;
+  }
+  /** The path of the vertices `x`. */
+  WeightedPath weighted(const LightEnd& end, const ShadowRayStart& start) {
+    WeightedPath full = weighted();
+    owner.completePath(scene, full, end, start);
+    return full;
+  }
+
+  /** The vertices as a new path `x`. Those before the last two are the same in all later paths. */
+  void copyVertices() {
+    x.resize(vertices.size());
+    std::copy(vertices.begin() + std::ptrdiff_t(copied), vertices.end(), x.begin() + std::ptrdiff_t(copied));
+    copied = vertices.size() - std::min<size_t>(vertices.size(), 2);
+  }
+  /** Up to x_s-1, when the walk leaves x_s. */
+  void sumCameraPath() {
+    copyVertices();
+    nearCamera = sumNearCamera(weighted(), vertices.size() - 2);
+    summed = vertices.size() - 2;
+  }
+  /** From the light on. */
+  void sumLightPath(const StoredPath& from) {
+    beyond.resize(from.count + 1);
+    if (from.count < 2 || owner.subpaths.startsAtPane(from)) return;
+    std::vector<WeightedVertex> all(1);
+    owner.subpaths.appendDensities(from, from.count, from.count + 1, all);
+    WeightedPath full = owner.weightedPath(0, 0);
+    full.vertices = all;
+    owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, from.count, Vec3f(0)));
+    beyond[1] = sumBeyond(full);
+    for (uint32_t t = 2; t < from.count; ++t) beyond[t] = sumBeyond(full, from.count + 2 - t, beyond[t - 1]);
+  }
+
+  /** Half the height of the search for photons over its radius: they are to lie on the same surface. */
+  static constexpr float FLATNESS = 0.2f;
+  /** Numbers for rays that look around a vertex are forked from the path's by this. */
+  static constexpr uint32_t BOUNDARY_FORK = 1;
+
+  const Bidirectional& owner;
+  const Scene& scene;
+  const PathClasses& classes;
+  Sampler& sampler;
+  PathRadiance& out;
+  CameraEnd camera;
+  CameraWalker walker;
+  CameraSubpath path;
+  CameraVertex vertex;
+  const StoredPath* light = nullptr;    ///< to be connected with
+  std::vector<WeightedVertex> vertices; ///< x_0 … x_s; what the light's walk does is known up to x_s-2
+  std::vector<WeightedVertex> x;        ///< of the full path at hand
+  size_t copied = 0;                    ///< vertices that are in `x` for good
+  // Where nothing merges, the weights' sums:
+  size_t summed = 0; ///< WeightedPath::summed
+  double nearCamera = 0;
+  std::vector<double> beyond; ///< sumBeyond() of y_t, 0 < t < count
+  // Of the way that the walk goes on, see ShadowRayStart:
+  SurfacePoint lit, firstPane, last;
+  Vec3f towardsBeforeLit{0};
+  size_t passed = 0; ///< panes, since it left `lit`
+  bool isLit = false;
+  std::vector<SurfacePoint> panes; ///< that the shadow ray at hand passes
+  double firstDistance = 0, seenAlong = 0, radius = 0;
+  double supportArea = 0;   ///< surface around the vertex whose photons are merged
+  bool radiusKnown = false; ///< by the first vertex off mirrors and glass
+  BsdfArena arena;
+};
+
+void Bidirectional::backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                             PathRadiance& out) const {
+  CameraWalk(*this, scene, ray, sampler, out).run();
+}
+
+} // namespace recurse

@@ -1,0 +1,45 @@
+/** @file
+ * Light tracing (Arvo 1986; Dutré et al. 1993): paths from the lights, connected to the camera wherever they
+ * scatter. What is seen directly, or in mirrors and through glass, it cannot find.
+ */
+#include "integrators/bidirectional/bidirectional.h"
+#include "recurse/model/scene/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class LightPath final : public Bidirectional {
+ public:
+  explicit LightPath(const BidirectionalSettings& settings) : Bidirectional(settings) {}
+  std::string claims() const override { return "L(S|D)*DE"; }
+  void prepare(const Scene& scene, const PathClasses& classes) override {
+    if (!scene.camera().isConnectable())
+      throw Error("lightpath needs a camera that light paths can be connected to, such as perspective");
+    Bidirectional::prepare(scene, classes);
+  }
+};
+
+} // namespace
+
+void registerLightPath(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "lightpath",
+        .summary = "Light tracing: paths from the lights, connected to the camera. Lamps, mirrors and glass "
+                   "stay black.",
+        .parameters = {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
+                           .range(-1, 1e9),
+                       integerParameter("lightpaths", "",
+                                        "light paths in each pass; by default one for each pixel")
+                           .range(1, 2e9)},
+        .examples = {"", "\"integer lightpaths\" 4000 \"integer maxdepth\" 8"}},
+       [](const Parameters& p, const NoContext&) {
+         BidirectionalSettings settings;
+         settings.maxDepth = p.integer("maxdepth");
+         settings.hits = settings.shadowRays = settings.connections = false;
+         if (p.hasValue("lightpaths")) settings.lightPaths = static_cast<uint64_t>(p.integer("lightpaths"));
+         return std::make_unique<LightPath>(settings);
+       }});
+}
+
+} // namespace recurse

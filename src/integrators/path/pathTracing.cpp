@@ -1,0 +1,369 @@
+/** @file
+ * The path tracer: many paths step by step together.
+ */
+#include "integrators/path/pathTracing.h"
+
+#include <utility>
+
+#include "recurse/core/threads/inPlace.h"
+#include "recurse/core/threads/processorTime.h"
+#include "transport/direct/directLight.h"
+#include "transport/learning/guideTraining.h"
+
+namespace recurse {
+
+namespace {
+
+/** A camera path under way. */
+struct BatchPath {
+  CameraPath* camera;
+  Rgb throughput;
+  float etaScale; ///< undoes the 1/η² inside glass, which is no reason to end a path
+  int depth;
+  CameraState state;
+  float width, spread; ///< of the ray's footprint
+  float wavelength;    ///< as in Subpath
+  Nesting nesting;
+  BsdfRay bsdfRay;
+  CausticRay caustic;
+  bool isScattered; ///< by a non-delta lobe
+  /** Whether caustic photons find light that the ray hits now, too: not straight or through panes only. */
+  bool sharesWithCaustics() const { return isScattered && !bsdfRay.weighted; }
+};
+
+/** Where a path scatters. */
+struct Vertex {
+  BatchPath* path;
+  const Hit* hit;
+  Vec3f wi;
+  std::optional<ScatteringPoint> scattering;
+  CameraState cameraD, cameraS;
+  LobeSet allowed;
+  bool sampleLight;
+  LightSampleContext context; ///< of the lights, where they are sampled
+  float merging;              ///< of caustic photons, see CausticPhotons::add
+};
+
+/** A shadow ray under way. */
+struct Shadow {
+  const Vertex* vertex;
+  const LiSample* light;
+  Rgb radiance;
+};
+
+/** N of T, in no state at first. */
+template <class T> class Raw {
+ public:
+  T& operator[](size_t i) { return *std::launder(reinterpret_cast<T*>(bytes) + i); }
+  T* data() { return reinterpret_cast<T*>(bytes); }
+
+ private:
+  static_assert(std::is_trivially_destructible_v<T>);
+  alignas(T) std::byte bytes[CAMERA_BATCH * sizeof(T)];
+};
+
+class PathTracing final : public Integrator {
+ public:
+  PathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics, const LightSampler* lights,
+              bool guided)
+      : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), guided(guided), caustics(caustics),
+        training({settings.maxDepth, settings.lightSamples}), lightSampler(lights ? *lights : ownLights) {}
+
+  void prepare(const Scene& scene, const PathClasses&) override {
+    if (&lightSampler == &ownLights) learned = ownLights.learn(scene);
+  }
+
+  Passes passes(int) const override { return guided ? Passes::doubling() : Passes::oneMap(); }
+
+  ForwardStatistics forward(const Scene& scene, const PathClasses&, const Pass& pass,
+                            const ForwardControl& control) override {
+    ForwardStatistics statistics;
+    statistics.counts = std::exchange(learned, {});
+    if (guided) {
+      const ProcessorTimer timer(statistics.learningSeconds);
+      training.prepare(scene, lightSampler, pass, control, statistics.counts);
+    }
+    return statistics;
+  }
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    CameraPath one(sampler, out);
+    one.ray = ray;
+    backwardBatch(scene, {&one, 1});
+    sampler = one.sampler;
+  }
+
+  void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
+    if (scene.hasMedia()) { // paths wait for so many things that there is nothing to be done for many at once
+      for (CameraPath& p : paths)
+        tracePlainPath(scene, p.ray, lightSampler, {maxDepth, lightSamples, activeGuide()}, p.sampler, *p.out,
+                       caustics);
+      return;
+    }
+    while (!paths.empty()) {
+      const size_t count = std::min(paths.size(), CAMERA_BATCH);
+      Batch batch(*this, scene, paths.first(count));
+      batch.run();
+      paths = paths.subspan(count);
+    }
+  }
+
+  std::vector<EstimatorDomain> domains() const override { return plainPathDomains(lightSamples); }
+  bool supportsMedia(const Scene&) const override { return true; }
+
+ private:
+  /**
+   * Paths that go step by step together. One path is a chain of operations that wait for each other; the
+   * loops here run over paths that do not, and the scene gets its rays many at a time.
+   */
+  class Batch {
+   public:
+    Batch(const PathTracing& path, const Scene& scene, std::span<CameraPath> paths)
+        : settings(path), scene(scene), classes(paths[0].out->pathClasses()), counts(paths[0].out->counts),
+          alive(paths.size()) {
+      for (size_t i = 0; i < alive; ++i) {
+        BatchPath& w = batchPaths[i];
+        w.camera = &paths[i];
+        w.throughput = Rgb(1);
+        w.etaScale = 1;
+        w.depth = 0;
+        w.state = classes.cameraStart();
+        w.width = paths[i].ray.width;
+        w.spread = paths[i].ray.spread;
+        w.wavelength = 0;
+        w.bsdfRay.weighted = false;
+        w.caustic = {};
+        w.isScattered = false;
+        makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
+        active[i] = &w;
+        rays[i] = paths[i].ray;
+      }
+    }
+
+    void run() {
+      const PathRadiance& any = *batchPaths[0].camera->out; // all are abandoned together
+      for (auto coherence = Scene::Coherence::COHERENT; alive > 0; coherence = Scene::Coherence::NONE) {
+        counts.rays += alive;
+        scene.intersectBatch({rays.data(), alive}, coherence, {hits.data(), alive});
+        arrive();
+        for (int i = 0; i < settings.lightSamples && !any.abandoned(); ++i) sampleLights();
+        if (settings.caustics) addCaustics();
+        scatter();
+      }
+    }
+
+   private:
+    /** Emission met, and the surfaces. */
+    void arrive() {
+      arena.reset();
+      vertexCount = 0;
+      size_t passed = 0;
+      for (size_t i = 0; i < alive; ++i) {
+        BatchPath& w = *active[i];
+        Hit& hit = hits[i];
+        const Vec3f direction = rays[i].direction;
+        if (hit.t == INFINITE) {
+          addEnvironment(w, rays[i]);
+          continue;
+        }
+        if (hit.areaLight) {
+          Rgb radiance =
+              emittedRadiance(scene, settings.lightSampler, hit, direction, w.bsdfRay, settings.lightSamples);
+          if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
+            radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), hit, direction);
+          addEmission(w, radiance);
+        }
+        w.width += w.spread * hit.t;
+        drawWavelength(scene, w.wavelength, w.camera->sampler, hit);
+        const Bsdf* bsdf = bsdfAt(scene, hit, direction, {direction, w.width * w.camera->ray.sampleSpacing},
+                                  w.nesting, arena);
+        if (!bsdf) {
+          active[passed] = &w;
+          makeAt(rays[passed++], [&] { return spawn(hit.point, direction); });
+          continue;
+        }
+        if (w.depth == settings.maxDepth) {
+          counts.truncatedThroughput += double(maxComponent(w.throughput));
+          continue;
+        }
+        ++w.depth;
+        Vertex& v = vertices[vertexCount++];
+        v.path = &w;
+        v.hit = &hit;
+        v.wi = -direction;
+        makeAt(v.scattering, [&] { return std::optional<ScatteringPoint>(std::in_place, *bsdf, hit.point); });
+        if (const GuideField* guide = settings.activeGuide())
+          v.scattering->follow(guideAt(*guide, hit.point, v.wi));
+        v.cameraD = classes.step(w.state, PathEvent::D);
+        v.cameraS = classes.step(w.state, PathEvent::S);
+        v.allowed = LobeSet((classes.dead(v.cameraD) ? NO_LOBE : NON_DELTA_LOBES) |
+                            (classes.dead(v.cameraS) ? NO_LOBE : DELTA_LOBES));
+        v.sampleLight = (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES) != 0 &&
+                        lightIsSampled(scene, classes, v.cameraD);
+        v.context =
+            v.sampleLight ? lightSampleContext(settings.lightSampler, hit.point, v.wi) : LightSampleContext();
+      }
+      alive = passed;
+    }
+
+    void addEnvironment(const BatchPath& w, const Ray& ray) const {
+      for (size_t i = 0; i < scene.environment().size(); ++i) {
+        Rgb radiance = environmentRadiance(scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
+                                           settings.lightSamples);
+        if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
+          radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), i, ray);
+        addEmission(w, radiance);
+      }
+    }
+
+    void addEmission(const BatchPath& w, const Rgb& radiance) const {
+      if (w.isScattered)
+        w.camera->out->add(classes.lightStart(), w.state, w.throughput * radiance);
+      else
+        w.camera->out->addSeen(w.state, w.throughput * radiance);
+    }
+
+    /** One shadow ray for each vertex. */
+    void sampleLights() {
+      const LightTable& table = scene.lights();
+      size_t lit = 0;
+      for (size_t i = 0; i < vertexCount; ++i)
+        if (vertices[i].sampleLight) shadows[lit++].vertex = &vertices[i];
+      for (size_t i = 0; i < lit; ++i)
+        makeAt(choices[i], [&] {
+          const Vertex& v = *shadows[i].vertex;
+          return SampledLight(table, settings.lightSampler, v.context, v.path->camera->sampler);
+        });
+      for (size_t i = 0; i < lit; ++i)
+        makeAt(lights[i], [&] { return choices[i].sampleLi(shadows[i].vertex->hit->point); });
+      size_t count = 0;
+      for (size_t i = 0; i < lit; ++i) {
+        if (!lights[i]) continue;
+        const Vertex& v = *shadows[i].vertex;
+        const Rgb radiance =
+            unshadowedRadiance(*v.scattering, v.wi, v.path->throughput, *lights[i],
+                               choices[i].chosen.probability, settings.lightSamples, v.allowed);
+        if (isBlack(radiance)) continue;
+        ++counts.rays;
+        makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
+        if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
+          v.path->camera->out->add(classes.lightStart(), v.cameraD, radiance);
+          continue;
+        }
+        shadows[count].vertex = &v;
+        shadows[count].light = &*lights[i];
+        shadows[count].radiance = radiance;
+        ++count;
+      }
+      scene.occludedBatch({shadowRays.data(), count}, {blocked.data(), count});
+      for (size_t i = 0; i < count; ++i) {
+        const Vertex& v = *shadows[i].vertex;
+        if (!blocked[i]) {
+          v.path->camera->out->add(classes.lightStart(), v.cameraD, shadows[i].radiance);
+          continue;
+        }
+        const Transmittance free =
+            throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.path->nesting,
+                         panesLeft(settings.maxDepth, v.path->depth), counts);
+        if (!isBlack(free.value))
+          v.path->camera->out->add(afterPanes(classes, free.panes), v.cameraD,
+                                   shadows[i].radiance * free.value);
+      }
+    }
+
+    /** What photons bring to each vertex. */
+    void addCaustics() {
+      for (size_t i = 0; i < vertexCount; ++i) {
+        Vertex& v = vertices[i];
+        BatchPath& w = *v.path;
+        v.merging = 0;
+        if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
+          v.merging = settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput,
+                                             v.cameraD, w.width, w.camera->sampler, *w.camera->out);
+      }
+    }
+
+    /** The next direction of each walk that has one. */
+    void scatter() {
+      for (size_t i = 0; i < vertexCount; ++i) {
+        const Vertex& v = vertices[i];
+        makeAt(scatters[i], [&] {
+          return v.scattering->scatter(v.wi, Transport::RADIANCE, v.path->camera->sampler, v.allowed);
+        });
+      }
+      for (size_t i = 0; i < vertexCount; ++i) {
+        if (!scatters[i]) continue;
+        const Scatter& s = *scatters[i];
+        const Vertex& v = vertices[i];
+        BatchPath& w = *v.path;
+        w.throughput *= s.weight;
+        if (isBlack(w.throughput)) continue;
+        w.state = s.specular() ? v.cameraS : v.cameraD;
+        w.etaScale *= square(s.eta) * s.rouletteScale;
+        if (w.depth > ROULETTE_FREE_DEPTH && !russianRoulette(maxComponent(w.throughput) * w.etaScale,
+                                                              w.depth, w.camera->sampler, w.throughput))
+          continue;
+        if (!passesPane(scene, *v.scattering, s)) {
+          w.bsdfRay.from = v.context;
+          w.bsdfRay.pdf = s.pdf;
+          w.bsdfRay.weighted = !s.specular();
+        }
+        w.throughput *= dispersedColour(v.hit->point, s, w.wavelength);
+        w.nesting.scatters(*v.hit, v.wi, s.direction);
+        if (s.specular()) {
+          w.caustic.leaveDelta(-v.wi, s.direction, v.hit->point);
+        } else {
+          w.width = w.spread = 0; // what a pixel sees from here on is not known
+          w.isScattered = true;
+          if (settings.caustics)
+            w.caustic.leaveNonDelta(v.merging, v.scattering->pdfNonDelta(v.wi, s.direction), s.direction,
+                                    v.hit->point);
+        }
+        active[alive] = &w;
+        makeAt(rays[alive++], [&] { return spawn(v.hit->point, s.direction); });
+      }
+    }
+
+    const PathTracing& settings;
+    const Scene& scene;
+    const PathClasses& classes;
+    TransportCounts& counts;
+    size_t alive, vertexCount = 0;
+    BsdfArena arena;
+    Raw<BatchPath> batchPaths;
+    Raw<BatchPath*> active; ///< the paths of `rays` and `hits`
+    Raw<Ray> rays;
+    Raw<Hit> hits;
+    Raw<Vertex> vertices;
+    Raw<SampledLight> choices;
+    Raw<std::optional<LiSample>> lights;
+    Raw<Shadow> shadows;
+    Raw<Ray> shadowRays;
+    Raw<uint8_t> blocked;
+    Raw<std::optional<Scatter>> scatters;
+  };
+
+  /** Russian roulette begins after so many scattering events. */
+  static constexpr int ROULETTE_FREE_DEPTH = 2;
+  /** Null where nothing was learned. */
+  const GuideField* activeGuide() const { return training.guide(); }
+
+  int maxDepth;
+  int lightSamples;
+  bool guided;
+  const CausticPhotons* caustics;
+  GuideTraining training;
+  LightSampler ownLights;
+  const LightSampler& lightSampler;
+  TransportCounts learned; ///< what learning took, until it has been told
+};
+
+} // namespace
+
+std::unique_ptr<Integrator> makePathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics,
+                                            const LightSampler* lights, bool guided) {
+  return std::make_unique<PathTracing>(settings, caustics, lights, guided);
+}
+
+} // namespace recurse

@@ -1,0 +1,99 @@
+/** @file
+ * The path tracer to be read.
+ */
+#include "integrators/path/plainPath.h"
+
+#include "integrators/path/causticPhotons.h"
+#include "transport/direct/directLight.h"
+#include "transport/learning/guideTraining.h"
+#include "transport/paths/walker.h"
+
+namespace recurse {
+
+void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
+                    const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
+                    const CausticPhotons* caustics) {
+  const PathClasses& classes = out.pathClasses();
+  CameraWalker walker(scene, classes, out.counts, settings.maxDepth);
+  CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
+  if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+  CameraVertex vertex;
+  BsdfRay last;
+  CausticRay caustic;
+  bool isScattered = false;
+  const auto add = [&](const Rgb& radiance) {
+    if (isScattered)
+      out.add(classes.lightStart(), path.state, radiance);
+    else
+      out.addSeen(path.state, radiance);
+  };
+  const auto addEmission = [&](const Hit* hit) {
+    const Vec3f& direction = path.ray.direction;
+    const SpectralPath spectral = path.spectral();
+    const SpectralPath* inMedia = scene.hasMedia() ? &spectral : nullptr;
+    const bool shared = caustics && isScattered && !last.weighted;
+    if (hit) {
+      const Rgb emitted =
+          emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia);
+      if (!isBlack(emitted))
+        add(path.throughput * emitted *
+            (shared ? caustics->rayWeight(scene, caustic.ratio(), *hit, direction) : 1));
+      return;
+    }
+    for (size_t i = 0; i < scene.environment().size(); ++i) {
+      const Rgb emitted =
+          environmentRadiance(scene, lights, i, direction, last, settings.lightSamples, inMedia);
+      if (!isBlack(emitted))
+        add(path.throughput * emitted *
+            (shared ? caustics->rayWeight(scene, caustic.ratio(), i, path.ray) : 1));
+    }
+  };
+  while (walker.next(path, vertex, sampler, addEmission, add)) {
+    if (settings.guide && !vertex.medium)
+      vertex.scattering->follow(guideAt(*settings.guide, vertex.point(), vertex.wi));
+    LightSampleContext place{vertex.point().position};
+    if (vertex.isConnectable()) {
+      if (!vertex.medium) place = lightSampleContext(lights, vertex.point(), vertex.wi);
+      const int panes = panesLeft(settings.maxDepth, vertex.depth);
+      if (scene.hasMedia())
+        addSampledLightInMedia(scene, lights, place,
+                               {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
+                                vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero,
+                                vertex.afterD},
+                               settings.lightSamples, panes, sampler, out);
+      else
+        addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
+                        vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler,
+                        out);
+    }
+    float merging = 0;
+    if (caustics && vertex.isConnectable() && !vertex.medium)
+      merging = caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
+                              vertex.afterD, path.width, sampler, out);
+    const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+    if (!s) break;
+    if (!path.delta)
+      caustic.leaveNonDelta(merging,
+                            merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s->direction) : 1,
+                            s->direction, vertex.point());
+    else
+      caustic.leaveDelta(-vertex.wi, s->direction, vertex.point());
+    isScattered = isScattered || !path.delta;
+    if (vertex.medium || !passesPane(scene, *vertex.scattering, *s))
+      last = {place, static_cast<float>(path.pdf), !path.delta};
+  }
+}
+
+std::vector<EstimatorDomain> plainPathDomains(int lightSamples) {
+  return {{"emission", "LS*E", "none: met by eye rays through mirrors and glass", "", true},
+          {"emission after scattering", "LS+(D|V)(S|D|V)*E", "none: met by the rays that go on",
+           "direct light through panes", true},
+          {"shadow rays through panes", "LS+(D|V)(S|D|V)*E", "none: the same, straight through thin panes",
+           "direct light through panes", false, true},
+          {"shadow rays", "L(D|V)(S|D|V)*E",
+           std::to_string(lightSamples) + " for each diffuse vertex, and where a medium scatters",
+           "direct light"},
+          {"BSDF rays", "L(D|V)(S|D|V)*E", "none: the rays that go on", "direct light", true}};
+}
+
+} // namespace recurse

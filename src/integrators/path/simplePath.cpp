@@ -1,0 +1,49 @@
+/** @file
+ * A path tracer to be read (transport/plainPath.cpp): what `path` does, one path after the other. Lights are
+ * sampled by power.
+ */
+#include "integrators/path/plainPath.h"
+#include "recurse/model/scene/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+class SimplePath final : public Integrator {
+ public:
+  explicit SimplePath(int maxDepth) : maxDepth(maxDepth) {}
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    tracePlainPath(scene, ray, byPower, {maxDepth}, sampler, out);
+  }
+
+  std::vector<EstimatorDomain> domains() const override { return plainPathDomains(1); }
+  bool supportsMedia(const Scene&) const override { return true; }
+
+ private:
+  int maxDepth;
+  LightSampler byPower; ///< has learned nothing
+};
+
+} // namespace
+
+void registerSimplePath(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "simplepath",
+        .summary = "A path tracer to be read: the same picture as path, slower.",
+        .parameters = {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
+                           .range(-1, 1e9),
+                       booleanParameter("samplebsdf", "true", "it always does; false gives a warning"),
+                       booleanParameter("samplelights", "true", "it always does; false gives a warning")},
+        .examples = {""}},
+       [](const Parameters& p, const NoContext&) {
+         for (const char* name : {"samplebsdf", "samplelights"})
+           if (!p.boolean(name))
+             p.warn(name,
+                    std::string("\"") + name + "\" false has no effect: BSDFs and lights are both sampled");
+         return std::make_unique<SimplePath>(p.integer("maxdepth"));
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,108 @@
+/** @file
+ * Emitted light that a camera path of the photon mapping estimator meets, and shadow rays.
+ */
+#include "integrators/photonmap/photonMappingIntegrator.h"
+
+namespace recurse {
+
+void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const Hit& hit,
+                                PathRadiance& out) const {
+  const Vec3f& direction = path.ray.direction;
+  Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
+  if (isBlack(radiance)) return;
+  if (isShared(path)) {
+    const LePdf pdf = photons.pdfLe(
+        hit.lightIndex, *hit.areaLight,
+        {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
+    addShared(scene, path, hit.lightIndex, pdf, radiance,
+              glm::distance(path.bsdfRay.from.position, hit.point.position), out);
+    return;
+  }
+  if (path.nonDelta > 0 && path.delta && !settings.directLight)
+    radiance *= photons.rayWeight(scene, path.merge, hit, direction);
+  addLight(path, radiance, out);
+}
+
+void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
+  if (scene.environment().empty()) return;
+  const Vec3f& direction = path.ray.direction;
+  for (size_t i = 0; i < scene.environment().size(); ++i) {
+    Rgb radiance =
+        environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
+    if (isBlack(radiance)) continue;
+    const bool mayBeSparse = path.nonDelta > 0 && !path.delta && photons.leavesLightToRays();
+    if (mayBeSparse || isShared(path)) {
+      const EnvironmentLight& light = *scene.environment()[i];
+      const uint32_t index = scene.environmentIndices()[i];
+      const LePdf pdf = photons.pdfLe(index, light, {path.ray.origin, -direction, Vec3f(0), 0});
+      if (mayBeSparse && photons.isSparse(light, pdf)) {
+        out.add(out.pathClasses().lightStart(), path.camera, path.throughput * radiance);
+        continue;
+      }
+      if (isShared(path)) {
+        addShared(scene, path, index, pdf, radiance, INFINITE, out);
+        continue;
+      }
+    }
+    if (path.nonDelta > 0 && path.delta && !settings.directLight)
+      radiance *= photons.rayWeight(scene, path.merge, i, path.ray);
+    addLight(path, radiance, out);
+  }
+}
+
+void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
+                              const Rgb& radiance, float distance, PathRadiance& out) const {
+  const LightSampleContext& from = path.bsdfRay.from;
+  const float arrivals = photons.arrivals(scene, light, pdf, path.shared.cosine, distance,
+                                          lights.probability(scene.lights(), from, light));
+  out.add(out.pathClasses().lightStart(), path.camera,
+          path.shared.throughput * radiance * path.shared.share.camera(arrivals, path.shared.pdf));
+}
+
+void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
+  const float share = settings.directLight ? path.lightShare : 1;
+  if (!(share > 0) || isBlack(radiance)) return;
+  if (path.nonDelta == 0)
+    out.addSeen(path.camera, path.sharedThroughput() * radiance * share);
+  else
+    out.add(out.pathClasses().lightStart(), path.camera, path.sharedThroughput() * radiance * share);
+}
+
+void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
+                                   const LightSampleContext& context, const PhotonShare& share,
+                                   const Hit& hit, const ScatteringPoint& scattering, Sampler& sampler,
+                                   PathRadiance& out) const {
+  const Vec3f wi = -path.ray.direction;
+  const int panes = panesLeft(settings.maxDepth, path.depth);
+  if (share.merged == 0 && !photons.leavesLightToRays()) {
+    addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi,
+                    path.sharedThroughput() * share.rest, path.camera, settings.lightSamples, NON_DELTA_LOBES,
+                    panes, sampler, out);
+    return;
+  }
+  if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
+  for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
+    const SampledLight choice(scene.lights(), lights, context, sampler);
+    const std::optional<LiSample> light = choice.sampleLi(hit.point);
+    if (!light) continue;
+    Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
+                                      settings.lightSamples, NON_DELTA_LOBES);
+    if (isBlack(radiance)) continue;
+    const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts);
+    if (isBlack(free.value)) continue;
+    const ChosenLight& chosen = choice.chosen;
+    const LePdf pdf = photons.pdfLe(chosen.index, *chosen.light, light->emitted());
+    if (!photons.isSparse(*chosen.light, pdf)) {
+      radiance *= path.part;
+      radiance *= free.panes > 0
+                      ? share.rest
+                      : share.camera(photons.arrivals(scene, chosen.index, pdf,
+                                                      absDot(light->direction, hit.point.geometricNormal),
+                                                      light->distance, chosen.probability),
+                                     scattering.pdfNonDelta(light->direction, wi));
+    }
+    out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
+  }
+}
+
+} // namespace recurse

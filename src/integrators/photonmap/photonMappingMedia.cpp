@@ -1,0 +1,108 @@
+/** @file
+ * Light of media along a camera path of the photon mapping estimator.
+ */
+#include "integrators/photonmap/photonMappingIntegrator.h"
+
+#include "transport/direct/lightAlongRay.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr uint32_t HERO = 64; ///< tells its number from those of branches
+
+/** A shadow ray costs far less than all else of a sample: before the camera path's first surface there are
+ * more of them, as the sun through a window, or a spot, is seen from a part of the way only. */
+RaysToLights raysToLights(int lightSamples, bool first) {
+  constexpr int RAYS = 4; // with more, their time is no longer small in a sample's
+  return {lightSamples, first ? RAYS * lightSamples : lightSamples};
+}
+
+} // namespace
+
+bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, Sampler& sampler,
+                               PathRadiance& out) const {
+  const uint16_t number = path.nesting.medium(scene);
+  const Medium* medium = scene.medium(number);
+  if (!medium) return true;
+  const RayTransmittance transmittance(*medium, path.ray, end, sampler);
+  // Photons bring what media emit to where they are kept.
+  if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), out);
+  if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
+  const float before = maxComponent(path.throughput);
+  path.throughput *= transmittance.to(end);
+  if (isBlack(path.throughput)) return false;
+  path.mediaScale *= before / maxComponent(path.throughput);
+  return true;
+}
+
+void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uint16_t number, float end,
+                                  const RayTransmittance& transmittance, Sampler& sampler,
+                                  PathRadiance& out) const {
+  const CameraState camera = out.pathClasses().step(path.camera, PathEvent::V);
+  const Rgb throughput = path.sharedThroughput() * path.share;
+  if (out.pathClasses().dead(camera) || isBlack(throughput)) return;
+  const Medium& medium = *scene.medium(number);
+  const Vec3f& direction = path.ray.direction;
+  addPhotonsAlong(path, number, medium, end, transmittance, throughput, camera, out);
+  if (settings.directLight) return;
+  const int hero = std::min(2, static_cast<int>(3 * sampler.fork(HERO).next1D()));
+  const int panes = panesLeft(settings.maxDepth, path.depth + 1);
+  const auto vertex = [&](const Hit& hit, const SpectralPath& spectral) {
+    return LitVertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
+                     path.nesting, spectral, hero,    camera,     false};
+  };
+  Hit hit;
+  if (!medium.isHomogeneous()) {
+    SpectralPath spectral{throughput};
+    const Collision c = sampleCollision(medium, path.ray, end, hero, Absorption::SAMPLED, sampler, spectral,
+                                        [](const Rgb&) {});
+    if (!c.scatters || isBlack(spectral.throughput)) return;
+    hit.point = pointInMedium(path.ray, c.t);
+    addSampledLightInMedia(scene, lights, {hit.point.position}, vertex(hit, spectral), settings.lightSamples,
+                           panes, sampler, out);
+    return;
+  }
+  const Rgb scattering = medium.at(path.ray.origin).scattering;
+  if (isBlack(scattering) || !lightIsSampled(scene, out.pathClasses(), camera)) return;
+  const RaysToLights rays = raysToLights(settings.lightSamples, path.depth == 0);
+  const auto addRay = [&](int which, Sampler& random) {
+    const std::optional<LightAlongRay> s =
+        sampleLightAlong(scene, lights, medium, path.ray, end, rays, which, random);
+    if (!s) return;
+    hit.point = pointInMedium(path.ray, s->t);
+    const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
+    addLightInMedia(scene, vertex(hit, spectral), s->light, 1 / s->reciprocalPdf, panes, random, out);
+  };
+  int i = 0;
+  for (; i < rays.area && !out.abandoned(); ++i) addRay(i, sampler);
+  for (; i < rays.others && !out.abandoned(); ++i) {
+    // Of numbers of their own, so that a path goes on as it would without them.
+    Sampler own = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
+    addRay(i, own);
+  }
+}
+
+void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, const Medium& medium, float end,
+                                    const RayTransmittance& transmittance, const Rgb& throughput,
+                                    CameraState camera, PathRadiance& out) const {
+  const auto add = [&](const Vec3f& flight, const Rgb& scattered, float t, uint8_t pathState) {
+    const float f = medium.phase->value(-glm::dot(flight, path.ray.direction));
+    ++out.counts.photonsFound;
+    out.add(LightState(pathState), camera, throughput * transmittance.to(t) * scattered * f);
+  };
+  const MediaPhotons& inMedia = photons.inMedia();
+  inMedia.points.visitAlong(path.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
+    if (p.medium == number) add(unpackDirection(p.direction), p.power * kernel, t, p.pathState);
+  });
+  if (inMedia.beams.size() == 0 || !medium.isHomogeneous()) return;
+  const MediumPoint point = medium.at(path.ray.origin);
+  const Rgb extinction = point.extinction(), relative = extinction - thinnest(extinction);
+  inMedia.beams.visitAlong(path.ray, end, [&](const PhotonBeam& b, float s, float t, float kernel) {
+    if (b.medium == number)
+      add(b.direction, b.power * flight::transmittance(relative, s) * point.scattering * kernel, t,
+          b.pathState);
+  });
+}
+
+} // namespace recurse

@@ -1,0 +1,78 @@
+/** @file
+ * What the photon maps tell a camera path of the photon mapping estimator.
+ */
+#include "integrators/photonmap/photonMappingIntegrator.h"
+
+namespace recurse {
+
+void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) const {
+  GatherSettings& gather = query.settings;
+  gather.leavesRestToRays =
+      mayGoOn() && settings.nearest == 0 && settings.radius == 0 && !settings.directLight;
+  if (path.nonDelta == 0 && gather.leavesRestToRays) {
+    photons.weighAgainstRays(query, path.ray.width);
+    return;
+  }
+  if (mayGoOn() && photons.hasTooFewPhotons()) {
+    gather.rest = 0;
+  } else if (path.nonDelta == 0) {
+    gather.rest = settings.finalGather > 0 ? 0 : 1;
+  } else {
+    // A map that is blurred over more than the distance is not to be seen by a surface close by.
+    const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
+    gather.rest = path.distance < blur || !photons.paysInstead(query) ? 0 : 1;
+  }
+}
+
+GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& layer,
+                                       const IrradianceCache& cache, const PhotonQuery& query,
+                                       const ScatteringPoint& scattering, const SurfacePoint& point,
+                                       const PathState& path, const Sampler& sampler,
+                                       PathRadiance& out) const {
+  const Vec3f wi = -path.ray.direction;
+  if (hasRecord(cache, query, scattering, point, path)) {
+    const GatherSettings search = atRecord(layer, query);
+    const Rgb e = cache.at(query.place.index, out.counts, [&](TransportCounts& counts) {
+      const RadiusCache::Place& place = layer.cache.place(query.place.index);
+      BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.place.index)),
+                                  &place.around};
+      return irradiance(layer.map, search, place.position, place.normal, place.error,
+                        settings.edges ? &boundary : nullptr, counts);
+    });
+    if (!isBlack(e))
+      out.add(LightState(0), path.camera,
+              path.sharedThroughput() * e * scattering.value(wi, point.normalTowards(wi)));
+    GatherResult weights;
+    weights.merging = mergingWithin(search.merging, square(search.radius));
+    weights.rest = search.rest;
+    return weights;
+  }
+  BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
+                              query.place.away};
+  const GatherResult result =
+      gather(layer.map, query.settings, scattering, point, wi, path.ray.width * photons.scale(),
+             path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr);
+  KernelRadii& radii = &layer == &photons.caustics() ? out.counts.causticRadii : out.counts.otherRadii;
+  radii.add(result.radius, path.ray.width);
+  return result;
+}
+
+bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& query,
+                              const ScatteringPoint& scattering, const SurfacePoint& point,
+                              const PathState& path) const {
+  constexpr float MAX_DISTANCE = 0.5f; // of the radius
+  const CachedRadius& near = query.place;
+  return cache.size() > 0 && path.nonDelta > 0 && near.known &&
+         near.away <= MAX_DISTANCE * photons.scale() * near.radius && (scattering.lobes() & LAMBERTIAN) &&
+         !(scattering.lobes() & TRANSMISSION) && point.shadingNormal == point.geometricNormal;
+}
+
+GatherSettings PhotonMapping::atRecord(const PhotonLayer& layer, const PhotonQuery& query) const {
+  GatherSettings search = photons.searchWithin(layer, layer.cache.place(query.place.index).radius);
+  search.weighedAgainstRays = query.settings.weighedAgainstRays;
+  search.merging = query.settings.merging;
+  search.rest = query.settings.rest;
+  return search;
+}
+
+} // namespace recurse

@@ -1,0 +1,429 @@
+/** @file
+ * Shooting, balancing, and learning in the first pass.
+ */
+#include "integrators/photonmap/photonPass.h"
+
+#include <cfloat>
+#include <chrono>
+
+#include "recurse/core/io/text.h"
+#include "recurse/core/threads/processorTime.h"
+#include "transport/paths/mediumFlight.h"
+#include "transport/weights/mergeWeights.h"
+
+namespace recurse {
+
+namespace {
+
+// One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly many.
+constexpr uint64_t ONE_MAP_PHOTONS = 1000000, MIN_PROGRESSIVE_PHOTONS = 65536,
+                   MAX_PROGRESSIVE_PHOTONS = 262144;
+
+double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+} // namespace
+
+uint64_t PhotonPass::photonCount(const Scene& scene, bool progressive) const {
+  if (settings.photons > 0) return settings.photons;
+  if (!progressive) return ONE_MAP_PHOTONS;
+  const FilmSettings& film = scene.film();
+  return std::clamp(uint64_t(film.width) * uint64_t(film.height), MIN_PROGRESSIVE_PHOTONS,
+                    MAX_PROGRESSIVE_PHOTONS);
+}
+
+ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                                  const ForwardControl& control, const LightSampler& shadowRays) {
+  ForwardStatistics statistics;
+  double& learning = statistics.learningSeconds;
+  progressive = pass.schedule != PassSchedule::ONE_MAP;
+  radiusOverFirst = radiusScale(pass.index, settings.alpha);
+  if (pass.index > 0 && inVain) return statistics;
+  auto start = std::chrono::steady_clock::now();
+  ShootSettings shoot;
+  shoot.photons = photonCount(scene, progressive);
+  shoot.maxDepth = settings.maxDepth;
+  shoot.portals = &portals;
+  shoot.aim = &aim;
+  // How densely photons arrive that pass media is not known.
+  if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
+  if (settings.guided) shoot.lights = &lights;
+  shoot.direct = settings.directLight;
+  shoot.causticsOnly = settings.causticsOnly;
+  if (scene.hasMedia()) {
+    if (pass.index == 0) learnOutsideMedium(scene, statistics);
+    shoot.outside = outside;
+    shoot.outsideTransmittance = outsideTransmittance;
+  }
+  if (scene.hasMedia() && !settings.causticsOnly) {
+    if (pass.index == 0) {
+      const ProcessorTimer timer(learning);
+      if (!emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
+        statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
+    }
+    shoot.media = &emissiveMedia;
+  }
+  if (pass.index == 0) {
+    guidance = {};
+    portals = {};
+    aim = {};
+    const ProcessorTimer timer(learning);
+    if (settings.guided && scene.lights().size() > 0)
+      learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
+  }
+  shoot.guide = &guidance.emission;
+  shoot.targets = guidance.targets;
+  shoot.region = &region;
+  shoot.minStartDensity = guidance.minStartDensity;
+  shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
+  if (scene.hasMedia() && !settings.causticsOnly) {
+    if (pass.index == 0) {
+      const ProcessorTimer timer(learning);
+      learnMedia(scene, classes, pass, shoot, control, statistics);
+    }
+    shoot.inMedia = media;
+  }
+  ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
+  statistics.counts.add(shot.counts);
+  emitted = shot.emitted;
+  statistics.photonsEmitted = shot.emittedHere;
+  statistics.photonsStored = shot.storedHere;
+  statistics.shootSeconds = secondsSince(start);
+
+  start = std::chrono::steady_clock::now();
+  const auto firstIndirect = std::stable_partition(shot.stored.begin(), shot.stored.end(),
+                                                   [](const Photon& p) { return p.caustic; });
+  causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
+  indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
+  constexpr float WIDEST = 0.05f;       // of the scene: wider would show nothing
+  constexpr float ONE_DIMENSION = 1.2f; // where the blur has one, the error falls fastest by 1/5, not 1/6
+  const float widest = WIDEST * scene.bounds().radius;
+  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest);
+  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest);
+  if (settings.edges) mediaPhotons.points.findBounds(scene, pass.time, statistics.counts);
+  statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
+  statistics.balanceSeconds = secondsSince(start);
+  statistics.mapBytes =
+      causticLayer.map.memoryBytes() + indirectLayer.map.memoryBytes() + mediaPhotons.memoryBytes();
+  if (pass.index == 0) {
+    const ProcessorTimer timer(learning);
+    learnRadii(scene, classes, shadowRays, statistics);
+  }
+  return statistics;
+}
+
+ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const PathClasses& classes,
+                                   const ForwardControl& control, const LightSampler& shadowRays,
+                                   const std::function<void()>& use) {
+  PhotonMap caustics = std::move(causticLayer.map), indirect = std::move(indirectLayer.map);
+  MediaPhotons inMedia = std::move(mediaPhotons);
+  const float scale = radiusOverFirst;
+  const ForwardStatistics statistics = run(scene, classes, other, control, shadowRays);
+  use();
+  causticLayer.map = std::move(caustics);
+  indirectLayer.map = std::move(indirect);
+  mediaPhotons = std::move(inMedia);
+  radiusOverFirst = scale;
+  return statistics;
+}
+
+void PhotonPass::learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics) {
+  outside = mediumOutside(scene, statistics.counts);
+  const Medium* around = scene.medium(outside);
+  outsideTransmittance = Rgb(1);
+  if (around && around->isHomogeneous())
+    outsideTransmittance = flight::transmittance(around->at(Vec3f(0)).extinction(), INFINITE);
+  bool isLitFromFar = false;
+  for (size_t i = 0; i < scene.lights().size(); ++i)
+    isLitFromFar = isLitFromFar || scene.lights()[i].isInfinite();
+  if (isLitFromFar && isBlack(outsideTransmittance))
+    statistics.warnings.push_back("the medium around the scene has no end: no light comes through it from "
+                                  "infinitely far; a shape of material \"interface\" would bound it");
+}
+
+namespace {
+
+/** Whether beams are what a medium's light is kept as, where they are asked for: by closed forms only, and
+ * not where most of them are nearly parallel to what they light. */
+bool keepsBeams(const Medium& medium) {
+  constexpr float NEEDLE = 0.9f; // mean cosine
+  return medium.isHomogeneous() && thinnest(medium.at(Vec3f(0)).extinction()) > 0 &&
+         std::abs(medium.phase->meanCosine()) < NEEDLE;
+}
+
+} // namespace
+
+void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            ShootSettings shoot, const ForwardControl& control,
+                            ForwardStatistics& statistics) {
+  constexpr uint64_t TRIALS = 4096;
+  // Kept for each photon that is emitted: in thick media they scatter hundreds of times, and a ray passes a
+  // hundred times as many beams as points.
+  constexpr double POINTS = 4, BEAMS = 0.25;
+  const auto partOf = [](double wanted, size_t stored) {
+    return static_cast<float>(std::min(1.0, wanted * double(TRIALS) / double(std::max<size_t>(1, stored))));
+  };
+  media = {};
+  media.byBeams.assign(scene.mediumCount() + 1u, false);
+  for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
+    media.byBeams[i] = settings.beams && keepsBeams(*scene.medium(i));
+  shoot.photons = TRIALS;
+  shoot.inMedia = media;
+  Pass trial = pass;
+  trial.seed = hashCombine(pass.seed, TRIALS);
+  const ShotPhotons shot = shootPhotons(scene, classes, trial, shoot, control);
+  statistics.counts.add(shot.counts);
+  media.pointPart = partOf(POINTS, shot.inMedia.size());
+  media.beamPart = partOf(BEAMS, shot.beams.size());
+}
+
+void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
+                            ForwardStatistics& statistics) {
+  const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
+  const LightSampler* sampled = settings.directLight || scene.lights().size() == 0 ? nullptr : &shadowRays;
+  // How densely photons that media scatter arrive is not known; of caustics it is.
+  const RayAlternative toIndirect{counted, scene.hasMedia() ? nullptr : sampled};
+  constexpr float FIREFLY = 1e6f; // a picture has about one that is brighter
+  const RayAlternative toCaustics{counted, sampled, FIREFLY};
+  const GatherSettings requested{
+      settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
+  const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
+  // Dark places have hardly any photons that would tell of them.
+  const double across = std::sqrt(double(scene.film().whole().area())) / 4;
+  const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2,
+                                    settings.weighting, statistics.counts);
+  constexpr size_t MIN_CAUSTIC = 16; // fewer are a few strong spots
+  const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
+  const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
+  tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
+  inVain = manySeen.empty() && stored + mediaPhotons.size() == 0;
+  const bool areAllWanted = classes.lightStateCount() == 1; // else none may be, as in LDE
+  if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
+    statistics.warnings.push_back(formatted(
+        "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "
+        "lights will be noisy",
+        stored, static_cast<unsigned long long>(emitted)));
+  for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
+    ForwardStatistics discarded;
+    const bool isCaustic = layer == &causticLayer;
+    // With photons of direct light the layer is of shadows, too.
+    const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
+    layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
+                                 detail, isCaustic ? discarded : statistics);
+    if (progressive || settings.edges)
+      layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
+                         detail, isCaustic ? toCaustics : toIndirect, statistics.counts,
+                         settings.without != Mechanism::JUDGED_RADII);
+  }
+  causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
+  causticRays = judged ? causticVarianceAt(manySeen) : 0;
+}
+
+double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
+  double sum = 0;
+  for (const VisiblePoint& visible : seen) {
+    const auto at = [&](const PhotonLayer& layer) {
+      const CachedRadius near = layer.cache.at(visible.point.position, visible.point.geometricNormal);
+      return near.known ? &layer.cache.place(near.index) : nullptr;
+    };
+    const RadiusCache::Place *caustic = at(causticLayer), *other = at(indirectLayer);
+    if (!caustic || !(caustic->worth.raysVariance > 0)) continue;
+    const double all = double(caustic->worth.irradiance) + (other ? double(other->irradiance) : 0);
+    sum += double(caustic->worth.raysVariance) / square(all);
+  }
+  return seen.empty() ? 0 : sum / double(seen.size());
+}
+
+namespace {
+
+/** Processor time of a search, over that of a camera path of a few surfaces. */
+float searchCost(const PhotonQuery& query, LobeSet lobes) {
+  constexpr float PHOTONS = 0.1f;    ///< eight at a time
+  constexpr float SCATTERING = 0.6f; ///< of one photon after the other by a BSDF that is not Lambertian
+  constexpr float AROUND = 0.8f;     ///< rays that look for the edges of the surface
+  const CachedRadius& place = query.place;
+  const bool isFlat = place.known && query.settings.radius <= place.known->flat - place.away;
+  return PHOTONS + (lobes & LAMBERTIAN ? 0 : SCATTERING) + (isFlat ? 0 : AROUND);
+}
+
+} // namespace
+
+PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
+                              LobeSet lobes) const {
+  PhotonQuery here{layer.choice.settings, {}};
+  if (progressive || settings.edges) here.place = layer.cache.at(point.position, point.normalTowards(wi));
+  if (progressive) here.settings = searchWithin(layer, here.place.radius);
+  here.cost = searchCost(here, lobes);
+  if (&layer == &causticLayer && !settings.directLight) {
+    here.settings.weighedAgainstRays = true;
+    here.settings.merging =
+        causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
+    constexpr float ALL_TO_PHOTONS = 1e15f;
+    if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
+  } else {
+    here.settings.weighting = settings.weighting;
+  }
+  return here;
+}
+
+void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
+  // What the map errs by beside the photons' chance, which is shared by all pixels of a kernel's support and
+  // averages out less than so many pixels would: as a stain, if it is strong enough to be seen.
+  constexpr double VISIBLE_STAIN = 0.1; // relative variance in the first pass: five per cent after some fifty
+  /** Squared relative error of a covered fraction that eight rays have found, which no pass makes smaller:
+   * weighed as the variance of one of so many passes. */
+  constexpr double UNSURE_FRACTION = 0.01 * 32;
+  GatherSettings& gather = query.settings;
+  gather.weighedAgainstRays = true;
+  gather.merging = gather.rest = 0;
+  if (tooFew || indirectLayer.cache.size() == 0) return;
+  // Where no place looks the same way, as on strongly curved surfaces, the nearest one tells.
+  const RadiusCache::Place& place = indirectLayer.cache.place(query.place.index);
+  const auto variance = double(place.variance), squared = square(double(place.irradiance));
+  if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
+  const double pixels =
+      std::max(1.0, M_PI * square(double(gather.radius) / double(std::max(footprint, FLT_MIN))));
+  const double stain = 1 + (std::sqrt(pixels) - 1) * std::min(1.0, variance / squared / VISIBLE_STAIN);
+  GatherErrors& errors = gather.errors;
+  errors.variance = stain * variance;
+  errors.bias2 = double(place.bias2);
+  if (!query.place.known || place.radius > place.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
+  gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
+                                      (errors.variance + errors.bias2));
+  // Where it is not known what rays err by, as in scenes with media: most indirect light of a room comes from
+  // about a tenth of the directions.
+  constexpr double FEW_DIRECTIONS = 10;
+  errors.byRays =
+      std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : FEW_DIRECTIONS * squared;
+  gather.rest = errors.photonWeight(1);
+  if (settings.without == Mechanism::MERGE_WEIGHTS) gather.weighedAgainstRays = false;
+}
+
+LePdf PhotonPass::pdfLe(uint32_t index, const Light& light, const LeRay& ray) const {
+  LePdf pdf = light.pdfLe(ray);
+  if (aim.isAimed(index)) pdf.direction = aim.pdfDirection(light, ray, pdf.direction);
+  if (light.isInfinite() && portals.active()) pdf.position = portals.pdf(ray.origin, ray.direction);
+  return pdf;
+}
+
+float PhotonPass::probability(const Scene& scene, uint32_t light) const {
+  return (settings.guided ? lights : scene.lights()).probability(light);
+}
+
+float PhotonPass::rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit,
+                            const Vec3f& direction) const {
+  merge.arrive(direction, hit.point);
+  const LeRay ray{hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time};
+  return merge.cameraWeight(pdfLe(hit.lightIndex, *hit.areaLight, ray), probability(scene, hit.lightIndex));
+}
+
+float PhotonPass::rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
+                            const Ray& ray) const {
+  const uint32_t index = scene.environmentIndices()[environment];
+  const LePdf pdf =
+      pdfLe(index, *scene.environment()[environment], {ray.origin, -ray.direction, Vec3f(0), 0});
+  return merge.cameraWeight(pdf, probability(scene, index));
+}
+
+float PhotonPass::arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
+                           float chosen) const {
+  return arrivalDensity(scene.lights()[light].kind(), pdf, distance, cosine, probability(scene, light),
+                        chosen);
+}
+
+GatherSettings PhotonPass::searchWithin(const PhotonLayer& layer, float firstRadius) const {
+  GatherSettings now = layer.choice.settings;
+  if (!progressive) return now;
+  now.nearest = 0;
+  if (layer.choice.settings.nearest > 0) now.radius = firstRadius;
+  now.radius *= radiusOverFirst;
+  return now;
+}
+
+LightTable PhotonPass::lightsByPower(const LightTable& all) const {
+  const double open = portals.active() ? std::min(1.0, double(portals.openPart())) : 1;
+  std::vector<const Light*> each;
+  std::vector<double> powers;
+  for (uint32_t i = 0; i < all.size(); ++i) {
+    each.push_back(&all[i]);
+    powers.push_back(
+        double(maxComponent(all[i].power())) *
+        (all[i].isInfinite() ? open * double(maxComponent(outsideTransmittance)) : double(aim.powerPart(i))));
+  }
+  LightTable table;
+  table.build(each, powers);
+  return table;
+}
+
+void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                               const ShootSettings& shoot, const ForwardControl& control,
+                               ForwardStatistics& statistics) {
+  region = probeRegion(scene, settings.weighting, statistics.counts);
+  lights = lightsByPower(scene.lights());
+  // Photons that media scatter know nothing of targets.
+  const GuidanceChoice choice{settings.without != Mechanism::GUIDE,
+                              !scene.hasMedia() && !settings.causticsOnly &&
+                                  settings.without != Mechanism::TARGETS};
+  const auto learned = [&] {
+    return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, choice);
+  };
+  guidance = learned();
+  const auto adoptIfBetter = [&](LightPortals otherPortals, PhotonAim otherAim) {
+    constexpr double WORTH_IT = 2;                       // of a variance of which trials know little
+    constexpr uint64_t FEW_TRIALS = 256, MANY_TIMES = 4; // of some 32,000 trial photons
+    if (control.stopped()) return;
+    const auto exchange = [&] {
+      std::swap(portals, otherPortals);
+      std::swap(aim, otherAim);
+      lights = lightsByPower(scene.lights());
+    };
+    exchange();
+    PhotonGuidance with = learned();
+    // Where hardly a photon comes down, what it would bring is not known.
+    const bool areManyMore =
+        guidance.useful < FEW_TRIALS && with.useful >= MANY_TIMES * std::max<uint64_t>(1, guidance.useful);
+    const bool isBetter = with.secondMoment > 0 && with.secondMoment * WORTH_IT < guidance.secondMoment;
+    if (areManyMore || isBetter)
+      guidance = std::move(with);
+    else
+      exchange();
+  };
+  // A search for the nearest photons of one map wants them to be of nearly equal power.
+  if (progressive) {
+    LightPortals openings;
+    if (settings.without != Mechanism::PORTALS) openings.learn(scene, seed, statistics.counts);
+    PhotonAim farLamps;
+    if (settings.without != Mechanism::AIM) farLamps.learn(scene, seed, statistics.counts);
+    if (openings.active()) adoptIfBetter(openings, {});
+    if (farLamps.active()) adoptIfBetter(portals, farLamps);
+    // While a far lamp of much power shines all around, hardly a photon is left to show what openings bring.
+    if (openings.active() && farLamps.active() && !portals.active()) adoptIfBetter(openings, farLamps);
+  }
+  if (scene.hasMedia() || settings.causticsOnly || settings.directLight ||
+      settings.without == Mechanism::SPARSE_LIGHT)
+    guidance.minStartDensity = guidance.sparsePart = 0;
+  if (settings.without == Mechanism::SPLITTING) guidance.splitPower = INFINITE;
+  noteGuidance(statistics.notes);
+}
+
+void PhotonPass::noteGuidance(std::vector<std::string>& notes) const {
+  if (portals.active())
+    notes.push_back(formatted(
+        "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));
+  if (aim.active())
+    notes.push_back(formatted("photons: %zu far lamp%s aimed at what camera paths meet", aim.lampCount(),
+                              aim.lampCount() == 1 ? " is" : "s are"));
+  if (leavesLightToRays())
+    notes.push_back(formatted("photons: %.2g of the light comes by few strong ones, and is left to rays",
+                              double(guidance.sparsePart)));
+  if (guidance.emission.active())
+    notes.push_back(
+        formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",
+                  guidance.emission.gain()));
+  if (!guidance.targets.empty())
+    notes.push_back(formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
+                              guidance.targets.size()));
+}
+
+} // namespace recurse

@@ -1,0 +1,261 @@
+/** @file
+ * Progressive refinement radiosity (Cohen, Chen, Wallace, Greenberg 1988) with form factors by rays: matt
+ * surfaces are cut into patches, the patch with most unshot power shoots next, and what the patches receive
+ * is interpolated between their corners. Direct light is found by shadow rays instead.
+ */
+#include <algorithm>
+#include <queue>
+
+#include "integrators/radiosity/patches.h"
+#include "recurse/core/io/text.h"
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/scene/plugIns.h"
+#include "transport/direct/localShading.h"
+#include "transport/emission/pathEnds.h"
+#include "transport/forward/photonGuidance.h"
+#include "transport/paths/walker.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr uint64_t LIGHT_RAYS = 0x5241444c49474854ull, PATCH_RAYS = 0x5241445041544348ull;
+/** Of the first unshot power: the shooting ends when so little is left. */
+constexpr double CONVERGED = 1e-3;
+/** Rays of one shot at the least: fewer would make single patches bright. */
+constexpr int MIN_RAYS = 32;
+
+class Radiosity final : public Integrator {
+ public:
+  Radiosity(int rays, float patchSize) : rays(rays), patchSize(patchSize) {}
+
+  void prepare(const Scene& scene, const PathClasses& classes) override {
+    lights.learn(scene);
+    patches.dice(scene, patchSize);
+    states = classes.lightStateCount();
+  }
+
+  ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
+                            const ForwardControl& control) override {
+    ForwardStatistics statistics;
+    statistics.notes.push_back(formatted("radiosity: %zu patches of about %.3g on %zu faces", patches.count(),
+                                         double(patches.longestEdge()), patches.faceCount()));
+    if (patches.ignoredShapes() > 0)
+      statistics.warnings.push_back(formatted(
+          "radiosity: %zu of the scene's shapes are no surfaces of one matt material at rest that can be "
+          "cut to patches, and reflect no indirect light",
+          patches.ignoredShapes()));
+    guide =
+        learnEmissionGuide(scene, classes, pass.seed, LOSSLESS_ROULETTE_DEPTH, control, statistics.counts);
+    solve(scene, classes, pass, control, statistics);
+    reconstruct();
+    statistics.photonsEmitted = static_cast<uint64_t>(rays);
+    return statistics;
+  }
+
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
+    const PathClasses& classes = out.pathClasses();
+    CameraWalker walker(scene, classes, out.counts, 1);
+    CameraSubpath path = startCameraSubpath(scene, classes, ray, out.counts);
+    CameraVertex vertex;
+    const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
+    if (!walker.next(path, vertex, sampler, addEmission)) return;
+    addDirectLight(scene, lights, vertex, path.nesting, sampler, out);
+    const auto place = vertex.isConnectable() ? find(vertex.hit, *vertex.scattering) : std::nullopt;
+    if (!place) return;
+    const Vec3f normal = vertex.point().normalTowards(vertex.wi);
+    const Rgb f = vertex.scattering->value(vertex.wi, normal);
+    const size_t side = sideOf(vertex.wi, vertex.point());
+    for (size_t s = 0; s < states; ++s) {
+      Rgb e = BLACK;
+      for (size_t k = 0; k < 3; ++k)
+        e += cornerIrradiance[at(place->corners[k], side, s)] * place->weights[k];
+      if (!isBlack(e)) out.add(LightState(static_cast<uint8_t>(s)), vertex.afterD, f * e);
+    }
+  }
+
+  std::string claims() const override { return "LD*E"; }
+  std::string suppositions() const override {
+    return "that indirect light changes little over a patch, and is reflected by matt surfaces alone";
+  }
+  std::vector<EstimatorDomain> domains() const override {
+    return {{"emission", "LE", "none: met by camera rays", "", true},
+            {"shadow rays", "LDE", "one for each camera ray", "direct light"},
+            {"BSDF rays", "LDE", "one for each camera ray", "direct light", true},
+            {"patches", "LDD+E", "none: looked up", ""}};
+  }
+
+ private:
+  /** Place of a patch's or corner's side and state in the arrays. */
+  size_t at(size_t item, size_t side, size_t state) const { return (2 * item + side) * states + state; }
+  static size_t sideOf(const Vec3f& wi, const SurfacePoint& point) {
+    return glm::dot(wi, point.geometricNormal) > 0 ? 0 : 1;
+  }
+  std::optional<PatchPoint> find(const Hit& hit, const ScatteringPoint& scattering) const {
+    return scattering.lobes() & LAMBERTIAN ? patches.find(hit) : std::nullopt;
+  }
+
+  // --------------------------------------------------------------------------------------------- shooting
+
+  /** Power of light in each state, W. */
+  using Power = std::vector<Rgb>;
+
+  void solve(const Scene& scene, const PathClasses& classes, const Pass& pass, const ForwardControl& control,
+             ForwardStatistics& statistics) {
+    const size_t sides = 2 * patches.count();
+    received.assign(sides * states, BLACK);
+    unshot.assign(sides * states, BLACK);
+    queue = {};
+    queued.assign(sides, 0);
+    Power power(states, BLACK);
+    for (int i = 0; i < rays && !control.stopped() && scene.lights().size() > 0; ++i) {
+      Sampler sampler(hashCombine(pass.seed, pass.index), LIGHT_RAYS, static_cast<uint32_t>(i));
+      const auto start = startLightSubpath(scene, classes, pass.time, sampler, statistics.counts, guide);
+      if (!start) continue;
+      power[start->path.state.byte] = start->path.throughput / static_cast<float>(rays);
+      send(scene, classes, start->path.ray, start->path.nesting, power, true, statistics.counts);
+      power[start->path.state.byte] = BLACK;
+    }
+    double total = 0;
+    for (size_t i = 0; i < sides; ++i) total += powerOf(i);
+    double left = total;
+    uint64_t shot = 0;
+    while (!queue.empty() && left > CONVERGED * total && !control.stopped()) {
+      const auto [value, index] = queue.top();
+      queue.pop();
+      const size_t i = ~index;
+      const double now = powerOf(i);
+      queued[i] = 0;
+      if (now != value) { // it has got more since
+        enqueue(i, now);
+        continue;
+      }
+      left += shoot(scene, classes, pass, i, now / total, shot, power, statistics.counts) - now;
+      control.progress(
+          std::clamp(std::log(std::max(left / total, CONVERGED)) / std::log(CONVERGED), 0.0, 1.0));
+    }
+    statistics.notes.push_back(
+        formatted("radiosity: %.3g %% of the reflected light was left unshot", 100 * left / total));
+  }
+
+  double powerOf(size_t patchSide) const {
+    double sum = 0;
+    for (size_t s = 0; s < states; ++s) sum += double(luminance(unshot[patchSide * states + s]));
+    return sum;
+  }
+  /** Of equal power the lower index comes first. */
+  void enqueue(size_t patchSide, double power) {
+    if (!(power > 0)) return;
+    queued[patchSide] = power;
+    queue.push({power, ~patchSide});
+  }
+
+  /** Shoots all of a patch's unshot power. Returns how much power has come to be unshot by it. */
+  double shoot(const Scene& scene, const PathClasses& classes, const Pass& pass, size_t patchSide,
+               double part, uint64_t& shot, Power& power, TransportCounts& counts) {
+    const int count = std::max(MIN_RAYS, static_cast<int>(std::ceil(part * rays)));
+    for (size_t s = 0; s < states; ++s) {
+      power[s] = unshot[patchSide * states + s] / static_cast<float>(count);
+      unshot[patchSide * states + s] = BLACK;
+    }
+    double gained = 0;
+    for (int i = 0; i < count; ++i, ++shot) {
+      Sampler sampler(hashCombine(pass.seed, pass.index), PATCH_RAYS + patchSide, static_cast<uint32_t>(i));
+      const SurfacePoint from = patches.sample(static_cast<uint32_t>(patchSide / 2), sampler);
+      const Vec3f normal = from.geometricNormal * (patchSide % 2 == 0 ? 1.0f : -1.0f);
+      const Ray ray = spawn(from, Frame(normal).toWorld(cosineHemisphere(sampler.next2D())));
+      gained += send(scene, classes, ray, {}, power, false, counts);
+    }
+    std::fill(power.begin(), power.end(), BLACK);
+    return gained;
+  }
+
+  /** Light along a ray to the surface that it meets. Direct light is only reflected: what receives it is seen
+   * by shadow rays. Returns the power that is reflected. */
+  double send(const Scene& scene, const PathClasses& classes, Ray ray, Nesting nesting, const Power& power,
+              bool direct, TransportCounts& counts) {
+    Hit hit;
+    for (;;) {
+      if (!intersect(scene, ray, hit, counts)) return 0;
+      arena.reset();
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
+      if (!bsdf) {
+        ray = spawn(hit.point, ray.direction);
+        continue;
+      }
+      const ScatteringPoint scattering(*bsdf, hit.point);
+      const auto place = find(hit, scattering);
+      if (!place) return 0;
+      const Vec3f wi = -ray.direction;
+      const uint32_t patch = place->patch;
+      const size_t side = sideOf(wi, hit.point);
+      const Rgb albedo = scattering.value(wi, hit.point.normalTowards(wi)) * PI;
+      const float perArea = 1 / patches.area(patch);
+      const double before = powerOf(2 * patch + side);
+      for (size_t s = 0; s < states; ++s) {
+        if (isBlack(power[s])) continue;
+        if (!direct) received[this->at(patch, side, s)] += power[s] * perArea;
+        const LightState after = classes.step(LightState(static_cast<uint8_t>(s)), PathEvent::D);
+        if (!classes.dead(after)) unshot[this->at(patch, side, after.byte)] += power[s] * albedo;
+      }
+      const double after = powerOf(2 * patch + side);
+      // Seldom enough for the queue to stay short.
+      if (after > 2 * queued[2 * patch + side]) enqueue(2 * patch + side, after);
+      return after - before;
+    }
+  }
+
+  /** Means at the corners over the patches around them. */
+  void reconstruct() {
+    cornerIrradiance.assign(2 * patches.cornerCount() * states, BLACK);
+    std::vector<float> area(patches.cornerCount(), 0);
+    for (uint32_t patch = 0; patch < patches.count(); ++patch) {
+      const float a = patches.area(patch);
+      for (const uint32_t corner : patches.corners(patch)) {
+        area[corner] += a;
+        for (size_t k = 0; k < 2 * states; ++k)
+          cornerIrradiance[2 * states * corner + k] += received[2 * states * patch + k] * a;
+      }
+    }
+    for (size_t c = 0; c < area.size(); ++c)
+      if (area[c] > 0)
+        for (size_t k = 0; k < 2 * states; ++k) cornerIrradiance[2 * states * c + k] /= area[c];
+  }
+
+  int rays;
+  float patchSize;
+  LightSampler lights;
+  EmissionGuide guide; ///< of the rays from the lights
+  Patches patches;
+  size_t states = 1;                 ///< that a light path can be in
+  std::vector<Rgb> received;         ///< irradiance, but for direct light [W/area], by patch, side and state
+  std::vector<Rgb> unshot;           ///< reflected power that has not been shot [W], the same
+  std::vector<Rgb> cornerIrradiance; ///< by corner, side and state
+  std::priority_queue<std::pair<double, size_t>>
+      queue;                  ///< unshot power, and the complement of patch and side
+  std::vector<double> queued; ///< power with which a side is in the queue
+  BsdfArena arena;
+};
+
+} // namespace
+
+void registerRadiosity(PlugIns& plugIns) {
+  plugIns.integrators.add(
+      {{.name = "radiosity",
+        .summary = "Radiosity: indirect light between patches of matt surfaces, smooth between them. "
+                   "Other surfaces get direct light alone.",
+        .parameters = {integerParameter("rays", "1000000", "rays that the form factors are found by, about")
+                           .range(1, 1e9),
+                       realParameter("patchsize", "",
+                                     "longest edge of a patch [scene units]; by default such that there are "
+                                     "about 10000, and more where they are slender")
+                           .positive()},
+        .examples = {"", "\"integer rays\" 20000 \"float patchsize\" .5"}},
+       [](const Parameters& p, const NoContext&) {
+         return std::make_unique<Radiosity>(
+             p.integer("rays"), p.hasValue("patchsize") ? static_cast<float>(p.real("patchsize")) : 0);
+       }});
+}
+
+} // namespace recurse

@@ -1,0 +1,107 @@
+/** @file
+ * Media on regular grids: where the grid lies, what glows by its temperature, and the medium with one density
+ * for all coefficients.
+ */
+#pragma once
+
+#include <utility>
+
+#include "media/grid/sampledGrid.h"
+#include "recurse/model/medium/mediumParameters.h"
+
+namespace recurse {
+
+/** For the reference: what checkSteps() asks for. */
+constexpr const char* DENSITY_LIMIT = " Across its box there may be 1e6 mean free paths of its densest part "
+                                      "at most, as flights take a step for "
+                                      "each.";
+
+/** The box of a grid: its points in the unit cube. */
+class GridBox {
+ public:
+  GridBox() = default;
+  /** By the corners p0 and p1 of the parameters. */
+  GridBox(const Parameters& p, const MediumContext& context);
+  /** Fails where the transform has no inverse. */
+  GridBox(const Parameters& p, const Mat4d& sceneFromUnit);
+
+  Bounds3f bounds() const { return sceneBounds; }
+  /** Fails where flights may take millions of steps, which is for ever: they go by the free paths of the
+   * densest place around them in the densest channel, however clear it is where they are. */
+  void checkSteps(const Parameters& p, const char* parameter, const MajorantGrid& grid,
+                  const Rgb& extinction) const;
+  Vec3f point(const Vec3f& scene) const { return Vec3f(transformPoint(unitFromScene, Vec3d(scene))); }
+  MajorantSegments segments(const MajorantGrid& grid, const Rgb& extinction, const Ray& ray,
+                            float end) const {
+    return {grid, extinction, point(ray.origin), Vec3f(Mat3d(unitFromScene) * Vec3d(ray.direction)), end};
+  }
+
+ private:
+  Mat4d unitFromScene{1};
+  Bounds3f sceneBounds;
+};
+
+/** p0 and p1. */
+std::vector<ParameterSpec> gridBoxParameters();
+
+/** The radiance of black bodies whose temperatures are given on a grid, as pbrt-v4 has it: relative to the
+ * spectrum's maximum, so that brightness does not grow with the temperature, and nothing up to 100 K. */
+class HeatGlow {
+ public:
+  HeatGlow() = default;
+  /** Goes by temperatureoffset, temperaturescale and Lescale. */
+  HeatGlow(const Parameters& p, const GridBox& box, SampledGrid<float> temperatures);
+  /** The same for temperatures that are kept elsewhere, `highest` at most. */
+  HeatGlow(const Parameters& p, float highest);
+
+  bool empty() const { return table.empty(); }
+  Rgb radianceAt(const Vec3f& scene) const { return radiance(temperatures.at(box.point(scene))); }
+  Rgb radiance(float temperature) const;
+
+ private:
+  GridBox box;
+  SampledGrid<float> temperatures;
+  float offset = 0, scale = 1;
+  float hottest = 0;      ///< [K]
+  std::vector<Rgb> table; ///< over temperatures from COLD to the hottest
+};
+
+/** temperatureoffset, the old temperaturecutoff, and temperaturescale. */
+std::vector<ParameterSpec> heatParameters();
+
+/** A medium with coefficients that one density multiplies. */
+class DensityGrid final : public Medium {
+ public:
+  /** `whole` is the medium of density 1; a grid of `emissionScales`, up to 1, that is
+   * not empty multiplies its light. */
+  DensityGrid(const MediumPoint& whole, const GridBox& box, SampledGrid<float> densities, HeatGlow glow,
+              SampledGrid<float> emissionScales = {})
+      : whole(whole), box(box), density(std::move(densities)), glow(std::move(glow)),
+        emissionScale(std::move(emissionScales)),
+        majorants(majorantsOf(density.size(), [&](const glm::ivec3& i) { return density.value(i); })) {}
+
+  void checkSteps(const Parameters& p) const { box.checkSteps(p, "density", majorants, whole.extinction()); }
+  MediumPoint at(const Vec3f& position) const override {
+    const Vec3f p = box.point(position);
+    const float d = density.at(p);
+    MediumPoint m{whole.absorption * d, whole.scattering * d, whole.emission * d};
+    if (!glow.empty() && d > 0) m.emission += m.absorption * glow.radianceAt(position);
+    if (!emissionScale.empty()) m.emission *= emissionScale.at(p);
+    return m;
+  }
+  MajorantSegments segments(const Ray& ray, float end) const override {
+    return box.segments(majorants, whole.extinction(), ray, end);
+  }
+  bool isEmissive() const override { return !isBlack(whole.emission) || !glow.empty(); }
+  Bounds3f bounds() const override { return box.bounds(); }
+
+ private:
+  MediumPoint whole;
+  GridBox box;
+  SampledGrid<float> density;
+  HeatGlow glow;
+  SampledGrid<float> emissionScale;
+  MajorantGrid majorants;
+};
+
+} // namespace recurse

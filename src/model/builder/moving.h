@@ -1,0 +1,37 @@
+/** @file
+ * Surfaces and lamps under motion.
+ */
+#pragma once
+
+#include "recurse/core/math/animatedTransform.h"
+#include "recurse/model/light/light.h"
+
+namespace recurse {
+
+/** Places a point of a moving shape, whose ray Embree has brought into the shape's space by the inverse of a
+ * matrix of floats. */
+void placeByMotion(const Mat4d& sceneFromShape, SurfacePoint& p);
+
+/** An area light on a moving shape. The light itself, and its shape, stay where they are. */
+class MovingAreaLight final : public AreaLight {
+ public:
+  MovingAreaLight(std::unique_ptr<AreaLight> light, MatrixTrack sceneFromShape);
+
+  void prepare(const SceneBounds& bounds) override { light->prepare(bounds); }
+  Rgb power() const override;
+  Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const override;
+  std::optional<LeSample> sampleLe(const LeRandom& sample) const override;
+  LePdf pdfLe(const LeRay& ray) const override;
+  std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const override {
+    return sampleLiAt(0, point, pick, u);
+  }
+  std::optional<LiSample> sampleLiAt(float time, const Vec3f& point, float pick,
+                                     const Vec2f& u) const override;
+  float pdfLi(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const override;
+
+ private:
+  std::unique_ptr<AreaLight> light;
+  MatrixTrack track;
+};
+
+} // namespace recurse

@@ -1,0 +1,56 @@
+/** @file
+ * Names of objects and materials.
+ */
+#include "model/builder/objectNames.h"
+
+#include <filesystem>
+
+namespace recurse {
+
+namespace {
+
+std::string nameOf(const ShapeDescription& s) {
+  for (const ParsedParameter& p : s.shape.parameters)
+    if (p.name == "filename" && p.strings.size() == 1)
+      return std::filesystem::path(p.strings[0]).stem().string();
+  return s.shape.type;
+}
+
+} // namespace
+
+uint32_t ObjectNames::add(const std::string& name) {
+  const auto [found, isNew] = known.try_emplace(name, uint32_t(names.size()));
+  if (isNew) {
+    names.push_back(name);
+    copies.push_back(0);
+  }
+  objects.push_back({found->second, ++copies[found->second]});
+  return uint32_t(objects.size() - 1);
+}
+
+std::string ObjectNames::operator[](uint32_t object) const {
+  const Object& o = objects[object];
+  return o.copy == 1 ? names[o.name] : names[o.name] + "." + std::to_string(o.copy);
+}
+
+std::string Scene::materialName(const Material* material) const {
+  const auto found = materialNames.find(material);
+  return found == materialNames.end() ? "" : found->second;
+}
+
+uint32_t ObjectNamer::objectOf(const ShapeDescription* shape, const InstanceDescription* instance) {
+  if (!instance) return names.add(nameOf(*shape));
+  const auto known = atTop.find(instance);
+  if (known != atTop.end()) return known->second;
+  if (instance != last) lastObject = names.add(instance->object);
+  last = instance;
+  return lastObject;
+}
+
+uint32_t ObjectNamer::objectAtTop(const ShapeDescription* shape, const InstanceDescription* instance) {
+  const uint32_t object = objectOf(shape, instance);
+  if (instance) atTop[instance] = object;
+  return object;
+}
+
+} // namespace recurse

@@ -1,0 +1,276 @@
+/** @file
+ * From the description to the scene: every plug-in made, lights tabulated, trees built.
+ */
+#include <map>
+
+#include "model/builder/objectNames.h"
+#include "model/builder/openBoundaries.h"
+#include "model/builder/shapeGroups.h"
+#include "model/embree/embreeScene.h"
+#include "recurse/model/mesh/triangleMesh.h"
+#include "recurse/model/scene/importExpansion.h"
+#include "recurse/model/scene/keptParts.h"
+#include "recurse/model/scene/scene.h"
+#include "recurse/model/scene/sceneImport.h"
+
+namespace recurse {
+
+namespace {
+
+ParsedDirective orDefault(const ParsedDirective& given, const char* type) {
+  ParsedDirective d = given;
+  if (!d.given()) d.type = type;
+  return d;
+}
+
+} // namespace
+
+std::unique_ptr<Camera> makeCamera(const SceneDescription& description, const FilmSettings& film,
+                                   const Vec3d& origin, Diagnostics& diagnostics, bool lenient) {
+  CameraContext context;
+  context.sceneFromCamera =
+      AnimatedTransform(description.worldFromCamera,
+                        description.worldFromCameraLast.value_or(description.worldFromCamera))
+          .after(translation(-origin));
+  context.startTime = description.startTime;
+  context.endTime = description.endTime;
+  context.width = film.width;
+  context.height = film.height;
+  context.diagonal = film.diagonal;
+  return plugIns().cameras.make(orDefault(description.camera, "perspective"), context, diagnostics, lenient);
+}
+
+/** The work of buildScene, with what it has to remember meanwhile. */
+class SceneBuilder {
+ public:
+  SceneBuilder(const SceneDescription& description, const SceneOverrides& overrides, Diagnostics& diagnostics,
+               KeptParts* kept)
+      : description(description), overrides(overrides), diagnostics(diagnostics), kept(kept),
+        device(kept && kept->device ? kept->device : std::make_shared<EmbreeDevice>()),
+        scene(std::make_unique<EmbreeScene>(device)), context{description, overrides.lenient, diagnostics,
+                                                              scene->sceneOrigin},
+        materials(context, scene->textures, scene->materials), media(context),
+        shapes(context, materials, media, scene->shapes, kept) {
+    if (!kept) return;
+    kept->device = device;
+    kept->shapes.kept = kept->shapes.made = kept->trees.kept = kept->trees.made = 0;
+    kept->media.kept = kept->media.made = 0;
+  }
+
+  std::unique_ptr<Scene> build() {
+    buildFilm();
+    const bool complete = shapes.build(scene->filmSettings);
+    if (complete) measure();
+    buildCamera();
+    buildLights();
+    buildMedia();
+    if (!complete) return nullptr;
+    scene->materialNames = materials.names();
+    buildTrees();
+    if (diagnostics.hasErrors()) return nullptr;
+    warnOfOpenBoundaries(*scene, shapes, media, diagnostics);
+    return std::move(scene);
+  }
+
+ private:
+  static bool isUnit(const Vec3f& v) { return std::abs(glm::length(v) - 1) < 1e-3f; }
+
+  void buildFilm() {
+    const PlugIns& all = plugIns();
+    if (auto film = all.films.make(orDefault(description.film, "rgb"), {}, diagnostics, overrides.lenient)) {
+      scene->filmSettings = *film;
+      FilmSettings& f = scene->filmSettings;
+      if (overrides.width > 0) {
+        f.width = overrides.width;
+        f.height = overrides.height;
+        f.crop = {0, 0, f.width, f.height};
+      }
+      const auto& w = overrides.cropWindow;
+      if (w[1] > w[0]) f.crop = cropOf(f, double(w[0]), double(w[1]), double(w[2]), double(w[3]));
+      if (f.crop.x0 >= f.crop.x1 || f.crop.y0 >= f.crop.y1)
+        throw Error("no pixel lies in the crop window", ExitStatus::BAD_USAGE);
+    }
+    scene->pixelFilter =
+        all.filters.make(orDefault(description.filter, "gaussian"), {}, diagnostics, overrides.lenient);
+    if (auto s =
+            all.samplers.make(orDefault(description.sampler, "zsobol"), {}, diagnostics, overrides.lenient))
+      scene->samplerSettings = *s;
+    if (description.accelerator.given())
+      all.accelerators.make(description.accelerator, {}, diagnostics, overrides.lenient);
+    scene->mediumOfCamera = media.number(description.cameraMedium, description.camera.location);
+  }
+
+  void buildCamera() {
+    scene->sceneCamera =
+        makeCamera(description, scene->filmSettings, scene->sceneOrigin, diagnostics, overrides.lenient);
+    if (!scene->sceneCamera) return;
+    scene->filmSettings.imagingRatio *= scene->sceneCamera->exposureTime();
+    const FilmSettings& f = scene->filmSettings;
+    for (const Vec2f& corner : {Vec2f(0), Vec2f(f.width, 0), Vec2f(0, f.height), Vec2f(f.width, f.height)}) {
+      const std::optional<CameraRay> ray = scene->sceneCamera->sampleRay({corner});
+      // A ray from too far away, or of a direction that has come to nothing, meets anything or nothing.
+      if (!ray || (representable(ray->origin) && isUnit(ray->direction))) continue;
+      diagnostics.error(description.camera.location,
+                        "the camera's rays cannot be told in single precision: it is "
+                        "too far from the scene, or its window is too large");
+      break;
+    }
+  }
+
+  /** The scene's bounds, and what it contains. */
+  void measure() {
+    const Bounds3d b = shapes.bounds();
+    if (!b.empty()) {
+      scene->sceneBounds.center = Vec3f(b.center());
+      scene->sceneBounds.radius = static_cast<float>(glm::length(b.diagonal()) / 2 * (1 + 1e-6));
+    }
+    shapes.count(scene->sceneContents);
+    scene->sceneContents.materials = scene->materials.size();
+    materials.numberNested(scene->nestedDielectrics, scene->nestedMedia);
+  }
+
+  /** The extinction at which a mean free path is a few times what positions on the medium's boundary are
+   * rounded by, as a power of two: denser matter would keep the light that enters it. */
+  float maxExtinctionOf(uint16_t medium) const {
+    constexpr int RESOLVED_BITS = 20;
+    const Bounds3d b = shapes.boundsOfMedium(medium);
+    const Vec3d corner = glm::max(glm::abs(b.lower), glm::abs(b.upper));
+    const double largest = std::max(corner.x, std::max(corner.y, corner.z));
+    if (b.empty() || !(largest > 0)) return INFINITE;
+    return static_cast<float>(std::ldexp(1.0, RESOLVED_BITS - std::ilogb(largest)));
+  }
+
+  /** Makes the media that were asked for, once it is known where the scene is. */
+  void buildMedia() {
+    std::multimap<std::string, std::shared_ptr<Medium>> all;
+    for (size_t i = 0; i < media.count() && !context.enoughErrors(); ++i) {
+      const float maxExtinction = maxExtinctionOf(static_cast<uint16_t>(i + 1));
+      const std::string key = kept ? media.key(i, maxExtinction) : "";
+      std::shared_ptr<Medium> medium = kept ? kept->media.take(key) : nullptr;
+      if (kept) ++(medium ? kept->media.kept : kept->media.made);
+      if (!medium) medium = media.make(i, maxExtinction);
+      all.emplace(key, medium);
+      scene->sceneMedia.push_back(std::move(medium));
+    }
+    if (kept) kept->media.replace(std::move(all));
+    scene->sceneContents.media = media.count();
+  }
+
+  void buildLights() {
+    std::vector<const Light*> table;
+    const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
+      if (diagnostics.hasErrors()) return; // where the scene ends may not be known
+      light->prepare(scene->sceneBounds);
+      // A light is where its photons start.
+      const std::optional<LeSample> emission = light->sampleLe({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
+      if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
+        diagnostics.error(where, "the light's power is too large for single precision");
+      else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))
+        diagnostics.error(where, "the light is too far from the scene for single precision",
+                          "coordinates below 1e18");
+      table.push_back(light.get());
+      scene->ownLights.push_back(std::move(light));
+    };
+    const auto addAreaLight = [&](const ShapeGroups::Placed& p, const MatrixTrack& track) {
+      if (p.from->areaLight < 0 || context.enoughErrors()) return;
+      const ParsedDirective& d = description.areaLights[static_cast<size_t>(p.from->areaLight)];
+      if (!p.shape->canBeSampled()) {
+        diagnostics.error(p.from->shape.location,
+                          "shape \"" + p.from->shape.type +
+                              "\" cannot be a lamp: no points are sampled on it",
+                          "another shape after the AreaLightSource");
+        return;
+      }
+      std::unique_ptr<AreaLight> light =
+          plugIns().areaLights.make(d, {*p.shape}, diagnostics, overrides.lenient);
+      if (!light) return;
+      if (track.moves()) light = std::make_unique<MovingAreaLight>(std::move(light), track);
+      lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
+      ++scene->sceneContents.areaLights;
+      scene->mediaOfLights.push_back(p.media.outside);
+      keep(std::move(light), d.location);
+    };
+    for (const ShapeGroups::Placed& p : shapes.groups().front().placed) addAreaLight(p, Mat4d(1));
+    for (const ShapeGroups::Instance& i : shapes.instances())
+      for (const ShapeGroups::Placed& p : shapes.groups()[i.group].placed)
+        addAreaLight(p, shapes.sceneFromGroup(i));
+    for (const LightDescription& l : description.lights) {
+      if (context.enoughErrors()) return;
+      std::unique_ptr<Light> light = plugIns().lights.make(
+          l.light, {recentred(l.worldFromLight, scene->sceneOrigin), scene->sceneOrigin}, diagnostics,
+          overrides.lenient);
+      if (!light) continue;
+      if (const auto* e = dynamic_cast<const EnvironmentLight*>(light.get())) {
+        scene->environmentLights.push_back(e);
+        scene->environmentLightIndices.push_back(static_cast<uint32_t>(table.size()));
+        ++scene->sceneContents.environmentLights;
+      } else if (light->isDelta()) {
+        ++scene->sceneContents.deltaLights;
+      }
+      scene->mediaOfLights.push_back(media.number(l.medium, l.light.location));
+      keep(std::move(light), l.light.location);
+    }
+    scene->lightTable.build(table);
+  }
+
+  // ---- trees
+
+  void buildTrees() {
+    ObjectNamer objects(scene->objectNames);
+    std::multimap<KeptParts::TreeKey, std::shared_ptr<GeometryGroup>> trees;
+    for (size_t i = 0; i < shapes.groups().size(); ++i) {
+      const std::vector<ShapeGroups::Placed>& placed = shapes.groups()[i].placed;
+      KeptParts::TreeKey key;
+      for (const ShapeGroups::Placed& p : placed) key.emplace_back(p.shape, scatters(*p.shape, p.material));
+      std::shared_ptr<GeometryGroup> tree = kept && i > 0 ? kept->trees.take(key) : nullptr;
+      const bool isKept = tree != nullptr;
+      if (kept && i > 0) ++(isKept ? kept->trees.kept : kept->trees.made);
+      if (!tree) tree = std::make_shared<GeometryGroup>(device, overrides.compact);
+      scene->groups.push_back(tree);
+      if (!isKept) tree->reserve(placed.size());
+      for (size_t k = 0; k < placed.size(); ++k) {
+        const ShapeGroups::Placed& p = placed[k];
+        const auto light = lightOf.find(p.shape);
+        SceneGeometry g{p.shape, p.material, nullptr, 0, scene->groups.front().get(), p.media};
+        if (i == 0) g.object = objects.objectAtTop(p.from, p.partOf);
+        if (light != lightOf.end()) std::tie(g.light, g.lightIndex) = light->second;
+        if (i == 0) {
+          g.shapeIndex = static_cast<int>(scene->sceneShapes.size());
+          scene->sceneShapes.push_back({p.shape, p.material});
+        }
+        isKept ? tree->update(k, g) : tree->add(g);
+      }
+      if (i > 0 && !isKept) tree->commit();
+      if (i > 0) trees.emplace(std::move(key), std::move(tree));
+    }
+    if (kept) kept->trees.replace(std::move(trees));
+    for (const ShapeGroups::Instance& i : shapes.instances()) {
+      const MatrixTrack track = shapes.sceneFromGroup(i);
+      scene->shapesMove = scene->shapesMove || track.moves();
+      scene->groups.front()->addInstance(*scene->groups[i.group], track, objects.objectOf(i.from, i.partOf));
+    }
+    scene->groups.front()->commit();
+  }
+
+  const SceneDescription& description;
+  const SceneOverrides& overrides;
+  Diagnostics& diagnostics;
+  KeptParts* kept; ///< null: nothing is
+  std::shared_ptr<EmbreeDevice> device;
+  std::unique_ptr<EmbreeScene> scene;
+  BuildContext context;
+  SceneMaterials materials;
+  SceneMedia media;
+  ShapeGroups shapes;
+  std::map<const Shape*, std::pair<const AreaLight*, uint32_t>> lightOf;
+};
+
+std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,
+                                  Diagnostics& diagnostics, KeptParts* kept) {
+  if (!hasImports(description)) return SceneBuilder(description, overrides, diagnostics, kept).build();
+  SceneDescription expanded = description;
+  expandImports(expanded, diagnostics, overrides.lenient, kept);
+  return SceneBuilder(expanded, overrides, diagnostics, kept).build();
+}
+
+} // namespace recurse

@@ -1,0 +1,25 @@
+/** @file
+ * The shutter.
+ */
+#include "recurse/model/camera/camera.h"
+
+namespace recurse {
+
+std::vector<ParameterSpec> shutterParameters() {
+  return {realParameter("shutteropen", "0", "when the exposure begins; see TransformTimes"),
+          realParameter("shutterclose", "1",
+                        "when it ends; as in pbrt-v4, the picture is scaled by the time between")};
+}
+
+Camera::Camera(const Parameters& p, const CameraContext& c) {
+  const double open = p.real("shutteropen"), close = p.real("shutterclose");
+  if (!(close > open)) p.fail("shutterclose", "the shutter does not open", "a time after \"shutteropen\"");
+  const auto normalised = [&](double time) {
+    return static_cast<float>((time - c.startTime) / (c.endTime - c.startTime));
+  };
+  shutterOpen = normalised(open);
+  shutterClose = normalised(close);
+  exposure = static_cast<float>(close - open);
+}
+
+} // namespace recurse

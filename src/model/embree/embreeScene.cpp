@@ -1,0 +1,226 @@
+/** @file
+ * Rays against the scene.
+ */
+#include "model/embree/embreeScene.h"
+
+#include "recurse/core/threads/inPlace.h"
+#include "recurse/core/threads/interrupt.h"
+#include "recurse/model/mesh/triangleMesh.h"
+
+namespace recurse {
+
+namespace {
+
+/** So many rays are traced faster one by one than as a packet. */
+constexpr size_t MAX_SINGLE_RAYS = 2;
+/** So many rays are prepared together. */
+constexpr size_t GROUP = 64;
+
+void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
+  r.org_x = ray.origin.x;
+  r.org_y = ray.origin.y;
+  r.org_z = ray.origin.z;
+  r.tnear = 0;
+  r.dir_x = ray.direction.x;
+  r.dir_y = ray.direction.y;
+  r.dir_z = ray.direction.z;
+  r.time = ray.time;
+  r.tfar = ray.tMax;
+  r.mask = mask;
+  r.id = 0;
+  r.flags = 0;
+}
+
+/** Also for the ray part of an RTCRayHit8. */
+template <class Packet> void setRay(Packet& r, size_t i, const Ray& ray, unsigned mask) {
+  r.org_x[i] = ray.origin.x;
+  r.org_y[i] = ray.origin.y;
+  r.org_z[i] = ray.origin.z;
+  r.tnear[i] = 0;
+  r.dir_x[i] = ray.direction.x;
+  r.dir_y[i] = ray.direction.y;
+  r.dir_z[i] = ray.direction.z;
+  r.time[i] = ray.time;
+  r.tfar[i] = ray.tMax;
+  r.mask[i] = mask;
+  r.id[i] = 0;
+  r.flags[i] = 0;
+}
+
+RTCDevice newDevice() {
+  RTCDevice device = rtcNewDevice(nullptr);
+  if (!device)
+    throw Error("Embree does not start (error " + std::to_string(rtcGetDeviceError(nullptr)) + ")");
+  rtcSetDeviceErrorFunction(
+      device,
+      [](void*, RTCError code, const char* text) {
+        if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+        throw Error("Embree: " + std::string(text));
+      },
+      nullptr);
+  return device;
+}
+
+} // namespace
+
+void transformToScene(const GeometryGroup::Instance& instance, float time, SurfacePoint& p) {
+  if (instance.sceneFromGroup.moves()) return placeByMotion(instance.sceneFromGroup.at(time), p);
+  const Mat4d& m = instance.sceneFromGroup.first();
+  const Vec3d local = p.position;
+  const Vec3d position = transformPoint(m, local);
+  const Mat3d linear(m);
+  const Mat3d magnitude(glm::abs(linear[0]), glm::abs(linear[1]), glm::abs(linear[2]));
+  // Embree transforms the ray in float, so that the hit is off by the rounding of the ray's coordinates too.
+  const Vec3d error = magnitude * Vec3d(p.error) +
+                      double(roundingBound(6)) * (magnitude * glm::abs(local) + glm::abs(Vec3d(m[3])));
+  p.position = Vec3f(position);
+  p.error = Vec3f(error);
+  transformDirections(linear, instance.normalFromGroup, p);
+}
+
+EmbreeDevice::EmbreeDevice() : handle(newDevice()) {
+  rtcSetDeviceMemoryMonitorFunction(
+      handle,
+      [](void* device, ssize_t added, bool) {
+        static_cast<EmbreeDevice*>(device)->taken += added;
+        return true;
+      },
+      this);
+}
+
+EmbreeScene::EmbreeScene(std::shared_ptr<const EmbreeDevice> device)
+    : device(std::move(device)),
+      packets(rtcGetDeviceProperty(this->device->get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0) {}
+
+EmbreeScene::PositionHit EmbreeScene::nearest(const Ray& ray) const {
+  checkInterrupted();
+  RTCRayHit rayHit;
+  setRay(rayHit.ray, ray, SEEN);
+  rayHit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rayHit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  embree::intersect(groups.front()->scene(), rayHit);
+  const RTCHit& h = rayHit.hit;
+  return {rayHit.ray.tfar, parametersOf(h), h.geomID, h.primID, h.instID[0]};
+}
+
+const TriangleMesh* EmbreeScene::meshOf(const PositionHit& position) const {
+  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return nullptr;
+  const GeometryGroup* group = groups.front().get();
+  if (position.instance != RTC_INVALID_GEOMETRY_ID) group = group->instance(position.instance).group;
+  return group->geometry(position.geometry).mesh;
+}
+
+void EmbreeScene::complete(const PositionHit& position, float time, Wanted wanted, Hit& hit) const {
+  const GeometryGroup* group = groups.front().get();
+  const GeometryGroup::Instance* instance = nullptr;
+  if (position.instance != RTC_INVALID_GEOMETRY_ID) {
+    instance = &group->instance(position.instance);
+    group = instance->group;
+  }
+  const SceneGeometry& g = group->geometry(position.geometry);
+  if (wanted == Wanted::PLACE && !instance)
+    makeAt(hit.point, [&] { return g.shape->placeAt(position.primitive, position.parameters); });
+  else
+    makeAt(hit.point, [&] { return g.shape->surfaceAt(position.primitive, position.parameters); });
+  if (instance) transformToScene(*instance, time, hit.point);
+  hit.point.time = time;
+  hit.t = position.t;
+  hit.primitive = position.primitive;
+  hit.material = g.compound ? g.shape->materialAt(position.parameters) : g.material;
+  hit.areaLight = g.light;
+  hit.lightIndex = g.lightIndex;
+  hit.shape = g.shapeIndex;
+  hit.media = g.media;
+  hit.object = instance ? instance->object : g.object;
+}
+
+bool EmbreeScene::intersect(const Ray& ray, Hit& hit) const {
+  const PositionHit position = nearest(ray);
+  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  complete(position, ray.time, Wanted::SURFACE, hit);
+  return true;
+}
+
+bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
+  const PositionHit position = nearest(ray);
+  if (position.geometry == RTC_INVALID_GEOMETRY_ID) return false;
+  complete(position, ray.time, Wanted::PLACE, hit);
+  return true;
+}
+
+void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence,
+                                PositionHit* positions) const {
+  checkInterrupted();
+  size_t done = 0;
+  if (packets && rays.size() > MAX_SINGLE_RAYS) {
+    RTCRayHit8 packet[GROUP / embree::PACKET];
+    // All packets are filled before the first is traced: what was just written singly is slow to read at
+    // once.
+    for (size_t i = 0; i < rays.size(); ++i) {
+      RTCRayHit8& p = packet[i / embree::PACKET];
+      const size_t lane = i % embree::PACKET;
+      setRay(p.ray, lane, rays[i], SEEN);
+      p.hit.geomID[lane] = RTC_INVALID_GEOMETRY_ID;
+      p.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
+    }
+    for (RTCRayHit8* p = packet; done < rays.size(); ++p) {
+      const embree::Lanes lanes(rays.size() - done);
+      embree::intersect(groups.front()->scene(), lanes, *p, coherence == Coherence::COHERENT);
+      for (size_t i = 0; i < embree::PACKET && done < rays.size(); ++i)
+        positions[done++] = {p->ray.tfar[i],
+                             {{p->hit.u[i], p->hit.v[i]}, {p->hit.Ng_x[i], p->hit.Ng_y[i], p->hit.Ng_z[i]}},
+                             p->hit.geomID[i],
+                             p->hit.primID[i],
+                             p->hit.instID[0][i]};
+    }
+  }
+  for (; done < rays.size(); ++done) makeAt(positions[done], [&] { return nearest(rays[done]); });
+}
+
+void EmbreeScene::intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const {
+  PositionHit positions[GROUP];
+  const TriangleMesh* meshes[GROUP];
+  while (!rays.empty()) {
+    const size_t count = std::min(GROUP, rays.size());
+    nearestOfEach(rays.first(count), coherence, positions);
+    for (size_t i = 0; i < count; ++i) {
+      meshes[i] = meshOf(positions[i]);
+      if (meshes[i]) meshes[i]->prefetchTriangle(positions[i].primitive);
+    }
+    for (size_t i = 0; i < count; ++i)
+      if (meshes[i]) meshes[i]->prefetchVertices(positions[i].primitive);
+    for (size_t i = 0; i < count; ++i)
+      if (positions[i].geometry != RTC_INVALID_GEOMETRY_ID)
+        complete(positions[i], rays[i].time, Wanted::SURFACE, hits[i]);
+      else
+        hits[i].t = INFINITE;
+    rays = rays.subspan(count);
+    hits = hits.subspan(count);
+  }
+}
+
+bool EmbreeScene::occluded(const Ray& ray) const {
+  checkInterrupted();
+  RTCRay r;
+  setRay(r, ray, CASTS_SHADOW);
+  embree::occluded(groups.front()->scene(), r);
+  return r.tfar < 0;
+}
+
+void EmbreeScene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const {
+  checkInterrupted();
+  size_t done = 0;
+  while (packets && done + MAX_SINGLE_RAYS < rays.size()) {
+    RTCRay8 packet[GROUP / embree::PACKET];
+    const size_t end = std::min(rays.size(), done + GROUP);
+    for (size_t i = done; i < end; ++i)
+      setRay(packet[(i - done) / embree::PACKET], (i - done) % embree::PACKET, rays[i], CASTS_SHADOW);
+    for (RTCRay8* p = packet; done < end; ++p) {
+      embree::occluded(groups.front()->scene(), embree::Lanes(end - done), *p);
+      for (size_t i = 0; i < embree::PACKET && done < end; ++i) blocked[done++] = p->tfar[i] < 0;
+    }
+  }
+  for (; done < rays.size(); ++done) blocked[done] = occluded(rays[done]);
+}
+
+} // namespace recurse

@@ -1,0 +1,135 @@
+/** @file
+ * The scene on top of Embree: triangles are Embree's own, every other shape is user geometry, object
+ * instances are Embree instances.
+ */
+#pragma once
+
+#include <atomic>
+
+#include "model/builder/moving.h"
+#include "model/embree/embree.h"
+#include "recurse/model/scene/scene.h"
+
+namespace recurse {
+
+class GeometryGroup;
+class CurveShape;
+
+/** Masks of rays: surfaces that emit and do not scatter are met by rays but cast no shadow. */
+constexpr unsigned SEEN = 1, CASTS_SHADOW = 2;
+
+/** One shape in a tree, with what hits on it mean. */
+struct SceneGeometry {
+  const Shape* shape = nullptr;
+  const Material* material = nullptr;
+  const AreaLight* light = nullptr;
+  uint32_t lightIndex = 0;
+  const GeometryGroup* top = nullptr; ///< where the instances are that alpha's points are seen through
+  MediumInterface media;
+  const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
+  const CurveShape* curve = nullptr;  ///< the same
+  bool compound = false;              ///< the shape's components have materials of their own
+  int shapeIndex = -1;                ///< Hit::shape
+  uint32_t object = 0;                ///< Hit::object, where it is no part of an instance
+};
+
+/** Embree, and what it takes in memory. */
+class EmbreeDevice {
+ public:
+  EmbreeDevice();
+  ~EmbreeDevice() { rtcReleaseDevice(handle); }
+  EmbreeDevice(const EmbreeDevice&) = delete;
+  EmbreeDevice& operator=(const EmbreeDevice&) = delete;
+
+  RTCDevice get() const { return handle; }
+  size_t bytes() const { return static_cast<size_t>(taken.load()); }
+
+ private:
+  std::atomic<int64_t> taken{0};
+  RTCDevice handle;
+};
+
+/** Whether any ray is stopped by a shape with this material. */
+bool scatters(const Shape& shape, const Material* material);
+
+/** Shapes with a tree of their own: the top level, or one object definition. */
+class GeometryGroup {
+ public:
+  /** `compact`: in less memory, and slower. */
+  GeometryGroup(std::shared_ptr<const EmbreeDevice> device, bool compact);
+  ~GeometryGroup();
+  GeometryGroup(const GeometryGroup&) = delete;
+  GeometryGroup& operator=(const GeometryGroup&) = delete;
+
+  /** Reserves the places of `count` geometries; they must not move once they are attached. */
+  void reserve(size_t count) { geometries.reserve(count); }
+  void add(const SceneGeometry& geometry);
+  /** For a tree that is kept: the same shape with what hits on it mean in another scene. */
+  void update(size_t id, const SceneGeometry& geometry);
+  void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup, uint32_t object);
+  void commit() { rtcCommitScene(tree); }
+
+  struct Instance {
+    const GeometryGroup* group;
+    MatrixTrack sceneFromGroup;
+    glm::dmat3 normalFromGroup; ///< inverse transpose, of an instance that does not move
+    uint32_t object;            ///< Hit::object
+  };
+  const SceneGeometry& geometry(uint32_t id) const { return geometries[id]; }
+  const Instance& instance(uint32_t id) const { return instances[id - geometries.size()]; }
+  RTCScene scene() const { return tree; }
+
+ private:
+  /** What Embree is to know of the shape. */
+  RTCGeometry newTriangles(const TriangleMesh& mesh, SceneGeometry& stored) const;
+  RTCGeometry newCurve(const CurveShape& curve, SceneGeometry& stored) const;
+  RTCGeometry newUserGeometry(SceneGeometry& stored) const;
+
+  std::shared_ptr<const EmbreeDevice> device;
+  RTCScene tree;
+  std::vector<SceneGeometry> geometries; ///< by Embree's geometry id
+  std::vector<Instance> instances;       ///< by id, after the geometries
+};
+
+/** A point of an object definition, seen from the scene. */
+void transformToScene(const GeometryGroup::Instance& instance, float time, SurfacePoint& p);
+
+inline HitParameters parametersOf(const RTCHit& h) { return {{h.u, h.v}, {h.Ng_x, h.Ng_y, h.Ng_z}}; }
+
+class EmbreeScene final : public Scene {
+ public:
+  explicit EmbreeScene(std::shared_ptr<const EmbreeDevice> device);
+
+  bool intersect(const Ray& ray, Hit& hit) const override;
+  bool intersectPosition(const Ray& ray, Hit& hit) const override;
+  bool occluded(const Ray& ray) const override;
+  void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const override;
+  void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const override;
+  size_t memoryBytes() const override { return device->bytes(); }
+
+ private:
+  friend class SceneBuilder;
+  /** What Embree says of a ray's nearest surface. */
+  struct PositionHit {
+    float t;
+    HitParameters parameters;
+    unsigned geometry, primitive, instance;
+  };
+  PositionHit nearest(const Ray& ray) const;
+  /** The same for up to GROUP rays. */
+  void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* positions) const;
+  const TriangleMesh* meshOf(const PositionHit& position) const;
+  /** The surface at a meeting of a ray of that time; or only its place. */
+  enum class Wanted { SURFACE, PLACE };
+  void complete(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
+
+  std::shared_ptr<const EmbreeDevice> device;
+  bool packets; ///< Embree has packets of rays on this processor
+  std::vector<std::unique_ptr<Texture>> textures;
+  std::vector<std::unique_ptr<Material>> materials;
+  std::vector<std::shared_ptr<Shape>> shapes;
+  std::vector<std::unique_ptr<Light>> ownLights;
+  std::vector<std::shared_ptr<GeometryGroup>> groups; ///< [0] is the top level
+};
+
+} // namespace recurse

@@ -1,0 +1,65 @@
+/** @file
+ * Opacity, bumps and normal maps as parameters.
+ */
+#include "recurse/model/scene/surfaceParameters.h"
+
+#include "recurse/model/bsdf/surfaceDetail.h"
+#include "recurse/model/scene/plugIns.h"
+
+namespace recurse {
+
+namespace {
+
+void readAlpha(Shape& shape, const Parameters& p, const ShapeContext& c) {
+  const TexturedRgb alpha = realOrTexture(c.textures, p, "alpha");
+  const bool isOpaque = !alpha.texture && alpha.constant.r >= 1;
+  const Texture* opacity = c.material ? c.material->opacity.get() : nullptr;
+  if (opacity && !isOpaque)
+    p.fail("alpha", "the shape's material is a mix with \"interface\", which takes its place");
+  if (opacity)
+    shape.alpha = std::make_shared<const TexturedRgb>(TexturedRgb{BLACK, opacity, 0, 1});
+  else if (!isOpaque)
+    shape.alpha = std::make_shared<const TexturedRgb>(alpha);
+}
+
+void readDetail(Material& material, const Parameters& p, const MaterialContext& c) {
+  const bool displaced = p.has("displacement"), mapped = p.has("normalmap");
+  if (displaced && mapped)
+    p.fail("normalmap", "both \"displacement\" and \"normalmap\" are given", "either of the two");
+  if (displaced) {
+    if (p.texture("displacement").empty())
+      p.fail("displacement", "a displacement that is the same everywhere bends nothing",
+             "\"texture displacement\" with the name of a float texture");
+    material.detail = bumps(c.textures.real(p, "displacement"));
+  }
+  if (!mapped) return;
+  const FileReference file = p.file("normalmap");
+  try {
+    material.detail = normalMap(file);
+  } catch (const Error& e) {
+    p.fail("normalmap", e.what());
+  }
+}
+
+} // namespace
+
+void addSurfaceParameters(PlugIns& plugIns) {
+  plugIns.shapes.addToAll(
+      {realParameter(
+           "alpha", "1",
+           "opacity: rays of all kinds meet the surface with this probability, or pass through. An area "
+           "light with the number 0 is not seen, and shines")
+           .withTexture()},
+      readAlpha);
+  plugIns.materials.addToAll(
+      {realParameter("displacement", "",
+                     "height of bumps, which change the shading normal only [scene units]")
+           .withTexture(),
+       stringParameter(
+           "normalmap", "",
+           "picture of the shading normal: red along u, green across it, blue outwards, 0 to 1 for -1 "
+           "to 1")},
+      readDetail, {"interface"});
+}
+
+} // namespace recurse

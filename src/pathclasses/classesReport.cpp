@@ -1,0 +1,102 @@
+/** @file
+ * The report on path classes, for a person at a terminal.
+ */
+#include "recurse/pathclasses/classesReport.h"
+
+#include <algorithm>
+
+#include "recurse/core/io/error.h"
+#include "recurse/pathclasses/pathClasses.h"
+
+namespace recurse {
+
+namespace {
+
+/** A line for each length of path. */
+std::string byLength(const std::vector<std::string>& words) {
+  std::string out;
+  size_t length = 0;
+  for (const std::string& word : words) {
+    if (word.size() != length) {
+      length = word.size();
+      const size_t events = length - 2;
+      out += std::string(out.empty() ? "" : "\n") + "  " + std::to_string(events) +
+             (events == 1 ? " event: " : " events:");
+    }
+    out += " " + word;
+  }
+  return out.empty() ? out : out + "\n";
+}
+
+std::string padded(const std::string& text, size_t width) {
+  return text + std::string(width - text.size(), ' ');
+}
+
+} // namespace
+
+ClassesReport analyseClasses(const std::vector<PathClass>& classes, size_t maxEvents, size_t mostPerLength) {
+  std::vector<PathAutomaton> automata;
+  std::vector<ClassesReport::Entry> entries;
+  for (const PathClass& c : classes) {
+    automata.push_back(PathAutomaton::compile(c.expression, PathAutomaton::Empty::ALLOWED));
+    std::vector<std::string> examples = automata.back().exampleWords(maxEvents, mostPerLength);
+    if (examples.empty() && !automata.back().isEmpty()) examples = {automata.back().shortestWord()};
+    entries.push_back({c, automata.back(), std::move(examples)});
+  }
+  std::string renderable;
+  try {
+    const PathClasses joint(classes);
+    renderable = "rendered at once with " + std::to_string(joint.lightStateCount()) +
+                 " states on the side of the light and " + std::to_string(joint.cameraStateCount()) +
+                 " on the side of the eye";
+  } catch (const Error& e) {
+    renderable = std::string("not to be rendered: ") + e.what();
+  }
+  return {std::move(entries), findOverlaps(automata), leftOver(PathAutomaton::compile("all"), automata),
+          std::move(renderable)};
+}
+
+std::string ClassesReport::text() const {
+  std::string out;
+  for (const Entry& e : entries) {
+    const std::string& expression = e.pathClass.expression;
+    out += e.pathClass.name == expression ? expression : e.pathClass.name + " = " + expression;
+    for (const NamedPathClass& named : namedPathClasses())
+      if (e.automaton.equivalent(PathAutomaton::compile(named.expression))) {
+        out += named.name == expression ? ": " + named.expression + ", " : ": " + named.name + ", ";
+        out += named.meaning;
+      }
+    out += "\n";
+    out += e.automaton.isEmpty() ? "  no path matches this\n" : e.automaton.describe() + byLength(e.examples);
+  }
+  out += "\n";
+  if (entries.size() > 1 && overlaps.empty()) out += "disjoint: no path is in two of these\n";
+  for (const PathOverlap& o : overlaps)
+    out += "not disjoint: " + o.example + " is in " + entries[o.first].pathClass.name + " and in " +
+           entries[o.second].pathClass.name + "\n";
+  if (leftOver.isEmpty()) {
+    out += "complete: every path is in " + std::string(entries.size() == 1 ? "it" : "one of these") + "\n";
+  } else {
+    out += "not complete: left over";
+    if (const std::string expression = leftOver.toExpression(); !expression.empty()) out += " " + expression;
+    std::vector<std::string> words = leftOver.exampleWords(4, 4);
+    if (words.empty()) words = {leftOver.shortestWord()};
+    out += "\n";
+    out += byLength(words);
+  }
+  return out + renderable + "\n";
+}
+
+std::string namedClassesText() {
+  size_t nameWidth = 0, expressionWidth = 0;
+  for (const NamedPathClass& c : namedPathClasses()) {
+    nameWidth = std::max(nameWidth, c.name.size());
+    expressionWidth = std::max(expressionWidth, c.expression.size());
+  }
+  std::string out;
+  for (const NamedPathClass& c : namedPathClasses())
+    out += padded(c.name, nameWidth + 2) + padded(c.expression, expressionWidth + 2) + c.meaning + "\n";
+  return out;
+}
+
+} // namespace recurse

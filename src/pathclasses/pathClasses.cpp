@@ -1,0 +1,160 @@
+/** @file
+ * The tables of several path classes. A camera state is a row: for every light state, the classes that accept
+ * the path if the light has read up to it and the eye the rest. Words with the same row cannot be told apart,
+ * so that the rows are the states of the smallest reverse automaton, and the join table too.
+ */
+#include "recurse/pathclasses/pathClasses.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "pathclasses/pathExpressionDfa.h"
+#include "recurse/core/io/error.h"
+#include "recurse/pathclasses/pathExpression.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr size_t MAX_CLASSES = 64, MAX_PRODUCT_STATES = 100'000, MAX_LIGHT_STATES = 255,
+                 MAX_EYE_STATES = 65'535;
+
+using Row = std::vector<LayerMask>;
+
+struct HashRow {
+  size_t operator()(const Row& row) const {
+    uint64_t h = 0xcbf29ce484222325u;
+    for (const LayerMask m : row) h = (h ^ m ^ (m >> 29)) * 0x9e3779b97f4a7c15u;
+    return h ^ (h >> 32);
+  }
+};
+
+std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes) {
+  if (classes.empty()) throw Error("no path class is given", ExitStatus::BAD_USAGE);
+  if (classes.size() > MAX_CLASSES)
+    throw Error(std::to_string(classes.size()) + " path classes: at most " + std::to_string(MAX_CLASSES) +
+                    " can be told apart at once",
+                ExitStatus::BAD_USAGE);
+  std::vector<PathAutomaton> automata;
+  std::set<std::string> names;
+  for (const PathClass& c : classes) {
+    if (c.name.empty()) throw Error("the path class " + c.expression + " has no name", ExitStatus::BAD_USAGE);
+    if (!names.insert(c.name).second)
+      throw Error("two path classes are called '" + c.name + "'", ExitStatus::BAD_USAGE);
+    try {
+      automata.push_back(PathAutomaton::compile(c.expression));
+    } catch (const Error& e) {
+      throw Error("class '" + c.name + "': " + e.what(), e.status());
+    }
+  }
+  return automata;
+}
+
+/** What a person can do about it is to leave out the class with most states. */
+[[noreturn]] void tooLarge(const std::string& what, const std::vector<PathClass>& classes,
+                           const std::vector<PathAutomaton>& automata) {
+  size_t largest = 0;
+  for (size_t i = 1; i < automata.size(); ++i)
+    if (automata[i].stateCount() > automata[largest].stateCount()) largest = i;
+  throw Error("the path classes together need more than " + what + "; the largest is '" +
+                  classes[largest].name + "' with " + std::to_string(automata[largest].stateCount()) +
+                  " states: give fewer classes at once, or smaller repetitions",
+              ExitStatus::BAD_USAGE);
+}
+
+/** All classes side by side after L, not yet minimised. */
+struct Product {
+  std::vector<uint32_t> next;    ///< PATH_EVENTS a state
+  std::vector<LayerMask> output; ///< the classes that accept when E comes now
+};
+
+Product multiply(const std::vector<PathClass>& classes, const std::vector<PathAutomaton>& automata) {
+  Product product;
+  std::map<std::vector<uint32_t>, uint32_t> number;
+  std::vector<const std::vector<uint32_t>*> tuples;
+  const auto visit = [&](const std::vector<uint32_t>& tuple) {
+    const auto [at, fresh] = number.try_emplace(tuple, static_cast<uint32_t>(tuples.size()));
+    if (fresh) {
+      if (tuples.size() >= MAX_PRODUCT_STATES)
+        tooLarge(std::to_string(MAX_PRODUCT_STATES) + " states before they are merged", classes, automata);
+      tuples.push_back(&at->first);
+      LayerMask output = 0;
+      for (size_t c = 0; c < automata.size(); ++c)
+        if (automata[c].accepting(automata[c].next(tuple[c], PathLetter::E))) output |= LayerMask(1) << c;
+      product.output.push_back(output);
+    }
+    return at->second;
+  };
+  std::vector<uint32_t> tuple(automata.size());
+  for (size_t c = 0; c < automata.size(); ++c)
+    tuple[c] = automata[c].next(automata[c].start(), PathLetter::L);
+  visit(tuple);
+  for (size_t s = 0; s < tuples.size(); ++s)
+    for (size_t e = 0; e < PATH_EVENTS; ++e) {
+      for (size_t c = 0; c < automata.size(); ++c)
+        tuple[c] = automata[c].next((*tuples[s])[c], static_cast<PathLetter>(e));
+      product.next.push_back(visit(tuple));
+    }
+  return product;
+}
+
+} // namespace
+
+PathClasses::PathClasses() : PathClasses(std::vector<PathClass>{{"all", "all"}}) {}
+
+PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classes)) {
+  const std::vector<PathAutomaton> automata = compileAll(list);
+  const Product product = multiply(list, automata);
+
+  // Light side: states that no class can tell apart become one.
+  const std::vector<uint32_t> block = coarsestPartition(product.next, PATH_EVENTS, product.output);
+  lightStates = *std::max_element(block.begin(), block.end()) + 1;
+  if (lightStates > MAX_LIGHT_STATES)
+    tooLarge(std::to_string(MAX_LIGHT_STATES) + " states, which is what a photon has room for", list,
+             automata);
+  lightStartState = LightState(static_cast<uint8_t>(block[0]));
+  lightNext.resize(lightStates * PATH_EVENTS);
+  Row outputs(lightStates);
+  for (size_t s = 0; s < block.size(); ++s) {
+    outputs[block[s]] = product.output[s];
+    for (size_t e = 0; e < PATH_EVENTS; ++e)
+      lightNext[block[s] * PATH_EVENTS + e] = static_cast<uint8_t>(block[product.next[s * PATH_EVENTS + e]]);
+  }
+
+  // Eye side, from "E" backwards.
+  std::unordered_map<Row, uint32_t, HashRow> number;
+  std::vector<const Row*> rows;
+  const auto visit = [&](Row row) {
+    const auto [at, fresh] = number.try_emplace(std::move(row), static_cast<uint32_t>(rows.size()));
+    if (fresh) {
+      if (rows.size() >= MAX_EYE_STATES)
+        tooLarge(std::to_string(MAX_EYE_STATES) + " states on the side of the eye", list, automata);
+      rows.push_back(&at->first);
+    }
+    return static_cast<uint16_t>(at->second);
+  };
+  cameraStartState = CameraState(visit(outputs));
+  for (size_t w = 0; w < rows.size(); ++w)
+    for (size_t e = 0; e < PATH_EVENTS; ++e) {
+      Row row(lightStates);
+      for (size_t q = 0; q < lightStates; ++q) row[q] = (*rows[w])[lightNext[q * PATH_EVENTS + e]];
+      cameraNext.push_back(visit(std::move(row)));
+    }
+
+  // The rows hold the answer for every pair, so what is dead shows in them too.
+  lightDead.assign(lightStates, 1);
+  for (const Row* row : rows) {
+    joined.insert(joined.end(), row->begin(), row->end());
+    bool cameraIsDead = true;
+    for (size_t q = 0; q < lightStates; ++q)
+      if ((*row)[q] != 0) {
+        cameraIsDead = false;
+        lightDead[q] = 0;
+      }
+    cameraDead.push_back(cameraIsDead);
+  }
+}
+
+} // namespace recurse

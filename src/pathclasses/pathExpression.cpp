@@ -1,0 +1,279 @@
+/** @file
+ * Sets of paths: their algebra, examples of their words, and how they read.
+ */
+#include "recurse/pathclasses/pathExpression.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pathclasses/pathExpressionDfa.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr std::string_view LETTERS = "SDVLE"; // in the order of PathLetter
+
+uint32_t after(const Dfa& dfa, uint32_t state, PathLetter letter) {
+  return dfa.next[state][static_cast<size_t>(letter)];
+}
+
+Dfa combined(const Dfa& a, const Dfa& b, SetOperation operation) {
+  Effort effort;
+  return combination(a, b, operation, effort);
+}
+
+/** Appends up to `most` words with `events` events between L and E, in the order of the letters. */
+class WordLister {
+ public:
+  WordLister(const Dfa& dfa, size_t maxEvents) : dfa(dfa) {
+    // completes[n][s]: some word of n events and E leads from s to acceptance.
+    completes.emplace_back(dfa.size());
+    for (uint32_t s = 0; s < dfa.size(); ++s) completes[0][s] = dfa.accepting[after(dfa, s, PathLetter::E)];
+    for (size_t n = 1; n <= maxEvents; ++n) {
+      completes.emplace_back(dfa.size());
+      for (uint32_t s = 0; s < dfa.size(); ++s)
+        for (size_t e = 0; e < PATH_EVENTS; ++e)
+          completes[n][s] = completes[n][s] || completes[n - 1][dfa.next[s][e]];
+    }
+  }
+
+  void list(size_t events, size_t most, std::vector<std::string>& out) {
+    wanted = out.size() + most;
+    word.assign(1, 'L');
+    extend(after(dfa, 0, PathLetter::L), events, out);
+  }
+
+ private:
+  void extend(uint32_t state, size_t left, std::vector<std::string>& out) {
+    if (out.size() >= wanted || !completes[left][state]) return;
+    if (left == 0) {
+      out.push_back(word + "E");
+      return;
+    }
+    for (size_t e = 0; e < PATH_EVENTS; ++e) {
+      word.push_back(LETTERS[e]);
+      extend(dfa.next[state][e], left - 1, out);
+      word.pop_back();
+    }
+  }
+
+  const Dfa& dfa;
+  std::vector<std::vector<uint8_t>> completes;
+  std::string word;
+  size_t wanted = 0;
+};
+
+/** A piece of an expression on its way from an automaton; what it is decides about parentheses. */
+struct Text {
+  enum Kind { NOTHING, EMPTY_WORD, ALTERNATIVES, SEQUENCE, REPEATED, ATOM } kind = NOTHING;
+  std::string text;
+  uint32_t letters = 0; ///< when it is one letter out of several
+};
+
+Text letterText(uint32_t letters) {
+  if (letters == 0) return {};
+  if (letters == 0b111) return {Text::ATOM, ".", letters};
+  std::string text;
+  for (size_t a = 0; a < PATH_EVENTS; ++a)
+    if (letters >> a & 1u) text += LETTERS[a];
+  return {Text::ATOM, text.size() == 1 ? text : "[" + text + "]", letters};
+}
+
+std::string grouped(const Text& t, Text::Kind atLeast) {
+  return t.kind < atLeast ? "(" + t.text + ")" : t.text;
+}
+
+Text repeat(const Text& t, char how) {
+  if (t.kind <= Text::EMPTY_WORD) return how == '+' ? t : Text{Text::EMPTY_WORD, "", 0};
+  if (t.kind == Text::REPEATED) { // (A+)* and (A?)* are A*; (A+)? is A*; (A*)? is A*
+    const char has = t.text.back();
+    return {Text::REPEATED, t.text.substr(0, t.text.size() - 1) + (has == how ? how : '*'), 0};
+  }
+  return {Text::REPEATED, grouped(t, Text::ATOM) + how, 0};
+}
+
+Text either(const Text& a, const Text& b) {
+  if (a.kind == Text::NOTHING || (a.kind == b.kind && a.text == b.text)) return b;
+  if (b.kind == Text::NOTHING) return a;
+  if (a.kind == Text::EMPTY_WORD) return repeat(b, '?');
+  if (b.kind == Text::EMPTY_WORD) return repeat(a, '?');
+  if (a.letters && b.letters) return letterText(a.letters | b.letters);
+  return {Text::ALTERNATIVES, a.text + "|" + b.text, 0};
+}
+
+Text then(const Text& a, const Text& b) {
+  if (a.kind == Text::NOTHING || b.kind == Text::NOTHING) return {};
+  if (a.kind == Text::EMPTY_WORD) return b;
+  if (b.kind == Text::EMPTY_WORD) return a;
+  // A A* and A* A are A+.
+  const auto isStarOf = [](const Text& star, const Text& x) {
+    return star.kind == Text::REPEATED && star.text == grouped(x, Text::ATOM) + "*";
+  };
+  if (isStarOf(b, a)) return repeat(a, '+');
+  if (isStarOf(a, b)) return repeat(b, '+');
+  return {Text::SEQUENCE, grouped(a, Text::SEQUENCE) + grouped(b, Text::SEQUENCE), 0};
+}
+
+} // namespace
+
+PathAutomaton::PathAutomaton(Dfa dfa) : dfa(std::make_shared<const Dfa>(std::move(dfa))) {}
+
+size_t PathAutomaton::stateCount() const { return dfa->size(); }
+uint32_t PathAutomaton::next(uint32_t state, PathLetter letter) const { return after(*dfa, state, letter); }
+bool PathAutomaton::accepting(uint32_t state) const { return dfa->accepting[state]; }
+
+bool PathAutomaton::accepts(std::string_view word) const {
+  uint32_t state = start();
+  for (const char c : word) {
+    const size_t letter = LETTERS.find(c);
+    if (letter == std::string_view::npos) return false;
+    state = dfa->next[state][letter];
+  }
+  return dfa->accepting[state];
+}
+
+PathAutomaton PathAutomaton::unite(const PathAutomaton& other) const {
+  return PathAutomaton(combined(*dfa, *other.dfa, SetOperation::OR));
+}
+PathAutomaton PathAutomaton::intersect(const PathAutomaton& other) const {
+  return PathAutomaton(combined(*dfa, *other.dfa, SetOperation::AND));
+}
+PathAutomaton PathAutomaton::difference(const PathAutomaton& other) const {
+  return PathAutomaton(combined(*dfa, *other.dfa, SetOperation::AND_NOT));
+}
+PathAutomaton PathAutomaton::complement() const {
+  return PathAutomaton(combined(allPaths(), *dfa, SetOperation::AND_NOT));
+}
+
+bool PathAutomaton::isEmpty() const { return dfa->dead(0); }
+bool PathAutomaton::equivalent(const PathAutomaton& other) const { return *dfa == *other.dfa; }
+bool PathAutomaton::subsetOf(const PathAutomaton& other) const { return difference(other).isEmpty(); }
+
+std::vector<std::string> PathAutomaton::exampleWords(size_t maxEvents, size_t mostPerLength) const {
+  // Scenes with media are few, so paths without come first.
+  const PathAutomaton surfaces = compile("L[SD]*E");
+  const Dfa without = *intersect(surfaces).dfa, with = *difference(surfaces).dfa;
+  WordLister first(without, maxEvents), second(with, maxEvents);
+  std::vector<std::string> out;
+  for (size_t events = 0; events <= maxEvents; ++events) {
+    const size_t before = out.size();
+    first.list(events, mostPerLength, out);
+    second.list(events, mostPerLength - (out.size() - before), out);
+  }
+  return out;
+}
+
+std::string PathAutomaton::shortestWord() const {
+  // Breadth first; `words` grows while it is read.
+  std::vector<std::pair<uint32_t, std::string>> words = {{start(), ""}};
+  std::vector<uint8_t> seen(dfa->size());
+  for (size_t i = 0; i < words.size(); ++i) {
+    const auto [state, word] = words[i];
+    if (dfa->accepting[state]) return word;
+    for (size_t a = 0; a < PATH_LETTERS; ++a)
+      if (const uint32_t target = dfa->next[state][a];
+          !dfa->dead(target) && !std::exchange(seen[target], uint8_t(1)))
+        words.emplace_back(target, word + LETTERS[a]);
+  }
+  return {};
+}
+
+std::string PathAutomaton::describe() const {
+  if (isEmpty()) return "  no path\n";
+  constexpr uint32_t MAX_COUNT = 40;
+  std::string out;
+  for (uint32_t s = 0; s < dfa->size(); ++s) {
+    if (s >= MAX_COUNT) return out + "  ... (" + std::to_string(dfa->size()) + " states)\n";
+    if (dfa->dead(s) || dfa->accepting[s]) continue; // acceptance has no way on: E ends a path
+    // Letters with the same target are told together, in the order of the letters.
+    std::string line;
+    std::vector<uint32_t> told;
+    for (const PathLetter l : {PathLetter::L, PathLetter::S, PathLetter::D, PathLetter::V, PathLetter::E}) {
+      const uint32_t target = next(s, l);
+      if (dfa->dead(target) || std::find(told.begin(), told.end(), target) != told.end()) continue;
+      told.push_back(target);
+      std::string letters;
+      for (const PathLetter m : {PathLetter::L, PathLetter::S, PathLetter::D, PathLetter::V, PathLetter::E})
+        if (next(s, m) == target) letters += std::string(letters.empty() ? "" : " or ") + LETTERS[size_t(m)];
+      line += (line.empty() ? "" : "; ") + letters;
+      line += dfa->accepting[target] ? " ends the path"
+              : target == s          ? " stays"
+                                     : " to " + std::to_string(target);
+    }
+    out += "  " + std::string(s == start() ? "start" : "state " + std::to_string(s)) + ": " + line + "\n";
+  }
+  return out;
+}
+
+std::string PathAutomaton::toExpression(size_t longest) const {
+  if (isEmpty()) return {};
+  // State elimination among the states between L and E. Two more nodes stand for "L was read" and "E is
+  // next".
+  std::vector<uint32_t> states;
+  for (uint32_t s = 1; s < dfa->size(); ++s)
+    if (!dfa->dead(s) && !dfa->accepting[s]) states.push_back(s);
+  const size_t first = states.size(), last = first + 1;
+  if (first > longest) return {}; // every state takes at least a character
+  std::vector<std::vector<Text>> edge(last + 1, std::vector<Text>(last + 1));
+  const Text emptyWord = {Text::EMPTY_WORD, "", 0};
+  for (size_t i = 0; i < first; ++i) {
+    if (next(start(), PathLetter::L) == states[i]) edge[first][i] = emptyWord;
+    if (accepting(next(states[i], PathLetter::E))) edge[i][last] = emptyWord;
+    for (size_t j = 0; j < first; ++j) {
+      uint32_t letters = 0;
+      for (uint32_t e = 0; e < PATH_EVENTS; ++e)
+        if (dfa->next[states[i]][e] == states[j]) letters |= 1u << e;
+      edge[i][j] = letterText(letters);
+    }
+  }
+  std::vector<size_t> left(first);
+  for (size_t i = 0; i < first; ++i) left[i] = i;
+  const auto weight = [&](size_t k) { // how much text the elimination of k would make
+    size_t in = 0, out = 0, inText = 0, outText = 0;
+    for (size_t i = 0; i <= last; ++i) {
+      if (i == k) continue;
+      if (edge[i][k].kind != Text::NOTHING) ++in, inText += edge[i][k].text.size();
+      if (edge[k][i].kind != Text::NOTHING) ++out, outText += edge[k][i].text.size();
+    }
+    return in * outText + out * inText + in * out * (edge[k][k].text.size() + 1);
+  };
+  while (!left.empty()) {
+    const auto at =
+        std::min_element(left.begin(), left.end(), [&](size_t a, size_t b) { return weight(a) < weight(b); });
+    const size_t k = *at;
+    left.erase(at);
+    const Text loop = repeat(edge[k][k], '*');
+    for (size_t i = 0; i <= last; ++i) {
+      if (i == k || edge[i][k].kind == Text::NOTHING) continue;
+      for (size_t j = 0; j <= last; ++j) {
+        if (j == k || edge[k][j].kind == Text::NOTHING) continue;
+        const Text way = then(then(edge[i][k], loop), edge[k][j]);
+        edge[i][j] = either(edge[i][j], way);
+        if (edge[i][j].text.size() > 4 * longest) return {};
+      }
+    }
+    for (size_t i = 0; i <= last; ++i) edge[i][k] = edge[k][i] = {};
+  }
+  const Text& inner = edge[first][last];
+  std::string out(1, 'L');
+  out += grouped(inner, inner.text.empty() ? Text::EMPTY_WORD : Text::SEQUENCE) + "E";
+  return out.size() <= longest ? out : std::string();
+}
+
+std::vector<PathOverlap> findOverlaps(const std::vector<PathAutomaton>& sets) {
+  std::vector<PathOverlap> overlaps;
+  for (size_t i = 0; i < sets.size(); ++i)
+    for (size_t j = i + 1; j < sets.size(); ++j)
+      if (const PathAutomaton both = sets[i].intersect(sets[j]); !both.isEmpty())
+        overlaps.push_back({i, j, both.shortestWord()});
+  return overlaps;
+}
+
+PathAutomaton leftOver(const PathAutomaton& whole, const std::vector<PathAutomaton>& sets) {
+  PathAutomaton rest = whole;
+  for (const PathAutomaton& set : sets) rest = rest.difference(set);
+  return rest;
+}
+
+} // namespace recurse

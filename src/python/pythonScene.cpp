@@ -1,0 +1,118 @@
+/** @file
+ * Loading and rendering as the program does it.
+ */
+#include "python/pythonScene.h"
+
+#include <mutex>
+
+#include "apps/run/console.h"
+#include "python/commandOptions.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/render/featureLayers.h"
+#include "recurse/scene/directives/loader.h"
+
+namespace recurse::python {
+
+namespace {
+
+/** One thing at a time: the threads, and what is told, are those of the process. */
+std::mutex busy;
+
+class Work {
+ public:
+  explicit Work(std::vector<std::string>& warnings, int threads = 0)
+      : guard(busy), pool(threads), listening([this, &warnings](const std::string& text) {
+          const std::lock_guard one(mutex);
+          if (!text.empty()) warnings.push_back(text.substr(0, text.find_last_not_of('\n') + 1));
+        }) {}
+
+ private:
+  const std::lock_guard<std::mutex> guard;
+  std::mutex mutex;
+  const ThreadPool pool;
+  const apps::Listening listening;
+};
+
+apps::RenderOptions parsedOptions(const std::string& fileName, const std::vector<std::string>& given) {
+  apps::RenderOptions out = commandOptions<apps::RenderOptions>(given);
+  out.scene = fileName;
+  out.progress = "off";
+  out.quiet = true;
+  return out;
+}
+
+PathClasses pathClassesOf(const std::vector<PathClass>& classes) {
+  if (classes.empty()) return {};
+  std::vector<PathClass> all = {{"all", "all"}};
+  all.insert(all.end(), classes.begin(), classes.end());
+  return PathClasses(all);
+}
+
+bool isSame(const apps::LoadOverrides& a, const apps::LoadOverrides& b) {
+  return a.width == b.width && a.height == b.height && a.cropWindow == b.cropWindow &&
+         a.lenient == b.lenient && a.compact == b.compact;
+}
+
+} // namespace
+
+PythonScene::PythonScene(const std::string& fileName, const std::shared_ptr<const std::string>& text,
+                         const std::string& directory, bool lenient)
+    : fileName(fileName), text(text), directory(directory) {
+  const Work work(warnings);
+  apps::LoadOverrides overrides;
+  overrides.lenient = lenient;
+  require(overrides);
+}
+
+void PythonScene::require(const apps::LoadOverrides& overrides) {
+  if (loaded.scene && isSame(built, overrides)) return;
+  const apps::IntegratorOptions options;
+  if (text) {
+    const auto read = [&](Diagnostics& diagnostics) {
+      return parseScene(*text, fileName, directory, diagnostics);
+    };
+    loaded = apps::loadAndBuild(fileName, read, overrides, options);
+  } else {
+    loaded = apps::loadAndBuild(fileName, overrides, options);
+  }
+  built = overrides;
+}
+
+RenderResult PythonScene::render(const RenderRequest& request,
+                                 const std::function<void(const RenderProgress&)>& progress) {
+  const apps::RenderOptions options = parsedOptions(fileName, request.options);
+  apps::RenderPlan plan = options.plan();
+  plan.overrides.lenient |= built.lenient;
+  plan.explainsBlack = plan.endsWithFirstPicture = true;
+  const PathClasses classes = pathClassesOf(request.classes);
+  requireFeatureLayers(request.features);
+  const Work work(warnings, plan.threads);
+  require(plan.overrides);
+  apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
+  apps::withdrawStop();
+  const apps::Rendering rendering(loaded, classes, plan, options, [&](RenderProgress& p) { progress(p); });
+  apps::RenderReport report = rendering.report("recurse render");
+  report.extra = request.extra;
+  Image image = apps::pictureOf(rendering.film(), report);
+  if (!request.features.empty()) {
+    FeatureSettings features;
+    features.layers = request.features;
+    image = withChannels(image, renderFeatures(*loaded.scene, features));
+  }
+  return {std::make_shared<Image>(std::move(image)), apps::statisticsJson(report)};
+}
+
+std::vector<PhotonRecord> PythonScene::photons(uint64_t count, uint64_t seed, int maxDepth) const {
+  std::vector<std::string> none;
+  const Work work(none);
+  return listPhotons(*loaded.scene, count, seed, maxDepth);
+}
+
+std::string PythonScene::report() const { return apps::sceneReport(loaded); }
+
+void PythonScene::stop() { apps::requestStop(); }
+
+std::vector<std::string> PythonScene::takeWarnings() { return std::exchange(warnings, {}); }
+
+} // namespace recurse::python

@@ -1,0 +1,23 @@
+"""Recurse: photon mapping and path tracing of scenes, with pictures and photons as NumPy arrays.
+
+    import recurse
+    scene = recurse.load("scenes/cornell-glass.pbrt")
+    picture = scene.render(spp=16, classes={"caustic": "LS+DE"})
+    print(picture.layers["caustic"].mean())
+
+Names of parameters are those of `recurse reference`; what the functions of `shapes`, `materials`, `textures`,
+`lights`, `area_lights`, `media`, `cameras`, `filters`, `films`, `samplers` and `integrators` take is in their help().
+"""
+from ._core import Error, SceneError
+from .picture import Picture, classes, compare, develop, in_class, named_classes, read
+from .plug_ins import (PlugIn, area_lights, cameras, films, filters, integrators, lights, materials, media,
+                       samplers, shapes, textures)
+from .scene import RecurseWarning, Scene, load, parse, photons
+from .transforms import look_at, rotate, scale, translate
+
+__all__ = ["Error", "Picture", "PlugIn", "RecurseWarning", "Scene", "SceneError", "area_lights", "cameras", "classes",
+           "compare", "develop", "films", "filters", "in_class", "integrators", "lights", "load", "look_at",
+           "materials", "media", "named_classes", "parse", "photons", "read", "rotate", "samplers", "scale",
+           "shapes", "textures", "translate"]
+
+Error.__module__ = SceneError.__module__ = "recurse"

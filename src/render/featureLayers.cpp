@@ -1,0 +1,158 @@
+/** @file
+ * Camera rays up to the first surface that scatters.
+ */
+#include "recurse/render/featureLayers.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+
+#include "recurse/core/io/error.h"
+#include "recurse/core/threads/parallel.h"
+#include "render/cryptomatte.h"
+#include "transport/paths/walker.h"
+
+namespace recurse {
+
+namespace {
+
+enum Feature { ALBEDO, NORMAL, GEOMETRIC_NORMAL, DEPTH, POSITION, FEATURES };
+
+/** What one sample sees. */
+struct SeenFeatures {
+  bool surface = false;
+  std::array<Vec3f, FEATURES> values{};
+};
+
+/** Mirrors and glass that a sample is followed through. */
+constexpr int MAX_SPECULAR = 16;
+
+/** The part of light from `wi` that is scattered, from one sample of the BSDF. */
+Rgb sampledAlbedo(const CameraVertex& vertex, Sampler& sampler) {
+  // Flux, since radiance would have the 1/η² of refraction in it.
+  const auto s = vertex.scattering->scatter(vertex.wi, Transport::FLUX, sampler, ALL_LOBES);
+  return s ? clamp(s->weight, 0, 1) : BLACK;
+}
+
+class FeatureWalk {
+ public:
+  FeatureWalk(const Scene& scene, bool throughSpecular)
+      : scene(scene), throughSpecular(throughSpecular), walker(scene, classes, counts, -1, false) {}
+
+  SeenFeatures see(const CameraRay& ray, Sampler& sampler) {
+    CameraSubpath path = startCameraSubpath(scene, classes, ray, counts);
+    CameraVertex vertex;
+    SeenFeatures out;
+    double depth = 0;
+    for (int i = 0; walker.next(path, vertex, sampler); ++i) {
+      const SurfacePoint& point = vertex.point();
+      depth += double(length(point.position - path.from));
+      const bool isSpecular = (vertex.scattering->lobes() & NON_DELTA_LOBES) == 0;
+      if (throughSpecular && isSpecular && i < MAX_SPECULAR) {
+        if (!walker.scatter(path, vertex, sampler)) return out;
+        continue;
+      }
+      const auto facing = [&](const Vec3f& n) { return dot(n, vertex.wi) < 0 ? -n : n; };
+      out.surface = true;
+      out.values[ALBEDO] = Vec3f(sampledAlbedo(vertex, sampler));
+      out.values[NORMAL] = facing(point.shadingNormal);
+      out.values[GEOMETRIC_NORMAL] = facing(point.geometricNormal);
+      out.values[DEPTH] = Vec3f(static_cast<float>(depth));
+      out.values[POSITION] = Vec3f(Vec3d(point.position) + scene.origin());
+      return out;
+    }
+    return out;
+  }
+
+ private:
+  const Scene& scene;
+  const bool throughSpecular;
+  PathClasses classes;
+  TransportCounts counts;
+  CameraWalker walker;
+};
+
+} // namespace
+
+const std::vector<FeatureLayer>& featureLayers() {
+  static const std::vector<FeatureLayer> ALL = {
+      {"albedo", "RGB", "light that the surface scatters, of light from the eye"},
+      {"normal", "XYZ", "shading normal, towards the viewer, in world space"},
+      {"geonormal", "XYZ", "normal of the surface itself"},
+      {"depth", "Z", "length of the way from the eye"},
+      {"position", "XYZ", "place in world space"},
+      {"cryptoobject", "", "Cryptomatte of objects"},
+      {"cryptomaterial", "", "Cryptomatte of materials"}};
+  return ALL;
+}
+
+void requireFeatureLayers(const std::vector<std::string>& names) {
+  std::set<std::string> seen;
+  for (const std::string& name : names) {
+    std::string there;
+    bool isKnown = false;
+    for (const FeatureLayer& layer : featureLayers()) {
+      isKnown |= name == layer.name;
+      there += std::string(" ") + layer.name;
+    }
+    if (!isKnown)
+      throw Error("--layers: there is no layer '" + name + "'; there are:" + there, ExitStatus::BAD_USAGE);
+    if (!seen.insert(name).second)
+      throw Error("--layers: '" + name + "' is given twice", ExitStatus::BAD_USAGE);
+  }
+}
+
+Image renderFeatures(const Scene& scene, const FeatureSettings& settings) {
+  requireFeatureLayers(settings.layers);
+  const auto requested = [&](const char* name) {
+    return std::find(settings.layers.begin(), settings.layers.end(), name) != settings.layers.end();
+  };
+  const Image mattes = renderCryptomattes(scene, {requested("cryptoobject"), requested("cryptomaterial"),
+                                                  settings.throughSpecular, settings.seed});
+  struct Channel {
+    int feature, component;
+  };
+  std::vector<Channel> channels;
+  std::vector<std::string> names;
+  for (const std::string& name : settings.layers) {
+    const auto& all = featureLayers();
+    const auto layer = std::find_if(all.begin(), all.end(), [&](const auto& l) { return name == l.name; });
+    for (int c = 0; layer->channels[c]; ++c) {
+      channels.push_back({int(layer - all.begin()), c});
+      names.push_back(name + "." + layer->channels[c]);
+    }
+  }
+  if (names.empty()) return mattes;
+  const PixelBounds& crop = scene.film().crop;
+  Image out(crop.width(), crop.height(), names);
+  parallelFor(size_t(out.height), [&](size_t row) {
+    FeatureWalk walk(scene, settings.throughSpecular);
+    for (int x = 0; x < out.width; ++x) {
+      const Vec2f corner(float(x + crop.x0), float(int(row) + crop.y0));
+      const uint64_t stream = uint64_t(uint32_t(int(row) + crop.y0)) << 32 | uint32_t(x + crop.x0);
+      std::array<Vec3d, FEATURES> sums{};
+      int surfaces = 0;
+      for (int i = 0; i < settings.samples; ++i) {
+        Sampler sampler(settings.seed, stream, uint32_t(i));
+        // The pixel's own square: filters with negative lobes make no sense of depths.
+        CameraSample sample{corner + sampler.next2D()};
+        sample.lens = sampler.next2D();
+        sample.time = scene.camera().timeAt(sampler.next1D());
+        const std::optional<CameraRay> ray = scene.camera().validRay(sample);
+        const SeenFeatures seen = ray ? walk.see(*ray, sampler) : SeenFeatures();
+        if (!seen.surface) continue;
+        ++surfaces;
+        for (size_t f = 0; f < FEATURES; ++f) sums[f] += Vec3d(seen.values[f]);
+      }
+      float* pixel = out.at(x, int(row));
+      for (size_t c = 0; c < channels.size(); ++c) {
+        const int count = channels[c].feature == ALBEDO ? settings.samples : std::max(surfaces, 1);
+        pixel[c] = static_cast<float>(sums[size_t(channels[c].feature)][channels[c].component] / count);
+      }
+    }
+  });
+  return mattes.channels.empty() ? out : withChannels(out, mattes);
+}
+
+} // namespace recurse

@@ -1,0 +1,337 @@
+/** @file
+ * Dealing out samples.
+ */
+#include "recurse/render/sampleAllocation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/core/threads/parallel.h"
+
+namespace recurse {
+
+namespace {
+
+/** Of the pixels around one, these say how much it varies, in two squares of (2 n + 1)² without itself that
+ * count alike. */
+constexpr int INNER_REACH = 1, OUTER_REACH = 2;
+/** Those that tell the photons' part from the camera paths'. */
+constexpr int PAIRS = 4;
+/** And those over which rare bright samples are spread. */
+constexpr int WIDE = 12;
+/** They decide where nothing else does. */
+constexpr double RARE_WEIGHT = 0.01;
+/** Sums over rectangles leave rounding behind, which must not tell of the pixel's own value. */
+constexpr double MIN_STEP = 1e-10;
+/** The mean of squares over the square of the mean up to which values are no more than unequal. */
+constexpr double EVEN_SPREAD = 2;
+/** Classes of pixels that are told apart by what their surroundings say. */
+constexpr size_t MAX_CLASSES = 64;
+/** The samples of a pixel are a multiple of it. */
+constexpr double ROUND_NUMBER = 4;
+
+/** [first, end) of places; of those within `reach` of `at`, of `count`. */
+struct Range {
+  Range(size_t at, int reach, size_t count)
+      : first(at - std::min(at, size_t(reach))), end(std::min(count, at + size_t(reach) + 1)) {}
+  Range(size_t first, size_t end) : first(first), end(end) {}
+  Range within(const Range& o) const { return {std::max(first, o.first), std::min(end, o.end)}; }
+  size_t size() const { return end - first; }
+  size_t first, end;
+};
+
+/** The square of pixels around one. */
+struct PixelSquare {
+  PixelSquare(size_t pixel, int reach, size_t width, size_t height)
+      : x(pixel % width, reach, width), y(pixel / width, reach, height) {}
+  double others() const { return double(x.size() * y.size()) - 1; }
+  Range x, y;
+};
+
+/** Sums over rectangles in constant time (Crow 1984, "Summed-Area Tables for Texture Mapping"). */
+class AreaSums {
+ public:
+  AreaSums(const std::vector<double>& values, size_t width, size_t height)
+      : stride(width + 1), sums(stride * (height + 1)) {
+    for (size_t y = 0; y < height; ++y) {
+      double row = 0;
+      for (size_t x = 0; x < width; ++x) {
+        row += values[y * width + x];
+        sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + row;
+      }
+    }
+  }
+  double sum(const Range& x, const Range& y) const {
+    return sums[y.end * stride + x.end] - sums[y.end * stride + x.first] - sums[y.first * stride + x.end] +
+           sums[y.first * stride + x.first];
+  }
+  /** The mean over the pixels around one whose own value this is. */
+  double meanAround(const PixelSquare& s, double own) const {
+    return s.others() > 0 ? std::max(0.0, sum(s.x, s.y) - own) / s.others() : 0;
+  }
+
+ private:
+  size_t stride;
+  std::vector<double> sums;
+};
+
+/** Puts pixels that are close in the order of `key` into classes of at least MIN_CLASS, and gives each the
+ * mean of `value` over its class. Equal keys are in the same class. */
+std::vector<double> meansOfClasses(const std::vector<double>& key, const std::vector<double>& value) {
+  std::vector<uint32_t> order(key.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return key[a] != key[b] ? key[a] < key[b] : a < b; // one order, so that sums are the same
+  });
+  const size_t size = std::max(SampleAllocation::MIN_CLASS, (key.size() + MAX_CLASSES - 1) / MAX_CLASSES);
+  std::vector<double> mean(key.size());
+  for (size_t first = 0, end = 0; first < order.size(); first = end) {
+    end = std::min(first + size, order.size());
+    while (end < order.size() && key[order[end]] == key[order[end - 1]]) ++end;
+    if (order.size() - end < size) end = order.size();
+    double sum = 0;
+    for (size_t k = first; k < end; ++k) sum += value[order[k]];
+    for (size_t k = first; k < end; ++k) mean[order[k]] = sum / double(end - first);
+  }
+  return mean;
+}
+
+} // namespace
+
+int64_t SampleAllocation::stageEnd(int64_t sample) {
+  if (sample >= LONGEST_STAGE) return (sample / LONGEST_STAGE + 1) * LONGEST_STAGE;
+  int64_t end = EVEN;
+  while (end <= sample) end *= 2;
+  return end;
+}
+
+uint64_t SampleAllocation::hashOf(size_t pixel) const {
+  return hashCombine(hashCombine(stage.seed, uint64_t(stage.first)), pixel);
+}
+
+int64_t SampleAllocation::pilotsUpTo(int64_t sample) const {
+  if (sample <= EVEN) return sample;
+  if (mapPerSample) return EVEN + (sample - EVEN) / PILOT_PERIOD;
+  return std::max(EVEN, sample / PILOT_PERIOD / (2 * BLOCK) * 2 * BLOCK); // in whole pairs of blocks
+}
+
+int64_t SampleAllocation::pilots(int64_t from, int64_t sample) const {
+  const int64_t length = stage.end - stage.first, all = pilotsUpTo(stage.end) - pilotsUpTo(stage.first);
+  const auto before = [&](int64_t s) { return ((s - stage.first) * all + length - 1) / length; };
+  return before(sample) - before(from);
+}
+
+uint64_t SampleAllocation::due(size_t pixel, int64_t sample) const {
+  const Pixel& p = pixels[pixel];
+  const auto done = uint64_t(sample - stage.first), all = uint64_t(stage.end - stage.first),
+             pilotsDone = uint64_t(pilots(stage.first, sample)),
+             pilotsAll = uint64_t(pilots(stage.first, stage.end));
+  if (p.extra == 0) return p.before + pilotsDone;
+  // Each may have a photon map of its own: first one sample in as many as possible of those without a pilot
+  // sample, at even distances, and what is left evenly in all. Those of different pixels not at once.
+  const uint64_t single = std::min<uint64_t>(p.extra, all - pilotsAll), hash = hashOf(pixel);
+  const auto spread = [hash](uint64_t count, uint64_t part, uint64_t whole) {
+    return whole > 0 ? (count * part + hash % whole) / whole : 0;
+  };
+  return p.before + pilotsDone + spread(single, done - pilotsDone, all - pilotsAll) +
+         spread(p.extra - single, done, all);
+}
+
+void SampleAllocation::addStagePilots() {
+  const auto before = uint64_t(pilotsUpTo(stage.first)), count = uint64_t(pilots(stage.first, stage.end));
+  parallelFor(height, [&](size_t y) {
+    for (uint64_t n = before; n < before + count; ++n)
+      for (size_t i = y * width; i < (y + 1) * width; ++i) {
+        Pixel& p = pixels[i];
+        const auto luminance = double(stagePilots[i * MAX_PILOTS + size_t(n - before)]);
+        p.luminance += luminance;
+        p.luminanceSquared += luminance * luminance;
+        p.difference += n / BLOCK % 2 == 0 ? luminance : -luminance;
+        if ((n + 1) % (2 * BLOCK) == 0) {
+          p.differencesSquared += p.difference * p.difference;
+          p.difference = 0;
+        }
+        if (mapPerSample) p.pair = i % width % 2 == 0 ? luminance : p.pair + pixels[i - 1].pair * luminance;
+        p.pilots = before + count;
+      }
+  });
+}
+
+std::vector<std::byte> SampleAllocation::plan() const {
+  std::vector<std::byte> out(sizeof stage + pixels.size() * 2 * sizeof(uint32_t));
+  std::memcpy(out.data(), &stage, sizeof stage);
+  std::byte* to = out.data() + sizeof stage;
+  for (const Pixel& p : pixels)
+    for (const uint32_t& number : {p.before, p.extra}) {
+      std::memcpy(to, &number, sizeof number);
+      to += sizeof number;
+    }
+  return out;
+}
+
+void SampleAllocation::setPlan(std::span<const std::byte> plan) {
+  std::memcpy(&stage, plan.data(), sizeof stage);
+  const std::byte* from = plan.data() + sizeof stage;
+  for (Pixel& p : pixels)
+    for (uint32_t* number : {&p.before, &p.extra}) {
+      std::memcpy(number, from, sizeof *number);
+      from += sizeof *number;
+    }
+}
+
+void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
+  if (stage.end == end) return; // an interrupted one
+  std::vector<uint64_t> has(pixels.size());
+  if (stage.end > 0) {
+    for (size_t i = 0; i < pixels.size(); ++i) has[i] = due(i, stage.end);
+    addStagePilots();
+  }
+  stage = {sample, end, seed};
+  double left = double(end) * double(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    pixels[i].before = static_cast<uint32_t>(has[i]);
+    pixels[i].extra = 0;
+    left -= double(has[i]) + double(pilots(sample, end));
+  }
+  if (sample == 0 || !(left > 0)) return;
+
+  const std::vector<Need> need = needs();
+  const double pilotsNow = double(pilots(sample, end)), most = MAX_SHARE * double(end);
+  const double maps = mapPerSample ? double(end) : 0;
+  const auto extraOf = [&](size_t i, double scale) {
+    const double has = double(pixels[i].before) + pilotsNow;
+    const double wanted = std::max(scale * need[i].eye, std::min(scale * need[i].all, maps));
+    return std::clamp(wanted - has, 0.0, std::max(0.0, most - has));
+  };
+  // Sums by rows, so that they do not depend on the number of threads.
+  std::vector<double> rows(height);
+  const auto total = [&](double scale) {
+    parallelFor(height, [&](size_t y) {
+      rows[y] = 0;
+      for (size_t i = y * width; i < (y + 1) * width; ++i) rows[y] += extraOf(i, scale);
+    });
+    double sum = 0;
+    for (const double row : rows) sum += row;
+    return sum;
+  };
+  double largest = 0, least = INFINITY;
+  for (const Need& n : need)
+    if (n.eye > 0) {
+      largest = std::max(largest, n.all);
+      least = std::min(least, n.eye);
+    }
+  double scale = 0;
+  if (largest > 0) {
+    double low = 0, high = most / least;
+    if (total(high) > left) {
+      low = 1 / largest; // a sample for the most varied pixel: nothing yet
+      // By the exponent: scales may be apart by many powers of ten.
+      for (int step = 0; step < 50 && high > low * (1 + 1e-6); ++step) {
+        const double middle = std::sqrt(low) * std::sqrt(high);
+        (total(middle) > left ? high : low) = middle;
+      }
+      scale = low;
+    } else {
+      scale = high;
+    }
+  }
+  // What no pixel has use for goes to all.
+  const double rest = std::max(0.0, left - total(scale)) / double(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    // On average what is wanted, in round numbers: those are stratified better.
+    const double has = double(pixels[i].before) + pilotsNow, extra = extraOf(i, scale) + rest;
+    const double multiple = mapPerSample ? 1 : ROUND_NUMBER;
+    const double above = (std::floor((has + extra) / multiple) + 1) * multiple - has;
+    const double below = std::max(0.0, above - multiple);
+    const double chance = double(hashOf(i) >> 11) * 0x1p-53;
+    pixels[i].extra = static_cast<uint32_t>(chance * (above - below) < extra - below ? above : below);
+  }
+}
+
+std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
+  const uint64_t pilots = pixels[0].pilots; // as many of each
+  const double n = double(pilots), paired = double(pilots / (2 * BLOCK) * (2 * BLOCK));
+  // All relative to the brightness: of samples, its root, and of what blocks of them bring.
+  std::vector<double> brightness(pixels.size()), variance(pixels.size()), deviation(pixels.size()),
+      blockVariance(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    const Pixel& p = pixels[i];
+    const double luminance = p.luminance / n;
+    brightness[i] = luminance * luminance + dark * dark;
+    if (!(brightness[i] > 0)) continue;
+    variance[i] = std::max(0.0, (p.luminanceSquared - p.luminance * luminance) / (n - 1)) / brightness[i];
+    deviation[i] = std::sqrt(variance[i]);
+    blockVariance[i] = p.differencesSquared / paired / brightness[i];
+  }
+  std::vector<double> boundary(pixels.size());
+  {
+    const AreaSums variances(variance, width, height), deviations(deviation, width, height);
+    parallelFor(height, [&](size_t y) {
+      for (size_t i = y * width; i < (y + 1) * width; ++i) {
+        // Means of deviations, so that a single bright sample does not get far.
+        const auto usual = [&](int reach) {
+          return deviations.meanAround({i, reach, width, height}, deviation[i]);
+        };
+        const double near = square((usual(INNER_REACH) + usual(OUTER_REACH)) / 2);
+        // Where bright samples are rare, that some have been met here and none there says nothing: all around
+        // expect their share of them.
+        const double rare = std::max(0.0, variances.meanAround({i, WIDE, width, height}, variance[i]) -
+                                              EVEN_SPREAD * square(usual(WIDE)));
+        boundary[i] = std::round((near + RARE_WEIGHT * rare) / MIN_STEP) * MIN_STEP;
+      }
+    });
+  }
+  const std::vector<double> expected = meansOfClasses(boundary, mapPerSample ? variance : blockVariance);
+  std::vector<Need> out(pixels.size());
+  for (size_t i = 0; i < pixels.size(); ++i)
+    out[i].all = out[i].eye = std::pow(expected[i], mapPerSample ? 0.5 : 1 / (1 + FALL));
+  if (mapPerSample) tellMapsApart(out, variance, brightness);
+  return out;
+}
+
+void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
+                                     const std::vector<double>& brightness) const {
+  const double n = double(pixels[0].pilots);
+  // Of pairs: the mean of both variances, and half the variance of the difference, which both pixels get.
+  std::vector<double> both(pixels.size()), difference(pixels.size());
+  for (size_t i = 0; i + 1 < pixels.size(); ++i) {
+    if (i % width % 2 != 0 || i % width + 1 == width) continue;
+    const Pixel &p = pixels[i], &q = pixels[i + 1];
+    const double scale = (brightness[i] + brightness[i + 1]) / 2;
+    if (!(scale > 0)) continue;
+    const double shared = (q.pair - p.luminance * q.luminance / n) / (n - 1) / scale;
+    both[i] = both[i + 1] = (variance[i] * brightness[i] + variance[i + 1] * brightness[i + 1]) / 2 / scale;
+    difference[i] = difference[i + 1] = std::max(0.0, both[i] - shared);
+  }
+  const AreaSums pairVariances(both, width, height), pairDifferences(difference, width, height);
+  parallelFor(height, [&](size_t y) {
+    for (size_t x = 0; x < width; ++x) {
+      const size_t i = y * width + x, left = x / 2 * 2;
+      // Without the pair that the pixel is in.
+      const PixelSquare around(i, PAIRS, width, height);
+      const Range ownX(left, std::min(left + 2, width)), ownY(y, y + 1);
+      const auto partOf = [&](const AreaSums& sums) {
+        return std::max(0.0, sums.sum(around.x, around.y) - sums.sum(ownX.within(around.x), ownY));
+      };
+      const double whole = partOf(pairVariances);
+      if (whole > 0) needs[i].eye *= std::sqrt(std::min(1.0, partOf(pairDifferences) / whole));
+    }
+  });
+  // Neighbours see the same photons, so that what few passes say of a place is far off all around it: the
+  // mean over the picture counts.
+  double photons = 0;
+  for (const Need& need : needs) photons += square(need.all) - square(need.eye);
+  photons = std::max(0.0, photons / double(needs.size()));
+  // Eye paths are stratified, and what is left of e after n samples is less than e / n. As if the error fell
+  // as n^-1.5, which it does at edges: too little of e costs less than too few maps.
+  const double stratified = 1 / std::sqrt(double(stage.end));
+  for (Need& need : needs) {
+    need.eye *= std::sqrt(stratified);
+    need.all = std::sqrt(square(need.eye) + photons);
+  }
+}
+
+} // namespace recurse

@@ -1,0 +1,245 @@
+/** @file
+ * Photons of a pass and samples of a tile.
+ */
+#include "render/sampleRenderer.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+
+#include "recurse/core/threads/interrupt.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/processorTime.h"
+#include "recurse/scene/parameters/spectrum.h"
+
+namespace recurse {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/** Tells the times of passes from other samples. */
+constexpr uint64_t TIME_STREAM = 0x54494d4553ull;
+
+/**
+ * The unit of splats: 2^-28 of the radiance that the lights' flux would give if it left the scene's bounding
+ * sphere evenly. Of a pixel that sees little of the scene contributions may be 2^60 times that.
+ */
+double splatUnit(const Scene& scene) {
+  double flux = 0;
+  for (size_t i = 0; i < scene.lights().size(); ++i) flux += double(maxComponent(scene.lights()[i].power()));
+  const double even = flux / square(2 * M_PI * double(scene.bounds().radius));
+  return std::isnormal(even) ? std::exp2(std::ilogb(even) - 28) : 0x1p-28;
+}
+
+/** What the samples of a round share. */
+struct Round {
+  uint64_t seed;
+  float sampleSpacing;
+  std::optional<float> time; ///< of all camera rays; none: each draws its own
+};
+
+/** What the film makes of a sample before it counts. */
+void expose(const FilmSettings& film, PathRadiance& sample) {
+  if (film.maxComponent < INFINITE) {
+    const Vec3d xyz = xyzOfRgb(Rgbd(sample.total())) * double(film.imagingRatio);
+    const double largest = std::max({xyz.x, xyz.y, xyz.z});
+    if (largest > double(film.maxComponent))
+      sample.scale(static_cast<float>(double(film.maxComponent) / largest));
+  }
+  if (film.whiteBalance) sample.transform([&](const Rgb& c) { return *film.whiteBalance * c; });
+}
+
+/** Collects camera paths, has them walked together, and puts what they bring into the film in the same order.
+ */
+class EyeBatch {
+ public:
+  EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
+           TransportCounts& counts, const Round& round, Film& film, Splatter* splatter,
+           SampleAllocation* allocation, const std::atomic<bool>* abandon)
+      : scene(scene), integrator(integrator), round(round), film(film), allocation(allocation),
+        usesLens(scene.camera().usesLens()), nothing(classes, counts),
+        radiance(CAMERA_BATCH, PathRadiance(classes, counts)) {
+    paths.reserve(CAMERA_BATCH);
+    for (PathRadiance& r : radiance) {
+      r.splatter = splatter;
+      r.abandon = abandon;
+    }
+  }
+  /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: number of a
+   * pilot, of which the allocation is told. */
+  void add(uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner, std::optional<size_t> pilot) {
+    if (abandoned) return;
+    Place& place = places[count++];
+    CameraPath& path = paths.emplace_back(Sampler(round.seed, stream, index), radiance[paths.size()]);
+    const Filter::Sample f = scene.filter().sample(path.sampler.next2D());
+    CameraSample sample{corner + 0.5f + f.offset};
+    if (usesLens) sample.lens = path.sampler.next2D();
+    sample.time = round.time ? *round.time : scene.camera().timeAt(path.sampler.next1D());
+    const std::optional<CameraRay> ray = scene.camera().validRay(sample);
+    path.out->reset();
+    place.pixel = pixel;
+    place.index = index;
+    place.weight = f.weight;
+    place.pilot = pilot;
+    place.seesNothing = !ray;
+    if (ray) {
+      path.ray = *ray;
+      path.ray.sampleSpacing = round.sampleSpacing;
+    } else {
+      paths.pop_back();
+    }
+    if (count == CAMERA_BATCH) flush();
+  }
+  void flush() {
+    if (!paths.empty()) integrator.backwardBatch(scene, paths);
+    abandoned = abandoned || radiance[0].abandoned();
+    for (size_t i = 0, path = 0; i < count && !abandoned; ++i) {
+      const Place& place = places[i];
+      PathRadiance& seen = place.seesNothing ? nothing : radiance[path];
+      if (!place.seesNothing && paths[path].ray.weight != 1) seen.scale(paths[path].ray.weight);
+      path += !place.seesNothing;
+      expose(scene.film(), seen);
+      film.add(place.pixel, place.index, place.weight, seen.values(), seen.total());
+      if (place.pilot) allocation->addPilot(place.pixel, *place.pilot, luminance(seen.total()));
+      ++samplesTaken;
+    }
+    paths.clear();
+    count = 0;
+  }
+  /** How many samples have reached the film. */
+  uint64_t taken() const { return samplesTaken; }
+  /** True when samples were broken off: none of them, and none after, has reached the film. */
+  bool isAbandoned() const { return abandoned; }
+
+ private:
+  struct Place {
+    size_t pixel;
+    uint32_t index;
+    float weight;
+    std::optional<size_t> pilot;
+    bool seesNothing;
+  };
+  const Scene& scene;
+  const Integrator& integrator;
+  const Round& round;
+  Film& film;
+  SampleAllocation* allocation;
+  bool usesLens;
+  PathRadiance nothing; ///< stays black
+  std::vector<PathRadiance> radiance;
+  std::vector<CameraPath> paths; ///< of the places that see something
+  std::array<Place, CAMERA_BATCH> places;
+  size_t count = 0; ///< of places
+  uint64_t samplesTaken = 0;
+  bool abandoned = false;
+};
+
+} // namespace
+
+SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                               const RenderSettings& settings, Film& film,
+                               const std::function<void(const std::string&)>& log)
+    : scene(scene), integrator(integrator), classes(classes), settings(settings), film(film), log(log),
+      allPasses(integrator.passes(settings.samplesPerPixel)),
+      wanted(settings.samplesPerPixel > 0
+                 ? std::max(int64_t(settings.samplesPerPixel), allPasses.minSamples())
+                 : int64_t(1) << 31),
+      // As in pbrt: a sample stands for its share of the pixel, of which many samples leave at least an
+      // eighth. Where a limit ends the render it is as sharp as with the scene's own number of samples.
+      sampleSpacing(
+          std::max(0.125f, 1 / std::sqrt(static_cast<float>(
+                                   settings.samplesPerPixel > 0 ? wanted : scene.sampler().pixelSamples)))),
+      moves(scene.moves()), tilesX((film.bounds().width() + TILE - 1) / TILE),
+      tilesY((film.bounds().height() + TILE - 1) / TILE) {
+  statistics.threads = threadCount();
+  if (settings.allocation) settings.allocation->setMapPerSample(hasMapPerSample());
+  if (const std::string unsupported = unsupportedPart(integrator, scene); !unsupported.empty())
+    throw Error("the integrator does not render " + unsupported);
+  {
+    const ProcessorTimer timer(statistics.learningProcessorSeconds);
+    integrator.prepare(scene, classes);
+  }
+  if (integrator.splats()) {
+    film.enableSplats(splatUnit(scene));
+    passSplats.emplace(film.bounds(), film.layerCount(), film.splats()->unit());
+    passSplatter.emplace(classes, scene.filter(), *passSplats);
+    sampleSplatter.emplace(classes, scene.filter(), *film.splats());
+    passSplatter->whiteBalance = sampleSplatter->whiteBalance = scene.film().whiteBalance;
+  }
+  if (moves && integrator.passHasOneTime() && hasOneMap()) {
+    statistics.warnings.emplace_back(
+        "one photon map is of one moment: nothing is blurred by its motion; more "
+        "passes (\"integer passes\") are of as many");
+    if (log) log("warning: " + statistics.warnings.back());
+  }
+}
+
+float SampleRenderer::timeOf(int64_t index) const {
+  return scene.camera().timeAt(
+      moves ? Sampler(settings.seed, TIME_STREAM, static_cast<uint32_t>(index)).next1D() : 0);
+}
+
+bool SampleRenderer::shootPass(int64_t index, bool splats, ForwardControl& control) {
+  pass = index;
+  control.splatter = splats && passSplatter ? &*passSplatter : nullptr;
+  ForwardStatistics forward;
+  const double processorStart = processorSeconds();
+  try {
+    // Processes that share photons wait for each other, and end a pass together.
+    const InterruptibleWork shooting(control.sharing ? nullptr : control.stop);
+    forward = integrator.forward(
+        scene, classes, {settings.seed, static_cast<uint32_t>(index), allPasses.schedule(), timeOf(index)},
+        control);
+  } catch (const Interrupted&) { // the pass is not complete
+  }
+  const bool isComplete = !control.stopped();
+  if (control.splatter && isComplete) {
+    film.splats()->add(*passSplats);
+    film.splats()->setNextPass(uint64_t(index) + 1);
+  }
+  if (control.splatter) passSplats->clear();
+  statistics.counts.add(forward.counts);
+  statistics.learningProcessorSeconds += forward.learningSeconds;
+  statistics.photonProcessorSeconds += processorSeconds() - processorStart - forward.learningSeconds;
+  statistics.photonSeconds += forward.shootSeconds;
+  statistics.balanceSeconds += forward.balanceSeconds;
+  if (!isComplete) return false;
+  statistics.mapBytes = std::max(statistics.mapBytes, forward.mapBytes);
+  statistics.photonsEmitted += forward.photonsEmitted;
+  statistics.photonsStored += forward.photonsStored;
+  statistics.photonsRefused += forward.photonsRefused;
+  ++statistics.forwardPasses;
+  statistics.notes.insert(statistics.notes.end(), forward.notes.begin(), forward.notes.end());
+  statistics.warnings.insert(statistics.warnings.end(), forward.warnings.begin(), forward.warnings.end());
+  if (log) {
+    for (const std::string& note : forward.notes) log(note);
+    for (const std::string& warning : forward.warnings) log("warning: " + warning);
+  }
+  return true;
+}
+
+SampleRenderer::TileResult
+SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t pixel)>& samplesOf,
+                           TransportCounts& counts, const std::atomic<bool>* abandon) {
+  const PixelBounds& bounds = film.bounds();
+  Round round{settings.seed, sampleSpacing, {}};
+  if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
+  EyeBatch batch(scene, integrator, classes, counts, round, film, sampleSplatter ? &*sampleSplatter : nullptr,
+                 settings.allocation, sampleSplatter ? nullptr : abandon);
+  forEachPixel(tile, [&](size_t pixel, int x, int y) {
+    // Keyed by the place on the whole film, so that a crop is a part of the same picture.
+    const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
+    const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
+    const PixelSamples samples = samplesOf(pixel);
+    for (uint64_t n = samples.first; n < samples.end; ++n) {
+      const uint64_t pilot = samples.firstPilot + (n - samples.first);
+      batch.add(stream, static_cast<uint32_t>(n), pixel, corner,
+                pilot < samples.endPilot ? std::optional<size_t>(pilot) : std::nullopt);
+    }
+  });
+  batch.flush();
+  return {batch.taken(), batch.isAbandoned()};
+}
+
+} // namespace recurse

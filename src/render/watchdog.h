@@ -1,0 +1,34 @@
+/** @file
+ * A thread that looks at the clock while others work.
+ */
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace recurse {
+
+/** Looks at the clock, and whether the render is to stop, while samples are under way that may take long. */
+class Watchdog {
+ public:
+  explicit Watchdog(std::function<void()> look)
+      : look(std::move(look)), thread([this](std::stop_token done) { watch(done); }) {}
+
+ private:
+  void watch(const std::stop_token& done) {
+    std::mutex own;
+    std::unique_lock<std::mutex> lock(own);
+    std::condition_variable_any sleep;
+    while (!done.stop_requested()) {
+      look();
+      sleep.wait_for(lock, done, std::chrono::milliseconds(20), [] { return false; });
+    }
+  }
+  std::function<void()> look;
+  std::jthread thread;
+};
+
+} // namespace recurse

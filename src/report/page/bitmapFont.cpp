@@ -1,0 +1,58 @@
+/** @file
+ * The letters, dot by dot.
+ */
+#include "report/page/bitmapFont.h"
+
+#include <array>
+#include <cstdint>
+
+namespace recurse {
+
+namespace {
+
+constexpr int FIRST_LETTER = 0x20, DOTS_ACROSS = 5, DOTS_DOWN = 8;
+
+/** From the space on, and last the box for all else. A byte is a row, the uppermost first; its five lowest
+ * bits are the dots, the leftmost highest. */
+constexpr std::array<uint64_t, 96> LETTERS = {
+    0x0000000000000000, 0x0404040404000400, 0x0a0a0a0000000000, 0x0a0a1f0a1f0a0a00, 0x040f140e051e0400,
+    0x1819020408130300, 0x0c12140815120d00, 0x0404040000000000, 0x0204080808040200, 0x0804020202040800,
+    0x0004150e15040000, 0x0004041f04040000, 0x00000000000c0408, 0x0000001f00000000, 0x00000000000c0c00,
+    0x0101020408101000, 0x0e11131519110e00, 0x040c040404040e00, 0x0e11010204081f00, 0x1f02040201110e00,
+    0x02060a121f020200, 0x1f101e0101110e00, 0x0608101e11110e00, 0x1f01020408080800, 0x0e11110e11110e00,
+    0x0e11110f01020c00, 0x000c0c000c0c0000, 0x000c0c000c040800, 0x0204081008040200, 0x00001f001f000000,
+    0x0804020102040800, 0x0e11010204000400, 0x0e11171517100e00, 0x0e11111f11111100, 0x1e11111e11111e00,
+    0x0e11101010110e00, 0x1c12111111121c00, 0x1f10101e10101f00, 0x1f10101e10101000, 0x0e11101711110f00,
+    0x1111111f11111100, 0x0e04040404040e00, 0x0702020202120c00, 0x1112141814121100, 0x1010101010101f00,
+    0x111b151511111100, 0x1111191513111100, 0x0e11111111110e00, 0x1e11111e10101000, 0x0e11111115120d00,
+    0x1e11111e14121100, 0x0f10100e01011e00, 0x1f04040404040400, 0x1111111111110e00, 0x11111111110a0400,
+    0x11111115151b1100, 0x11110a040a111100, 0x11110a0404040400, 0x1f01020408101f00, 0x0e08080808080e00,
+    0x1010080402010100, 0x0e02020202020e00, 0x040a110000000000, 0x000000000000001f, 0x0804020000000000,
+    0x00000e010f110f00, 0x10101e1111111e00, 0x00000f1010100f00, 0x01010f1111110f00, 0x00000e111f100e00,
+    0x06081e0808080800, 0x00000f11110f010e, 0x10101e1111111100, 0x04000c0404040e00, 0x020006020202120c,
+    0x1010121418141200, 0x0c04040404040e00, 0x00001a1515151500, 0x00001e1111111100, 0x00000e1111110e00,
+    0x00001e11111e1010, 0x00000f11110f0101, 0x0000161910101000, 0x00000f100e011e00, 0x08081e0808090600,
+    0x0000111111110f00, 0x00001111110a0400, 0x0000111115150a00, 0x0000110a040a1100, 0x00001111110f010e,
+    0x00001f0204081f00, 0x0204040804040200, 0x0404040404040400, 0x0804040204040800, 0x0000081502000000,
+    0x1f11111111111f00};
+
+} // namespace
+
+void drawText(Image& image, int x, int y, const std::string& text, const Rgb& colour, int size) {
+  const auto dot = [&](int left, int top) {
+    for (int j = std::max(top, 0); j < std::min(top + size, image.height); ++j)
+      for (int i = std::max(left, 0); i < std::min(left + size, image.width); ++i)
+        for (int c = 0; c < 3; ++c) image.at(i, j)[c] = colour[c];
+  };
+  for (const char letter : text) {
+    const int index = static_cast<unsigned char>(letter) - FIRST_LETTER;
+    const uint64_t dots = LETTERS[index >= 0 && index < 95 ? size_t(index) : 95];
+    for (int row = 0; row < DOTS_DOWN; ++row)
+      for (int column = 0; column < DOTS_ACROSS; ++column)
+        if (dots >> ((DOTS_DOWN - 1 - row) * 8 + DOTS_ACROSS - 1 - column) & 1)
+          dot(x + column * size, y + row * size);
+    x += LETTER_STEP * size;
+  }
+}
+
+} // namespace recurse

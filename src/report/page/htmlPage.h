@@ -1,0 +1,30 @@
+/** @file
+ * What the self-contained pages have in common: their parts put into one file, and pixels inside of it.
+ */
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/image/image.h"
+
+namespace recurse {
+
+/** Adds "scale" and "pixels" to `json`: R, G and B as half floats times a power of two, deflated, in base 64.
+ * src/report/page/pixels.js decodes them. */
+void addPixels(nlohmann::ordered_json& json, const Image& image);
+
+/** The parts that a page is made of. */
+struct HtmlPage {
+  std::string_view content; ///< header and main element; frame.html is around them
+  std::string title;
+  std::vector<std::string_view> styles, libraries, scripts; ///< libraries: scripts that stay apart
+};
+
+/** The whole page, which needs nothing but itself. */
+std::string htmlPage(const HtmlPage& parts, const nlohmann::ordered_json& data);
+
+} // namespace recurse

@@ -1,0 +1,25 @@
+/** @file
+ * Contact sheets: pairs of pictures with words below them.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recurse/core/image/image.h"
+
+namespace recurse {
+
+/** Two pictures of the same size beside each other, and what is said of them. */
+struct SheetCell {
+  Image left, right;
+  float leftExposure = 0, rightExposure = 0; ///< stops
+  std::string leftCaption, rightCaption;
+  std::string name, figure; ///< figure: at the right end of the name's line
+  std::string expression, footer;
+};
+
+/** Linear, to be written without exposure. Texts that are too long are cut. */
+Image drawSheet(const std::string& title, const std::string& subtitle, const std::vector<SheetCell>& cells);
+
+} // namespace recurse

@@ -1,0 +1,142 @@
+/** @file
+ * Objects in objects, as instances of the world.
+ */
+#include "scene/directives/nestedObjects.h"
+
+namespace recurse::sceneFile {
+
+namespace {
+
+/** Takes about 6 GB; a few directives could ask for any number. */
+constexpr size_t MAX_INSTANCES = size_t(1) << 24;
+/** Levels of objects in objects, which functions that call themselves go down. */
+constexpr int MAX_LEVELS = 256;
+
+std::string wholeName(const std::string& name) { return name + " and what stands in it"; }
+
+/** Calls visit(names) for the operands of each solid. */
+template <class Visit> void forOperands(SceneDescription& scene, const Visit& visit) {
+  const auto look = [&](std::vector<ShapeDescription>& shapes) {
+    for (ShapeDescription& s : shapes)
+      for (ParsedParameter& p : s.shape.parameters)
+        if (p.name == "operands") visit(p.strings);
+  };
+  look(scene.shapes);
+  for (auto& [name, object] : scene.objects) look(object.shapes);
+}
+
+} // namespace
+
+NestedObjects::Contents NestedObjects::contentsOf(const std::string& outer, int level, ErrorLog& log) {
+  constexpr double UNDER_WAY = -1;
+  if (level > MAX_LEVELS) return {};
+  const auto [place, isNew] = contents.try_emplace(outer, Contents{UNDER_WAY, 0});
+  if (!isNew) return place->second;
+  Contents all;
+  if (const auto found = inside.find(outer); found != inside.end())
+    std::erase_if(found->second, [&](const InstanceDescription& inner) {
+      const Contents deeper = contentsOf(inner.object, level + 1, log);
+      if (deeper.count == UNDER_WAY) {
+        log.error(inner.location, "object \"" + inner.object + "\" would stand inside the object itself");
+        return true;
+      }
+      all.count += 1 + deeper.count;
+      all.levels = std::max(all.levels, 1 + deeper.levels);
+      return false;
+    });
+  return place->second = all;
+}
+
+template <class Visit>
+void NestedObjects::forAllInside(const std::string& outer, const Mat4d& worldFromOuter,
+                                 const Visit& visit) const {
+  const auto found = inside.find(outer);
+  if (found == inside.end()) return;
+  for (const InstanceDescription& inner : found->second) {
+    const Mat4d worldFromInner = worldFromOuter * inner.worldFromInstance;
+    visit(inner, worldFromInner);
+    forAllInside(inner.object, worldFromInner, visit);
+  }
+}
+
+void NestedObjects::makeWhole(const std::string& name, SceneDescription& scene, ErrorLog& log) {
+  const auto object = scene.objects.find(name);
+  if (object == scene.objects.end()) return; // whoever uses it says so
+  ObjectDescription whole = object->second;
+  whole.name = wholeName(name);
+  forAllInside(name, Mat4d(1), [&](const InstanceDescription& i, const Mat4d& wholeFromInner) {
+    const auto inner = scene.objects.find(i.object);
+    if (inner == scene.objects.end()) {
+      log.error(i.location, "there is no object named \"" + i.object + "\"");
+      return;
+    }
+    for (ShapeDescription s : inner->second.shapes) {
+      s.worldFromObject = wholeFromInner * s.worldFromObject;
+      if (s.worldFromObjectLast) s.worldFromObjectLast = wholeFromInner * *s.worldFromObjectLast;
+      whole.shapes.push_back(std::move(s));
+    }
+  });
+  scene.objects.emplace(whole.name, whole);
+}
+
+void NestedObjects::expand(SceneDescription& scene, ErrorLog& log) {
+  if (inside.empty()) return;
+  for (const auto& [name, list] : inside) {
+    if (list.empty()) continue;
+    const SourceLocation where = list.front().location;
+    const Contents all = contentsOf(name, 0, log);
+    if (all.levels > MAX_LEVELS) {
+      log.error(where, "objects stand in \"" + name + "\" at more than " + std::to_string(MAX_LEVELS) +
+                           " levels, one in the other");
+      return;
+    }
+    if (all.count > double(MAX_INSTANCES)) {
+      log.error(where,
+                "too many objects stand in \"" + name + "\": more than " + std::to_string(MAX_INSTANCES));
+      return;
+    }
+  }
+  std::set<std::string> wholes;
+  const auto need = [&](const std::string& name) {
+    if (inside.contains(name)) wholes.insert(name);
+  };
+  forOperands(scene, [&](const std::vector<std::string>& names) {
+    for (const std::string& name : names) need(name);
+  });
+  for (const InstanceDescription& i : scene.instances)
+    if (i.worldFromInstanceLast) need(i.object);
+  for (const std::string& name : wholes) makeWhole(name, scene, log);
+  forOperands(scene, [&](std::vector<std::string>& names) {
+    for (std::string& name : names)
+      if (wholes.contains(name)) name = wholeName(name);
+  });
+
+  const auto hasShapes = [&](const std::string& name) { // what is unknown is told where it is used
+    const auto object = scene.objects.find(name);
+    return object == scene.objects.end() || !object->second.shapes.empty() || !inside.contains(name);
+  };
+  std::vector<InstanceDescription> placed;
+  double count = 0; // of all instances, also those without shapes
+  for (InstanceDescription& outer : scene.instances) {
+    if (outer.worldFromInstanceLast && wholes.contains(outer.object)) {
+      outer.object = wholeName(outer.object);
+      placed.push_back(std::move(outer));
+      continue;
+    }
+    count += 1 + contentsOf(outer.object, 0, log).count;
+    if (count > double(MAX_INSTANCES)) {
+      log.error(outer.location, "too many instances: more than " + std::to_string(MAX_INSTANCES));
+      break;
+    }
+    forAllInside(outer.object, outer.worldFromInstance,
+                 [&](const InstanceDescription& inner, const Mat4d& worldFromInner) {
+                   if (!hasShapes(inner.object)) return;
+                   placed.push_back(inner);
+                   placed.back().worldFromInstance = worldFromInner;
+                 });
+    if (hasShapes(outer.object)) placed.push_back(std::move(outer));
+  }
+  scene.instances = std::move(placed);
+}
+
+} // namespace recurse::sceneFile

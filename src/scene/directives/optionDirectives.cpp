@@ -1,0 +1,123 @@
+/** @file
+ * Directives before WorldBegin: camera, film, samples, options.
+ */
+#include <algorithm>
+#include <array>
+
+#include "recurse/core/io/text.h"
+#include "recurse/scene/parameters/spectrum.h"
+#include "scene/directives/sceneParser.h"
+#include "scene/parameters/parameterParser.h"
+
+namespace recurse {
+
+const std::vector<ParameterSpec>& optionSpecs() {
+  static const std::vector<ParameterSpec> SPECS = {
+      integerParameter("seed", "0", "seed of the random numbers; the command line goes before it"),
+      ignoredParameter(ParameterType::BOOLEAN, "disablepixeljitter",
+                       "pixels are always sampled over their area"),
+      ignoredParameter(ParameterType::BOOLEAN, "disabletexturefiltering", "an option for debugging pbrt"),
+      ignoredParameter(ParameterType::BOOLEAN, "disablewavelengthjitter", "light is RGB here"),
+      ignoredParameter(ParameterType::REAL, "displacementedgescale", "for pbrt's displaced meshes"),
+      ignoredParameter(ParameterType::BOOLEAN, "forcediffuse", "an option for debugging pbrt"),
+      ignoredParameter(ParameterType::STRING, "msereferenceimage", "see `recurse compare`"),
+      ignoredParameter(ParameterType::STRING, "msereferenceout", "see `recurse compare`"),
+      ignoredParameter(ParameterType::BOOLEAN, "pixelstats", "for pbrt's own statistics"),
+      ignoredParameter(ParameterType::STRING, "rendercoordsys", "the scene is always recentred"),
+      ignoredParameter(ParameterType::BOOLEAN, "wavefront", "for pbrt's own integrators"),
+  };
+  return SPECS;
+}
+
+namespace sceneFile {
+
+void SceneParser::takeSetting(const Token& directive, ParsedDirective& slot) {
+  ParsedDirective d = takePlugIn(directive);
+  if (slot.given())
+    log.warning(d.location,
+                "this " + std::string(directive.text) + " replaces the one at " + placeName(slot.location));
+  slot = std::move(d);
+}
+
+void SceneParser::camera(const Token& t) {
+  takeSetting(t, scene.camera);
+  scene.worldFromCamera = glm::inverse(firstTransform(scene.camera.location));
+  scene.worldFromCameraLast.reset();
+  if (const auto last = lastTransform()) scene.worldFromCameraLast = glm::inverse(*last);
+  scene.cameraMedium = state.medium.outside;
+  Transforms& world = coordinateSystems["camera"];
+  world.fault = state.transforms.fault;
+  for (size_t i = 0; i < 2; ++i) world.at[i] = glm::inverse(state.transforms.at[i]);
+}
+
+void SceneParser::colorSpace(const Token& t) {
+  const Token token = takeString(t, "a colour space");
+  const std::string name = lowerCase(token.value());
+  const std::vector<std::string>& known = namedColorSpaces();
+  if (std::find(known.begin(), known.end(), name) != known.end()) {
+    state.colorSpace = name == "srgb" ? "" : name;
+    return;
+  }
+  std::string accepted;
+  for (const std::string& n : known) accepted += (accepted.empty() ? "\"" : " \"") + n + "\"";
+  log.error(token.location(), "colour space " + token.shown() + " does not exist", accepted);
+}
+
+void SceneParser::option(const Token& t) {
+  const Token token = takeString(t, "the name of an option");
+  ParsedParameter p;
+  p.location = token.location();
+  if (token.text.find_first_of(" \t") != std::string_view::npos)
+    splitDeclaration(token, p.type, p.name, log);
+  else
+    p.name = token.value();
+  // pbrt takes Pixel-Stats, pixel_stats and pixelstats alike.
+  std::string name;
+  for (char c : p.name)
+    if (c != '-' && c != '_') name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto& specs = optionSpecs();
+  const auto spec =
+      std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == name; });
+  if (spec == specs.end()) {
+    std::vector<std::string> names;
+    for (const ParameterSpec& s : specs) names.push_back(s.name);
+    std::string message = "unknown option \"" + p.name + "\"", accepted;
+    const auto near = nearestNames(name, names, 1);
+    if (!near.empty()) message += "; did you mean \"" + near[0] + "\"?";
+    for (const std::string& n : names) accepted += (accepted.empty() ? "" : " ") + n;
+    throw SceneError(p.location, message, accepted);
+  }
+  p.name = name;
+  p.type = spec->type == ParameterType::BOOLEAN   ? "bool"
+           : spec->type == ParameterType::INTEGER ? "integer"
+           : spec->type == ParameterType::REAL    ? "float"
+                                                  : "string";
+  parseValues(*tokens, log, p);
+  // Checks number and range as for any parameter.
+  ParsedDirective alone;
+  alone.type = "Option";
+  alone.location = p.location;
+  alone.parameters = {p};
+  Diagnostics found;
+  bindParameters(alone, {*spec}, found, false);
+  for (const Diagnostic& d : found.all()) log.error(d.location, d.message, d.accepted);
+  constexpr std::array CHANGE_PICTURES = {"disablepixeljitter", "disabletexturefiltering", "forcediffuse"};
+  if (std::find(CHANGE_PICTURES.begin(), CHANGE_PICTURES.end(), name) != CHANGE_PICTURES.end() &&
+      !p.booleans.empty() && p.booleans[0])
+    log.warning(p.location, "the option \"" + name + "\" is without effect: pbrt's picture is another one");
+  scene.options[name] = std::move(p);
+}
+
+void SceneParser::worldBegin(const Token& t) {
+  (void)t;
+  inWorld = true;
+  assumedWorld = false;
+  // Media and attributes stay, as in pbrt-v4.
+  state.transforms = {};
+  state.active = {true, true};
+  coordinateSystems["world"] = state.transforms;
+}
+
+} // namespace sceneFile
+
+} // namespace recurse

@@ -1,0 +1,288 @@
+/** @file
+ * The table of directives, the loop over them, and the way back after an error.
+ */
+#include "scene/directives/sceneParser.h"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "recurse/scene/parameters/spectrum.h"
+#include "scene/parameters/parameterParser.h"
+#include "scene/text/directiveNames.h"
+#include "scene/text/pbrt3.h"
+
+namespace recurse::sceneFile {
+
+const std::vector<SceneParser::Directive>& SceneParser::directives() {
+  using enum DirectivePlace;
+  using P = SceneParser;
+  static const std::vector<Directive> TABLE = {
+      {"Accelerator", "\"name\" parameters", BEFORE_WORLD,
+       "The ray tracing tree; without effect on the picture.", &P::accelerator},
+      {"ActiveTransform", "All | StartTime | EndTime", ANYWHERE,
+       "Which of the two transforms of a moving object the following directives change.",
+       &P::activeTransform},
+      {"Animate", "\"name\" parameters", ANYWHERE,
+       "Numbers that change from frame to frame, see below: `$name` stands for them wherever numbers may "
+       "stand "
+       "in what follows, and in strings.",
+       &P::animate},
+      {"AreaLightSource", "\"name\" parameters", IN_WORLD,
+       "The following shapes emit light; \"\" as the name ends that.", &P::areaLightSource},
+      {"Attribute", "\"shape|light|material|medium|texture\" parameters", ANYWHERE,
+       "Parameters that the following directives of this kind take where they give none themselves.",
+       &P::attribute},
+      {"AttributeBegin", "", IN_WORLD, "Saves transform, material, lights, media and attributes.",
+       &P::attributeBegin},
+      {"AttributeEnd", "", IN_WORLD, "Brings back what the matching AttributeBegin saved.", &P::attributeEnd},
+      {"Camera", "\"name\" parameters", BEFORE_WORLD,
+       "The camera, placed by the inverse of the current transform; defines the coordinate system "
+       "\"camera\".",
+       &P::camera},
+      {"ColorSpace", "\"name\"", ANYWHERE,
+       "The colour space of the rgb values that follow: \"srgb\" (linear Rec. 709), \"rec2020\", \"dci-p3\", "
+       "\"aces2065-1\"; pictures are Rec. 709.",
+       &P::colorSpace},
+      {"ConcatTransform", "[ 16 numbers ]", ANYWHERE,
+       "Multiplies the current transform by a matrix, given column by column.", &P::concatTransform},
+      {"CoordSysTransform", "\"name\"", ANYWHERE, "Makes a named coordinate system the current transform.",
+       &P::coordSysTransform},
+      {"CoordinateSystem", "\"name\"", ANYWHERE, "Names the current transform.", &P::coordinateSystem},
+      {"Film", "\"name\" parameters", BEFORE_WORLD, "Size, crop and exposure of the picture.", &P::film},
+      {"Identity", "", ANYWHERE, "Resets the current transform.", &P::identity},
+      {"Import", "\"file\"", IN_WORLD,
+       "Reads a file with a scope of its own: its transforms and attributes end with it.", &P::import},
+      {"Include", "\"file\"", ANYWHERE, "Continues with the text of another file in this place.",
+       &P::doNothing},
+      {"Integrator", "\"name\" parameters", BEFORE_WORLD, "How light is computed.", &P::integrator},
+      {"LightSource", "\"name\" parameters", IN_WORLD, "A light that is not a surface.", &P::lightSource},
+      {"LookAt", "eye.xyz target.xyz up.xyz", ANYWHERE, "Looks from a point towards another, for cameras.",
+       &P::lookAt},
+      {"MakeNamedMaterial", "\"name\" \"string type\" \"...\" parameters", IN_WORLD,
+       "Defines a material; it may be used before its definition.", &P::makeNamedMaterial},
+      {"MakeNamedMedium", "\"name\" \"string type\" \"...\" parameters", ANYWHERE, "Defines a medium.",
+       &P::makeNamedMedium},
+      {"Material", "\"name\" parameters", IN_WORLD,
+       "The material of the following shapes; \"\" or \"interface\": a boundary without one.", &P::material},
+      {"MediumInterface", "\"inside\" [\"outside\"]", ANYWHERE,
+       "The media on both sides of the following shapes; \"\": vacuum. One name counts for both.",
+       &P::mediumInterface},
+      {"NamedMaterial", "\"name\"", IN_WORLD, "The following shapes have a material of MakeNamedMaterial.",
+       &P::namedMaterial},
+      {"ObjectBegin", "\"name\"", IN_WORLD, "Begins an object: its shapes appear only where it is instanced.",
+       &P::objectBegin},
+      {"ObjectEnd", "", IN_WORLD, "Ends an object, and brings back what ObjectBegin saved.", &P::objectEnd},
+      {"ObjectInstance", "\"name\"", IN_WORLD,
+       "Places an object by the current transform, in the world or inside of another object.",
+       &P::objectInstance},
+      {"Option", "\"name\" value", ANYWHERE, "Sets an option of the renderer, see below.", &P::option},
+      {"PixelFilter", "\"name\" parameters", BEFORE_WORLD, "The filter of the film's pixels.",
+       &P::pixelFilter},
+      {"ReverseOrientation", "", IN_WORLD,
+       "Turns over the normals of the following shapes. A Scale that mirrors does so, too, with spheres, "
+       "cylinders, discs and other quadrics that emit no light, as in pbrt.",
+       &P::reverseOrientation},
+      {"Rotate", "degrees axis.xyz", ANYWHERE, "Rotates about an axis through the origin.", &P::rotate},
+      {"Sampler", "\"name\" parameters", BEFORE_WORLD, "Samples of each pixel, and the seed.", &P::sampler},
+      {"Scale", "x y z", ANYWHERE, "Scales along the axes.", &P::scale},
+      {"Shape", "\"name\" parameters", IN_WORLD, "A shape with the current transform, material and lights.",
+       &P::shape},
+      {"Texture", "\"name\" \"float|spectrum\" \"class\" parameters", IN_WORLD,
+       "Defines a texture; float and spectrum textures have names of their own.", &P::texture},
+      {"Transform", "[ 16 numbers ]", ANYWHERE, "Sets the current transform to a matrix, column by column.",
+       &P::transform},
+      {"TransformBegin", "", IN_WORLD, "Old name of AttributeBegin.", &P::attributeBegin},
+      {"TransformEnd", "", IN_WORLD, "Old name of AttributeEnd.", &P::attributeEnd},
+      {"TransformTimes", "start end", BEFORE_WORLD, "When the two transforms of moving objects hold.",
+       &P::transformTimes},
+      {"Translate", "x y z", ANYWHERE, "Moves the origin.", &P::translate},
+      {"WorldBegin", "", BEFORE_WORLD,
+       "Ends the settings and begins the scene; resets the current transform.", &P::worldBegin},
+  };
+  return TABLE;
+}
+
+const SceneParser::Directive* SceneParser::findDirective(std::string_view name) {
+  static const std::unordered_map<std::string_view, const Directive*> BY_NAME = [] {
+    std::unordered_map<std::string_view, const Directive*> map;
+    for (const Directive& d : directives()) map.emplace(d.name, &d);
+    return map;
+  }();
+  const auto found = BY_NAME.find(name);
+  return found == BY_NAME.end() ? nullptr : found->second;
+}
+
+bool isDirectiveName(const Token& token) {
+  return token.kind == TokenKind::WORD && (SceneParser::findDirective(token.text) ||
+                                           pbrt3::isDirective(std::string(token.text.substr(0, 32))));
+}
+
+SceneParser::SceneParser(SceneDescription& scene, SourceFiles& files, Diagnostics& diagnostics)
+    : scene(scene), files(files), log(diagnostics) {
+  ParsedDirective diffuse;
+  diffuse.type = "diffuse";
+  scene.materials.push_back(diffuse);
+}
+
+void SceneParser::parse(const Source& top) {
+  try {
+    const std::string& text = top.text->text;
+    if (text.rfind("\xff\xfe", 0) == 0 || text.rfind("\xfe\xff", 0) == 0) {
+      Token start;
+      start.source = &top;
+      start.line = start.column = 1;
+      log.error(start.location(), "the file is UTF-16; save it as UTF-8 or ASCII");
+      return;
+    }
+    parseTokens(top);
+    nested.expand(scene, log);
+    reportUnusedTracks();
+    if (!inWorld) {
+      SourceLocation where;
+      where.source = top.text; // no line: it is nowhere
+      log.error(where, "the file has no WorldBegin, which separates the settings from the scene");
+    }
+  } catch (const TooManyErrors&) {
+    // The diagnostics say so.
+  }
+}
+
+void SceneParser::parseTokens(const Source& source) {
+  TokenStream stream(source, files, log, includes, tokens);
+  TokenStream* const outer = tokens;
+  tokens = &stream;
+  for (;;) {
+    try {
+      const Token token = tokens->take();
+      if (token.kind == TokenKind::END) break;
+      const Directive* directive = token.kind == TokenKind::WORD ? findDirective(token.text) : nullptr;
+      if (directive) {
+        carryOut(*directive, token);
+      } else {
+        unknownDirective(token);
+        resynchronise();
+      }
+    } catch (const SceneError& e) {
+      log.report(e);
+      resynchronise();
+    }
+  }
+  reportOpenBlocks();
+  tokens = outer;
+}
+
+void SceneParser::carryOut(const Directive& directive, const Token& token) {
+  if (directive.place == DirectivePlace::BEFORE_WORLD && inWorld && !assumedWorld) {
+    log.error(token.location(), std::string(directive.name) + " must stand before WorldBegin");
+    resynchronise();
+    return;
+  }
+  if (directive.place == DirectivePlace::IN_WORLD && !inWorld) {
+    // One error for all that follow: most likely WorldBegin is missing.
+    log.error(token.location(), std::string(directive.name) + " must stand after WorldBegin");
+    inWorld = assumedWorld = true;
+  }
+  (this->*directive.carryOut)(token);
+}
+
+void SceneParser::unknownDirective(const Token& token) {
+  if (token.kind != TokenKind::WORD || looksLikeNumber(token)) {
+    log.error(token.location(), "expected a directive, found " + token.shown());
+    return;
+  }
+  const std::string word(token.text.substr(0, 64));
+  if (pbrt3::isDirective(word)) {
+    log.error(token.location(), "pbrt-v4 has no directive " + token.shown() +
+                                    (word == "WorldEnd" ? "; the world ends with the file" : ""));
+    warnOfPbrt3(token.location());
+    return;
+  }
+  std::vector<std::string> names;
+  for (const Directive& d : directives()) names.emplace_back(d.name);
+  std::string message = "unknown directive " + token.shown();
+  const auto near = nearestNames(word, names);
+  for (size_t i = 0; i < near.size(); ++i) message += (i ? " or " : "; did you mean ") + near[i];
+  if (!near.empty()) message += "?";
+  std::string accepted;
+  for (const std::string& name : names) accepted += (accepted.empty() ? "" : " ") + name;
+  log.error(token.location(), message, accepted);
+}
+
+void SceneParser::resynchronise() {
+  for (;;) {
+    try {
+      while (tokens->peek().kind != TokenKind::END && !isDirectiveName(tokens->peek())) tokens->take();
+      return;
+    } catch (const SceneError&) {
+      // A broken string among what is skipped: the lexer has moved past it.
+    }
+  }
+}
+
+void SceneParser::warnOfPbrt3(const SourceLocation& where) {
+  if (!hasWarnedOfPbrt3) log.warning(where, pbrt3::ADVICE);
+  hasWarnedOfPbrt3 = true;
+}
+
+void SceneParser::checkForPbrt3PlugIn(const char* directive, const ParsedDirective& d) {
+  if (pbrt3::isPlugIn(directive, d.type)) warnOfPbrt3(d.location);
+}
+
+Token SceneParser::takeString(const Token& directive, const char* what) {
+  const Token token = tokens->peek();
+  if (token.kind != TokenKind::STRING)
+    throw SceneError(token.kind == TokenKind::END ? directive.location() : token.location(),
+                     std::string(directive.text) + " needs " + what + " in quotes, found " + token.shown());
+  return tokens->take();
+}
+
+std::vector<ParsedParameter> SceneParser::takeParameters(const std::string& directory, SpectrumKind kind) {
+  std::vector<ParsedParameter> parameters = parseParameters(*tokens, log, directory);
+  if (state.colorSpace.empty()) return parameters;
+  for (ParsedParameter& p : parameters) {
+    if (p.type != "rgb") continue;
+    auto& v = p.numbers;
+    for (size_t i = 0; i + 2 < v.size(); i += 3) {
+      const Rgbd c = rgbInColorSpace(state.colorSpace, {v[i], v[i + 1], v[i + 2]}, kind);
+      for (int k = 0; k < 3; ++k) v[i + size_t(k)] = c[k];
+    }
+  }
+  return parameters;
+}
+
+ParsedDirective SceneParser::takePlugIn(const Token& directive) {
+  const Token name = takeString(directive, "a name");
+  ParsedDirective d;
+  d.type = name.value();
+  d.location = name.location();
+  d.directory = name.source->directory;
+  d.topDirectory = files.topDirectory;
+  const bool isLight = directive.text == "LightSource" || directive.text == "AreaLightSource";
+  d.parameters = takeParameters(d.directory, isLight ? SpectrumKind::ILLUMINANT : SpectrumKind::UNBOUNDED);
+  for (const ParsedParameter& p : d.parameters)
+    if (p.type == "blackbody" && p.numbers.size() == 2) warnOfPbrt3(p.location);
+  if (log.sawPbrt3Type) warnOfPbrt3(d.location);
+  checkForPbrt3PlugIn(std::string(directive.text).c_str(), d);
+  return d;
+}
+
+ParsedDirective SceneParser::takePlugIn(const Token& directive, AttributeTarget target) {
+  ParsedDirective d = takePlugIn(directive);
+  d.attributes = state.attributes[static_cast<size_t>(target)];
+  return d;
+}
+
+void SceneParser::moveTypeOut(ParsedDirective& d, const std::string& what) {
+  // As everywhere the last one counts.
+  const ParsedParameter* type = nullptr;
+  for (const ParsedParameter& p : d.parameters)
+    if (p.name == "type" && p.type == "string" && p.strings.size() == 1) type = &p;
+  if (!type)
+    throw SceneError(d.location,
+                     what + " \"" + d.type + "\" needs a parameter \"string type\" with its kind");
+  d.type = type->strings[0];
+  d.location = type->valueLocation;
+  std::erase_if(d.parameters, [](const ParsedParameter& p) { return p.name == "type"; });
+}
+
+} // namespace recurse::sceneFile

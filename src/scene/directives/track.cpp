@@ -1,0 +1,69 @@
+/** @file
+ * Tracks, and the directive that makes them. Where `$name` stands in a scene, the text of the track's numbers
+ * is read instead, so that a frame is the scene with these numbers written into it.
+ */
+#include "scene/directives/track.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace recurse {
+
+Track::Track(std::vector<double> times, std::vector<double> values, Interpolation interpolation, bool repeats)
+    : times(std::move(times)), values(std::move(values)),
+      components(this->values.size() / this->times.size()), interpolation(interpolation), repeats(repeats) {}
+
+double Track::slope(size_t i, size_t component) const {
+  const size_t last = times.size() - 1;
+  const auto along = [&](size_t a, size_t b) {
+    return (key(b, component) - key(a, component)) / (times[b] - times[a]);
+  };
+  if (i > 0 && i < last) return along(i - 1, i + 1);
+  if (!repeats) return i == 0 ? along(0, 1) : along(last - 1, last);
+  const double rise = key(1, component) - key(0, component) + key(last, component) - key(last - 1, component);
+  return rise / (times[1] - times[0] + times[last] - times[last - 1]);
+}
+
+std::vector<double> Track::at(double frame) const {
+  const double period = times.back() - times.front();
+  if (repeats && period > 0) {
+    frame = times.front() + std::fmod(frame - times.front(), period);
+    if (frame < times.front()) frame += period;
+  }
+  const size_t next =
+      static_cast<size_t>(std::upper_bound(times.begin(), times.end(), frame) - times.begin());
+  const size_t i = next > 0 ? next - 1 : 0;
+  std::vector<double> out(components);
+  for (size_t c = 0; c < components; ++c) {
+    out[c] = key(i, c);
+    if (next == 0 || next == times.size() || frame == times[i] || interpolation == Interpolation::STEP)
+      continue;
+    const double length = times[next] - times[i], u = (frame - times[i]) / length;
+    if (interpolation == Interpolation::LINEAR) {
+      out[c] = (1 - u) * key(i, c) + u * key(next, c);
+      continue;
+    }
+    // Hermite's cubic with the slopes of Catmull and Rom.
+    const double w = u * u * (3 - 2 * u);
+    out[c] = (1 - w) * key(i, c) + w * key(next, c) +
+             length * u * (1 - u) * ((1 - u) * slope(i, c) - u * slope(next, c));
+  }
+  return out;
+}
+
+const std::vector<ParameterSpec>& trackSpecs() {
+  static const std::vector<ParameterSpec> SPECS = {
+      arrayParameter(ParameterType::REAL, "times", 0, "", "frames of the keyframes, rising").require(),
+      arrayParameter(ParameterType::REAL, "values", 0, "",
+                     "the numbers at each keyframe, one after the other: 1 to 16 for each")
+          .require(),
+      stringParameter("interpolation", "linear",
+                      "between keyframes: straight, smooth by Catmull's and Rom's slopes, or those of the "
+                      "keyframe before")
+          .oneOf({"linear", "smooth", "step"}),
+      booleanParameter("repeat", "false", "begin anew after the last keyframe, which stands for the first"),
+  };
+  return SPECS;
+}
+
+} // namespace recurse

@@ -1,0 +1,13 @@
+/** @file
+ * Recognition of directives, for finding the way back after an error.
+ */
+#pragma once
+
+#include "scene/text/lexer.h"
+
+namespace recurse::sceneFile {
+
+/** True for a word that is the name of a directive. */
+bool isDirectiveName(const Token& token);
+
+} // namespace recurse::sceneFile

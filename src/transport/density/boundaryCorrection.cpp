@@ -1,0 +1,393 @@
+/** @file
+ * Rays that look at the surface around a point.
+ */
+#include "transport/density/boundaryCorrection.h"
+
+namespace recurse {
+
+namespace {
+
+/** Walls rise by more than 45° from a surface; what rises less is its curvature. */
+constexpr float WALL_COSINE = 0.7f;
+
+/** Rays along a surface start so far above it, over the kernel's radius: below the photons' search region. */
+constexpr float RISE = 0.02f;
+
+/** So far above it, over the kernel's radius, others look for what ends that near to the surface without
+ * touching it, as a door below a ceiling does: light on one side of a narrow gap tells little of the other.
+ */
+constexpr float GAP = 0.2f;
+
+bool holdsPhotons(const Hit& hit) { return hit.material && (hit.material->lobes() & NON_DELTA_LOBES); }
+
+/** The first surface that can hold photons along the ray; false when there is none. */
+bool intersectNonDelta(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts) {
+  constexpr int MAX_PASSED = 8;
+  for (int i = 0; i < MAX_PASSED; ++i) {
+    if (!intersectPosition(scene, ray, hit, counts)) return false;
+    if (holdsPhotons(hit)) return true;
+    const float tMax = ray.tMax - hit.t;
+    ray = spawn(hit.point, ray.direction);
+    ray.tMax = tMax;
+  }
+  return false;
+}
+
+/** Whether a ray along the surface meets a wall. Glass and water are walls: on either side the light differs.
+ */
+bool intersectWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit,
+                   TransportCounts& counts) {
+  return intersectPosition(scene, ray, hit, counts) && hit.material && (hit.material->lobes() & ALL_LOBES) &&
+         std::abs(glm::dot(hit.point.geometricNormal, normal)) < WALL_COSINE;
+}
+
+/** Rays that look down at a surface start so far above it: nearer than anything else is above its middle. */
+float freeHeight(const Neighbourhood& around, float radius) {
+  return std::min(GAP * radius, around.clearance / 2);
+}
+
+/** What is not this far in front of a wall lies on it. */
+float wallMargin(const GatherRegion& region, float error) { return 1e-3f * region.radius + 2 * error; }
+
+/** From above a place of the tangent plane down through it, within `height` of it. */
+Ray downThrough(const Vec3f& place, const Vec3f& normal, float height) {
+  return {place + normal * height, -normal, 2 * height};
+}
+
+/** Directions of a plane, evenly spread and turned at random. */
+template <int N> std::array<Vec3f, N> directions(const Vec3f& normal, float turn) {
+  const Frame frame(normal);
+  std::array<Vec3f, N> all;
+  for (int i = 0; i < N; ++i) {
+    const float angle = 2 * PI * (static_cast<float>(i) + turn) / N;
+    all[size_t(i)] = frame.x * std::cos(angle) + frame.y * std::sin(angle);
+  }
+  return all;
+}
+
+/** The distance to what lies below a place of the surface, as far as `most`; infinite where nothing does. */
+float depthBelow(const Scene& scene, const Vec3f& place, const Vec3f& normal, float error, float most,
+                 TransportCounts& counts) {
+  const float start = 4 * error; // past the surface itself
+  Hit hit;
+  if (!intersectNonDelta(scene, {place - normal * start, -normal, most - start}, hit, counts))
+    return INFINITE;
+  return start + hit.t;
+}
+
+/** The walls that rays along the surface meet within the region's radius, rising from it or ending just above
+ * it; `met` gets the distances, infinite where there is none. */
+template <size_t N>
+void findWalls(const Scene& scene, float error, const GatherRegion& region,
+               const std::array<Vec3f, N>& directions, std::array<float, N>& met, Neighbourhood& found,
+               TransportCounts& counts) {
+  met.fill(INFINITE);
+  const float margin = wallMargin(region, error);
+  const auto lookAlong = [&](float height) {
+    const Vec3f start = region.center + region.normal * height;
+    for (size_t i = 0; i < N; ++i) {
+      Hit hit;
+      if (!intersectWall(scene, {start, directions[i], std::min(region.radius, met[i])}, region.normal, hit,
+                         counts))
+        continue;
+      met[i] = hit.t;
+      Vec3f normal = hit.point.geometricNormal;
+      if (glm::dot(normal, directions[i]) > 0) normal = -normal;
+      const Vec3f place = hit.point.position + normal * margin;
+      const bool known = std::any_of(
+          found.planes.begin(), found.planes.begin() + found.planeCount,
+          [&](const BoundaryPlane& b) { return glm::dot(place, b.normal) < b.offset + 2 * margin; });
+      if (!known) found.add({normal, glm::dot(hit.point.position, normal), BoundaryPlane::WALL});
+    }
+  };
+  const float low = std::max(RISE * region.radius, 2 * error);
+  lookAlong(low);
+  found.depth = depthBelow(scene, region.center, region.normal, error, 2 * GAP * region.radius, counts);
+  Hit above;
+  if (intersectPosition(scene,
+                        {region.center + region.normal * low, region.normal, 2 * GAP * region.radius - low},
+                        above, counts))
+    found.clearance = low + above.t;
+  if (const float high = freeHeight(found, region.radius); high > 2 * low) lookAlong(high);
+}
+
+/** Places of a unit disc by a sunflower's spiral, which covers it evenly: unit vectors of its plane. */
+template <int N> struct Spiral {
+  std::array<Vec2f, N> places;
+  Spiral() {
+    constexpr float GOLDEN_ANGLE = 2.39996323f;
+    for (int i = 0; i < N; ++i)
+      places[size_t(i)] = {std::cos(GOLDEN_ANGLE * static_cast<float>(i)),
+                           std::sin(GOLDEN_ANGLE * static_cast<float>(i))};
+  }
+};
+
+/** The mean of `weight(offset, q)` over a kernel's support; q is the offset's squared length in radii. */
+template <int N, class Weight>
+float overSupport(Kernel kernel, const GatherRegion& region, const Vec2f& u, const Weight& weight) {
+  static const Spiral<N> spiral;
+  const Frame frame(region.normal);
+  const float turn = 2 * PI * u.y;
+  const Vec3f x = frame.x * std::cos(turn) + frame.y * std::sin(turn), y = glm::cross(region.normal, x);
+  return withKernel(kernel, [&](auto k) {
+    const auto shape = [](float q) { return kernelShape<decltype(k)::value>(q); };
+    float sum = 0, all = 0;
+    for (int i = 0; i < N; ++i) {
+      const float q = (static_cast<float>(i) + u.x) / N;
+      all += shape(q);
+      const Vec2f& at = spiral.places[size_t(i)];
+      const Vec3f offset = (x * at.x + y * at.y) * (region.radius * std::sqrt(q));
+      sum += weight(offset, q, shape);
+    }
+    return sum / all;
+  });
+}
+
+/** Looks down at the plane of a region for the region's surface. */
+class SurfaceProbe {
+ public:
+  /** `height`: where rays start, see freeHeight(). */
+  SurfaceProbe(const Scene& scene, float error, const GatherRegion& region, float height,
+               TransportCounts& counts)
+      : scene(scene), error(error), region(region), start(std::max(height, 4 * error)), counts(counts) {}
+
+  /** Whether the plane goes on at one of its places. */
+  bool flat(const Vec3f& place) {
+    constexpr float SAME_PLANE = 0.9998f;
+    return cosine(place) >= SAME_PLANE && !isStep(place);
+  }
+  /** Of the place last looked at, from the plane. */
+  float height() const { return lastHeight; }
+
+  /** The straight line at which the surface ends, or turns off, between the places `in` and `out`; none where
+   * it is not straight, or where the surface bends little by little. */
+  std::optional<BoundaryPlane> edge(Vec3f in, Vec3f out, float distance) {
+    constexpr float CREASE = 0.99f;
+    const float tolerance = 1e-4f * distance + 2 * error;
+    if (!flat(in)) return {};
+    const Vec3f outwards = glm::normalize(out - in), aside = glm::cross(region.normal, outwards);
+    for (float between = glm::distance(in, out); between > tolerance; between /= 2) {
+      const Vec3f middle = (in + out) * 0.5f;
+      (flat(middle) ? in : out) = middle;
+    }
+    if (cosine(out) > CREASE && !isStep(out)) return {};
+    // Where the edge leaves a small circle on either side.
+    const float circle = 0.2f * distance;
+    std::array<Vec3f, 2> ends;
+    for (const float side : {-1.0f, 1.0f}) {
+      const auto onCircle = [&](float angle) {
+        return in + (outwards * std::cos(angle) + aside * (side * std::sin(angle))) * circle;
+      };
+      float empty = 0, full = PI;
+      if (flat(onCircle(empty)) || !flat(onCircle(full))) return {};
+      while ((full - empty) * circle > tolerance) {
+        const float middle = (full + empty) / 2;
+        (flat(onCircle(middle)) ? full : empty) = middle;
+      }
+      ends[side > 0] = onCircle(full);
+    }
+    Vec3f normal = glm::cross(region.normal, ends[1] - ends[0]);
+    if (!(lengthSquared(normal) > 0)) return {};
+    normal = glm::normalize(normal);
+    if (glm::dot(normal, outwards) > 0) normal = -normal;
+    const float offset = glm::dot(ends[0], normal);
+    if (std::abs(glm::dot(in, normal) - offset) > 4 * tolerance) return {}; // bent, or a corner
+    return BoundaryPlane{normal, std::min(offset, glm::dot(in, normal)) - tolerance, BoundaryPlane::EDGE};
+  }
+
+ private:
+  /** Whether the place last looked at is higher or lower than the slope of the same plane makes it, as on a
+   * board that lies on a table. */
+  bool isStep(const Vec3f& place) const {
+    constexpr float SLOPE = 0.02f; // of SAME_PLANE
+    return lastHeight > SLOPE * glm::distance(place, region.center) + 4 * error;
+  }
+  /** Between the surface's normal and the plane's; 0 where there is none. */
+  float cosine(const Vec3f& place) {
+    Hit hit;
+    if (!intersectNonDelta(scene, downThrough(place, region.normal, start), hit, counts)) return 0;
+    lastHeight = std::abs(glm::dot(hit.point.position - region.center, region.normal));
+    return std::abs(glm::dot(hit.point.geometricNormal, region.normal));
+  }
+
+  const Scene& scene;
+  float error;
+  const GatherRegion& region;
+  float start;
+  TransportCounts& counts;
+  float lastHeight = 0;
+};
+
+/** The part of the kernel's weight that the region's half-spaces leave. What they leave is seen
+ * from the centre, up to the nearest of the planes in each direction. */
+float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
+  constexpr int ANGLES = 64;
+  struct Circle {
+    alignas(32) float cosine[ANGLES], sine[ANGLES];
+    Circle() {
+      for (int i = 0; i < ANGLES; ++i) {
+        cosine[i] = std::cos(2 * PI * static_cast<float>(i) / ANGLES);
+        sine[i] = std::sin(2 * PI * static_cast<float>(i) / ANGLES);
+      }
+    }
+  };
+  static const Circle circle;
+  const Frame frame(region.normal);
+  const float angle = 2 * PI * turn / ANGLES;
+  const Vec3f x = frame.x * std::cos(angle) + frame.y * std::sin(angle), y = glm::cross(region.normal, x);
+  return withKernel(kernel, [&](auto k) {
+    Float8 part(0);
+    for (int i = 0; i < ANGLES; i += 8) {
+      Float8 inverse(1); // of the distance in radii that is left
+      for (size_t j = 0; j < region.clipCount; ++j) {
+        const auto& clip = region.clips[j];
+        const float scale = region.radius / clip.limit;
+        inverse = max(inverse, Float8::load(circle.cosine + i) * Float8(glm::dot(clip.normal, x) * scale) +
+                                   Float8::load(circle.sine + i) * Float8(glm::dot(clip.normal, y) * scale));
+      }
+      part += kernelPart<decltype(k)::value>(Float8(1) / (inverse * inverse));
+    }
+    return sum(part) / ANGLES;
+  });
+}
+
+} // namespace
+
+Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRegion& region,
+                                 Sampler& sampler, TransportCounts& counts) {
+  constexpr int DIRECTIONS = 12;
+  constexpr float RINGS[] = {0.05f, 0.15f, 0.35f, 0.55f, 0.75f, 1};
+  const auto rays = directions<DIRECTIONS>(region.normal, sampler.next1D());
+  Neighbourhood found;
+  found.reach = region.radius;
+  std::array<float, DIRECTIONS> walls;
+  findWalls(scene, error, region, rays, walls, found, counts);
+  const float height = freeHeight(found, region.radius);
+  for (size_t i = 0; i < DIRECTIONS; ++i) {
+    const float distance = RINGS[i % 2 == 0 ? 1 : 2] * region.radius;
+    Hit hit;
+    if (walls[i] > distance &&
+        intersectNonDelta(scene, downThrough(region.center + rays[i] * distance, region.normal, height), hit,
+                          counts))
+      found.depth = std::min(found.depth, depthBelow(scene, hit.point.position, region.normal, error,
+                                                     2 * GAP * region.radius, counts));
+  }
+  SurfaceProbe probe(scene, error, region, height, counts);
+  float before = 0;
+  for (const float ring : RINGS) {
+    const float distance = ring * region.radius;
+    for (size_t i = 0; i < DIRECTIONS; ++i) {
+      if (walls[i] <= distance) continue;
+      const Vec3f place = region.center + rays[i] * distance;
+      if (!found.sees(place)) continue;
+      if (probe.flat(place)) {
+        found.relief = std::max(found.relief, probe.height());
+        continue;
+      }
+      const auto edge = probe.edge(region.center + rays[i] * before, place, distance);
+      if (!edge || found.planeCount == Neighbourhood::MAX_PLANES) return found;
+      found.add(*edge);
+    }
+    found.flat = distance * std::cos(PI / DIRECTIONS); // an edge may lie between two directions
+    before = distance;
+  }
+  return found;
+}
+
+namespace {
+
+/** What of a kernel's support is surface. */
+struct SurfaceInSupport {
+  float fraction = 1; ///< of the kernel's weight
+  float cosine = 1;   ///< mean cosine between the surface's normals and the region's
+};
+
+/** Measures the unclipped support at N places. */
+template <int N>
+SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kernel, const GatherRegion& region,
+                         TransportCounts& counts) {
+  const Vec2f u = boundary.sampler.next2D();
+  const float free = freeHeight(*boundary.known, region.radius);
+  float cosines = 0;
+  int met = 0;
+  const float fraction = overSupport<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
+    const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
+    const float start = std::max(height, free); // what lies above the support hides what is below
+    Hit hit;
+    if (!intersectNonDelta(boundary.scene,
+                           {region.center + offset + region.normal * start, -region.normal, start + height},
+                           hit, counts))
+      return 0.0f;
+    if (!region.unclipped(hit.point.position - region.center)) return 0.0f;
+    const float cosine = std::abs(glm::dot(hit.point.geometricNormal, region.normal));
+    // The error of a plane's place is not to count.
+    if (std::abs(hit.t - start) > 4 * error)
+      q = region.distance2(hit.point.position - region.center) / square(region.radius);
+    if (cosine <= GatherRegion::MIN_COSINE || q > 1) return 0.0f;
+    cosines += cosine;
+    ++met;
+    return shape(q) / cosine;
+  });
+  return {fraction, met > 0 ? cosines / static_cast<float>(met) : 1};
+}
+
+} // namespace
+
+float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
+                      TransportCounts& counts) {
+  if (!boundary.known || region.radius > boundary.known->reach - boundary.away) {
+    constexpr int DIRECTIONS = 8;
+    std::array<float, DIRECTIONS> met;
+    boundary.own = {};
+    boundary.own.reach = region.radius;
+    findWalls(boundary.scene, error, region, directions<DIRECTIONS>(region.normal, boundary.sampler.next1D()),
+              met, boundary.own, counts);
+    boundary.known = &boundary.own;
+    boundary.away = 0;
+  }
+  constexpr float MAX_CLEARANCES = 2; // in a gap light changes within its height
+  region.radius = std::min(region.radius, MAX_CLEARANCES * boundary.known->clearance + boundary.away);
+  // Half as far as the next layer: it may be nearer elsewhere.
+  const float lowest = std::max(boundary.known->depth / 2, 8 * error) / region.radius;
+  region.flatness = std::min(region.flatness, std::max(lowest, FLATTEST));
+  const auto clip = [&] {
+    region.clipCount = 0;
+    for (size_t i = 0; i < boundary.known->planeCount; ++i) {
+      const BoundaryPlane& plane = boundary.known->planes[i];
+      const float distance = glm::dot(region.center, plane.normal) - plane.offset;
+      if (distance < -2 * error || distance > region.radius) continue; // beyond it, or far from it
+      const float margin =
+          plane.kind == BoundaryPlane::WALL ? std::min(wallMargin(region, error), distance / 2) : 0;
+      region.clips[region.clipCount++] = {plane.normal, std::min(margin - distance, -error)};
+    }
+  };
+  // A few rays cannot tell a small part from a tiny one, and what is divided by that is far too bright.
+  constexpr float MIN_FRACTION = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
+  constexpr int MAX_STEPS = 40, FEW_PLACES = 8, MANY_PLACES = 32;
+  SurfaceInSupport surface;
+  float before = 0;
+  for (int step = 0; step < MAX_STEPS; ++step) {
+    clip();
+    if (region.radius <= boundary.flat()) {
+      if (region.clipCount == 0) return 1;
+      const float part = unclippedPart(kernel, region, boundary.sampler.next1D());
+      // What a smaller support does not help, as in the tip of a wedge, stays as it is.
+      if (part >= MIN_FRACTION || part < 1.05f * before) return std::max(MIN_WEDGE, part);
+      before = part;
+      region.radius *= STEP;
+      continue;
+    }
+    surface = measure<FEW_PLACES>(boundary, error, kernel, region, counts);
+    if (surface.fraction >= MIN_FRACTION && surface.cosine >= MIN_COSINE) {
+      if (step == 0) return surface.fraction;
+      break;
+    }
+    region.radius *= STEP;
+  }
+  // Once more, for what has stopped the search is likely to be too much.
+  surface = measure<MANY_PLACES>(boundary, error, kernel, region, counts);
+  return surface.fraction > 0 ? std::max(surface.fraction, MIN_FRACTION / 2)
+                              : 1; // 0: it cannot be seen, nothing is known of it
+}
+
+} // namespace recurse

@@ -1,0 +1,347 @@
+/** @file
+ * Photons times BSDF times kernel, eight at a time where the BSDF is one constant.
+ */
+#include "transport/density/gather.h"
+
+#include "transport/weights/mergeWeights.h"
+
+#include <bit>
+#include <cfloat>
+
+namespace recurse {
+
+namespace {
+
+Float8 dot(const Vec3f8& a, const Vec3f8& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Float8 dot(const Vec3f8& a, const Vec3f& b) { return dot(a, Vec3f8{Float8(b.x), Float8(b.y), Float8(b.z)}); }
+
+/** Cosines of photons' directions by the two normals of a point (Veach 1997, section 5.3): the flux of
+ * photons has that of their surface, the reflection equation has that of the shading normal. Directions are
+ * turned with the normal of the photon's surface into the geometric normal of the point. */
+class PhotonCosines {
+ public:
+  /** Unit normals of the point, towards the eye. */
+  PhotonCosines(const Vec3f& geometric, const Vec3f& shading) : geometric(geometric), shading(shading) {}
+
+  struct Pair {
+    Float8 geometric, shading;
+    /** 0 for light in the plane of the surface: packing has turned it. */
+    Float8 quotient() const {
+      return select(less(Float8(0), abs(geometric)), shading / geometric, Float8(0));
+    }
+  };
+  Pair of(const PhotonBlock& block) const {
+    const Vec3f8 direction = block.directions();
+    Vec3f8 normal = unpackDirections(block.normals);
+    const Float8 side = copysign(Float8(1), dot(normal, geometric)); // photons may arrive from the other side
+    normal = {normal.x * side, normal.y * side, normal.z * side};
+    const Float8 cosine = dot(direction, normal);
+    const Float8 along = (cosine + dot(direction, geometric)) / (Float8(1) + dot(normal, geometric));
+    const Float8 both(glm::dot(geometric, shading));
+    return {cosine, dot(direction, shading) - along * (dot(normal, shading) + both) + cosine * (both + both)};
+  }
+
+ private:
+  Vec3f geometric, shading;
+};
+
+/** Sums of photon power, one for each light-side state. */
+class Estimate {
+ public:
+  Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
+           const GatherSettings& settings, const GatherResult& weights, const PathClasses& classes,
+           CameraState cameraState)
+      : scattering(scattering), eye(eye), weighting(settings.weighting), cameraState(cameraState),
+        states(classes.lightStateCount()), weighed(settings.weighedAgainstRays), merging(weights.merging),
+        rest(weights.rest),
+        lambertian((scattering.lobes() & LAMBERTIAN) && !(scattering.lobes() & TRANSMISSION)),
+        shadingSide(glm::dot(scattering.normal(), eye) < 0 ? -scattering.normal() : scattering.normal()),
+        bent(point.shadingNormal != point.geometricNormal), cosines(point.normalTowards(eye), shadingSide) {
+    if (lambertian && states <= MAX_LISTED) {
+      for (size_t i = 0; i < states; ++i)
+        if (classes.join(LightState(static_cast<uint8_t>(i)), cameraState) != 0) {
+          lanes[listed] = {Float8(0), Float8(0), Float8(0)};
+          list[listed++] = static_cast<uint8_t>(i);
+        }
+    } else {
+      for (size_t i = 0; i < states; ++i) sums[i] = BLACK;
+    }
+  }
+
+  bool isLambertian() const { return lambertian; }
+  /** The most common case, quick: a Lambertian BSDF, and paths of all classes alike. */
+  bool oneSum() const { return lambertian && states == 1 && listed == 1; }
+  void set(const Vec3f8& power) { lanes[0] = power; }
+  auto arrives() const {
+    return [this](Float8 weight, const PhotonBlock& block) { return counted(weight, block); };
+  }
+
+  /** Adds the found photons of a block, with kernel shape values in `shape`. */
+  void add(const PhotonBlock& block, Float8 shape) {
+    Float8 weight = block.found(shape);
+    if (lambertian) {
+      weight = counted(weight, block);
+      if (states <= MAX_LISTED) {
+        const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
+        // Every state's turn for every block: cheaper than a branch that depends on the photons.
+        const Uint32x8 pathStates = Uint32x8::fromBytes(block.pathStates);
+        for (size_t i = 0; i < listed; ++i) {
+          const Float8 same = equal(pathStates, Uint32x8(list[i]));
+          addLanes(i, {power.x & same, power.y & same, power.z & same});
+        }
+        return;
+      }
+    }
+    if (bent && !lambertian) weight = weight * abs(cosines.of(block).quotient());
+    alignas(32) float w[8];
+    weight.store(w);
+    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+      const int lane = std::countr_zero(rest);
+      const Rgb power = block.power(lane) * w[lane];
+      sums[block.pathStates[lane]] +=
+          lambertian
+              ? power
+              : power * value(block.direction(lane), block.reverseRatios ? block.reverseRatios[lane] : 0);
+    }
+  }
+
+  void addTo(PathRadiance& out, const Rgb& scale) {
+    // A Lambertian BSDF is the same for all photons. Light from the eye leaks by neither normal.
+    const Rgb factor = lambertian ? scale * scattering.value(eye, eye) : scale;
+    const auto addState = [&](size_t state, const Rgb& power) {
+      if (!isBlack(power)) out.add(LightState(static_cast<uint8_t>(state)), cameraState, power * factor);
+    };
+    if (lambertian && states <= MAX_LISTED) {
+      for (size_t i = 0; i < listed; ++i)
+        addState(list[i], Rgb(sum(lanes[i].x), sum(lanes[i].y), sum(lanes[i].z)));
+    } else {
+      for (size_t i = 0; i < states; ++i) addState(i, sums[i]);
+    }
+  }
+
+ private:
+  /** More states than this are added up photon by photon. */
+  static constexpr size_t MAX_LISTED = 12;
+
+  /** The BSDF for light from a photon's direction, as far as no ray follows it. */
+  Rgb value(const Vec3f& light, float reverseRatio) const {
+    const Rgb f = scattering.value(eye, light);
+    if (isBlack(f) || !(weighed || weighting.ever())) return f;
+    const float pdf = scattering.pdfNonDelta(eye, light);
+    return f * (weighting.gathered(pdf) * (weighed ? photonWeight(reverseRatio, merging, pdf, rest) : 1));
+  }
+
+  /** Weights of photons that come to a Lambertian surface; 0 where they come from behind the shading normal.
+   */
+  Float8 counted(Float8 weight, const PhotonBlock& block) const {
+    if (!bent && !weighed) return weight;
+    if (!bent && !block.reverseRatios) return weight * Float8(rest);
+    Float8 cosine;
+    if (bent) {
+      const PhotonCosines::Pair pair = cosines.of(block);
+      cosine = max(pair.shading, Float8(0));
+      weight = weight * max(pair.quotient(), Float8(0));
+      if (!weighed) return weight;
+      if (!block.reverseRatios) return weight * Float8(rest);
+    } else {
+      cosine = max(dot(block.directions(), shadingSide), Float8(0));
+    }
+    const Float8 ratio = Float8::load(block.reverseRatios);
+    const Float8 share =
+        Float8(merging) / max(Float8(merging) + ratio * cosine * Float8(INV_PI), Float8(FLT_MIN));
+    return weight * select(less(Float8(0), ratio), share, Float8(rest));
+  }
+
+  void addLanes(size_t i, const Vec3f8& power) {
+    Vec3f8& total = lanes[i];
+    total.x += power.x;
+    total.y += power.y;
+    total.z += power.z;
+  }
+
+  const ScatteringPoint& scattering;
+  Vec3f eye;
+  GatherWeighting weighting;
+  CameraState cameraState;
+  size_t states;
+  bool weighed;
+  float merging, rest;
+  bool lambertian;
+  Vec3f shadingSide;
+  bool bent; ///< the shading normal is not the geometric one
+  PhotonCosines cosines;
+  std::array<Rgb, 256> sums;
+  size_t listed = 0; ///< states that make an accepted path here
+  std::array<uint8_t, MAX_LISTED> list;
+  std::array<Vec3f8, MAX_LISTED> lanes; ///< sums for the listed states, spread over eight
+};
+
+/** Where photons are added up, and what divides them. */
+struct Support {
+  GatherRegion region;
+  float radius2 = 0;
+  bool empty = false;     ///< there are no photons, and what is surface was not looked at
+  float fraction = 1;     ///< of the kernel's weight that is surface
+  bool byNearest = false; ///< the photons are in the scratch
+};
+
+/** `region`: the place. A support smaller than `least` is widened to it. `error` bounds that of the centre.
+ */
+Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region,
+                          float error, float least, BoundaryCorrection* boundary, PhotonScratch& scratch,
+                          TransportCounts& counts) {
+  Support support{region};
+  const auto search = [&] {
+    support.region.radius = settings.radius;
+    support.byNearest = false;
+    support.radius2 = square(support.region.radius);
+    if (settings.nearest > 0) {
+      const NearestPhotons nearest = map.nearest(support.region, settings.nearest, scratch);
+      // As many photons in one point have no density of their own.
+      if (nearest.count == settings.nearest && (nearest.radius2 > 0 || least > 0)) {
+        support.radius2 = nearest.radius2;
+        support.byNearest = true;
+      }
+    }
+    if (support.radius2 < square(least)) {
+      support.radius2 = square(least);
+      support.byNearest = false;
+    }
+    support.region.radius = std::sqrt(support.radius2);
+  };
+  const float flat = boundary ? boundary->flat() : 0;
+  support.region.flatness =
+      flat > 0 ? flatnessOfFlat(*boundary, settings.flatness, error, std::min(settings.radius, flat))
+               : settings.flatness;
+  search();
+  if (flat > 0 && support.region.radius > flat) { // no telling what is flat so far away
+    support.region.flatness = settings.flatness;
+    search();
+  }
+  if (!boundary) return support;
+  // Rays weigh by the support whether there are photons in it or not.
+  if (!settings.leavesRestToRays && !support.byNearest && support.region.radius > flat &&
+      !anyWithin(map, support.region)) {
+    support.empty = true;
+    return support;
+  }
+  const auto fit = [&] {
+    support.fraction = coveredFraction(*boundary, error, settings.kernel, support.region, counts);
+    const bool smaller = square(support.region.radius) < 0.99f * support.radius2;
+    if (!smaller) return;
+    support.radius2 = square(support.region.radius);
+    support.byNearest = false;
+  };
+  const float flatness = support.region.flatness;
+  fit();
+  // The nearest that are not left out now.
+  if (support.byNearest && (support.region.clipCount > 0 || support.region.flatness < flatness)) {
+    search();
+    fit();
+  }
+  return support;
+}
+
+/** Sums of power times kernel shape over the photons of a support, whatever the BSDF. */
+struct PowerSum {
+  Vec3f8 power{0, 0, 0};
+  int found = 0;
+};
+
+/** `arrives(weight, block)`: the weight in the lanes whose light counts, 0 in the others. A support by the
+ * nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/area] is the density. */
+template <class Arrives>
+PowerSum sumPower(const PhotonMap& map, const Support& support, Kernel kernel, const PhotonScratch& scratch,
+                  const Arrives& arrives) {
+  return withKernel(kernel, [&](auto k) {
+    const Float8 limit(support.radius2), inverse(1 / support.radius2);
+    const auto add = [=](PowerSum& s, const PhotonBlock& block) {
+      const uint32_t mask = block.mask & bits(less(block.distance2, limit));
+      const Float8 shape = kernelShape<decltype(k)::value>(min(block.distance2 * inverse, Float8(1)));
+      const Float8 weight = arrives(shape & Float8::lanes(mask), block);
+      s.power.x += block.red() * weight;
+      s.power.y += block.green() * weight;
+      s.power.z += block.blue() * weight;
+      s.found += std::popcount(mask);
+    };
+    return support.byNearest ? map.accumulateNearest(scratch, PowerSum(), add)
+                             : map.accumulateWithin(support.region, PowerSum(), add);
+  });
+}
+
+} // namespace
+
+GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
+                    const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
+                    CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary) {
+  ++out.counts.gathers;
+  GatherResult result;
+  result.rest = settings.rest;
+  if (map.empty()) return result;
+  GatherRegion place;
+  place.center = point.position;
+  place.normal = point.normalTowards(eye);
+  place.bothSides = (scattering.lobes() & TRANSMISSION) != 0;
+  thread_local PhotonScratch scratch;
+  // Detail below a pixel is only noise: the support is at least as wide as the pixel.
+  const Support support = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
+                                            boundary, scratch, out.counts);
+
+  result.merging = mergingWithin(settings.merging, support.radius2);
+  result.rest = settings.restWithin(support.radius2);
+  result.radius = support.region.radius;
+  if (support.empty) return result;
+  Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState);
+  if (estimate.oneSum()) {
+    const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
+    result.found = sum.found;
+    estimate.set(sum.power);
+  } else {
+    withKernel(settings.kernel, [&](auto kernel) {
+      const auto addBlock = [&](PhotonBlock block) {
+        block.mask &= bits(less(block.distance2, Float8(support.radius2)));
+        if (block.mask == 0) return;
+        result.found += std::popcount(block.mask);
+        const Float8 q = min(block.distance2 / Float8(support.radius2), Float8(1));
+        estimate.add(block, kernelShape<decltype(kernel)::value>(q));
+      };
+      if (support.byNearest)
+        map.visitNearest(scratch, addBlock);
+      else
+        map.visitWithin(support.region, addBlock);
+    });
+  }
+  out.counts.photonsFound += static_cast<uint64_t>(result.found);
+  if (!estimate.isLambertian()) out.counts.photonsScattered += static_cast<uint64_t>(result.found);
+  if (result.found > 0)
+    estimate.addTo(out, throughput * ((settings.weighedAgainstRays ? 1 : result.rest) * INV_PI /
+                                      (support.radius2 * support.fraction)));
+  return result;
+}
+
+Rgb irradiance(const PhotonMap& map, const GatherSettings& settings, const Vec3f& position,
+               const Vec3f& normal, float error, BoundaryCorrection* boundary, TransportCounts& counts) {
+  ++counts.gathers;
+  if (map.empty()) return BLACK;
+  GatherRegion place;
+  place.center = position;
+  place.normal = normal;
+  thread_local PhotonScratch scratch;
+  const Support support = findKernelSupport(map, settings, place, error, 0, boundary, scratch, counts);
+  if (support.empty) return BLACK;
+  const float merging = mergingWithin(settings.merging, square(settings.radius));
+  const PowerSum s =
+      sumPower(map, support, settings.kernel, scratch, [&](Float8 weight, const PhotonBlock& block) {
+        if (!settings.weighedAgainstRays || !block.reverseRatios) return weight;
+        alignas(32) float shares[8];
+        for (int lane = 0; lane < 8; ++lane)
+          shares[lane] = photonWeight(block.reverseRatios[lane], merging,
+                                      absDot(block.direction(lane), normal) * INV_PI, settings.rest);
+        return weight * Float8::load(shares);
+      });
+  counts.photonsFound += static_cast<uint64_t>(s.found);
+  return Rgb(sum(s.power.x), sum(s.power.y), sum(s.power.z)) *
+         (INV_PI / (support.radius2 * support.fraction));
+}
+
+} // namespace recurse

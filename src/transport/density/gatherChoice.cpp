@@ -1,0 +1,110 @@
+/** @file
+ * Chooses radius and number of photons by the photons' density and the pixels' width.
+ */
+#include "transport/density/gatherChoice.h"
+#include "transport/photonmap/photonMapQuery.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "recurse/core/io/text.h"
+
+namespace recurse {
+
+namespace {
+
+/** How many photons a search looks for: so many that the disc is `width` pixels in radius, if the photons
+ * allow. Fewer are noise, and a wider disc is a blur, which many passes take long to sharpen. */
+struct Nearest {
+  int least, most;
+  double width;
+};
+constexpr Nearest ONE_MAP{50, 100, 16}, PROGRESSIVE{8, 40, 8}, PROGRESSIVE_FINE{8, 40, 4};
+
+} // namespace
+
+GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<const VisiblePoint> seen,
+                          const GatherSettings& requested, bool progressive, bool allLight,
+                          LightDetail detail, ForwardStatistics& statistics) {
+  GatherChoice choice{requested};
+  GatherSettings& search = choice.settings;
+  const Nearest range = !progressive ? ONE_MAP : detail == LightDetail::FINE ? PROGRESSIVE_FINE : PROGRESSIVE;
+  const bool anyRadius = requested.radius == 0;
+  if (requested.nearest == 0 && anyRadius) search.nearest = range.least;
+  if (seen.empty()) {
+    statistics.notes.push_back("the eye sees no diffuse surface: no photons are gathered");
+    if (anyRadius) search.radius = 2 * scene.bounds().radius;
+    return choice;
+  }
+  std::vector<double> radii, found, widths;
+  PhotonScratch scratch;
+  for (const VisiblePoint& place : seen) {
+    widths.push_back(double(place.footprint));
+    GatherRegion region;
+    region.center = place.point.position;
+    region.normal = place.point.geometricNormal;
+    region.bothSides = true;
+    region.flatness = search.flatness;
+    region.radius = anyRadius ? 2 * scene.bounds().radius : search.radius;
+    if (search.nearest > 0) {
+      const NearestPhotons n = map.nearest(region, search.nearest, scratch);
+      found.push_back(n.count);
+      if (n.count == search.nearest && n.radius2 > 0) radii.push_back(double(std::sqrt(n.radius2)));
+    } else {
+      int n = 0;
+      map.visitWithin(region, [&](const PhotonBlock& b) { n += std::popcount(b.mask); });
+      found.push_back(n);
+    }
+  }
+  const auto part = [](std::vector<double>& v, double p) {
+    const auto i = static_cast<std::ptrdiff_t>(p * double(v.size() - 1));
+    std::nth_element(v.begin(), v.begin() + i, v.end());
+    return v[size_t(i)];
+  };
+  if (search.nearest > 0 && requested.nearest == 0 && !radii.empty()) {
+    const double widening = range.width * part(widths, 0.5) / part(radii, 0.5);
+    search.nearest = static_cast<int>(
+        std::clamp(range.least * widening * widening, double(range.least), double(range.most)));
+    for (double& r : radii) r *= std::sqrt(double(search.nearest) / range.least);
+  }
+  const double across = double(scene.bounds().radius);
+  double typical = double(requested.radius);
+  if (search.nearest > 0) {
+    if (!radii.empty()) {
+      typical = part(radii, 0.5);
+      if (anyRadius) search.radius = static_cast<float>(2 * part(radii, 0.95));
+      statistics.notes.push_back(formatted(
+          "search: %sthe %d nearest photons, typically within %.3g, at most %.3g; the scene is %.3g "
+          "across",
+          progressive ? "at first " : "", search.nearest, typical, double(search.radius), 2 * across));
+    } else if (anyRadius) {
+      search.radius = static_cast<float>(0.1 * across);
+    }
+  } else {
+    statistics.notes.push_back(
+        formatted("search: all photons within %.3g, typically %.0f; the scene is %.3g across", typical,
+                  part(found, 0.5), 2 * across));
+  }
+  choice.typicalRadius = static_cast<float>(typical);
+  if (map.empty()) {
+    if (allLight)
+      statistics.warnings.push_back("no photon was stored: the picture will show nothing but emitted light");
+    else
+      statistics.notes.push_back("no photon was stored: all light is direct, or there is none");
+    return choice;
+  }
+  if (progressive) return choice; // more passes mend both
+  if (const double typicalFound = part(found, 0.5); typicalFound < 25)
+    statistics.warnings.push_back(
+        formatted("the picture will be blotchy: an estimate typically finds %.0f photons; shoot more "
+                  "(--photons) or widen the search (--radius)",
+                  typicalFound));
+  if (typical > 0.05 * across)
+    statistics.warnings.push_back(
+        formatted("the picture will be smeared: light is averaged over discs of radius %.3g in a scene %.3g "
+                  "across; shoot more photons (--photons) or narrow the search (--radius, --gather-photons)",
+                  typical, 2 * across));
+  return choice;
+}
+
+} // namespace recurse

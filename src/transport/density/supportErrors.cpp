@@ -1,0 +1,75 @@
+/** @file
+ * Sums over the photons of eight supports at once.
+ */
+#include "transport/density/supportErrors.h"
+
+#include <bit>
+#include <cfloat>
+
+namespace recurse {
+
+namespace {
+
+/** Irradiance within `radius`, its channels added up, as if the disc were all surface. */
+float meanPower(const PhotonMap& photons, GatherRegion region, float radius) {
+  region.radius = radius;
+  float sum = 0;
+  photons.visitWithin(region, [&](const PhotonBlock& block) {
+    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
+      sum += channelSum(block.power(std::countr_zero(rest)));
+  });
+  return sum * INV_PI / square(radius);
+}
+
+} // namespace
+
+SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
+                            BoundaryCorrection& boundary, const RayAlternative& byRays,
+                            TransportCounts& counts) {
+  constexpr size_t AREAS = SupportErrors::AREAS;
+  const float own = region.radius;
+  alignas(32) float inverse[AREAS], norm[AREAS];
+  for (size_t j = 0; j < AREAS; ++j) { // the largest comes last: its half-spaces stay
+    region.radius = own * ofArea(j);
+    const float part = coveredFraction(boundary, error, kernel, region, counts);
+    const float radius2 = square(region.radius);
+    inverse[j] = 1 / radius2;
+    norm[j] = INV_PI / (radius2 * part);
+  }
+  Float8 sum(0), variance(0), noise(0), rays(0);
+  const float rarest = byRays.maxBrightness * meanPower(photons, region, own);
+  withKernel(kernel, [&](auto k) {
+    photons.visitWithin(region, [&](const PhotonBlock& block) {
+      alignas(32) float d2[8];
+      block.distance2.store(d2);
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+        const int lane = std::countr_zero(rest);
+        const float total = channelSum(block.power(lane));
+        const Float8 q = Float8(d2[lane]) * Float8::load(inverse);
+        const Float8 inside = less(q, Float8(1));
+        const Float8 brings = (kernelShape<decltype(k)::value>(min(q, Float8(1))) & inside) *
+                              Float8::load(norm) * Float8(total);
+        const Float8 difference = brings - fromNextLane(brings);
+        sum += brings;
+        variance += brings * brings;
+        noise += difference * difference;
+        const float ratio = block.reverseRatios ? std::abs(block.reverseRatios[lane]) : 0;
+        const float density = ratio * absDot(block.direction(lane), region.normal) * INV_PI;
+        rays += brings * Float8(std::min(total * byRays.emitted / std::max(density, FLT_MIN), rarest));
+      }
+    });
+  });
+  SupportErrors e;
+  for (size_t j = 0; j < AREAS; ++j) {
+    const int lane = static_cast<int>(j);
+    e.variance[j] = double(variance[lane]);
+    e.rays2[j] = double(rays[lane]);
+    if (j + 1 == AREAS) break;
+    e.noise[j] = double(noise[lane]);
+    e.bias2[j] = square(double(sum[lane]) - double(sum[lane + 1])) - e.noise[j];
+  }
+  e.irradiance = double(sum[int(SupportErrors::OWN)]);
+  return e;
+}
+
+} // namespace recurse

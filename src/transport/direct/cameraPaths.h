@@ -1,0 +1,40 @@
+/** @file
+ * Camera paths on a grid over the film, for what is learned before a render.
+ */
+#pragma once
+
+#include <vector>
+
+#include "recurse/core/threads/parallel.h"
+#include "transport/paths/walker.h"
+
+namespace recurse {
+
+/** Starts a camera path in the middle of each of across x across cells of the film and hands it to
+ * follow(row, path, walker, sampler, counts), with what is gathered of its row of cells. Rows are followed
+ * side by side; returns them in order. `maxDepth`: events of a path. */
+template <class Row, class Follow>
+std::vector<Row> followCameraPaths(const Scene& scene, int across, int maxDepth, uint64_t seed,
+                                   TransportCounts& counts, const Row& empty, const Follow& follow) {
+  const PathClasses allPaths;
+  std::vector<Row> rows(static_cast<size_t>(across), empty);
+  std::vector<TransportCounts> rowCounts(rows.size());
+  const PixelBounds film = scene.film().whole();
+  parallelFor(rows.size(), [&](size_t y) {
+    CameraWalker walker(scene, allPaths, rowCounts[y], maxDepth, false);
+    for (int x = 0; x < across; ++x) {
+      Sampler sampler(seed, y, static_cast<uint32_t>(x));
+      CameraSample sample;
+      sample.film = film.middleOfCell(x, static_cast<int>(y), across);
+      if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
+      const std::optional<CameraRay> ray = scene.camera().validRay(sample);
+      if (!ray) continue;
+      CameraSubpath path = startCameraSubpath(scene, allPaths, *ray, rowCounts[y]);
+      follow(rows[y], path, walker, sampler, rowCounts[y]);
+    }
+  });
+  for (const TransportCounts& c : rowCounts) counts.add(c);
+  return rows;
+}
+
+} // namespace recurse

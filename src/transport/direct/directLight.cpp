@@ -1,0 +1,149 @@
+/** @file
+ * Shadow rays and their weights.
+ */
+#include "transport/direct/directLight.h"
+
+namespace recurse {
+
+namespace {
+
+/** The weight of a light that is met by a ray of density `pdf` and sampled with density `lightPdf`. */
+float bsdfRayWeight(int lightSamples, float lightPdf, float pdf, const SpectralPath* inMedia) {
+  if (!inMedia) return 1 - powerHeuristic(lightSamples, lightPdf, pdf);
+  const Rgb sum = inMedia->pathPdf + inMedia->lightPdf * (static_cast<float>(lightSamples) * lightPdf / pdf);
+  return 3 / (sum.r + sum.g + sum.b);
+}
+
+/** Carries a shadow ray from a vertex to the light, through media, panes and surfaces that are hidden or do
+ * not scatter. Returns the number of panes; the transmittance is black where something is in the way. */
+int transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, Nesting nesting,
+                         const LiSample& light, int hero, int maxPanes, Sampler& sampler,
+                         SpectralTransmittance& sum, TransportCounts& counts) {
+  Ray ray = shadowRay(from.point, light);
+  if (ray.direction == Vec3f(0)) return 0;
+  const bool panes = maxPanes > 0 && hasPanes(scene);
+  ++counts.rays;
+  if (scene.occluded(ray) && !panes && scene.nestedIndices().empty()) {
+    sum.value = BLACK;
+    return 0;
+  }
+  nesting.scatters(from, wi, light.direction);
+  constexpr float MIN_REST = 1 - 16 * std::numeric_limits<float>::epsilon(); // as in shadowRay()
+  BsdfArena arena;
+  Hit hit;
+  for (int passed = 0;;) {
+    const bool isHit = intersect(scene, ray, hit, counts);
+    if (isHit) nesting.approach(hit, light.direction);
+    if (const Medium* medium = scene.medium(nesting.medium(scene))) {
+      const float length = glm::length(ray.direction);
+      Ray unit = ray;
+      unit.direction = light.direction;
+      trackTransmittance(*medium, unit, (isHit ? hit.t : ray.tMax) * length, hero, sampler, sum);
+    }
+    if (isBlack(sum.value) || !isHit) return passed;
+    arena.reset();
+    if (const Bsdf* bsdf = bsdfAt(scene, hit, light.direction, Footprint(), nesting, arena)) {
+      if (passed++ < maxPanes)
+        sum.value *= paneTransmittance(ScatteringPoint(*bsdf, hit.point), -light.direction);
+      else
+        sum.value = BLACK;
+      if (isBlack(sum.value)) return passed;
+    }
+    nesting.enterMedium(hit, light.direction);
+    // On in the same direction: a ray aimed at the target again could turn back to a surface that it grazes.
+    ray.origin = originBehind(ray, hit);
+    if (light.distance < INFINITE)
+      ray.tMax = MIN_REST * glm::dot(light.target - ray.origin, ray.direction) / lengthSquared(ray.direction);
+    if (!(ray.tMax > 0)) return passed;
+  }
+}
+
+} // namespace
+
+void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler,
+                            const LightSampleContext& context, const LitVertex& vertex, int samples,
+                            int maxPanes, Sampler& sampler, PathRadiance& out) {
+  if (!lightIsSampled(scene, out.pathClasses(), vertex.state)) return;
+  for (int i = 0; i < samples && !out.abandoned(); ++i) {
+    const SampledLight choice(scene.lights(), lightSampler, context, sampler);
+    const std::optional<LiSample> light = choice.sampleLi(vertex.hit.point);
+    if (!light || !(light->pdf > 0)) continue;
+    addLightInMedia(scene, vertex, *light,
+                    choice.chosen.probability * light->pdf * static_cast<float>(samples), maxPanes, sampler,
+                    out);
+  }
+}
+
+void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, float pdf,
+                     int maxPanes, Sampler& sampler, PathRadiance& out) {
+  const Rgb f = vertex.value(light.direction);
+  if (isBlack(f)) return;
+  SpectralTransmittance through;
+  const int panes = transmittanceToLight(scene, vertex.hit, vertex.wi, vertex.nesting, light, vertex.hero,
+                                         maxPanes, sampler, through, out.counts);
+  if (isBlack(through.value)) return;
+  Rgb density = through.lightPdf * pdf;
+  if (!light.delta && vertex.hasBsdfRay) density += through.pathPdf * vertex.pdf(light.direction);
+  density *= vertex.path.pathPdf;
+  out.add(afterPanes(out.pathClasses(), panes), vertex.state,
+          vertex.path.throughput * f * light.radiance * through.value *
+              (3 / (density.r + density.g + density.b)));
+}
+
+void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,
+                     const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
+                     const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
+                     LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out) {
+  if (!lightIsSampled(scene, out.pathClasses(), cameraState)) return;
+  for (int i = 0; i < samples && !out.abandoned(); ++i) {
+    const SampledLight choice(scene.lights(), lightSampler, context, sampler);
+    const std::optional<LiSample> light = choice.sampleLi(hit.point);
+    if (!light) continue;
+    const Rgb radiance =
+        unshadowedRadiance(scattering, wi, throughput, *light, choice.chosen.probability, samples, allowed);
+    if (isBlack(radiance)) continue;
+    Transmittance free;
+    if (scene.hasMedia()) {
+      SpectralTransmittance through;
+      free.panes = transmittanceToLight(scene, hit, wi, nesting, *light, NO_HERO, maxPanes, sampler, through,
+                                        out.counts);
+      free.value = through.value;
+    } else {
+      free = transmittance(scene, hit, wi, *light, nesting, maxPanes, out.counts);
+    }
+    if (!isBlack(free.value))
+      out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value);
+  }
+}
+
+Rgb emittedRadiance(const Scene& scene, const LightSampler& lightSampler, const Hit& hit,
+                    const Vec3f& direction, const BsdfRay& ray, int lightSamples,
+                    const SpectralPath* inMedia) {
+  const Rgb radiance = hit.areaLight->radiance(hit.point, -direction);
+  if (!ray.weighted || isBlack(radiance)) return radiance;
+  const float lightPdf = lightSampler.probability(scene.lights(), ray.from, hit.lightIndex) *
+                         hit.areaLight->pdfLi(ray.from.position, hit.primitive, hit.point);
+  return radiance * bsdfRayWeight(lightSamples, lightPdf, ray.pdf, inMedia);
+}
+
+Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, size_t which,
+                        const Vec3f& direction, const BsdfRay& ray, int lightSamples,
+                        const SpectralPath* inMedia) {
+  const EnvironmentLight& light = *scene.environment()[which];
+  const Rgb radiance = light.radiance(direction);
+  if (!ray.weighted) return radiance;
+  const float lightPdf =
+      lightSampler.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
+      lightSampler.pdfLi(light, ray.from.position, direction);
+  return radiance * bsdfRayWeight(lightSamples, lightPdf, ray.pdf, inMedia);
+}
+
+Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, const Vec3f& direction,
+                        const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia) {
+  Rgb sum = BLACK;
+  for (size_t i = 0; i < scene.environment().size(); ++i)
+    sum += environmentRadiance(scene, lightSampler, i, direction, ray, lightSamples, inMedia);
+  return sum;
+}
+
+} // namespace recurse

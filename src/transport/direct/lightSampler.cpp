@@ -1,0 +1,454 @@
+/** @file
+ * Learning which lights reach which places.
+ */
+#include "transport/direct/lightSampler.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "recurse/core/threads/interrupt.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/model/bsdf/scatteringPoint.h"
+#include "transport/paths/walk.h"
+
+namespace recurse {
+
+namespace {
+
+/** Tell these samples from all others. */
+constexpr uint64_t FIRST_LIGHT_STREAM = 0x4c4947485453ull, LOOK_STREAM = 0x4c4f4f4b53ull,
+                   PLACE_STREAM = 0x504c41434553ull;
+/** Most photons of a cell, and how many the guess by power and distance is worth. */
+constexpr size_t MAX_ARRIVALS = 64;
+constexpr double PRIOR = 64;
+/** Levels of the tree that are tabulated. */
+constexpr int TABLE_DEPTH = 6;
+/** The part that all clusters share, so that rounding of sums does not make anyone's part 0. */
+constexpr double EVEN_PART = 1e-3;
+
+/** What light brings to a surface, in its strongest colour; 0 where that cannot be told. */
+double irradiance(const LiSample& light, const Vec3f& normal, bool bothSides) {
+  const float cosine = glm::dot(light.direction, normal);
+  if (!(light.pdf > 0) || (!bothSides && cosine < 0)) return 0;
+  const double e = double(maxComponent(light.radiance)) * double(std::abs(cosine)) / double(light.pdf);
+  return std::isfinite(e) ? e : 0;
+}
+
+} // namespace
+
+/** A node on a way down the tree. */
+class LightSampler::Descent {
+ public:
+  /** `near2`: lights nearer than its root are not told apart by distance. */
+  Descent(const LightSampler& guide, const Vec3f& position, float near2, const Cluster& from)
+      : guide(guide), position(position), near2(near2), at(from) {}
+
+  bool atLight() const { return at.end - at.first == 1; }
+  const Cluster& where() const { return at; }
+  uint32_t middle() const { return at.first + (at.end - at.first) / 2; }
+  uint32_t right() const { return at.node + 2 * (middle() - at.first); }
+  /** The left child's part by power over distance². */
+  double left() const {
+    const Node &whole = guide.nodes[at.node], &l = guide.nodes[at.node + 1], &r = guide.nodes[right()];
+    // Next to one of two lights, or inside its box, the other one still counts for something.
+    const float least = std::max(whole.radius2 / 16, near2);
+    const auto distance2 = [&](const Node& n) {
+      return double(std::max(lengthSquared(n.center - position), std::max(n.radius2, least)));
+    };
+    double a = double(l.power), b = double(r.power);
+    if (least > 0) {
+      a *= distance2(r);
+      b *= distance2(l);
+    }
+    return a / (a + b);
+  }
+  void go(bool toTheLeft) {
+    if (toTheLeft)
+      at = {at.node + 1, at.first, middle()};
+    else
+      at = {right(), middle(), at.end};
+  }
+
+ private:
+  const LightSampler& guide;
+  const Vec3f position;
+  const float near2;
+  Cluster at;
+};
+
+size_t LightSampler::sideOf(const Vec3f& normal) {
+  const int axis = widestAxis(magnitude(normal));
+  return size_t(2 * axis + (normal[axis] < 0));
+}
+
+LightSampleContext LightSampler::at(const Vec3f& position, const Vec3f& normal) const {
+  LightSampleContext place{position};
+  const std::vector<Cell>& side = cells[sideOf(normal)];
+  if (side.empty()) return place;
+  // Ways down the tree with the shares that go there; both ways where a border is near.
+  struct Way {
+    size_t cell;
+    float weight;
+  };
+  std::array<Way, LightSampleContext::MAX_CELLS> ways{{{0, 1}}};
+  size_t left = 1;
+  place.count = 0;
+  while (left > 0) {
+    auto [i, weight] = ways[--left];
+    while (side[i].axis < 3) {
+      const Cell& c = side[i];
+      const float beyond = position[int(c.axis)] - c.at;
+      const bool isNear = std::abs(beyond) < c.band && place.count + left + 1 < ways.size();
+      if (isNear) {
+        const float other = weight * (0.5f - 0.5f * std::abs(beyond) / c.band);
+        ways[left++] = {beyond < 0 ? c.other : i + 1, other};
+        weight -= other;
+      }
+      i = beyond < 0 ? i + 1 : c.other;
+    }
+    place.shares[place.count++] = {side[i].other, weight};
+  }
+  return place;
+}
+
+ChosenLight LightSampler::chooseLearned(const LightTable& lights, const LightSampleContext& place,
+                                        float& u) const {
+  size_t c = 0;
+  for (size_t end = clusters.size() - 1; c < end;) {
+    const size_t middle = c + (end - c) / 2;
+    if (double(u) < upTo(place, middle))
+      end = middle;
+    else
+      c = middle + 1;
+  }
+  const double below = c > 0 ? upTo(place, c - 1) : 0, part = upTo(place, c) - below;
+  const auto [light, probability] =
+      chooseBelow(clusters[c], place.position, (double(u) - below) / part, part, u);
+  return {&lights[order[light]], static_cast<float>(probability), order[light]};
+}
+
+LightSampler::Chosen LightSampler::chooseBelow(const Cluster& cluster, const Vec3f& position, double rest,
+                                               double probability, float& u) const {
+  Descent way(*this, position, 0, cluster);
+  while (!way.atLight()) {
+    const double left = way.left();
+    const bool toTheLeft = rest < left;
+    const double part = toTheLeft ? left : 1 - left;
+    rest = (toTheLeft ? rest : rest - left) / part;
+    probability *= part;
+    way.go(toTheLeft);
+  }
+  u = std::min(static_cast<float>(rest), ONE_MINUS_EPSILON);
+  return {way.where().first, probability};
+}
+
+float LightSampler::probabilityLearned(const LightSampleContext& place, uint32_t light) const {
+  const uint32_t wanted = rank[light];
+  if (order[wanted] != light) return 0; // it has no power
+  const uint32_t c = clusterOf[wanted];
+  double probability = upTo(place, c) - (c > 0 ? upTo(place, c - 1) : 0);
+  Descent way(*this, place.position, 0, clusters[c]);
+  while (!way.atLight()) {
+    const double left = way.left();
+    const bool toTheLeft = wanted < way.middle();
+    probability *= toTheLeft ? left : 1 - left;
+    way.go(toTheLeft);
+  }
+  return static_cast<float>(probability);
+}
+
+void LightSampler::buildTree(const LightTable& lights) {
+  // Where photons start is all that is asked of a light; a box that is too small costs no more than noise.
+  constexpr int STARTS = 4;
+  std::vector<Bounds3f> boxes(lights.size());
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (!(lights.probability(i) > 0)) continue; // no photon starts here
+    order.push_back(static_cast<uint32_t>(i));
+    for (int k = 0; k < STARTS; ++k) {
+      const float a = (static_cast<float>(k) + 0.5f) / STARTS, b = std::fmod(a + 0.5f, 1.0f);
+      if (const auto e = lights[i].sampleLe({a, {a, k % 2 ? 0.25f : 0.75f}, {b, a}, a}))
+        boxes[i].add(e->origin);
+    }
+    if (boxes[i].empty()) boxes[i].add(Vec3f(0));
+  }
+  if (order.size() < 2) {
+    order.clear();
+    return;
+  }
+  nodes.reserve(2 * order.size());
+  buildNode(boxes, lights, 0, order.size(), 0);
+  for (uint32_t c = 0; c < clusters.size(); ++c)
+    for (uint32_t i = clusters[c].first; i < clusters[c].end; ++i) clusterOf.push_back(c);
+  rank.assign(lights.size(), 0);
+  for (size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<uint32_t>(i);
+}
+
+void LightSampler::buildNode(std::span<const Bounds3f> boxes, const LightTable& lights, size_t first,
+                             size_t end, int depth) {
+  Bounds3f box;
+  double power = 0;
+  for (size_t i = first; i < end; ++i) {
+    box.add(boxes[order[i]]);
+    power += double(lights.probability(order[i]));
+  }
+  if (depth == TABLE_DEPTH || (depth < TABLE_DEPTH && end - first == 1))
+    clusters.push_back(
+        {static_cast<uint32_t>(nodes.size()), static_cast<uint32_t>(first), static_cast<uint32_t>(end)});
+  nodes.push_back({box.center(), lengthSquared(box.diagonal() / 2.0f), static_cast<float>(power)});
+  if (end - first == 1) return;
+  const int axis = widestAxis(box.diagonal());
+  const auto place = [&](uint32_t light) { return boxes[light].lower[axis] + boxes[light].upper[axis]; };
+  const size_t middle = first + (end - first) / 2;
+  const auto at = [&](size_t i) { return order.begin() + static_cast<std::ptrdiff_t>(i); };
+  std::nth_element(at(first), at(middle), at(end), [&](uint32_t a, uint32_t b) {
+    return place(a) != place(b) ? place(a) < place(b) : a < b;
+  });
+  buildNode(boxes, lights, first, middle, depth + 1);
+  buildNode(boxes, lights, middle, end, depth + 1);
+}
+
+void LightSampler::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::vector<Arrivals>& leaves) {
+  const size_t cell = cells.size();
+  cells.emplace_back();
+  if (arrivals.size() > MAX_ARRIVALS) {
+    Bounds3f box;
+    for (const Arrival& a : arrivals) box.add(a.position);
+    const int axis = widestAxis(box.diagonal());
+    const auto half = arrivals.begin() + static_cast<std::ptrdiff_t>(arrivals.size() / 2);
+    std::nth_element(arrivals.begin(), half, arrivals.end(),
+                     [&](const Arrival& a, const Arrival& b) { return a.position[axis] < b.position[axis]; });
+    // The border lies between two places, so that of walls none lies on it.
+    float beyond = half->position[axis], before = box.lower[axis];
+    if (beyond == before) { // more than half lie in one plane: the others go elsewhere
+      beyond = box.upper[axis];
+      for (const Arrival& a : arrivals)
+        if (a.position[axis] > before) beyond = std::min(beyond, a.position[axis]);
+    }
+    for (const Arrival& a : arrivals)
+      if (a.position[axis] < beyond) before = std::max(before, a.position[axis]);
+    if (beyond > before) { // else all are at the same place
+      const float at = before + (beyond - before) / 2;
+      const auto below =
+          static_cast<size_t>(std::partition(arrivals.begin(), arrivals.end(),
+                                             [&](const Arrival& a) { return a.position[axis] < beyond; }) -
+                              arrivals.begin());
+      buildCells(arrivals.first(below), cells, leaves);
+      // Half as wide as a leaf, of which a surface has so many in this extent.
+      const double leaves1d = std::sqrt(double(arrivals.size()) / double(MAX_ARRIVALS / 2));
+      const auto band = static_cast<float>(0.5 * double(box.diagonal()[axis]) / leaves1d);
+      cells[cell] = {static_cast<uint32_t>(axis), at, band, static_cast<uint32_t>(cells.size())};
+      buildCells(arrivals.subspan(below), cells, leaves);
+      return;
+    }
+  }
+  leaves.push_back(arrivals);
+  cells[cell].other = static_cast<uint32_t>(leaves.size()); // table 0 is not a cell's
+}
+
+std::vector<double> LightSampler::irradiances(const LightTable& lights, Arrivals arrivals,
+                                              Sampler sampler) const {
+  constexpr size_t PLACES = 8;
+  std::vector<double> all(clusters.size(), 0);
+  const size_t every = (arrivals.size() + PLACES - 1) / PLACES;
+  for (size_t i = 0; i < arrivals.size(); i += every)
+    for (size_t c = 0; c < clusters.size(); ++c) {
+      float pick = sampler.next1D();
+      const Vec2f u = sampler.next2D();
+      const auto [light, probability] = chooseBelow(clusters[c], arrivals[i].position, double(pick), 1, pick);
+      if (const auto illumination = lights[order[light]].sampleLi(arrivals[i].position, pick, u))
+        all[c] += irradiance(*illumination, arrivals[i].normal, false) / probability;
+    }
+  return all;
+}
+
+void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampler sampler,
+                              float* table) const {
+  const size_t count = clusters.size();
+  Bounds3f box;
+  for (const Arrival& a : arrivals) box.add(a.position);
+  // Deals out a part of 1 to each cluster from the root down.
+  const auto dealOut = [&](const auto& left, const auto& deal) {
+    const auto visit = [&](const auto& self, Descent way, double part) -> void {
+      const size_t c = clusterOf[way.where().first];
+      if (way.where().node == clusters[c].node) return deal(c, part);
+      const double toTheLeft = left(way);
+      Descent other = way;
+      way.go(true);
+      other.go(false);
+      self(self, way, part * toTheLeft);
+      self(self, other, part * (1 - toTheLeft));
+    };
+    visit(visit,
+          Descent(*this, box.center(), lengthSquared(box.diagonal() / 2.0f),
+                  {0, 0, static_cast<uint32_t>(order.size())}),
+          1);
+  };
+  // The guess is what the lights would bring if nothing was in their way; of this, a few samples may show
+  // nothing at all.
+  std::vector<double> guess = irradiances(lights, arrivals, sampler);
+  const double all = std::accumulate(guess.begin(), guess.end(), 0.0);
+  constexpr double BY_DISTANCE = 0.1;
+  dealOut([](const Descent& way) { return way.left(); },
+          [&](size_t c, double part) {
+            guess[c] = all > 0 ? BY_DISTANCE * part + (1 - BY_DISTANCE) * guess[c] / all : part;
+          });
+  std::vector<double> guesses(count + 1, 0), photons(count + 1, 0); // of all clusters before
+  for (const Arrival& a : arrivals) photons[clusterOf[a.light] + 1] += 1;
+  for (size_t c = 0; c < count; ++c) {
+    guesses[c + 1] = guesses[c] + guess[c];
+    photons[c + 1] += photons[c];
+  }
+  double sum = 0;
+  dealOut(
+      [&](const Descent& way) {
+        const size_t first = clusterOf[way.where().first], middle = clusterOf[way.middle()],
+                     end = clusterOf[way.where().end - 1] + 1;
+        const double guessed = guesses[end] - guesses[first];
+        const double part = guessed > 0 ? (guesses[middle] - guesses[first]) / guessed : way.left();
+        return (photons[middle] - photons[first] + PRIOR * part) / (photons[end] - photons[first] + PRIOR);
+      },
+      [&](size_t c, double part) {
+        sum += (1 - EVEN_PART) * part + EVEN_PART / double(count);
+        table[c] = static_cast<float>(sum);
+      });
+}
+
+void LightSampler::keep(const Hit& hit, const Vec3f& direction, uint32_t light, Found& found) const {
+  const Vec3f& normal = hit.point.geometricNormal;
+  const bool outside = glm::dot(normal, direction) < 0, both = hit.material->lobes() & TRANSMISSION;
+  if (outside || both) found.arrivals[sideOf(normal)].push_back({hit.point.position, normal, light});
+  if (!outside || both) found.arrivals[sideOf(-normal)].push_back({hit.point.position, -normal, light});
+}
+
+void LightSampler::shoot(const Scene& scene, uint32_t index, Found& found) const {
+  const LightTable& lights = scene.lights();
+  Sampler sampler(0, FIRST_LIGHT_STREAM, index);
+  float pick = sampler.next1D();
+  const size_t light = lights.chooseIndex(pick);
+  const float part = sampler.next1D();
+  const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+  if (!(lights.probability(light) > 0)) return;
+  const float time = scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0;
+  const std::optional<LeSample> emission = lights[light].sampleLe({part, place, direction, time});
+  if (!emission || isBlack(emission->flux)) return;
+  BsdfArena arena;
+  Ray ray{emission->origin, emission->direction, INFINITE, time};
+  Nesting nesting = nestingAt(scene, ray, found.counts);
+  for (Hit hit; intersect(scene, ray, hit, found.counts); ray = spawn(hit.point, ray.direction)) {
+    arena.reset();
+    const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
+    const LobeSet lobes = bsdf ? bsdf->lobes() : LobeSet(STRAIGHT);
+    if (!(lobes & STRAIGHT) || (lobes & NON_DELTA_LOBES)) // else shadow rays pass
+      return keep(hit, ray.direction, rank[light], found);
+  }
+}
+
+void LightSampler::look(const Scene& scene, uint32_t index, Found& found) const {
+  Sampler sampler(0, LOOK_STREAM, index);
+  BsdfArena arena;
+  const Vec2f across(scene.film().width, scene.film().height);
+  CameraSample sample{sampler.next2D() * across};
+  if (scene.camera().usesLens()) sample.lens = sampler.next2D();
+  if (scene.moves()) sample.time = scene.camera().timeAt(sampler.next1D());
+  const std::optional<CameraRay> seen = scene.camera().validRay(sample);
+  if (!seen) return;
+  Ray ray = *seen;
+  Nesting nesting = nestingAt(scene, ray, found.counts);
+  Hit hit;
+  for (int depth = 0; depth < MAX_BRANCHING_DEPTH && intersect(scene, ray, hit, found.counts); ++depth) {
+    arena.reset();
+    const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
+    Vec3f direction = ray.direction;
+    if (bsdf) {
+      const ScatteringPoint scattering(*bsdf, hit.point);
+      if (scattering.hasNonDelta()) return lookForLight(scene, hit, ray.direction, nesting, sampler, found);
+      const auto s = scattering.scatter(-ray.direction, Transport::FLUX, sampler, DELTA_LOBES);
+      if (!s) return;
+      direction = s->direction;
+      nesting.scatters(hit, -ray.direction, direction);
+    }
+    ray = spawn(hit.point, direction);
+  }
+}
+
+void LightSampler::lookForLight(const Scene& scene, const Hit& hit, const Vec3f& direction,
+                                const Nesting& nesting, Sampler& sampler, Found& found) const {
+  constexpr int TRIALS = 6;
+  const LightTable& lights = scene.lights();
+  const Vec3f& n = hit.point.geometricNormal;
+  const Vec3f normal = glm::dot(n, direction) < 0 ? n : -n;
+  const bool both = hit.material->lobes() & TRANSMISSION;
+  const Cluster all{0, 0, static_cast<uint32_t>(order.size())};
+  // One of the trials, in proportion to what it brings. By power alone the sky, which may be hidden, would
+  // take nearly all of them.
+  std::optional<uint32_t> kept;
+  double sum = 0;
+  for (int i = 0; i < TRIALS; ++i) {
+    float pick = sampler.next1D();
+    const Vec2f u = sampler.next2D();
+    const double keeps = double(sampler.next1D());
+    const bool byPower = i % 2 == 0;
+    const double which = byPower ? 0 : double(pick) * double(clusters.size());
+    const Cluster& from = byPower ? all : clusters[static_cast<size_t>(which)];
+    const double rest = byPower ? double(pick) : which - std::floor(which);
+    const auto [light, probability] =
+        chooseBelow(from, hit.point.position, rest, byPower ? 1 : 1 / double(clusters.size()), pick);
+    const auto illumination = sampleLi(lights[order[light]], hit.point.time, hit.point.position, pick, u);
+    double e = illumination ? irradiance(*illumination, normal, both) / probability : 0;
+    if (e > 0)
+      e *= double(maxComponent(
+          transmittance(scene, hit, -direction, *illumination, nesting, panesLeft(-1, 0), found.counts)
+              .value));
+    sum += e;
+    if (keeps * sum < e) kept = light;
+  }
+  if (kept) keep(hit, direction, *kept, found);
+}
+
+/** An interrupted one has learned nothing: lights are chosen by power. */
+TransportCounts LightSampler::learn(const Scene& scene, bool withPortals) try {
+  *this = {};
+  TransportCounts counts;
+  if (withPortals) counts = portals.learn(scene);
+  const LightTable& lights = scene.lights();
+  if (lights.size() < 2) return counts;
+  buildTree(lights);
+  if (!active()) return counts;
+  // More than what a picture of so many pixels takes a small part of the time for is not worth it.
+  constexpr size_t MIN_COUNT = 4096, MAX_COUNT = 131072, BATCH = 1024, LOOKS = 4;
+  const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
+  const size_t batches = std::clamp(2 * pixels, MIN_COUNT, MAX_COUNT) / BATCH;
+  std::vector<Found> found(batches);
+  parallelFor(batches, [&](size_t b) {
+    for (size_t i = b * BATCH; i < (b + 1) * BATCH; ++i) shoot(scene, static_cast<uint32_t>(i), found[b]);
+    for (size_t i = b * BATCH / LOOKS; i < (b + 1) * BATCH / LOOKS; ++i)
+      look(scene, static_cast<uint32_t>(i), found[b]);
+  });
+  std::array<std::vector<Arrival>, SIDES> all;
+  std::vector<Arrivals> leaves;
+  for (size_t side = 0; side < SIDES; ++side) {
+    for (const Found& f : found)
+      all[side].insert(all[side].end(), f.arrivals[side].begin(), f.arrivals[side].end());
+    if (!all[side].empty()) buildCells(all[side], cells[side], leaves);
+  }
+  tables.resize((leaves.size() + 1) * clusters.size());
+  parallelFor(leaves.size() + 1, [&](size_t i) {
+    if (i > 0)
+      return buildTable(lights, leaves[i - 1], Sampler(0, PLACE_STREAM, static_cast<uint32_t>(i)),
+                        &tables[i * clusters.size()]);
+    // Of places in media nothing else is known: a sun that does not reach one must leave something to a lamp.
+    constexpr double EVENLY = 0.25;
+    double sum = 0;
+    for (size_t c = 0; c < clusters.size(); ++c) {
+      sum += (1 - EVENLY) * double(nodes[clusters[c].node].power) + EVENLY / double(clusters.size());
+      tables[c] = static_cast<float>(sum);
+    }
+  });
+  for (const Found& f : found) counts.add(f.counts);
+  return counts;
+} catch (const Interrupted&) {
+  *this = {};
+  return {};
+}
+
+} // namespace recurse

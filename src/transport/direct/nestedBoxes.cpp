@@ -1,0 +1,58 @@
+/** @file
+ * Splitting places into boxes.
+ */
+#include "transport/direct/nestedBoxes.h"
+
+#include <algorithm>
+
+namespace recurse {
+
+NestedBoxes::NestedBoxes(std::vector<WeightedPlace> places, int levels, float margin) {
+  split(places.begin(), places.end(), levels, margin);
+  float all = 0;
+  for (const Box& box : boxes) all += box.chance;
+  float sum = 0;
+  for (Box& box : boxes) {
+    box.chance /= all;
+    box.upToHere = sum += box.chance;
+  }
+}
+
+void NestedBoxes::split(std::vector<WeightedPlace>::iterator first, std::vector<WeightedPlace>::iterator last,
+                        int levels, float margin) {
+  constexpr std::ptrdiff_t MIN_PLACES = 32;
+  // What lies where no leaf is would otherwise be found hundreds of times less often.
+  constexpr float INNER = 0.1f, GROWTH = 0.05f;
+  Bounds3f bounds;
+  float weight = 0;
+  for (auto place = first; place != last; ++place) {
+    bounds.add(place->position);
+    weight += place->weight;
+  }
+  if (levels == 0 || last - first < 2 * MIN_PLACES) {
+    bounds.lower -= margin;
+    bounds.upper += margin;
+    boxes.push_back({bounds, weight, true, 0});
+    return;
+  }
+  if (levels % 2 == 0) {
+    const Vec3f more = bounds.diagonal() * GROWTH + margin;
+    boxes.push_back({{bounds.lower - more, bounds.upper + more}, INNER * weight, false, 0});
+  }
+  const int axis = widestAxis(bounds.diagonal());
+  const auto middle = first + (last - first) / 2;
+  std::nth_element(first, middle, last, [&](const WeightedPlace& a, const WeightedPlace& b) {
+    return a.position[axis] < b.position[axis];
+  });
+  split(first, middle, levels - 1, margin);
+  split(middle, last, levels - 1, margin);
+}
+
+const NestedBoxes::Box& NestedBoxes::choose(float& pick) const {
+  const auto box = std::upper_bound(boxes.begin(), boxes.end() - 1, pick,
+                                    [](float value, const Box& b) { return value < b.upToHere; });
+  pick = std::clamp((pick - (box->upToHere - box->chance)) / box->chance, 0.0f, 1.0f);
+  return *box;
+}
+
+} // namespace recurse

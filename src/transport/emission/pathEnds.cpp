@@ -1,0 +1,142 @@
+/** @file
+ * Ends of paths at lights and at the camera.
+ */
+#include "transport/emission/pathEnds.h"
+
+#include "transport/direct/directLight.h"
+#include "transport/paths/walk.h"
+
+namespace recurse {
+
+bool LightEnd::isInfinite() const { return light->isInfinite(); }
+
+bool LightEnd::isIntersectable() const { return light->isIntersectable(); }
+
+LightGeometry LightEnd::geometry() const {
+  if (light->isDelta()) return LightGeometry::DELTA;
+  return isInfinite() ? LightGeometry::INFINITE : LightGeometry::SURFACE;
+}
+
+LightEnd lightEnd(const Scene& scene, uint32_t index, const LeRay& ray, const SurfacePoint& next) {
+  LightEnd end{&scene.lights()[index], index, ray};
+  const LePdf p = end.light->pdfLe(ray);
+  const double position = p.deltaPosition ? 1 : double(p.position);
+  const double direction = p.deltaDirection ? 1 : double(p.direction);
+  const double pick = double(scene.lights().probability(index));
+  if (end.isInfinite()) {
+    end.pdf = pick * direction;
+    end.pdfNext = position * double(absDot(ray.direction, next.geometricNormal));
+  } else {
+    end.pdf = pick * position;
+    end.pdfNext = direction * areaPerSolidAngle(ray.origin, next, ray.direction);
+  }
+  return end;
+}
+
+double directionToEnd(const LightEnd& end, const Vec3f& from) {
+  if (end.light->kind() != LightKind::AREA) return 1;
+  return double(absDot(end.ray.direction, end.ray.normal)) / double(lengthSquared(end.ray.origin - from));
+}
+
+double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
+                    const LightEnd& end) {
+  const auto pick = double(lights.probability(scene.lights(), from, end.index));
+  switch (end.light->kind()) {
+  case LightKind::AREA: {
+    SurfacePoint point;
+    point.position = end.ray.origin;
+    point.geometricNormal = point.shadingNormal = end.ray.normal;
+    point.time = end.ray.time;
+    const auto* area = static_cast<const AreaLight*>(end.light);
+    return pick * double(area->pdfLi(from.position, end.ray.primitive, point)) *
+           directionToEnd(end, from.position);
+  }
+  case LightKind::ENVIRONMENT:
+    return pick * double(lights.pdfLi(*static_cast<const EnvironmentLight*>(end.light), from.position,
+                                      -end.ray.direction));
+  case LightKind::POINT:
+  case LightKind::DISTANT:
+    break;
+  }
+  return pick;
+}
+
+double shadowRayDensity(const Scene& scene, const LightSampler& lights, const ShadowRayStart& from,
+                        const LightEnd& end, std::span<const WeightedVertex> vertices) {
+  if (!from.point) return 0;
+  const double pdf =
+      shadowRayPdf(scene, lights, lightSampleContext(lights, *from.point, from.towardsCamera), end);
+  if (from.panes == 0) return pdf;
+  const Vec3f& start = from.point->position;
+  const WeightedVertex& firstPane = vertices[vertices.size() - 1 - from.panes];
+  const Vec3f towards = glm::normalize(from.firstPane->position - start);
+  const double pdfDirection = firstPane.fromCamera / areaPerSolidAngle(start, *from.firstPane, towards);
+  if (!(pdfDirection > 0)) return 0; // too small for its number
+  const Vec3f& light = end.ray.origin;
+  const double distanceRatio = end.isInfinite() ? 1
+                                                : double(glm::distance(light, start)) /
+                                                      double(glm::distance(light, from.lastPane->position));
+  return shadowRaysThroughPanes(pdf, pdfDirection, distanceRatio);
+}
+
+std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasses& classes, float time,
+                                            Sampler& sampler, TransportCounts& counts,
+                                            const EmissionGuide& guide) {
+  const float which = sampler.next1D(), part = sampler.next1D();
+  const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+  EmissionGuide::Numbers n{which, part, place.x, place.y, direction.x, direction.y};
+  const float guided = guide.active() ? guide.warp(n, sampler.next1D()) : 1;
+  float pick = n[0];
+  const size_t index = scene.lights().chooseIndex(pick);
+  const float probability = scene.lights().probability(index);
+  if (!(probability > 0) || classes.dead(classes.lightStart())) return {};
+  const Light& light = scene.lights()[index];
+  const std::optional<LeSample> emission = light.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
+  if (!emission || isBlack(emission->flux)) return {};
+  if (!isFinite(emission->flux)) {
+    ++counts.nonFinite;
+    return {};
+  }
+  LightStart start;
+  LightEnd& end = start.end;
+  end.light = &light;
+  end.index = static_cast<uint32_t>(index);
+  end.ray = *emission;
+  LightSubpath& path = start.path;
+  path.ray = {emission->origin, emission->direction, INFINITE, time};
+  path.from = emission->origin;
+  path.throughput = emission->flux / (probability * guided);
+  path.state = classes.lightStart();
+  path.nesting = nestingAt(scene, path.ray, counts);
+  path.parallel = end.isInfinite();
+  if (path.parallel) {
+    end.pdf = double(emission->pdfDirection);
+    path.pdf = double(emission->pdfPosition);
+  } else {
+    end.pdf = double(emission->pdfPosition);
+    path.pdf = double(emission->pdfDirection);
+    if (light.kind() == LightKind::AREA) path.cosine = absDot(emission->direction, emission->normal);
+  }
+  end.pdf *= double(probability);
+  return start;
+}
+
+CameraEnd::CameraEnd(const Scene& scene, const Ray& ray) {
+  const Camera& camera = scene.camera();
+  if (!camera.isConnectable()) return;
+  parallel = camera.isDeltaDirection();
+  const WePdf p = camera.pdfWe(ray);
+  pdf =
+      double(scene.film().width) * double(scene.film().height) * double(parallel ? p.position : p.direction);
+  connectable = pdf > 0;
+}
+
+CameraEnd::CameraEnd(const Scene& scene, const CameraRay& ray)
+    : CameraEnd(scene, static_cast<const Ray&>(ray)) {
+  if (connectable) return;
+  parallel = !(ray.spread > 0) && ray.width > 0;
+  const float across = parallel ? ray.width : ray.spread;
+  pdf = across > 0 ? 1 / square(double(across)) : 1;
+}
+
+} // namespace recurse

@@ -1,0 +1,137 @@
+/** @file
+ * How photons start: from lights, chosen by power, and from media that emit.
+ */
+#pragma once
+
+#include <algorithm>
+#include <optional>
+
+#include "transport/forward/shootSettings.h"
+#include "transport/paths/walk.h"
+#include "transport/weights/mergeWeights.h"
+
+namespace recurse {
+
+/** A photon under way. */
+struct PhotonState {
+  Ray ray;
+  Rgb flux;
+  LightState state;
+  Nesting nesting;
+  ReverseRatio ratio;
+  int depth = 0;
+  bool caustic = true;
+  bool straight = true;    ///< from the light: nothing but thin panes so far
+  float relativePower = 1; ///< to that of the photon that it branched off; below 1 until it leaves its target
+  float wavelength = 0;    ///< as in Subpath
+  // In media:
+  Rgb pathPdf{1}; ///< see SpectralPath
+  int hero = 0;   ///< the channel that draws distances
+};
+
+/** Where a photon comes from. */
+struct PhotonOrigin {
+  LightKind kind = LightKind::POINT;
+  LePdf pdf;
+  Vec3f position{0};
+  uint32_t light = 0;
+  float probability = 0; ///< of the light
+};
+
+/** Starts photons, one after the other. */
+class PhotonStart {
+ public:
+  PhotonStart(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
+              TransportCounts& counts)
+      : scene(scene), classes(classes), settings(settings), counts(counts), mediaPart(partOfMedia()) {}
+
+  /** A photon of an emissive medium. */
+  std::optional<PhotonState> fromMedium(const EmissionGuide::TrainingSample& start, float time,
+                                        Sampler& sampler) {
+    const auto& n = start.numbers;
+    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
+    const Rgb flux = power * (start.weight / mediaPart / static_cast<float>(settings.photons));
+    if (!isUseful(flux)) return {};
+    const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
+    PhotonState photon{ray, flux, classes.lightStart(), nesting, {}};
+    photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    return photon;
+  }
+
+  /** A photon of a light, which is chosen by power. */
+  std::optional<PhotonState> fromLight(const EmissionGuide::TrainingSample& start, float time,
+                                       Sampler& sampler) {
+    const auto& n = start.numbers;
+    float pick = n[0];
+    const size_t index = lights().chooseIndex(pick);
+    const Light& source = lights()[index];
+    const float probability = lights().probability(index);
+    if (!(probability > 0)) return {};
+    const bool aimed = settings.aim && settings.aim->isAimed(static_cast<uint32_t>(index));
+    const Vec2f towards{n[4], n[5]};
+    std::optional<LeSample> emission =
+        source.sampleLe({n[1], {n[2], n[3]}, aimed ? sampler.next2D() : towards, time});
+    if (!emission) return {};
+    if (aimed) settings.aim->redirect(source, *emission, pick, towards);
+    if (isBlack(emission->flux)) return {};
+    LePdf pdf = source.pdfLe(*emission);
+    if (aimed) pdf.direction = emission->pdfDirection;
+    if (source.isInfinite() && settings.portals && settings.portals->active()) {
+      settings.portals->redirect(*emission, pick, {n[2], n[3]});
+      pdf.position = emission->pdfPosition;
+    }
+    origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), probability};
+    Rgb flux = emission->flux / (probability * (1 - mediaPart) * static_cast<float>(settings.photons));
+    fullPower = maxComponent(flux);
+    if (source.isInfinite()) flux *= settings.outsideTransmittance;
+    if (!isUseful(flux)) return {};
+    const Ray ray{emission->origin, emission->direction, INFINITE, time};
+    const ReverseRatio ratio =
+        source.isIntersectable() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
+    PhotonState photon{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+    if (scene.hasMedia()) {
+      const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
+      photon.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));
+      photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
+    }
+    return photon;
+  }
+
+  /** The part of the photons that emissive media emit. */
+  float byMedia() const { return mediaPart; }
+
+  PhotonOrigin origin; ///< of the last photon that a light emitted
+  float fullPower = 0; ///< that of the last photon if it started with weight 1
+
+ private:
+  const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }
+
+  /** The part of the photons that emissive media emit: in proportion to power, but between a tenth and nine
+   * tenths where there are lights too. */
+  float partOfMedia() const {
+    constexpr double MAX_PART = 0.9;
+    if (!settings.media || settings.media->empty()) return 0;
+    double byLights = 0;
+    for (size_t i = 0; i < lights().size(); ++i) byLights += double(maxComponent(lights()[i].power()));
+    if (!(byLights > 0)) return 1;
+    const double byMedia = settings.media->power();
+    return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
+  }
+
+  /** True where a photon of such a start is worth following; counts those that are not finite. */
+  bool isUseful(const Rgb& flux) {
+    if (!recurse::isFinite(flux)) {
+      ++counts.nonFinite;
+      return false;
+    }
+    return !isBlack(flux) && !classes.dead(classes.lightStart());
+  }
+
+  const Scene& scene;
+  const PathClasses& classes;
+  const ShootSettings& settings;
+  TransportCounts& counts;
+  float mediaPart;
+};
+
+} // namespace recurse

@@ -1,0 +1,357 @@
+/** @file
+ * The walk of one photon from its light, through surfaces and media, until it is killed.
+ */
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "recurse/model/bsdf/scatteringPoint.h"
+#include "transport/direct/directLight.h"
+#include "transport/forward/photonStart.h"
+#include "transport/forward/targetCones.h"
+
+namespace recurse {
+
+/** Photons are shot in batches of so many. */
+constexpr uint64_t PHOTON_BATCH = 4096;
+
+/** Photons that walks have stored. */
+struct StoredPhotons {
+  std::vector<Photon> onSurfaces;
+  std::vector<VolumePhoton> inMedia;
+  std::vector<PhotonBeam> beams;
+
+  size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
+  void clear() {
+    onSurfaces.clear();
+    inMedia.clear();
+    beams.clear();
+  }
+};
+
+/** Shoots photons, one after the other, and stores them where they may be found. */
+class PhotonWalk {
+ public:
+  PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
+             TransportCounts& counts, StoredPhotons& out)
+      : scene(scene), classes(classes), settings(settings), counts(counts), out(out),
+        starts(scene, classes, settings, counts) {}
+
+  /** Returns what the photon started by, and one over its density. */
+  EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
+    const float light = sampler.next1D(), part = sampler.next1D();
+    const Vec2f place = sampler.next2D(), direction = sampler.next2D();
+    EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
+    if (settings.guide && settings.guide->active())
+      start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
+    starts.fullPower = enteredTargets = 0;
+    const float byMedia = starts.byMedia();
+    const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
+    storesDirect = settings.direct || fromMedium;
+    std::optional<PhotonState> photon =
+        fromMedium ? starts.fromMedium(start, time, sampler) : starts.fromLight(start, time, sampler);
+    if (!photon) return start;
+    walk(std::move(*photon), sampler);
+    while (!waiting.empty()) {
+      auto [next, ownSampler] = waiting.back();
+      waiting.pop_back();
+      walk(std::move(next), ownSampler);
+    }
+    return start;
+  }
+  /** Power of a photon that starts with weight 1, of the last one that was shot. */
+  float fullPower() const { return starts.fullPower; }
+  /** Of its start, if it came from infinitely far [1/length²]; else infinite. */
+  float startDensity() const {
+    return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
+  }
+  /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
+   * light. */
+  float enteredImportance() const { return enteredTargets; }
+
+  const VisibleRegion* region = nullptr; ///< of trial photons
+  uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
+
+ private:
+  /** A short beam: its length is sampled by the channel of least extinction, so that no channel is amplified.
+   */
+  void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
+                 Sampler& sampler) {
+    const float part = settings.inMedia.beamPart;
+    if (part < 1 && sampler.next1D() >= part) return;
+    const float distance =
+        flight::sampleDistance(thinnest(medium.at(photon.ray.origin).extinction()), sampler);
+    out.beams.push_back({photon.ray.origin, photon.ray.direction, std::min(end, distance), photon.flux / part,
+                         number, photon.state.byte});
+  }
+
+  enum class MediumEvent { NONE, SCATTERED, ENDED };
+  /** Samples where the medium on the way to `end` scatters: there the photon is stored, and sent on. */
+  MediumEvent sampleMedium(PhotonState& photon, float end, Sampler& sampler) {
+    const uint16_t number = photon.nesting.medium(scene);
+    const Medium* medium = scene.medium(number);
+    if (!medium) return MediumEvent::NONE;
+    const LightState after = classes.step(photon.state, PathEvent::V);
+    const bool stored =
+        (!photon.straight || storesDirect) && photon.depth != settings.maxDepth && !classes.dead(after);
+    const bool asBeam = settings.inMedia.isByBeams(number);
+    if (stored && asBeam) storeBeam(photon, *medium, number, end, sampler);
+    SpectralPath spectral{photon.flux, photon.pathPdf, Rgb(1)};
+    const Collision c = sampleCollision(*medium, photon.ray, end, photon.hero, Absorption::SAMPLED, sampler,
+                                        spectral, [](const Rgb&) {});
+    // Single channels go up and down with their densities; their mean does not, and roulette by it keeps
+    // powers alike.
+    const float before = photon.flux.r + photon.flux.g + photon.flux.b;
+    photon.flux = spectral.throughput;
+    photon.pathPdf = spectral.pathPdf;
+    if (isBlack(photon.flux)) return MediumEvent::ENDED;
+    if (!c.scatters) return MediumEvent::NONE;
+    if (settings.causticsOnly) return MediumEvent::ENDED;
+    if (photon.depth == settings.maxDepth) {
+      counts.truncatedThroughput += double(maxComponent(photon.flux));
+      return MediumEvent::ENDED;
+    }
+    if (classes.dead(after)) return MediumEvent::ENDED;
+    const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
+    const float part = settings.inMedia.pointPart;
+    if (stored && !asBeam && (part >= 1 || sampler.next1D() < part))
+      out.inMedia.push_back(
+          {position, packDirection(direction), photon.flux / part, number, photon.state.byte});
+    ++photon.depth;
+    const float chance = std::min(1.0f, (photon.flux.r + photon.flux.g + photon.flux.b) / before);
+    if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return MediumEvent::ENDED;
+    photon.state = after;
+    photon.caustic = photon.straight = false;
+    photon.ratio = {};
+    photon.ray.origin = position;
+    photon.ray.direction = medium->phase->sample(direction, sampler.next2D());
+    return MediumEvent::SCATTERED;
+  }
+
+  /** The BSDF of the next surface that scatters; null when the photon ends before. */
+  const Bsdf* nextSurface(PhotonState& photon, Hit& hit, Sampler& sampler) {
+    Ray& ray = photon.ray;
+    for (;;) {
+      const bool isHit = intersect(scene, ray, hit, counts);
+      if (scene.hasMedia()) {
+        if (isHit) photon.nesting.approach(hit, ray.direction);
+        const MediumEvent event = sampleMedium(photon, isHit ? hit.t : INFINITE, sampler);
+        if (event == MediumEvent::ENDED) return nullptr;
+        if (event == MediumEvent::SCATTERED) continue;
+      }
+      if (!isHit) return nullptr;
+      arena.reset();
+      drawWavelength(scene, photon.wavelength, sampler, hit);
+      const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), photon.nesting, arena);
+      if (bsdf) return bsdf;
+      photon.nesting.enterMedium(hit, ray.direction);
+      if (scene.hasMedia())
+        ray.origin = originBehind(ray, hit);
+      else
+        ray = spawn(hit.point, ray.direction);
+    }
+  }
+
+  /** A surface where a photon has arrived. */
+  struct Arrival {
+    const Hit& hit;
+    ScatteringPoint scattering;
+    Vec3f wi; ///< unit, towards where the photon came from
+    LightState afterD, afterS;
+    LobeSet allowed = NO_LOBE; ///< lobes that the photon may leave by
+    bool sends = false;        ///< photons to the targets, which BSDF sampling then leaves out
+  };
+
+  Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
+    photon.ratio.arrive(photon.ray.direction, hit.point);
+    Arrival at{hit, ScatteringPoint(bsdf, hit.point), -photon.ray.direction,
+               classes.step(photon.state, PathEvent::D), classes.step(photon.state, PathEvent::S)};
+    const bool isForRays = photon.straight && startDensity() < settings.minStartDensity;
+    const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly || isForRays;
+    at.allowed =
+        LobeSet((endsHere ? NO_LOBE : NON_DELTA_LOBES) | (classes.dead(at.afterS) ? NO_LOBE : DELTA_LOBES));
+    return at;
+  }
+
+  /** Sends a photon on from a surface by its BSDF, and by roulette where it is then weaker than `power`.
+   * False when it ends there. */
+  bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
+    const SurfacePoint& point = at.hit.point;
+    const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
+    if (!s || (at.sends && !s->specular() && cones.around(s->direction) > 0)) return false;
+    const Rgb scattered = photon.flux * s->weight;
+    photon.flux = scattered;
+    const float chance = std::min(1.0f, maxComponent(scattered) / power);
+    if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return false;
+    photon.state = s->specular() ? at.afterS : at.afterD;
+    photon.flux *= dispersedColour(point, *s, photon.wavelength);
+    photon.nesting.scatters(at.hit, at.wi, s->direction);
+    photon.caustic = photon.caustic && s->specular();
+    photon.straight = photon.straight && passesPane(scene, at.scattering, *s);
+    if (s->specular())
+      photon.ratio.leave(s->direction, point);
+    else
+      photon.ratio = ratioAfter(photon.ratio, photon.depth - 1, at.hit, at.scattering, at.wi, s->direction);
+    photon.ray = spawn(point, s->direction);
+    return true;
+  }
+
+  /** Splits a strong photon into several by non-delta lobes, all but one of which wait. By delta lobes one
+   * photon carries the flux of all: they would follow the same path. */
+  void split(PhotonState& photon, Arrival& at, Sampler& sampler) {
+    constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
+    const int count = splitCount(photon.flux, at.hit.point.position);
+    if (count == 1) return;
+    const float power = maxComponent(photon.flux) / static_cast<float>(count);
+    const auto branch = [&](PhotonState copy, int i) {
+      Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+      if (scatter(copy, at, power, own)) waiting.emplace_back(std::move(copy), own);
+    };
+    const LobeSet allowed = at.allowed;
+    at.allowed = LobeSet(allowed & DELTA_LOBES);
+    branch(photon, 0);
+    at.allowed = LobeSet(allowed & NON_DELTA_LOBES);
+    photon.flux /= static_cast<float>(count);
+    for (int i = 1; i < count; ++i) branch(photon, i);
+  }
+
+  /** Of trial photons: notes where one comes into a target straight from the light. */
+  void noteTargetsEntered(const Vec3f& position) {
+    for (const DxtranSphere& t : settings.targets)
+      if (glm::distance(position, t.center) < t.radius) enteredTargets += t.importance;
+  }
+
+  /** Follows a photon until it is killed. */
+  void walk(PhotonState photon, Sampler& sampler) {
+    Hit hit;
+    bool toTarget = photon.relativePower < 1; // and has not come down yet
+    while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
+      if (photon.depth == settings.maxDepth) {
+        counts.truncatedThroughput += double(maxComponent(photon.flux));
+        return;
+      }
+      const Vec3f position = hit.point.position;
+      if (region && photon.depth == 0) noteTargetsEntered(position);
+      const bool outside = !settings.targets.empty() && cones.find(settings.targets, position);
+      if (std::exchange(toTarget, false) && region) arrived += region->contains(position);
+      if (outside && photon.relativePower < 1) {
+        if (!russianRoulette(photon.relativePower, photon.depth, sampler, photon.flux)) return;
+        photon.relativePower = 1;
+      }
+      Arrival at = arrive(photon, hit, *bsdf);
+      const bool keepsPhotons = at.scattering.keepsPhotons();
+      if (keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect)) store(photon, at);
+      ++photon.depth;
+      at.sends = outside && (at.allowed & NON_DELTA_LOBES) && (at.scattering.lobes() & LAMBERTIAN);
+      if (at.sends) sendToTargets(photon, at, sampler);
+      if (keepsPhotons) split(photon, at, sampler);
+      if (!scatter(photon, at, maxComponent(photon.flux), sampler)) return;
+    }
+  }
+
+  /** How many a photon becomes. Those that carry far more than most where it is seen, because few started
+   * there, would each light a whole room in a direction of their own. */
+  int splitCount(const Rgb& flux, const Vec3f& position) const {
+    constexpr float MAX_COUNT = 256;
+    const float count = maxComponent(flux) / settings.splitPower;
+    if (!(count > 2) || !settings.region->contains(position)) return 1;
+    return static_cast<int>(std::min(count, MAX_COUNT));
+  }
+
+  /** Of a photon that leaves a surface by a non-delta lobe: known for what came straight from the light. */
+  ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
+                          const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
+    // Both ends would have to agree on the normal of a curve.
+    if (!settings.shadowRays || !scattering.keepsPhotons()) return {};
+    if (depth > 0)
+      return before.furtherOn(scattering.pdfNonDelta(direction, wi), scattering.pdfNonDelta(wi, direction),
+                              direction, hit.point);
+    const LightSampler& sampler = *settings.shadowRays;
+    const PhotonOrigin& origin = starts.origin;
+    const float chosen =
+        sampler.probability(scene.lights(), lightSampleContext(sampler, hit.point, direction), origin.light);
+    const float arrivals =
+        arrivalDensity(origin.kind, origin.pdf, glm::distance(origin.position, hit.point.position),
+                       absDot(wi, hit.point.geometricNormal), origin.probability, chosen);
+    return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
+  }
+
+  /** Photons to the targets from where `from` has scattered. */
+  void sendToTargets(const PhotonState& from, const Arrival& at, const Sampler& sampler) {
+    constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
+    constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
+    const ScatteringPoint& scattering = at.scattering;
+    const Vec3f& wi = at.wi;
+    const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
+    const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
+    Sampler branch = sampler.fork(BRANCH);
+    for (const auto& [cone, part] : cones) {
+      const float lifted = glm::dot(normal, cone.axis);
+      // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
+      if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
+      const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
+      const float wanted =
+          std::clamp(maxComponent(from.flux) * seen / (starts.fullPower * part), MIN_COUNT, MAX_COUNT);
+      const int count = static_cast<int>(wanted + branch.next1D());
+      for (int i = 0; i < count; ++i) {
+        Sampler own = branch.fork(static_cast<uint32_t>(i));
+        const Vec3f direction = cone.sample(own.next2D());
+        PhotonState next = from;
+        const float density = wanted *
+                              static_cast<float>(std::max<std::ptrdiff_t>(1, cones.around(direction))) /
+                              (2 * PI * cone.opening);
+        next.flux *= scattering.evaluateFlux(wi, direction) / density;
+        if (isBlack(next.flux)) continue;
+        next.relativePower = std::min(1.0f, maxComponent(next.flux) / maxComponent(from.flux));
+        next.state = at.afterD;
+        next.caustic = next.straight = false;
+        next.ratio = ratioAfter(from.ratio, from.depth - 1, at.hit, scattering, wi, direction);
+        next.nesting.scatters(at.hit, wi, direction);
+        next.ray = spawn(at.hit.point, direction);
+        waiting.emplace_back(std::move(next), own);
+        ++sent;
+      }
+    }
+  }
+
+  /** Rounding must not send a photon that only grazes the surface below it, where no search would find it. */
+  static PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
+    PackedDirection packed = packDirection(wi);
+    const float cosine = glm::dot(wi, normal);
+    if (std::abs(cosine) > 1e-4f) return packed; // packing turns it by less
+    const Vec3f up = normal * std::copysign(1.0f, cosine);
+    for (float lift = 4e-5f; glm::dot(unpackDirection(packed), up) < 1e-6f; lift *= 2)
+      packed = packDirection(glm::normalize(wi + up * lift));
+    return packed;
+  }
+
+  void store(const PhotonState& photon, const Arrival& at) {
+    const SurfacePoint& point = at.hit.point;
+    if (glm::dot(at.wi, point.geometricNormal) == 0) return; // in the plane of the surface: brings no flux
+    Photon p;
+    p.position = point.position;
+    p.direction = packOnSide(at.wi, point.geometricNormal);
+    p.normal = packDirection(point.normalTowards(at.wi));
+    p.power = photon.flux;
+    p.pathState = photon.state.byte;
+    p.caustic = photon.caustic;
+    p.reverseRatio = photon.ratio.value();
+    out.onSurfaces.push_back(p);
+  }
+
+  const Scene& scene;
+  const PathClasses& classes;
+  const ShootSettings& settings;
+  TransportCounts& counts;
+  StoredPhotons& out;
+  std::vector<std::pair<PhotonState, Sampler>> waiting;
+  PhotonStart starts;
+  TargetCones cones; ///< of the last surface
+  float enteredTargets = 0;
+  bool storesDirect = true; ///< see ShootSettings::direct
+  BsdfArena arena;
+};
+
+} // namespace recurse

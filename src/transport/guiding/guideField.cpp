@@ -1,0 +1,183 @@
+/** @file
+ * Building of the guide: places divided at medians, and for each cell a density and how often to follow it.
+ */
+#include "transport/guiding/guideField.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/core/threads/parallel.h"
+
+namespace recurse {
+
+namespace {
+
+constexpr size_t BUCKETS = 6;
+constexpr int MAX_CELL_DEPTH = 24;
+
+/** The signed axis that a normal is nearest to. */
+size_t bucketOf(const Vec3f& normal) {
+  const Vec3f n = glm::abs(normal);
+  const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
+  return static_cast<size_t>(2 * axis + (normal[axis] < 0 ? 1 : 0));
+}
+
+/** Learns one cell from its records. */
+class CellFit {
+ public:
+  explicit CellFit(std::vector<GuideRecord> records) : records(std::move(records)) {
+    clip();
+    Vec3f sum(0);
+    for (const GuideRecord& r : this->records) sum += r.normal;
+    frame = Frame(glm::normalize(sum)); // all are within 55 degrees of an axis
+  }
+
+  /** (sum x)² / sum x²: by how many equal records as much would be known (Kish 1965, "Survey Sampling"). */
+  double effectiveCount() const {
+    double sum = 0, squares = 0;
+    for (const GuideRecord& r : records) {
+      sum += double(r.value);
+      squares += square(double(r.value));
+    }
+    return squares > 0 ? square(sum) / squares : 0;
+  }
+
+  /** The tree of records whose number leaves `remainder` by 2; of all where it is negative. */
+  SquareTree tree(int remainder) const {
+    std::vector<WeightedPoint> chosen;
+    for (size_t i = 0; i < records.size(); ++i) {
+      if (remainder >= 0 && static_cast<int>(i % 2) != remainder) continue;
+      const Vec3f local = frame.toLocal(records[i].direction);
+      if (local.z > 0) chosen.push_back({squareOfDisk({local.x, local.y}), records[i].value});
+    }
+    return SquareTree(chosen);
+  }
+
+  /** Mean logarithm of the density of the mixture over that of BSDF sampling, for the records with odd
+   * numbers by a guide from those with even ones (Müller 2019, "Practical Path Guiding in Production",
+   * section 10.5). */
+  double gain() const {
+    const GuideCell half(tree(0), frame);
+    double sum = 0, total = 0;
+    for (size_t i = 1; i < records.size(); i += 2) {
+      const GuideRecord& r = records[i];
+      constexpr float A = GuideCell::BSDF_PROBABILITY;
+      sum += double(r.value) * std::log(double(A + (1 - A) * half.pdf(r.direction) / r.pdfBsdf));
+      total += double(r.value);
+    }
+    return total > 0 ? sum / total : 0;
+  }
+
+  Frame frame{Vec3f(0, 0, 1)};
+
+ private:
+  /** Cuts values to their 99.9 % quantile, so that one record does not own the cell. Fitting may be biased;
+   * estimates are not. */
+  void clip() {
+    constexpr double QUANTILE = 0.999;
+    std::vector<float> values;
+    for (const GuideRecord& r : records) values.push_back(r.value);
+    const auto rank = static_cast<ptrdiff_t>(QUANTILE * double(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + rank, values.end());
+    const float limit = values[static_cast<size_t>(rank)];
+    for (GuideRecord& r : records) r.value = std::min(r.value, limit);
+  }
+
+  std::vector<GuideRecord> records;
+};
+
+} // namespace
+
+float GuideCell::pdf(const Vec3f& direction) const {
+  const Vec3f local = frame.toLocal(direction);
+  return local.z > 0 ? tree.pdf(squareOfDisk({local.x, local.y})) * local.z * INV_PI : 0;
+}
+
+Vec3f GuideCell::sample(Vec2f u, float& density) const {
+  const Vec3f local = cosineHemisphere(tree.sample(u, density));
+  density *= local.z * INV_PI;
+  return frame.toWorld(local);
+}
+
+void GuideField::divide(std::span<uint32_t> order, std::span<const GuideRecord> records, uint32_t node,
+                        float smallest, int depth, std::vector<std::span<uint32_t>>& leaves) {
+  Bounds3f box;
+  for (const uint32_t i : order) box.add(records[i].position);
+  const Vec3f size = order.empty() ? Vec3f(0) : box.diagonal();
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  if (order.size() <= MAX_RECORDS || !(size[axis] >= smallest) || !(size[axis] > 0) ||
+      depth >= MAX_CELL_DEPTH) {
+    nodes[node].next = static_cast<uint32_t>(leaves.size());
+    leaves.push_back(order);
+    return;
+  }
+  const size_t half = order.size() / 2;
+  std::nth_element(order.begin(), order.begin() + static_cast<ptrdiff_t>(half), order.end(),
+                   [&](uint32_t a, uint32_t b) {
+                     return std::pair(records[a].position[axis], a) < std::pair(records[b].position[axis], b);
+                   });
+  nodes[node].axis = axis;
+  nodes[node].split = records[order[half]].position[axis];
+  const auto children = static_cast<uint32_t>(nodes.size());
+  nodes[node].next = children;
+  nodes.resize(nodes.size() + 2);
+  divide(order.first(half), records, children, smallest, depth + 1, leaves);
+  divide(order.subspan(half), records, children + 1, smallest, depth + 1, leaves);
+}
+
+void GuideField::build(std::span<const GuideRecord> records, float smallest) {
+  nodes.assign(BUCKETS, {});
+  cells.clear();
+  std::vector<uint32_t> order(records.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
+    return bucketOf(records[a].normal) < bucketOf(records[b].normal);
+  });
+  std::vector<std::span<uint32_t>> leaves;
+  auto first = order.begin();
+  for (size_t bucket = 0; bucket < BUCKETS; ++bucket) {
+    const auto end =
+        std::find_if(first, order.end(), [&](uint32_t i) { return bucketOf(records[i].normal) != bucket; });
+    divide({first, end}, records, static_cast<uint32_t>(bucket), smallest, 0, leaves);
+    first = end;
+  }
+  cells.resize(leaves.size());
+  std::vector<double> gains(leaves.size()), counts(leaves.size());
+  parallelFor(leaves.size(), [&](size_t i) {
+    if (leaves[i].empty()) return;
+    std::sort(leaves[i].begin(), leaves[i].end());
+    std::vector<GuideRecord> local;
+    for (const uint32_t k : leaves[i]) local.push_back(records[k]);
+    const CellFit fit(std::move(local));
+    if (fit.effectiveCount() < MIN_EFFECTIVE) return;
+    gains[i] = fit.gain();
+    counts[i] = fit.effectiveCount();
+    cells[i] = GuideCell(fit.tree(-1), fit.frame);
+  });
+  // What few records say of a cell is corrected by what all say (empirical Bayes).
+  const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
+  const double mean =
+      std::inner_product(gains.begin(), gains.end(), counts.begin(), 0.0) / std::max(all, 1.0);
+  for (size_t i = 0; i < cells.size(); ++i)
+    if (gains[i] * counts[i] + mean * PRIOR_COUNT < MIN_GAIN * (counts[i] + PRIOR_COUNT)) cells[i] = {};
+  on = static_cast<size_t>(
+      std::count_if(cells.begin(), cells.end(), [](const GuideCell& c) { return c.isOn(); }));
+}
+
+const GuideCell* GuideField::find(const Vec3f& position, const Vec3f& normal) const {
+  if (nodes.empty()) return nullptr;
+  auto node = static_cast<uint32_t>(bucketOf(normal));
+  while (nodes[node].axis >= 0)
+    node = nodes[node].next + (position[nodes[node].axis] < nodes[node].split ? 0 : 1);
+  const GuideCell& cell = cells[nodes[node].next];
+  return cell.isOn() ? &cell : nullptr;
+}
+
+size_t GuideField::nodeCount() const {
+  return std::accumulate(cells.begin(), cells.end(), size_t(0),
+                         [](size_t sum, const GuideCell& c) { return sum + c.tree.nodeCount(); });
+}
+
+} // namespace recurse

@@ -1,0 +1,56 @@
+/** @file
+ * Densities over the unit square as adaptive quadtrees (Müller, Gross, Novák 2017, "Practical Path Guiding
+ * for Efficient Light-Transport Simulation", section 3).
+ */
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "recurse/core/math/vector.h"
+
+namespace recurse {
+
+struct WeightedPoint {
+  Vec2f point{0}; ///< in [0, 1)²
+  float weight = 0;
+};
+
+/** A piecewise constant density over the unit square. Built once, then read by any number of threads. */
+class SquareTree {
+ public:
+  /** The uniform density. */
+  SquareTree() : nodes(1) {}
+
+  /** The density of the points' weights. A quarter is divided while it has more than MAX_MASS of all, known
+   * by MIN_EFFECTIVE effective points, down to MAX_DEPTH. The order of `points` changes. */
+  explicit SquareTree(std::span<WeightedPoint> points);
+
+  /** Density at a point; 1 of the uniform one. */
+  float pdf(Vec2f point) const;
+  /** Point with that density, by a monotone warp of each of the two uniform numbers in turn; its density goes
+   * to `density`. */
+  Vec2f sample(Vec2f u, float& density) const;
+
+  size_t nodeCount() const { return nodes.size(); }
+  /** Sum of the probabilities of all leaves, for tests. */
+  double leafSum() const;
+
+  static constexpr double MAX_MASS = 0.01;
+  static constexpr double MIN_EFFECTIVE = 16;
+  static constexpr int MAX_DEPTH = 10;
+
+ private:
+  /** Children in the order (x, y) = (0, 0), (1, 0), (0, 1), (1, 1). */
+  struct Node {
+    std::array<float, 4> fraction{0.25f, 0.25f, 0.25f, 0.25f}; ///< of this node's probability
+    std::array<uint32_t, 4> child{};                           ///< 0: a leaf
+  };
+  struct Builder;
+
+  std::vector<Node> nodes; ///< [0] is the root
+};
+
+} // namespace recurse

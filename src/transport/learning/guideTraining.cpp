@@ -1,0 +1,124 @@
+/** @file
+ * Records of camera paths, from which the guide is built.
+ */
+#include "transport/learning/guideTraining.h"
+
+#include <cmath>
+
+#include "transport/direct/cameraPaths.h"
+#include "transport/direct/directLight.h"
+
+namespace recurse {
+
+namespace {
+
+using Records = std::vector<GuideRecord>;
+
+/** Turns a camera path into records: for each vertex that it left by a non-delta lobe, the light that was
+ * found behind it, times the weights by which the render would have added it. */
+class PathRecorder {
+ public:
+  explicit PathRecorder(Records& records) : records(records) {}
+
+  /** The path found radiance, times its throughput. */
+  void add(const Rgb& radiance) {
+    const float found = luminance(radiance);
+    for (Vertex& v : vertices) v.found += found;
+  }
+  /** The path leaves a vertex at which it arrived with `throughput`. */
+  void leave(const CameraVertex& vertex, const Scatter& s) {
+    constexpr size_t MAX_VERTICES = 32;
+    const float before = luminance(vertex.throughput);
+    if (vertices.size() == MAX_VERTICES || !(before > 0)) return;
+    GuideRecord r;
+    r.position = vertex.point().position;
+    r.normal = vertex.point().normalTowards(vertex.wi);
+    r.direction = s.direction;
+    r.pdfBsdf = vertex.scattering->pdfBsdf(vertex.wi, s.direction);
+    if (r.pdfBsdf > 0) vertices.push_back({r, before});
+  }
+  void finish() {
+    for (Vertex& v : vertices) {
+      v.record.value = v.found / v.throughput;
+      if (v.record.value > 0 && std::isfinite(v.record.value)) records.push_back(v.record);
+    }
+  }
+
+ private:
+  struct Vertex {
+    GuideRecord record;
+    float throughput; ///< luminance before the vertex
+    float found = 0;  ///< luminance at the camera
+  };
+  Records& records;
+  std::vector<Vertex> vertices;
+};
+
+Records cameraRecords(const Scene& scene, const LightSampler& lights, const GuideField& guide,
+                      const GuideTrainingSettings& settings, int across, uint64_t seed,
+                      const ForwardControl& control, TransportCounts& counts) {
+  const PathClasses classes;
+  const auto follow = [&](Records& records, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
+                          TransportCounts& rowCounts) {
+    if (control.stopped()) return;
+    PathRecorder recorder(records);
+    PathRadiance direct(classes, rowCounts);
+    CameraVertex vertex;
+    BsdfRay last;
+    const auto emission = [&](const Hit* hit) {
+      const Vec3f& direction = path.ray.direction;
+      recorder.add(path.throughput *
+                   (hit ? emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples)
+                        : environmentRadiance(scene, lights, direction, last, settings.lightSamples)));
+    };
+    while (walker.next(path, vertex, sampler, emission)) {
+      vertex.scattering->follow(guideAt(guide, vertex.point(), vertex.wi));
+      LightSampleContext context;
+      if (vertex.isConnectable()) {
+        context = lightSampleContext(lights, vertex.point(), vertex.wi);
+        direct.reset();
+        addSampledLight(scene, lights, context, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
+                        vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES,
+                        panesLeft(settings.maxDepth, vertex.depth), sampler, direct);
+        recorder.add(direct.total());
+      }
+      const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
+      if (!s) break;
+      if (!path.delta && vertex.scattering->isGuidable()) recorder.leave(vertex, *s);
+      if (!passesPane(scene, *vertex.scattering, *s))
+        last = {context, static_cast<float>(path.pdf), !path.delta};
+    }
+    recorder.finish();
+  };
+  Records all;
+  for (const Records& row :
+       followCameraPaths(scene, across, settings.maxDepth, seed, counts, Records(), follow))
+    all.insert(all.end(), row.begin(), row.end());
+  return all;
+}
+
+} // namespace
+
+void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, const Pass& pass,
+                            const ForwardControl& control, TransportCounts& counts) {
+  constexpr uint64_t STREAM = 0x6775696465ull;
+  constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // of those of the passes before
+  constexpr size_t MAX_RECORDS = 1 << 20;              // 48 MB
+  constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
+  const PixelBounds film = scene.film().whole();
+  const float smallest =
+      FOOTPRINTS * scene.bounds().radius / static_cast<float>(std::max(film.width(), film.height()));
+  const int last = static_cast<int>(pass.index) - 1;
+  while (stage < last && records.size() < MAX_RECORDS) {
+    const uint64_t seed = hashCombine(pass.seed, STREAM + static_cast<uint64_t>(stage + 1));
+    const double paths = std::max(MIN_PATHS, PATHS * double(film.area()) * std::exp2(stage + 1));
+    const auto across = static_cast<int>(std::sqrt(paths));
+    const Records more = cameraRecords(scene, lights, field, settings, across, seed, control, counts);
+    if (control.stopped()) return;
+    records.insert(records.end(), more.begin(), more.end());
+    field.build(records, smallest);
+    ++stage;
+  }
+}
+
+} // namespace recurse

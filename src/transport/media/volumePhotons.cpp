@@ -1,0 +1,135 @@
+/** @file
+ * The tree of boxes over volume photons.
+ */
+#include "transport/media/volumePhotons.h"
+
+#include <algorithm>
+
+#include "recurse/core/threads/parallel.h"
+
+namespace recurse {
+
+namespace {
+
+/** The radius at which about PHOTONS of so many in the box are within a cube of that side. */
+float radiusIn(const Bounds3f& box, size_t count) {
+  constexpr float PHOTONS = 2;
+  const Vec3f sides = thickSides(box);
+  return std::cbrt(PHOTONS / static_cast<float>(count)) * std::cbrt(sides.x) * std::cbrt(sides.y) *
+         std::cbrt(sides.z);
+}
+
+} // namespace
+
+KernelPoints kernelPointsAcross(const Vec3f& direction) {
+  static const KernelPoints ACROSS_Z = [] {
+    const float goldenAngle = PI * (3 - std::sqrt(5.0f));
+    KernelPoints points;
+    for (size_t i = 0; i < points.size(); ++i) {
+      // The kernel's integral over a disc of radius r is 2 r² - r⁴.
+      const float u = (static_cast<float>(i) + 0.5f) / static_cast<float>(points.size());
+      const float r = std::sqrt(1 - std::sqrt(1 - u)), phi = goldenAngle * static_cast<float>(i);
+      points[i] = {r * std::cos(phi), r * std::sin(phi), 0};
+    }
+    return points;
+  }();
+  const Frame frame(direction);
+  KernelPoints points;
+  for (size_t i = 0; i < points.size(); ++i) points[i] = frame.toWorld(ACROSS_Z[i]);
+  return points;
+}
+
+void DiscBounds::add(const Vec3f& normal, float distance) {
+  constexpr float ALIKE = 0.9f; // the same surface, or one with a soft bend
+  for (size_t i = 0; i < count; ++i)
+    if (glm::dot(planes[i].normal, normal) > ALIKE) {
+      if (distance < planes[i].distance) planes[i] = {normal, distance};
+      return;
+    }
+  if (!full()) planes[count++] = {normal, distance};
+}
+
+bool DiscBounds::cuts(const Vec3f& away) const {
+  return std::any_of(planes.begin(), planes.begin() + static_cast<std::ptrdiff_t>(count),
+                     [&](const Plane& p) { return glm::dot(p.normal, away) > p.distance; });
+}
+
+float DiscBounds::fraction(const KernelPoints& points, float radius) const {
+  const auto left =
+      std::count_if(points.begin(), points.end(), [&](const Vec3f& p) { return !cuts(p * radius); });
+  return static_cast<float>(std::max<std::ptrdiff_t>(left, 1)) / static_cast<float>(points.size());
+}
+
+float DiscBounds::distanceFromSurface(const Vec3f& origin, const Vec3f& direction, float t,
+                                      float tolerance) const {
+  for (size_t i = 0; i < count; ++i) {
+    const float cosine = -glm::dot(planes[i].normal, direction);
+    if (cosine > 0 && std::abs(glm::dot(planes[i].normal, origin) - planes[i].distance) < tolerance)
+      return planes[i].distance / cosine;
+  }
+  return t;
+}
+
+void VolumePhotonMap::findBounds(const Scene& scene, float time, TransportCounts& counts) {
+  constexpr size_t TASKS = 64;
+  struct Found {
+    std::vector<DiscBounds> bounds;
+    TransportCounts counts;
+  };
+  std::vector<Found> found(TASKS);
+  boundsOf.assign(photons.size(), NO_BOUNDS);
+  parallelFor(TASKS, [&](size_t task) {
+    for (size_t i = photons.size() * task / TASKS; i < photons.size() * (task + 1) / TASKS; ++i) {
+      DiscBounds b;
+      for (int way = 0; way < 6; ++way) {
+        Ray ray{photons[i].position, Vec3f(0), radii[i], time};
+        ray.direction[way / 2] = way % 2 ? 1.0f : -1.0f;
+        Hit hit;
+        ++found[task].counts.rays;
+        if (!scene.intersectPosition(ray, hit)) continue;
+        const float cosine = glm::dot(hit.point.geometricNormal, ray.direction);
+        if (cosine != 0)
+          b.add(hit.point.geometricNormal * std::copysign(1.0f, cosine), hit.t * std::abs(cosine));
+      }
+      if (b.empty()) continue;
+      boundsOf[i] = static_cast<uint32_t>(found[task].bounds.size());
+      found[task].bounds.push_back(b);
+    }
+  });
+  bounds.clear();
+  for (size_t task = 0; task < TASKS; ++task) {
+    const auto first = static_cast<uint32_t>(bounds.size());
+    for (size_t i = photons.size() * task / TASKS; i < photons.size() * (task + 1) / TASKS; ++i)
+      if (boundsOf[i] != NO_BOUNDS) boundsOf[i] += first;
+    bounds.insert(bounds.end(), found[task].bounds.begin(), found[task].bounds.end());
+    counts.add(found[task].counts);
+  }
+}
+
+void VolumePhotonMap::build(std::vector<VolumePhoton> all, float scale, float widest) {
+  photons = std::move(all);
+  boundsOf.clear();
+  bounds.clear();
+  tree.sort(photons, [](const VolumePhoton& p) { return p.position; });
+  radii.resize(photons.size());
+  tree.forParts([&](size_t first, size_t end) {
+    Bounds3f box;
+    float power = 0;
+    for (size_t k = first; k < end; ++k) {
+      box.add(photons[k].position);
+      power += maxComponent(photons[k].power) / static_cast<float>(end - first);
+    }
+    float radius = end > first ? radiusIn(box, end - first) : 0;
+    if (!(radius > 0)) radius = widest; // all in one point
+    // Discs of strong ones among many weak ones are wider, so that they are no spots.
+    for (size_t k = first; k < end; ++k)
+      radii[k] = scale *
+                 std::min(radius * std::sqrt(std::max(1.0f, maxComponent(photons[k].power) / power)), widest);
+  });
+  tree.enclose([&](Bounds3f& box, size_t k) {
+    box.add(photons[k].position - radii[k]);
+    box.add(photons[k].position + radii[k]);
+  });
+}
+
+} // namespace recurse

@@ -1,0 +1,231 @@
+/** @file
+ * The walk: one loop follows paths from either end through surfaces and media, and hands its caller a vertex
+ * at a time, until next() or scatter() returns false.
+ */
+#pragma once
+
+#include "transport/paths/pathVertex.h"
+#include "transport/paths/walk.h"
+
+namespace recurse {
+
+/** A camera subpath before its first step. */
+inline CameraSubpath startCameraSubpath(const Scene& scene, const PathClasses& classes, const CameraRay& ray,
+                                        TransportCounts& counts) {
+  CameraSubpath path;
+  path.ray = ray;
+  path.from = ray.origin;
+  path.state = classes.cameraStart();
+  path.nesting = nestingAt(scene, ray, counts);
+  path.nesting.startIn(scene.cameraMedium());
+  path.width = ray.width;
+  path.spread = ray.spread;
+  path.sampleSpacing = ray.sampleSpacing;
+  path.delta = true; // nothing else finds what is seen directly
+  return path;
+}
+
+template <class State> class Walker {
+ public:
+  using Path = Subpath<State>;
+  using Vertex = PathVertex<State>;
+
+  /** `maxDepth`: most scattering events of a path; -1: no limit. `throughMedia` false: they are not there. */
+  Walker(const Scene& scene, const PathClasses& classes, TransportCounts& counts, int maxDepth,
+         bool throughMedia = true)
+      : scene(scene), classes(classes), counts(counts), maxDepth(maxDepth),
+        media(throughMedia && scene.hasMedia()) {}
+
+  /**
+   * Follows the ray to the next surface that scatters, or to where a medium does. Calls emission(const Hit*)
+   * for each surface on the way that emits, the vertex itself included, and with null when the ray leaves the
+   * scene; mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput. False: the
+   * path ends.
+   */
+  template <class Emission, class MediumEmission>
+  bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
+            MediumEmission&& mediumEmission) {
+    for (;;) {
+      const bool isHit = intersect(scene, path.ray, vertex.hit, counts);
+      vertex.medium = nullptr;
+      if (media && isHit) path.nesting.approach(vertex.hit, path.ray.direction);
+      if (media) {
+        const bool scatters =
+            sampleMedium(path, vertex, isHit ? vertex.hit.t : INFINITE, sampler, mediumEmission);
+        if (isBlack(path.throughput) || (scatters && endsByDepth(path))) return false;
+        if (scatters) {
+          arriveInMedium(path, vertex);
+          return true;
+        }
+      }
+      if (!isHit) {
+        emission(nullptr);
+        return false;
+      }
+      if (vertex.hit.areaLight) emission(&vertex.hit);
+      path.width += path.spread * vertex.hit.t;
+      arena.reset();
+      const Footprint footprint =
+          path.width > 0 ? Footprint{path.ray.direction, path.width * path.sampleSpacing} : Footprint();
+      drawWavelength(scene, path.wavelength, sampler, vertex.hit);
+      const Bsdf* bsdf = bsdfAt(scene, vertex.hit, path.ray.direction, footprint, path.nesting, arena);
+      if (bsdf) {
+        if (endsByDepth(path)) return false;
+        arrive(path, vertex, *bsdf);
+        return true;
+      }
+      path.nesting.enterMedium(vertex.hit, path.ray.direction);
+      if (scene.hasMedia())
+        path.ray.origin = originBehind(path.ray, vertex.hit);
+      else
+        path.ray = spawn(vertex.hit.point, path.ray.direction);
+    }
+  }
+  template <class Emission> bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission) {
+    return next(path, vertex, sampler, emission, [](const Rgb&) {});
+  }
+  bool next(Path& path, Vertex& vertex, Sampler& sampler) {
+    return next(path, vertex, sampler, [](const Hit*) {});
+  }
+
+  /** Goes on by a direction that the BSDF or the phase function chooses, and by roulette. Empty: the path
+   * ends. */
+  std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler) const {
+    if (vertex.medium) return scatterInMedium(path, vertex, sampler);
+    constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
+    const auto s = vertex.scattering->scatter(vertex.wi, TRANSPORT, sampler, vertex.allowed);
+    if (!s) return {};
+    const float before = maxComponent(path.throughput);
+    applyWeight(path, vertex, *s);
+    if (isBlack(path.throughput)) return {};
+    const float chance = TRANSPORT == Transport::FLUX
+                             ? maxComponent(path.throughput) / before // keeps photons alike
+                             : maxComponent(path.throughput) * path.etaScale;
+    const bool roulette = TRANSPORT == Transport::FLUX || path.depth > ROULETTE_FREE_DEPTH;
+    if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
+    spawnRay(path, vertex, *s);
+    return s;
+  }
+
+  /** Goes on by a step that the caller has chosen. */
+  void follow(Path& path, const Vertex& vertex, const Scatter& s) const {
+    applyWeight(path, vertex, s);
+    spawnRay(path, vertex, s);
+  }
+
+ private:
+  bool endsByDepth(Path& path) const {
+    if (path.depth == maxDepth) {
+      counts.truncatedThroughput += double(maxComponent(path.throughput));
+      return true;
+    }
+    ++path.depth;
+    return false;
+  }
+
+  /** True where the medium on the way to `end` scatters, at vertex.hit.point. */
+  template <class MediumEmission>
+  bool sampleMedium(Path& path, Vertex& vertex, float end, Sampler& sampler,
+                    MediumEmission&& emission) const {
+    const Medium* medium = scene.medium(path.nesting.medium(scene));
+    if (!medium) return false;
+    SpectralPath spectral{path.throughput, path.pathPdf, path.lightPdf};
+    const Collision c =
+        sampleCollision(*medium, path.ray, end, path.hero, Absorption::EXPECTED, sampler, spectral, emission);
+    path.throughput = spectral.throughput;
+    path.pathPdf = spectral.pathPdf;
+    path.lightPdf = spectral.lightPdf;
+    if (!c.scatters) return false;
+    vertex.medium = medium;
+    vertex.hit = Hit();
+    vertex.hit.point = pointInMedium(path.ray, c.t);
+    vertex.hit.t = c.t;
+    return true;
+  }
+
+  void arriveInMedium(const Path& path, Vertex& vertex) const {
+    vertex.scattering.reset();
+    vertex.wi = -path.ray.direction;
+    vertex.throughput = path.throughput;
+    vertex.state = path.state;
+    vertex.afterD = vertex.afterS = classes.step(path.state, PathEvent::V);
+    vertex.allowed = classes.dead(vertex.afterD) ? NO_LOBE : REFLECTION;
+    vertex.depth = path.depth;
+  }
+
+  std::optional<Scatter> scatterInMedium(Path& path, const Vertex& vertex, Sampler& sampler) const {
+    if (vertex.allowed == NO_LOBE) return {};
+    Scatter s;
+    s.direction = vertex.medium->phase->sample(path.ray.direction, sampler.next2D());
+    s.pdf = vertex.medium->phase->value(glm::dot(path.ray.direction, s.direction));
+    s.weight = Rgb(1);
+    s.lobe = REFLECTION;
+    if (!(s.pdf > 0)) return {};
+    // What was absorbed has been taken off already, so that paths end in proportion to it.
+    const float chance = maxComponent(path.throughput) * path.etaScale;
+    if (path.depth > ROULETTE_FREE_DEPTH &&
+        !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput))
+      return {};
+    path.state = vertex.afterD;
+    path.delta = false;
+    path.pdf = double(s.pdf);
+    path.parallel = false;
+    path.from = vertex.hit.point.position;
+    path.cosine = 1;
+    path.lightPdf = path.pathPdf;
+    path.width = path.spread = 0;
+    path.ray = spawn(vertex.hit.point, s.direction);
+    return s;
+  }
+
+  /** Short camera walks are not gambled with: most of the light is there. */
+  static constexpr int ROULETTE_FREE_DEPTH = 2;
+
+  void arrive(const Path& path, Vertex& vertex, const Bsdf& bsdf) const {
+    const SurfacePoint& point = vertex.hit.point;
+    vertex.scattering.emplace(bsdf, point);
+    vertex.wi = -path.ray.direction;
+    vertex.throughput = path.throughput;
+    vertex.state = path.state;
+    vertex.afterD = classes.step(path.state, PathEvent::D);
+    vertex.afterS = classes.step(path.state, PathEvent::S);
+    vertex.allowed = LobeSet((classes.dead(vertex.afterD) ? NO_LOBE : NON_DELTA_LOBES) |
+                             (classes.dead(vertex.afterS) ? NO_LOBE : DELTA_LOBES));
+    vertex.depth = path.depth;
+    const double perDistance2 = 1 / double(lengthSquared(point.position - path.from));
+    vertex.pdf =
+        path.pdf * double(absDot(vertex.wi, point.geometricNormal)) * (path.parallel ? 1 : perDistance2);
+    vertex.toPrevious = path.parallel ? 1 : double(path.cosine) * perDistance2;
+  }
+
+  void applyWeight(Path& path, const Vertex& vertex, const Scatter& s) const {
+    path.throughput *= s.weight;
+    path.state = s.specular() ? vertex.afterS : vertex.afterD;
+    path.etaScale *= square(s.eta) * s.rouletteScale;
+  }
+
+  void spawnRay(Path& path, const Vertex& vertex, const Scatter& s) const {
+    path.delta = s.specular();
+    path.throughput *= dispersedColour(vertex.point(), s, path.wavelength);
+    const bool all = (vertex.scattering->lobes() & ~vertex.allowed & ALL_LOBES) == 0;
+    path.pdf = path.delta ? 1 : all ? double(s.pdf) : vertex.pdfDirection(vertex.wi, s.direction);
+    path.parallel = false;
+    path.from = vertex.hit.point.position;
+    path.cosine = absDot(s.direction, vertex.hit.point.geometricNormal);
+    path.nesting.scatters(vertex.hit, vertex.wi, s.direction);
+    if (media && !passesPane(scene, *vertex.scattering, s)) path.lightPdf = path.pathPdf;
+    if (!path.delta) path.width = path.spread = 0; // what a pixel sees from here on is not known
+    path.ray = spawn(vertex.hit.point, s.direction);
+  }
+
+  const Scene& scene;
+  const PathClasses& classes;
+  TransportCounts& counts;
+  int maxDepth;
+  bool media;
+  BsdfArena arena;
+};
+
+using CameraWalker = Walker<CameraState>;
+
+} // namespace recurse

@@ -1,0 +1,57 @@
+/** @file
+ * A photon as it is shot, and as the photon map keeps it: at most 40 bytes.
+ */
+#pragma once
+
+#include <cstdint>
+
+#include "recurse/core/math/rgb.h"
+#include "recurse/core/math/vector.h"
+
+namespace recurse {
+
+/**
+ * A unit direction in 32 bits: octahedral map (Meyer et al. 2010, "On Floating-Point Normal Vectors"), 16
+ * bits an axis; the error is below 4e-5 rad.
+ */
+struct PackedDirection {
+  uint32_t bits = 0;
+};
+
+inline PackedDirection packDirection(const Vec3f& d) {
+  const float norm = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+  float u = d.x / norm, v = d.y / norm;
+  if (d.z < 0) {
+    const float fu = (1 - std::abs(v)) * std::copysign(1.0f, u);
+    v = (1 - std::abs(u)) * std::copysign(1.0f, v);
+    u = fu;
+  }
+  const auto quantise = [](float x) {
+    return static_cast<uint32_t>(std::lround((std::clamp(x, -1.0f, 1.0f) + 1) * 32767.0f));
+  };
+  return {quantise(u) | (quantise(v) << 16)};
+}
+
+inline Vec3f unpackDirection(PackedDirection p) {
+  const float u = static_cast<float>(p.bits & 0xffffu) * (1 / 32767.0f) - 1;
+  const float v = static_cast<float>(p.bits >> 16) * (1 / 32767.0f) - 1;
+  const float z = 1 - std::abs(u) - std::abs(v);
+  const float fold = std::max(-z, 0.0f);
+  return glm::normalize(Vec3f(u - std::copysign(fold, u), v - std::copysign(fold, v), z));
+}
+
+/** One photon at a surface. */
+struct Photon {
+  Vec3f position;            ///< scene units, relative to the scene's centre
+  PackedDirection direction; ///< unit, from the surface towards where the photon came from
+  Rgb power;                 ///< flux [W]
+  uint8_t pathState = 0;     ///< LightState after the events before this surface
+  bool caustic = false;      ///< nothing but mirrors and glass, or nothing at all, between light and surface
+  PackedDirection normal;    ///< geometric, unit, on the side that the photon came from
+  /** How likely a camera ray finds the same path, see mergeWeights.h; 0 where none does, or it is not known.
+   * Negative: of light that came by several non-delta surfaces; such photons do not weigh by it. */
+  float reverseRatio = 0;
+};
+static_assert(sizeof(Photon) <= 40);
+
+} // namespace recurse

@@ -1,0 +1,117 @@
+/** @file
+ * Weights of bidirectional techniques, by ratios of neighbouring ones: products of densities themselves would
+ * overflow on long paths.
+ */
+#include "transport/weights/bidirectionalWeights.h"
+
+#include <algorithm>
+
+namespace recurse {
+
+namespace {
+
+/** The sums over techniques on either side of C_i, over P(C_i). */
+class Techniques {
+ public:
+  explicit Techniques(const WeightedPath& path) : path(path), x(path.vertices), k(path.edges()) {}
+
+  /** Samples of C_i, i < k - 1. */
+  double connections(size_t i) const {
+    if (x[i + 1].delta || (i > 0 && x[i].delta)) return 0;
+    return i == 0 ? path.splats : path.connections;
+  }
+  /** Samples of C_k-1 times B_k. */
+  double shadowRays() const { return k == 1 ? 0 : path.shadowRays; }
+  /** Samples of C_k. */
+  double hits() const { return path.lightIsIntersectable ? 1 : 0; }
+  /** Of the techniques nearer to the camera than C_i, and M_i; i < k. */
+  double nearCamera(size_t i) const {
+    double sum = path.sumNearCamera;
+    for (size_t j = path.summed + 1; j <= i; ++j)
+      sum = x[j].merges * x[j].fromLight + x[j].fromLight / x[j].fromCamera * (connections(j - 1) + sum);
+    return sum;
+  }
+  /** Of the techniques nearer to the light than C_i; i < k - 1. */
+  double nearLight(size_t i) const {
+    double sum = path.beyond ? *path.beyond : beyondLast();
+    for (size_t j = path.beyond ? k : k - 1; j > i + 1; --j) sum = beyondNext(j, sum);
+    return across(i + 1, sum);
+  }
+  /** C_k-1 and C_k, over P(C_k-1). */
+  double beyondLast() const { return (shadowRays() + x[k].fromCamera * hits()) / x[k].fromLight; }
+  /** C_j-1 and all beyond, over P(C_j-1). */
+  double beyondNext(size_t j, double beyond) const { return across(j, beyond) + connections(j - 1); }
+  /** M_j, C_j and all beyond, over P(C_j-1). */
+  double across(size_t j, double beyond) const {
+    return x[j].merges * x[j].fromCamera + x[j].fromCamera / x[j].fromLight * beyond;
+  }
+
+  const WeightedPath& path;
+  std::span<const WeightedVertex> x;
+  size_t k;
+};
+
+} // namespace
+
+double shadowRaysThroughPanes(double pdf, double pdfDirection, double distanceRatio) {
+  return pdf / pdfDirection * (distanceRatio * distanceRatio);
+}
+
+double sumNearCamera(const WeightedPath& path, size_t i) { return Techniques(path).nearCamera(i); }
+
+double sumBeyond(const WeightedPath& path) { return Techniques(path).beyondLast(); }
+
+double sumBeyond(const WeightedPath& path, size_t j, double beyond) {
+  return Techniques(path).beyondNext(j, beyond);
+}
+
+double connectionWeight(const WeightedPath& path, size_t i) {
+  const Techniques t(path);
+  if (i + 1 < t.k) return t.connections(i) / (t.connections(i) + t.nearCamera(i) + t.nearLight(i));
+  // Times B_k, which is 0 where photons never start but shadow rays go.
+  const double own = t.shadowRays(), light = t.x[t.k].fromLight;
+  return own / (own + light * t.nearCamera(i) + t.x[t.k].fromCamera * t.hits());
+}
+
+double hitWeight(const WeightedPath& path) {
+  const Techniques t(path);
+  if (t.k == 1) return 1;
+  const double light = t.x[t.k].fromLight;
+  // Without a shadow ray the factor before the rest is 0 / 0 where the light has no photons.
+  const double others = t.shadowRays() + (light > 0 ? light * t.nearCamera(t.k - 1) : 0);
+  return 1 / (1 + others / t.x[t.k].fromCamera);
+}
+
+double mergeWeight(const WeightedPath& path, size_t i) {
+  const Techniques t(path);
+  const double own = t.x[i].merges * t.x[i].fromLight;
+  return own / (t.connections(i) + t.nearCamera(i) + t.nearLight(i));
+}
+
+void countMerges(const WeightedPath& path) {
+  const auto x = path.vertices;
+  const size_t k = path.edges();
+  const double area = path.correlationArea;
+  if (path.photons == 0) return;
+  for (WeightedVertex& v : x) v.merges = 0;
+  if (k < 3) return;
+  // What a delta lobe finds is found again.
+  double light = x[k - 1].fromLight * area; // S of (3), of the place and the direction of emission
+  if (path.light != LightGeometry::DELTA) light *= x[k].fromLight;
+  if (path.light == LightGeometry::SURFACE) light *= area;
+  light = std::min(1.0, light);
+  for (size_t i = k - 2; i > 0; --i) {
+    if (!x[i + 1].delta) light *= std::min(1.0, x[i].fromLight * area);
+    x[i].merges = light; // for now
+  }
+  double camera = 1; // Q
+  for (size_t i = 1; i + 1 < k; ++i) {
+    if (i == 1 || !x[i - 1].delta) camera *= std::min(1.0, x[i].fromCamera * area);
+    const double either = camera + x[i].merges - camera * x[i].merges;
+    const bool all = i == 1 || area == 0 || !(either > 0);
+    const double independent = all ? 1 : std::max(camera / either, 1 / path.photons);
+    x[i].merges = x[i].delta ? 0 : path.photons * path.mergeArea * independent;
+  }
+}
+
+} // namespace recurse

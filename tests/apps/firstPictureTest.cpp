@@ -1,0 +1,89 @@
+/** @file
+ * The picture of `recurse render` that is there before an integrator has learned or shot anything.
+ */
+#include "program.h"
+
+#include "recurse/core/image/image.h"
+
+using namespace programTesting;
+using recurse::readImage;
+
+namespace {
+
+class FirstPicture : public Program {
+ protected:
+  /** Waits until the file is there; false after half a minute. */
+  bool appears(const std::string& name) const {
+    for (int i = 0; i < 1500 && !exists(name); ++i) sleepSeconds(0.02);
+    return exists(name);
+  }
+  /** The scene by one sample of each pixel of the path tracer; its one lamp leaves nothing to be learned. */
+  std::vector<float> onePathSample() const {
+    const Outcome o =
+        run({"render", "scene.pbrt", "-q", "--integrator", "path", "--spp", "1", "-o", "path.exr"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    return readImage(file("path.exr")).pixels;
+  }
+  /** Photons that take longer than a person waits. */
+  const std::vector<std::string> slow = {"render",    "scene.pbrt", "--integrator", "photonmap",
+                                         "--photons", "20M",        "-o",           "out.exr"};
+};
+
+std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+} // namespace
+
+TEST_F(FirstPicture, IsShownBeforePhotonsAreShot) {
+  std::vector<float> shown;
+  const Outcome o = run(with(slow, {"--preview", "look.exr"}), [&](pid_t child) {
+    if (appears("look.exr")) shown = readImage(file("look.exr")).pixels;
+    ::kill(child, SIGINT);
+  });
+  EXPECT_EQ(o.status, 130) << o.err;
+  EXPECT_EQ(shown, onePathSample());
+  EXPECT_TRUE(has(o.err, "was interrupted before \"photonmap\" had its first sample")) << o.err;
+  EXPECT_EQ(readImage(file("out.exr")).pixels, shown);
+}
+
+TEST_F(FirstPicture, TakesThePlaceOfOneThatIsNotReadyInTime) {
+  const Outcome o = run(with(slow, {"--time-limit", "0.01s", "--stats", "s.json"}));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(has(o.err, "warning: the time limit was over before \"photonmap\" had its first sample"))
+      << o.err;
+  EXPECT_TRUE(has(contents(file("s.json")), "\"stop_reason\": \"time\"")) << contents(file("s.json"));
+  EXPECT_EQ(readImage(file("out.exr")).pixels, onePathSample());
+}
+
+TEST_F(FirstPicture, IsNoPartOfTheResult) {
+  for (const std::string integrator : {"photonmap", "path", "bdpt"}) {
+    for (const std::string name : {"without.exr", "with.exr"}) {
+      std::vector<std::string> words = {"render", "scene.pbrt", "-q", "--integrator", integrator, "--spp",
+                                        "1",      "-o",         name};
+      if (name == "with.exr") words.insert(words.end(), {"--preview", "look.exr"});
+      const Outcome o = run(words);
+      EXPECT_EQ(o.status, 0) << o.err;
+    }
+    EXPECT_EQ(readImage(file("with.exr")).pixels, readImage(file("without.exr")).pixels) << integrator;
+  }
+}
+
+TEST_F(FirstPicture, IsSeenWherePixelsHaveNoSampleYet) {
+  write("scene.pbrt",
+        scene("Integrator \"path\" \"integer lightsamples\" 1000\n", "LightSource \"infinite\"\n"));
+  bool isFull = true;
+  int looks = 0;
+  run({"render", "scene.pbrt", "--spp", "1000", "--preview", "look.exr", "--every", "0.01s", "--resolution",
+       "96x64", "-o", "out.exr"},
+      [&](pid_t child) {
+        appears("look.exr");
+        for (; looks < 40; ++looks) {
+          for (const float value : readImage(file("look.exr")).pixels) isFull = isFull && value > 0;
+          sleepSeconds(0.02);
+        }
+        ::kill(child, SIGINT);
+      });
+  EXPECT_TRUE(isFull);
+}

@@ -1,0 +1,328 @@
+#!/usr/bin/env python3
+"""The Python module: recurseTest.py PACKAGE-FOLDER PROGRAM."""
+import ast
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+import warnings
+
+import numpy as np
+
+sys.path.insert(0, os.path.abspath(sys.argv[1]))
+GUIDE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "doc-files", "guide", "python.md")
+PROGRAM = os.path.abspath(sys.argv[2])
+import recurse  # noqa: E402
+from recurse import plug_ins  # noqa: E402
+
+ROOM = """
+Film "rgb" "integer xresolution" 24 "integer yresolution" 16
+LookAt 0 1 -6  0 1 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+AttributeBegin
+  AreaLightSource "diffuse" "rgb L" [ 12 11 10 ]
+  Translate 0 4 0
+  Shape "sphere" "float radius" 0.5
+AttributeEnd
+Material "diffuse" "rgb reflectance" [ .7 .7 .7 ]
+Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
+Material "dielectric" "float eta" 1.5
+Translate 0 1 0
+Shape "sphere" "float radius" 1
+"""
+
+
+def room() -> recurse.Scene:
+    """The same scene built in code."""
+    scene = recurse.Scene()
+    scene.set_film(xresolution=24, yresolution=16)
+    scene.set_camera("perspective", fov=40, look_at=[(0, 1, -6), (0, 1, 0), (0, 1, 0)])
+    scene.add_shape("sphere", radius=0.5, light=recurse.area_lights.diffuse(L=(12, 11, 10)),
+                    transform=recurse.translate(0, 4, 0))
+    scene.add_shape("bilinearmesh", P=[[-9, 0, -9], [9, 0, -9], [-9, 0, 9], [9, 0, 9]],
+                    material=recurse.materials.diffuse(reflectance=(.7, .7, .7)))
+    scene.add_shape("sphere", radius=1, material=recurse.materials.dielectric(eta=1.5),
+                    transform=recurse.translate(0, 1, 0))
+    return scene
+
+
+class InFolder(unittest.TestCase):
+    """A test in a folder of its own."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.addCleanup(os.chdir, os.getcwd())
+        os.chdir(folder.name)
+
+
+class SceneFiles(InFolder):
+    def test_pictures_have_the_bits_of_the_command_line(self):
+        with open("room.pbrt", "w", encoding="utf-8") as file:
+            file.write(ROOM)
+        for options, arguments in [
+                (["--integrator", "path", "--spp", "2", "--seed", "3"], {"integrator": "path", "spp": 2, "seed": 3}),
+                (["--photons", "5000", "--spp", "2", "--resolution", "20x10", "--layers", "depth", "--error-layer"],
+                 {"photons": 5000, "passes": 0, "spp": 2, "resolution": (20, 10), "features": ["depth"], "error": True})]:
+            subprocess.run([PROGRAM, "render", "room.pbrt", "-q", "-o", "cli.exr", *options], check=True)
+            picture = recurse.load("room.pbrt").render(**arguments)
+            expected = recurse.read("cli.exr")
+            self.assertEqual(set(picture.layers), set(expected.layers))
+            for name, layer in expected.layers.items():
+                np.testing.assert_array_equal(picture.layers[name], layer, err_msg=name)
+            picture.save("own.exr")
+            np.testing.assert_array_equal(recurse.read("own.exr").array, expected.array)
+            self.assertEqual(recurse.read("own.exr").metadata["recurse:scene"], "room.pbrt")
+
+    def test_a_scene_in_code_is_the_scene_in_text(self):
+        options = {"integrator": "path", "spp": 2}
+        expected = recurse.parse(ROOM).render(**options).array
+        np.testing.assert_array_equal(room().render(**options).array, expected)
+        room().save("room.pbrt")
+        np.testing.assert_array_equal(recurse.load("room.pbrt").render(**options).array, expected)
+
+    def test_errors_have_their_place(self):
+        text = ROOM.replace('"float radius" 1', '"float radios" 1').replace('"float eta"', '"float etta"')
+        with self.assertRaises(recurse.SceneError) as caught:
+            recurse.parse(text, name="wrong.pbrt")
+        error = caught.exception
+        line = text.split("\n").index([x for x in text.split("\n") if "etta" in x][0]) + 1
+        self.assertEqual((error.file, error.line), ("wrong.pbrt", line))
+        self.assertEqual(error.column, text.split("\n")[line - 1].index('"float etta"') + 1)
+        self.assertEqual(len(error.errors), 2)
+        self.assertIn("radius", error.errors[1]["accepted"] + error.errors[1]["message"])
+        self.assertIn(f"wrong.pbrt:{line}:", str(error))
+        with self.assertRaises(recurse.Error):
+            recurse.load("nowhere.pbrt")
+        with self.assertRaisesRegex(recurse.Error, "nointegrator"):
+            room().render(integrator="nointegrator")
+        with self.assertRaisesRegex(recurse.Error, "nothing"):
+            room().render(integrator="path", nothing=3)
+        with self.assertRaisesRegex(TypeError, "radios"):
+            room().add_shape("sphere", radios=1)
+
+    def test_warnings_are_those_of_python(self):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            recurse.parse(ROOM.replace("WorldBegin", 'Sampler "halton"\nWorldBegin'))
+        self.assertTrue(any("Sobol" in str(w.message) for w in caught), caught)
+
+
+class Renders(InFolder):
+    def test_layers_of_classes_add_up_without_copies(self):
+        picture = room().render("path", spp=4, classes={"emitted": "LE", "rest": "all - LE"})
+        self.assertEqual(list(picture.layers), ["all", "emitted", "rest"])
+        self.assertEqual(picture.array.shape, (16, 24, 3))
+        np.testing.assert_allclose(picture.layers["emitted"] + picture.layers["rest"], picture.array, rtol=1e-5)
+        self.assertGreater(picture.array.mean(), 0)
+        self.assertFalse(picture.array.flags.owndata)
+        self.assertTrue(np.may_share_memory(picture.array, picture.layers["rest"]))
+        layer = picture.layers["rest"]
+        before = layer.copy()
+        del picture  # the array keeps the memory
+        np.testing.assert_array_equal(layer, before)
+
+    def test_statistics_are_those_of_the_program(self):
+        picture = room().render("path", spp=2, threads=1)
+        self.assertEqual(picture.statistics["samples"], 2 * 24 * 16)
+        self.assertEqual(picture.statistics["threads"], 1)
+        self.assertEqual(picture.statistics["stop_reason"], "samples")
+
+    def test_the_number_of_threads_changes_nothing(self):
+        scene = room()
+        np.testing.assert_array_equal(scene.render(spp=2, photons=3000, passes=0, threads=1).array,
+                                      scene.render(spp=2, photons=3000, passes=0, threads=2).array)
+
+    def test_progress_can_end_a_render(self):
+        told = []
+
+        def progress(p):
+            told.append(p)
+            return p["samples_per_pixel"] < 1
+
+        picture = room().render("path", spp=1 << 24, progress=progress)
+        self.assertEqual(picture.statistics["stop_reason"], "interrupted")
+        self.assertGreater(len(told), 0)
+        self.assertIn("fraction", told[0])
+
+    def test_errors_of_progress_reach_the_caller(self):
+        def progress(p):
+            raise ZeroDivisionError
+
+        with self.assertRaises(ZeroDivisionError):
+            room().render("path", spp=1 << 24, progress=progress)
+
+    def test_interrupts_end_a_render_while_other_threads_run(self):
+        counter = [0]
+
+        def interrupt():
+            counter[0] += 1
+            if counter[0] == 5:
+                os.kill(os.getpid(), signal.SIGINT)
+            elif counter[0] < 5:
+                threading.Timer(0.1, interrupt).start()
+
+        interrupt()
+        with self.assertRaises(KeyboardInterrupt):
+            room().render("path", spp=1 << 24)
+        self.assertEqual(counter[0], 5)
+
+    def test_photons_carry_the_power_of_the_lamp(self):
+        scene = recurse.Scene()
+        scene.set_film(xresolution=4, yresolution=4)
+        scene.set_camera(look_at=[(0, 0, 0), (0, 0, 1), (0, 1, 0)])
+        scene.add_light("point", I=(1, 2, 3), from_=(100, 0, 0.2))
+        scene.add_shape("sphere", radius=2, transform=recurse.translate(100, 0, 0),
+                        material=recurse.materials.diffuse(reflectance=0))
+        photons = recurse.photons(scene, 2000)
+        self.assertEqual(len(photons), 2000)
+        np.testing.assert_allclose(photons["power"].sum(axis=0), 4 * np.pi * np.array([1, 2, 3]), rtol=1e-4)
+        self.assertEqual(set(photons["path"]), {b"L"})
+        np.testing.assert_allclose(np.linalg.norm(photons["position"] - [100, 0, 0], axis=1), 2, rtol=1e-5)
+        np.testing.assert_allclose(np.linalg.norm(photons["direction"], axis=1), 1, rtol=1e-4)
+        self.assertTrue((np.einsum("ij,ij->i", photons["direction"], photons["normal"]) > 0).all())
+        np.testing.assert_array_equal(photons, scene.photons(2000))
+
+    def test_density_by_hand_is_the_irradiance(self):
+        photons = room().photons(200000)
+        on_floor = (np.abs(photons["position"][:, 1]) < 1e-4) & (photons["path"] == b"L")
+        x, z = photons["position"][on_floor][:, 0], photons["position"][on_floor][:, 2]
+        near = (x - 4) ** 2 + z ** 2 < 0.7 ** 2
+        estimate = photons["power"][on_floor][near].sum(axis=0) / (np.pi * 0.7 ** 2)
+        distance2 = 4 ** 2 + 4 ** 2
+        expected = np.pi * np.array([12, 11, 10]) * 0.5 ** 2 / distance2 * 4 / np.sqrt(distance2)
+        np.testing.assert_allclose(estimate, expected, rtol=0.06)
+        caustic = [p for p in set(photons["path"]) if recurse.in_class("LS+DE", p.decode() + "DE")]
+        self.assertIn(b"LSS", caustic)
+
+
+class Pictures(InFolder):
+    def test_pictures_are_compared_and_developed(self):
+        picture = np.full((32, 32, 3), 0.5, np.float32)
+        other = picture * 1.1
+        self.assertEqual(recurse.compare(picture, picture)["mse"], 0)
+        self.assertAlmostEqual(recurse.compare(other, picture)["mse"], 0.0025, places=6)
+        shown = recurse.develop(picture, exposure=0, tonemap="none")
+        self.assertEqual((shown.dtype, shown.shape), (np.uint8, (32, 32, 3)))
+        self.assertEqual(set(shown.ravel()), {188})
+        with self.assertRaisesRegex(recurse.Error, "--tonemap"):
+            recurse.develop(picture, tonemap="nosuch")
+
+    def test_pictures_are_shown_in_notebooks(self):
+        picture = room().render("path", spp=1)
+        self.assertTrue(picture._repr_png_().startswith(b"\x89PNG"))
+
+    def test_classes_are_explained(self):
+        self.assertIn("caustic", recurse.named_classes())
+        self.assertIn("LSDE", recurse.classes("LS+DE"))
+        self.assertTrue(recurse.in_class("LS+DE", "LSSDE"))
+        self.assertFalse(recurse.in_class("LS+DE", "LDE"))
+        with self.assertRaisesRegex(recurse.Error, "column"):
+            recurse.classes("L(")
+
+
+#: Parameters that others must go with.
+TOGETHER = {"v1": {"mapping": "planar"}, "v2": {"mapping": "planar"}, "sigma_a": {"sigma_s": 1}, "sigma_s": {"sigma_a": 1}}
+
+
+class Guide(InFolder):
+    def test_its_examples_run(self):
+        with open(GUIDE, encoding="utf-8") as file:
+            blocks = file.read().split("```python\n")[1:]
+        names = {}
+        for block in blocks:
+            exec(compile(block.split("```")[0], "python.md", "exec"), names)  # pylint: disable=exec-used
+        self.assertTrue(os.path.getsize("first.png") > 1000 and os.path.getsize("first.pbrt") > 100)
+        expected = np.pi * np.array([12, 11, 10]) * 0.5 ** 2 / 32 * 4 / np.sqrt(32)
+        np.testing.assert_allclose(names["irradiance"], expected, rtol=0.2)
+        self.assertTrue(names["caustic"].any())
+
+
+class PlugIns(unittest.TestCase):
+    def test_every_plug_in_has_a_function_with_its_parameters(self):
+        for info in recurse._core.plug_ins():
+            namespace = getattr(recurse, plug_ins.KINDS[info["kind"]])
+            make = getattr(namespace, plug_ins.python_name(info["name"]))
+            self.assertIn(info["summary"], make.__doc__)
+            names = [plug_ins.python_name(spec["name"]) for spec in info["parameters"]]
+            self.assertEqual(len(names), len(set(names)), info["name"])
+            for name in names:
+                self.assertTrue(name.isidentifier(), f"{info['name']}: {name}")
+                self.assertNotIn(name, ("material", "light", "transform", "medium", "reverse_orientation", "look_at"))
+            self.assertEqual(make().name, info["name"])
+
+    def test_every_default_goes_through_the_text_of_a_scene(self):
+        """Parameters with default values are written such that the program takes them for the same."""
+        for info in recurse._core.plug_ins():
+            if info["kind"] not in ("Shape", "Material", "LightSource", "Texture"):  # the others go the same way
+                continue
+            if any(spec["required"] for spec in info["parameters"]):
+                continue
+            for spec in info["parameters"]:
+                if spec["ignored"] or not spec["default"]:
+                    continue
+                if spec["type"] == "bool":
+                    value = spec["default"] == "true"
+                elif spec["type"] == "string":
+                    value = spec["default"]
+                else:
+                    numbers = [float(x) for x in spec["default"].split()]
+                    value = numbers[0] if len(numbers) == 1 else numbers
+                values = {plug_ins.python_name(spec["name"]): value}
+                values |= TOGETHER.get(spec["name"], {})
+                with self.subTest(info["name"], parameter=spec["name"]):
+                    self.check_scene(info, values)
+
+    @staticmethod
+    def check_scene(info, values):
+        """Loads a scene with a plug-in of these parameters."""
+        scene = recurse.Scene()
+        scene.set_film(xresolution=2, yresolution=2)
+        if info["kind"] == "Shape":
+            scene.add_shape(info["name"], **values)
+        elif info["kind"] == "Material":
+            scene.add_shape("sphere", material=recurse.materials.make(info["name"], values))
+        elif info["kind"] == "LightSource":
+            scene.add_light(info["name"], **values)
+        else:
+            texture = recurse.textures.make(info["name"], values)
+            is_float = info["name"] in ("fbm", "wrinkled", "windy")
+            scene.add_shape("sphere", material=recurse.materials.orennayar(sigma=texture) if is_float
+                            else recurse.materials.diffuse(reflectance=texture))
+        scene.check()
+
+    def test_materials_and_textures_nest(self):
+        scene = recurse.Scene()
+        checks = recurse.textures.checkerboard(tex1=recurse.textures.marble(), tex2=(.1, .2, .3), uscale=4)
+        stripes = recurse.textures.checkerboard(tex1=0.2, tex2=recurse.textures.fbm())
+        mix = recurse.materials.mix(materials=[recurse.materials.diffuse(reflectance=checks),
+                                               recurse.materials.conductor(roughness=.1)], amount=stripes)
+        with scene.object("ball"):
+            scene.add_shape(recurse.shapes.sphere(radius=.5), material=mix)
+        scene.add_instance("ball", recurse.scale(2, 1, 1) @ recurse.rotate(30, (0, 1, 0)))
+        scene.add_instance("ball")
+        scene.add_medium("fog", "homogeneous", sigma_a=.1, sigma_s=.1)
+        scene.add_shape("sphere", radius=.2, material=recurse.materials.interface(), medium=("fog", ""))
+        self.assertIn("2 instances", scene.check())
+
+    def test_stubs_are_python(self):
+        with open(os.path.join(os.path.dirname(recurse.__file__), "plug_ins.pyi"), encoding="utf-8") as file:
+            tree = ast.parse(file.read())
+        functions = {node.name for cls in tree.body if isinstance(cls, ast.ClassDef) for node in cls.body
+                     if isinstance(node, ast.FunctionDef)}
+        for info in recurse._core.plug_ins():
+            self.assertIn(plug_ins.python_name(info["name"]), functions)
+
+    def test_cameras_look_where_they_are_placed(self):
+        by_points, by_matrix = room(), room()
+        by_matrix.set_camera("perspective", fov=40, transform=recurse.look_at((0, 1, -6), (0, 1, 0)))
+        self.assertLess(recurse.compare(by_matrix.render("raycast", spp=16), by_points.render("raycast", spp=16))
+                        ["relmse"], 1e-3)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,90 @@
+/** @file
+ * Guided paths: the same picture with less noise, and a guide that depends on the pass alone.
+ */
+#include <gtest/gtest.h>
+
+#include "sceneRendering.h"
+#include "transport/learning/guideTraining.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** A room that is lit through a slit in the wall between it and a room with a lamp. */
+std::string slitRoom() {
+  return view(32, 24, "-1.8 0 0  1 0 0  0 1 0", perspective(70)) + R"(
+Material "diffuse" "rgb reflectance" [ .6 .6 .6 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 -1  4 -1 -1  4 -1 1  -2 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 1 -1  4 1 -1  4 1 1  -2 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 -1  4 -1 -1  4 1 -1  -2 1 -1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 1  4 -1 1  4 1 1  -2 1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ -2 -1 -1  -2 1 -1  -2 1 1  -2 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ 4 -1 -1  4 1 -1  4 1 1  4 -1 1 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2 0 2 3 ] "point3 P" [ 1 -1 -1  1 1 -1  1 1 .8  1 -1 .8 ]
+AreaLightSource "diffuse" "rgb L" [ 20 20 20 ]
+Translate 2.5 .5 -.7
+Shape "sphere" "float radius" .2
+)";
+}
+
+} // namespace
+
+TEST(GuidedPath, HasTheMeanOfPlainPathsAndLessNoise) {
+  const auto scene = sceneFrom(slitRoom());
+  const PathClasses classes;
+  const int spp = samples(256);
+  const auto plain = integratorFrom("path", ""), guided = integratorFrom("path", "\"bool guided\" true");
+  const Rendered a = renderScene(*scene, *plain, classes, spp, 1),
+                 b = renderScene(*scene, *guided, classes, spp, 2);
+  EXPECT_EQ(b.unsound(), "");
+  EXPECT_NEAR(a.mean(), b.mean(), 4 * std::hypot(a.standardError(), b.standardError()));
+  if (spp < 256) return; // the guide has hardly begun
+  EXPECT_LT(b.standardError(), 0.85 * a.standardError());
+}
+
+TEST(GuidedPath, APassAloneHasTheGuideOfTheSequence) {
+  const auto scene = sceneFrom(slitRoom());
+  LightSampler lights;
+  lights.learn(*scene);
+  TransportCounts counts;
+  const uint64_t learning = counts.rays;
+  GuideTraining sequence({}), alone({});
+  Pass pass;
+  pass.seed = 5;
+  for (pass.index = 0; pass.index <= 4; ++pass.index) {
+    sequence.prepare(*scene, lights, pass, {}, counts);
+    if (pass.index == 0) {
+      EXPECT_EQ(counts.rays, learning) << "the first picture waits for nothing";
+    }
+  }
+  pass.index = 4;
+  alone.prepare(*scene, lights, pass, {}, counts);
+  ASSERT_TRUE(sequence.guide() && alone.guide());
+  EXPECT_EQ(sequence.guide()->cellCount(), alone.guide()->cellCount());
+  const Vec3f direction = glm::normalize(Vec3f(0.7f, 0.3f, 0.6f));
+  int found = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3f position = scene->bounds().center + Vec3f(0.03f * float(i - 50), -1, 0.01f * float(i % 7));
+    const GuideCell *one = sequence.guide()->find(position, {0, 1, 0}),
+                    *other = alone.guide()->find(position, {0, 1, 0});
+    ASSERT_EQ(one == nullptr, other == nullptr);
+    if (!one) continue;
+    ++found;
+    EXPECT_EQ(one->pdf(direction), other->pdf(direction));
+  }
+  EXPECT_GT(found, 0);
+}
+
+TEST(GuidedPath, InAFurnaceEveryPixelIsTheRadianceOfEverything) {
+  // A closed shell that emits 1 and reflects a half shows 2 everywhere.
+  const auto scene = sceneFrom(view(8, 8, "0 0 0  1 0 0  0 1 0", perspective(90)) + R"(
+AreaLightSource "diffuse" "rgb L" [ 1 1 1 ] "bool twosided" true
+Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
+Shape "sphere" "float radius" 1
+)");
+  const PathClasses classes;
+  const auto guided = integratorFrom("path", "\"bool guided\" true");
+  const Rendered out = renderScene(*scene, *guided, classes, samples(256), 3);
+  EXPECT_NEAR(out.mean(), 2, 4 * out.standardError());
+}

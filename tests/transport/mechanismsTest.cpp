@@ -1,0 +1,49 @@
+/** @file
+ * Mechanisms of photonmap that a study leaves out: the light stays the same, only its noise does not.
+ */
+#include "rendering.h"
+#include "roomWithHole.h"
+
+#include "transport/direct/lightSampler.h"
+
+using namespace recurse;
+using namespace recurse::testing;
+
+namespace {
+
+/** Light of the picture with photons enough for them to be learned from. */
+Rendered without(const std::string& scene, const std::string& mechanism, int photons, int samples) {
+  return renderText(scene, "sppm",
+                    "\"integer photonsperiteration\" " + std::to_string(photons) + " \"string without\" \"" +
+                        mechanism + "\"",
+                    samples);
+}
+
+/** The scene with each of the mechanisms left out: the same light by other samples. */
+void expectSameLight(const std::string& scene, const std::vector<std::string>& mechanisms, int photons,
+                     int samples) {
+  constexpr double BIAS = 0.01; // of kernels
+  const Rendered all = without(scene, "nothing", photons, samples);
+  for (const std::string& mechanism : mechanisms) {
+    const Rendered less = without(scene, mechanism, photons, samples);
+    const double error = std::hypot(all.standardError(), less.standardError());
+    EXPECT_NEAR(less.mean(), all.mean(), 4 * error + BIAS * all.mean()) << mechanism;
+    EXPECT_NE(less.mean(), all.mean()) << mechanism << " did nothing";
+  }
+}
+
+} // namespace
+
+TEST(Mechanisms, ARoomWithGlassAndAMirrorHasTheSameLightWithoutThem) {
+  expectSameLight(glassAndMirrorBox(12), {"judgedradii", "mergeweights"}, 4096, 16);
+}
+
+TEST(Mechanisms, ARoomLitThroughAHoleHasTheSameLightWithoutThem) {
+  expectSameLight(roomWithHole(12), {"portals"}, 16384, 2);
+}
+
+TEST(Mechanisms, OpeningsForShadowRaysAreNotLookedForWhereTheyAreLeftOut) {
+  const auto scene = sceneFrom(roomWithHole(12));
+  EXPECT_GT(LightSampler().learn(*scene).rays, 0u);
+  EXPECT_EQ(LightSampler().learn(*scene, false).rays, 0u); // there is one light
+}
