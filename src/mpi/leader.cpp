@@ -11,6 +11,8 @@
 
 #include "recurse/core/io/error.h"
 #include "recurse/render/sampleAllocation.h"
+#include "render/progressEstimate.h"
+#include "render/stopRule.h"
 
 namespace recurse::apps {
 
@@ -19,8 +21,9 @@ namespace {
 /** Seconds of a unit, where there is a choice: dealing them out costs next to nothing then, and whoever is
  * slow holds up the others for so long at most. */
 constexpr double UNIT_SECONDS = 1;
-/** Looking at the error takes no more than one part in so many of the time. */
-constexpr double ERROR_PART = 20;
+/** Shortest time between estimates of the error [s]. They take one part in ERROR_COST_RATIO of the time, with
+ * the films' way to the leader, while the ranks go on. */
+constexpr double ERROR_INTERVAL = 0.5, ERROR_COST_RATIO = 20;
 /** Seconds without a word from a rank, which reports five times a second. */
 constexpr double SILENCE_SECONDS = 3;
 
@@ -28,27 +31,26 @@ constexpr double SILENCE_SECONDS = 3;
 class Leader {
  public:
   Leader(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings, Film& film,
-         Clock::time_point began, const std::atomic<bool>& stop,
+         Clock::time_point start, const std::atomic<bool>& stop,
          const std::function<void(const RenderProgress&)>& progress,
          const std::function<void(const std::string&)>& log)
-      : worker(worker), names(names), settings(settings), film(film), stop(stop), progress(progress),
-        log(log), ranks(names.size()), samples(worker.renderer.samples()), tiles(double(samples.tiles())),
+      : worker(worker), names(names), settings(settings), film(film), stop(stop), log(log),
+        ranks(names.size()), samples(worker.renderer.samples()), tiles(double(samples.tiles())),
         firstSample(settings.firstSample),
         lastSample(settings.endSample > 0 ? settings.endSample : samples.samples()),
         allocation(settings.allocation),
-        queue(samples.samples(), int64_t(samples.tiles()), samples.passes(), workLeft()),
-        start(began - std::chrono::duration_cast<Clock::duration>(
-                          std::chrono::duration<double>(settings.from.statistics.renderSeconds))),
-        here(Clock::now()), saved(here), looked(here), errorLooked(here), lookAfter(settings.lookAfter),
-        before(double(film.totalSamples()) / double(film.bounds().area()) * tiles) {
+        queue(samples.samples(), int64_t(samples.tiles()), samples.passes(), workLeft()), start(start),
+        rule(settings, film.totalSamples() > 0), errors(ERROR_INTERVAL, ERROR_COST_RATIO, elapsed()),
+        saves(settings.save ? settings.saveInterval : INFINITY, elapsed()),
+        looks(settings.look ? settings.lookAfter : INFINITY, elapsed()), reporter(progress),
+        pictureStart(elapsed()), before(tileSamplesInFilm()) {
     if (!allocation) return;
     queue.keepPassesWhole();
     if (allocation->dealtUpTo() > 0) shareStage();
   }
 
   RenderStatistics lead() {
-    if (settings.errorTarget > 0 && before > 0) lookAtError();
-    if (settings.timeLimit > 0 && before > 0 && elapsed() > settings.timeLimit) end(StopReason::TIME);
+    if (settings.errorTarget > 0 && before > 0) estimateError();
     while (!isOver()) {
       bool quiet = true;
       while (auto message = receivedReport()) {
@@ -57,27 +59,20 @@ class Leader {
       }
       for (const FullReport& r : worker.reports(stop)) take(LEADER, r);
       if (worker.reduced()) addFilms();
-      if (saveDue && isFilmKnown()) save();
+      if (isSaveDue && isFilmKnown()) save();
       watch();
       tellSilence();
       beginStage();
       deal();
       reduceIfDue();
-      tellProgress();
+      reporter.tell([&] { return progress(); });
       if (quiet) std::this_thread::sleep_for(worker.isReducing() ? BUSY_POLL : IDLE_POLL);
     }
     sendOthers(Command::END);
-    if (!reason) lookAtError();
+    if (reason != StopReason::ERROR) estimateError(); // else it is the one that was reached
     if (settings.save) save();
-    RenderStatistics out = statistics();
-    countSamples(film, out);
-    out.error = error;
-    out.notes = worker.renderer.statistics().notes;
-    for (const std::string& w : worker.renderer.statistics().warnings) out.warnings.push_back(w);
-    out.stopReason = reason.value_or(StopReason::SAMPLES);
-    out.oneMap = samples.hasOneMap() && out.photonsEmitted > 0;
-    out.gatherSeconds = std::max(0.0, out.renderSeconds - out.photonSeconds - out.balanceSeconds);
-    return out;
+    reporter.finish(progress());
+    return summary();
   }
 
  private:
@@ -95,6 +90,18 @@ class Leader {
     int64_t reduction = 0; ///< that it will be in
     bool finished = false;
   };
+
+  RenderStatistics summary() const {
+    RenderStatistics out = statistics();
+    countSamples(film, out);
+    out.error = errors.error();
+    out.notes = worker.renderer.statistics().notes;
+    for (const std::string& w : worker.renderer.statistics().warnings) out.warnings.push_back(w);
+    out.stopReason = reason.value_or(StopReason::SAMPLES);
+    out.oneMap = samples.hasOneMap() && out.photonsEmitted > 0;
+    out.gatherSeconds = std::max(0.0, out.renderSeconds - out.photonSeconds - out.balanceSeconds);
+    return out;
+  }
 
   std::vector<WorkUnit> workLeft() const {
     if (settings.from.left) return *settings.from.left;
@@ -131,7 +138,7 @@ class Leader {
   void take(int from, const FullReport& r) {
     Rank& rank = ranks[size_t(from)];
     if (!r.failure.empty()) throw Error(names[size_t(from)] + ": " + r.failure);
-    if (r.stop) stopped = true;
+    if (r.stop) stoppedElsewhere = true;
     rank.heard = Clock::now();
     if (std::exchange(rank.isMissed, false) && log) log("warning: " + names[size_t(from)] + " answers again");
     rank.last = r;
@@ -168,20 +175,22 @@ class Leader {
     return worker.renderer.hasShot() ||
            std::any_of(ranks.begin(), ranks.end(), [](const Rank& r) { return r.last.tileSamples > 0; });
   }
-  /** Whether it is to end early. */
+  bool isStopped() const { return stop || stoppedElsewhere; }
+  /** Ends the render early where that is due. */
   void watch() {
     if (reason) return;
-    if (stop || stopped) return end(StopReason::INTERRUPTED);
-    if (settings.timeLimit <= 0) return;
-    if (everyPixelHasASample()) {
-      if (firstSampleEnd == 0) firstSampleEnd = elapsed();
-      if (elapsed() + reductionSeconds > std::max(settings.timeLimit, firstSampleEnd)) end(StopReason::TIME);
-    } else if (settings.limitsFirstPass && !hasBegunPicture() && elapsed() > settings.timeLimit) {
-      end(StopReason::TIME);
-    } else if (unitsOut() > 0 && worker.renderer.tileSamples() > 0 &&
-               elapsed() > settings.timeLimit + settings.firstSampleTime) {
-      end(StopReason::TIME);
+    if (!isPicture && hasBegunPicture()) {
+      isPicture = true;
+      pictureStart = elapsed();
+      rule.beginFirstSample(pictureStart);
     }
+    const bool hasFirstSample = everyPixelHasASample();
+    if (hasFirstSample) rule.completeFirstSample();
+    // Of a picture that has begun there is to be something to be written.
+    const bool waitsForTile = isPicture && !hasFirstSample && worker.renderer.tileSamples() == 0;
+    if (isStopped() || (rule.isTimeUp(elapsed() + reductionSeconds) && !waitsForTile) ||
+        (rule.isErrorReached(errors.error()) && (isWorkLeft() || unitsOut() > 0)))
+      end(rule.reason(isStopped(), errors.error(), false));
   }
   void tellSilence() {
     for (size_t r = 0; r < ranks.size(); ++r) {
@@ -209,42 +218,44 @@ class Leader {
 
   void deal() {
     if (reason) return;
-    const int workers = int(ranks.size());
     for (bool any = true; any && !queue.empty();) {
       any = false;
-      for (int r = 0; r < workers && !queue.empty(); ++r) {
-        Rank& rank = ranks[size_t(r)];
-        // A second one is on its way while the first is worked on, but not where they run out.
-        const bool plenty = queue.size() > 4 * double(workers) * rank.unitSize && rank.speed > 0;
-        if (rank.units >= (plenty ? 2 : 1)) continue;
-        double wanted =
-            rank.speed > 0 ? UNIT_SECONDS * rank.speed : std::min(tiles, queue.size()) / (8 * workers);
-        if (settings.timeLimit > 0 && rank.speed > 0 && queue.nextSample() > firstSample) {
-          const double fits =
-              (settings.timeLimit - elapsed() - reductionSeconds) * rank.speed - rank.units * rank.unitSize;
-          if (queue.smallest(workers) > fits) continue;
-          wanted = std::min(wanted, fits);
-        }
-        const std::optional<WorkUnit> unit = queue.take(wanted, workers);
-        if (!unit) continue;
-        rank.unitSize = unit->size();
-        ++rank.units;
-        dealt.push_back({++lastId, *unit, reductionsBegun + 1, false});
-        send(r, {Command::UNIT, lastId, *unit});
-        any = true;
-      }
+      for (int r = 0; r < int(ranks.size()) && !queue.empty(); ++r) any = dealTo(r) || any;
     }
     // What is left takes too long for the time.
     if (!queue.empty() && unitsOut() == 0) reason = StopReason::TIME;
+  }
+  /** False where it has enough to do, or there is nothing that it would finish in time. */
+  bool dealTo(int r) {
+    const int workers = int(ranks.size());
+    Rank& rank = ranks[size_t(r)];
+    // A second one is on its way while the first is worked on, but not where they run out.
+    const bool plenty = queue.size() > 4 * double(workers) * rank.unitSize && rank.speed > 0;
+    if (rank.units >= (plenty ? 2 : 1)) return false;
+    double wanted =
+        rank.speed > 0 ? UNIT_SECONDS * rank.speed : std::min(tiles, queue.size()) / (8 * workers);
+    if (rank.speed > 0 && queue.nextSample() > firstSample) {
+      const double seconds = rule.timeLeft(elapsed()) - reductionSeconds;
+      const double fits = seconds * rank.speed - rank.units * rank.unitSize;
+      if (queue.smallest(workers) > fits) return false;
+      wanted = std::min(wanted, fits);
+    }
+    const std::optional<WorkUnit> unit = queue.take(wanted, workers);
+    if (!unit) return false;
+    rank.unitSize = unit->size();
+    ++rank.units;
+    dealt.push_back({++lastId, *unit, reductionsBegun + 1, false});
+    send(r, {Command::UNIT, lastId, *unit});
+    return true;
   }
 
   bool isReducing() const { return reductionsDone < reductionsBegun; }
   void reduceIfDue() {
     if (isReducing()) return;
     const bool over = unitsOut() == 0 && (!isWorkLeft() || reason);
-    const bool due = !reason && ((settings.save && secondsSince(saved) > settings.saveInterval) ||
-                                 (settings.look && secondsSince(looked) > lookAfter) ||
-                                 (settings.errorTarget > 0 && secondsSince(errorLooked) > errorInterval));
+    const double now = elapsed();
+    const bool due =
+        !reason && (saves.isDue(now) || looks.isDue(now) || (settings.errorTarget > 0 && errors.isDue(now)));
     if (!anythingNew || !(over || due)) return;
     anythingNew = false;
     ++reductionsBegun;
@@ -258,27 +269,23 @@ class Leader {
     reductionSeconds = std::min(secondsSince(reductionStart), UNIT_SECONDS);
     std::erase_if(dealt, [&](const Dealt& d) { return d.finished && d.reduction <= reductionsDone; });
     if (reason) return;
-    if (settings.errorTarget > 0) lookAtError();
-    saveDue = settings.save && secondsSince(saved) > settings.saveInterval;
-    if (settings.look && secondsSince(looked) > lookAfter) {
-      lookAfter = settings.look();
-      looked = Clock::now();
+    if (settings.errorTarget > 0) estimateError();
+    isSaveDue = saves.isDue(elapsed());
+    if (looks.isDue(elapsed())) {
+      const double interval = settings.look();
+      looks.restart(elapsed(), interval);
     }
   }
   bool isOver() const {
     return unitsOut() == 0 && !isReducing() && !anythingNew && (!isWorkLeft() || reason);
   }
 
-  void lookAtError() {
-    const Clock::time_point now = Clock::now();
-    const double is = film.relativeError();
-    errorLooked = Clock::now();
-    errorInterval = std::max(0.5, ERROR_PART * (reductionSeconds + secondsSince(now)));
-    if (!std::isfinite(is)) return;
-    error = is;
-    if (settings.errorTarget > 0 && error <= settings.errorTarget && !reason &&
-        (isWorkLeft() || unitsOut() > 0))
-      end(StopReason::ERROR);
+  double tileSamplesInFilm() const {
+    return double(film.totalSamples()) / double(film.bounds().area()) * tiles;
+  }
+  void estimateError() {
+    const double begin = elapsed(), error = film.relativeError();
+    errors.add(error, tileSamplesInFilm(), begin - reductionSeconds, elapsed());
   }
 
   RenderStatistics statistics() const {
@@ -311,45 +318,35 @@ class Leader {
     position.statistics.warnings.clear();
     position.left = std::move(left);
     settings.save(position);
-    saved = Clock::now();
-    saveDue = false;
+    saves.restart(elapsed());
+    isSaveDue = false;
   }
 
-  void tellProgress() {
-    if (!progress || secondsSince(told) < 0.1) return;
-    told = Clock::now();
-    RenderProgress p;
-    p.elapsed = elapsed();
-    double done = worker.renderer.tileSamples(), rays = double(worker.renderer.rays());
+  RenderProgress progress() const {
+    PictureState s;
+    s.elapsed = elapsed();
+    s.working = s.elapsed - pictureStart;
+    s.samplesDone = worker.renderer.tileSamples();
+    s.rays = double(worker.renderer.rays());
     for (size_t r = 1; r < ranks.size(); ++r) {
-      done += ranks[r].last.tileSamples;
-      rays += double(ranks[r].last.rays);
+      s.samplesDone += ranks[r].last.tileSamples;
+      s.rays += double(ranks[r].last.rays);
     }
-    p.error = error;
-    if (done == 0) {
-      p.phase = "photons";
-      p.fraction = worker.renderer.photonProgress();
-      return progress(p);
-    }
-    p.phase = "picture";
-    p.samplesPerPixel = (before + done) / tiles;
-    const double working = secondsSince(here);
-    p.raysPerSecond = rays / working;
-    double left = INFINITY;
-    if (settings.samplesPerPixel > 0) {
-      double size = queue.size();
-      for (const Dealt& d : dealt)
-        if (!d.finished) size += d.unit.size();
-      if (allocation) size += double(lastSample - allocation->dealtUpTo()) * tiles;
-      left = size / (done / working);
-    }
-    if (settings.errorTarget > 0 && error > 0)
-      left = std::min(left, working * ((error / settings.errorTarget) * (error / settings.errorTarget) - 1));
-    if (settings.timeLimit > 0) left = std::min(left, settings.timeLimit - p.elapsed);
-    left = std::max(left, 0.0);
-    p.secondsLeft = left;
-    p.fraction = working / (working + left);
-    progress(p);
+    if (s.samplesDone == 0)
+      return photonProgress(worker.renderer.photonProgress(), s.elapsed, errors.error());
+    s.samplesBefore = before;
+    if (settings.samplesPerPixel > 0) s.samplesLeft = tileSamplesLeft();
+    s.samplesPerPixel = (before + s.samplesDone) / tiles;
+    s.error = errors.error();
+    s.errorSamples = errors.samples();
+    return pictureProgress(s, settings);
+  }
+  double tileSamplesLeft() const {
+    double left = queue.size();
+    for (const Dealt& d : dealt)
+      if (!d.finished) left += d.unit.size();
+    if (allocation) left += double(lastSample - allocation->dealtUpTo()) * tiles;
+    return left;
   }
 
   Worker& worker;
@@ -357,7 +354,6 @@ class Leader {
   const RenderSettings& settings;
   Film& film;
   const std::atomic<bool>& stop;
-  const std::function<void(const RenderProgress&)>& progress;
   const std::function<void(const std::string&)>& log;
   std::vector<Rank> ranks;
   const SampleRenderer& samples;
@@ -367,13 +363,20 @@ class Leader {
   WorkQueue queue;
   std::vector<Dealt> dealt; ///< not finished, or not in the film yet
   int64_t lastId = 0, reductionsBegun = 0, reductionsDone = 0;
-  bool anythingNew = false; ///< in the films of the ranks
-  bool stopped = false, saveDue = false;
-  std::optional<StopReason> reason;
-  Clock::time_point start, here, saved, looked, errorLooked, reductionStart{}, told{};
-  double lookAfter, errorInterval = 0.5, reductionSeconds = 0, firstSampleEnd = 0;
-  double before; ///< tile samples that the film began with
-  double error = -1;
+  bool anythingNew = false;      ///< in the films of the ranks
+  bool stoppedElsewhere = false; ///< somebody wants another rank to end
+  bool isPicture = false;        ///< its first sample has begun
+  bool isSaveDue = false;
+  std::optional<StopReason> reason; ///< to end early: no more work is dealt out
+  const Clock::time_point start;    ///< with the time before an interruption
+  StopRule rule;
+  ErrorWatch errors;
+  Recurrence saves, looks;
+  ProgressReporter reporter;
+  double pictureStart; ///< seconds since `start`
+  Clock::time_point reductionStart{};
+  double reductionSeconds = 0; ///< of the latest one
+  double before;               ///< tile samples that the film began with
 };
 
 } // namespace

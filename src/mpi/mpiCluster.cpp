@@ -16,8 +16,9 @@
 #include "mpi/leader.h"
 #include "mpi/sharedPhotons.h"
 #include "recurse/core/io/error.h"
-#include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/parallel.h"
+#include "render/progressEstimate.h"
+#include "render/stopRule.h"
 #include "render/watchdog.h"
 
 namespace recurse::apps {
@@ -43,23 +44,16 @@ constexpr char FAILED = '!';
 
 /** The photons of the only pass. Where that is to end at any rank it ends at all: each then shoots them when
  * it needs them. */
-void shootTogether(Worker& worker, const std::function<bool()>& isToEnd,
+void shootTogether(Worker& worker, const std::function<bool()>& isToEnd, Clock::time_point start,
                    const std::function<void(const RenderProgress&)>& progress) {
   std::atomic<bool> stopping{isToEnd()};
   SharedPhotons sharing(stopping);
   ForwardControl control;
   control.stop = &stopping;
   control.sharing = &sharing;
-  const Clock::time_point start = Clock::now();
-  Clock::time_point told = start;
+  ProgressReporter reporter(progress);
   control.progress = [&](double fraction) {
-    if (!progress || secondsSince(told) < 0.1) return;
-    told = Clock::now();
-    RenderProgress p;
-    p.phase = "photons";
-    p.fraction = fraction;
-    p.elapsed = secondsSince(start);
-    progress(p);
+    reporter.tell([&] { return photonProgress(fraction, secondsSince(start)); });
   };
   const Watchdog watchdog([&] {
     if (isToEnd()) stopping = true;
@@ -172,27 +166,17 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
   std::optional<SampleAllocation> workerAllocation;
   if (leads() && settings.allocation)
     workerSettings.allocation = &workerAllocation.emplace(*settings.allocation);
-  const Clock::time_point start = Clock::now();
+  const Clock::time_point start = startOf(settings);
   // Photons that ranks share need the same learning at all of them: where some are not done with it in time,
   // no photons are shot either.
-  const auto isToEnd = [&] {
-    return stop || (settings.limitsFirstPass && settings.timeLimit > 0 &&
-                    settings.from.statistics.renderSeconds + secondsSince(start) > settings.timeLimit);
-  };
-  std::optional<Worker> learned;
-  {
-    std::atomic<bool> enough{false};
-    const Watchdog watchdog([&] {
-      if (isToEnd()) enough = true;
-    });
-    const InterruptibleWork learning(&enough);
-    learned.emplace(scene, integrator, classes, workerSettings,
-                    leads() ? log : std::function<void(const std::string&)>(), leads());
-  }
-  Worker& worker = *learned;
+  const StopRule rule(settings, false);
+  const auto isToEnd = [&] { return stop || rule.isTimeUp(secondsSince(start)); };
+  const auto logHere = leads() ? log : std::function<void(const std::string&)>();
+  Worker worker = interruptibly(
+      isToEnd, [&] { return Worker(scene, integrator, classes, workerSettings, logHere, leads()); });
   RenderStatistics statistics;
   if (size > 1 && worker.renderer.samples().hasOneMap())
-    shootTogether(worker, isToEnd, leads() ? progress : nullptr);
+    shootTogether(worker, isToEnd, start, leads() ? progress : nullptr);
   if (leads()) {
     // It has to have room for what the ranks' films have.
     if (worker.sum->splats()) film.enableSplats(worker.sum->splats()->unit());

@@ -91,10 +91,11 @@ RenderResult PythonScene::render(const RenderRequest& request,
   require(plan.overrides);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
   apps::withdrawStop();
-  const apps::Rendering rendering(loaded, classes, plan, options, [&](RenderProgress& p) { progress(p); });
-  apps::RenderReport report = rendering.report("recurse render");
+  const apps::RenderResult result =
+      apps::renderLoaded(loaded, classes, plan, options, [&](RenderProgress& p) { progress(p); });
+  apps::RenderReport report = result.report("recurse render");
   report.extra = request.extra;
-  Image image = apps::pictureOf(rendering.film(), report);
+  Image image = apps::pictureOf(result.film, report);
   if (!request.features.empty()) {
     FeatureSettings features;
     features.layers = request.features;

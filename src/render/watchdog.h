@@ -3,11 +3,15 @@
  */
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
+
+#include "recurse/core/threads/interrupt.h"
 
 namespace recurse {
 
@@ -30,5 +34,15 @@ class Watchdog {
   std::function<void()> look;
   std::jthread thread;
 };
+
+/** The result of work(), in which checkInterrupted() throws soon after isToEnd() becomes true. */
+template <class Work> auto interruptibly(const std::function<bool()>& isToEnd, const Work& work) {
+  std::atomic<bool> isEnding{false};
+  const Watchdog watchdog([&] {
+    if (isToEnd()) isEnding = true;
+  });
+  const InterruptibleWork interruptible(&isEnding);
+  return work();
+}
 
 } // namespace recurse

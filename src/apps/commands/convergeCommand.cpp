@@ -202,23 +202,23 @@ void checkFiles(const ConvergeOptions& o, const std::vector<std::string>& sceneF
 /** Renders one cell; empty when it was interrupted. */
 std::optional<ConvergeCell> renderCell(LoadedScene& loaded, const Run& run, const RenderOptions& options,
                                        const References& references, const std::string& fileName,
-                                       const Rendering::Retell& retell) {
+                                       const Retell& retell) {
   Diagnostics diagnostics;
   const RenderPlan plan = options.plan();
   loaded.integratorDirective = options.integrator.directive(loaded.description.integrator);
   loaded.integrator = makeIntegrator(loaded.integratorDirective, options.lenient, diagnostics);
   diagnostics.throwIfErrors();
   try {
-    const Rendering rendering(loaded, PathClasses(), plan, options, retell);
-    if (rendering.interrupted()) return std::nullopt;
-    const RenderReport report = rendering.report("recurse render");
-    const Image picture = pictureOf(rendering.film(), report);
+    const RenderResult result = renderLoaded(loaded, PathClasses(), plan, options, retell);
+    if (result.isInterrupted()) return std::nullopt;
+    const RenderReport report = result.report("recurse render");
+    const Image picture = pictureOf(result.film, report);
     writeImage(fileName, picture);
     ConvergeCell cell = measureCell(picture, references);
     cell.run = run.name;
-    cell.seconds = rendering.statistics().renderSeconds;
+    cell.seconds = result.statistics.renderSeconds;
     cell.samplesPerPixel = report.samplesPerPixel();
-    cell.photons = double(rendering.statistics().photonsEmitted);
+    cell.photons = double(result.statistics.photonsEmitted);
     return cell;
   } catch (const Error& error) {
     if (error.status() == ExitStatus::INTERRUPTED) return std::nullopt;

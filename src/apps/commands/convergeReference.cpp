@@ -146,14 +146,14 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
             ", wanted " + formatted("%.2g", plan.relMse);
         p.secondsLeft = left < 0 ? -1 : std::max(0.0, left - (spent - spentBefore) - p.elapsed);
       };
-      const Rendering rendering(loaded, PathClasses(), path.plan(), path, retell);
-      if (rendering.interrupted())
+      const RenderResult result = renderLoaded(loaded, PathClasses(), path.plan(), path, retell);
+      if (result.isInterrupted())
         throw Error("interrupted while the reference was made; what there is of it is kept in " + fileName +
                         ", and the same command goes on",
                     ExitStatus::INTERRUPTED);
-      pictures[half] = pictureOf(rendering.film(), rendering.report("recurse render"));
-      halves.seconds += rendering.statistics().renderSeconds;
-      spent += rendering.statistics().renderSeconds;
+      pictures[half] = pictureOf(result.film, result.report("recurse render"));
+      halves.seconds += result.statistics.renderSeconds;
+      spent += result.statistics.renderSeconds;
     }
     if (halves.samples == 0) {
       halves.a = pictures[0];

@@ -95,8 +95,8 @@ class Pictures {
   bool exists(const std::string& name) const { return fs::exists(fileName(name)); }
 
   /** Empty when it was interrupted. With `checkpoint` what was begun is gone on with. */
-  std::optional<Stills> get(const std::string& name, const RenderOptions& options,
-                            const Rendering::Retell& retell, bool checkpoint = false) {
+  std::optional<Stills> get(const std::string& name, const RenderOptions& options, const Retell& retell,
+                            bool checkpoint = false) {
     const std::string identity = common + "; " + settingsText(loaded.integratorDirective) + "; " +
                                  (options.samples ? *options.samples + " samples" : *options.timeLimit) +
                                  "; seed " + options.seed.value_or("0");
@@ -110,13 +110,13 @@ class Pictures {
       renderPlan.resume = true;
     }
     try {
-      const Rendering rendering(loaded, classes, renderPlan, options, retell);
-      if (rendering.interrupted()) return {};
-      const RenderReport report = rendering.report("recurse render");
-      Stills stills = makeStills(rendering.film(), plan, loaded.scene->film().imagingRatio);
+      const RenderResult result = renderLoaded(loaded, classes, renderPlan, options, retell);
+      if (result.isInterrupted()) return {};
+      const RenderReport report = result.report("recurse render");
+      Stills stills = makeStills(result.film, plan, loaded.scene->film().imagingRatio);
       stills.image.metadata = metadataOf(report);
       stills.image.metadata["recurse:method"] = identity;
-      stills.image.metadata["recurse:seconds"] = formatted("%.6g", rendering.statistics().renderSeconds);
+      stills.image.metadata["recurse:seconds"] = formatted("%.6g", result.statistics.renderSeconds);
       stills.image.metadata["recurse:samples"] = formatted("%.6g", report.samplesPerPixel());
       describeStills(stills);
       writeImage(fileName(name), stills.image);

@@ -142,19 +142,19 @@ class Attempts {
   std::string failures;
 };
 
-RenderReport reportOf(const Rendering& rendering, const RenderCommandOptions& o) {
-  RenderReport report = rendering.report(
+RenderReport reportOf(const RenderResult& result, const RenderCommandOptions& o) {
+  RenderReport report = result.report(
       "recurse render", o.pathsText() + (o.frame ? " --frames " + std::to_string(o.frame->number) : ""));
   report.extra = o.extra;
   return report;
 }
 
 /** Writes the files that were asked for, and sums the render up. */
-void writeResults(const Rendering& rendering, const RenderCommandOptions& o,
+void writeResults(const RenderResult& result, const RenderCommandOptions& o,
                   const std::vector<std::string>& outputs, const FeatureSettings& features,
                   PictureWriter& writer, FilmViewers& viewers) {
-  const RenderReport report = reportOf(rendering, o);
-  Image image = pictureOf(rendering.film(), report);
+  const RenderReport report = reportOf(result, o);
+  Image image = pictureOf(result.film, report);
   if (!features.layers.empty()) image = withChannels(image, renderFeatures(*report.loaded.scene, features));
   Attempts files;
   std::vector<std::string> written;
@@ -171,8 +171,7 @@ void writeResults(const Rendering& rendering, const RenderCommandOptions& o,
   if (!o.render.quiet)
     say(renderSummary(report, written, !o.render.verbose) + integratorRemark(o.render, report.loaded) +
         writer.remark());
-  if (!rendering.checkpointFailure().empty())
-    files.attempt([&] { throw Error(rendering.checkpointFailure()); });
+  if (!result.checkpointFailure.empty()) files.attempt([&] { throw Error(result.checkpointFailure); });
   files.throwFailures();
 }
 
@@ -211,11 +210,11 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   if (o.viewers.any())
     plan.look = [&](const auto& picture, const auto& say) { return viewers.look(picture, say); };
   plan.endsWithFirstPicture = plan.explainsBlack = true;
-  const Rendering rendering(loaded, classes, plan, o.render,
-                            [&](const RenderProgress& progress) { viewers.show(progress); });
+  const RenderResult result = renderLoaded(loaded, classes, plan, o.render,
+                                           [&](const RenderProgress& progress) { viewers.show(progress); });
   if (!leads) return ExitStatus::DONE;
-  writeResults(rendering, o, outputs, features, writer, viewers);
-  return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+  writeResults(result, o, outputs, features, writer, viewers);
+  return result.isInterrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
 }
 
 /** One picture after the other, on one live page; stops where one is interrupted. */

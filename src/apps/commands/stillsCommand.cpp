@@ -75,14 +75,14 @@ ExitStatus renderStills(const StillsOptions& o) {
 
   std::string classOptions;
   for (const std::string& text : o.classes) classOptions += " --class " + shellQuoted(text);
-  const Rendering rendering(loaded, classes, plan, o.render);
-  const RenderReport report = rendering.report("recurse stills", classOptions);
-  Stills stills = makeStills(rendering.film(), stillsPlan, loaded.scene->film().imagingRatio);
+  const RenderResult result = renderLoaded(loaded, classes, plan, o.render);
+  const RenderReport report = result.report("recurse stills", classOptions);
+  Stills stills = makeStills(result.film, stillsPlan, loaded.scene->film().imagingRatio);
   stills.image.metadata = metadataOf(report);
   stills.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
   stills.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
                  " samples per pixel";
-  if (rendering.interrupted()) stills.label += ", interrupted";
+  if (result.isInterrupted()) stills.label += ", interrupted";
   describeStills(stills);
   writeStills(o.folder, stills, other ? &*other : nullptr);
   std::vector<std::string> written;
@@ -96,7 +96,7 @@ ExitStatus renderStills(const StillsOptions& o) {
     say(renderSummary(report, written, !o.render.verbose));
     print(stillsTable(stills));
   }
-  return rendering.interrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+  return result.isInterrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
 }
 
 } // namespace

@@ -147,10 +147,6 @@ std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const R
           {"samples go", adaptive ? "where the error is" : ALL_ALIKE}};
 }
 
-} // namespace
-
-namespace {
-
 Film emptyFilm(const Scene& scene, const PathClasses& classes) {
   const PixelBounds& crop = scene.film().crop;
   requireMemory("a film of " + std::to_string(crop.width()) + "x" + std::to_string(crop.height()) + " pixels",
@@ -158,78 +154,104 @@ Film emptyFilm(const Scene& scene, const PathClasses& classes) {
   return {crop, classes.layerCount()};
 }
 
-} // namespace
+/** A render with its messages, its checkpoint and its first picture. */
+class RenderRun {
+ public:
+  RenderRun(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
+            const RenderOptions& options, const Retell& retell)
+      : loaded(loaded), classes(classes), plan(plan), options(options),
+        settings(plan.settings(*loaded.scene)),
+        display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress)),
+        // Warnings are about what the picture will look like, so they come at once and even when quiet.
+        log([this](const std::string& text) {
+          if (this->options.verbose || text.starts_with("warning")) display.message(text);
+        }),
+        show([this, &retell](RenderProgress progress) {
+          if (retell) retell(progress);
+          display.update(progress);
+        }),
+        optionsText(options.text(loaded, settings)), kept{{},
+                                                          {},
+                                                          loaded.scene->film().imagingRatio,
+                                                          classes.classes(),
+                                                          {{settings.seed, settings.firstSample,
+                                                            settings.firstSample}},
+                                                          {},
+                                                          emptyFilm(*loaded.scene, classes),
+                                                          {}},
+        firstClasses(firstPictureClasses(*loaded.integrator, classes)) {
+    if (plan.adaptive) kept.allocation.emplace(kept.film.bounds(), kept.imagingRatio);
+  }
 
-Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
-                     const RenderOptions& options, const Retell& retell)
-    : loaded(loaded), options(options),
-      settings(plan.settings(*loaded.scene)), kept{{},
-                                                   {},
-                                                   loaded.scene->film().imagingRatio,
-                                                   classes.classes(),
-                                                   {{settings.seed, settings.firstSample,
-                                                     settings.firstSample}},
-                                                   {},
-                                                   emptyFilm(*loaded.scene, classes),
-                                                   {}} {
-  if (plan.adaptive) kept.allocation.emplace(kept.film.bounds(), kept.imagingRatio);
-  if (options.verbose) say(sceneReport(loaded, classes.layerCount()));
-  ProgressDisplay display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress));
-  // Warnings are about what the picture will look like, so they come at once and even when quiet.
-  const auto log = [&](const std::string& text) {
-    if (options.verbose || text.starts_with("warning")) display.message(text);
-  };
-  const auto show = [&](RenderProgress progress) {
-    if (retell) retell(progress);
-    display.update(progress);
-  };
-  if (!plan.checkpoint.empty() || cluster())
-    kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
-  if (cluster()) {
+  RenderResult run() {
+    if (options.verbose) say(sceneReport(loaded, classes.layerCount()));
+    if (!plan.checkpoint.empty() || cluster())
+      kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
+    if (cluster()) joinCluster();
+    if (!plan.checkpoint.empty()) openCheckpoint();
+    settings.limitsFirstPass = plan.endsWithFirstPicture && firstClasses;
+    if (plan.look) beginLooking();
+    const std::string missed = missedText();
+    if (!missed.empty()) log("warning: " + missed);
+    render();
+    if (!cluster() || cluster()->leads()) complete(missed);
+    return {loaded,
+            settings.seed,
+            kept.classes,
+            optionsText,
+            std::move(isFirst ? first->film : kept.film),
+            statistics,
+            failure,
+            std::move(graceful),
+            std::move(lock)};
+  }
+
+ private:
+  void joinCluster() const {
     auto identity = kept.identity;
     identity["seed"] = std::to_string(settings.seed);
     cluster()->join(identity);
   }
-  if (!plan.checkpoint.empty()) {
-    lock.emplace(plan.checkpoint);
-    if (plan.resume && std::filesystem::exists(plan.checkpoint)) {
-      Checkpoint before = Checkpoint::read(plan.checkpoint);
-      requireSame(plan.checkpoint, kept.identity, before.identity);
-      const Checkpoint::Part &then = before.parts.front(), &now = kept.parts.front();
-      if (before.parts.size() > 1) throw Error(plan.checkpoint + ": is the sum of several renders");
-      if (then.seed != now.seed || then.first != now.first)
-        throw Error(plan.checkpoint + ": has seed " + std::to_string(then.seed) + " and samples from " +
-                    std::to_string(then.first) + "; here it is seed " + std::to_string(now.seed) +
-                    " and samples from " + std::to_string(now.first));
-      settings.from = before.position;
-      kept.film = std::move(before.film);
-      kept.allocation = std::move(before.allocation);
-      log("going on with " + plan.checkpoint);
-    }
-    settings.save = [&](const RenderPosition& position) {
-      kept.position = position;
-      uint64_t most = 0;
-      for (size_t i = 0; i < kept.film.bounds().area(); ++i) most = std::max(most, kept.film.samples(i));
-      kept.parts.front().end = settings.firstSample + int64_t(most);
-      figures = position.statistics;
-      figures.samples = kept.film.totalSamples();
-      kept.metadata = metadataOf(report("recurse render"));
-      try {
-        writeCheckpoint(plan.checkpoint, kept);
-        failure.clear();
-      } catch (const Error& error) { // the render is worth more than its copy
-        if (failure.empty()) display.message(std::string("warning: ") + error.what());
-        failure = error.what();
-      }
-    };
+
+  void openCheckpoint() {
+    lock = std::make_unique<const FileLock>(plan.checkpoint);
+    if (plan.resume && std::filesystem::exists(plan.checkpoint)) goOn(Checkpoint::read(plan.checkpoint));
+    settings.save = [this](const RenderPosition& position) { save(position); };
   }
-  const std::optional<PathClasses> firstClasses = firstPictureClasses(*loaded.integrator, classes);
-  const auto renderFirst = [&] {
-    first = renderFirstPicture(loaded, *firstClasses, settings, graceful.flag(), show);
-  };
-  settings.limitsFirstPass = plan.endsWithFirstPicture && firstClasses;
-  if (plan.look) {
-    settings.look = [&] { return plan.look([&] { return grownPicture(); }, log); };
+  void goOn(Checkpoint before) {
+    requireSame(plan.checkpoint, kept.identity, before.identity);
+    const Checkpoint::Part &then = before.parts.front(), &now = kept.parts.front();
+    if (before.parts.size() > 1) throw Error(plan.checkpoint + ": is the sum of several renders");
+    if (then.seed != now.seed || then.first != now.first)
+      throw Error(plan.checkpoint + ": has seed " + std::to_string(then.seed) + " and samples from " +
+                  std::to_string(then.first) + "; here it is seed " + std::to_string(now.seed) +
+                  " and samples from " + std::to_string(now.first));
+    settings.from = before.position;
+    kept.film = std::move(before.film);
+    kept.allocation = std::move(before.allocation);
+    log("going on with " + plan.checkpoint);
+  }
+  void save(const RenderPosition& position) {
+    kept.position = position;
+    uint64_t most = 0;
+    for (size_t i = 0; i < kept.film.bounds().area(); ++i) most = std::max(most, kept.film.samples(i));
+    kept.parts.front().end = settings.firstSample + int64_t(most);
+    RenderStatistics soFar = position.statistics;
+    soFar.samples = kept.film.totalSamples();
+    kept.metadata = metadataOf({loaded, soFar, settings.seed, kept.classes, "recurse render " + optionsText,
+                                kept.film.bounds().width(), kept.film.bounds().height()});
+    try {
+      writeCheckpoint(plan.checkpoint, kept);
+      failure.clear();
+    } catch (const Error& error) { // the render is worth more than its copy
+      if (failure.empty()) display.message(std::string("warning: ") + error.what());
+      failure = error.what();
+    }
+  }
+
+  void renderFirst() { first = renderFirstPicture(loaded, *firstClasses, settings, graceful->flag(), show); }
+  void beginLooking() {
+    settings.look = [this] { return plan.look([this] { return grownPicture(); }, log); };
     if (firstClasses && kept.film.totalSamples() == 0) {
       renderFirst();
       // Its time is a part of the render's.
@@ -239,78 +261,111 @@ Rendering::Rendering(const LoadedScene& loaded, const PathClasses& classes, cons
     }
     if (first || kept.film.totalSamples() > 0) settings.lookAfter = settings.look();
   }
-  settings.allocation = kept.allocation ? &*kept.allocation : nullptr;
-  std::string missed = missedPaths(loaded, kept.classes);
-  if (!missed.empty()) {
-    missed = "light of point, spot and distant lights by way of mirrors or glass (" + missed +
-             "), but for what goes straight through thin panes, is missing: '" +
-             loaded.integratorDirective.type + "' does not find it, 'photonmap' does";
-    log("warning: " + missed);
-  }
-  const auto renderAlone = [](auto&&... arguments) { return recurse::render(arguments...); };
-  const auto renderTogether = [](auto&&... arguments) { return cluster()->render(arguments...); };
-  const auto renderBy = [&](const auto& way) {
-    return way(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful.flag(), show, log);
-  };
-  figures = cluster() ? renderBy(renderTogether) : renderBy(renderAlone);
-  if (cluster() && !cluster()->leads()) return;
-  if (!missed.empty()) figures.warnings.push_back(missed);
-  if (plan.endsWithFirstPicture && firstClasses && figures.samples == 0) {
-    if (!first && !interrupted()) renderFirst();
-    if (first && first->statistics.samples > 0) takeFirstPicture(log);
-  }
-  if (plan.explainsBlack && missed.empty() && figures.least > 0 && isNearlyBlack(film()))
-    if (const std::string why = blackPictureText(loaded, classes, film()); !why.empty()) {
-      figures.warnings.push_back(why);
-      log("warning: " + why);
+  /** The picture as it grows; where a pixel has no sample yet, the first picture. */
+  Image grownPicture() {
+    const auto pictureIn = [&](const Film& film) {
+      return pictureOf(film, kept.classes, kept.imagingRatio, {});
+    };
+    Image image = pictureIn(kept.film);
+    if (!first) return image;
+    const Image before = pictureIn(first->film);
+    const size_t channels = image.channels.size();
+    bool isComplete = true;
+    for (size_t pixel = 0; pixel < kept.film.bounds().area(); ++pixel) {
+      if (kept.film.samples(pixel) > 0) continue;
+      isComplete = false;
+      std::copy_n(&before.pixels[pixel * channels], channels, &image.pixels[pixel * channels]);
     }
-  if (interrupted() && figures.samples == 0)
-    throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
-  if (figures.samples == 0) throw Error("no sample was ready in time: nothing is written");
-}
-
-Image Rendering::grownPicture() {
-  const auto pictureIn = [&](const Film& film) {
-    return pictureOf(film, kept.classes, kept.imagingRatio, {});
-  };
-  Image image = pictureIn(kept.film);
-  if (!first) return image;
-  const Image before = pictureIn(first->film);
-  const size_t channels = image.channels.size();
-  bool isComplete = true;
-  for (size_t pixel = 0; pixel < kept.film.bounds().area(); ++pixel) {
-    if (kept.film.samples(pixel) > 0) continue;
-    isComplete = false;
-    std::copy_n(&before.pixels[pixel * channels], channels, &image.pixels[pixel * channels]);
+    if (isComplete) first.reset();
+    return image;
   }
-  if (isComplete) first.reset();
-  return image;
-}
 
-void Rendering::takeFirstPicture(const std::function<void(const std::string&)>& log) {
-  const RenderStatistics ended = std::exchange(figures, first->statistics);
-  isFirst = true;
-  figures.stopReason = ended.stopReason;
-  figures.renderSeconds += ended.renderSeconds;
-  figures.processorSeconds += ended.processorSeconds;
-  figures.learningProcessorSeconds += ended.learningProcessorSeconds;
-  figures.photonProcessorSeconds += ended.photonProcessorSeconds;
-  const std::string type = "\"" + loaded.integratorDirective.type + "\"";
-  figures.warnings.push_back(
-      (interrupted() ? "the render was interrupted" : "the time limit was over") + std::string(" before ") +
-      type + " had its first sample: the picture is one sample of each pixel by path tracing instead" +
-      (interrupted() ? "" : "; give it a longer --time-limit, or choose --integrator path"));
-  log("warning: " + figures.warnings.back());
-}
+  /** What the integrator does not find; empty: nothing. */
+  std::string missedText() const {
+    const std::string missed = missedPaths(loaded, kept.classes);
+    if (missed.empty()) return {};
+    return "light of point, spot and distant lights by way of mirrors or glass (" + missed +
+           "), but for what goes straight through thin panes, is missing: '" +
+           loaded.integratorDirective.type + "' does not find it, 'photonmap' does";
+  }
+  void render() {
+    settings.allocation = kept.allocation ? &*kept.allocation : nullptr;
+    const auto renderBy = [&](const auto& way) {
+      return way(*loaded.scene, *loaded.integrator, classes, settings, kept.film, graceful->flag(), show,
+                 log);
+    };
+    statistics = cluster() ? renderBy([](auto&&... arguments) { return cluster()->render(arguments...); })
+                           : renderBy([](auto&&... arguments) { return recurse::render(arguments...); });
+  }
 
-RenderReport Rendering::report(const std::string& command, const std::string& rest) const {
+  bool isInterrupted() const { return statistics.stopReason == StopReason::INTERRUPTED; }
+  /** Sees to it that there is a picture, and explains what may be wrong with it. */
+  void complete(const std::string& missed) {
+    if (!missed.empty()) statistics.warnings.push_back(missed);
+    if (plan.endsWithFirstPicture && firstClasses && statistics.samples == 0) {
+      if (!first && !isInterrupted()) renderFirst();
+      if (first && first->statistics.samples > 0) takeFirstPicture();
+    }
+    const Film& film = isFirst ? first->film : kept.film;
+    if (plan.explainsBlack && missed.empty() && statistics.least > 0 && isNearlyBlack(film))
+      if (const std::string why = blackPictureText(loaded, classes, film); !why.empty()) warn(why);
+    if (isInterrupted() && statistics.samples == 0)
+      throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
+    if (statistics.samples == 0) throw Error("no sample was ready in time: nothing is written");
+  }
+  /** Puts the first picture in the place of a film without samples, with a warning. */
+  void takeFirstPicture() {
+    const RenderStatistics ended = std::exchange(statistics, first->statistics);
+    isFirst = true;
+    statistics.stopReason = ended.stopReason;
+    statistics.renderSeconds += ended.renderSeconds;
+    statistics.processorSeconds += ended.processorSeconds;
+    statistics.learningProcessorSeconds += ended.learningProcessorSeconds;
+    statistics.photonProcessorSeconds += ended.photonProcessorSeconds;
+    warn((isInterrupted() ? "the render was interrupted" : "the time limit was over") +
+         std::string(" before \"") + loaded.integratorDirective.type +
+         "\" had its first sample: the picture is one sample of each pixel by path tracing instead" +
+         (isInterrupted() ? "" : "; give it a longer --time-limit, or choose --integrator path"));
+  }
+  void warn(const std::string& text) {
+    statistics.warnings.push_back(text);
+    log("warning: " + text);
+  }
+
+  const LoadedScene& loaded;
+  const PathClasses& classes;
+  const RenderPlan& plan;
+  const RenderOptions& options;
+  RenderSettings settings;
+  ProgressDisplay display;
+  const std::function<void(const std::string&)> log;
+  const std::function<void(const RenderProgress&)> show;
+  const std::string optionsText;
+  std::unique_ptr<const GracefulStop> graceful = std::make_unique<const GracefulStop>();
+  std::unique_ptr<const FileLock> lock; ///< of the checkpoint, which no other process may replace meanwhile
+  Checkpoint kept;
+  const std::optional<PathClasses> firstClasses;
+  std::optional<FirstPicture> first; ///< until every pixel has a sample
+  bool isFirst = false;              ///< `first` has taken the place of the picture
+  RenderStatistics statistics;
+  std::string failure;
+};
+
+} // namespace
+
+RenderReport RenderResult::report(const std::string& command, const std::string& rest) const {
   return {loaded,
-          figures,
-          settings.seed,
-          kept.classes,
-          command + " " + options.text(loaded, settings) + rest,
-          kept.film.bounds().width(),
-          kept.film.bounds().height()};
+          statistics,
+          seed,
+          classes,
+          command + " " + optionsText + rest,
+          film.bounds().width(),
+          film.bounds().height()};
+}
+
+RenderResult renderLoaded(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
+                          const RenderOptions& options, const Retell& retell) {
+  return RenderRun(loaded, classes, plan, options, retell).run();
 }
 
 } // namespace recurse::apps

@@ -4,8 +4,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/load/loadedScene.h"
 #include "apps/options/integratorOptions.h"
@@ -63,45 +65,30 @@ struct RenderOptions {
   std::string text(const LoadedScene& loaded, const RenderSettings& settings) const;
 };
 
-/**
- * A film rendered in the constructor, with progress and messages as the options ask for them. While it lives,
- * Ctrl-C does not end the program, so that what was rendered can be written.
- */
-class Rendering {
- public:
-  /** May change what is told of the progress before it is shown. */
-  using Retell = std::function<void(RenderProgress&)>;
+/** What a render leaves. While it lives, Ctrl-C does not end the program and nobody else gets at the
+ * checkpoint, so that what was rendered can be written. */
+struct RenderResult {
+  const LoadedScene& loaded;
+  uint64_t seed = 0;
+  std::vector<PathClass> classes; ///< the film's layers
+  std::string optionsText;        ///< RenderOptions::text
+  Film film;                      ///< a FirstPicture where that has taken its place
+  RenderStatistics statistics;
+  std::string checkpointFailure; ///< why the checkpoint could not be written; empty where it could
+  std::unique_ptr<const GracefulStop> graceful;
+  std::unique_ptr<const FileLock> checkpointLock;
 
-  /** Throws Error (INTERRUPTED) when an interrupt came before the first sample, and where the render cannot
-   * go on from its checkpoint. */
-  Rendering(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
-            const RenderOptions& options, const Retell& retell = {});
-
-  /** What there is at the end; a FirstPicture where that has taken its place. */
-  const Film& film() const { return isFirst ? first->film : kept.film; }
-  const RenderStatistics& statistics() const { return figures; }
-  /** Why the checkpoint could not be written; empty where it could. */
-  const std::string& checkpointFailure() const { return failure; }
-  bool interrupted() const { return figures.stopReason == StopReason::INTERRUPTED; }
+  bool isInterrupted() const { return statistics.stopReason == StopReason::INTERRUPTED; }
   /** `command` and `rest` are what stands before and after the options of the render. */
   RenderReport report(const std::string& command, const std::string& rest = {}) const;
-
- private:
-  /** The picture as it grows; where a pixel has no sample yet, the first picture. */
-  Image grownPicture();
-  /** Puts the first picture in the place of a film without samples, with a warning. */
-  void takeFirstPicture(const std::function<void(const std::string&)>& log);
-
-  const LoadedScene& loaded;
-  const RenderOptions& options;
-  RenderSettings settings;
-  const GracefulStop graceful;
-  std::optional<FileLock> lock; ///< of the checkpoint, which no other process may replace meanwhile
-  Checkpoint kept;
-  std::optional<FirstPicture> first; ///< until every pixel has a sample
-  bool isFirst = false;              ///< `first` has taken the place of the picture
-  RenderStatistics figures;
-  std::string failure;
 };
+
+/** May change the progress before it is shown. */
+using Retell = std::function<void(RenderProgress&)>;
+
+/** Renders with progress and messages as the options ask for them. Throws Error (INTERRUPTED) when an
+ * interrupt came before the first sample, and where the render cannot go on from its checkpoint. */
+RenderResult renderLoaded(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
+                          const RenderOptions& options, const Retell& retell = {});
 
 } // namespace recurse::apps

@@ -1,0 +1,93 @@
+/** @file
+ * What a progress display is told, from given times.
+ */
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <mutex>
+
+#include "recurse/render/render.h"
+
+namespace recurse {
+
+/** Where the samples of a render stand; times in seconds. */
+struct PictureState {
+  double elapsed = 0;            ///< since the start of the render
+  double working = 0;            ///< since this process began with samples
+  double samplesBefore = 0;      ///< in the film before, in any unit
+  double samplesDone = 0;        ///< since then, in the same unit
+  double samplesLeft = INFINITY; ///< in the same unit; infinite: as many as fit
+  double samplesPerPixel = 0;    ///< in the film
+  double rays = 0;               ///< in that time
+  double error = -1;             ///< Film::relativeError; negative: not known
+  double errorSamples = 0;       ///< in the film when it was estimated
+};
+
+/** Seconds until the first of all limits: samples, error and time. Infinite where there is none. */
+inline double secondsLeft(const PictureState& state, const RenderSettings& settings) {
+  double samples = state.samplesLeft;
+  if (settings.errorTarget > 0 && state.error > 0) { // which falls as one over the root of the samples
+    const double ratio = state.error / settings.errorTarget;
+    samples = std::min(samples, state.errorSamples * ratio * ratio - state.samplesBefore - state.samplesDone);
+  }
+  const double left = state.samplesDone > 0 ? samples * (state.working / state.samplesDone) : INFINITY;
+  const double limit = settings.timeLimit > 0 ? settings.timeLimit - state.elapsed : INFINITY;
+  return std::max(0.0, std::min(left, limit));
+}
+
+inline RenderProgress pictureProgress(const PictureState& state, const RenderSettings& settings) {
+  RenderProgress p;
+  p.phase = "picture";
+  p.elapsed = state.elapsed;
+  p.secondsLeft = secondsLeft(state, settings);
+  p.fraction = p.secondsLeft > 0 ? state.working / (state.working + p.secondsLeft) : 1;
+  p.samplesPerPixel = state.samplesPerPixel;
+  p.raysPerSecond = state.rays / std::max(state.working, 1e-9);
+  p.error = state.error;
+  return p;
+}
+
+/** `fraction` of the photons before the first sample are made; the time left follows from it when it is more
+ * than noise. */
+inline RenderProgress photonProgress(double fraction, double elapsed, double error = -1) {
+  RenderProgress p;
+  p.phase = "photons";
+  p.fraction = fraction;
+  p.elapsed = elapsed;
+  if (fraction > 0.02) p.secondsLeft = elapsed / fraction - elapsed;
+  p.error = error;
+  return p;
+}
+
+/** Tells a progress display at most ten times a second, from one thread at a time. */
+class ProgressReporter {
+ public:
+  explicit ProgressReporter(const std::function<void(const RenderProgress&)>& show) : show(show) {}
+
+  /** `progress()` is called where it is time for it. */
+  template <class Progress> void tell(const Progress& progress) {
+    if (!show || !one.try_lock()) return;
+    const std::lock_guard<std::mutex> guard(one, std::adopt_lock);
+    const Clock::time_point now = Clock::now();
+    if (now - last < std::chrono::milliseconds(100)) return;
+    last = now;
+    show(progress());
+  }
+  /** The last one is always told. */
+  void finish(RenderProgress progress) const {
+    progress.fraction = 1;
+    progress.secondsLeft = 0;
+    if (show) show(progress);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  const std::function<void(const RenderProgress&)>& show;
+  Clock::time_point last{};
+  std::mutex one;
+};
+
+} // namespace recurse

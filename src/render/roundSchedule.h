@@ -1,0 +1,59 @@
+/** @file
+ * How a process that renders alone goes over the picture.
+ */
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+
+namespace recurse {
+
+/** Lengths of rounds, in each of which all pixels get equally many samples; and what fits in the time. */
+class RoundSchedule {
+ public:
+  /** Samples of a round, at most. */
+  static constexpr int64_t LONGEST_ROUND = 64;
+
+  /** For samples from `first` on. */
+  explicit RoundSchedule(int64_t first) : first(first) {}
+
+  /** Samples of the round that begins with `sample`, so that it ends within `timeLeft` [s]; 0: none would. */
+  int64_t roundLength(int64_t sample, double timeLeft) const {
+    const int64_t longest = std::clamp<int64_t>(sample - first, 1, LONGEST_ROUND);
+    if (sampleSeconds <= 0 || std::isinf(timeLeft)) return longest;
+    if (timeLeft < sampleSeconds) return 0;
+    return std::clamp<int64_t>(int64_t(timeLeft / sampleSeconds / 2), 1, longest);
+  }
+  void addRound(int64_t samples, double seconds) { sampleSeconds = seconds / double(samples); }
+
+  /** Whether another photon map can be made in `timeLeft` [s]: half of one is of no use. */
+  bool isPassInTime(double timeLeft) const { return passes == 0 || passSeconds / passes <= timeLeft; }
+  /** Takes the time of a photon map, but for the first, which includes learning. */
+  void addPass(double seconds) {
+    passSeconds += seconds;
+    ++passes;
+  }
+
+ private:
+  int64_t first;
+  double sampleSeconds = 0; ///< of one sample of each pixel, in the latest round
+  double passSeconds = 0;
+  int passes = 0;
+};
+
+/** An order of tiles without rows or columns, so that a round which is broken off leaves no band. */
+class ScatteredOrder {
+ public:
+  explicit ScatteredOrder(size_t count) : count(count), step(std::max<size_t>(1, count * 5 / 8)) {
+    while (std::gcd(step, count) != 1) ++step;
+  }
+  size_t operator[](size_t i) const { return i * step % count; }
+
+ private:
+  size_t count, step;
+};
+
+} // namespace recurse
