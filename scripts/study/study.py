@@ -40,9 +40,10 @@ def build(*packages):
                     'build release recurse', 'study', *packages], cwd=ROOT, check=True)
 
 
-def recurse(*arguments):
-    """Standard output of the program."""
-    return subprocess.run([PROGRAM, *map(str, arguments)], check=True, capture_output=True, text=True).stdout
+def recurse(*arguments, timeout=None):
+    """Standard output of the program; subprocess.TimeoutExpired after so many seconds."""
+    return subprocess.run([PROGRAM, *map(str, arguments)], check=True, capture_output=True, text=True,
+                          timeout=timeout).stdout
 
 
 def temporary(name):
@@ -50,10 +51,10 @@ def temporary(name):
     return os.path.join(WORK.name, name)
 
 
-def render(scene, out, *options, command='render'):
+def render(scene, out, *options, command='render', timeout=None):
     """Renders, or with the command `stills` into a folder, and returns the numbers of --stats."""
     stats = temporary('stats.json')
-    recurse(command, scene, '-q', '--lenient', '-o', out, '--stats', stats, *options)
+    recurse(command, scene, '-q', '--lenient', '-o', out, '--stats', stats, *options, timeout=timeout)
     with open(stats) as file:
         return json.load(file)
 

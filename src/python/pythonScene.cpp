@@ -84,14 +84,14 @@ RenderResult PythonScene::render(const RenderRequest& request,
   const apps::RenderOptions options = parsedOptions(fileName, request.options);
   apps::RenderPlan plan = options.plan();
   plan.overrides.lenient |= built.lenient;
-  plan.explainsBlack = plan.endsWithFirstPicture = true;
+  plan.endsWithFirstPicture = true;
   const PathClasses classes = pathClassesOf(request.classes);
   requireFeatureLayers(request.features);
   const Work work(warnings, plan.threads);
   require(plan.overrides);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
   apps::withdrawStop();
-  const apps::RenderResult result =
+  apps::RenderResult result =
       apps::renderLoaded(loaded, classes, plan, options, [&](RenderProgress& p) { progress(p); });
   apps::RenderReport report = result.report("recurse render");
   report.extra = request.extra;
@@ -101,6 +101,7 @@ RenderResult PythonScene::render(const RenderRequest& request,
     features.layers = request.features;
     image = withChannels(image, renderFeatures(*loaded.scene, features));
   }
+  result.explainBlackness();
   return {std::make_shared<Image>(std::move(image)), apps::statisticsJson(report)};
 }
 

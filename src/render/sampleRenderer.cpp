@@ -55,16 +55,13 @@ void expose(const FilmSettings& film, PathRadiance& sample) {
 class EyeBatch {
  public:
   EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
-           TransportCounts& counts, const Round& round, Film& film, Splatter* splatter,
-           SampleAllocation* allocation, const std::atomic<bool>* abandon)
+           TransportCounts& counts, const Round& round, Film& film, SampleAllocation* allocation,
+           const std::atomic<bool>* abandon)
       : scene(scene), integrator(integrator), round(round), film(film), allocation(allocation),
         usesLens(scene.camera().usesLens()), nothing(classes, counts),
         radiance(CAMERA_BATCH, PathRadiance(classes, counts)) {
     paths.reserve(CAMERA_BATCH);
-    for (PathRadiance& r : radiance) {
-      r.splatter = splatter;
-      r.abandon = abandon;
-    }
+    for (PathRadiance& r : radiance) r.abandon = abandon;
   }
   /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: number of a
    * pilot, of which the allocation is told. */
@@ -164,8 +161,7 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
     film.enableSplats(splatUnit(scene));
     passSplats.emplace(film.bounds(), film.layerCount(), film.splats()->unit());
     passSplatter.emplace(classes, scene.filter(), *passSplats);
-    sampleSplatter.emplace(classes, scene.filter(), *film.splats());
-    passSplatter->whiteBalance = sampleSplatter->whiteBalance = scene.film().whiteBalance;
+    passSplatter->whiteBalance = scene.film().whiteBalance;
   }
   if (moves && integrator.passHasOneTime() && hasOneMap()) {
     statistics.warnings.emplace_back(
@@ -225,8 +221,7 @@ SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t 
   const PixelBounds& bounds = film.bounds();
   Round round{settings.seed, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
-  EyeBatch batch(scene, integrator, classes, counts, round, film, sampleSplatter ? &*sampleSplatter : nullptr,
-                 settings.allocation, sampleSplatter ? nullptr : abandon);
+  EyeBatch batch(scene, integrator, classes, counts, round, film, settings.allocation, abandon);
   forEachPixel(tile, [&](size_t pixel, int x, int y) {
     // Keyed by the place on the whole film, so that a crop is a part of the same picture.
     const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);

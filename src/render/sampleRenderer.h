@@ -63,8 +63,7 @@ class SampleRenderer {
       for (int x = x0; x < x1; ++x) use(size_t(y) * size_t(bounds.width()) + size_t(x), x, y);
   }
   /** Renders samples of the pass whose photons were shot last into the film; of a pixel as many as
-   * `samplesOf(pixel)` says. Any thread, for different tiles. `abandon`: breaks off when it becomes true; not
-   * where samples splat, which cannot be taken back. */
+   * `samplesOf(pixel)` says. Any thread, for different tiles. `abandon`: breaks off when it becomes true. */
   TileResult renderTile(size_t tile, const std::function<PixelSamples(size_t pixel)>& samplesOf,
                         TransportCounts& counts, const std::atomic<bool>* abandon);
 
@@ -86,7 +85,7 @@ class SampleRenderer {
   int64_t pass = 0;
   // Splats of a pass that is broken off do not reach the film: it is shot again when the render goes on.
   std::optional<SplatPlane> passSplats;
-  std::optional<Splatter> passSplatter, sampleSplatter;
+  std::optional<Splatter> passSplatter;
 
   float timeOf(int64_t pass) const;
 };

@@ -4,6 +4,7 @@
  */
 #include <unordered_map>
 
+#include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/memory.h"
 #include "recurse/model/mesh/displacement.h"
 #include "recurse/model/scene/plugIns.h"
@@ -26,7 +27,8 @@ class Topology {
 
   Topology(const std::vector<glm::uvec3>& triangles, size_t vertexCount)
       : edgesOf(vertexCount, 0), boundaryOf(vertexCount, 0) {
-    for (const glm::uvec3& t : triangles)
+    for (const glm::uvec3& t : triangles) {
+      checkInterrupted();
       for (int k = 0; k < 3; ++k) {
         const uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
         if (!directed.emplace(key(a, b), c).second)
@@ -37,6 +39,7 @@ class Topology {
         Edge& e = edges[found->second];
         e.opposite[e.triangles++] = c;
       }
+    }
     for (const Edge& e : edges)
       for (const uint32_t v : {e.a, e.b}) {
         ++edgesOf[v];
@@ -99,6 +102,7 @@ void splitOnce(MeshData& mesh) {
   std::vector<glm::uvec3> triangles;
   triangles.reserve(4 * mesh.triangles.size());
   for (const glm::uvec3& f : mesh.triangles) {
+    checkInterrupted();
     glm::uvec3 middle;
     for (int k = 0; k < 3; ++k) middle[k] = first + static_cast<uint32_t>(t.edgeNumber(f[k], f[(k + 1) % 3]));
     triangles.emplace_back(f.x, middle.x, middle.z);
@@ -169,6 +173,7 @@ MeshData subdivided(MeshData mesh, int levels) {
     for (int k = 0; k < 3; ++k) neighbour[f[k]] = f[(k + 1) % 3];
   mesh.normals.assign(mesh.positions.size(), Vec3d(0));
   for (uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    checkInterrupted();
     if (neighbour[v] == UINT32_MAX) continue;
     std::vector<Vec3d> ring;
     for (const uint32_t i : ringAround(t, v, neighbour[v])) ring.push_back(mesh.positions[i]);
@@ -208,6 +213,8 @@ std::unique_ptr<Shape> makeLoopSubdivision(const Parameters& p, const ShapeConte
   try {
     return makeDisplacedMesh(subdivided(std::move(mesh), levels), p, context);
   } catch (const SceneError&) {
+    throw;
+  } catch (const Interrupted&) {
     throw;
   } catch (const Error& e) {
     p.fail("indices", e.what());

@@ -115,3 +115,56 @@ TEST_F(BlackPicture, IsNotOneWithASmallBrightThing) {
                       "AreaLightSource \"diffuse\" \"rgb L\" [ 9 9 9 ]\nShape \"sphere\"\n"),
              "64x64");
 }
+
+TEST_F(BlackPicture, HasNamesWithoutTerminalEscapes) {
+  const std::string name = "red\033[31m";
+  says(std::string(FILM) + "Camera \"perspective\"\nWorldBegin\nLightSource \"infinite\"\nObjectBegin \"" +
+           name + "\"\nShape \"sphere\"\nObjectEnd\nObjectInstance \"" + name + "\"\n",
+       "inside of red\\x1b[31m, which");
+  EXPECT_FALSE(has(contents(file(".stderr")), "\033"));
+}
+
+TEST_F(BlackPicture, HasLampsThatLightNothingUnderAFaintSky) {
+  const auto sky = [](const std::string& radiance) {
+    return "LightSource \"infinite\" \"rgb L\" [ " + radiance + " " + radiance + " " + radiance + " ]\n";
+  };
+  const std::string eye = "3 3 4  0 0 0  0 1 0", above = "AttributeBegin\nTranslate 0 4 0 ",
+                    up = "Rotate -90 1 0 0", down = "Rotate 90 1 0 0",
+                    wall = "Shape \"bilinearmesh\" \"point3 P\" [ -9 5 -9  9 5 -9  -9 5 9  9 5 9 ]\n",
+                    black = "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\n";
+  const auto warns = [&](const std::string& world) {
+    write("dim.pbrt", seenFrom(eye, world));
+    const Outcome o = run({"render", "dim.pbrt", "-q", "--spp", "4", "--integrator", "path", "-o", "dim.exr",
+                           "--stats", "dim.json"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    const bool isSaid = has(o.err, "the lamps light nothing");
+    EXPECT_EQ(has(contents(file("dim.json")), "the lamps light nothing"), isSaid);
+    EXPECT_EQ(has(o.err, "turn it round"), isSaid) << o.err;
+    return isSaid;
+  };
+  const std::string faint = sky(".0002"), lampUp = lamp("Translate 0 4 0 " + up),
+                    lampDown = lamp("Translate 0 4 0 " + down);
+  EXPECT_TRUE(warns(faint + lampUp + FLOOR));
+  EXPECT_TRUE(warns(faint + lampUp + FLOOR + black + wall)); // its light falls on something
+  EXPECT_FALSE(warns(faint + lampUp + FLOOR + wall));        // which shines back
+  EXPECT_FALSE(warns(faint + lampDown + FLOOR));
+  EXPECT_FALSE(warns(sky(".2") + lampUp + FLOOR)); // not dark
+  EXPECT_FALSE(warns(faint + FLOOR));
+}
+
+TEST_F(BlackPicture, IsWrittenBeforeItIsExplained) {
+  // A ray passes thousands of surfaces, and meets all of them each time: thousands of rays take minutes.
+  std::string world = "LightSource \"point\"\nMakeNamedMedium \"m\" \"string type\" \"homogeneous\" \"rgb "
+                      "sigma_a\" [ .001 .001 .001 ] \"rgb sigma_s\" [ 0 0 0 ]\n"
+                      "Material \"interface\"\nMediumInterface \"m\" \"\"\n";
+  for (int i = 0; i < 1500; ++i) world += "Shape \"sphere\" \"float radius\" 1.5\n";
+  write("slow.pbrt", seenFrom("0 0 -5  0 0 0  0 1 0", world));
+  const Outcome o = run({"render", "slow.pbrt", "--spp", "1", "--resolution", "1x1", "--integrator", "path",
+                         "-o", "slow.exr", "--stats", "slow.json"},
+                        [&](pid_t) {
+                          for (int i = 0; i < 15000 && !exists("slow.exr"); ++i) sleepSeconds(0.01);
+                          EXPECT_TRUE(exists("slow.exr") && !exists("slow.json"));
+                        });
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_LT(o.seconds, 60);
+}

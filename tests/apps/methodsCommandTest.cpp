@@ -70,6 +70,17 @@ TEST_F(MethodsProgram, NoMethodTakesMuchLongerThanItsTime) {
   EXPECT_LT(std::stod(picture.metadata.at("recurse:seconds")), 9);
 }
 
+TEST_F(MethodsProgram, PhotonsHaveNoMoreTimeThanTheirMethod) {
+  const Outcome o =
+      run({"methods", "scene.pbrt", "-o", "out", "--time-limit", "0.5s", "--reference-spp", "1", "--method",
+           "many=--integrator photonmap --set passes=1 --set photons=1000000000", "--method", "whitted"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  EXPECT_LT(o.seconds, 60);
+  const nlohmann::json j = report();
+  EXPECT_TRUE(has(j["methods"][0]["failure"], "no sample was ready in time")) << j["methods"][0]["failure"];
+  EXPECT_EQ(j["methods"][1]["failure"], "");
+}
+
 TEST_F(MethodsProgram, InterruptKeepsWhatIsFinished) {
   const std::vector<std::string> arguments = {
       "methods",  "scene.pbrt", "-o",       "out",  "--time-limit",    "1s", "--method", "whitted",

@@ -177,6 +177,38 @@ TEST_F(Watch, RefusesWhatMakesNoSense) {
   EXPECT_EQ(run({"render", "scene.pbrt", "--send-scene"}).status, 2);
 }
 
+TEST_F(Watch, GoesOnWhenASceneIsNotLoadedInTime) {
+  const std::string quick = contents(file("scene.pbrt"));
+  write("scene.pbrt", slowScene());
+  const Outcome o = run({"render", "scene.pbrt", "--watch", "-o", "w.exr", "--integrator", "path", "--spp",
+                         "2", "--time-limit", "3s"},
+                        [&](pid_t child) {
+                          EXPECT_TRUE(said(WAITING, 1));
+                          EXPECT_FALSE(exists("w.exr"));
+                          write("scene.pbrt", quick);
+                          EXPECT_TRUE(said(WAITING, 2));
+                          EXPECT_TRUE(exists("w.exr"));
+                          ::kill(child, SIGINT);
+                        });
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_TRUE(has(o.err, "the time limit was up before the scene was loaded")) << o.err;
+}
+
+TEST_F(Watch, AChangeEndsLoading) {
+  const std::string quick = contents(file("scene.pbrt"));
+  write("scene.pbrt", slowScene());
+  const Outcome o =
+      run({"render", "scene.pbrt", "--watch", "-o", "w.exr", "--integrator", "path"}, [&](pid_t child) {
+        sleepSeconds(1);
+        write("scene.pbrt", quick);
+        EXPECT_TRUE(said(WAITING, 1));
+        EXPECT_TRUE(exists("w.exr"));
+        ::kill(child, SIGINT);
+      });
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_LT(o.seconds, 20);
+}
+
 TEST_F(Watch, ASignalEndsLoadingAtOnce) {
   write("scene.pbrt", slowScene());
   const Outcome o = run({"render", "scene.pbrt", "--watch", "-o", "w.exr"}, [](pid_t child) {

@@ -470,6 +470,34 @@ TEST(MediaPhotons, AShaftOfSunlightIsAsBrightAsByPathsWithLittleVariance) {
   EXPECT_LT(square(photons.error / photons.value) * 256, 4);
 }
 
+TEST(MediaPhotons, BesideASmallLampNoPixelIsBrighterThanByPaths) {
+  // A disc seen from its edge, beside a glass ball: what it lights nearby has no bound, and glass makes
+  // caustics.
+  const std::string text =
+      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [.02 .02 .02] "
+      "\"rgb sigma_s\" [.15 .15 .15]\nMediumInterface \"\" \"fog\"\n" +
+      view(32, "0 0 -4  0 0 0  0 1 0", 40) +
+      "MediumInterface \"fog\" \"fog\"\nAttributeBegin\nReverseOrientation\nMaterial "
+      "\"diffuse\"\nShape \"sphere\" \"float radius\" 6\nAttributeEnd\nAttributeBegin\n"
+      "Translate .8 .6 0\nRotate 90 0 1 0\nAreaLightSource \"diffuse\" \"rgb L\" [1280 1280 "
+      "1280]\nShape \"disk\" \"float radius\" .05\nAttributeEnd\nMediumInterface \"\" "
+      "\"fog\"\nMaterial \"dielectric\"\nTranslate -.3 -.2 0\nShape \"sphere\" \"float "
+      "radius\" .5\n";
+  const auto scene = sceneFrom(text);
+  const auto brightest = [](const Rendered& r) {
+    double most = 0;
+    for (size_t i = 0; i < r.pixels(); ++i) most = std::max(most, r.luminanceAt(i));
+    return most;
+  };
+  const Rendered paths = renderScene(*scene, "path", "", samples(512));
+  for (uint64_t seed = 1; seed <= 3; ++seed) {
+    const Rendered r =
+        renderScene(*scene, "photonmap", "\"integer photons\" 20000 \"integer passes\" 1", samples(32), seed);
+    EXPECT_NEAR(r.mean() / paths.mean(), 1, 0.02 + 4.5 * paths.standardError() / paths.mean()) << seed;
+    EXPECT_NEAR(std::log(brightest(r) / brightest(paths)), 0, std::log(3)) << seed;
+  }
+}
+
 TEST(MediaPhotons, FindWhatPathFindsClassByClass) {
   expectWhatPathFinds(foggyRoom(16), {{"all", "all"},
                                       {"single", "LVE"},

@@ -26,6 +26,16 @@ Material "diffuse" "rgb reflectance" [ .5 .5 .5 ]
 Shape "bilinearmesh" "point3 P" [ -9 0 -9  9 0 -9  -9 0 9  9 0 9 ]
 )";
 
+/** Nothing is lost: paths are a thousand vertices long, and each is connected with each. */
+const char* const WHITE_BALL = R"(
+Film "rgb" "integer xresolution" 64 "integer yresolution" 64
+Camera "perspective" "float fov" 50
+WorldBegin
+LightSource "point" "point3 from" [ 0 .5 0 ]
+Material "diffuse" "rgb reflectance" [ 1 1 1 ]
+Shape "sphere" "float radius" 1
+)";
+
 struct TimedRender {
   Film film;
   RenderStatistics statistics;
@@ -33,8 +43,8 @@ struct TimedRender {
 };
 
 TimedRender renderTimed(const std::string& integrator, const std::string& parameters, RenderSettings settings,
-                        const std::atomic<bool>& stop) {
-  const auto scene = sceneFrom(LIT_FLOOR);
+                        const std::atomic<bool>& stop, const char* text = LIT_FLOOR) {
+  const auto scene = sceneFrom(text);
   const auto made = integratorFrom(integrator, parameters);
   const PathClasses classes;
   TimedRender out{Film(scene->film().crop, 1), {}, 0};
@@ -157,6 +167,25 @@ TEST(TimeLimit, StopIsKeptWithinASample) {
     EXPECT_LT(r.seconds, 10) << parameters;
     EXPECT_EQ(r.statistics.stopReason, StopReason::INTERRUPTED);
   }
+}
+
+TEST(TimeLimit, EndsConnectionsWithinASample) {
+  for (const auto& [integrator, parameters] :
+       {std::pair("bdpt", "\"integer lightpaths\" 100"), std::pair("vcm", "\"integer photons\" 100")})
+    for (const bool isStopped : {false, true}) {
+      std::atomic<bool> stop{false};
+      std::jthread later([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        stop = isStopped;
+      });
+      RenderSettings settings;
+      settings.samplesPerPixel = 4;
+      settings.timeLimit = isStopped ? 0 : 0.3;
+      settings.firstSampleTime = 0.2;
+      const TimedRender r = renderTimed(integrator, parameters, settings, stop, WHITE_BALL);
+      EXPECT_LT(r.seconds, 10) << integrator;
+      EXPECT_EQ(r.statistics.stopReason, isStopped ? StopReason::INTERRUPTED : StopReason::TIME);
+    }
 }
 
 TEST(TimeLimit, LeavesPixelsWithEquallyManySamples) {

@@ -104,6 +104,7 @@ class Pictures {
     RenderPlan renderPlan = options.plan();
     if (renderPlan.timeLimit > 0)
       renderPlan.firstSampleTime = std::min(renderPlan.timeLimit, RenderSettings().firstSampleTime);
+    renderPlan.limitsFirstPass = renderPlan.timeLimit > 0;
     const std::string kept = fileName(name) + ".checkpoint";
     if (checkpoint) {
       renderPlan.checkpoint = kept;
@@ -376,8 +377,9 @@ void addMethodsCommand(CLI::App& app, Command& chosen) {
   command->footer(
       "Every method gets the same --time-limit (default: 5s), of which the first sample of each pixel may "
       "take\n"
-      "twice as much, or the same --spp; the references take as long as their samples do. All is rendered "
-      "class by\n"
+      "twice as much, or the same --spp; one whose photons are not ready in time has no picture. The "
+      "references\n"
+      "take as long as their samples do. All is rendered class by\n"
       "class, the classes being as fine as what the methods compute: so a method's error is told from what\n"
       "it leaves out by nature. Ambient occlusion reaches as far as half of the scene's radius.\n\n"
       "Examples:\n"

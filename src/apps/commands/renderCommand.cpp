@@ -42,8 +42,7 @@ std::string defaultOutput(const LoadedScene& loaded) {
 using OnLoaded = std::function<void(const std::vector<std::string>& files)>;
 
 /** Of the scene, or of what the leading process sends. */
-LoadedScene load(const RenderCommandOptions& o, const RenderPlan& plan) {
-  const NothingToWrite loading(plan.timeLimit);
+LoadedScene loadNow(const RenderCommandOptions& o, const RenderPlan& plan) {
   const LoadOverrides& overrides = plan.overrides;
   if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction, o.frame);
   if (!cluster()) badUsage("--send-scene: for recurse-mpi");
@@ -62,6 +61,18 @@ LoadedScene load(const RenderCommandOptions& o, const RenderPlan& plan) {
   }
   sendScene(*cluster(), *loaded);
   return std::move(*loaded);
+}
+
+/** The same within the time limit, which ends the program unless it watches the scene. */
+LoadedScene load(const RenderCommandOptions& o, const RenderPlan& plan) {
+  using TimeLimit = NothingToWrite::TimeLimit;
+  const NothingToWrite loading(plan.timeLimit, o.watch ? TimeLimit::WORK : TimeLimit::PROGRAM);
+  try {
+    return loadNow(o, plan);
+  } catch (const Error&) {
+    if (!loading.timeIsUp()) throw;
+    throw Error(NOT_LOADED_IN_TIME);
+  }
 }
 
 /** The name of a frame's file: its number in the place of the last '#'s, else before the extension. */
@@ -149,13 +160,14 @@ RenderReport reportOf(const RenderResult& result, const RenderCommandOptions& o)
   return report;
 }
 
-/** Writes the files that were asked for, and sums the render up. */
-void writeResults(const RenderResult& result, const RenderCommandOptions& o,
+/** Writes the files that were asked for, and sums the render up. False where the render or its feature layers
+ * were interrupted. */
+bool writeResults(RenderResult& result, const RenderCommandOptions& o,
                   const std::vector<std::string>& outputs, const FeatureSettings& features,
                   PictureWriter& writer, FilmViewers& viewers) {
   const RenderReport report = reportOf(result, o);
   Image image = pictureOf(result.film, report);
-  if (!features.layers.empty()) image = withChannels(image, renderFeatures(*report.loaded.scene, features));
+  const bool isComplete = addFeatures(image, *report.loaded.scene, features, result.stopFlag());
   Attempts files;
   std::vector<std::string> written;
   const auto writePicture = [&](const std::string& name) {
@@ -165,6 +177,7 @@ void writeResults(const RenderResult& result, const RenderCommandOptions& o,
   if (o.frame && !o.frame->stops) o.frame->stops = writer.stops();
   viewers.finish(image, [](const std::string& text) { say(text + "\n"); });
   if (!o.viewers.preview.empty()) writePicture(o.viewers.preview);
+  result.explainBlackness();
   if (!o.render.statistics.empty() &&
       files.attempt([&] { writeFileAtomically(o.render.statistics, statisticsJson(report)); }))
     written.push_back(o.render.statistics);
@@ -173,6 +186,7 @@ void writeResults(const RenderResult& result, const RenderCommandOptions& o,
         writer.remark());
   if (!result.checkpointFailure.empty()) files.attempt([&] { throw Error(result.checkpointFailure); });
   files.throwFailures();
+  return isComplete && !result.isInterrupted();
 }
 
 std::string titleOf(const RenderCommandOptions& o) {
@@ -196,7 +210,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
     if (o.frame && !o.frame->isFirst) return ExitStatus::DONE;
     print(sceneReport(loaded, classes.layerCount()));
     if (const std::string why = darknessReason(loaded); !why.empty())
-      std::fputs(("warning: the picture will be black: " + why + "\n").c_str(), stderr);
+      say("warning: the picture will be black: " + why + "\n");
     return ExitStatus::DONE;
   }
   const std::vector<std::string> outputs = outputsOf(o, loaded);
@@ -209,12 +223,12 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   FilmViewers viewers(o.viewers, o.develop, titleOf(o), requestStop);
   if (o.viewers.any())
     plan.look = [&](const auto& picture, const auto& say) { return viewers.look(picture, say); };
-  plan.endsWithFirstPicture = plan.explainsBlack = true;
-  const RenderResult result = renderLoaded(loaded, classes, plan, o.render,
-                                           [&](const RenderProgress& progress) { viewers.show(progress); });
+  plan.endsWithFirstPicture = true;
+  RenderResult result = renderLoaded(loaded, classes, plan, o.render,
+                                     [&](const RenderProgress& progress) { viewers.show(progress); });
   if (!leads) return ExitStatus::DONE;
-  writeResults(result, o, outputs, features, writer, viewers);
-  return result.isInterrupted() ? ExitStatus::INTERRUPTED : ExitStatus::DONE;
+  return writeResults(result, o, outputs, features, writer, viewers) ? ExitStatus::DONE
+                                                                     : ExitStatus::INTERRUPTED;
 }
 
 /** One picture after the other, on one live page; stops where one is interrupted. */

@@ -189,7 +189,7 @@ class RenderRun {
       kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
     if (cluster()) joinCluster();
     if (!plan.checkpoint.empty()) openCheckpoint();
-    settings.limitsFirstPass = plan.endsWithFirstPicture && firstClasses;
+    settings.limitsFirstPass = plan.limitsFirstPass || (plan.endsWithFirstPicture && firstClasses);
     if (plan.look) beginLooking();
     const std::string missed = missedText();
     if (!missed.empty()) log("warning: " + missed);
@@ -306,9 +306,6 @@ class RenderRun {
       if (!first && !isInterrupted()) renderFirst();
       if (first && first->statistics.samples > 0) takeFirstPicture();
     }
-    const Film& film = isFirst ? first->film : kept.film;
-    if (plan.explainsBlack && missed.empty() && statistics.least > 0 && isNearlyBlack(film))
-      if (const std::string why = blackPictureText(loaded, classes, film); !why.empty()) warn(why);
     if (isInterrupted() && statistics.samples == 0)
       throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
     if (statistics.samples == 0) throw Error("no sample was ready in time: nothing is written");
@@ -352,6 +349,14 @@ class RenderRun {
 };
 
 } // namespace
+
+void RenderResult::explainBlackness() {
+  if (isInterrupted() || statistics.least == 0 || !missedPaths(loaded, classes).empty()) return;
+  const std::string why = blackPictureText(loaded, PathClasses(classes), film, stopFlag());
+  if (why.empty()) return;
+  statistics.warnings.push_back(why);
+  say("warning: " + why + "\n");
+}
 
 RenderReport RenderResult::report(const std::string& command, const std::string& rest) const {
   return {loaded,

@@ -39,7 +39,7 @@ struct RenderPlan {
   Look look;
   /** A FirstPicture takes the place of one whose first sample was not ready within the time limit. */
   bool endsWithFirstPicture = false;
-  bool explainsBlack = false; ///< a black picture gets a warning that says why
+  bool limitsFirstPass = false; ///< see RenderSettings; also where a FirstPicture may take its place
 
   /** With what the scene says where the options do not. */
   RenderSettings settings(const Scene& scene) const;
@@ -79,6 +79,11 @@ struct RenderResult {
   std::unique_ptr<const FileLock> checkpointLock;
 
   bool isInterrupted() const { return statistics.stopReason == StopReason::INTERRUPTED; }
+  /** True once the render, or what follows it, is to end. */
+  const std::atomic<bool>& stopFlag() const { return graceful->flag(); }
+  /** Says why the picture is black where it is, and adds that to the warnings; nothing after an interrupt.
+   * Takes some seconds at most. */
+  void explainBlackness();
   /** `command` and `rest` are what stands before and after the options of the render. */
   RenderReport report(const std::string& command, const std::string& rest = {}) const;
 };

@@ -4,13 +4,17 @@
 #include "apps/run/blackPicture.h"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <vector>
 
 #include "apps/options/optionText.h"
 #include "apps/run/firstPicture.h"
 #include "recurse/core/sampling/sampling.h"
-#include "transport/paths/walk.h"
+#include "recurse/core/threads/interrupt.h"
+#include "recurse/core/threads/parallel.h"
+#include "render/watchdog.h"
+#include "transport/paths/walker.h"
 
 namespace recurse::apps {
 
@@ -23,6 +27,13 @@ constexpr int EMISSIONS = 64;
 constexpr size_t MAX_LIGHTS = 256;
 /** Tells these samples from all others. */
 constexpr uint64_t PROBE_STREAM = 0x4441524bull;
+/** Longest time for all probes [s]. */
+constexpr double PROBE_SECONDS = 5;
+/** A picture is nearly black where its mean is less than this part of what its lamps would make of it. */
+constexpr double NEARLY_BLACK_PART = 0.1;
+constexpr const char* TURN_LAMP =
+    "A lamp shines to the side of its normal: turn it round (ReverseOrientation), or let it shine to both "
+    "sides (\"bool twosided\" true)";
 
 /** Light passes a surface of such a material in some direction. */
 bool letsLightPass(const Material* material) {
@@ -38,16 +49,35 @@ class DarkScene {
   bool showsLight(int maxDepth) const {
     const PathClasses all;
     const std::unique_ptr<Integrator> path = pathTracerThatLearnsNothing(maxDepth);
-    bool isLit = false;
-    TransportCounts counts;
-    PathRadiance radiance(all, counts);
-    forCameraRays([&](const CameraRay& ray, Sampler& sampler) {
-      if (isLit) return;
-      radiance.reset();
-      path->backward(scene, ray, sampler, radiance);
-      isLit = !isBlack(radiance.total());
+    std::atomic<bool> isLit{false};
+    parallelFor(ACROSS, [&](size_t row) {
+      TransportCounts own;
+      PathRadiance radiance(all, own);
+      forCameraRays(int(row), [&](const CameraRay& ray, Sampler& sampler) {
+        if (isLit) return;
+        radiance.reset();
+        path->backward(scene, ray, sampler, radiance);
+        if (!isBlack(radiance.total())) isLit = true;
+      });
     });
     return isLit;
+  }
+
+  /** Why lamps, beside lights from infinitely far, light nothing in a picture that would be much brighter
+   * with them; empty where that is not so. `mean`, `brightest`: luminance of the picture and of a pixel. */
+  std::string idleLampsReason(double mean, double brightest) {
+    const SceneContents& contents = scene.contents();
+    const bool hasLamps = contents.areaLights + contents.deltaLights > 0;
+    const bool hasCaustics = contents.deltaLights > 0 && (contents.lobes & DELTA_LOBES);
+    if (!hasLamps || hasCaustics || hasGlowingMedium()) return "";
+    shine();
+    if (lamps.empty() || !shinesFromAfar) return "";
+    look();
+    const double expected = lampRadiance();
+    if (mean >= NEARLY_BLACK_PART * expected || brightest >= expected || showsLamps()) return "";
+    if (lampsLanded == 0) return std::string("all that they send out leaves the scene. ") + TURN_LAMP;
+    return areTurnedAway() ? std::string("they are turned away from all that the camera sees. ") + TURN_LAMP
+                           : "";
   }
 
   std::string reason() {
@@ -63,16 +93,18 @@ class DarkScene {
   }
 
  private:
+  /** Calls use(ray, sampler) for the rays of one row of cells of the picture. */
+  template <class Use> void forCameraRays(int row, const Use& use) const {
+    for (int x = 0; x < ACROSS; ++x) {
+      Sampler sampler(PROBE_STREAM, static_cast<uint64_t>(row), static_cast<uint32_t>(x));
+      CameraSample sample{scene.film().crop.middleOfCell(x, row, ACROSS)};
+      if (scene.camera().usesLens()) sample.lens = sampler.next2D();
+      sample.time = scene.camera().timeAt(sampler.next1D());
+      if (const std::optional<CameraRay> ray = scene.camera().validRay(sample)) use(*ray, sampler);
+    }
+  }
   template <class Use> void forCameraRays(const Use& use) const {
-    const PixelBounds& film = scene.film().crop;
-    for (int y = 0; y < ACROSS; ++y)
-      for (int x = 0; x < ACROSS; ++x) {
-        Sampler sampler(PROBE_STREAM, static_cast<uint64_t>(y), static_cast<uint32_t>(x));
-        CameraSample sample{film.middleOfCell(x, y, ACROSS)};
-        if (scene.camera().usesLens()) sample.lens = sampler.next2D();
-        sample.time = scene.camera().timeAt(sampler.next1D());
-        if (const std::optional<CameraRay> ray = scene.camera().validRay(sample)) use(*ray, sampler);
-      }
+    for (int row = 0; row < ACROSS; ++row) forCameraRays(row, use);
   }
 
   /** The first surface along the ray that scatters. */
@@ -174,18 +206,80 @@ class DarkScene {
         if (!photon || isBlack(photon->flux)) continue;
         ++emitted;
         Hit hit;
-        landed += firstSurface({photon->origin, photon->direction, INFINITE, photon->time}, hit);
-        if (!light.isInfinite()) lamps.push_back({&light, photon->origin});
+        const bool lands = firstSurface({photon->origin, photon->direction, INFINITE, photon->time}, hit);
+        landed += lands;
+        shinesFromAfar = shinesFromAfar || light.isInfinite();
+        if (light.isInfinite()) continue;
+        lampsLanded += lands;
+        lamps.push_back({&light, photon->origin});
       }
     }
   }
 
   std::string lightLeaves() const {
     const std::string hits = "no light falls on a surface: all that the lights send out leaves the scene. ";
-    if (scene.contents().areaLights > 0)
-      return hits + "A lamp shines to the side of its normal: turn it round (ReverseOrientation), or let it "
-                    "shine to both sides (\"bool twosided\" true)";
-    return hits + "Look at where the lights stand and point to";
+    return hits +
+           (scene.contents().areaLights > 0 ? TURN_LAMP : "Look at where the lights stand and point to");
+  }
+
+  /** Median over the points that the camera sees of their radiance if the lamps shone evenly all around, and
+   * half of the light were scattered. */
+  double lampRadiance() const {
+    if (seen.empty()) return 0;
+    double power = 0;
+    for (size_t i = 0; i < scene.lights().size(); ++i)
+      if (!scene.lights()[i].isInfinite()) power += double(luminance(scene.lights()[i].power()));
+    std::vector<double> all;
+    for (size_t i = 0; i < seen.size(); ++i) {
+      const Vec3f& lamp = lamps[i * lamps.size() / seen.size()].position;
+      all.push_back(power / (4 * M_PI * double(lengthSquared(lamp - seen[i].position))) / (2 * M_PI));
+    }
+    const auto middle = all.begin() + std::ptrdiff_t(all.size() / 2);
+    std::nth_element(all.begin(), middle, all.end());
+    return *middle;
+  }
+
+  /** Whether paths from the camera find light of lamps. */
+  bool showsLamps() const {
+    std::atomic<bool> isLit{false};
+    parallelFor(ACROSS, [&](size_t row) {
+      TransportCounts own;
+      forCameraRays(int(row), [&](const CameraRay& ray, Sampler& sampler) {
+        if (!isLit && findsLamp(ray, sampler, own)) isLit = true;
+      });
+    });
+    return isLit;
+  }
+
+  /** Follows one path, with a shadow ray to some lamp at each vertex. */
+  bool findsLamp(const CameraRay& ray, Sampler& sampler, TransportCounts& own) const {
+    const PathClasses all;
+    CameraWalker walker(scene, all, own, -1);
+    CameraSubpath path = startCameraSubpath(scene, all, ray, own);
+    CameraVertex vertex;
+    bool isFound = false;
+    const auto onEmission = [&](const Hit* hit) {
+      isFound = isFound || (hit && !isBlack(hit->areaLight->radiance(hit->point, -path.ray.direction)));
+    };
+    while (walker.next(path, vertex, sampler, onEmission) && !isFound) {
+      const Light& light = *lamps[lampIndex(sampler)].light;
+      const float pick = sampler.next1D();
+      const auto sample =
+          light.sampleLiAt(vertex.hit.point.time, vertex.hit.point.position, pick, sampler.next2D());
+      const bool mayScatter =
+          sample && !isBlack(sample->radiance) &&
+          (vertex.medium || !isBlack(vertex.scattering->evaluate(vertex.wi, sample->direction)));
+      if (mayScatter && !isBlack(transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
+                                               panesLeft(-1, vertex.depth), own)
+                                     .value))
+        return true;
+      if (!walker.scatter(path, vertex, sampler)) break;
+    }
+    return isFound;
+  }
+
+  size_t lampIndex(Sampler& sampler) const {
+    return std::min(lamps.size() - 1, size_t(sampler.next1D() * float(lamps.size())));
   }
 
   /** True where nothing opaque lies between. */
@@ -216,25 +310,35 @@ class DarkScene {
     return true;
   }
 
-  std::string betweenLightAndCamera() {
-    Sampler sampler(PROBE_STREAM, 3 * uint64_t(ACROSS) + MAX_LIGHTS, 0);
+  /** Points of lamps that points which the camera sees have a free way to, and those that shine there. */
+  struct LampsInSight {
     size_t free = 0, lit = 0;
+  };
+  LampsInSight lampsInSight() {
+    Sampler sampler(PROBE_STREAM, 3 * uint64_t(ACROSS) + MAX_LIGHTS, 0);
+    LampsInSight out;
     for (const SurfacePoint& point : seen) {
       if (lamps.empty()) break;
-      const auto& [light, at] =
-          lamps[std::min(lamps.size() - 1, size_t(sampler.next1D() * float(lamps.size())))];
+      const auto& [light, at] = lamps[lampIndex(sampler)];
       const float pick = sampler.next1D();
       const Vec2f u = sampler.next2D();
       if (!isFree(point, at)) continue;
-      ++free;
-      const auto light2 = light->sampleLi(point.position, pick, u);
-      lit += light2 && !isBlack(light2->radiance);
+      ++out.free;
+      const auto arriving = light->sampleLi(point.position, pick, u);
+      out.lit += arriving && !isBlack(arriving->radiance);
     }
-    if (free > 0 && lit == 0)
-      return "the lamps are turned away from all that the camera sees: a lamp shines to the side of its "
-             "normal. "
-             "Turn it round (ReverseOrientation), or let it shine to both sides (\"bool twosided\" true)";
-    if (free > 0) return "";
+    return out;
+  }
+  bool areTurnedAway() {
+    const LampsInSight lampsSeen = lampsInSight();
+    return lampsSeen.free > 0 && lampsSeen.lit == 0;
+  }
+
+  std::string betweenLightAndCamera() {
+    const LampsInSight lampsSeen = lampsInSight();
+    if (lampsSeen.free > 0 && lampsSeen.lit == 0)
+      return std::string("the lamps are turned away from all that the camera sees. ") + TURN_LAMP;
+    if (lampsSeen.free > 0) return "";
     std::optional<uint32_t> object;
     if (!eye || !isShutIn(object)) return "";
     if (object)
@@ -253,35 +357,52 @@ class DarkScene {
   const LoadedScene& loaded;
   const Scene& scene;
   TransportCounts counts;
-  size_t rays = 0, emitted = 0, landed = 0;
+  size_t rays = 0, emitted = 0, landed = 0, lampsLanded = 0;
+  bool shinesFromAfar = false;
   std::optional<Vec3f> eye;
   std::vector<SurfacePoint> seen;
   std::vector<size_t> passed, filled; ///< by media: rays in their shapes, and those that meet their grids
   std::vector<Lamp> lamps;            ///< points of finite lights
 };
 
-} // namespace
-
-bool isNearlyBlack(const Film& film) {
-  constexpr size_t PART = 1000;
-  size_t lit = 0;
-  const size_t pixels = film.bounds().area();
-  for (size_t i = 0; i < pixels; ++i) lit += film.luminanceOf(i) > 0;
-  return lit * PART < pixels;
+/** What the probes say; empty when `stop` became true or they took too long. */
+template <class Probe> std::string unlessStopped(const std::atomic<bool>& stop, const Probe& probe) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(PROBE_SECONDS);
+  std::atomic<bool> enough{stop.load()};
+  const Watchdog watchdog([&] {
+    if (stop || Clock::now() > end) enough = true;
+  });
+  const InterruptibleWork probing(&enough);
+  try {
+    checkInterrupted();
+    return probe();
+  } catch (const Interrupted&) {
+    return "";
+  }
 }
 
-std::string darknessReason(const LoadedScene& loaded) {
-  DarkScene dark(loaded);
-  return dark.showsLight(-1) ? "" : dark.reason();
-}
+/** Luminance of a picture. */
+struct Brightness {
+  explicit Brightness(const Film& film) : pixels(film.bounds().area()) {
+    for (size_t i = 0; i < pixels; ++i) {
+      const double y = film.luminanceOf(i);
+      lit += y > 0;
+      mean += y / double(pixels);
+      brightest = std::max(brightest, y);
+    }
+  }
+  /** True where no pixel has light, or fewer than one in a thousand. */
+  bool isNone() const { return lit * 1000 < pixels; }
+  size_t pixels, lit = 0;
+  double mean = 0, brightest = 0;
+};
 
-std::string blackPictureText(const LoadedScene& loaded, const PathClasses& classes, const Film& film) {
-  size_t lit = 0;
-  for (size_t i = 0; i < film.bounds().area(); ++i) lit += film.luminanceOf(i) > 0;
-  const std::string what = lit == 0 ? "the picture is black: " : "the picture is nearly black: ";
+std::string noLightText(const LoadedScene& loaded, const PathClasses& classes, bool isAllBlack) {
+  const std::string what = isAllBlack ? "the picture is black: " : "the picture is nearly black: ";
   DarkScene dark(loaded);
   if (dark.showsLight(-1)) {
-    if (lit > 0) return "";
+    if (!isAllBlack) return "";
     if (classes.lightStateCount() > 1)
       return what + "no light comes by the paths " + classes.classes()[0].expression +
              " of --paths; without it there is light";
@@ -295,8 +416,28 @@ std::string blackPictureText(const LoadedScene& loaded, const PathClasses& class
   }
   const std::string reason = dark.reason();
   if (!reason.empty()) return what + reason;
-  if (lit > 0) return "";
+  if (!isAllBlack) return "";
   return what + "light does not reach what the camera sees; are the lights shut in, or the surfaces black?";
+}
+
+} // namespace
+
+std::string darknessReason(const LoadedScene& loaded) {
+  return unlessStopped(std::atomic<bool>{false}, [&] {
+    DarkScene dark(loaded);
+    return dark.showsLight(-1) ? "" : dark.reason();
+  });
+}
+
+std::string blackPictureText(const LoadedScene& loaded, const PathClasses& classes, const Film& film,
+                             const std::atomic<bool>& stop) {
+  const Brightness brightness(film);
+  return unlessStopped(stop, [&]() -> std::string {
+    if (brightness.isNone()) return noLightText(loaded, classes, brightness.lit == 0);
+    if (classes.lightStateCount() > 1) return "";
+    const std::string reason = DarkScene(loaded).idleLampsReason(brightness.mean, brightness.brightest);
+    return reason.empty() ? "" : "the lamps light nothing of what the picture shows: " + reason;
+  });
 }
 
 } // namespace recurse::apps

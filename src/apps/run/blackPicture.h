@@ -3,6 +3,7 @@
  */
 #pragma once
 
+#include <atomic>
 #include <string>
 
 #include "apps/load/loadedScene.h"
@@ -11,14 +12,14 @@
 
 namespace recurse::apps {
 
-/** True where no pixel has light, or fewer than one in a thousand. */
-bool isNearlyBlack(const Film& film);
-
-/** What keeps light from the camera, and what to do about it; empty where light reaches it, or where the
- * probes do not show what is in the way. */
+/** What keeps light from the camera, and what to do about it; empty where light reaches it, where the probes
+ * do not show what is in the way, and where they take longer than a few seconds. */
 std::string darknessReason(const LoadedScene& loaded);
 
-/** What a warning about a black or nearly black picture of these classes says. */
-std::string blackPictureText(const LoadedScene& loaded, const PathClasses& classes, const Film& film);
+/** The warning about a picture of these classes that is black or nearly black, or that lamps leave nearly
+ * black while other lights do not. Empty where it is neither, and where `stop` becomes true or the probes
+ * take longer than a few seconds. */
+std::string blackPictureText(const LoadedScene& loaded, const PathClasses& classes, const Film& film,
+                             const std::atomic<bool>& stop);
 
 } // namespace recurse::apps

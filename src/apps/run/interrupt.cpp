@@ -73,18 +73,35 @@ void installInterruptHandlers() {
 void requestStop() { stopRequested = true; }
 void withdrawStop() { stopRequested = false; }
 
-NothingToWrite::NothingToWrite(double timeLimit) {
+const char* const NOT_LOADED_IN_TIME = "the time limit was up before the scene was loaded: nothing is "
+                                       "written. A longer --time-limit leaves time "
+                                       "for a picture.";
+
+NothingToWrite::NothingToWrite(double seconds, TimeLimit limited) {
   ++immediate;
-  if (!(timeLimit > 0)) return;
-  clock = std::jthread([timeLimit](const std::stop_token& done) {
+  if (limited == TimeLimit::WORK)
+    work.emplace(&ends);
+  else if (!(seconds > 0))
+    return;
+  clock = std::jthread([this, seconds, limited](const std::stop_token& done) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds LOOK{20};
+    const auto start = Clock::now();
     std::mutex own;
     std::unique_lock<std::mutex> lock(own);
     std::condition_variable_any sleep;
-    sleep.wait_for(lock, done, std::chrono::duration<double>(timeLimit), [] { return false; });
-    if (done.stop_requested()) return;
+    while (!isUp) {
+      sleep.wait_for(lock, done, LOOK, [] { return false; });
+      if (done.stop_requested()) return;
+      if (stopRequested) ends = true;
+      isUp = seconds > 0 && std::chrono::duration<double>(Clock::now() - start).count() > seconds;
+    }
+    ends = true;
+    if (limited == TimeLimit::WORK) return;
     removeTemporaryFiles();
-    writeText("recurse: the time limit was up before the scene was loaded: nothing is written. A longer "
-              "--time-limit leaves time for a picture.\n");
+    writeText("recurse: ");
+    writeText(NOT_LOADED_IN_TIME);
+    writeText("\n");
     ::_exit(static_cast<int>(ExitStatus::FAILED));
   });
 }

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <thread>
+
+#include "recurse/core/threads/interrupt.h"
 
 namespace recurse::apps {
 
@@ -18,18 +21,29 @@ void requestStop();
 /** Takes requestStop() back. */
 void withdrawStop();
 
-/** While one lives, there is nothing to be written: a signal ends the program at once, and so does the end of
- * the time limit [s]; 0: there is none. */
+/** While one lives, there is nothing to be written: a signal ends the program at once. */
 class NothingToWrite {
  public:
-  explicit NothingToWrite(double timeLimit);
+  /** What the time limit ends. */
+  enum class TimeLimit {
+    PROGRAM, ///< at once, with a message
+    WORK     ///< of this thread, by checkInterrupted(), as it does where a stop is requested
+  };
+  /** `seconds`: the time limit; 0: there is none. */
+  explicit NothingToWrite(double seconds, TimeLimit limited = TimeLimit::PROGRAM);
   ~NothingToWrite();
   NothingToWrite(const NothingToWrite&) = delete;
   NothingToWrite& operator=(const NothingToWrite&) = delete;
 
+  bool timeIsUp() const { return isUp; }
+
  private:
+  std::atomic<bool> isUp{false}, ends{false};
+  std::optional<InterruptibleWork> work;
   std::jthread clock;
 };
+/** Says that the time limit was up before a scene was loaded. */
+extern const char* const NOT_LOADED_IN_TIME;
 
 /** While one lives, the first signal only sets the flag. */
 class GracefulStop {

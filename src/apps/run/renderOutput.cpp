@@ -7,6 +7,8 @@
 #include <sys/resource.h>
 
 #include "apps/options/optionText.h"
+#include "apps/run/console.h"
+#include "recurse/core/threads/interrupt.h"
 
 namespace recurse::apps {
 
@@ -85,6 +87,20 @@ Image pictureOf(const Film& film, const RenderReport& report) {
   Image image = pictureOf(film, report.classes, report.loaded.scene->film().imagingRatio, report.extra);
   image.metadata = metadataOf(report);
   return image;
+}
+
+bool addFeatures(Image& image, const Scene& scene, const FeatureSettings& features,
+                 const std::atomic<bool>& stop) {
+  if (features.layers.empty()) return true;
+  try {
+    const InterruptibleWork looking(&stop);
+    checkInterrupted();
+    image = withChannels(image, renderFeatures(scene, features));
+    return true;
+  } catch (const Interrupted&) {
+    say("warning: interrupted before the layers of features were ready: the picture has none of them\n");
+    return false;
+  }
 }
 
 namespace {

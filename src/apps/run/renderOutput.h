@@ -3,12 +3,14 @@
  */
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "apps/load/loadedScene.h"
 #include "recurse/core/image/image.h"
+#include "recurse/render/featureLayers.h"
 #include "recurse/render/render.h"
 
 namespace recurse::apps {
@@ -44,6 +46,10 @@ Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float i
                 const ExtraLayers& extra);
 /** The same of a render, with its metadata. */
 Image pictureOf(const Film& film, const RenderReport& report);
+/** Adds the channels of the feature layers that are asked for. False, and a warning instead of the channels,
+ * where `stop` is true or becomes so. */
+bool addFeatures(Image& image, const Scene& scene, const FeatureSettings& features,
+                 const std::atomic<bool>& stop);
 /** The text of --stats. */
 std::string statisticsJson(const RenderReport& report);
 /** A few lines for a person. `notes`: with what was chosen by itself. */

@@ -36,9 +36,10 @@ class Bidirectional::CameraWalk {
         if (owner.settings.shadowRays) addShadowRay();
         if (light && !owner.settings.merges && beyond.empty()) sumLightPath(*light);
         if (light)
-          for (uint32_t t = 1; t <= light->count; ++t) addConnection(*light, t);
+          for (uint32_t t = 1; t <= light->count && !out.abandoned(); ++t) addConnection(*light, t);
         if (owner.settings.merges) addPhotons();
       }
+      if (out.abandoned()) return;
       const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
       if (!step) return;
       vertices.back().delta = path.delta;
@@ -197,6 +198,7 @@ class Bidirectional::CameraWalk {
         coveredFraction(boundary, glm::length(point.error), Kernel::CONSTANT, region, out.counts);
     supportArea = double(PI) * square(double(region.radius)) * double(covered);
     owner.photons.visitWithin(region, [&](const PhotonBlock& block) {
+      if (out.abandoned()) return;
       for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
         const uint32_t slot = block.first + static_cast<uint32_t>(std::countr_zero(rest));
         addPhoton(owner.photonVertices[owner.photons.emissionIndex(slot)]);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <set>
 
+#include "recurse/core/threads/interrupt.h"
+
 namespace recurse {
 
 namespace {
@@ -222,6 +224,7 @@ void ShapeGroups::keepShapes() {
 
 void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Group& group,
                            const InstanceDescription* partOf) {
+  checkInterrupted();
   if (c.enoughErrors()) return;
   MediumInterface around = media.numbers(s.medium, s.shape.location);
   const Material* m = materials.material(s.material);

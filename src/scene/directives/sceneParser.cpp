@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <unordered_map>
 
+#include "recurse/core/threads/interrupt.h"
 #include "recurse/scene/parameters/spectrum.h"
 #include "scene/parameters/parameterParser.h"
 #include "scene/text/directiveNames.h"
@@ -152,6 +153,7 @@ void SceneParser::parseTokens(const Source& source) {
   TokenStream* const outer = tokens;
   tokens = &stream;
   for (;;) {
+    checkInterrupted();
     try {
       const Token token = tokens->take();
       if (token.kind == TokenKind::END) break;
