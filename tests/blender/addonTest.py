@@ -125,6 +125,28 @@ class Addon(unittest.TestCase):
         self.assertEqual(red[2].shape, (24, 32))
         np.testing.assert_allclose(red[2], red[0][:24, 16:48], rtol=1e-5)
 
+    def test_transparent_films_have_objects_alone(self):
+        """The picture over its own background is the picture with background."""
+        scenes.clear()
+        scenes.world_colour((0.5, 1, 2))
+        scenes.add("cube", scenes.material("grey", Color=(0.5, 0.5, 0.5))[0])
+        scenes.camera((0, -7, 0), (0, 0, 0))
+        scene = self.small()
+        scene.recurse.samples = 64
+        opaque, clear = {}, {}
+        for is_clear, found in ((False, opaque), (True, clear)):
+            scene.render.film_transparent = is_clear
+            for name, values in self.rendered().items():
+                found[name.rpartition(".")[2]] = values
+        self.assertEqual(opaque["A"].min(), 1)
+        self.assertEqual((clear["A"][24, 32], clear["A"][0, 0]), (1, 0))
+        self.assertLess(abs(clear["A"].mean() - np.mean(clear["A"] > 0.5)), 0.01)
+        for letter, background in zip("RGB", (0.5, 1, 2)):
+            self.assertAlmostEqual(float(clear[letter][0, 0]), 0, places=5)
+            np.testing.assert_allclose(clear[letter][20:28, 28:36], opaque[letter][20:28, 28:36], rtol=1e-4)
+            over = clear[letter] + (1 - clear["A"]) * background
+            self.assertLess(np.abs(over - opaque[letter]).max() / background, 0.15)
+
     def test_errors_of_the_program_are_told(self):
         scenes.default_cube()
         scene = self.small()

@@ -11,6 +11,7 @@ import traceback
 import bpy
 import numpy as np
 
+from . import film
 from .exr import read_exr
 from .export import Exporter
 from .progress import read_progress
@@ -60,6 +61,7 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True
 
     _folder = None
+    _shines = False  # whether an object of the scene is seen to shine
 
     @classmethod
     def folder(cls):
@@ -118,16 +120,18 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
             out.write(text)
         for warning in exporter.warnings.texts:
             self.report({"WARNING"}, warning)
-        if scene.render.film_transparent:
-            self.report({"WARNING"}, "the picture has no transparent background")
+        self._shines = exporter.shines
         picture = os.path.join(folder, "picture.exr")
         if os.path.exists(picture):
             os.remove(picture)
         layers = [name for name, wanted in (
+            (film.LAYER, scene.render.film_transparent and not layer.use_pass_cryptomatte_object),
             ("depth", layer.use_pass_z), ("normal", layer.use_pass_normal), ("albedo", scene.recurse.use_albedo),
             ("cryptoobject", layer.use_pass_cryptomatte_object),
             ("cryptomaterial", layer.use_pass_cryptomatte_material)) if wanted]
         command = [program(), "render", file, "-o", picture, "--progress", "json", *scene.recurse.options()]
+        if scene.render.film_transparent:
+            command += ["--class", film.CLASS]
         if layers:
             command += ["--layers", ",".join(layers)]
         if self._run(command, folder) and os.path.exists(picture):
@@ -183,7 +187,11 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
         def stacked(names):
             return np.stack([channels[name] for name in names], axis=-1)[::-1]
 
-        passes = {"Combined": np.concatenate([stacked("RGB"), np.ones((*channels["R"].shape, 1), np.float32)[::-1]], axis=-1)}
+        if scene.render.film_transparent:
+            colours, opacity = film.without_background(channels, self._shines)
+        else:
+            colours, opacity = np.stack([channels[c] for c in "RGB"], axis=-1), np.ones_like(channels["R"])
+        passes = {"Combined": np.concatenate([colours, opacity[..., None]], axis=-1)[::-1]}
         if "depth.Z" in channels:
             distance = stacked(["depth.Z"])
             passes["Depth"] = np.where(distance > 0, distance, FAR)

@@ -35,6 +35,7 @@ class Exporter:
         self.pieces = {}
         self.placed = {}  # of pieces: matrices by the key of the piece
         self.moves = {}  # what is where at the end of the shutter
+        self.shines = False  # an object is seen to shine
         self.lamp_lines, self.curve_lines, self.volume_lines = [], [], []
 
     def write(self, frame_set=None):
@@ -172,6 +173,7 @@ class Exporter:
         if text is None:
             file = self.folder.picture(light.name, lights.sun_map(light, place, lights.power_of(light, self.textures)))
             text = f'LightSource "infinite" "string filename" {quoted(file)} "string mapping" "latlong"'
+        self.shines |= "AreaLightSource" in text and not is_hidden
         self.lamp_lines.append(text)
 
     def _is_in_picture(self, light, place):
@@ -213,6 +215,7 @@ class Exporter:
                 slots = source.material_slots
                 material = slots[min(slot, len(slots) - 1)].material if len(slots) else None
                 surface = self.materials.surface(material)
+                self.shines |= surface.emits
                 balls = None if surface.emits else self._metaballs(source)  # what shines is sampled, as a mesh can be
                 if balls:
                     out.parts.append((balls, surface))
