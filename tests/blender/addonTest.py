@@ -163,15 +163,20 @@ class Addon(unittest.TestCase):
     def test_nodes_without_counterpart_are_named(self):
         scenes.clear()
         made, node = scenes.material("stone", Color=(1, 1, 1))
-        noise = made.node_tree.nodes.new("ShaderNodeTexNoise")
-        noise.name = "My Noise"
-        made.node_tree.links.new(noise.outputs["Color"], node.inputs["Color"])
+        cells = made.node_tree.nodes.new("ShaderNodeTexVoronoi")
+        cells.name = "My Cells"
+        made.node_tree.links.new(cells.outputs["Color"], node.inputs["Color"])
         scenes.add("cube", made)
+        cloudy, node = scenes.material("cloud", Color=(1, 1, 1))
+        noise = cloudy.node_tree.nodes.new("ShaderNodeTexNoise")
+        cloudy.node_tree.links.new(noise.outputs["Color"], node.inputs["Color"])
+        scenes.add("cube", cloudy)
         scenes.add("cube", scenes.material("velvet", "ShaderNodeBsdfVelvet")[0])
         scenes.camera((0, -5, 0), (0, 0, 0))
         _, exporter, _ = self.checked()
         told = "\n".join(exporter.warnings.texts)
-        self.assertIn("stone: the node 'My Noise' (Noise Texture)", told)
+        self.assertIn("stone: the node 'My Cells' (Voronoi Texture)", told)
+        self.assertIn("cloud: the generated coordinates of 'Noise Texture'", told)
         self.assertIn("velvet: the shader 'Velvet BSDF'", told)
 
     def test_averaged_inputs_are_named(self):
@@ -361,6 +366,34 @@ class Addon(unittest.TestCase):
         np.testing.assert_allclose(lower, (-1, -2, -3), atol=0.2)
         np.testing.assert_allclose(upper, (4, 2, 3), atol=0.2)
         self.assertTrue((lower < (-1, -2, -3)).all() and (upper > (4, 2, 3)).all())
+
+    def test_noise_over_uv_is_blenders(self):
+        """The baked values, and those of Cycles from a picture that looks at a plane."""
+        scenes.clear()
+        made, node = scenes.material("stone", "ShaderNodeEmission", Strength=1.0)
+        tree = made.node_tree
+        noise, coordinates = tree.nodes.new("ShaderNodeTexNoise"), tree.nodes.new("ShaderNodeTexCoord")
+        for name, value in (("Scale", 3), ("Detail", 2.5), ("Roughness", 0.6)):
+            noise.inputs[name].default_value = value
+        tree.links.new(coordinates.outputs["UV"], noise.inputs["Vector"])
+        scenes.add("plane", made, size=2)
+        scenes.camera((0, 0, 3), (0, 0, 0), type="ORTHO", ortho_scale=2)
+        scene = self.small()
+        scene.render.resolution_x = scene.render.resolution_y = 32
+        scene.render.engine = "CYCLES"
+        scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 64, False
+        scene.cycles.pixel_filter_type = "BOX"
+        u, v = np.meshgrid((np.arange(256) + 0.5) / 256, (np.arange(256) + 0.5) / 256)
+        from recurse_blender.nodes import Node
+        from recurse_blender.textures import Evaluation
+        for output in ("Fac", "Color"):
+            tree.links.new(noise.outputs[output], node.inputs["Color"])
+            channels = {name.rpartition(".")[2]: values for name, values in self.rendered().items() if "Combined" in name}
+            expected = np.stack([channels[letter] for letter in "RGB"], axis=-1)[::-1]
+            baked = Evaluation(u, v).colour(Node(node).inputs["Color"])[..., :3]
+            baked = baked.reshape(32, 8, 32, 8, 3).mean(axis=(1, 3))
+            self.assertGreater(np.ptp(expected), 0.2)
+            np.testing.assert_allclose(baked, expected, atol=0.01)
 
     def test_meshes_that_stay_are_not_written_again(self):
         scenes.instances()

@@ -5,6 +5,7 @@ import os
 import bpy
 import numpy as np
 
+from . import noise
 from .text import number, numbers, quoted
 
 BAKED_SIZE = 512  # of a picture of what has no pixels of its own
@@ -139,6 +140,18 @@ class Evaluation:
         if output.name == "Fac":
             return is_first.astype(float)
         return np.where(is_first[..., None], self.colour(node.inputs["Color1"]), self.colour(node.inputs["Color2"]))
+
+    def _tex_noise(self, node, output):
+        name = f"'{node.name}' ({node.bl_label})"
+        scale, detail, roughness, distortion = (self.number(node.inputs[key])
+                                                for key in ("Scale", "Detail", "Roughness", "Distortion"))
+        if (node.noise_dimensions != "3D" or getattr(node, "noise_type", "FBM") != "FBM" or distortion.any()
+                or getattr(node, "normalize", True) is not True or np.ptp(detail) > 0 or np.ptp(roughness) > 0):
+            raise CannotBake(f"the kind of {name}")
+        points = self._vector(node, False) * scale[..., None]
+        offsets = (0, noise.offset(3), noise.offset(4)) if output.name == "Color" else (0,)
+        values = [noise.fractal(points + offset, detail.flat[0], roughness.flat[0]) for offset in offsets]
+        return np.stack(values, axis=-1) if len(values) > 1 else values[0]
 
     def _valtorgb(self, node, output):
         position = self.number(node.inputs["Fac"])
