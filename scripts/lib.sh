@@ -9,6 +9,8 @@ BUILD_PACKAGES=(g++ cmake ninja-build ccache libglm-dev libopenimageio-dev libtb
 TEST_PACKAGES=(libnanovdb-dev chromium python3 gnuplot-nox libopenmpi-dev openmpi-bin procps
     pybind11-dev python3-dev python3-numpy) # the HTML pages are tested in a browser
 
+PACKAGE_LIST=/var/lib/dpkg/status # changes with every package that is installed or removed
+
 # Every checkout shares what ccache keeps: paths below the root count as relative ones.
 export CCACHE_BASEDIR=$ROOT CCACHE_NOHASHDIR=1
 
@@ -44,7 +46,8 @@ requirePackages() {
     fi
 }
 
-# configure PRESET [CMAKE-OPTION...]: only when it has not been done here, or when there are options.
+# configure PRESET [CMAKE-OPTION...]: only when it has not been done here, when there are options, or when packages were
+# installed or removed since: what is built and tested goes by what is there.
 configure() {
     local preset=$1 directory=$ROOT/build/$1 home=
     shift
@@ -54,7 +57,7 @@ configure() {
             rm -rf "$directory/CMakeCache.txt" "$directory/CMakeFiles"
         fi
     fi
-    if [[ ! -f $directory/build.ninja || $home != "$ROOT" || $# -gt 0 ]]; then
+    if [[ ! -f $directory/build.ninja || $home != "$ROOT" || $# -gt 0 || $PACKAGE_LIST -nt $directory/build.ninja ]]; then
         (cd "$ROOT" && cmake --preset "$preset" "$@") >&2 </dev/null
     fi
 }
@@ -69,8 +72,8 @@ build() {
     return "$status"
 }
 
-# runTests PRESET [CTEST-OPTION...]: closes with the line 'N passed, N failed', which counts single cases where
-# ctest counts suites of them.
+# runTests PRESET [CTEST-OPTION...]: says what was not tested, and closes with the line 'N passed, N failed', which counts
+# single cases where ctest counts suites of them.
 runTests() {
     local preset=$1 results=$ROOT/build/$1/Testing/Temporary/LastTest.log summary status=0 failures
     shift
@@ -81,11 +84,12 @@ runTests() {
     rm -f "$summary"
     [[ -f $results ]] || results=/dev/null
     awk -v failures="${failures:-0}" -v status="$status" '
-        / Testing: / { ok = bad = skip = 0 }
+        / Testing: / { ok = bad = skip = untested = 0 }
+        /^not tested: / { untested = 1; if (!said[$0]++) print }
         /^\[       OK \]/ { ++ok }
         /^\[  FAILED  \] .*\([0-9]+ ms\)$/ { ++bad }
         /^\[  SKIPPED \] .*\([0-9]+ ms\)$/ { ++skip }
-        /^Test Passed/ { passed += (ok + skip ? ok : 1); skipped += skip }
+        /^Test Passed/ { passed += (ok + skip + untested ? ok : 1); skipped += skip + untested }
         /^Test Failed/ { passed += ok; failed += (bad ? bad : 1); skipped += skip }
         END {
             if (failed < failures) failed = failures

@@ -35,7 +35,7 @@ def main():
             pairs.append(np.concatenate([recurse.read(f'{folder}/{name}-{engine.lower()}.exr').array for engine in engines],
                                         axis=1))
     rows = [np.concatenate(pairs[i:i + COLUMNS], axis=1) for i in range(0, len(pairs), COLUMNS)]
-    sheet = recurse.Picture(recurse._core.Image(np.ascontiguousarray(np.concatenate(rows)), ['R', 'G', 'B']))
+    sheet = recurse.Picture.of(np.concatenate(rows))
     sheet.save(ROOT / 'doc-files' / 'blender.jpg', exposure=0, tonemap='none')
 
 

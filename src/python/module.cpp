@@ -158,10 +158,13 @@ std::shared_ptr<PythonScene> load(const std::string& name, const std::optional<s
   return out;
 }
 
-py::array photons(const std::shared_ptr<PythonScene>& scene, uint64_t count, uint64_t seed, int maxDepth) {
+py::array photons(const std::shared_ptr<PythonScene>& scene, uint64_t count, uint64_t seed, int maxDepth,
+                  const std::vector<std::string>& classes) {
+  PhotonRequest request{count, seed, maxDepth, {}};
+  for (const std::string& expression : classes) request.classes.push_back(PathAutomaton::compile(expression));
   auto* list = new std::vector<PhotonRecord>;
   const py::capsule owner(list, [](void* p) { delete static_cast<std::vector<PhotonRecord>*>(p); });
-  runInBackground([&] { *list = scene->photons(count, seed, maxDepth); }, doNothing, doNothing);
+  runInBackground([&] { *list = scene->photons(request); }, doNothing, doNothing);
   return py::array_t<PhotonRecord>({py::ssize_t(list->size())}, list->data(), owner);
 }
 
@@ -202,7 +205,8 @@ PYBIND11_MODULE(_core, m) {
     }
   });
 
-  PYBIND11_NUMPY_DTYPE(PhotonRecord, position, direction, normal, power, path);
+  PYBIND11_NUMPY_DTYPE_EX(PhotonRecord, position, "position", direction, "direction", normal, "normal", power,
+                          "power", path, "path", event, "event", pathClass, "class");
 
   py::class_<Image, std::shared_ptr<Image>>(m, "Image")
       .def(py::init(&imageOf))
@@ -239,6 +243,12 @@ PYBIND11_MODULE(_core, m) {
     py::list out;
     for (const NamedPathClass& c : namedPathClasses())
       out.append(py::make_tuple(c.name, c.expression, c.meaning));
+    return out;
+  });
+  m.def("default_classes", [](bool withMedia) {
+    py::list out;
+    for (const PathClass& c : defaultStillClasses(withMedia))
+      out.append(py::make_tuple(c.name, c.expression));
     return out;
   });
   m.def("is_in_class", [](const std::string& expression, const std::string& path) {

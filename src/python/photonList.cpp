@@ -3,6 +3,8 @@
  */
 #include "python/photonList.h"
 
+#include <algorithm>
+
 #include "recurse/core/math/hash.h"
 #include "recurse/core/threads/parallel.h"
 #include "transport/emission/pathEnds.h"
@@ -20,21 +22,21 @@ template <class V> std::array<float, 3> floats(const V& v) { return {v[0], v[1],
 
 class PhotonShooter {
  public:
-  PhotonShooter(const Scene& scene, uint64_t emitted, uint64_t seed, int maxDepth)
-      : scene(scene), emitted(emitted), seed(seed), maxDepth(maxDepth) {}
+  PhotonShooter(const Scene& scene, const PhotonRequest& request) : scene(scene), request(request) {}
 
   void shoot(uint64_t index, std::vector<PhotonRecord>& stored) const {
-    Sampler sampler(seed, PHOTON_STREAM + (index >> 32), static_cast<uint32_t>(index));
+    Sampler sampler(request.seed, PHOTON_STREAM + (index >> 32), static_cast<uint32_t>(index));
     TransportCounts counts;
     const float time = scene.camera().timeAt(scene.moves() ? sampler.next2D().x : 0);
     const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
     if (!start) return;
-    Walker<LightState> walker(scene, classes, counts, maxDepth);
+    Walker<LightState> walker(scene, classes, counts, request.maxDepth);
     LightSubpath path = start->path;
+    if (scene.hasMedia()) path.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     LightVertex vertex;
     std::string word = "L";
     while (walker.next(path, vertex, sampler)) {
-      if (vertex.isConnectable() && !vertex.medium) stored.push_back(record(vertex, word));
+      if (vertex.isConnectable()) stored.push_back(record(vertex, word));
       const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
       if (!step) return;
       word += vertex.medium ? 'V' : step->lobe & DELTA_LOBES ? 'S' : 'D';
@@ -47,23 +49,30 @@ class PhotonShooter {
     PhotonRecord out{};
     for (int i = 0; i < 3; ++i) out.position[size_t(i)] = scene.origin()[i] + double(point.position[i]);
     out.direction = floats(vertex.wi);
-    out.normal = floats(point.normalTowards(vertex.wi));
-    out.power = floats(vertex.throughput / float(emitted));
+    if (!vertex.medium) out.normal = floats(point.normalTowards(vertex.wi));
+    out.power = floats(vertex.throughput / float(request.emitted));
     std::copy_n(word.begin(), std::min(word.size(), out.path.size()), out.path.begin());
+    out.event = {vertex.medium ? 'V' : 'D'};
+    out.pathClass = classOf(word + out.event[0] + "E");
     return out;
+  }
+  int32_t classOf(const std::string& word) const {
+    const auto accepts = [&](const PathAutomaton& c) { return c.accepts(word); };
+    const auto found = std::find_if(request.classes.begin(), request.classes.end(), accepts);
+    return found == request.classes.end() ? -1 : int32_t(found - request.classes.begin());
   }
 
   const Scene& scene;
+  const PhotonRequest& request;
   PathClasses classes;
-  uint64_t emitted, seed;
-  int maxDepth;
 };
 
 } // namespace
 
-std::vector<PhotonRecord> listPhotons(const Scene& scene, uint64_t emitted, uint64_t seed, int maxDepth) {
+std::vector<PhotonRecord> listPhotons(const Scene& scene, const PhotonRequest& request) {
   if (scene.lights().size() == 0) return {};
-  const PhotonShooter shooter(scene, emitted, seed, maxDepth);
+  const uint64_t emitted = request.emitted;
+  const PhotonShooter shooter(scene, request);
   std::vector<std::vector<PhotonRecord>> batches((emitted + BATCH - 1) / BATCH);
   parallelFor(batches.size(), [&](size_t batch) {
     const uint64_t first = batch * BATCH, end = std::min(first + BATCH, emitted);

@@ -105,10 +105,10 @@ RenderResult PythonScene::render(const RenderRequest& request,
   return {std::make_shared<Image>(std::move(image)), apps::statisticsJson(report)};
 }
 
-std::vector<PhotonRecord> PythonScene::photons(uint64_t count, uint64_t seed, int maxDepth) const {
+std::vector<PhotonRecord> PythonScene::photons(const PhotonRequest& request) const {
   std::vector<std::string> none;
   const Work work(none);
-  return listPhotons(*loaded.scene, count, seed, maxDepth);
+  return listPhotons(*loaded.scene, request);
 }
 
 std::string PythonScene::report() const { return apps::sceneReport(loaded); }

@@ -38,7 +38,7 @@ class PythonScene {
 
   RenderResult render(const RenderRequest& request,
                       const std::function<void(const RenderProgress&)>& progress);
-  std::vector<PhotonRecord> photons(uint64_t count, uint64_t seed, int maxDepth) const;
+  std::vector<PhotonRecord> photons(const PhotonRequest& request) const;
   /** What `--check` prints. */
   std::string report() const;
   /** Makes a render() under way end early. */

@@ -81,14 +81,14 @@ void registerBallBlend(PlugIns& plugIns) {
         .summary =
             "Values blended by the fields of balls. With the balls of a shape \"metaballs\" in the same "
             "space, its colours or other parameters flow into each other as it does.",
-        .parameters =
-            {arrayParameter(ParameterType::POINT3, "P", 0, "", "middles of the balls").require(),
-             radius.positive(),
-             arrayParameter(ParameterType::REAL, "strength", 0, "1",
-                            "weight in the middle of each ball; those that are not positive have "
-                            "no value; one for all or one each"),
-             values.require(),
-             stringParameter("field", "quartic", "see the shape").oneOf({"quartic", "wyvill", "blinn"})},
+        .parameters = {arrayParameter(ParameterType::POINT3, "P", 0, "", "middles of the balls").require(),
+                       radius.positive(),
+                       arrayParameter(ParameterType::REAL, "strength", 0, "1",
+                                      "weight in the middle of each ball; those that are not positive have "
+                                      "no value; one for all or one each"),
+                       values.require(),
+                       stringParameter("field", "quartic", "see the shape")
+                           .oneOf({"quartic", "sextic", "wyvill", "blinn"})},
         .examples = {"\"point3 P\" [-.5 0 0  .5 .1 0] \"float values\" [.2 .8]",
                      "\"point3 P\" [0 0 0  1 0 0] \"float radius\" [1 2] \"float strength\" [1 -1] "
                      "\"float values\" [.3 .4] \"string field\" \"blinn\""}},

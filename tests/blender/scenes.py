@@ -139,6 +139,9 @@ def every_material():
         material("plastic", principled, Base_Color=(0.2, 0.5, 0.3), Roughness=0.3, Specular=0.5)[0],
         material("metal", principled, Base_Color=(0.9, 0.6, 0.3), Roughness=0.2, Metallic=1.0)[0],
         material("transmission", principled, Base_Color=(1, 1, 1), Roughness=0.0, Transmission=1.0)[0],
+        material("coated", principled, Base_Color=(0.6, 0.1, 0.1), Roughness=0.8, Clearcoat=1.0, Clearcoat_Roughness=0.1)[0],
+        material("coated metal", principled, Base_Color=(0.5, 0.5, 0.7), Roughness=0.5, Metallic=1.0, Clearcoat=1.0,
+                 Clearcoat_Roughness=0.05)[0],
         material("half there", principled, Base_Color=(0.8, 0.2, 0.6), Roughness=0.8, Alpha=0.5, Specular=0.0)[0],
         material("anisotropic", principled, Base_Color=(0.8, 0.8, 0.8), Roughness=0.3, Metallic=1.0, Anisotropic=0.7)[0],
     ]

@@ -30,6 +30,7 @@ struct Field {
     if (q >= 1) return 0;
     if (kind == "wyvill") return 1 - 22 / 9.0 * q + 17 / 9.0 * q * q - 4 / 9.0 * q * q * q;
     if (kind == "blinn") return std::pow(1 - q, 4) + square((1 - q) * q);
+    if (kind == "sextic") return std::pow(1 - q, 3);
     return square(1 - q);
   }
 
@@ -78,7 +79,8 @@ TEST(Metaballs, AreMetWhereIntervalArithmeticFindsThem) {
   size_t rays = 0, crossed = 0, disagreed = 0;
   for (int scene = 0; scene < 40; ++scene) {
     Field field;
-    field.kind = scene % 4 == 1 ? "wyvill" : scene % 4 == 3 ? "blinn" : "quartic";
+    const char* const kinds[] = {"quartic", "wyvill", "sextic", "blinn"};
+    field.kind = kinds[scene % 4];
     std::string p, radius, strength;
     const int count = 1 + scene % 8;
     for (int i = 0; i < count; ++i) {

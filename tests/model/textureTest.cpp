@@ -312,6 +312,7 @@ TEST(Texture, ValuesOfBallsAreBlendedByTheirFields) {
   const double q[2] = {(1.25 * 1.25 + .25 + .09) / 4, (.75 * .75 + .25 + .09) / 6.25};
   for (const auto& [name, field] : std::map<std::string, double (*)(double)>{
            {"quartic", [](double x) { return (1 - x) * (1 - x); }},
+           {"sextic", [](double x) { return (1 - x) * (1 - x) * (1 - x); }},
            {"wyvill", [](double x) { return 1 - 22 / 9. * x + 17 / 9. * x * x - 4 / 9. * x * x * x; }},
            {"blinn", [](double x) { return (1 - x) * (1 - x) * ((1 - x) * (1 - x) + x * x); }}}) {
     const auto t = makeTexture("metaballs", balls + colours + "\"string field\" \"" + name + "\"");

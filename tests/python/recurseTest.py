@@ -1,13 +1,19 @@
 #!/usr/bin/env python3
 """The Python module: recurseTest.py PACKAGE-FOLDER PROGRAM."""
 import ast
+import contextlib
+import io
+import json
 import os
+import re
 import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import types
 import unittest
+import unittest.mock
 import warnings
 
 import numpy as np
@@ -149,6 +155,37 @@ class Renders(InFolder):
         self.assertGreater(len(told), 0)
         self.assertIn("fraction", told[0])
 
+    def test_the_bar_shows_what_is_known(self):
+        unknown = {"phase": "photons", "fraction": 0.5, "elapsed": 2.2, "seconds_left": None, "samples_per_pixel": 0}
+        known = dict(unknown, seconds_left=7.4, samples_per_pixel=3)
+        bar, errors = recurse.ProgressBar(), io.StringIO()
+        with contextlib.redirect_stderr(errors):
+            for progress in (unknown, dict(unknown, seconds_left=-1), known):
+                bar(progress)
+            room().render("path", spp=1, progress=True)
+        lines = errors.getvalue().split("\r")
+        self.assertEqual(lines[1].rstrip(), " photons [" + 15 * "#" + 15 * "." + "] 0 samples, 2 s")
+        self.assertEqual(lines[2], lines[1])
+        self.assertIn("3 samples, 2 s, 7 s left", lines[3])
+        self.assertIn('<progress value="0.5000" max="1">', bar._repr_html_())
+
+    def test_notebooks_get_one_bar_that_changes(self):
+        """IPython is a stand-in here: what a notebook shows and updates."""
+        shown = unittest.mock.MagicMock()
+        shell = unittest.mock.Mock(spec=["kernel"])
+        modules = {"IPython": types.SimpleNamespace(get_ipython=lambda: shell),
+                   "IPython.display": types.SimpleNamespace(display=shown)}
+        errors = io.StringIO()
+        with unittest.mock.patch.dict(sys.modules, modules), contextlib.redirect_stderr(errors):
+            bar = recurse.ProgressBar()
+            for fraction in (0.25, 0.5, 1):
+                bar({"phase": "<render>", "fraction": fraction})
+            bar.finish()
+        shown.assert_called_once_with(bar, display_id=True)
+        self.assertEqual(shown.return_value.update.call_count, 2)
+        self.assertEqual(errors.getvalue(), "")
+        self.assertIn("&lt;render&gt;", bar._repr_html_())
+
     def test_errors_of_progress_reach_the_caller(self):
         def progress(p):
             raise ZeroDivisionError
@@ -182,10 +219,36 @@ class Renders(InFolder):
         self.assertEqual(len(photons), 2000)
         np.testing.assert_allclose(photons["power"].sum(axis=0), 4 * np.pi * np.array([1, 2, 3]), rtol=1e-4)
         self.assertEqual(set(photons["path"]), {b"L"})
+        self.assertEqual(set(photons["event"]), {b"D"})
+        self.assertEqual(set(photons["class"]), {"direct-diffuse"})
+        named = scene.photons(20, classes={"other": "LDDE", "seen": "LDE", "all": "all"})
+        self.assertEqual(set(named["class"]), {"seen"})
+        self.assertEqual(set(scene.photons(20, classes=["LS+DE"])["class"]), {""})
         np.testing.assert_allclose(np.linalg.norm(photons["position"] - [100, 0, 0], axis=1), 2, rtol=1e-5)
         np.testing.assert_allclose(np.linalg.norm(photons["direction"], axis=1), 1, rtol=1e-4)
         self.assertTrue((np.einsum("ij,ij->i", photons["direction"], photons["normal"]) > 0).all())
         np.testing.assert_array_equal(photons, scene.photons(2000))
+
+    def test_photons_in_a_medium_carry_what_it_scatters(self):
+        """A lamp in the middle of a ball of fog: what is scattered first is known."""
+        scene = recurse.Scene()
+        scene.set_film(xresolution=4, yresolution=4)
+        scene.set_camera(look_at=[(0, 0, -9), (0, 0, 1), (0, 1, 0)])
+        absorption, scattering, radius = 0.3, np.array([0.2, 0.4, 0.8]), 2
+        scene.add_medium("fog", "homogeneous", sigma_a=(absorption,) * 3, sigma_s=scattering)
+        scene.add_light("point", I=(1, 1, 1), medium=("fog", "fog"))
+        scene.add_shape("sphere", radius=radius, material=recurse.materials.interface(), medium=("fog", ""))
+        photons = scene.photons(40000)
+        first = photons[photons["path"] == b"L"]
+        self.assertEqual(set(photons["event"]), {b"V"})
+        self.assertTrue((photons["normal"] == 0).all())
+        self.assertEqual(set(photons["path"]) & {b"LV", b"LVV"}, {b"LV", b"LVV"})
+        extinction = absorption + scattering
+        expected = 4 * np.pi * scattering / extinction * (1 - np.exp(-extinction * radius))
+        np.testing.assert_allclose(first["power"].sum(axis=0), expected, rtol=0.02)
+        distance = np.linalg.norm(first["position"], axis=1)
+        near = first["power"][distance < 0.5].sum(axis=0)
+        np.testing.assert_allclose(near, 4 * np.pi * scattering / extinction * (1 - np.exp(-extinction / 2)), rtol=0.05)
 
     def test_density_by_hand_is_the_irradiance(self):
         photons = room().photons(200000)
@@ -240,6 +303,49 @@ class Guide(InFolder):
         expected = np.pi * np.array([12, 11, 10]) * 0.5 ** 2 / 32 * 4 / np.sqrt(32)
         np.testing.assert_allclose(names["irradiance"], expected, rtol=0.2)
         self.assertTrue(names["caustic"].any())
+
+
+class Notebooks(InFolder):
+    def run_cells(self, name):
+        """The names that the code cells of a notebook leave, and the values that end cells."""
+        with open(os.path.join(os.path.dirname(GUIDE), name), encoding="utf-8") as file:
+            cells = json.load(file)["cells"]
+        names, shown = {}, []
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            for number, cell in enumerate(cells):
+                if cell["cell_type"] != "code":
+                    continue
+                self.assertEqual(cell["outputs"], [], "outputs are not kept")
+                tree = ast.parse("".join(cell["source"]))
+                last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+                place = f"{name}, cell {number}"
+                exec(compile(tree, place, "exec"), names)  # pylint: disable=exec-used
+                if last:
+                    shown.append(eval(compile(ast.Expression(last.value), place, "eval"), names))  # pylint: disable=eval-used
+        return names, shown
+
+    def test_first_picture(self):
+        names, shown = self.run_cells("first-picture.ipynb")
+        for value in shown:
+            if isinstance(value, recurse.Picture):
+                self.assertTrue(value._repr_png_().startswith(b"\x89PNG"))
+        self.assertEqual(names["rows"].shape, (50, 160, 3))
+        np.testing.assert_array_equal(recurse.read("first.exr").layers["caustic"], names["caustic"].array)
+
+    def test_error_against_time(self):
+        names, shown = self.run_cells("error-against-time.ipynb")
+        self.assertEqual(set(shown[-1]), {"path", "photonmap"})
+        self.assertTrue(-2 < names["slopes"]["path"] < -0.9, names["slopes"])
+        self.assertTrue(all(seconds > 0 for seconds in names["seconds"]["path"]))
+
+    def test_density_estimation(self):
+        names, shown = self.run_cells("density-estimation.ipynb")
+        np.testing.assert_allclose(names["estimates"][1], names["exact"], rtol=0.1)
+        self.assertGreater(abs(names["estimates"][5] / names["exact"] - 1).min(), 0.15)  # the blur
+        self.assertEqual(shown[-1].array.shape, (60, 60, 3))
+        middle, aside = names["picture"].array[28:32, 28:32].mean(), names["picture"].array[:, 5].mean()
+        self.assertGreater(middle, 3 * aside)  # the caustic
+        self.assertGreater(len(names["caustic"]), 100)
 
 
 class PlugIns(unittest.TestCase):
@@ -316,6 +422,25 @@ class PlugIns(unittest.TestCase):
                      if isinstance(node, ast.FunctionDef)}
         for info in recurse._core.plug_ins():
             self.assertIn(plug_ins.python_name(info["name"]), functions)
+
+    def test_stubs_have_all_of_the_module_in_cpp(self):
+        """Names of module and classes, and how many arguments their functions take."""
+        with open(os.path.join(os.path.dirname(recurse.__file__), "_core.pyi"), encoding="utf-8") as file:
+            tree = ast.parse(file.read())
+
+        def check(stubs, owner):
+            named = {node.name: node for node in stubs if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+            missing = {name for name in vars(owner) if not name.startswith("_")} - set(named)
+            self.assertEqual(missing, set(), owner)
+            for name, node in named.items():
+                self.assertTrue(hasattr(owner, name), name)
+                if isinstance(node, ast.ClassDef):
+                    check(node.body, getattr(owner, name))
+                elif not node.decorator_list:
+                    arguments = re.findall(r"\barg\d+: ", getattr(owner, name).__doc__.splitlines()[0])
+                    self.assertEqual(len(arguments), len(node.args.args) - (owner is not recurse._core), name)
+
+        check(tree.body, recurse._core)
 
     def test_cameras_look_where_they_are_placed(self):
         by_points, by_matrix = room(), room()

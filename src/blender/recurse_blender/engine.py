@@ -1,5 +1,4 @@
 """The render engine: writes the scene, runs the program `recurse`, and reads its picture."""
-import json
 import os
 import queue
 import shutil
@@ -7,12 +6,15 @@ import signal
 import subprocess
 import tempfile
 import threading
+import traceback
 
 import bpy
 import numpy as np
 
+from . import film
 from .exr import read_exr
 from .export import Exporter
+from .progress import read_progress
 
 FAR = 1e10  # depth where nothing is, as Blender has it
 
@@ -59,6 +61,7 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True
 
     _folder = None
+    _shines = False  # whether an object of the scene is seen to shine
 
     @classmethod
     def folder(cls):
@@ -97,6 +100,9 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
             self._render(depsgraph)
         except (OSError, ValueError, RuntimeError) as error:
             self._fail(str(error))
+        except Exception as error:  # a mistake of the add-on: with its place on the console
+            traceback.print_exc()
+            self._fail(f"{type(error).__name__}: {error}")
 
     def _fail(self, text):
         self.report({"ERROR"}, text)
@@ -114,16 +120,18 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
             out.write(text)
         for warning in exporter.warnings.texts:
             self.report({"WARNING"}, warning)
-        if scene.render.film_transparent:
-            self.report({"WARNING"}, "the picture has no transparent background")
+        self._shines = exporter.shines
         picture = os.path.join(folder, "picture.exr")
         if os.path.exists(picture):
             os.remove(picture)
         layers = [name for name, wanted in (
+            (film.LAYER, scene.render.film_transparent and not layer.use_pass_cryptomatte_object),
             ("depth", layer.use_pass_z), ("normal", layer.use_pass_normal), ("albedo", scene.recurse.use_albedo),
             ("cryptoobject", layer.use_pass_cryptomatte_object),
             ("cryptomaterial", layer.use_pass_cryptomatte_material)) if wanted]
         command = [program(), "render", file, "-o", picture, "--progress", "json", *scene.recurse.options()]
+        if scene.render.film_transparent:
+            command += ["--class", film.CLASS]
         if layers:
             command += ["--layers", ",".join(layers)]
         if self._run(command, folder) and os.path.exists(picture):
@@ -140,30 +148,35 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
 
             reader = threading.Thread(target=read, daemon=True)
             reader.start()
-            told, is_ending = [], False
-            while process.poll() is None or reader.is_alive() or not lines.empty():
-                if self.test_break() and not is_ending:
-                    process.send_signal(signal.SIGINT)  # it writes what there is
-                    is_ending = True
-                try:
-                    self._tell(lines.get(timeout=0.1), told)
-                except queue.Empty:
-                    pass
+            told = []
+            try:
+                self._watch(process, reader, lines, told)
+            except BaseException:
+                process.kill()
+                raise
         if process.returncode not in (0, 130):
             self._fail("\n".join(told) or f"recurse ended with status {process.returncode}")
             return False
         return True
 
+    def _watch(self, process, reader, lines, told):
+        """Shows what the program says until it has ended."""
+        is_ending = False
+        while process.poll() is None or reader.is_alive() or not lines.empty():
+            if self.test_break() and not is_ending:
+                process.send_signal(signal.SIGINT)  # it writes what there is
+                is_ending = True
+            try:
+                self._tell(lines.get(timeout=0.1), told)
+            except queue.Empty:
+                pass
+
     def _tell(self, line, told):
         if line.startswith("{"):
-            try:
-                p = json.loads(line)
-            except ValueError:
-                return
-            self.update_progress(p["fraction"])
-            left = f", {p['seconds_left']:.0f} s left" if p.get("seconds_left", -1) >= 0 else ""
-            samples = f", {p['samples_per_pixel']:.0f} samples" if p.get("samples_per_pixel", 0) else ""
-            self.update_stats("", f"Recurse: {p['phase']}{samples}{left}")
+            progress = read_progress(line)
+            if progress:
+                self.update_progress(progress[0])
+                self.update_stats("", progress[1])
         elif "warning:" in line:
             self.report({"WARNING"}, line)
         elif line and "seconds" not in line:
@@ -174,7 +187,11 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
         def stacked(names):
             return np.stack([channels[name] for name in names], axis=-1)[::-1]
 
-        passes = {"Combined": np.concatenate([stacked("RGB"), np.ones((*channels["R"].shape, 1), np.float32)[::-1]], axis=-1)}
+        if scene.render.film_transparent:
+            colours, opacity = film.without_background(channels, self._shines)
+        else:
+            colours, opacity = np.stack([channels[c] for c in "RGB"], axis=-1), np.ones_like(channels["R"])
+        passes = {"Combined": np.concatenate([colours, opacity[..., None]], axis=-1)[::-1]}
         if "depth.Z" in channels:
             distance = stacked(["depth.Z"])
             passes["Depth"] = np.where(distance > 0, distance, FAR)

@@ -3,22 +3,23 @@ import math
 
 import numpy as np
 
-from . import lights, meshes
+from . import lights, meshes, metaballs, vdb
 from .materials import Materials
 from .text import Folder, Warnings, matrix, number, numbers, quoted
 from .textures import Textures
 
 #: Camera space of scene files has z forward, Blender's has it backward.
 TURNED = np.diag([1.0, 1.0, -1.0, 1.0])
-GEOMETRY = ("MESH", "CURVE", "CURVES", "SURFACE", "FONT", "META")
+CONVERTED = ("CURVE", "SURFACE", "FONT", "META")  # Blender lists them, and their meshes after them
+GEOMETRY = ("MESH", "CURVES", *CONVERTED)
 
 
 class Piece:
-    """What an object looks like: a file for each material."""
+    """What an object looks like: a shape for each material."""
 
     def __init__(self, name):
         self.name = name
-        self.parts = []  # file, Surface
+        self.parts = []  # class and parameters of a shape, Surface
 
 
 class Exporter:
@@ -34,7 +35,8 @@ class Exporter:
         self.pieces = {}
         self.placed = {}  # of pieces: matrices by the key of the piece
         self.moves = {}  # what is where at the end of the shutter
-        self.lamp_lines, self.curve_lines = [], []
+        self.shines = False  # an object is seen to shine
+        self.lamp_lines, self.curve_lines, self.volume_lines = [], [], []
 
     def write(self, frame_set=None):
         """Returns the text. `frame_set(frame, part)` goes to another time, for motion blur."""
@@ -52,12 +54,12 @@ class Exporter:
             frame_set(math.floor(start), start - math.floor(start))
         camera_text = self._camera(camera_end if start is not None else None)
         self._collect()
-        world = lights.world(scene.world, self.folder, self.warnings)
+        world = lights.world(scene.world, self.textures)
         if start is not None:
             frame_set(*now)
         lines = [f"# Written from Blender: {scene.name}", *self._settings(), camera_text, "WorldBegin",
                  *self.textures.lines, *self.materials.media_lines, *self.materials.lines, *world, *self.lamp_lines,
-                 *self.curve_lines, *self._shapes()]
+                 *self.curve_lines, *self.volume_lines, *self._shapes()]
         return "\n".join(lines) + "\n"
 
     def _shutter(self):
@@ -145,8 +147,10 @@ class Exporter:
             source = instance.object
             if not instance.show_self or source.type not in GEOMETRY + ("LIGHT",):
                 if source.type == "VOLUME":
-                    self.warnings.add(f"{source.name}: volumes of files are left out")
+                    self._volume(source, np.array(instance.matrix_world, float))
                 continue
+            if source.type == "MESH" and source.original.type in CONVERTED:
+                continue  # the mesh of a curve, which is there itself
             place = np.array(instance.matrix_world, float)
             if source.type == "LIGHT":
                 self._lamp(source, place)
@@ -165,10 +169,11 @@ class Exporter:
     def _lamp(self, source, place):
         light = source.data
         is_hidden = not source.visible_camera and self._is_in_picture(light, place)
-        text = lights.lamp(light, place, is_hidden, self.warnings)
+        text = lights.lamp(light, place, is_hidden, self.textures)
         if text is None:
-            file = self.folder.picture(light.name, lights.sun_map(light, place))
+            file = self.folder.picture(light.name, lights.sun_map(light, place, lights.power_of(light, self.textures)))
             text = f'LightSource "infinite" "string filename" {quoted(file)} "string mapping" "latlong"'
+        self.shines |= "AreaLightSource" in text and not is_hidden
         self.lamp_lines.append(text)
 
     def _is_in_picture(self, light, place):
@@ -210,10 +215,46 @@ class Exporter:
                 slots = source.material_slots
                 material = slots[min(slot, len(slots) - 1)].material if len(slots) else None
                 surface = self.materials.surface(material)
-                out.parts.append((self.folder.file(source.name, ".ply", parts), surface))
+                self.shines |= surface.emits
+                balls = None if surface.emits else self._metaballs(source)  # what shines is sampled, as a mesh can be
+                if balls:
+                    out.parts.append((balls, surface))
+                    break
+                file = self.folder.file(source.name, ".ply", parts)
+                out.parts.append((f'"plymesh" "string filename" {quoted(file)}', surface))
         finally:
             source.to_mesh_clear()
         return out
+
+    def _volume(self, source, place):
+        """A box around a medium of a file."""
+        slots = source.material_slots
+        parameters = self.materials.volume(slots[0].material if len(slots) else None)
+        if not parameters:
+            self.warnings.add(f"{source.name}: the volume has no shader that says what it does, and is left out")
+            return
+        try:
+            file = vdb.nano_file(source.data, self.folder.path)
+            lower, upper = vdb.bounds(file)
+        except (OSError, ValueError) as reason:
+            self.warnings.add(f"{source.name}: the volume is left out: {reason}")
+            return
+        name = f"volume {len(self.volume_lines) + 1} of {source.name}"
+        self.volume_lines.append("\n".join([
+            "AttributeBegin", f"Transform {matrix(place)}",
+            f'MakeNamedMedium {quoted(name)} "string type" "nanovdb" "string filename" {quoted(file)}{parameters}',
+            f'MediumInterface {quoted(name)} ""', 'Material "interface"',
+            f'Shape "box" "point3 p1" {numbers(lower)} "point3 p2" {numbers(upper)}', "AttributeEnd"]))
+
+    def _metaballs(self, source):
+        """Class and parameters of the shape of metaballs; None where they are to be a mesh."""
+        if source.type != "META":
+            return None
+        family = [other.evaluated_get(self.depsgraph) for other in self.scene.objects if not other.hide_render]
+        balls = metaballs.shape(source, family)
+        if not balls:
+            self.warnings.add(f"{source.name}: metaballs other than balls are rendered as a mesh")
+        return balls
 
     def _hair(self, source):
         """Hair of particles as curves, one for each."""
@@ -246,15 +287,15 @@ class Exporter:
                           f'Shape "curve" "string basis" "bspline" "string type" "cylinder" "point3 P" {numbers(ends)} '
                           f'"float width0" {number(root)} "float width1" {number(tip)}', "AttributeEnd"])
 
-    def _part(self, file, surface):
-        """Directives of a mesh in its own space."""
+    def _part(self, text, surface):
+        """Directives of a shape in its own space."""
         lines = []
         if surface.medium:
             lines.append(f'MediumInterface {quoted(surface.medium)} ""')
         lines.append(f"NamedMaterial {quoted(surface.material)}" if surface.material else 'Material "interface"')
         if surface.emits:
             lines.append(f'AreaLightSource "diffuse" "rgb L" {numbers(np.maximum(surface.emission, 0))} "bool twosided" true')
-        shape = f'Shape "plymesh" "string filename" {quoted(file)}'
+        shape = f"Shape {text}"
         if surface.alpha is not None:
             shape += " " + self.textures.parameter("alpha", surface.alpha, False)
         return lines + [shape]
@@ -275,19 +316,19 @@ class Exporter:
     def _shapes(self):
         for key, places in self.placed.items():
             piece = self.pieces[key]
-            parts = [(file, surface) for file, surface in piece.parts if not self._is_nothing(surface)]
+            parts = [(text, surface) for text, surface in piece.parts if not self._is_nothing(surface)]
             shared = [part for part in parts if not part[1].emits and not part[1].medium] if len(places) > 1 else []
             if shared:  # lamps and media have a place of their own each
                 name = f"{piece.name} {key[0]}"
                 yield f"ObjectBegin {quoted(name)}"
-                for file, surface in shared:
-                    yield "\n".join(["AttributeBegin", *self._part(file, surface), "AttributeEnd"])
+                for text, surface in shared:
+                    yield "\n".join(["AttributeBegin", *self._part(text, surface), "AttributeEnd"])
                 yield "ObjectEnd"
             for place, place_key in places:
                 lines = ["AttributeBegin", *self._transforms(place, self.moves.get(place_key))]
                 if shared:
                     lines.append(f"ObjectInstance {quoted(name)}")
-                for file, surface in parts:
-                    if (file, surface) not in shared:
-                        lines += ["AttributeBegin", *self._part(file, surface), "AttributeEnd"]
+                for text, surface in parts:
+                    if (text, surface) not in shared:
+                        lines += ["AttributeBegin", *self._part(text, surface), "AttributeEnd"]
                 yield "\n".join([*lines, "AttributeEnd"])

@@ -5,8 +5,9 @@ import os
 import bpy
 import numpy as np
 
+from .nodes import output_node
 from .text import matrix, number, numbers, quoted
-from .textures import CannotBake, Evaluation, image_pixels, linked
+from .textures import image_pixels
 
 LARGE_SUN = math.radians(2)  # from this angle on a sun is a disc
 SUN_MAP = (1024, 512)
@@ -19,17 +20,23 @@ def _shape(text, radiance, placement, is_hidden, first=()):
                       f'AreaLightSource "diffuse" "rgb L" {numbers(radiance)}', *first, text, "AttributeEnd"])
 
 
-def lamp(light, placement, is_hidden, warnings):
-    """The directives of a lamp, in watts; None for a sun that is a picture. Hidden ones are not seen."""
-    colour = np.array(light.color[:])
-    if light.use_nodes and light.node_tree:
-        output = light.node_tree.get_output_node("CYCLES") or light.node_tree.get_output_node("ALL")
-        source = linked(output.inputs["Surface"]) if output else None
-        if source and source[0].type == "EMISSION" and not any(s.is_linked for s in source[0].inputs):
-            colour = colour * np.array(source[0].inputs["Color"].default_value[:3]) * source[0].inputs["Strength"].default_value
-        elif source:
-            warnings.add(f"{light.name}: its nodes have no counterpart; its own colour and power are taken")
-    power = colour * light.energy
+def power_of(light, textures):
+    """Of a lamp: red, green and blue [W], or [W/m^2] for suns."""
+    power = np.array(light.color[:]) * light.energy
+    output = output_node(light.node_tree) if light.use_nodes and light.node_tree else None
+    source = output.inputs["Surface"].source if output else None
+    if not source:
+        return power
+    if source[0].type != "EMISSION":
+        textures.warnings.add(f"{light.name}: its nodes have no counterpart; its own colour and power are taken")
+        return power
+    return (power * textures.average(source[0].inputs["Color"], True, light.name)
+            * textures.average(source[0].inputs["Strength"], False, light.name))
+
+
+def lamp(light, placement, is_hidden, textures):
+    """The directives of a lamp; None for a sun that is a picture. Hidden ones are not seen."""
+    warnings, power = textures.warnings, power_of(light, textures)
     place = np.array(placement, float)
     if light.type == "SUN":
         return _sun(light, power, place)
@@ -85,7 +92,7 @@ def _sun(light, power, place):
     return None  # as a picture of the sky: sun_map()
 
 
-def sun_map(light, placement):
+def sun_map(light, placement, power):
     """Pixels, rows from the top, of a sky that is black but for a large sun; a level surface that faces the middle of
     the disc gets the light's strength."""
     width, height = SUN_MAP
@@ -99,17 +106,18 @@ def sun_map(light, placement):
     inside = cosine > math.cos(light.angle / 2)
     solid = np.sin(polar)[:, None] * (math.pi / height) * (2 * math.pi / width)
     irradiance = (inside * np.maximum(cosine, 0) * solid).sum()
-    return inside[..., None] * np.array(light.color[:]) * light.energy / max(irradiance, 1e-30)
+    return inside[..., None] * power / max(irradiance, 1e-30)
 
 
-def world(scene_world, folder, warnings):
+def world(scene_world, textures):
     """The directives of the surroundings."""
+    folder, warnings = textures.folder, textures.warnings
     if not scene_world:
         return []
     if not scene_world.use_nodes:
         return [f'LightSource "infinite" "rgb L" {numbers(scene_world.color[:])}'] if max(scene_world.color) > 0 else []
-    output = scene_world.node_tree.get_output_node("CYCLES") or scene_world.node_tree.get_output_node("ALL")
-    source = linked(output.inputs["Surface"]) if output else None
+    output = output_node(scene_world.node_tree)
+    source = output.inputs["Surface"].source if output else None
     if not source:
         return []
     if output.inputs["Volume"].is_linked:
@@ -118,30 +126,27 @@ def world(scene_world, folder, warnings):
     if node.type not in ("BACKGROUND", "EMISSION"):
         warnings.add(f"the world's shader '{node.name}' ({node.bl_label}) has no counterpart: it is black")
         return []
-    strength = node.inputs["Strength"].default_value
-    picture = linked(node.inputs["Color"])
-    if not picture:
-        radiance = np.array(node.inputs["Color"].default_value[:3]) * strength
-        return [f'LightSource "infinite" "rgb L" {numbers(radiance)}'] if radiance.max() > 0 else []
-    if picture[0].type == "TEX_ENVIRONMENT" and picture[0].image and picture[0].projection == "EQUIRECTANGULAR":
+    strength = textures.average(node.inputs["Strength"], False, "the world")
+    picture = node.inputs["Color"].source
+    if picture and picture[0].type == "TEX_ENVIRONMENT" and picture[0].image and picture[0].projection == "EQUIRECTANGULAR":
         return [_environment(picture[0], strength, folder, warnings)]
-    if picture[0].type == "TEX_SKY":
+    if picture and picture[0].type == "TEX_SKY":
         return [_sky(picture[0], strength, warnings)]
-    try:
-        colour = Evaluation(np.zeros(1), np.zeros(1)).colour(node.inputs["Color"])[0][:3]
-    except CannotBake as reason:
-        warnings.add(f"the world: {reason} has no counterpart; grey is taken")
-        colour = np.full(3, 0.5)
-    return [f'LightSource "infinite" "rgb L" {numbers(np.clip(colour, 0, None) * strength)}']
+    radiance = np.clip(textures.average(node.inputs["Color"], True, "the world"), 0, None) * strength
+    return [f'LightSource "infinite" "rgb L" {numbers(radiance)}'] if radiance.max() > 0 else []
 
 
 def _environment(node, strength, folder, warnings):
     turn = np.eye(3)
-    vector = linked(node.inputs["Vector"])
+    vector = node.inputs["Vector"].source
+    if vector and vector[0].type not in ("MAPPING", "TEX_COORD"):
+        warnings.add(f"the world: {node.inputs['Vector'].description} takes a mapping alone")
     if vector and vector[0].type == "MAPPING":
         from mathutils import Euler
         if np.any(np.array(vector[0].inputs["Scale"].default_value[:]) != 1):
-            warnings.add("the world: the scale of its mapping is left out")
+            warnings.add(f"the world: the scale of '{vector[0].name}' (Mapping) is left out")
+        if vector[0].inputs["Rotation"].source:
+            warnings.add(f"the world: {vector[0].inputs['Rotation'].description} takes no texture")
         turn = np.array(Euler(vector[0].inputs["Rotation"].default_value[:], "XYZ").to_matrix())
         if vector[0].vector_type == "TEXTURE":
             turn = turn.T

@@ -4,11 +4,14 @@ import math
 
 import numpy as np
 
+from .nodes import output_node
+from .parts import Parts
+from .principled import principled
 from .text import number, numbers, quoted
-from .textures import linked
+from .textures import image_pixels
+from .volumes import coefficients
 
 MOST_PARTS = 8  # of a compound
-INSIDE_DIFFUSE = 0.596  # part of diffuse light that a smooth surface of index 1.5 reflects back inside
 
 
 class Surface:
@@ -24,29 +27,6 @@ class Surface:
     def emits(self):
         """Whether it is a lamp."""
         return self.emission is not None and max(self.emission) > 0
-
-
-class Parts:
-    """A sum: materials with colours as weights, emitted radiance, and what is let through."""
-
-    def __init__(self, materials=(), emission=(0, 0, 0), clear=(0, 0, 0)):
-        self.materials = list(materials)  # weight, and text after "string type"
-        self.emission = np.asarray(emission, float)
-        self.clear = np.asarray(clear, float)
-
-    def scaled(self, factor):
-        """All of it times a number or a colour."""
-        factor = np.ones(3) * factor
-        return Parts([(weight * factor, text) for weight, text in self.materials], self.emission * factor,
-                     self.clear * factor)
-
-    def __add__(self, other):
-        return Parts(self.materials + other.materials, self.emission + other.emission, self.clear + other.clear)
-
-
-def below_coat(colour):
-    """The base of a plastic whose diffuse part has this albedo."""
-    return np.clip(colour / ((1 - INSIDE_DIFFUSE) * 0.908 + INSIDE_DIFFUSE * colour), 0, 1)
 
 
 class Materials:
@@ -72,7 +52,7 @@ class Materials:
             out.material = self._name("grey" if not material else material.name,
                                       f'"diffuse" "rgb reflectance" {numbers(colour)}')
             return out
-        output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+        output = output_node(tree)
         if not output:
             return out
         self.owner, self.extra = material.name, ""
@@ -80,7 +60,7 @@ class Materials:
         if output.inputs["Displacement"].is_linked:
             self.warnings.add(f"{material.name}: displacement of surfaces is left out")
         out.medium = self._medium(material, output.inputs["Volume"])
-        source = linked(output.inputs["Surface"])
+        source = output.inputs["Surface"].source
         if source:
             parts = self._shader(source[0])
             out.emission = parts.emission if parts.emission.max() > 0 else None
@@ -138,59 +118,71 @@ class Materials:
         return Parts([(np.ones(3), f'"diffuse" "rgb reflectance" {numbers(np.clip(colour, 0, 1))}')])
 
     def _input(self, socket):
-        source = linked(socket)
+        source = socket.source
         return self._shader(source[0]) if source else Parts()
 
-    def _value(self, node, name, is_colour=False, change=None):
+    def value(self, node, name, is_colour=False, change=None):
+        """Of an input: a number, a colour, or the name of a texture."""
         return self.textures.value(node.inputs[name], is_colour, self.owner, change)
 
-    def _average(self, node, name, is_colour=False):
+    def average(self, node, name, is_colour=False):
+        """Of an input: a number or a colour; a texture is named in a warning."""
         return self.textures.average(node.inputs[name], is_colour, self.owner)
 
-    def _parameter(self, name, value, is_colour=False):
+    def parameter(self, name, value, is_colour=False):
+        """The text of a parameter, after a space."""
         if is_colour and not isinstance(value, str):
             value = np.clip(value, 0, 1)
         return " " + self.textures.parameter(name, value, is_colour)
 
-    def _roughness(self, node, name="Roughness"):
-        """Blender's roughness is the square root of alpha."""
-        if getattr(node, "distribution", "") == "SHARP":
-            return ' "float roughness" 0'
-        text = ' "bool remaproughness" false' + self._parameter("roughness", self.textures.square(self._value(node, name)))
-        if getattr(node, "distribution", "") == "BECKMANN":
+    def roughness(self, node, name="Roughness", prefix=""):
+        """Parameters of a surface's facets, whose names begin with `prefix`. Blender's roughness is the square root of
+        alpha."""
+        distribution = getattr(node, "distribution", "")
+        if distribution == "SHARP":
+            return f' "float {prefix}roughness" 0'
+        alpha = self.textures.square(self.value(node, name))
+        text = ' "bool remaproughness" false' + self.parameter(prefix + "roughness", alpha)
+        if distribution == "BECKMANN":
             text += ' "string distribution" "beckmann"'
-        if getattr(node, "distribution", "") == "MULTI_GGX":
-            text += ' "bool multiscatter" true'
         return text
 
-    def _anisotropic(self, node, name="Roughness"):
+    @staticmethod
+    def multiscatter(node):
+        """What conductors and dielectrics take besides their roughness."""
+        return ' "bool multiscatter" true' if getattr(node, "distribution", "") == "MULTI_GGX" else ""
+
+    def anisotropic(self, node, name="Roughness", prefix=""):
         """The same with the node's anisotropy, where that is a number."""
-        anisotropy = self._average(node, "Anisotropic") if "Anisotropic" in node.inputs else 0
+        anisotropy = self.average(node, "Anisotropic") if "Anisotropic" in node.inputs else 0
         if anisotropy == 0 or getattr(node, "distribution", "") == "SHARP":
-            return self._roughness(node, name)
-        alpha = self._average(node, name) ** 2
+            return self.roughness(node, name, prefix)
+        alpha = self.average(node, name) ** 2
         aspect = math.sqrt(1 - 0.9 * min(abs(anisotropy), 1))
         u, v = (alpha / aspect, alpha * aspect) if anisotropy > 0 else (alpha * aspect, alpha / aspect)
-        return f' "bool remaproughness" false "float uroughness" {number(u)} "float vroughness" {number(v)}'
+        return (f' "bool remaproughness" false "float {prefix}uroughness" {number(u)} '
+                f'"float {prefix}vroughness" {number(v)}')
 
-    def _bumps(self, node):
+    def bumps(self, node):
+        """Parameters of a bump or normal map."""
         socket = node.inputs.get("Normal")
-        source = linked(socket) if socket else None
+        source = socket.source if socket else None
         if not source:
             return ""
         bump = source[0]
         if bump.type == "BUMP":
+            if bump.inputs["Normal"].source:
+                self.warnings.add(f"{self.owner}: {bump.inputs['Normal'].description} is left out")
             height = self.textures.value(bump.inputs["Height"], False, self.owner)
             if not isinstance(height, str):
                 return ""
-            scale = self._average(bump, "Strength") * self._average(bump, "Distance") * (-1 if bump.invert else 1)
+            scale = self.average(bump, "Strength") * self.average(bump, "Distance") * (-1 if bump.invert else 1)
             scaled = self.textures.define("float", f'"scale" "texture tex" "{height}" "float scale" {number(scale)}')
             return f' "texture displacement" "{scaled}"'
-        image = linked(bump.inputs["Color"]) if bump.type == "NORMAL_MAP" else None
+        image = bump.inputs["Color"].source if bump.type == "NORMAL_MAP" else None
         if image and image[0].type == "TEX_IMAGE" and image[0].image and bump.space == "TANGENT":
-            from .textures import image_pixels
             pixels = image_pixels(image[0].image)[::-1, :, :3]
-            strength = self._average(bump, "Strength")
+            strength = self.average(bump, "Strength")
             pixels = pixels * strength + np.array([0.5, 0.5, 1]) * (1 - strength)
             return f' "string normalmap" {quoted(self.folder.picture(image[0].image.name, pixels))}'
         self.warnings.add(f"{self.owner}: the normals of '{bump.name}' ({bump.bl_label}) have no counterpart; "
@@ -198,49 +190,52 @@ class Materials:
         return ""
 
     def _bsdf_diffuse(self, node):
-        colour = self._parameter("reflectance", self._value(node, "Color", True), True)
-        sigma = self._average(node, "Roughness")
-        if sigma > 0:
-            return self._one(f'"orennayar"{colour} "float sigma" {number(min(math.degrees(sigma), 90))}{self._bumps(node)}')
-        return self._one(f'"diffuse"{colour}{self._bumps(node)}')
+        colour = self.parameter("reflectance", self.value(node, "Color", True), True)
+        sigma = self.value(node, "Roughness", change=lambda r: np.clip(np.degrees(r), 0, 90))
+        if isinstance(sigma, str) or sigma > 0:
+            return self.one(f'"orennayar"{colour}{self.parameter("sigma", sigma)}{self.bumps(node)}')
+        return self.one(f'"diffuse"{colour}{self.bumps(node)}')
 
     @staticmethod
-    def _one(text, weight=(1, 1, 1)):
+    def one(text, weight=(1, 1, 1)):
+        """A material alone."""
         return Parts([(np.asarray(weight, float) * np.ones(3), text)])
 
     def _bsdf_glossy(self, node):
-        rest = self._anisotropic(node) + self._bumps(node)
-        if linked(node.inputs["Color"]):
-            colour = self._value(node, "Color", True, lambda c: np.clip(c, 0, 0.9999))
-            return self._one(f'"conductor"{self._parameter("reflectance", colour, True)}{rest}')
+        rest = self.anisotropic(node) + self.multiscatter(node) + self.bumps(node)
+        if node.inputs["Color"].source:
+            colour = self.value(node, "Color", True, lambda c: np.clip(c, 0, 0.9999))
+            return self.one(f'"conductor"{self.parameter("reflectance", colour, True)}{rest}')
         # As bright from all sides: a mirror without Fresnel's effect.
-        return self._one(f'"conductor" "float eta" 1 "float k" 1e4{rest}', self._average(node, "Color", True))
+        return self.one(f'"conductor" "float eta" 1 "float k" 1e4{rest}', self.average(node, "Color", True))
 
     _bsdf_anisotropic = _bsdf_glossy
 
-    def _dielectric(self, node, colour):
-        index = self._average(node, "IOR")
-        return self._one(f'"dielectric" "float eta" {number(max(index, 1e-3))}{self._roughness(node)}{self._bumps(node)}', colour)
+    def dielectric(self, node, colour):
+        """Glass with the node's index and roughness."""
+        index = self.average(node, "IOR")
+        facets = self.roughness(node) + self.multiscatter(node)
+        return self.one(f'"dielectric" "float eta" {number(max(index, 1e-3))}{facets}{self.bumps(node)}', colour)
 
     def _bsdf_glass(self, node):
-        return self._dielectric(node, self._average(node, "Color", True))
+        return self.dielectric(node, self.average(node, "Color", True))
 
     def _bsdf_refraction(self, node):
         self.warnings.add(f"{self.owner}: '{node.name}' (Refraction BSDF) reflects as well, as glass does")
         return self._bsdf_glass(node)
 
     def _bsdf_translucent(self, node):
-        colour = self._parameter("transmittance", self._value(node, "Color", True), True)
-        return self._one(f'"diffusetransmission" "rgb reflectance" [ 0 0 0 ]{colour}{self._bumps(node)}')
+        colour = self.parameter("transmittance", self.value(node, "Color", True), True)
+        return self.one(f'"diffusetransmission" "rgb reflectance" [ 0 0 0 ]{colour}{self.bumps(node)}')
 
     def _bsdf_transparent(self, node):
-        return Parts(clear=self._average(node, "Color", True))
+        return Parts(clear=self.average(node, "Color", True))
 
     def _holdout(self, _):
         return Parts()
 
     def _emission(self, node):
-        return Parts(emission=self._average(node, "Color", True) * self._average(node, "Strength"))
+        return Parts(emission=self.average(node, "Color", True) * self.average(node, "Strength"))
 
     def _add_shader(self, node):
         return self._input(node.inputs[0]) + self._input(node.inputs[1])
@@ -253,7 +248,7 @@ class Materials:
             return first.scaled(1 - factor) + second.scaled(factor)
         if first.emission.any() or second.emission.any():
             self.warnings.add(f"{self.owner}: what '{node.name}' mixes shines evenly, by the average of its texture")
-        average = min(max(self._average_factor(node.inputs[0]), 0), 1)
+        average = min(max(self.textures.average(node.inputs[0], False, self.owner, is_named=False), 0), 1)
         emission = first.emission * (1 - average) + second.emission * average
         if first.clear.min() == 1 or second.clear.min() == 1:
             opaque = second if first.clear.min() == 1 else first
@@ -266,11 +261,11 @@ class Materials:
 
     @staticmethod
     def _is_plain(socket):
-        source = linked(socket)
+        source = socket.source
         return not source or source[0].type not in ("FRESNEL", "LAYER_WEIGHT", "LIGHT_PATH")
 
     def _average_factor(self, socket):
-        source = linked(socket)
+        source = socket.source
         if source and source[0].type == "FRESNEL":
             index = self.textures.average(source[0].inputs["IOR"], False, self.owner)
             self.warnings.add(f"{self.owner}: '{source[0].name}' (Fresnel) mixes by its value for light from the front")
@@ -278,86 +273,49 @@ class Materials:
         return self.textures.average(socket, False, self.owner)
 
     def _bsdf_principled(self, node):
-        out = Parts()
-        for name in ("Subsurface", "Subsurface Weight", "Sheen", "Sheen Weight", "Clearcoat", "Coat Weight"):
-            if name in node.inputs and (linked(node.inputs[name]) or node.inputs[name].default_value > 0):
-                self.warnings.add(f"{self.owner}: '{name}' of '{node.name}' (Principled BSDF) is left out")
-        transmission_name = "Transmission" if "Transmission" in node.inputs else "Transmission Weight"
-        metallic, transmission = self._average(node, "Metallic"), self._average(node, transmission_name)
-        metallic, transmission = min(max(metallic, 0), 1), min(max(transmission, 0), 1)
-        rough, bumps = self._anisotropic(node), self._bumps(node)
-        if metallic > 0:
-            colour = self._value(node, "Base Color", True, lambda c: np.clip(c, 0, 0.9999))
-            out += self._one(f'"conductor"{self._parameter("reflectance", colour, True)}{rough}{bumps}', metallic)
-        if metallic < 1 and transmission > 0:
-            out += self._dielectric(node, self._average(node, "Base Color", True)).scaled((1 - metallic) * transmission)
-        if metallic < 1 and transmission < 1:
-            out += self._coated(node, rough, bumps).scaled((1 - metallic) * (1 - transmission))
-        emission = self._average(node, "Emission" if "Emission" in node.inputs else "Emission Color", True)
-        out.emission = emission * self._average(node, "Emission Strength")
-        alpha = self._value(node, "Alpha")
+        parts, alpha = principled(self, node)
         if isinstance(alpha, str):
             self.mixed_alpha = alpha
         elif alpha < 1:
-            out = out.scaled(alpha) + Parts(clear=np.full(3, 1 - alpha))
-        return out
-
-    def _coated(self, node, rough, bumps):
-        """The part that is no metal and lets nothing through."""
-        if "Specular" in node.inputs:
-            normal = 0.08 * self._average(node, "Specular")
-        else:
-            index = self._average(node, "IOR")
-            normal = 2 * self._average(node, "Specular IOR Level") * ((index - 1) / (index + 1)) ** 2
-        root = math.sqrt(min(max(normal, 0), 0.9))
-        index = (1 + root) / (1 - root)
-        if index < 1.01:
-            return self._one(f'"diffuse"{self._parameter("reflectance", self._value(node, "Base Color", True), True)}{bumps}')
-        colour = self._value(node, "Base Color", True, below_coat)
-        return self._one(f'"plastic" "float eta" {number(index)}{self._parameter("reflectance", colour, True)}{rough}{bumps}')
+            parts = parts.scaled(alpha) + Parts(clear=np.full(3, 1 - alpha))
+        return parts
 
     # Media
 
     def _medium(self, material, socket):
         """The name of the medium inside; empty: none."""
-        source = linked(socket)
+        source = socket.source
         if not source:
             return ""
-        sigma = self._volume(source[0])
-        if sigma is None:
-            self.warnings.add(f"{self.owner}: the volume '{source[0].name}' ({source[0].bl_label}) has no counterpart")
+        text = self._medium_parameters(source[0])
+        if not text:
             return ""
-        absorption, scattering, g, emission = sigma
         name = f"medium of {material.name}"
-        text = (f'MakeNamedMedium {quoted(name)} "string type" "homogeneous" "rgb sigma_a" {numbers(absorption)} '
-                f'"rgb sigma_s" {numbers(scattering)} "float g" {number(min(max(g, -0.99), 0.99))}')
-        if max(emission) > 0:  # what is emitted along a unit of length
-            floor = np.maximum(absorption, 1e-6)
-            text = text.replace(numbers(absorption), numbers(floor), 1) + f' "rgb Le" {numbers(emission / floor)}'
-        self.media_lines.append(text)
+        self.media_lines.append(f'MakeNamedMedium {quoted(name)} "string type" "homogeneous"{text}')
         return name
 
-    def _volume(self, node):
-        """Absorption, scattering, mean cosine, emission; None where the node is another one."""
-        none = np.zeros(3)
-        if node.type == "ADD_SHADER":
-            parts = [self._volume(source[0]) for source in map(linked, node.inputs) if source]
-            if not parts or any(part is None for part in parts):
-                return None
-            scattering = sum(part[1] for part in parts)
-            g = sum(part[2] * part[1].mean() for part in parts) / max(scattering.mean(), 1e-9)
-            return sum(part[0] for part in parts), scattering, g, sum(part[3] for part in parts)
-        if node.type not in ("VOLUME_ABSORPTION", "VOLUME_SCATTER", "PRINCIPLED_VOLUME", "EMISSION"):
-            return None
-        if node.type == "EMISSION":
-            return none, none, 0, self._average(node, "Color", True) * self._average(node, "Strength")
-        colour, density = np.clip(self._average(node, "Color", True), 0, 1), self._average(node, "Density")
-        if node.type == "VOLUME_ABSORPTION":
-            return density * (1 - colour), none, 0, none
-        if node.type == "VOLUME_SCATTER":
-            return none, density * colour, self._average(node, "Anisotropy"), none
-        absorbed = np.sqrt(np.clip(self._average(node, "Absorption Color", True), 0, 1))
-        emission = self._average(node, "Emission Color", True) * self._average(node, "Emission Strength")
-        if self._average(node, "Blackbody Intensity") > 0:
-            self.warnings.add(f"{self.owner}: the blackbody of '{node.name}' is left out")
-        return density * (1 - colour) * (1 - absorbed), density * colour, self._average(node, "Anisotropy"), emission
+    def _medium_parameters(self, node):
+        """Of a volume shader; empty where it has no counterpart."""
+        sigma = coefficients(self, node)
+        if sigma is None:
+            self.warnings.add(f"{self.owner}: the volume '{node.name}' ({node.bl_label}) has no counterpart")
+            return ""
+        absorption, scattering, g, emission = sigma
+        is_lamp = max(emission) > 0
+        if is_lamp:
+            absorption = np.maximum(absorption, 1e-6)
+        text = (f' "rgb sigma_a" {numbers(absorption)} "rgb sigma_s" {numbers(scattering)} '
+                f'"float g" {number(min(max(g, -0.99), 0.99))}')
+        return text + (f' "rgb Le" {numbers(emission / absorption)}' if is_lamp else "")  # emitted along a unit of length
+
+    def volume(self, material):
+        """Parameters of the medium that a volume's density multiplies; empty: there is none."""
+        tree = material.node_tree if material and material.use_nodes else None
+        output = output_node(tree) if tree else None
+        source = output.inputs["Volume"].source if output else None
+        if not source:
+            return ""
+        self.owner = material.name
+        text = self._medium_parameters(source[0])
+        return text if not text or "Le" in text else text + ' "float Lescale" 0'  # a file's temperatures do not glow
+

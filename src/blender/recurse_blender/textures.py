@@ -5,6 +5,7 @@ import os
 import bpy
 import numpy as np
 
+from . import noise
 from .text import number, numbers, quoted
 
 BAKED_SIZE = 512  # of a picture of what has no pixels of its own
@@ -32,16 +33,6 @@ def image_pixels(image):
 
 class CannotBake(Exception):
     """A node that has no value over texture coordinates."""
-
-
-def linked(socket):
-    """The node and its output that feed a socket, past reroutes; None where nothing does."""
-    while socket.is_linked and socket.links[0].is_valid:
-        link = socket.links[0]
-        if link.from_node.type != "REROUTE":
-            return link.from_node, link.from_socket
-        socket = link.from_node.inputs[0]
-    return None
 
 
 def _luminance(colour):
@@ -72,7 +63,7 @@ class Evaluation:
         return np.broadcast_to(value, self.coordinates.shape[:-1])
 
     def _value(self, socket):
-        source = linked(socket)
+        source = socket.source
         if not source:
             value = socket.default_value
             return np.array(value[:], float) if hasattr(value, "__len__") else float(value)
@@ -110,12 +101,19 @@ class Evaluation:
         if node.vector_type not in ("POINT", "TEXTURE"):
             raise CannotBake(f"the mapping '{node.name}'")
         vector = self._vector(node, True)
-        place, turn, size = (np.array(node.inputs[name].default_value[:]) for name in ("Location", "Rotation", "Scale"))
+        place, turn, size = (self._even_vector(node.inputs[name]) for name in ("Location", "Rotation", "Scale"))
         from mathutils import Euler
         rotation = np.array(Euler(turn, "XYZ").to_matrix())
         if node.vector_type == "TEXTURE":
             return ((vector - place) @ rotation) / np.where(size != 0, size, 1)
         return (vector * size) @ rotation.T + place
+
+    def _even_vector(self, socket):
+        """A vector that is everywhere the same."""
+        value = np.asarray(self._value(socket), float)
+        if value.ndim > 1:
+            raise CannotBake(f"the texture of {socket.description}")
+        return value[:3] if value.ndim else np.full(3, value)
 
     def _tex_image(self, node, output):
         if not node.image or not node.image.size[0]:
@@ -142,6 +140,18 @@ class Evaluation:
         if output.name == "Fac":
             return is_first.astype(float)
         return np.where(is_first[..., None], self.colour(node.inputs["Color1"]), self.colour(node.inputs["Color2"]))
+
+    def _tex_noise(self, node, output):
+        name = f"'{node.name}' ({node.bl_label})"
+        scale, detail, roughness, distortion = (self.number(node.inputs[key])
+                                                for key in ("Scale", "Detail", "Roughness", "Distortion"))
+        if (node.noise_dimensions != "3D" or getattr(node, "noise_type", "FBM") != "FBM" or distortion.any()
+                or getattr(node, "normalize", True) is not True or np.ptp(detail) > 0 or np.ptp(roughness) > 0):
+            raise CannotBake(f"the kind of {name}")
+        points = self._vector(node, False) * scale[..., None]
+        offsets = (0, noise.offset(3), noise.offset(4)) if output.name == "Color" else (0,)
+        values = [noise.fractal(points + offset, detail.flat[0], roughness.flat[0]) for offset in offsets]
+        return np.stack(values, axis=-1) if len(values) > 1 else values[0]
 
     def _valtorgb(self, node, output):
         position = self.number(node.inputs["Fac"])
@@ -201,8 +211,18 @@ MATH = {"ADD": np.add, "SUBTRACT": np.subtract, "MULTIPLY": np.multiply, "DIVIDE
         "COSINE": lambda a, _: np.cos(a), "FRACT": lambda a, _: a - np.floor(a), "FLOOR": lambda a, _: np.floor(a)}
 
 
+def is_even(value, is_colour):
+    """Whether baked colours or numbers are everywhere the same."""
+    return np.ptp(value.reshape(-1, 3 if is_colour else 1), axis=0).max() < 1e-6
+
+
+def mean(value, is_colour):
+    """Of baked colours or numbers."""
+    return value.reshape(-1, 3).mean(axis=0) if is_colour else float(value.mean())
+
+
 def _images(socket, found):
-    source = linked(socket)
+    source = socket.source
     if source:
         if source[0].type == "TEX_IMAGE" and source[0].image:
             found.append(source[0].image)
@@ -233,29 +253,38 @@ class Textures:
             return None
         return np.asarray(value)
 
-    def average(self, socket, is_colour=True, owner=""):
-        """A constant for the socket."""
-        if not linked(socket):
+    def average(self, socket, is_colour=True, owner="", is_named=True):
+        """A constant for the socket. Where that is the average of different values, a warning names it."""
+        if not socket.source:
             return self.constant(socket, is_colour)
         value = self._baked(socket, is_colour, owner)
         if value is None:
-            source, _ = linked(socket)
-            colours = [np.array(s.default_value[:3]) for s in source.inputs if s.type == "RGBA" and not s.is_linked]
-            colour = np.mean(colours, axis=0) if colours else np.full(3, 0.5)
-            return colour if is_colour else float(colour.mean())
-        return value.reshape(-1, 3).mean(axis=0) if is_colour else float(value.mean())
+            return self._guess(socket, is_colour)
+        if is_named and not is_even(value, is_colour):
+            self.warnings.add(f"{owner}: {socket.description} takes no texture; its average is taken")
+        return mean(value, is_colour)
+
+    @staticmethod
+    def _guess(socket, is_colour):
+        """A constant for a socket that cannot be baked."""
+        node, _ = socket.source
+        colours = [np.array(s.default_value[:3]) for s in node.inputs if s.type == "RGBA" and not s.is_linked]
+        if not colours and not node.type.startswith("TEX_"):
+            return Textures.constant(socket, is_colour)
+        colour = np.mean(colours, axis=0) if colours else np.full(3, 0.5)
+        return colour if is_colour else float(_luminance(colour))
 
     @staticmethod
     def constant(socket, is_colour=True):
         """The value of a socket that nothing feeds."""
-        value = socket.default_value
+        value = np.asarray(socket.default_value, float)
         if is_colour:
-            return np.array(value[:3], float) if hasattr(value, "__len__") else np.full(3, float(value))
-        return float(value) if not hasattr(value, "__len__") else float(np.mean(value[:3]))
+            return value[:3] if value.ndim else np.full(3, value)
+        return float(_luminance(value) if value.ndim else value)
 
     def _plain_picture(self, socket):
         """Parameters of an imagemap that reads the picture's own file, where nothing but that is linked."""
-        node, output = linked(socket)
+        node, output = socket.source
         if node.type != "TEX_IMAGE" or output.name != "Color" or not node.image or node.projection != "FLAT":
             return None
         image = node.image
@@ -270,14 +299,14 @@ class Textures:
             text += f' "string encoding" "{"sRGB" if space == "sRGB" else "linear"}"'
         if node.extension != "REPEAT":
             text += f' "string wrap" "{"clamp" if node.extension == "EXTEND" else "black"}"'
-        vector = linked(node.inputs["Vector"])
+        vector = node.inputs["Vector"].source
         if vector and vector[0].type == "MAPPING" and vector[0].vector_type == "POINT":
             place, turn, size = (vector[0].inputs[name] for name in ("Location", "Rotation", "Scale"))
             if any(s.is_linked for s in (place, turn, size)) or any(turn.default_value):
                 return None
             for axis, i in (("u", 0), ("v", 1)):
                 text += f' "float {axis}scale" {number(size.default_value[i])} "float {axis}delta" {number(place.default_value[i])}'
-            vector = linked(vector[0].inputs["Vector"])
+            vector = vector[0].inputs["Vector"].source
         if vector and not (vector[0].type == "UVMAP" or (vector[0].type == "TEX_COORD" and vector[1].name == "UV")):
             return None
         return text
@@ -292,7 +321,7 @@ class Textures:
 
     def value(self, socket, is_colour, owner, change=None):
         """A constant, or the name of a texture. `change` is done to all values."""
-        if not linked(socket):
+        if not socket.source:
             value = self.constant(socket, is_colour)
             return change(value) if change else value
         kind = "spectrum" if is_colour else "float"
@@ -301,15 +330,14 @@ class Textures:
             return self.define(kind, '"imagemap" ' + plain)
         value = self._baked(socket, is_colour, owner)
         if value is None:
-            value = self.average(socket, is_colour, owner)
+            value = self._guess(socket, is_colour)
             return change(value) if change else value
         if change:
             value = change(value)
-        flat = value.reshape(-1, value.shape[-1]) if is_colour else value.reshape(-1, 1)
-        if np.ptp(flat, axis=0).max() < 1e-6:
-            return flat[0] if is_colour else float(flat[0, 0])
+        if is_even(value, is_colour):
+            return mean(value, is_colour)
         pixels = value if is_colour else np.repeat(value[..., None], 3, axis=2)
-        file = self.folder.picture(linked(socket)[0].name, pixels[::-1])
+        file = self.folder.picture(socket.source[0].name, pixels[::-1])
         return self.define(kind, f'"imagemap" "string filename" {quoted(file)}')
 
     def parameter(self, name, value, is_colour):

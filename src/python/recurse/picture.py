@@ -31,6 +31,11 @@ class Picture:
                 self.layers[names[begin]] = layer[:, :, 0] if end - begin == 1 else layer
                 begin = end
 
+    @classmethod
+    def of(cls, pixels: Any) -> "Picture":
+        """A picture of an array of height, width and red, green and blue."""
+        return cls(_core.Image(np.asarray(pixels, np.float32), ["R", "G", "B"]))
+
     @property
     def array(self) -> np.ndarray:
         """Height, width, and red, green and blue."""

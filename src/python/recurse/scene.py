@@ -4,7 +4,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import sys
 import warnings as python_warnings
 from typing import Any, Callable, Iterator, Mapping, Sequence, Union
 
@@ -14,6 +13,7 @@ from . import _core
 from .picture import Picture, class_list
 from .plug_ins import (PlugIn, area_lights, cameras, films, filters, integrators, lights, materials, media,
                        numbers_text, quoted, samplers, shapes, textures, value_text)
+from .progress import ProgressBar
 
 Transform = Any
 Medium = Union[str, "tuple[str, str]"]
@@ -224,7 +224,7 @@ class Scene:
         classes: classes of light paths, such as {"caustic": "LS+DE"}, which become layers.
         features: more layers, see `--layers` of `recurse render --help`. error, samples: a layer each.
         progress: called about ten times a second with a dictionary; what returns False ends the render, which keeps
-        what there is. True shows a bar.
+        what there is; `seconds_left` is negative while it is not known. True shows a bar.
 
         Ctrl-C raises KeyboardInterrupt as soon as the render has stopped.
         """
@@ -243,34 +243,39 @@ class Scene:
         if adaptive:
             options.append("--adaptive")
         scene = self._loaded()
-        shown = _ProgressBar() if progress is True else progress or None
+        shown = ProgressBar() if progress is True else progress or None
         try:
             image, statistics = scene.render(options, class_list(classes), error, samples, list(features), shown)
         finally:
             self._warn()
-            if isinstance(shown, _ProgressBar):
+            if isinstance(shown, ProgressBar):
                 shown.finish()
         return Picture(image, json.loads(statistics))
 
-    def photons(self, count: int = 100000, *, seed: int = 0, max_depth: int = -1) -> np.ndarray:
+    def photons(self, count: int = 100000, *, seed: int = 0, max_depth: int = -1,
+                classes: Mapping[str, str] | Sequence[str] | None = None) -> np.ndarray:
         """Photons of `count` light paths, a record for each surface on their way that scatters other than a mirror or
-        smooth glass: position; direction, unit, towards where it came from; normal on that side; power [W] in
-        red, green and blue; and path, the letters from L up to that surface, at most 17. The sum of the power near a
-        point over the area that it is spread on is the irradiance there."""
-        return self._loaded().photons(count, seed, max_depth)
+        smooth glass, and for each point in a medium where they are scattered.
 
+        position: in the world. direction: unit, towards where it came from.
+        normal: of a surface, on that side; 0 in a medium.
+        power: red, green and blue [W]; in a medium, the part that is scattered.
+        path: the letters from L up to that point, at most 17; event: the letter of the point, D or V.
+        class: the name of the first of `classes` that has the path which ends here and is seen from here; "" where none
+        has. Without `classes` they are those of `recurse stills`.
 
-class _ProgressBar:
-    """A line on standard error, which notebooks show as well."""
-
-    def __call__(self, p: dict) -> None:
-        full = int(30 * p["fraction"])
-        left = f", {p['seconds_left']:.0f} s left" if p["seconds_left"] >= 0 else ""
-        print(f"\r{p['phase']:>8} [{'#' * full}{'.' * (30 - full)}] {p['samples_per_pixel']:.0f} samples, "
-              f"{p['elapsed']:.0f} s{left}   ", end="", file=sys.stderr, flush=True)
-
-    def finish(self) -> None:
-        print(file=sys.stderr)
+        The sum of the power near a point of a surface, over the area that it is spread on, is the irradiance there; in
+        a medium, over the volume, it is the fluence times the scattering coefficient.
+        """
+        pairs = _core.default_classes(True) if classes is None else class_list(classes)
+        records = self._loaded().photons(count, seed, max_depth, [expression for _, expression in pairs])
+        names = np.array([name for name, _ in pairs] + [""])  # of -1, the last
+        described = records.dtype.fields
+        out = np.empty(len(records), [(name, names.dtype if name == "class" else described[name][0])
+                                      for name in records.dtype.names])
+        for name in records.dtype.names:
+            out[name] = names[records[name]] if name == "class" else records[name]
+        return out
 
 
 def load(file: Union[str, os.PathLike], *, lenient: bool = False) -> Scene:

@@ -44,6 +44,15 @@ struct Quartic {
   }
 };
 
+struct Sextic {
+  static constexpr size_t DEGREE = 6;
+  static double value(double q) { return sexticField(q); }
+  static double derivative(double q) { return -3 * square(1 - q); }
+  static BernsteinForm<DEGREE> along(const BernsteinForm<2>& q) {
+    return product<4, 2>(Quartic::along(q), {1 - q[0], 1 - q[1], 1 - q[2]});
+  }
+};
+
 struct Wyvill {
   static constexpr size_t DEGREE = 6;
   static double value(double q) { return wyvillField(q); }
@@ -313,6 +322,8 @@ std::unique_ptr<Shape> makeMetaballs(const Parameters& p, const ShapeContext& co
   if (!(sum > threshold))
     p.fail(p.has("threshold") ? "threshold" : "strength", "the field nowhere reaches the threshold",
            "positive strengths that add up to more than the threshold");
+  if (p.string("field") == "sextic")
+    return std::make_unique<Metaballs<Sextic>>(std::move(balls), threshold, context);
   if (p.string("field") == "wyvill")
     return std::make_unique<Metaballs<Wyvill>>(std::move(balls), threshold, context);
   if (p.string("field") == "blinn")
@@ -336,16 +347,17 @@ void registerMetaballs(PlugIns& plugIns) {
                             "field in the middle of each ball, negative ones take away; one for all or one "
                             "each"),
              realParameter("threshold", "0.5", "the field at the surface").positive(),
-             stringParameter(
-                 "field", "quartic",
-                 "how the field falls off with q, the squared distance in radii: \"quartic\" "
-                 "(1 - q)², \"wyvill\" 1 - 22/9 q + 17/9 q² - 4/9 q³, \"blinn\" nearly exp(-4 q), (1 - q)² "
-                 "((1 - q)² + q²)")
-                 .oneOf({"quartic", "wyvill", "blinn"})},
+             stringParameter("field", "quartic",
+                             "how the field falls off with q, the squared distance in radii: \"quartic\" "
+                             "(1 - q)², \"sextic\" (1 - q)³ as in Blender, \"wyvill\" 1 - 22/9 q + 17/9 q² - "
+                             "4/9 q³, \"blinn\" nearly exp(-4 q), (1 - q)² "
+                             "((1 - q)² + q²)")
+                 .oneOf({"quartic", "sextic", "wyvill", "blinn"})},
         .examples = {"\"point3 P\" [0 0 0]",
                      "\"point3 P\" [-.5 0 0  .5 .1 0  0 .6 .2] \"float radius\" [1 .9 .7] "
                      "\"float strength\" [1 1.2 -.6]",
                      "\"point3 P\" [-.6 0 0  .6 0 0] \"float threshold\" .3 \"string field\" \"wyvill\"",
+                     "\"point3 P\" [-.5 0 0  .5 .1 0] \"string field\" \"sextic\" \"float strength\" 2",
                      "\"point3 P\" [-.5 0 0  .5 .2 0] \"float threshold\" .2 \"string field\" \"blinn\""}},
        makeMetaballs});
 }

@@ -15,6 +15,9 @@ namespace recurse {
 /** As POV-Ray's blobs. */
 inline double quarticField(double q) { return square(1 - q); }
 
+/** As Blender's metaballs. */
+inline double sexticField(double q) { return (1 - q) * square(1 - q); }
+
 /** 1 - 22/9 q + 17/9 q² - 4/9 q³ (Wyvill, McPheeters, Wyvill, "Data Structure for Soft Objects", 1986). */
 inline double wyvillField(double q) { return 1 + q * (-22 + q * (17 - 4 * q)) / 9; }
 
@@ -25,7 +28,10 @@ inline double blinnField(double q) { return square(1 - q) * (square(1 - q) + squ
 using BallField = double (*)(double q);
 /** One of these by its name in scene files. */
 inline BallField ballField(const std::string& name) {
-  return name == "wyvill" ? wyvillField : name == "blinn" ? blinnField : quarticField;
+  return name == "sextic"   ? sexticField
+         : name == "wyvill" ? wyvillField
+         : name == "blinn"  ? blinnField
+                            : quarticField;
 }
 
 /** Fails unless a parameter has one value for each position of "P". */
