@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Scenes of many triangles: time and memory of 100 million in instances and 20 million of their own.
 
-Renders generated scenes with and without --compact, and writes doc-files/big-scenes.md. Takes some minutes, 16 GB of
+Renders generated scenes with and without --compact, and writes doc-files/results/big-scenes.md. Takes some minutes, 16 GB of
 memory and 1 GB of disk; --quick renders a hundredth of each, and only prints.
 """
 import array
@@ -60,7 +60,7 @@ def main():
     parser = study.parser(__doc__)
     parser.add_argument('--quick', action='store_true')
     quick = parser.parse_args().quick
-    part, page = 100 if quick else 1, study.ROOT / 'doc-files/big-scenes.md'
+    part, page = 100 if quick else 1, study.ROOT / 'doc-files/results/big-scenes.md'
     study.build()
     count, side = hills(10000), 100 // (10 if quick else 1)
     text = HEAD + 'ObjectBegin "hills"\nShape "plymesh" "string filename" "hills.ply"\nObjectEnd\n'
@@ -75,12 +75,12 @@ def main():
         with open(page, 'w') as f:
             f.write('''# Big scenes
 
-Made by `scripts/study/big.py`; not edited by hand. 320x200 pixels, 8 samples, `path` with three bounces, %s threads. Reading and
+Made by `scripts/study/big.py` on %s; not edited by hand. 320x200 pixels, 8 samples, `path` with three bounces, %s threads. Reading and
 building is wall time, of what else runs on the machine too; the picture is processor time of all threads.
 
 | scene | triangles | `--compact` | read and build [s] | picture, processor [s] | rays [M/s of a core] | memory [GB] |
 | --- | ---: | --- | ---: | ---: | ---: | ---: |
-%s''' % (os.cpu_count(), rows))
+%s''' % (study.provenance(), os.cpu_count(), rows))
 
 
 main()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures what pixel filters do to fine detail, and writes doc-files/filters.md and doc-files/filters.jpg.
+"""Measures what pixel filters do to fine detail, and writes doc-files/results/filters.md and doc-files/results/filters.jpg.
 
   scripts/study/filters.py            renders scenes/filters/zone-plate.pbrt, slanted-edge.pbrt and siemens-star.pbrt by every filter
   scripts/study/filters.py --scenes   writes these three scenes, which are made of black disks and triangles before a white sky
@@ -156,10 +156,10 @@ def main():
         rows += f"| `{name}` | {100 * aliasing(pictures['zone-plate1'], pictures['zone-plate2']):.2f} % | {half:.3f} | " \
                 f"{100 * starContrast(pictures['siemens-star1'], STAR_FREQUENCY):.0f} % | {100 * overshoot:.1f} % |\n"
         print(rows.splitlines()[-1], flush=True)
-    subprocess.run(["convert", *sheet, "+append", "-quality", "85", ROOT / "doc-files/filters.jpg"], check=True)
-    (ROOT / "doc-files/filters.md").write_text(f"""# What pixel filters do to fine detail
+    subprocess.run(["convert", *sheet, "+append", "-quality", "85", ROOT / "doc-files/results/filters.jpg"], check=True)
+    (ROOT / "doc-files/results/filters.md").write_text(f"""# What pixel filters do to fine detail
 
-Made by `scripts/study/filters.py`, with {SAMPLES} samples per pixel and each filter's own defaults; not edited by hand.
+Made by `scripts/study/filters.py` on {study.provenance()}, with {SAMPLES} samples per pixel and each filter's own defaults; not edited by hand.
 
 ![Zone plates by each filter: {', '.join(FILTERS)}](filters.jpg)
 
@@ -167,10 +167,10 @@ Made by `scripts/study/filters.py`, with {SAMPLES} samples per pixel and each fi
 | --- | ---: | ---: | ---: | ---: |
 {rows}
 - **aliasing**: of rings finer than pixels can tell, 0.62 to 0.99 cycles per pixel
-  ([scenes/filters/zone-plate.pbrt](../scenes/filters/zone-plate.pbrt)): what is left of their deviation from even grey. Less is better.
+  ([scenes/filters/zone-plate.pbrt](../../scenes/filters/zone-plate.pbrt)): what is left of their deviation from even grey. Less is better.
 - **MTF50**: where an edge keeps half of its contrast, by the method of ISO 12233
-  ([scenes/filters/slanted-edge.pbrt](../scenes/filters/slanted-edge.pbrt)). More is sharper; 0.5 is the finest that pixels can tell.
-- **contrast**: of a Siemens star's spokes ([scenes/filters/siemens-star.pbrt](../scenes/filters/siemens-star.pbrt)).
+  ([scenes/filters/slanted-edge.pbrt](../../scenes/filters/slanted-edge.pbrt)). More is sharper; 0.5 is the finest that pixels can tell.
+- **contrast**: of a Siemens star's spokes ([scenes/filters/siemens-star.pbrt](../../scenes/filters/siemens-star.pbrt)).
 - **overshoot**: of the edge beyond black and white, in parts of its height.
 """)
 

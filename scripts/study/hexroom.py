@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders the table of a Monte Carlo course report again, and writes doc-files/hexroom.md and doc-files/hexroom.jpg.
+"""Renders the table of a Monte Carlo course report again, and writes doc-files/results/hexroom.md and doc-files/results/hexroom.jpg.
 
 The hexagonal room with the five settings of the report: what it took then, what it takes here, and how much error is
 left. Takes a few minutes, and needs the machine for itself. The converged reference of all light is looked for in
@@ -18,13 +18,13 @@ TARGET_SECONDS = (2, 4, 8, 16, 32, 64)  # of the runs that are to reach the erro
 NOISE_SAMPLES = 24  # of each of the two references with three bounces
 FULL_SAMPLES = 96   # of each of the two references with all light, where they are made here
 SCENE = study.ROOT / 'scenes/hexroom.pbrt'
-PAGE = study.ROOT / 'doc-files/hexroom.md'
+PAGE = study.ROOT / 'doc-files/results/hexroom.md'
 HEAD = '''# The hexagonal room of a course report
 
-Made by `scripts/study/hexroom.py`; not edited by hand.
+Made by `scripts/study/hexroom.py` on %(provenance)s; not edited by hand.
 
 A Monte Carlo course report gives a table of five renderings of a room with six coloured walls, a diffuse and a mirror
-sphere, a tetrahedron and a lamp of 2x1 under the ceiling ([scenes/hexroom.pbrt](../scenes/hexroom.pbrt)): 800x800
+sphere, a tetrahedron and a lamp of 2x1 under the ceiling ([scenes/hexroom.pbrt](../../scenes/hexroom.pbrt)): 800x800
 pixels, paths of at most three bounces, and so many samples per pixel and shadow rays at each bounce. Here is the same
 table with the same parameters, by `--integrator path --maxdepth %(bounces)d --spp N --light-samples N`.
 
@@ -105,7 +105,7 @@ def table(scene, size, references):
             samples, shadowRays, minutes, stats['render_seconds'], minutes * 60 / stats['render_seconds'], left,
             all['relmse_noise_free'], all['mean_ratio'])
     subprocess.run(['oiiotool', shown, '--resize', '560x560', '--compression', 'jpeg:80', '-o',
-                    study.ROOT / 'doc-files/hexroom.jpg'], check=True)
+                    study.ROOT / 'doc-files/results/hexroom.jpg'], check=True)
     return rows, all['relmse_noise_free'], stats['threads']
 
 
@@ -120,10 +120,10 @@ def main():
         target = float(re.search(r'^\| 50 \|(?:[^|]*\|){5} *([^ |]+)', page, re.M).group(1))
     else:
         rows, target, threads = table(scene, size, references)
-        page = HEAD % {'bounces': BOUNCES, 'rows': rows, 'threads': threads, 'machine': study.processorName(), 'load': LOAD,
+        page = HEAD % {'provenance': study.provenance(), 'bounces': BOUNCES, 'rows': rows, 'threads': threads, 'machine': study.processorName(), 'load': LOAD,
                        'noise': NOISE_SAMPLES, 'full': what}
     PAGE.write_text(page + reach(target, scene, size, references))
-    print('written: doc-files/hexroom.md' + ('' if options.reach else ', doc-files/hexroom.jpg'))
+    print('written: doc-files/results/hexroom.md' + ('' if options.reach else ', doc-files/results/hexroom.jpg'))
 
 
 main()

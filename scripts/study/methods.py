@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders three scenes by every method side by side, and writes doc-files/methods.md with a sheet of each.
+"""Renders three scenes by every method side by side, and writes doc-files/results/methods.md with a sheet of each.
 
 Runs `recurse methods` on the hexagonal room, the Cornell box with glass and the room with a window, TIME for each method
 (default: 10s). Takes ten minutes, and wants the machine for itself; what is finished is kept in build/methods and gone on
@@ -15,7 +15,7 @@ SCENES = (('hexroom', '200x200', 600, 'The hexagonal room of a course report'),
           ('window', '200x150', 1500, 'A room that the sun and the sky light through a window'))
 HEAD = '''# Methods side by side
 
-Made by `scripts/study/methods.py`; not edited by hand. Each method has %s on %d threads, %s, with a load
+Made by `scripts/study/methods.py` on %s; not edited by hand. Each method has %s on %d threads, %s, with a load
 average of %.2f before. Left in each pair is what a method makes of the scene, right what is not in it: the difference
 from the reference, where it is darker. The tables are those that `recurse methods` prints. **error** is relMSE against all
 light, **own error** and **own mean** against the light of those paths that the method computes, which are told as an
@@ -24,7 +24,7 @@ expression; **left out** is the part of the light on all other paths.
 SECTION = '''
 ## %(title)s
 
-[scenes/%(name)s.pbrt](../scenes/%(name)s.pbrt), %(size)s pixels.
+[scenes/%(name)s.pbrt](../../scenes/%(name)s.pbrt), %(size)s pixels.
 
 ![%(title)s by every method](methods-%(name)s.jpg)
 
@@ -41,16 +41,16 @@ def main():
     study.build('imagemagick')
     work = study.ROOT / 'build/methods'
     work.mkdir(parents=True, exist_ok=True)
-    page = HEAD % (limit, os.cpu_count(), study.processorName(), study.loadAverage())
+    page = HEAD % (study.provenance(), limit, os.cpu_count(), study.processorName(), study.loadAverage())
     for name, size, samples, title in SCENES:
         print(name, flush=True)
         table = study.recurse('methods', study.ROOT / ('scenes/%s.pbrt' % name), '-o', work / name, '--time-limit', limit,
                               '--resolution', size, '--reference-spp', samples, '-q')
         subprocess.run(['convert', work / name / 'sheet.png', '-resize', '1400x', '-quality', '82',
-                        study.ROOT / ('doc-files/methods-%s.jpg' % name)], check=True)
+                        study.ROOT / ('doc-files/results/methods-%s.jpg' % name)], check=True)
         page += SECTION % {'title': title, 'name': name, 'size': size, 'table': table.rstrip('\n')}
-    (study.ROOT / 'doc-files/methods.md').write_text(page)
-    print('written: doc-files/methods.md and its pictures')
+    (study.ROOT / 'doc-files/results/methods.md').write_text(page)
+    print('written: doc-files/results/methods.md and its pictures')
 
 
 main()

@@ -1,5 +1,6 @@
 """What the studies share: building the program, rendering, comparing, references that are made once and kept."""
 import argparse
+import datetime
 import json
 import math
 import os
@@ -130,6 +131,12 @@ def independentReferences(name):
 def firstLine(error):
     """What a failed run of the program said first."""
     return error.stderr.strip().split('\n')[0]
+
+
+def provenance():
+    """Date and commit of a page, as '2026-11-24, commit 451bb23'."""
+    commit = subprocess.run(['git', 'rev-parse', '--short', 'HEAD'], cwd=ROOT, capture_output=True, text=True)
+    return '%s, commit %s' % (datetime.date.today(), commit.stdout.strip() or 'unknown')
 
 
 def loadAverage():
