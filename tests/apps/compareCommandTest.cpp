@@ -105,6 +105,37 @@ TEST_F(CompareProgram, ErrorMap) {
   EXPECT_GT(red.r, red.b);
 }
 
+TEST_F(CompareProgram, MarksAnExerciseByItsClasses) {
+  const Outcome stills =
+      run({"stills", "scene.pbrt", "-o", "stills", "--spp", "32", "-q", "--integrator", "path"});
+  ASSERT_EQ(stills.status, 0) << stills.err;
+  ASSERT_EQ(run({"render", "scene.pbrt", "-o", "right.exr", "--spp", "16", "--seed", "2", "-q",
+                 "--integrator", "path"})
+                .status,
+            0);
+  ASSERT_EQ(run({"render", "scene.pbrt", "-o", "wrong.exr", "--spp", "16", "--seed", "2", "-q",
+                 "--integrator", "path", "--paths", "LE"})
+                .status,
+            0);
+  const Outcome right = run({"compare", "right.exr", "stills", "--classes"});
+  EXPECT_EQ(right.status, 0) << right.err;
+  EXPECT_TRUE(has(right.out, "Nothing is wrong")) << right.out;
+  const Outcome wrong = run({"compare", "wrong.exr", "stills", "--classes", "-o", "marks.html"});
+  EXPECT_EQ(wrong.status, 0) << wrong.err;
+  EXPECT_TRUE(has(wrong.out, "LDE (direct-diffuse) is missing")) << wrong.out;
+  EXPECT_TRUE(has(contents(file("marks.html")), "LDE (direct-diffuse) is missing"));
+  const nlohmann::json json =
+      nlohmann::json::parse(run({"compare", "wrong.exr", "stills/stills.exr", "--classes", "--json"}).out);
+  EXPECT_EQ(json["classes"][1]["state"], "missing");
+  const Outcome picture = run({"compare", "right.exr", "stills", "--classes", "-o", "marks.png"});
+  EXPECT_EQ(picture.status, 2);
+  EXPECT_TRUE(has(picture.err, "marks.html")) << picture.err;
+  EXPECT_EQ(run({"compare", "right.exr", "stills", "right.exr", "--classes"}).status, 2);
+  const Outcome plain = run({"compare", "right.exr", "wrong.exr", "--classes"});
+  EXPECT_EQ(plain.status, 1);
+  EXPECT_TRUE(has(plain.err, "recurse stills")) << plain.err;
+}
+
 TEST_F(CompareProgram, Info) {
   Image broken = constant(2);
   broken.pixels[4] = std::numeric_limits<float>::infinity();

@@ -6,8 +6,10 @@
 #include "apps/commands/commands.h"
 #include "apps/options/optionText.h"
 #include "apps/run/outputFiles.h"
+#include "recurse/core/io/atomicFile.h"
 #include "recurse/report/compare/compare.h"
 #include "recurse/report/compare/flip.h"
+#include "recurse/report/marking/marking.h"
 #include "recurse/report/stills/stills.h"
 
 namespace recurse::apps {
@@ -18,7 +20,7 @@ struct CompareOptions {
   std::string picture, reference, second;
   std::vector<std::string> noiseFree, failAbove, failBelow;
   std::string output, map = "relative";
-  bool json = false;
+  bool json = false, classes = false;
 };
 
 struct Limit {
@@ -48,7 +50,28 @@ Image mapOf(const std::string& scale, const Image& image, const Image& reference
   return errorMap(image, reference, scale == "signed" ? ErrorMap::SIGNED : ErrorMap::RELATIVE);
 }
 
+/** Marks an exercise by the class layers of stills. */
+ExitStatus markFiles(const CompareOptions& o) {
+  if (!o.second.empty() || !o.noiseFree.empty() || !o.failAbove.empty() || !o.failBelow.empty())
+    throw Error(
+        "--classes goes with one picture and one reference, and without --fail-above and --fail-below",
+        ExitStatus::BAD_USAGE);
+  if (!o.output.empty() && !o.output.ends_with(".html"))
+    throw Error("-o " + o.output + ": with --classes a page is written, such as marks.html",
+                ExitStatus::BAD_USAGE);
+  if (!o.output.empty()) checkFileWritable(o.output);
+  requireDistinctFiles({{"-o", o.output}}, {{"the reference", stillsFile(o.reference)},
+                                            {"the picture that is marked", stillsFile(o.picture)}});
+  const Image picture = readImage(stillsFile(o.picture));
+  const Stills reference = readStills(o.reference);
+  const Marking marking = markExercise(picture, reference);
+  print(o.json ? markingJson(marking) : markingText(marking));
+  if (!o.output.empty()) writeFileAtomically(o.output, markingPage(marking, reference, o.picture));
+  return ExitStatus::DONE;
+}
+
 ExitStatus compareFiles(const CompareOptions& o) {
+  if (o.classes) return markFiles(o);
   std::vector<Limit> limits;
   for (const std::string& text : o.failAbove) limits.push_back(parseLimit("--fail-above", text, true));
   for (const std::string& text : o.failBelow) limits.push_back(parseLimit("--fail-below", text, false));
@@ -136,7 +159,15 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
       "and as NAME_rgb; flip hdrflip; relmse_at_8 after averaging 8x8 pixels; with two references "
       "mse_noise_free relmse_noise_free relmse_noise_free_at_8; of stills `classes`, each with name, "
       "expression, share and the errors by scale");
-  command->add_option("-o,--output", o.output, "Write a false-colour picture of the error")
+  command->add_flag(
+      "--classes", o.classes,
+      "Mark X as an exercise: which path classes of REFERENCE, an EXR of 'recurse stills', are "
+      "missing, counted twice or scaled, in which part of the picture and how surely; and whether "
+      "X is encoded for a display, too bright or dark, flipped or shifted. With --json all numbers");
+  command
+      ->add_option(
+          "-o,--output", o.output,
+          "Write a false-colour picture of the error; with --classes a page, FILE.html, that shows where")
       ->type_name("FILE");
   command
       ->add_option(
@@ -164,7 +195,8 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
       "  recurse compare picture.exr reference.exr --fail-above relmse=0.01 --fail-below "
       "mean_ratio=0.99\n"
       "  recurse compare picture.exr a.exr b.exr --fail-above relmse_noise_free_at_8=0.001\n"
-      "  recurse compare stills/stills.exr reference/stills.exr\n\n"
+      "  recurse compare stills/stills.exr reference/stills.exr\n"
+      "  recurse compare student.exr stills/stills.exr --classes -o marks.html\n\n"
       "With two references whose noise is independent, the error mean((x-a)(x-b)/(r^2+0.01)) is free of\n"
       "that noise; r is their mean, or REFERENCE with --noise-free. FLIP, the difference that is seen when\n"
       "the pictures alternate, is for a display 0.7 m and 3840 pixels wide at 0.7 m. Pixels where a\n"

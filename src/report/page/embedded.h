@@ -12,6 +12,7 @@ extern const std::string_view DEVELOP_HTML, DEVELOP_JS;
 extern const std::string_view STILLS_HTML, STILLS_CSS, STILLS_DATA_JS, STILLS_JS;
 extern const std::string_view CONVERGE_HTML, CONVERGE_CSS, CONVERGE_JS;
 extern const std::string_view METHODS_HTML, METHODS_CSS, METHODS_JS;
+extern const std::string_view MARKING_HTML, MARKING_CSS, MARKING_JS;
 extern const std::string_view LIVE_HTML, LIVE_CSS, LIVE_JS;
 extern const std::string_view CHART_MIN_JS; ///< Chart.js, from its Debian package
 

@@ -1,0 +1,395 @@
+/** @file
+ * Marks: the picture aligned, its regions' states found, and all of them put together.
+ */
+#include "recurse/report/marking/marking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "recurse/core/io/error.h"
+#include "report/marking/alignment.h"
+#include "report/marking/cells.h"
+#include "report/marking/classStates.h"
+
+namespace recurse {
+
+namespace {
+
+/** Cells along a side of a region: 64 cells tell ten classes apart and are small enough to show where. */
+constexpr int REGION_CELLS = 8;
+/** Regions along the longer side of the picture, where it has enough pixels. */
+constexpr int REGIONS = 20;
+/** Chi square by which a region must change when a class goes missing, so that it is said to show the class.
+ */
+constexpr double VISIBLE = 16;
+/** Probability of a state that is said to be known, and the odds that the pixels alone must give for it. */
+constexpr double KNOWN = 0.9, LEAST_ODDS = 20;
+/** Part of the picture that must be wrong in the same way: less than that is an accident of noise or edges.
+ */
+constexpr double LEAST_PART = 0.05;
+/** Prior probability of each kind of mistake: one exercise in twenty. */
+constexpr double WRONG_PRIOR = 1 / 20.0;
+/** Difference of the sum of all classes from the picture at which they cannot be its parts. */
+constexpr double SUM_TOLERANCE = 0.01;
+
+void requireClasses(const Image& picture, const Stills& reference) {
+  const Image& r = reference.image;
+  if (picture.width != r.width || picture.height != r.height)
+    throw Error("the pictures differ in size: " + std::to_string(picture.width) + "x" +
+                std::to_string(picture.height) + ", and the reference has " + std::to_string(r.width) + "x" +
+                std::to_string(r.height) + "; an exercise is marked at the size of the reference");
+  if (reference.layers.size() < 2)
+    throw Error("the reference has no class layers: make them with 'recurse stills SCENE -o DIR' and give "
+                "DIR/stills.exr");
+  double away = 0, light = 0;
+  for (int y = 0; y < r.height; ++y)
+    for (int x = 0; x < r.width; ++x) {
+      const float* p = r.at(x, y);
+      for (size_t c = 0; c < 3; ++c) {
+        double sum = 0;
+        for (size_t i = 1; i < reference.layers.size(); ++i) sum += double(p[3 * i + c]);
+        if (!std::isfinite(sum + double(p[c]))) continue;
+        away += std::abs(sum - double(p[c]));
+        light += std::abs(double(p[c]));
+      }
+    }
+  if (away > SUM_TOLERANCE * light)
+    throw Error("the reference's class layers do not add up to its picture: they overlap or leave paths "
+                "over, and cannot be told apart; render stills with disjoint classes, such as the default "
+                "ones");
+}
+
+/** The picture with NaN where it is clipped and where that much light is expected, and beside such pixels.
+ * Pixels that noise alone made white stay, or the light of noisy classes would seem to be missing. */
+Image withoutClipped(const Image& picture, float limit, const Image& reference,
+                     const std::vector<double>& factors) {
+  Image out = picture;
+  const auto isClipped = [&](int x, int y, size_t c) {
+    if (picture.at(x, y)[c] < limit) return false;
+    double expected = 0;
+    for (size_t i = 0; i < factors.size(); ++i)
+      expected += factors[i] * double(reference.at(x, y)[3 * (i + 1) + c]);
+    return std::max(expected, double(reference.at(x, y)[c])) > double(limit) / 2;
+  };
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      for (size_t c = 0; c < 3; ++c) {
+        if (!isClipped(x, y, c)) continue;
+        for (int j = std::max(y - 1, 0); j <= std::min(y + 1, picture.height - 1); ++j)
+          for (int i = std::max(x - 1, 0); i <= std::min(x + 1, picture.width - 1); ++i)
+            out.at(i, j)[c] = std::numeric_limits<float>::quiet_NaN();
+      }
+  return out;
+}
+
+double clippedFraction(const Image& picture) {
+  const float limit = clippingValue(picture);
+  size_t clipped = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const Rgb value = picture.rgb(x, y);
+      clipped += value.r >= limit || value.g >= limit || value.b >= limit;
+    }
+  return double(clipped) / (double(picture.width) * double(picture.height));
+}
+
+/** Cells of even sides: 2 pixels at least, so that both halves of the checkerboard are in each. */
+int cellSide(const Image& picture) {
+  const double longer = std::max(picture.width, picture.height);
+  return std::max(2, 2 * static_cast<int>(std::lround(longer / (2 * REGIONS * REGION_CELLS))));
+}
+
+/** A range of cells, and the sums of it. */
+struct Region {
+  CellRange range;
+  ClassSums sums;
+};
+
+/** Ends of the ranges along one side: the last one takes what is less than half a region. */
+std::vector<int> rangeEnds(int cells) {
+  std::vector<int> ends;
+  for (int end = REGION_CELLS; end < cells; end += REGION_CELLS) ends.push_back(end);
+  if (!ends.empty() && cells - ends.back() < REGION_CELLS / 2) ends.pop_back();
+  ends.push_back(cells);
+  return ends;
+}
+
+std::vector<Region> makeRegions(const Cells& cells) {
+  std::vector<Region> regions;
+  int top = 0;
+  for (int bottom : rangeEnds(cells.height())) {
+    int left = 0;
+    for (int right : rangeEnds(cells.width())) {
+      regions.push_back({{left, top, right, bottom}, ClassSums()});
+      left = right;
+    }
+    top = bottom;
+  }
+  return regions;
+}
+
+/** Sets the sums of all regions, and returns those of the picture. Where no factors bring the residuals down
+ * to their variances, the variances are too small by as much: noise of neighbouring pixels is correlated, or
+ * the pictures differ in other ways. */
+ClassSums sumUp(const Cells& cells, std::vector<Region>& regions, size_t layers) {
+  ClassSums all(layers);
+  for (Region& region : regions) {
+    ClassSums& sums = region.sums = cells.sums(region.range);
+    const Misfit misfit =
+        cells.misfit(region.range, nonNegativeFactors(sums.ordinaryMatrix, sums.ordinaryVector));
+    const double spread = misfit.chiSquare / std::max(1.0, misfit.count - double(layers));
+    for (double& covariance : sums.covariance) covariance *= std::max(1.0, spread);
+    all += sums;
+  }
+  return all;
+}
+
+/** States of the classes that show; those that do not show have the factors given. */
+StateFindings findShown(const ClassSums& sums, const std::vector<double>& hiddenFactors,
+                        const std::vector<StatePrior>& prior, double exposure, bool findsExposure) {
+  const size_t n = sums.layers();
+  std::vector<size_t> shown;
+  for (size_t i = 0; i < n; ++i) {
+    const double change = exposure * sums.matrix[i * n + i];
+    if (change > 0 && change * change > VISIBLE * sums.covariance[i * n + i]) shown.push_back(i);
+  }
+  StateProblem problem;
+  problem.exposure = exposure;
+  problem.findsExposure = findsExposure;
+  problem.sums = ClassSums(shown.size());
+  for (size_t a = 0; a < shown.size(); ++a) {
+    const size_t i = shown[a];
+    problem.prior.push_back(prior[i]);
+    problem.sums.vector[a] = sums.vector[i];
+    for (size_t j = 0; j < n; ++j)
+      if (std::find(shown.begin(), shown.end(), j) == shown.end())
+        problem.sums.vector[a] -= exposure * hiddenFactors[j] * sums.matrix[i * n + j];
+    for (size_t b = 0; b < shown.size(); ++b) {
+      problem.sums.matrix[a * shown.size() + b] = sums.matrix[i * n + shown[b]];
+      problem.sums.covariance[a * shown.size() + b] = sums.covariance[i * n + shown[b]];
+    }
+  }
+  const StateFindings found = findStates(problem);
+  StateFindings out = found;
+  out.classes.assign(n, ClassFinding());
+  out.best.assign(n, ClassState::UNKNOWN);
+  for (size_t a = 0; a < shown.size(); ++a) {
+    out.classes[shown[a]] = found.classes[a];
+    out.best[shown[a]] = found.best[a];
+  }
+  return out;
+}
+
+/** Whether the state is known: probable, and by what the pixels say rather than by what was expected. */
+bool isKnown(const ClassFinding& finding, const StatePrior& prior) {
+  if (finding.state == ClassState::UNKNOWN) return false;
+  const size_t state = size_t(finding.state);
+  if (finding.probabilities[state] < KNOWN) return false;
+  for (size_t other = 0; other < CLASS_STATES; ++other) {
+    // A scaled class may be as near to the state as it likes.
+    if (other == state || ClassState(other) == ClassState::SCALED) continue;
+    if (finding.probabilities[state] / prior[state] <
+        LEAST_ODDS * finding.probabilities[other] / prior[other])
+      return false;
+  }
+  return true;
+}
+
+/** Prior of a class in a region: one half as for any class, one half as in the whole picture. What is scaled
+ * there may be missing or doubled in parts. */
+StatePrior localPrior(const ClassFinding& whole) {
+  StatePrior prior = STATE_PRIOR;
+  if (whole.state == ClassState::UNKNOWN) return prior;
+  const double scaled = whole.probabilities[size_t(ClassState::SCALED)];
+  for (size_t state = 0; state < CLASS_STATES; ++state) {
+    const double kept = ClassState(state) == ClassState::SCALED ? 0 : whole.probabilities[state];
+    prior[state] = (prior[state] + kept + scaled / CLASS_STATES) / 2;
+  }
+  return prior;
+}
+
+/** The region's states. */
+std::vector<ClassFinding> findLocalStates(const Region& region, const StateFindings& whole) {
+  std::vector<double> factors;
+  std::vector<StatePrior> priors;
+  for (size_t i = 0; i < whole.best.size(); ++i) {
+    factors.push_back(whole.classes[i].factor);
+    const StatePrior prior = localPrior(whole.classes[i]);
+    priors.push_back(prior);
+  }
+  std::vector<ClassFinding> out = findShown(region.sums, factors, priors, whole.exposure, false).classes;
+  for (size_t i = 0; i < out.size(); ++i)
+    if (!isKnown(out[i], priors[i])) out[i].state = ClassState::UNKNOWN;
+  return out;
+}
+
+MarkedRegion markRegion(const Region& region, const Cells& cells, const StateFindings& whole, int side,
+                        const Image& picture) {
+  const CellRange& range = region.range;
+  MarkedRegion out;
+  out.x = range.left * side;
+  out.y = range.top * side;
+  // The last regions take the pixels that fill no cell.
+  out.width = (range.right == cells.width() ? picture.width : range.right * side) - out.x;
+  out.height = (range.bottom == cells.height() ? picture.height : range.bottom * side) - out.y;
+  out.usedFraction =
+      double(region.sums.cells) / double((range.right - range.left) * (range.bottom - range.top));
+  out.classes = findLocalStates(region, whole);
+  const ClassSums& sums = region.sums;
+  out.unexplained =
+      cells.misfit(range, nonNegativeFactors(sums.ordinaryMatrix, sums.ordinaryVector)).unexplained;
+  return out;
+}
+
+double areaOf(const MarkedRegion& region) {
+  return double(region.width) * double(region.height) * region.usedFraction;
+}
+
+/** Mark of a class from its regions, and from the whole picture where none of them shows its state. */
+ClassMark markClass(size_t i, const StillLayer& layer, const StateFindings& whole,
+                    const std::vector<MarkedRegion>& regions) {
+  ClassMark mark{layer.name, layer.expression, layer.share};
+  std::array<double, CLASS_STATES> area{}, certainty{}, weight{}, factor{};
+  std::array<int, CLASS_STATES> count{};
+  double all = 0, told = 0;
+  for (const MarkedRegion& region : regions) {
+    const ClassFinding& finding = region.classes[i];
+    const double a = areaOf(region);
+    all += a;
+    if (finding.state == ClassState::UNKNOWN) continue;
+    const size_t state = size_t(finding.state);
+    told += a;
+    area[state] += a;
+    ++count[state];
+    certainty[state] += a * finding.probabilities[state];
+    const double precision = 1 / (finding.standardError * finding.standardError);
+    weight[state] += precision;
+    factor[state] += precision * finding.factor;
+  }
+  const ClassFinding& global = whole.classes[i];
+  const size_t wrong = size_t(std::max_element(area.begin() + 1, area.end()) - area.begin());
+  if (told == 0) {
+    const bool known = isKnown(global, STATE_PRIOR);
+    mark.state = known ? global.state : ClassState::UNKNOWN;
+    mark.certainty = known ? global.probabilities[size_t(global.state)] : 0;
+    mark.factor = global.factor;
+    mark.standardError = global.standardError;
+    return mark;
+  }
+  // One region alone is wrong by accident more often than by a mistake that the whole picture does not show.
+  const bool isSeen = count[wrong] > 1 || global.state == ClassState(wrong);
+  const size_t state = isSeen && area[wrong] > LEAST_PART * told ? wrong : 0;
+  mark.state = ClassState(state);
+  mark.toldFraction = told / all;
+  mark.stateFraction = area[state] / told;
+  mark.certainty = area[state] > 0 ? certainty[state] / area[state] : 0;
+  if (global.state == mark.state) mark.certainty = std::max(mark.certainty, global.probabilities[state]);
+  mark.factor = weight[state] > 0 ? factor[state] / weight[state] : 1;
+  mark.standardError = weight[state] > 0 ? 1 / std::sqrt(weight[state]) : 0;
+  return mark;
+}
+
+/** Classes that may be wrong instead of each other: none of them is known, but that one of them is wrong. */
+void findConfusion(Marking& marking, const StateFindings& whole) {
+  ClassConfusion confusion;
+  for (size_t i = 0; i < marking.classes.size(); ++i) {
+    if (marking.classes[i].state != ClassState::UNKNOWN) continue;
+    const auto& p = whole.classes[i].probabilities;
+    const size_t wrong = size_t(std::max_element(p.begin() + 1, p.end()) - p.begin());
+    if (p[wrong] < 1 - KNOWN) continue;
+    confusion.classes.push_back(i);
+    confusion.states.push_back(ClassState(wrong));
+    confusion.probabilities.push_back(p[wrong]);
+  }
+  double any = 0;
+  for (double p : confusion.probabilities) any += p;
+  if (confusion.classes.size() > 1 && any > KNOWN) marking.confusions.push_back(confusion);
+}
+
+/** −2 ln of the prior probability of a change, of which one exercise in twenty has one. */
+double explanationScore(const PictureChange& change) {
+  const int changes = (change.encoding != ValueEncoding::LINEAR) + change.isFlipped() + change.isShifted();
+  return -2 * std::log(WRONG_PRIOR) * changes;
+}
+
+/** The same for all that is said to be wrong; each twentieth of the picture that nothing explains is one
+ * thing. */
+double explanationScore(const Marking& marking) {
+  double mistakes = marking.exposureError > 0 ? 1 : 0;
+  for (const ClassMark& mark : marking.classes)
+    mistakes += mark.state != ClassState::RIGHT && mark.state != ClassState::UNKNOWN;
+  mistakes += double(marking.confusions.size()) + marking.unexplainedFraction / LEAST_PART;
+  return explanationScore(marking.change) - 2 * std::log(WRONG_PRIOR) * mistakes;
+}
+
+Marking markAligned(const Image& picture, const Stills& reference, const Alignment& alignment) {
+  const size_t layers = reference.layers.size() - 1;
+  Marking marking;
+  marking.change = alignment.change;
+  marking.changeCertainty = alignment.certainty;
+  marking.picture = undone(picture, alignment.change);
+  const float limit = clippingValue(picture);
+  const Image usable = withoutClipped(marking.picture, decoded(limit, alignment.change.encoding),
+                                      reference.image, alignment.factors);
+  const int side = cellSide(picture);
+  Cells cells(usable, reference.image, side);
+  std::vector<Region> regions = makeRegions(cells);
+  std::vector<double> factors = alignment.factors;
+  ClassSums sums;
+  constexpr int ROUNDS = 2; // weights depend on factors, and these on the weights
+  for (int round = 0; round < ROUNDS; ++round) {
+    cells.weigh(factors);
+    sums = sumUp(cells, regions, layers);
+    factors = nonNegativeFactors(sums.ordinaryMatrix, sums.ordinaryVector);
+  }
+  if (sums.cells == 0)
+    throw Error("no part of the picture can be used: its pixels are clipped at white or not finite");
+  const StateFindings whole =
+      findShown(sums, std::vector<double>(layers, 1), std::vector<StatePrior>(layers, STATE_PRIOR), 1, true);
+  marking.exposure = whole.exposure;
+  marking.exposureError = whole.exposureError;
+  marking.exposureCertainty = whole.exposureCertainty;
+  double area = 0, unexplained = 0;
+  for (const Region& region : regions) {
+    marking.regions.push_back(markRegion(region, cells, whole, side, picture));
+    const MarkedRegion& marked = marking.regions.back();
+    area += areaOf(marked);
+    if (marked.unexplained > MARKED_RESIDUAL) unexplained += areaOf(marked);
+  }
+  marking.unexplainedFraction = area > 0 ? unexplained / area : 0;
+  for (size_t i = 0; i < layers; ++i)
+    marking.classes.push_back(markClass(i, reference.layers[i + 1], whole, marking.regions));
+  findConfusion(marking, whole);
+  marking.clippedFraction = clippedFraction(picture);
+  for (float& value : marking.picture.pixels) value = static_cast<float>(double(value) / marking.exposure);
+  return marking;
+}
+
+} // namespace
+
+bool Marking::isUnexplained() const { return unexplainedFraction > LEAST_PART; }
+
+bool Marking::isRight() const {
+  const auto isFine = [](const ClassMark& mark) {
+    return mark.state == ClassState::RIGHT || mark.state == ClassState::UNKNOWN;
+  };
+  return change == PictureChange() && exposureError == 0 && confusions.empty() && !isUnexplained() &&
+         std::all_of(classes.begin(), classes.end(), isFine);
+}
+
+Marking markExercise(const Image& picture, const Stills& reference) {
+  requireClasses(picture, reference);
+  const Alignment found = findAlignment(picture, reference);
+  Marking marking = markAligned(picture, reference, found);
+  if (found.change == PictureChange() || explanationScore(marking) <= explanationScore(found.change))
+    return marking;
+  // A change that does not make all else right must explain more than mistakes of the light alone.
+  Marking plain = markAligned(picture, reference, unchanged(picture, reference));
+  const double more = explanationScore(marking) - explanationScore(plain);
+  Marking& better = more > 0 ? plain : marking;
+  better.changeCertainty = 1 / (1 + std::exp(-std::abs(more) / 2));
+  return better;
+}
+
+} // namespace recurse

@@ -1,0 +1,301 @@
+/** @file
+ * Marks in words and as JSON.
+ */
+#include "recurse/report/marking/marking.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/io/error.h"
+#include "recurse/core/io/text.h"
+#include "recurse/pathclasses/pathExpression.h"
+
+namespace recurse {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string percent(double part) { return formatted("%.3g %%", std::round(1000 * part) / 10); }
+std::string factorText(double factor) { return formatted("%.3g", factor); }
+
+/** Notation and name: the notation alone is what a lecture has, the name alone where it would fill the line.
+ */
+std::string nameOf(const ClassMark& mark) {
+  constexpr size_t LONGEST = 24;
+  if (mark.expression.empty() || mark.expression.size() > LONGEST) return mark.name;
+  return mark.expression == mark.name ? mark.name : mark.expression + " (" + mark.name + ")";
+}
+
+/** One of the shortest paths of a class in words; empty where its expression is not known. */
+std::string exampleOf(const ClassMark& mark) {
+  if (mark.expression.empty()) return {};
+  std::string word;
+  try {
+    word = PathAutomaton::compile(mark.expression).shortestWord();
+  } catch (const Error&) { // of another program
+    return {};
+  }
+  std::string out;
+  for (char letter : word) {
+    const char* vertex = letter == 'L'   ? "lamp"
+                         : letter == 'S' ? "mirror or glass"
+                         : letter == 'V' ? "medium"
+                         : letter == 'E' ? "eye"
+                                         : "matt or glossy surface";
+    out += (out.empty() ? "" : ", ") + std::string(vertex);
+  }
+  return out;
+}
+
+/** A factor that a well-known mistake gives; empty where it is none. */
+std::string wellKnownFactor(double factor, double error) {
+  struct Known {
+    double factor;
+    const char* text;
+  };
+  static constexpr Known ALL[] = {
+      {std::numbers::pi, "pi: is the 1/pi of the diffuse BSDF missing, or divided by a density twice?"},
+      {1 / std::numbers::pi, "1/pi: is the diffuse BSDF divided by pi twice, or a density left out?"},
+      {0.5, "one half: is one of two techniques left out without changing the weight of the other?"},
+      {2, "two: is the light counted by two techniques without weights?"},
+      {4, "four: is a sphere's solid angle or area taken for that of its disk?"},
+      {0.25, "a quarter: is a disk's area taken for that of its sphere?"}};
+  constexpr double NEAR = 0.03, DEVIATIONS = 2;
+  for (const Known& known : ALL)
+    if (std::abs(factor / known.factor - 1) < NEAR + DEVIATIONS * error / known.factor)
+      return std::string(" That is near ") + known.text;
+  return {};
+}
+
+std::string whereText(const ClassMark& mark) {
+  if (mark.toldFraction == 0) return ", in the picture as a whole";
+  return ", in " + percent(mark.stateFraction) + " of the picture that shows it";
+}
+
+void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
+  const PictureChange& change = marking.change;
+  const auto add = [&](const std::string& what, const std::string& advice) {
+    out.push_back({what, advice, marking.changeCertainty});
+  };
+  if (change.encoding == ValueEncoding::SRGB || change.encoding == ValueEncoding::GAMMA_22)
+    add("The values are encoded for a display (sRGB or gamma 2.2)",
+        "An EXR file holds linear values: write the radiance as it is. Only 8-bit pictures are encoded.");
+  if (change.encoding == ValueEncoding::DECODED)
+    add("The values were decoded once too often: shadows are too dark",
+        "Linear values were written to an 8-bit picture as they are. Encode them by the sRGB curve before "
+        "writing PNG or JPEG, or write EXR.");
+  if (change.isFlippedHorizontally && change.isFlippedVertically)
+    add("The picture is turned by half a turn",
+        "Check the signs of x and y where camera rays are made, and the order of pixels in the file.");
+  else if (change.isFlippedHorizontally)
+    add("Left and right are exchanged",
+        "Check the sign of the camera's x axis (the order in its cross product), and the order of columns.");
+  else if (change.isFlippedVertically)
+    add("Top and bottom are exchanged",
+        "Row 0 is the top of the picture: check the sign of y where camera rays are made, and the order of "
+        "rows.");
+  if (!change.isShifted()) return;
+  std::string shift;
+  if (change.shiftX != 0)
+    shift = std::to_string(std::abs(change.shiftX)) + (change.shiftX > 0 ? " to the right" : " to the left");
+  if (change.shiftY != 0)
+    shift += (shift.empty() ? "" : " and ") + std::to_string(std::abs(change.shiftY)) +
+             (change.shiftY > 0 ? " down" : " up");
+  add("The picture is shifted: pixels " + shift,
+      "The camera looks elsewhere: check its position and direction, the middle of the film, and that the "
+      "pixel (x, y) covers x to x + 1.");
+}
+
+MarkingStatement statementOf(const ClassMark& mark, int number) {
+  const std::string example = exampleOf(mark);
+  const std::string paths = example.empty() ? "" : " Its paths: " + example + ".";
+  MarkingStatement out{"", "", mark.certainty, number};
+  switch (mark.state) {
+  case ClassState::MISSING:
+    out.what = nameOf(mark) + " is missing" + whereText(mark);
+    out.advice = "No estimator counts this light." + paths +
+                 " Which of yours should? 'recurse explain' shows who counts what in Recurse.";
+    break;
+  case ClassState::DOUBLED:
+    out.what = nameOf(mark) + " is counted twice" + whereText(mark);
+    out.advice =
+        "Two estimators count the same light, such as shadow rays and rays that hit the lamp, or shadow "
+        "rays and photons." +
+        paths + " Leave one out, or weigh both so that the weights add up to 1.";
+    break;
+  default:
+    out.what = nameOf(mark) + " is " + factorText(mark.factor) + " times what it should be" + whereText(mark);
+    out.advice = "A factor is wrong where this light is computed." + paths +
+                 " Check BSDF, cosine and density of its vertices." +
+                 wellKnownFactor(mark.factor, mark.standardError);
+  }
+  return out;
+}
+
+const char* stateText(ClassState state) {
+  return state == ClassState::DOUBLED ? "counted twice" : CLASS_STATE_NAMES[size_t(state)];
+}
+
+MarkingStatement statementOf(const ClassConfusion& confusion, const Marking& marking) {
+  std::string list;
+  double sum = 0;
+  for (size_t i = 0; i < confusion.classes.size(); ++i) {
+    list += (list.empty() ? "" : ", or ") + nameOf(marking.classes[confusion.classes[i]]) + " is " +
+            stateText(confusion.states[i]) + " (" + percent(confusion.probabilities[i]) + ")";
+    sum += confusion.probabilities[i];
+  }
+  return {"Either " + list,
+          "The light of these classes looks alike in this scene, so that they cannot be told apart. A scene "
+          "where they differ tells more.",
+          std::min(sum, 1.0), static_cast<int>(confusion.classes.front())};
+}
+
+std::string sureText(double certainty) {
+  return certainty > 0.999 ? "more than 99.9 % sure" : percent(certainty) + " sure";
+}
+
+/** Breaks a text into lines of at most 100 characters, each with the indent. */
+std::string wrapped(const std::string& text, const std::string& indent) {
+  constexpr size_t WIDTH = 100;
+  std::string out, line;
+  for (size_t start = 0; start < text.size();) {
+    const size_t end = std::min(text.find(' ', start), text.size());
+    const std::string word = text.substr(start, end - start);
+    if (!line.empty() && indent.size() + line.size() + 1 + word.size() > WIDTH) {
+      out += indent + line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+    start = end + 1;
+  }
+  return out + indent + line + "\n";
+}
+
+std::string classTable(const Marking& marking) {
+  std::string out = formatted("%-24s %8s  %-8s %8s %9s  %8s  %s\n", "class", "share", "state", "factor", "+-",
+                              "told in", "paths");
+  for (const ClassMark& mark : marking.classes) {
+    const bool isKnown = mark.state != ClassState::UNKNOWN;
+    out += formatted("%-24s %8s  %-8s %8s %9s  %8s  %s\n", mark.name.c_str(), percent(mark.share).c_str(),
+                     CLASS_STATE_NAMES[size_t(mark.state)], isKnown ? factorText(mark.factor).c_str() : "-",
+                     isKnown ? formatted("%.2g", mark.standardError).c_str() : "-",
+                     percent(mark.toldFraction).c_str(), mark.expression.c_str());
+  }
+  return out;
+}
+
+/** What limits the marks. */
+std::vector<std::string> remarks(const Marking& marking) {
+  std::vector<std::string> out;
+  std::string unknown;
+  for (const ClassMark& mark : marking.classes)
+    if (mark.state == ClassState::UNKNOWN) unknown += (unknown.empty() ? "" : ", ") + mark.name;
+  if (!unknown.empty())
+    out.push_back("Nothing is said of: " + unknown +
+                  ". They are too dark or too noisy here, or look too much like others.");
+  if (marking.clippedFraction > 0)
+    out.push_back(percent(marking.clippedFraction) +
+                  " of the pixels are white of an 8-bit picture and tell little: lamps, caustics and noise "
+                  "there cannot be marked. An EXR file has all light.");
+  return out;
+}
+
+} // namespace
+
+std::vector<MarkingStatement> markingStatements(const Marking& marking) {
+  std::vector<MarkingStatement> out;
+  addChange(out, marking);
+  if (marking.exposureError > 0)
+    out.push_back({"All light is " + factorText(marking.exposure) + " times what it should be",
+                   "The classes are right among themselves: check the power of the lamps, the exposure, and "
+                   "the division by the number of samples." +
+                       wellKnownFactor(marking.exposure, marking.exposureError),
+                   marking.exposureCertainty});
+  std::vector<size_t> wrong;
+  for (size_t i = 0; i < marking.classes.size(); ++i)
+    if (marking.classes[i].state != ClassState::RIGHT && marking.classes[i].state != ClassState::UNKNOWN)
+      wrong.push_back(i);
+  std::stable_sort(wrong.begin(), wrong.end(),
+                   [&](size_t a, size_t b) { return marking.classes[a].share > marking.classes[b].share; });
+  for (size_t i : wrong) out.push_back(statementOf(marking.classes[i], static_cast<int>(i)));
+  for (const ClassConfusion& confusion : marking.confusions) out.push_back(statementOf(confusion, marking));
+  if (marking.isUnexplained())
+    out.push_back({"In " + percent(marking.unexplainedFraction) +
+                       " of the picture something differs that is no class of light",
+                   "Geometry, a material, a texture or the camera is not that of the reference there."});
+  return out;
+}
+
+std::string markingText(const Marking& marking) {
+  std::string out;
+  const std::vector<MarkingStatement> statements = markingStatements(marking);
+  if (statements.empty()) out += "Nothing is wrong, as far as the picture shows.\n";
+  for (const MarkingStatement& statement : statements)
+    out += "* " + statement.what + " (" + sureText(statement.certainty) + ")\n" +
+           wrapped(statement.advice, "  ");
+  out += "\n" + classTable(marking);
+  for (const std::string& remark : remarks(marking)) out += "\n" + wrapped(remark, "");
+  return out;
+}
+
+std::string markingJson(const Marking& marking) {
+  static constexpr const char* ENCODING_NAMES[] = {"linear", "srgb", "gamma22", "decoded"};
+  const PictureChange& change = marking.change;
+  Json json = {{"right", marking.isRight()}};
+  json["statements"] = Json::array();
+  for (const MarkingStatement& s : markingStatements(marking))
+    json["statements"].push_back({{"what", s.what}, {"advice", s.advice}, {"certainty", s.certainty}});
+  json["remarks"] = remarks(marking);
+  json["encoding"] = ENCODING_NAMES[size_t(change.encoding)];
+  json["flipped_horizontally"] = change.isFlippedHorizontally;
+  json["flipped_vertically"] = change.isFlippedVertically;
+  json["shift"] = {change.shiftX, change.shiftY};
+  json["change_certainty"] = marking.changeCertainty;
+  json["exposure"] = marking.exposure;
+  json["exposure_standard_error"] = marking.exposureError;
+  json["exposure_certainty"] = marking.exposureCertainty;
+  json["clipped"] = marking.clippedFraction;
+  json["unexplained"] = marking.unexplainedFraction;
+  json["classes"] = Json::array();
+  for (const ClassMark& mark : marking.classes)
+    json["classes"].push_back({{"name", mark.name},
+                               {"expression", mark.expression},
+                               {"share", mark.share},
+                               {"state", CLASS_STATE_NAMES[size_t(mark.state)]},
+                               {"certainty", mark.certainty},
+                               {"factor", mark.factor},
+                               {"standard_error", mark.standardError},
+                               {"told_in", mark.toldFraction},
+                               {"state_in", mark.stateFraction}});
+  json["alike"] = Json::array();
+  for (const ClassConfusion& confusion : marking.confusions) {
+    Json one = Json::array();
+    for (size_t i = 0; i < confusion.classes.size(); ++i)
+      one.push_back({{"name", marking.classes[confusion.classes[i]].name},
+                     {"state", CLASS_STATE_NAMES[size_t(confusion.states[i])]},
+                     {"probability", confusion.probabilities[i]}});
+    json["alike"].push_back(std::move(one));
+  }
+  json["regions"] = Json::array();
+  for (const MarkedRegion& region : marking.regions) {
+    Json one = {{"x", region.x},
+                {"y", region.y},
+                {"width", region.width},
+                {"height", region.height},
+                {"used", region.usedFraction},
+                {"unexplained", region.unexplained}};
+    one["classes"] = Json::array();
+    for (const ClassFinding& finding : region.classes)
+      one["classes"].push_back({{"state", CLASS_STATE_NAMES[size_t(finding.state)]},
+                                {"factor", finding.factor},
+                                {"standard_error", finding.standardError}});
+    json["regions"].push_back(std::move(one));
+  }
+  return json.dump(2) + "\n";
+}
+
+} // namespace recurse

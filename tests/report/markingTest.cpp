@@ -1,0 +1,378 @@
+/** @file
+ * Marks of pictures that are made wrong on purpose: what is said must be what was done, and nothing else. The
+ * pictures have other noise than the reference.
+ */
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <random>
+
+#include <nlohmann/json.hpp>
+
+#include "recurse/core/io/error.h"
+#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/report/marking/marking.h"
+#include "report/marking/alignment.h"
+#include "report/markingScenes.h"
+#include "report/noise.h"
+#include "sceneRendering.h"
+
+using namespace recurse;
+
+namespace {
+
+Stills renderedStills(const std::string& text, int samples, uint64_t seed) {
+  const StillsPlan plan = planStills(defaultStillClasses());
+  const auto scene = recurse::testing::sceneFrom(text);
+  const auto integrator = recurse::testing::integratorFrom("path", "");
+  return makeStills(
+      recurse::testing::renderScene(*scene, *integrator, PathClasses(plan.classes), samples, seed).film, plan,
+      1);
+}
+
+/** A scene's reference, and the classes as a student would render them: with fewer samples and another seed.
+ */
+struct Exercise {
+  std::string name;
+  Stills reference, student;
+};
+
+const std::vector<Exercise>& exercises() {
+  static const std::vector<Exercise> ALL = [] {
+    std::vector<Exercise> out;
+    using namespace markingScenes;
+    for (const auto& [name, text] : {std::pair<std::string, std::string>{"room", room()},
+                                     {"outdoors", outdoors()},
+                                     {"mirror", wallWithMirror()},
+                                     {"corner", corner()},
+                                     {"glass", glass()}})
+      out.push_back({name, renderedStills(text, 32, 1), renderedStills(text, 16, 2)});
+    return out;
+  }();
+  return ALL;
+}
+
+/** What a student did wrong. */
+struct Mistake {
+  std::map<std::string, double> factors; ///< of classes; the others are right
+  PictureChange change;
+  double exposure = 1;
+};
+
+/** The sum of the layers, each by a factor that may depend on the pixel. */
+template <class Factor> Image sumOfLayers(const Stills& stills, const Factor& factor) {
+  Image out(stills.image.width, stills.image.height, {"R", "G", "B"});
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x)
+      for (size_t i = 1; i < stills.layers.size(); ++i)
+        for (size_t c = 0; c < 3; ++c)
+          out.at(x, y)[c] +=
+              static_cast<float>(factor(stills.layers[i].name, x, y)) * stills.image.at(x, y)[3 * i + c];
+  return out;
+}
+
+/** The picture as the change makes it; where it moves nothing to, the border is repeated. */
+Image changed(const Image& image, const PictureChange& change) {
+  Image out = image;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const int fx = std::clamp(x - change.shiftX, 0, out.width - 1),
+                fy = std::clamp(y - change.shiftY, 0, out.height - 1);
+      for (size_t c = 0; c < 3; ++c)
+        out.at(change.isFlippedHorizontally ? out.width - 1 - x : x,
+               change.isFlippedVertically ? out.height - 1 - y : y)[c] =
+            encoded(image.at(fx, fy)[c], change.encoding);
+    }
+  return out;
+}
+
+/** Noise in proportion to the light, as of fewer samples. */
+Image grained(const Image& image, double deviation, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0, deviation);
+  Image out = image;
+  for (float& value : out.pixels) value *= static_cast<float>(std::max(0.0, 1 + normal(generator)));
+  return out;
+}
+
+/** As a file of 8 bits brings it back. */
+Image inEightBits(const Image& image) {
+  Image out = image;
+  for (float& value : out.pixels)
+    value = linearFromSrgb(std::round(255 * srgbFromLinear(std::clamp(value, 0.0f, 1.0f))) / 255);
+  return out;
+}
+
+Image pictureOf(const Exercise& exercise, const Mistake& mistake, unsigned seed) {
+  const Image light = sumOfLayers(exercise.student, [&](const std::string& name, int, int) {
+    const auto found = mistake.factors.find(name);
+    return mistake.exposure * (found == mistake.factors.end() ? 1 : found->second);
+  });
+  return changed(grained(light, 0.1, seed), mistake.change);
+}
+
+ClassState stateOf(double factor) {
+  return factor == 1   ? ClassState::RIGHT
+         : factor == 0 ? ClassState::MISSING
+         : factor == 2 ? ClassState::DOUBLED
+                       : ClassState::SCALED;
+}
+
+/** The marks name the mistake, and no other. */
+void expectFound(const Marking& marking, const Mistake& mistake) {
+  EXPECT_EQ(marking.change, mistake.change);
+  EXPECT_GT(marking.changeCertainty, 0.9);
+  EXPECT_NEAR(marking.exposure, mistake.exposure, 0.06 * mistake.exposure);
+  EXPECT_EQ(marking.exposureError > 0, mistake.exposure != 1);
+  EXPECT_TRUE(marking.confusions.empty());
+  EXPECT_FALSE(marking.isUnexplained());
+  for (const ClassMark& mark : marking.classes) {
+    const auto made = mistake.factors.find(mark.name);
+    if (made == mistake.factors.end()) {
+      EXPECT_TRUE(mark.state == ClassState::RIGHT || mark.state == ClassState::UNKNOWN) << mark.name;
+      continue;
+    }
+    EXPECT_EQ(mark.state, stateOf(made->second)) << mark.name;
+    EXPECT_GT(mark.certainty, 0.9) << mark.name;
+    EXPECT_NEAR(mark.factor, made->second, 0.1 + 3 * mark.standardError) << mark.name;
+    EXPECT_TRUE(mark.toldFraction == 0 || mark.stateFraction > 0.8) << mark.name << " " << mark.stateFraction;
+  }
+}
+
+constexpr double PI = std::numbers::pi;
+
+PictureChange encodedAs(ValueEncoding encoding) { return {.encoding = encoding}; }
+PictureChange flipped(bool horizontally, bool vertically) {
+  return {.isFlippedHorizontally = horizontally, .isFlippedVertically = vertically};
+}
+PictureChange shifted(int x, int y) { return {.shiftX = x, .shiftY = y}; }
+
+/** Six mistakes of each scene, which have to be seen in it. */
+std::map<std::string, std::vector<Mistake>> mistakes() {
+  return {{"room",
+           {{{{"direct-diffuse", 0}}, {}},
+            {{{"interreflection-1", 2}}, {}},
+            {{{"interreflection-more", 0}}, {}},
+            {{{"direct-diffuse", 1 / PI}}, {}},
+            {{{"interreflection-2", 0}}, flipped(true, false)},
+            {{}, {}, 0.5}}},
+          {"outdoors",
+           {{{{"direct-specular", 0}}, {}},
+            {{{"direct-diffuse", 2}}, {}},
+            {{{"emitted", 0}}, {}},
+            {{}, encodedAs(ValueEncoding::SRGB)},
+            {{}, flipped(false, true)},
+            {{{"caustic", 0}}, shifted(4, 3)}}},
+          {"mirror",
+           {{{{"specular-of-diffuse", 0}}, {}},
+            {{{"interreflection-1", 0}}, {}},
+            {{{"direct-diffuse", 2}, {"interreflection-1", 2}}, {}},
+            {{}, encodedAs(ValueEncoding::DECODED)},
+            {{}, shifted(0, -2)},
+            {{{"specular-of-diffuse", 2}}, {}, PI}}},
+          {"corner",
+           {{{{"direct-diffuse", 0}}, {}},
+            {{{"interreflection-1", 2}}, {}},
+            {{{"emitted", 1 / PI}}, {}},
+            {{{"direct-specular", 0}}, flipped(true, true)},
+            {{{"interreflection-1", 0}}, encodedAs(ValueEncoding::SRGB)},
+            {{}, shifted(-6, 1)}}},
+          {"glass",
+           {{{{"caustic", 0}}, {}},
+            {{{"direct-diffuse", 0.5}}, {}},
+            {{{"specular-of-diffuse", 0}}, {}},
+            {{{"caustic", 0}}, flipped(true, false)},
+            {{{"interreflection-1", 0}}, {}},
+            {{}, {}, 1.3}}}};
+}
+
+/** Stills of even layers with noise, without rendering. */
+Stills syntheticStills(const std::vector<Image>& layers, const std::vector<std::string>& names) {
+  std::vector<std::string> channels = {"R", "G", "B"};
+  std::string classes;
+  for (const std::string& name : names) {
+    for (const char* c : {".R", ".G", ".B"}) channels.push_back(name + c);
+    classes += (classes.empty() ? "" : "; ") + name + " = " + name;
+  }
+  Image image(layers[0].width, layers[0].height, channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (size_t i = 0; i < layers.size(); ++i)
+        for (size_t c = 0; c < 3; ++c) {
+          image.at(x, y)[3 * (i + 1) + c] = layers[i].at(x, y)[c];
+          image.at(x, y)[c] += layers[i].at(x, y)[c];
+        }
+  image.metadata["recurse:classes"] = classes;
+  return stillsOf(image, "synthetic");
+}
+
+/** Light that varies slowly: waves of a length in pixels. */
+Image waves(double level, double length, double phase) {
+  Image image(64, 48, {"R", "G", "B"});
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (size_t c = 0; c < 3; ++c)
+        image.at(x, y)[c] = static_cast<float>(
+            level * (1 + 0.8 * std::sin((x + 0.4 * y) / length + phase + double(c)) * std::cos(y / length)));
+  return image;
+}
+
+std::string errorOf(const Image& picture, const Stills& reference) {
+  try {
+    markExercise(picture, reference);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
+}
+
+} // namespace
+
+TEST(Marking, ThirtyMistakesAreFound) {
+  int count = 0;
+  const auto all = mistakes();
+  for (const Exercise& exercise : exercises())
+    for (const Mistake& mistake : all.at(exercise.name)) {
+      SCOPED_TRACE(exercise.name + ", mistake " + std::to_string(count));
+      const Marking marking =
+          markExercise(pictureOf(exercise, mistake, unsigned(++count)), exercise.reference);
+      SCOPED_TRACE(markingText(marking));
+      expectFound(marking, mistake);
+      EXPECT_FALSE(marking.isRight());
+      EXPECT_FALSE(markingStatements(marking).empty());
+    }
+  EXPECT_EQ(count, 30);
+}
+
+TEST(Marking, ThirtyRightPicturesAreRight) {
+  unsigned seed = 100;
+  for (const Exercise& exercise : exercises()) {
+    const Image light = sumOfLayers(exercise.student, [](const std::string&, int, int) { return 1; });
+    for (const Image& picture :
+         {light, grained(light, 0.05, ++seed), grained(light, 0.1, ++seed), grained(light, 0.2, ++seed),
+          grained(light, 0.4, ++seed), inEightBits(grained(light, 0.1, ++seed))}) {
+      SCOPED_TRACE(exercise.name + ", " + std::to_string(seed));
+      const Marking marking = markExercise(picture, exercise.reference);
+      EXPECT_TRUE(marking.isRight()) << markingText(marking);
+      EXPECT_TRUE(markingStatements(marking).empty());
+    }
+  }
+}
+
+TEST(Marking, MistakeOfHalfThePictureHasItsPart) {
+  for (const Exercise& exercise : exercises()) {
+    SCOPED_TRACE(exercise.name);
+    const Image picture = sumOfLayers(exercise.student, [](const std::string& name, int x, int) {
+      return name == "direct-diffuse" && x < 32 ? 0 : 1;
+    });
+    const Marking marking = markExercise(picture, exercise.reference);
+    EXPECT_EQ(marking.change, PictureChange());
+    const ClassMark& mark = marking.classes[1];
+    EXPECT_EQ(mark.state, ClassState::MISSING) << markingText(marking);
+    EXPECT_NEAR(mark.stateFraction, 0.5, 0.15);
+    for (const MarkedRegion& region : marking.regions) {
+      const ClassState state = region.classes[1].state;
+      EXPECT_NE(state, region.x < 32 ? ClassState::RIGHT : ClassState::MISSING)
+          << region.x << " " << region.y;
+    }
+  }
+}
+
+TEST(Marking, FactorsAreWithinTheirStandardErrors) {
+  const std::vector<Image> light = {waves(1, 9, 0), waves(0.6, 5, 1)};
+  double squares = 0;
+  constexpr int PICTURES = 20;
+  for (unsigned seed = 1; seed <= PICTURES; ++seed) {
+    const Stills reference =
+        syntheticStills({grained(light[0], 0.3, seed), grained(light[1], 0.3, 100 + seed)}, {"LDE", "LDDE"});
+    Image picture = light[0];
+    for (size_t i = 0; i < picture.pixels.size(); ++i) picture.pixels[i] += 0.6f * light[1].pixels[i];
+    const Marking marking = markExercise(grained(picture, 0.3, 200 + seed), reference);
+    EXPECT_EQ(marking.classes[0].state, ClassState::RIGHT) << markingText(marking);
+    ASSERT_EQ(marking.classes[1].state, ClassState::SCALED) << markingText(marking);
+    squares += std::pow((marking.classes[1].factor - 0.6) / marking.classes[1].standardError, 2);
+  }
+  // Tolerances of bias are in the standard errors too, so that chance alone stays within them.
+  EXPECT_LT(squares / PICTURES, 2);
+}
+
+TEST(Marking, NoiseOfTheReferenceDoesNotMakeFactorsSmaller) {
+  // Nearly as much noise as light in one layer: ordinary least squares give it less than nine tenths of its
+  // factor.
+  const Image steady = waves(1, 9, 0), weak = waves(0.5, 5, 1);
+  double sum = 0;
+  constexpr int PICTURES = 8;
+  for (unsigned seed = 1; seed <= PICTURES; ++seed) {
+    const Stills reference = syntheticStills({steady, noisy(weak, 0.4, seed)}, {"LDE", "LS+DE"});
+    Image picture = steady;
+    for (size_t i = 0; i < picture.pixels.size(); ++i) picture.pixels[i] += 1.5f * weak.pixels[i];
+    const Marking marking = markExercise(grained(picture, 0.05, 50 + seed), reference);
+    EXPECT_EQ(marking.classes[0].state, ClassState::RIGHT) << markingText(marking);
+    sum += marking.classes[1].factor;
+  }
+  EXPECT_NEAR(sum / PICTURES, 1.5, 0.06);
+}
+
+TEST(Marking, ClassesThatLookAlikeAreNotToldApart) {
+  Image first = waves(1, 9, 0), second = waves(0.2, 5, 1), third = second;
+  const Stills reference = syntheticStills({first, second, third}, {"LDE", "LDDDE", "LDDDDE"});
+  Image picture = first;
+  for (size_t i = 0; i < picture.pixels.size(); ++i) picture.pixels[i] += second.pixels[i];
+  const Marking marking = markExercise(grained(picture, 0.05, 1), reference);
+  EXPECT_EQ(marking.classes[0].state, ClassState::RIGHT);
+  EXPECT_EQ(marking.classes[1].state, ClassState::UNKNOWN);
+  EXPECT_EQ(marking.classes[2].state, ClassState::UNKNOWN);
+  ASSERT_EQ(marking.confusions.size(), 1u) << markingText(marking);
+  EXPECT_EQ(marking.confusions[0].classes, (std::vector<size_t>{1, 2}));
+  EXPECT_FALSE(marking.isRight());
+  EXPECT_NE(markingText(marking).find("Either LDDDE is missing"), std::string::npos) << markingText(marking);
+}
+
+TEST(Marking, OtherGeometryIsNoClassOfLight) {
+  const Exercise& exercise = exercises().front();
+  Image picture = sumOfLayers(exercise.student, [](const std::string&, int, int) { return 1; });
+  for (int y = 0; y < 32; ++y) // stripes that no class has
+    for (int x = 0; x < 40; ++x)
+      for (size_t c = 0; c < 3; ++c) picture.at(x, y)[c] *= (x / 4 + y / 4) % 2 ? 1.6f : 0.4f;
+  const Marking marking = markExercise(picture, exercise.reference);
+  EXPECT_TRUE(marking.isUnexplained()) << markingText(marking);
+  EXPECT_NEAR(marking.unexplainedFraction, 0.4, 0.2);
+}
+
+TEST(Marking, SaysWhatCannotBeMarked) {
+  const Stills stills = syntheticStills({waves(1, 9, 0), waves(0.5, 5, 1)}, {"LDE", "LDDE"});
+  EXPECT_NE(errorOf(Image(8, 8, {"R", "G", "B"}), stills).find("8x8"), std::string::npos);
+  EXPECT_NE(errorOf(waves(1, 9, 0), stillsOf(waves(1, 9, 0), "plain")).find("recurse stills"),
+            std::string::npos);
+  Stills overlapping = stills;
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 64; ++x) overlapping.image.at(x, y)[0] *= 0.5f;
+  EXPECT_NE(errorOf(waves(1, 9, 0), overlapping).find("do not add up"), std::string::npos);
+  Image nothing = waves(1, 9, 0);
+  for (float& value : nothing.pixels) value = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_NE(errorOf(nothing, stills).find("no part of the picture"), std::string::npos);
+}
+
+TEST(Marking, WordsAndJsonSayTheSame) {
+  const Exercise& exercise = exercises().back();
+  const Marking marking = markExercise(pictureOf(exercise, {{{"caustic", 0}}, {}}, 7), exercise.reference);
+  const std::string text = markingText(marking);
+  for (const char* part : {"LS+DS*E (caustic) is missing, in 100 % of the picture that shows it",
+                           "lamp, mirror or glass, matt or glossy surface, eye", "% sure", "told in"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  const nlohmann::json json = nlohmann::json::parse(markingJson(marking));
+  EXPECT_EQ(json["right"], false);
+  ASSERT_EQ(json["statements"].size(), 1u);
+  EXPECT_NE(text.find(json["statements"][0]["what"]), std::string::npos);
+  EXPECT_EQ(json["classes"].size(), exercise.reference.layers.size() - 1);
+  EXPECT_EQ(json["classes"][3]["state"], "missing");
+  EXPECT_EQ(json["encoding"], "linear");
+  EXPECT_EQ(json["regions"].size(), marking.regions.size());
+  int covered = 0;
+  for (const auto& region : json["regions"]) covered += int(region["width"]) * int(region["height"]);
+  EXPECT_EQ(covered, 64 * 48);
+}
