@@ -26,6 +26,13 @@ endif()
 # The plots of the page of `recurse converge`; goes into the program as it is.
 find_file(RECURSE_CHART_JS chart.min.js PATH_SUFFIXES share/javascript/chart.js share/nodejs/chart.js/dist)
 recurse_need(RECURSE_CHART_JS Chart.js libjs-chart.js)
+# The scene in 3D on the page of `recurse inspect`; goes into the program as it is.
+find_file(RECURSE_THREE_JS three.min.js PATH_SUFFIXES share/javascript/three)
+find_file(RECURSE_ORBIT_CONTROLS_JS OrbitControls.js PATH_SUFFIXES share/javascript/three/examples/js/controls)
+if(RECURSE_THREE_JS AND RECURSE_ORBIT_CONTROLS_JS)
+    set(RECURSE_THREE_FOUND TRUE)
+endif()
+recurse_need(RECURSE_THREE_FOUND three.js libjs-three)
 if(BUILD_TESTING)
     find_package(GTest CONFIG QUIET)
     recurse_need(GTest_FOUND GoogleTest libgtest-dev)

@@ -5,7 +5,7 @@ ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 JOBS=${RECURSE_JOBS:-$(nproc)}
 BUILD_PACKAGES=(g++ cmake ninja-build ccache libglm-dev libopenimageio-dev libtbb-dev libflann-dev
     libembree-dev libcli11-dev nlohmann-json3-dev libgtest-dev libbenchmark-dev zlib1g-dev libfftw3-dev libassimp-dev libosd-dev libzip-dev
-    libjs-chart.js)
+    libjs-chart.js libjs-three)
 TEST_PACKAGES=(libnanovdb-dev chromium python3 gnuplot-nox libopenmpi-dev openmpi-bin procps
     pybind11-dev python3-dev python3-numpy) # the HTML pages are tested in a browser
 

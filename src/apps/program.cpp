@@ -109,6 +109,7 @@ ExitStatus run(int argc, char** argv) {
   addCompareCommand(app, chosen);
   addConvergeCommand(app, chosen);
   addMethodsCommand(app, chosen);
+  addInspectCommand(app, chosen);
   addInfoCommand(app, chosen);
   addClassesCommand(app, chosen);
   addExplainCommand(app, chosen);

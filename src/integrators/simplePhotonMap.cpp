@@ -6,6 +6,7 @@
 
 #include "recurse/model/scene/plugIns.h"
 #include "transport/density/gather.h"
+#include "transport/density/storedPhotons.h"
 #include "transport/direct/localShading.h"
 #include "transport/emission/pathEnds.h"
 #include "transport/paths/walker.h"
@@ -79,6 +80,9 @@ class SimplePhotonMap final : public Integrator {
     }
   }
 
+  void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
+    visitMap(map, false, visit);
+  }
   bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override {
     return {{"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},

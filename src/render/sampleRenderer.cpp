@@ -56,12 +56,15 @@ class EyeBatch {
  public:
   EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
            TransportCounts& counts, const Round& round, Film& film, SampleAllocation* allocation,
-           const std::atomic<bool>* abandon)
+           const std::atomic<bool>* abandon, PathRecorder* recorder = nullptr)
       : scene(scene), integrator(integrator), round(round), film(film), allocation(allocation),
-        usesLens(scene.camera().usesLens()), nothing(classes, counts),
+        recorder(recorder), usesLens(scene.camera().usesLens()), nothing(classes, counts),
         radiance(CAMERA_BATCH, PathRadiance(classes, counts)) {
     paths.reserve(CAMERA_BATCH);
-    for (PathRadiance& r : radiance) r.abandon = abandon;
+    for (PathRadiance& r : radiance) {
+      r.abandon = abandon;
+      r.recorder = recorder;
+    }
   }
   /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: number of a
    * pilot, of which the allocation is told. */
@@ -86,7 +89,13 @@ class EyeBatch {
     } else {
       paths.pop_back();
     }
-    if (count == CAMERA_BATCH) flush();
+    if (recorder) {
+      RecordedSample recorded{.index = index, .film = sample.film, .filterWeight = f.weight};
+      recorded.rayWeight = ray ? ray->weight : 0;
+      if (ray) recorded.origin = ray->origin, recorded.direction = ray->direction;
+      recorder->beginSample(recorded);
+    }
+    if (count == CAMERA_BATCH || recorder) flush();
   }
   void flush() {
     if (!paths.empty()) integrator.backwardBatch(scene, paths);
@@ -97,6 +106,7 @@ class EyeBatch {
       if (!place.seesNothing && paths[path].ray.weight != 1) seen.scale(paths[path].ray.weight);
       path += !place.seesNothing;
       expose(scene.film(), seen);
+      if (recorder) recorder->endSample(seen.total());
       film.add(place.pixel, place.index, place.weight, seen.values(), seen.total());
       if (place.pilot) allocation->addPilot(place.pixel, *place.pilot, luminance(seen.total()));
       ++samplesTaken;
@@ -122,6 +132,7 @@ class EyeBatch {
   const Round& round;
   Film& film;
   SampleAllocation* allocation;
+  PathRecorder* recorder; ///< null: nothing is recorded; else samples are walked one by one
   bool usesLens;
   PathRadiance nothing; ///< stays black
   std::vector<PathRadiance> radiance;
@@ -235,6 +246,19 @@ SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t 
   });
   batch.flush();
   return {batch.taken(), batch.isAbandoned()};
+}
+
+void SampleRenderer::recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder) {
+  const PixelBounds& bounds = film.bounds();
+  Round round{settings.seed, sampleSpacing, {}};
+  if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
+  TransportCounts counts;
+  EyeBatch batch(scene, integrator, classes, counts, round, film, nullptr, nullptr, &recorder);
+  const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
+  const uint64_t stream = uint64_t(uint32_t(y)) << 32 | uint32_t(x);
+  for (uint64_t n = first; n < end; ++n)
+    batch.add(stream, static_cast<uint32_t>(n), pixel, {float(x), float(y)}, std::nullopt);
+  statistics.counts.add(counts);
 }
 
 } // namespace recurse

@@ -67,6 +67,10 @@ class SampleRenderer {
   TileResult renderTile(size_t tile, const std::function<PixelSamples(size_t pixel)>& samplesOf,
                         TransportCounts& counts, const std::atomic<bool>* abandon);
 
+  /** The same for samples [first, end) of the pixel at (x, y) of the whole film, which is within its bounds.
+   * Their paths are recorded. */
+  void recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder);
+
   /** So far, of what is not of samples: times, photons, notes, warnings. */
   RenderStatistics statistics;
 

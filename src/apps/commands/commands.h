@@ -23,6 +23,7 @@ void addStillsCommand(CLI::App& app, Command& chosen);
 void addCompareCommand(CLI::App& app, Command& chosen);
 void addConvergeCommand(CLI::App& app, Command& chosen);
 void addMethodsCommand(CLI::App& app, Command& chosen);
+void addInspectCommand(CLI::App& app, Command& chosen);
 void addInfoCommand(CLI::App& app, Command& chosen);
 void addClassesCommand(CLI::App& app, Command& chosen);
 void addExplainCommand(CLI::App& app, Command& chosen);

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "apps/commands/commands.h"
-#include "apps/commands/convergeReference.h"
+#include "apps/converge/convergeReference.h"
 #include "apps/options/namedRun.h"
 #include "apps/options/optionText.h"
 #include "apps/options/renderOptions.h"

@@ -51,6 +51,9 @@ class Auto final : public Integrator {
   void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
     chosen().backwardBatch(scene, paths);
   }
+  void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
+    chosen().visitPhotons(visit);
+  }
 
  private:
   Integrator& chosen() const { return instead ? *instead : *mapper; }

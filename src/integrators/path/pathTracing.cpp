@@ -7,7 +7,7 @@
 
 #include "recurse/core/threads/inPlace.h"
 #include "recurse/core/threads/processorTime.h"
-#include "transport/direct/directLight.h"
+#include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
 
 namespace recurse {
@@ -27,6 +27,7 @@ struct BatchPath {
   BsdfRay bsdfRay;
   CausticRay caustic;
   bool isScattered; ///< by a non-delta lobe
+  int recordedStep; ///< by which the ray left, see PathRecorder
   /** Whether caustic photons find light that the ray hits now, too: not straight or through panes only. */
   bool sharesWithCaustics() const { return isScattered && !bsdfRay.weighted; }
 };
@@ -42,12 +43,14 @@ struct Vertex {
   bool sampleLight;
   LightSampleContext context; ///< of the lights, where they are sampled
   float merging;              ///< of caustic photons, see CausticPhotons::add
+  int recorded;               ///< see PathRecorder
 };
 
 /** A shadow ray under way. */
 struct Shadow {
   const Vertex* vertex;
   const LiSample* light;
+  float probability; ///< with which the light was chosen
   Rgb radiance;
 };
 
@@ -135,6 +138,7 @@ class PathTracing final : public Integrator {
         w.bsdfRay.weighted = false;
         w.caustic = {};
         w.isScattered = false;
+        w.recordedStep = CAMERA_STEP;
         makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
         active[i] = &w;
         rays[i] = paths[i].ray;
@@ -172,6 +176,9 @@ class PathTracing final : public Integrator {
               emittedRadiance(scene, settings.lightSampler, hit, direction, w.bsdfRay, settings.lightSamples);
           if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
             radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), hit, direction);
+          if (PathRecorder* recorder = w.camera->out->recorder)
+            recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, hit, direction, w.bsdfRay,
+                      radiance);
           addEmission(w, radiance);
         }
         w.width += w.spread * hit.t;
@@ -193,6 +200,10 @@ class PathTracing final : public Integrator {
         v.hit = &hit;
         v.wi = -direction;
         makeAt(v.scattering, [&] { return std::optional<ScatteringPoint>(std::in_place, *bsdf, hit.point); });
+        v.recorded = NOT_RECORDED;
+        if (PathRecorder* recorder = w.camera->out->recorder)
+          v.recorded =
+              recorder->addVertex(w.recordedStep, hit, direction, v.scattering->lobes(), w.throughput);
         if (const GuideField* guide = settings.activeGuide())
           v.scattering->follow(guideAt(*guide, hit.point, v.wi));
         v.cameraD = classes.step(w.state, PathEvent::D);
@@ -213,6 +224,9 @@ class PathTracing final : public Integrator {
                                            settings.lightSamples);
         if (settings.caustics && w.sharesWithCaustics() && !isBlack(radiance))
           radiance *= settings.caustics->rayWeight(scene, w.caustic.ratio(), i, ray);
+        if (PathRecorder* recorder = w.camera->out->recorder)
+          recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
+                    radiance);
         addEmission(w, radiance);
       }
     }
@@ -248,11 +262,12 @@ class PathTracing final : public Integrator {
         ++counts.rays;
         makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
         if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
-          v.path->camera->out->add(classes.lightStart(), v.cameraD, radiance);
+          addSampled(v, *lights[i], choices[i].chosen.probability, classes.lightStart(), radiance);
           continue;
         }
         shadows[count].vertex = &v;
         shadows[count].light = &*lights[i];
+        shadows[count].probability = choices[i].chosen.probability;
         shadows[count].radiance = radiance;
         ++count;
       }
@@ -260,16 +275,26 @@ class PathTracing final : public Integrator {
       for (size_t i = 0; i < count; ++i) {
         const Vertex& v = *shadows[i].vertex;
         if (!blocked[i]) {
-          v.path->camera->out->add(classes.lightStart(), v.cameraD, shadows[i].radiance);
+          addSampled(v, *shadows[i].light, shadows[i].probability, classes.lightStart(), shadows[i].radiance);
           continue;
         }
         const Transmittance free =
             throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.path->nesting,
                          panesLeft(settings.maxDepth, v.path->depth), counts);
         if (!isBlack(free.value))
-          v.path->camera->out->add(afterPanes(classes, free.panes), v.cameraD,
-                                   shadows[i].radiance * free.value);
+          addSampled(v, *shadows[i].light, shadows[i].probability, afterPanes(classes, free.panes),
+                     shadows[i].radiance * free.value);
       }
+    }
+
+    /** Adds what a shadow ray brings; `probability`: of the light. */
+    void addSampled(const Vertex& v, const LiSample& light, float probability, LightState state,
+                    const Rgb& radiance) const {
+      PathRadiance& out = *v.path->camera->out;
+      if (out.recorder)
+        recordLightSample(*out.recorder, v.recorded, *v.scattering, v.wi, light, probability,
+                          settings.lightSamples, v.allowed);
+      out.add(state, v.cameraD, radiance);
     }
 
     /** What photons bring to each vertex. */
@@ -278,6 +303,7 @@ class PathTracing final : public Integrator {
         Vertex& v = vertices[i];
         BatchPath& w = *v.path;
         v.merging = 0;
+        if (PathRecorder* recorder = w.camera->out->recorder) recorder->source.vertex = v.recorded;
         if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
           v.merging = settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput,
                                              v.cameraD, w.width, w.camera->sampler, *w.camera->out);
@@ -320,9 +346,22 @@ class PathTracing final : public Integrator {
             w.caustic.leaveNonDelta(v.merging, v.scattering->pdfNonDelta(v.wi, s.direction), s.direction,
                                     v.hit->point);
         }
+        if (PathRecorder* recorder = w.camera->out->recorder)
+          w.recordedStep = recorder->addStep(stepOf(v, s));
         active[alive] = &w;
         makeAt(rays[alive++], [&] { return spawn(v.hit->point, s.direction); });
       }
+    }
+
+    /** The record of a step whose throughput the path has already. */
+    static RecordedStep stepOf(const Vertex& v, const Scatter& s) {
+      return {.vertex = v.recorded,
+              .event = s.specular() ? PathEvent::S : PathEvent::D,
+              .lobe = s.lobe,
+              .direction = s.direction,
+              .throughput = v.path->throughput,
+              .pdf = s.specular() ? 0 : s.pdf,
+              .pdfReverse = s.specular() ? 0 : v.scattering->pdf(s.direction, v.wi)};
     }
 
     const PathTracing& settings;

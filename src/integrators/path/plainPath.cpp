@@ -4,11 +4,38 @@
 #include "integrators/path/plainPath.h"
 
 #include "integrators/path/causticPhotons.h"
-#include "transport/direct/directLight.h"
+#include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
+
+namespace {
+
+int recordVertex(PathRecorder& recorder, int step, const CameraVertex& vertex) {
+  if (!vertex.medium)
+    return recorder.addVertex(step, vertex.hit, -vertex.wi, vertex.scattering->lobes(), vertex.throughput);
+  return recorder.addVertex(
+      {.step = step, .position = vertex.point().position, .inMedium = true, .throughput = vertex.throughput});
+}
+
+RecordedStep recordedStepOf(int recorded, const CameraVertex& vertex, const Scatter& s,
+                            const Rgb& throughput) {
+  RecordedStep step{.vertex = recorded,
+                    .event = vertex.medium  ? PathEvent::V
+                             : s.specular() ? PathEvent::S
+                                            : PathEvent::D,
+                    .lobe = s.lobe,
+                    .direction = s.direction,
+                    .throughput = throughput};
+  if (!s.specular()) {
+    step.pdf = s.pdf;
+    step.pdfReverse = vertex.medium ? s.pdf : vertex.scattering->pdf(s.direction, vertex.wi);
+  }
+  return step;
+}
+
+} // namespace
 
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
                     const PlainPathSettings& settings, Sampler& sampler, PathRadiance& out,
@@ -21,6 +48,8 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
   BsdfRay last;
   CausticRay caustic;
   bool isScattered = false;
+  PathRecorder* recorder = out.recorder;
+  int recordedStep = CAMERA_STEP;
   const auto add = [&](const Rgb& radiance) {
     if (isScattered)
       out.add(classes.lightStart(), path.state, radiance);
@@ -35,20 +64,29 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
     if (hit) {
       const Rgb emitted =
           emittedRadiance(scene, lights, *hit, direction, last, settings.lightSamples, inMedia);
-      if (!isBlack(emitted))
-        add(path.throughput * emitted *
-            (shared ? caustics->rayWeight(scene, caustic.ratio(), *hit, direction) : 1));
+      if (isBlack(emitted)) return;
+      const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), *hit, direction) : 1;
+      if (recorder)
+        recordHit(*recorder, recordedStep, scene, lights, *hit, direction, last, emitted * weight);
+      add(path.throughput * emitted * weight);
       return;
     }
     for (size_t i = 0; i < scene.environment().size(); ++i) {
       const Rgb emitted =
           environmentRadiance(scene, lights, i, direction, last, settings.lightSamples, inMedia);
-      if (!isBlack(emitted))
-        add(path.throughput * emitted *
-            (shared ? caustics->rayWeight(scene, caustic.ratio(), i, path.ray) : 1));
+      if (isBlack(emitted)) continue;
+      const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), i, path.ray) : 1;
+      if (recorder) recordHit(*recorder, recordedStep, scene, lights, i, direction, last, emitted * weight);
+      add(path.throughput * emitted * weight);
     }
   };
-  while (walker.next(path, vertex, sampler, addEmission, add)) {
+  const auto addMediumEmission = [&](const Rgb& radiance) {
+    if (recorder)
+      recorder->source = {.technique = PathTechnique::HIT, .step = recordedStep, .end = path.from};
+    add(radiance);
+  };
+  while (walker.next(path, vertex, sampler, addEmission, addMediumEmission)) {
+    const int recorded = recorder ? recordVertex(*recorder, recordedStep, vertex) : NOT_RECORDED;
     if (settings.guide && !vertex.medium)
       vertex.scattering->follow(guideAt(*settings.guide, vertex.point(), vertex.wi));
     LightSampleContext place{vertex.point().position};
@@ -72,6 +110,7 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
                               vertex.afterD, path.width, sampler, out);
     const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
     if (!s) break;
+    if (recorder) recordedStep = recorder->addStep(recordedStepOf(recorded, vertex, *s, path.throughput));
     if (!path.delta)
       caustic.leaveNonDelta(merging,
                             merging > 0 ? vertex.scattering->pdfNonDelta(vertex.wi, s->direction) : 1,

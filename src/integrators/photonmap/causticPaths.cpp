@@ -6,6 +6,7 @@
 #include "integrators/path/pathTracing.h"
 #include "integrators/photonmap/photonMapping.h"
 #include "transport/density/gather.h"
+#include "transport/density/storedPhotons.h"
 
 namespace recurse {
 
@@ -40,6 +41,9 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
     return photons.with(other, scene, classes, control, lights, use);
   }
   const PhotonPass& photonPass() const override { return photons; }
+  void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
+    visitMap(photons.caustics().map, true, visit);
+  }
 
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
@@ -69,9 +73,11 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
     if (!scattering.keepsPhotons()) return 0;
     const PhotonQuery query = photons.query(photons.caustics(), point, wi, scattering.lobes());
     BoundaryCorrection boundary{scene, sampler.fork(FORK), query.place.known, query.place.away};
+    if (out.recorder) out.recorder->beginEstimate(out.recorder->source.vertex, true);
     const GatherResult result =
         gather(photons.caustics().map, query.settings, scattering, point, wi, width * photons.scale(),
                throughput, camera, out, photons.hasEdges() ? &boundary : nullptr);
+    if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
     out.counts.causticRadii.add(result.radius, width);
     return result.merging;
   }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "recurse/core/threads/processorTime.h"
+#include "transport/density/storedPhotons.h"
 
 namespace recurse {
 
@@ -85,6 +86,9 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
     }
     ++path.depth;
     const ScatteringPoint scattering(*bsdf, hit.point);
+    if (out.recorder)
+      path.recordedVertex = out.recorder->addVertex(path.recordedStep, hit, path.ray.direction,
+                                                    scattering.lobes(), path.sharedThroughput());
     if (scattering.hasNonDelta()) addNonDelta(scene, path, hit, scattering, sampler, out);
     if (!followDelta(scene, path, hit, scattering, sampler, out)) return;
   }
@@ -114,7 +118,9 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
     for (int i = 1; i < count; ++i) {
       Sampler branch = sampler.fork(static_cast<uint32_t>(i));
       const Scatter& s = all[size_t(i)];
-      trace(scene, path.after(hit, s, passesPane(scene, scattering, s)), branch, out);
+      PathState next = path.after(hit, s, passesPane(scene, scattering, s));
+      recordStep(scattering, -path.ray.direction, s, next, out);
+      trace(scene, next, branch, out);
     }
   } else {
     float u = count > 1 ? sampler.next1D() * total : 0;
@@ -126,7 +132,9 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
     if (!russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return false;
   }
   const Scatter& s = all[size_t(next)];
+  const Vec3f wi = -path.ray.direction;
   path = path.after(hit, s, passesPane(scene, scattering, s));
+  recordStep(scattering, wi, s, path, out);
   return true;
 }
 
@@ -178,6 +186,7 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
     const std::optional<Scatter> s = scattering.scatterNonDelta(wi, Transport::RADIANCE, branch);
     if (!s) continue;
     PathState next = path.after(hit, *s);
+    recordStep(scattering, wi, *s, next, out);
     next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
     next.distance = 0;
     next.delta = next.panes = false;
@@ -214,6 +223,7 @@ void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit
   if (!s) return;
   ++path.nonDelta;
   PathState next = path.after(hit, *s);
+  recordStep(scattering, wi, *s, next, out);
   next.ray.width = next.ray.spread = 0;
   next.distance = 0;
   next.delta = next.panes = false;
@@ -222,6 +232,25 @@ void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit
   next.bsdfRay = {context, s->pdf, true};
   next.merge = MergeRatio();
   trace(scene, next, branch, out);
+}
+
+void PhotonMapping::recordStep(const ScatteringPoint& scattering, const Vec3f& wi, const Scatter& s,
+                               PathState& next, PathRadiance& out) {
+  if (!out.recorder) return;
+  const bool isDelta = s.specular();
+  next.recordedStep =
+      out.recorder->addStep({.vertex = next.recordedVertex,
+                             .event = isDelta ? PathEvent::S : PathEvent::D,
+                             .lobe = s.lobe,
+                             .direction = s.direction,
+                             .throughput = next.sharedThroughput(),
+                             .pdf = isDelta ? 0 : s.pdf,
+                             .pdfReverse = isDelta ? 0 : scattering.pdfNonDelta(s.direction, wi)});
+}
+
+void PhotonMapping::visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const {
+  visitMap(photons.caustics().map, true, visit);
+  visitMap(photons.indirect().map, false, visit);
 }
 
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {

@@ -31,6 +31,7 @@ class PhotonMapping final : public PhotonMapper {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
   std::vector<EstimatorDomain> domains() const override;
   bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
+  void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
 
  private:
   /** Whether paths decide by themselves where to read the map of indirect light. */
@@ -52,6 +53,9 @@ class PhotonMapping final : public PhotonMapper {
   /** Of the light that a whole path would find: what photons left to this one, at the most. What they leave
    * to rays alone counts in full, and each of fewer paths would be a firefly. */
   float partToFind(const PathState& path) const { return photons.leavesLightToRays() ? 1 : path.part; }
+  /** Tells a recorder, where there is one, of the step to `next` from unit `wi`. */
+  static void recordStep(const ScatteringPoint& scattering, const Vec3f& wi, const Scatter& s,
+                         PathState& next, PathRadiance& out);
   /** Roulette at a non-delta surface, with the part of the light that is left to the path. */
   bool goesOn(PathState& path, Sampler& sampler) const;
   bool mayHitLight(const Scene& scene) const {

@@ -2,14 +2,26 @@
  * Emitted light that a camera path of the photon mapping estimator meets, and shadow rays.
  */
 #include "integrators/photonmap/photonMappingIntegrator.h"
+#include "transport/direct/recordedLight.h"
 
 namespace recurse {
+
+namespace {
+
+/** A further weight of what is recorded next. */
+void recordWeight(PathRadiance& out, float weight) {
+  if (out.recorder) out.recorder->source.weight *= weight;
+}
+
+} // namespace
 
 void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const Hit& hit,
                                 PathRadiance& out) const {
   const Vec3f& direction = path.ray.direction;
   Rgb radiance = emittedRadiance(scene, lights, hit, direction, directWeights(path), settings.lightSamples);
   if (isBlack(radiance)) return;
+  if (out.recorder)
+    recordHit(*out.recorder, path.recordedStep, scene, lights, hit, direction, directWeights(path), radiance);
   if (isShared(path)) {
     const LePdf pdf = photons.pdfLe(
         hit.lightIndex, *hit.areaLight,
@@ -18,8 +30,11 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
               glm::distance(path.bsdfRay.from.position, hit.point.position), out);
     return;
   }
-  if (path.nonDelta > 0 && path.delta && !settings.directLight)
-    radiance *= photons.rayWeight(scene, path.merge, hit, direction);
+  if (path.nonDelta > 0 && path.delta && !settings.directLight) {
+    const float weight = photons.rayWeight(scene, path.merge, hit, direction);
+    recordWeight(out, weight);
+    radiance *= weight;
+  }
   addLight(path, radiance, out);
 }
 
@@ -30,6 +45,8 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
     Rgb radiance =
         environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
     if (isBlack(radiance)) continue;
+    if (out.recorder)
+      recordHit(*out.recorder, path.recordedStep, scene, lights, i, direction, directWeights(path), radiance);
     const bool mayBeSparse = path.nonDelta > 0 && !path.delta && photons.leavesLightToRays();
     if (mayBeSparse || isShared(path)) {
       const EnvironmentLight& light = *scene.environment()[i];
@@ -44,8 +61,11 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
         continue;
       }
     }
-    if (path.nonDelta > 0 && path.delta && !settings.directLight)
-      radiance *= photons.rayWeight(scene, path.merge, i, path.ray);
+    if (path.nonDelta > 0 && path.delta && !settings.directLight) {
+      const float weight = photons.rayWeight(scene, path.merge, i, path.ray);
+      recordWeight(out, weight);
+      radiance *= weight;
+    }
     addLight(path, radiance, out);
   }
 }
@@ -55,13 +75,15 @@ void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_
   const LightSampleContext& from = path.bsdfRay.from;
   const float arrivals = photons.arrivals(scene, light, pdf, path.shared.cosine, distance,
                                           lights.probability(scene.lights(), from, light));
-  out.add(out.pathClasses().lightStart(), path.camera,
-          path.shared.throughput * radiance * path.shared.share.camera(arrivals, path.shared.pdf));
+  const float weight = path.shared.share.camera(arrivals, path.shared.pdf);
+  recordWeight(out, weight);
+  out.add(out.pathClasses().lightStart(), path.camera, path.shared.throughput * radiance * weight);
 }
 
 void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
   const float share = settings.directLight ? path.lightShare : 1;
   if (!(share > 0) || isBlack(radiance)) return;
+  recordWeight(out, share);
   if (path.nonDelta == 0)
     out.addSeen(path.camera, path.sharedThroughput() * radiance * share);
   else
@@ -92,14 +114,19 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
     if (isBlack(free.value)) continue;
     const ChosenLight& chosen = choice.chosen;
     const LePdf pdf = photons.pdfLe(chosen.index, *chosen.light, light->emitted());
+    if (out.recorder)
+      recordLightSample(*out.recorder, path.recordedVertex, scattering, wi, *light, chosen.probability,
+                        settings.lightSamples, NON_DELTA_LOBES);
     if (!photons.isSparse(*chosen.light, pdf)) {
       radiance *= path.part;
-      radiance *= free.panes > 0
-                      ? share.rest
-                      : share.camera(photons.arrivals(scene, chosen.index, pdf,
-                                                      absDot(light->direction, hit.point.geometricNormal),
-                                                      light->distance, chosen.probability),
-                                     scattering.pdfNonDelta(light->direction, wi));
+      const float weight =
+          free.panes > 0 ? share.rest
+                         : share.camera(photons.arrivals(scene, chosen.index, pdf,
+                                                         absDot(light->direction, hit.point.geometricNormal),
+                                                         light->distance, chosen.probability),
+                                        scattering.pdfNonDelta(light->direction, wi));
+      recordWeight(out, weight);
+      radiance *= weight;
     }
     out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
   }

@@ -26,6 +26,7 @@ bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, S
   const Medium* medium = scene.medium(number);
   if (!medium) return true;
   const RayTransmittance transmittance(*medium, path.ray, end, sampler);
+  if (out.recorder) out.recorder->source = {.step = path.recordedStep};
   // Photons bring what media emit to where they are kept.
   if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), out);
   if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);

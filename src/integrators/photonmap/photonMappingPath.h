@@ -45,16 +45,18 @@ struct PathState {
   int nonDelta = 0;     ///< those by non-delta lobes
   float wavelength = 0; ///< as in Subpath
   // Since the last of these:
-  float distance = 0;   ///< travelled [scene units]
-  bool delta = false;   ///< by mirrors and glass, thin panes apart
-  bool panes = false;   ///< through thin panes, where shadow rays go too
-  bool byRays = true;   ///< no photons are kept there: it is the camera, or on a curve
-  float share = 1;      ///< of the indirect light there that is for this path to find
-  PhotonShare direct;   ///< the same of the direct light there
-  SharedRay shared;     ///< of light that is met at once
-  BsdfRay bsdfRay;      ///< weighs light that is met at once against shadow rays
-  MergeRatio merge;     ///< weighs light that is met by mirrors and glass against caustic photons
-  float lightShare = 1; ///< of emission that is met, where photons bring all light
+  float distance = 0;             ///< travelled [scene units]
+  bool delta = false;             ///< by mirrors and glass, thin panes apart
+  bool panes = false;             ///< through thin panes, where shadow rays go too
+  bool byRays = true;             ///< no photons are kept there: it is the camera, or on a curve
+  float share = 1;                ///< of the indirect light there that is for this path to find
+  PhotonShare direct;             ///< the same of the direct light there
+  SharedRay shared;               ///< of light that is met at once
+  BsdfRay bsdfRay;                ///< weighs light that is met at once against shadow rays
+  MergeRatio merge;               ///< weighs light that is met by mirrors and glass against caustic photons
+  float lightShare = 1;           ///< of emission that is met, where photons bring all light
+  int recordedStep = CAMERA_STEP; ///< by which the ray left, see PathRecorder
+  int recordedVertex = NOT_RECORDED; ///< the last one
 
   /** The throughput of light that photons on the way bring as well. */
   Rgb sharedThroughput() const { return throughput * part; }

@@ -30,6 +30,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
                                        const PathState& path, const Sampler& sampler,
                                        PathRadiance& out) const {
   const Vec3f wi = -path.ray.direction;
+  if (out.recorder) out.recorder->beginEstimate(path.recordedVertex, &layer == &photons.caustics());
   if (hasRecord(cache, query, scattering, point, path)) {
     const GatherSettings search = atRecord(layer, query);
     const Rgb e = cache.at(query.place.index, out.counts, [&](TransportCounts& counts) {
@@ -45,6 +46,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
     GatherResult weights;
     weights.merging = mergingWithin(search.merging, square(search.radius));
     weights.rest = search.rest;
+    if (out.recorder) out.recorder->endEstimate(search.radius, 0);
     return weights;
   }
   BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
@@ -52,6 +54,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
   const GatherResult result =
       gather(layer.map, query.settings, scattering, point, wi, path.ray.width * photons.scale(),
              path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr);
+  if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
   KernelRadii& radii = &layer == &photons.caustics() ? out.counts.causticRadii : out.counts.otherRadii;
   radii.add(result.radius, path.ray.width);
   return result;

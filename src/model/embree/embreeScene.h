@@ -76,6 +76,8 @@ class GeometryGroup {
     uint32_t object;            ///< Hit::object
   };
   const SceneGeometry& geometry(uint32_t id) const { return geometries[id]; }
+  const std::vector<SceneGeometry>& allGeometries() const { return geometries; }
+  const std::vector<Instance>& allInstances() const { return instances; }
   const Instance& instance(uint32_t id) const { return instances[id - geometries.size()]; }
   RTCScene scene() const { return tree; }
 
@@ -106,6 +108,7 @@ class EmbreeScene final : public Scene {
   void intersectBatch(std::span<const Ray> rays, Coherence coherence, std::span<Hit> hits) const override;
   void occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const override;
   size_t memoryBytes() const override { return device->bytes(); }
+  const GeometryGroup& top() const { return *groups.front(); }
 
  private:
   friend class SceneBuilder;

@@ -108,6 +108,15 @@ void addPixels(nlohmann::ordered_json& json, const Image& image) {
   json["pixels"] = encoded(image, scale);
 }
 
+std::string encodedBytes(std::span<const std::byte> bytes, size_t stride) {
+  const size_t count = bytes.size() / stride;
+  std::vector<unsigned char> planes(count * stride);
+  for (size_t i = 0; i < count; ++i)
+    for (size_t k = 0; k < stride; ++k)
+      planes[k * count + i] = static_cast<unsigned char>(bytes[i * stride + k]);
+  return base64(deflated(planes));
+}
+
 std::string htmlPage(const HtmlPage& parts, const nlohmann::ordered_json& data) {
   const auto joined = [](const std::vector<std::string_view>& texts) {
     std::string out;

@@ -3,6 +3,8 @@
  */
 #pragma once
 
+#include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,13 @@ namespace recurse {
 /** Adds "scale" and "pixels" to `json`: R, G and B as half floats times a power of two, deflated, in base 64.
  * src/report/page/pixels.js decodes them. */
 void addPixels(nlohmann::ordered_json& json, const Image& image);
+
+/** Bytes of `stride`-byte numbers in base 64, deflated: first the first byte of each, then the second ones,
+ * as they compress well among themselves. decodeNumbers() of src/report/page/pixels.js decodes them. */
+std::string encodedBytes(std::span<const std::byte> bytes, size_t stride);
+template <class T> std::string encodedNumbers(const std::vector<T>& numbers) {
+  return encodedBytes(std::as_bytes(std::span(numbers)), sizeof(T));
+}
 
 /** The parts that a page is made of. */
 struct HtmlPage {

@@ -17,6 +17,15 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+/** Numbers of a typed array, whose bytes are in the page in planes: all first ones, then all second ones. */
+async function decodeNumbers(base64, Type) {
+  const planes = await inflate(base64), stride = Type.BYTES_PER_ELEMENT, count = planes.length / stride;
+  const bytes = new Uint8Array(planes.length);
+  for (let k = 0; k < stride; ++k)
+    for (let i = 0; i < count; ++i) bytes[i * stride + k] = planes[k * count + i];
+  return new Type(bytes.buffer);
+}
+
 /** Linear RGB, pixel by pixel. In the page: all upper bytes of red, green, blue, then all lower ones. */
 async function decodeLayer(layer, pixels) {
   const bytes = await inflate(layer.pixels), out = new Float32Array(pixels * 3), unit = 2 ** -layer.scale;

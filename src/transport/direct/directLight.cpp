@@ -3,6 +3,8 @@
  */
 #include "transport/direct/directLight.h"
 
+#include "transport/direct/recordedLight.h"
+
 namespace recurse {
 
 namespace {
@@ -83,7 +85,11 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
                                          maxPanes, sampler, through, out.counts);
   if (isBlack(through.value)) return;
   Rgb density = through.lightPdf * pdf;
-  if (!light.delta && vertex.hasBsdfRay) density += through.pathPdf * vertex.pdf(light.direction);
+  const float bsdfPdf = !light.delta && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
+  if (bsdfPdf > 0) density += through.pathPdf * bsdfPdf;
+  if (out.recorder)
+    recordLightSample(*out.recorder, out.recorder->source.vertex, light, pdf, bsdfPdf,
+                      recorded::weightOf(through.lightPdf * pdf, density));
   density *= vertex.path.pathPdf;
   out.add(afterPanes(out.pathClasses(), panes), vertex.state,
           vertex.path.throughput * f * light.radiance * through.value *
@@ -111,8 +117,11 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
     } else {
       free = transmittance(scene, hit, wi, *light, nesting, maxPanes, out.counts);
     }
-    if (!isBlack(free.value))
-      out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value);
+    if (isBlack(free.value)) continue;
+    if (out.recorder)
+      recordLightSample(*out.recorder, out.recorder->source.vertex, scattering, wi, *light,
+                        choice.chosen.probability, samples, allowed);
+    out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value);
   }
 }
 

@@ -21,6 +21,7 @@
 #include "recurse/pathclasses/pathClasses.h"
 #include "recurse/transport/integrator/estimatorDomains.h"
 #include "recurse/transport/integrator/passes.h"
+#include "recurse/transport/integrator/pathRecorder.h"
 
 namespace recurse {
 
@@ -138,6 +139,8 @@ class PathRadiance {
       ++counts.nonFinite;
       return;
     }
+    if (recorder) [[unlikely]]
+      recorder->add(mask, radiance);
     sum += radiance;
     for (LayerMask rest = mask; rest != 0; rest &= rest - 1)
       layers[static_cast<size_t>(__builtin_ctzll(rest))] += radiance;
@@ -161,6 +164,7 @@ class PathRadiance {
   const std::atomic<bool>* abandon = nullptr; ///< see abandoned(); null: never
   Splatter* splatter =
       nullptr; ///< for light paths that belong to this camera path, where Integrator::splats()
+  PathRecorder* recorder = nullptr; ///< of this camera path; null: nothing is recorded
 
  private:
   const PathClasses& classes;
@@ -215,6 +219,16 @@ struct CameraPath {
  * few enough for the cache next to it. */
 constexpr size_t CAMERA_BATCH = 256;
 
+/** A photon of a map. */
+struct StoredPhoton {
+  Vec3f position;  ///< [scene units], relative to Scene::origin()
+  Vec3f direction; ///< unit, towards where it came from
+  Vec3f normal;    ///< geometric, unit, on the side that it came from
+  Rgb power;       ///< flux [W]
+  LightState state;
+  bool caustic = false; ///< of a map of caustics, where there is one
+};
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
@@ -241,6 +255,8 @@ class Integrator {
   virtual void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const {
     for (CameraPath& p : paths) backward(scene, p.ray, p.sampler, *p.out);
   }
+  /** Calls visit(photon) for each photon at a surface that the latest forward() has left in a map. */
+  virtual void visitPhotons(const std::function<void(const StoredPhoton&)>& /*visit*/) const {}
   /** Whether it renders the media of the scene. */
   virtual bool supportsMedia(const Scene&) const { return false; }
   /** Whether it renders what is made of a FIBRE: both ends of a path do not agree on its densities. */

@@ -1,7 +1,7 @@
 /** @file
  * Two references grow by batches of samples until their difference says that they are good enough.
  */
-#include "apps/commands/convergeReference.h"
+#include "apps/converge/convergeReference.h"
 
 #include <cmath>
 #include <filesystem>

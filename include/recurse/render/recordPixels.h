@@ -1,0 +1,34 @@
+/** @file
+ * Records of the camera paths of some pixels, as render() walks them.
+ */
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <span>
+
+#include "recurse/render/render.h"
+#include "recurse/transport/integrator/pathRecorder.h"
+
+namespace recurse {
+
+/** A pixel of the film, and the record of its samples. */
+struct RecordedPixel {
+  int x = 0, y = 0; ///< on the whole film, within the crop window
+  PathRecorder record;
+  /** Mean of the samples, weighted by the filter: the film's value where all are recorded and nothing
+   * splats. */
+  Rgb value() const;
+};
+
+/**
+ * Records samples [0, `count`) of each pixel: the samples of render() with the same settings, bit for bit.
+ * The integrator is new, and keeps its last photon map. `stop` ends it early. Throws Error for a pixel
+ * outside of the crop window, and where the integrator cannot render the scene.
+ */
+RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                              const RenderSettings& settings, int64_t count, std::span<RecordedPixel> pixels,
+                              const std::atomic<bool>& stop,
+                              const std::function<void(double fraction)>& progress = {});
+
+} // namespace recurse

@@ -1,0 +1,148 @@
+/** @file
+ * Record of camera paths: vertices, steps between them, density estimates, and each contribution with the
+ * technique that found it. Integrators fill it through PathRadiance::recorder.
+ */
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "recurse/core/math/rgb.h"
+#include "recurse/model/bsdf/bsdf.h"
+#include "recurse/pathclasses/pathClasses.h"
+
+namespace recurse {
+
+struct Hit;
+
+/** The technique that found a contribution. */
+enum class PathTechnique : uint8_t {
+  UNKNOWN,      ///< the integrator does not record it
+  HIT,          ///< a ray met light
+  LIGHT_SAMPLE, ///< a shadow ray to a point of a light
+  CONNECTION,   ///< a connection to a vertex of a light path
+  MERGE         ///< a density estimate from photons
+};
+
+/** Name of a technique: "hit", "light sample". */
+const char* techniqueName(PathTechnique technique);
+
+/** Index that stands for the camera. */
+constexpr int CAMERA_STEP = -1;
+/** Index of nothing. */
+constexpr int NOT_RECORDED = -1;
+
+/** A point where a camera path scatters. */
+struct RecordedVertex {
+  int step = CAMERA_STEP;             ///< by which the path arrived
+  Vec3f position{0};                  ///< [scene units], relative to Scene::origin()
+  Vec3f normal{0};                    ///< geometric, unit, towards the camera's side; zero in a medium
+  uint32_t object = 0;                ///< see Scene::objectName()
+  const Material* material = nullptr; ///< null in a medium
+  bool inMedium = false;
+  LobeSet lobes = NO_LOBE; ///< of the BSDF
+  Rgb throughput{1};       ///< that arrives
+};
+
+/** A direction in which a path left a vertex. */
+struct RecordedStep {
+  int vertex = NOT_RECORDED;
+  PathEvent event = PathEvent::D;
+  LobeSet lobe = NO_LOBE;
+  Vec3f direction{0};   ///< unit
+  Rgb throughput{1};    ///< after the event
+  float pdf = 0;        ///< of the direction [1/sr]; 0: a delta lobe
+  float pdfReverse = 0; ///< of the opposite walk, from the light's side [1/sr]; 0: a delta lobe
+};
+
+/** A density estimate at a vertex. */
+struct RecordedEstimate {
+  int vertex = NOT_RECORDED;
+  bool caustic = false; ///< from photons of caustics
+  float radius = 0;     ///< of the kernel's support [scene units]
+  int photons = 0;      ///< in the support
+};
+
+/** Where a contribution comes from. */
+struct RecordedSource {
+  PathTechnique technique = PathTechnique::UNKNOWN;
+  int vertex = NOT_RECORDED;   ///< of shadow rays, connections and merges
+  int step = CAMERA_STEP;      ///< of hits: by which the ray left
+  int estimate = NOT_RECORDED; ///< of merges
+  Vec3f end{0};                ///< point of the light, or unit direction to it where `isInfinite`
+  bool isInfinite = false;
+  float weight = 1;   ///< among all techniques that can make the path
+  float pdf = 0;      ///< of this technique [1/sr]; 0: a delta distribution, or not known
+  float otherPdf = 0; ///< of the other one of a pair, light sample or hit [1/sr]; 0: it cannot make the path
+};
+
+struct RecordedContribution {
+  RecordedSource source;
+  LayerMask classes = 0; ///< of the path
+  Rgb radiance{0};       ///< times the weight and the throughput
+};
+
+/** A camera path with all its branches: its first vertex, step, estimate and contribution of the record; what
+ * follows up to those of the next sample is its own. */
+struct RecordedSample {
+  uint32_t index = 0; ///< of the pixel's samples
+  Vec2f film{0};      ///< [pixels]
+  Vec3f origin{0}, direction{0};
+  float filterWeight = 1;
+  float rayWeight = 1; ///< of the camera
+  /** Radiance that the film got: the sum of the contributions times `rayWeight`, unless the film clamps it or
+   * changes its white. */
+  Rgb total{0};
+  size_t firstVertex = 0, firstStep = 0, firstEstimate = 0, firstContribution = 0;
+};
+
+/** Record of some samples. Used by one thread. */
+class PathRecorder {
+ public:
+  /** Starts the record of a sample. */
+  void beginSample(RecordedSample sample);
+  /** Ends it. */
+  void endSample(const Rgb& total) { recordedSamples.back().total = total; }
+
+  /** Adds a vertex and returns its index; light samples and merges that follow are its own. */
+  int addVertex(const RecordedVertex& vertex);
+  /** The same of a surface, met by a ray of unit `direction`. */
+  int addVertex(int step, const Hit& hit, const Vec3f& direction, LobeSet lobes, const Rgb& throughput);
+  /** Adds a step and returns its index. */
+  int addStep(const RecordedStep& step);
+  /** Starts a density estimate at a vertex, which contributions that follow come from. */
+  void beginEstimate(int vertex, bool caustic);
+  /** Ends it. */
+  void endEstimate(float radius, int photons);
+  /** Adds a contribution from `source`. */
+  void add(LayerMask classes, const Rgb& radiance) {
+    recordedContributions.push_back({source, classes, radiance});
+  }
+
+  RecordedSource source; ///< of the next contributions
+
+  const std::vector<RecordedSample>& samples() const { return recordedSamples; }
+  const std::vector<RecordedVertex>& vertices() const { return recordedVertices; }
+  const std::vector<RecordedStep>& steps() const { return recordedSteps; }
+  const std::vector<RecordedEstimate>& estimates() const { return recordedEstimates; }
+  const std::vector<RecordedContribution>& contributions() const { return recordedContributions; }
+  /** One past the last contribution of a sample. */
+  size_t endContribution(size_t sample) const {
+    return sample + 1 < recordedSamples.size() ? recordedSamples[sample + 1].firstContribution
+                                               : recordedContributions.size();
+  }
+
+  /** Events up to and including a step, the last one first, as path expressions write them: "DS" where the
+   * camera sees a diffuse surface in a mirror. */
+  std::string letters(int step) const;
+
+ private:
+  std::vector<RecordedSample> recordedSamples;
+  std::vector<RecordedVertex> recordedVertices;
+  std::vector<RecordedStep> recordedSteps;
+  std::vector<RecordedEstimate> recordedEstimates;
+  std::vector<RecordedContribution> recordedContributions;
+};
+
+} // namespace recurse

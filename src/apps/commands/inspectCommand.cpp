@@ -1,0 +1,151 @@
+/** @file
+ * `recurse inspect`: a page of a scene in 3D with the paths of pixels and the photons.
+ */
+#include <algorithm>
+
+#include "apps/commands/commands.h"
+#include "apps/options/optionText.h"
+#include "apps/options/renderOptions.h"
+#include "apps/run/outputFiles.h"
+#include "recurse/core/io/atomicFile.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/report/inspect/inspect.h"
+#include "recurse/report/stills/stills.h"
+
+namespace recurse::apps {
+
+namespace {
+
+struct InspectOptions {
+  RenderOptions render;
+  std::string output;
+  std::vector<std::string> pixels, classes;
+  std::string pathSamples = "16", shownPhotons = "100k";
+};
+
+/** Of the grid of pixels that are recorded unless others are asked for. */
+constexpr int GRID_COLUMNS = 6, GRID_ROWS = 4;
+
+int wholeNumber(const std::string& text) {
+  return static_cast<int>(parseCount("--pixel", text, 0, (1 << 30) - 1));
+}
+
+std::vector<RecordedPixel> pixelsOf(const InspectOptions& o, const PixelBounds& crop) {
+  std::vector<RecordedPixel> pixels;
+  for (const std::string& text : o.pixels) {
+    const std::vector<std::string> parts = split(text, ',');
+    if (parts.size() != 2) badUsage("--pixel: " + text + " is not X,Y");
+    RecordedPixel pixel;
+    pixel.x = wholeNumber(parts[0]);
+    pixel.y = wholeNumber(parts[1]);
+    if (pixel.x < crop.x0 || pixel.x >= crop.x1 || pixel.y < crop.y0 || pixel.y >= crop.y1)
+      badUsage("--pixel: " + text + " is not in the picture, whose pixels are " + std::to_string(crop.x0) +
+               "," + std::to_string(crop.y0) + " to " + std::to_string(crop.x1 - 1) + "," +
+               std::to_string(crop.y1 - 1));
+    pixels.push_back(std::move(pixel));
+  }
+  if (!pixels.empty()) return pixels;
+  const int columns = std::min(GRID_COLUMNS, crop.width()), rows = std::min(GRID_ROWS, crop.height());
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      RecordedPixel pixel;
+      pixel.x = crop.x0 + (2 * i + 1) * crop.width() / (2 * columns);
+      pixel.y = crop.y0 + (2 * j + 1) * crop.height() / (2 * rows);
+      pixels.push_back(std::move(pixel));
+    }
+  return pixels;
+}
+
+PathClasses classesOf(const InspectOptions& o, const Scene& scene) {
+  std::vector<PathClass> classes;
+  for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
+  if (classes.empty()) classes = defaultStillClasses(scene.hasMedia());
+  return PathClasses(planStills(classes).classes);
+}
+
+ExitStatus inspectScene(const InspectOptions& o) {
+  const RenderPlan plan = o.render.plan();
+  const int64_t samples = parseCount("--path-samples", o.pathSamples, 1, 100000);
+  const auto photons = static_cast<size_t>(parseCount("--shown-photons", o.shownPhotons, 0, 100000000));
+  checkFileWritable(o.output);
+  if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
+  const ThreadPool pool(plan.threads);
+  LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
+  requireDistinctFiles({{"-o", o.output}, {"--stats", o.render.statistics}},
+                       inputFiles("a file of the scene", loaded.files));
+  const Scene& scene = *loaded.scene;
+  const PathClasses classes = classesOf(o, scene);
+  Inspection inspection;
+  inspection.pixels = pixelsOf(o, scene.film().crop);
+
+  std::string statistics;
+  {
+    const Rendering rendering(loaded, PathClasses(), plan, o.render);
+    if (rendering.interrupted()) return ExitStatus::INTERRUPTED;
+    const RenderReport report = rendering.report("recurse inspect");
+    inspection.picture = pictureOf(rendering.film(), report);
+    inspection.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
+                       " samples per pixel";
+    statistics = statisticsJson(report);
+  }
+  replaceIntegrator(loaded, o.render.integrator, o.render.lenient);
+  const GracefulStop graceful;
+  const RenderStatistics recorded = recordPixels(scene, *loaded.integrator, classes, plan.settings(scene),
+                                                 samples, inspection.pixels, graceful.flag());
+  if (graceful.flag()) return ExitStatus::INTERRUPTED;
+  inspection.photons = photonsOf(*loaded.integrator, photons, inspection.photonsInMap);
+  inspection.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  const std::string page = inspectPage(scene, classes, inspection);
+  writeFileAtomically(o.output, page);
+  if (!o.render.statistics.empty()) writeFileAtomically(o.render.statistics, statistics);
+  if (!o.render.quiet)
+    say("recorded: " + std::to_string(inspection.pixels.size()) + " pixels, " +
+        std::to_string(inspection.photons.size()) + " of " + std::to_string(inspection.photonsInMap) +
+        " photons of " + std::to_string(recorded.forwardPasses) + " passes\nwritten: " + o.output + ", " +
+        bytesText(double(page.size())) + "\n");
+  return ExitStatus::DONE;
+}
+
+} // namespace
+
+void addInspectCommand(CLI::App& app, Command& chosen) {
+  auto options = std::make_shared<InspectOptions>();
+  InspectOptions& o = *options;
+  CLI::App* command =
+      app.add_subcommand("inspect", "Make a page of a scene in 3D with the paths of pixels and the photons");
+  o.render.addSceneTo(*command);
+  command->add_option("-o,--output", o.output, "Page to write, .html")->required()->type_name("FILE");
+  command
+      ->add_option("--pixel", o.pixels,
+                   "A pixel whose paths are recorded, several allowed (default: a grid of 24)")
+      ->type_name("X,Y")
+      ->expected(1)
+      ->take_all();
+  command
+      ->add_option("--path-samples", o.pathSamples, "Samples that are recorded of each pixel (default: 16)")
+      ->type_name("N");
+  command
+      ->add_option("--shown-photons", o.shownPhotons,
+                   "Most photons of the integrator's last map that are shown (default: 100k)")
+      ->type_name("N");
+  command
+      ->add_option("--class", o.classes,
+                   "A class of paths, such as caustic=LS+DE, several allowed; see 'recurse classes' "
+                   "(default: those of 'recurse stills')")
+      ->type_name("NAME=EXPR")
+      ->expected(1)
+      ->take_all();
+  o.render.addTo(*command);
+  command->footer(
+      "The page needs no network. A click on a marked pixel of the picture draws the paths that the\n"
+      "integrator sampled for it, coloured by class, with a table of their vertices and contributions.\n"
+      "A click on a surface collects the photons around it and works the estimate out again.\n\n"
+      "Examples:\n"
+      "  recurse inspect scene.pbrt -o look.html\n"
+      "  recurse inspect scene.pbrt -o look.html --integrator path --pixel 100,80 --pixel 20,7\n"
+      "  recurse inspect scene.pbrt -o look.html --shown-photons 1M --spp 4");
+  command->callback([options, &chosen] { chosen = [options] { return inspectScene(*options); }; });
+}
+
+} // namespace recurse::apps

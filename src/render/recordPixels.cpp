@@ -1,0 +1,56 @@
+/** @file
+ * Records of pixels, pass by pass.
+ */
+#include "recurse/render/recordPixels.h"
+
+#include <algorithm>
+
+#include "recurse/core/io/error.h"
+#include "render/sampleRenderer.h"
+
+namespace recurse {
+
+namespace {
+
+void requireWithin(const PixelBounds& bounds, std::span<const RecordedPixel> pixels) {
+  for (const RecordedPixel& p : pixels)
+    if (p.x < bounds.x0 || p.x >= bounds.x1 || p.y < bounds.y0 || p.y >= bounds.y1)
+      throw Error("pixel " + std::to_string(p.x) + "," + std::to_string(p.y) + " is not in the picture, of " +
+                      std::to_string(bounds.x0) + "," + std::to_string(bounds.y0) + " to " +
+                      std::to_string(bounds.x1 - 1) + "," + std::to_string(bounds.y1 - 1),
+                  ExitStatus::BAD_USAGE);
+}
+
+} // namespace
+
+Rgb RecordedPixel::value() const {
+  Rgbd sum(0);
+  double weights = 0;
+  for (const RecordedSample& s : record.samples()) {
+    sum += Rgbd(s.total) * double(s.filterWeight);
+    weights += double(s.filterWeight);
+  }
+  return weights != 0 ? Rgb(sum / weights) : BLACK;
+}
+
+RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                              const RenderSettings& settings, int64_t count, std::span<RecordedPixel> pixels,
+                              const std::atomic<bool>& stop,
+                              const std::function<void(double fraction)>& progress) {
+  requireWithin(scene.film().crop, pixels);
+  Film film(scene.film().crop, classes.layerCount());
+  SampleRenderer renderer(scene, integrator, classes, settings, film, {});
+  const int64_t end = std::min(count, renderer.samples());
+  ForwardControl control;
+  control.stop = &stop;
+  for (int64_t pass = 0; renderer.passBegin(pass) < end; ++pass) {
+    const int64_t first = renderer.passBegin(pass), last = std::min(renderer.passEnd(pass), end);
+    if (!renderer.shootPass(pass, false, control)) break;
+    for (RecordedPixel& p : pixels)
+      renderer.recordSamples(p.x, p.y, uint64_t(first), uint64_t(last), p.record);
+    if (progress) progress(double(last) / double(end));
+  }
+  return renderer.statistics;
+}
+
+} // namespace recurse

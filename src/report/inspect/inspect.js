@@ -1,0 +1,132 @@
+// The page of light in a scene: joins the scene, the paths of pixels and the photons.
+
+async function decodeMesh(mesh) {
+  return { ...mesh, positions: await decodeNumbers(mesh.positions, Float32Array),
+    colours: await decodeNumbers(mesh.colours, Uint8Array), objects: await decodeNumbers(mesh.objects, Uint16Array) };
+}
+
+async function decodePhotons(photons) {
+  return { ...photons, positions: await decodeNumbers(photons.positions, Float32Array),
+    powers: await decodeNumbers(photons.powers, Float32Array), normals: await decodeNumbers(photons.normals, Int8Array),
+    directions: await decodeNumbers(photons.directions, Int8Array), kinds: await decodeNumbers(photons.kinds, Uint8Array) };
+}
+
+/** The picture with a mark on each recorded pixel. */
+class Picture {
+  constructor(data, values, choose) {
+    this.data = data;
+    const { width, height, exposure } = data.picture;
+    this.plain = document.createElement("canvas");
+    paint(this.plain, values, width, height, exposure);
+    this.scale = Math.max(1, Math.round(640 / width));
+    Object.assign(element("picture"), { width: width * this.scale, height: height * this.scale });
+    element("picture").addEventListener("click", (event) => {
+      const pixel = this.nearest(event);
+      if (pixel) choose(pixel);
+    });
+    this.draw(null);
+  }
+
+  /** The middle of a pixel on the canvas. */
+  place(pixel) {
+    return [pixel.x - this.data.picture.x0 + 0.5, pixel.y - this.data.picture.y0 + 0.5].map((x) => x * this.scale);
+  }
+
+  nearest(event) {
+    const canvas = element("picture"), box = canvas.getBoundingClientRect();
+    const zoom = Math.min(box.width / canvas.width, box.height / canvas.height);
+    const x = (event.clientX - box.left - (box.width - canvas.width * zoom) / 2) / zoom;
+    const y = (event.clientY - box.top - (box.height - canvas.height * zoom) / 2) / zoom;
+    const away = (pixel) => Math.hypot(this.place(pixel)[0] - x, this.place(pixel)[1] - y);
+    return [...this.data.pixels].sort((a, b) => away(a) - away(b))[0];
+  }
+
+  draw(chosen, marks = true) {
+    const canvas = element("picture"), context = canvas.getContext("2d");
+    context.imageSmoothingEnabled = false;
+    context.drawImage(this.plain, 0, 0, canvas.width, canvas.height);
+    if (!marks) return;
+    for (const pixel of this.data.pixels) {
+      const [x, y] = this.place(pixel), size = pixel === chosen ? 9 : 5;
+      for (const [style, width] of [["#000", 7], [pixel === chosen ? "#f0b45a" : "#fff", 3]]) {
+        context.strokeStyle = style;
+        context.lineWidth = width;
+        context.strokeRect(x - size, y - size, 2 * size, 2 * size);
+      }
+    }
+  }
+}
+
+/** Clicks that are no drags. */
+function onClick(canvas, act) {
+  let down = null;
+  canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
+  canvas.addEventListener("pointerup", (event) => {
+    const moved = down ? Math.hypot(event.clientX - down[0], event.clientY - down[1]) : Infinity;
+    down = null;
+    if (moved < 4 && event.button === 0) act(event);
+  });
+}
+
+function connect(data, view, photonView) {
+  element("wire").addEventListener("input", () => view.setWireFrame(element("wire").checked));
+  element("opacity").addEventListener("input", () => view.setOpacity(Number(element("opacity").value)));
+  const cut = () => {
+    view.cut(element("cutAxis").value, Number(element("cut").value), element("cutTurned").checked);
+    photonView.draw();
+  };
+  for (const name of ["cutAxis", "cut", "cutTurned"]) element(name).addEventListener("input", cut);
+  for (const button of document.querySelectorAll("#views button"))
+    button.addEventListener("click", () => {
+      // From above and from the sides a room is seen without its near half.
+      const { axis, isTurned } = view.look(button.dataset.view);
+      element("cutAxis").value = axis;
+      element("cut").value = 0;
+      element("cutTurned").checked = isTurned;
+      cut();
+    });
+  onClick(element("view"), (event) => {
+    const hit = view.pick(event.clientX, event.clientY);
+    element("where").textContent = hit
+      ? `${hit.name}: ${hit.point.toArray().map((x, k) => numberText(x + data.origin[k])).join("  ")}` : "";
+    if (hit) photonView.pick(hit);
+  });
+}
+
+function remarks(data, mesh) {
+  const texts = [];
+  if (mesh.triangles < mesh.before) texts.push(`Simplified: ${mesh.triangles} of ${mesh.before} triangles.`);
+  if (mesh.boxes.length > 0) texts.push(`Shown as boxes: ${mesh.boxes.length} shapes without faces.`);
+  element("simplified").hidden = texts.length === 0;
+  element("simplified").textContent = texts.join(" ");
+}
+
+async function start() {
+  const data = JSON.parse(element("data").textContent);
+  element("title").textContent = data.title;
+  element("label").textContent = data.label;
+  const values = await decodeLayer(data.picture, data.picture.width * data.picture.height);
+  const mesh = await decodeMesh(data.mesh), photons = await decodePhotons(data.photons);
+  let paths = null;
+  const choose = (pixel) => {
+    paths.show(pixel);
+    picture.draw(pixel);
+  };
+  const picture = new Picture(data, values, choose);
+  picture.draw(null, false); // the picture of the frustum has no marks
+  const view = new SceneView(data, mesh);
+  view.renderer.render(view.scene, view.camera);
+  paths = new PathView(view, data);
+  const photonView = new PhotonView(view, data, photons);
+  connect(data, view, photonView);
+  remarks(data, mesh);
+  picture.draw(null);
+  if (data.pixels.length > 0) choose(data.pixels[Math.floor(data.pixels.length / 2)]);
+  document.body.dataset.ready = "yes";
+}
+
+start().catch((error) => {
+  element("failure").hidden = false;
+  element("failure").textContent = `The page cannot be shown: ${error.message ?? error}`;
+  throw error;
+});

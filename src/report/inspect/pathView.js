@@ -1,0 +1,269 @@
+// The recorded paths of a pixel: drawn in the scene, listed, filtered by class and by expression. The columns of the
+// lists in the page's data are those of inspectPage.cpp.
+
+const CLASS_COLOURS = ["#ffd166", "#4fa3ff", "#ff6b6b", "#5fd38d", "#c792ea", "#ff9f43", "#54d6d6", "#e75fa9", "#a3c644",
+  "#8f9bff", "#d9a066", "#66bb6a", "#b0bec5", "#ef5da8", "#7fdbff", "#c0ca33"];
+const NO_CLASS = 127;
+const classColour = (i) => i === NO_CLASS ? "#9aa2b1" : CLASS_COLOURS[i % CLASS_COLOURS.length];
+
+/** A path expression of letters, ( ) | * + ? and . as a regular expression for whole words; null: it is none. */
+function expressionOf(text) {
+  if (!/^[LSDVE().|*+?{},0-9 ]*$/.test(text)) return null;
+  try {
+    return new RegExp(`^(?:${text.replaceAll(" ", "").replaceAll(".", "[SDV]")})$`);
+  } catch {
+    return null;
+  }
+}
+
+/** What photons may have done before the place where they are merged: up to four events. */
+const PREFIXES = (() => {
+  const all = [""];
+  for (let i = 0; all[i].length < 4; ++i) all.push(`${all[i]}S`, `${all[i]}D`);
+  return all;
+})();
+
+/** The paths of one pixel: objects of what the page has as lists. */
+class PixelPaths {
+  constructor(pixel, names, classes) {
+    Object.assign(this, { pixel, names, classes });
+    this.paths = pixel.contributions.map((c, i) => this.path(c, i));
+    this.paths.sort((a, b) => b.brightness - a.brightness);
+  }
+
+  path([technique, vertex, step, estimate, end, isInfinite, weight, pdf, otherPdf, cls, radiance], i) {
+    const sample = this.pixel.samples.findIndex(([first, last]) => i >= first && i < last);
+    const found = { technique: this.names[technique], end, isInfinite, weight, pdf, otherPdf, cls, radiance, sample,
+      estimate: this.pixel.estimates[estimate] };
+    const last = found.technique === "hit" || vertex < 0 ? (this.pixel.steps[step]?.[0] ?? -1) : vertex;
+    found.steps = this.stepsTo(found.technique === "hit" ? step : this.pixel.vertices[last]?.[0] ?? -1);
+    found.vertices = this.verticesTo(last);
+    found.word = this.word(found);
+    found.brightness = luminance(...radiance) / this.pixel.samples.length;
+    return found;
+  }
+
+  /** From the camera on. */
+  stepsTo(step) {
+    const out = [];
+    for (; step >= 0; step = this.pixel.vertices[this.pixel.steps[step][0]][0]) out.unshift(this.pixel.steps[step]);
+    return out;
+  }
+
+  verticesTo(vertex) {
+    const out = [];
+    while (vertex >= 0) {
+      out.unshift(this.pixel.vertices[vertex]);
+      const step = this.pixel.vertices[vertex][0];
+      vertex = step < 0 ? -1 : this.pixel.steps[step][0];
+    }
+    return out;
+  }
+
+  /** L, the events in the light's order, E; what photons did before is an ellipsis. */
+  word({ technique, steps, vertices }) {
+    const letters = steps.map((s) => s[1]).reverse().join(""), at = vertices.at(-1)?.[5] ? "V" : "D";
+    if (technique === "hit") return `L${letters}E`;
+    if (technique === "light sample") return `L${at}${letters}E`;
+    if (technique === "merge") return `L…${at}${letters}E`;
+    return "L…E";
+  }
+
+  /** Whether some path of this word and class is in an expression. */
+  matches(path, expression) {
+    if (!path.word.includes("…")) return expression.test(path.word);
+    const own = path.cls === NO_CLASS ? null : expressionOf(this.classes[path.cls].expression);
+    return PREFIXES.map((p) => path.word.replace("…", p))
+      .some((word) => expression.test(word) && (!own || own.test(word)));
+  }
+}
+
+class PathView {
+  constructor(view, data) {
+    this.view = view;
+    this.data = data;
+    this.hidden = new Set();
+    element("showPaths").addEventListener("input", () => this.draw());
+    element("sample").addEventListener("input", () => this.update());
+    element("filter").addEventListener("input", () => this.update());
+  }
+
+  show(pixel) {
+    this.pixel = pixel;
+    this.paths = new PixelPaths(pixel, this.data.names, this.data.classes);
+    this.chosen = null;
+    element("pixelName").textContent = `${pixel.x}, ${pixel.y}`;
+    const options = ["all", ...pixel.samples.keys()].map((name) => new Option(name, name));
+    element("sample").replaceChildren(...options);
+    this.listClasses();
+    this.update();
+  }
+
+  listClasses() {
+    const parts = new Map();
+    let sum = 0;
+    for (const path of this.paths.paths) {
+      parts.set(path.cls, (parts.get(path.cls) ?? 0) + path.brightness);
+      sum += path.brightness;
+    }
+    element("classes").replaceChildren(...[...parts].sort((a, b) => b[1] - a[1]).map(([cls, part]) => {
+      const item = document.createElement("li"), label = document.createElement("label");
+      const box = document.createElement("input"), text = document.createElement("span");
+      box.type = "checkbox";
+      box.checked = !this.hidden.has(cls);
+      box.addEventListener("input", () => {
+        this.hidden[box.checked ? "delete" : "add"](cls);
+        this.update();
+      });
+      text.textContent = this.data.classes[cls]?.name ?? "other";
+      text.title = this.data.classes[cls]?.expression ?? "";
+      const share = document.createElement("span");
+      share.className = "part";
+      share.textContent = sum > 0 ? `${(100 * part / sum).toFixed(1)} %` : "";
+      label.append(box, swatch(classColour(cls)), text, share);
+      item.append(label);
+      return item;
+    }));
+  }
+
+  /** The paths that the filters leave, the brightest first. */
+  shown() {
+    const text = element("filter").value.trim(), expression = text ? expressionOf(text) : null;
+    element("filter").classList.toggle("bad", text !== "" && !expression);
+    const sample = element("sample").value;
+    return this.paths.paths.filter((path) => !this.hidden.has(path.cls)
+      && (sample === "all" || path.sample === Number(sample)) && (!expression || this.paths.matches(path, expression)));
+  }
+
+  update() {
+    if (!this.pixel) return;
+    this.list = this.shown();
+    if (!this.list.includes(this.chosen)) this.chosen = null;
+    const sum = this.list.reduce((s, path) => s + path.brightness, 0), all = luminance(...this.pixel.value);
+    element("pathStatus").textContent = `${this.list.length} of ${this.paths.paths.length} contributions of `
+      + `${this.pixel.samples.length} samples: ${formatValue(sum)} of the pixel's ${formatValue(all)} in luminance`;
+    this.fillContributions();
+    this.draw();
+  }
+
+  fillContributions() {
+    const MOST = 200, table = element("contributions");
+    table.replaceChildren();
+    addRow(table, ["class", "path", "technique", "sample", "weight", "luminance"], "th");
+    for (const path of this.list.slice(0, MOST)) {
+      const name = document.createElement("span");
+      name.append(swatch(classColour(path.cls)), ` ${this.data.classes[path.cls]?.name ?? "other"}`);
+      const row = addRow(table, [name, path.word, path.technique, path.sample, numberText(path.weight),
+        numberText(path.brightness)]);
+      row.addEventListener("click", () => this.choose(path === this.chosen ? null : path));
+      row.path = path;
+    }
+    this.markChosen();
+  }
+
+  choose(path) {
+    this.chosen = path;
+    this.markChosen();
+    this.draw();
+  }
+
+  markChosen() {
+    for (const row of element("contributions").rows) row.classList.toggle("chosen", !!row.path && row.path === this.chosen);
+    element("chosen").hidden = !this.chosen;
+    if (this.chosen) this.fillVertices(this.chosen);
+  }
+
+  /** One row for each vertex from the camera on, and one for the end at the light or the photons. */
+  fillVertices(path) {
+    const table = element("vertices"), sample = this.pixel.samples[path.sample], world = (p) => p.map((x, k) =>
+      numberText(x + this.data.origin[k])).join(" "), colour = (c) => c.map(numberText).join(" ");
+    element("word").textContent = path.word;
+    table.replaceChildren();
+    addRow(table, ["", "object", "material", "lobe", "throughput", "pdf", "reverse pdf", "position"], "th");
+    addRow(table, ["E", "camera", "", "", "1", "", "", world(sample[2])]);
+    path.vertices.forEach((v, i) => {
+      const step = path.steps[i];
+      const letter = step ? step[1] : v[5] ? "V" : "D";
+      addRow(table, [letter, this.data.names[v[3]], this.data.names[v[4]], step ? this.data.names[step[2]] : "",
+        colour(v[6]), step ? numberText(step[3]) : "", step ? numberText(step[4]) : "", world(v[1])]);
+    });
+    const e = path.estimate;
+    const what = e ? `${e[3]} photons within ${numberText(e[2])}` : path.technique;
+    const place = e ? "" : path.isInfinite ? `towards ${path.end.map(numberText).join(" ")}` : world(path.end);
+    addRow(table, ["L", what, "", `weight ${numberText(path.weight)}`, colour(path.radiance), numberText(path.pdf),
+      path.otherPdf > 0 ? `other ${numberText(path.otherPdf)}` : "", place]);
+  }
+
+  /** The points of a path from the camera on. */
+  pointsOf(path) {
+    const sample = this.pixel.samples[path.sample], points = [vector(sample[2])];
+    for (const v of path.vertices) points.push(vector(v[1]));
+    if (path.isInfinite) points.push(points.at(-1).clone().addScaledVector(vector(path.end), this.data.radius));
+    else if (path.technique === "hit" || path.technique === "light sample") points.push(vector(path.end));
+    return points;
+  }
+
+  draw() {
+    const group = new THREE.Group(), R = this.data.radius, segments = [];
+    const paths = !this.pixel || !element("showPaths").checked ? [] : this.chosen ? [this.chosen] : this.list;
+    const brightest = Math.max(1e-30, ...paths.map((path) => path.brightness));
+    for (const path of paths) {
+      const colour = new THREE.Color(classColour(path.cls)), points = this.pointsOf(path);
+      const radius = R * (0.0006 + 0.004 * Math.sqrt(path.brightness / brightest));
+      for (let i = 1; i < points.length; ++i) segments.push([points[i - 1], points[i], radius, colour, i === 1]);
+      if (path.estimate) group.add(this.ring(path, colour));
+    }
+    if (segments.length > 0) {
+      const geometry = tubes(segments);
+      const mesh = (more) => new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ vertexColors: THREE.VertexColors, ...more }));
+      // What walls hide is seen through them.
+      group.add(mesh({}), mesh({ depthTest: false, transparent: true, opacity: 0.3 }));
+      group.add(this.dots(paths));
+    }
+    element("view").dataset.segments = segments.length;
+    this.view.replace("paths", group);
+  }
+
+  /** The support of a density estimate. */
+  ring(path, colour) {
+    const [, position, normal] = path.vertices.at(-1), points = [];
+    const frame = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), vector(normal));
+    for (let i = 0; i <= 48; ++i) {
+      const a = 2 * Math.PI * i / 48;
+      points.push(new THREE.Vector3(Math.cos(a), Math.sin(a), 0).multiplyScalar(path.estimate[2])
+        .applyQuaternion(frame).add(vector(position)).addScaledVector(vector(normal), 0.002 * this.data.radius));
+    }
+    return new THREE.Line(new THREE.BufferGeometry().setFromPoints(points), new THREE.LineBasicMaterial({ color: colour }));
+  }
+
+  dots(paths) {
+    const points = paths.flatMap((path) => this.pointsOf(path).slice(1));
+    return new THREE.Points(new THREE.BufferGeometry().setFromPoints(points),
+      new THREE.PointsMaterial({ color: 0xffffff, size: 4, sizeAttenuation: false }));
+  }
+}
+
+function swatch(colour) {
+  const out = document.createElement("span");
+  out.className = "swatch";
+  out.style.background = colour;
+  return out;
+}
+
+function addRow(table, cells, tag = "td") {
+  const row = table.insertRow();
+  cells.forEach((content, i) => {
+    const cell = document.createElement(tag);
+    cell.append(content);
+    if (i < 3) cell.className = "left";
+    row.append(cell);
+  });
+  return row;
+}
+
+/** Three digits. */
+function numberText(x) {
+  if (x === null || x === undefined || !Number.isFinite(x)) return "–";
+  if (x === 0) return "0";
+  return Math.abs(x) < 1e-3 || Math.abs(x) >= 1e5 ? x.toExponential(2) : String(Number(x.toPrecision(4)));
+}

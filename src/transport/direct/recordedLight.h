@@ -1,0 +1,72 @@
+/** @file
+ * Hits of lights and shadow rays, as a PathRecorder is told of them.
+ */
+#pragma once
+
+#include "recurse/transport/integrator/pathRecorder.h"
+#include "transport/direct/directLight.h"
+
+namespace recurse {
+
+namespace recorded {
+
+/** The weight that a technique gave: what it made of the radiance. */
+inline float weightOf(const Rgb& weighted, const Rgb& whole) {
+  const float largest = maxComponent(whole);
+  return largest > 0 ? maxComponent(weighted) / largest : 0;
+}
+
+} // namespace recorded
+
+/** Sets the source of a contribution: a ray that left by `step` met an area light. `weighted`: its radiance
+ * times the weight. */
+inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, const LightSampler& lights,
+                      const Hit& hit, const Vec3f& direction, const BsdfRay& ray, const Rgb& weighted) {
+  RecordedSource& s = recorder.source;
+  s = {.technique = PathTechnique::HIT, .vertex = s.vertex, .step = step, .end = hit.point.position};
+  s.weight = recorded::weightOf(weighted, hit.areaLight->radiance(hit.point, -direction));
+  if (!ray.weighted) return;
+  s.pdf = ray.pdf;
+  s.otherPdf = lights.probability(scene.lights(), ray.from, hit.lightIndex) *
+               hit.areaLight->pdfLi(ray.from.position, hit.primitive, hit.point);
+}
+
+/** The same for a ray of unit `direction` that left the scene, and one of its environment lights. */
+inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, const LightSampler& lights,
+                      size_t which, const Vec3f& direction, const BsdfRay& ray, const Rgb& weighted) {
+  RecordedSource& s = recorder.source;
+  s = {.technique = PathTechnique::HIT, .vertex = s.vertex, .step = step, .end = direction};
+  s.isInfinite = true;
+  const EnvironmentLight& light = *scene.environment()[which];
+  s.weight = recorded::weightOf(weighted, light.radiance(direction));
+  if (!ray.weighted) return;
+  s.pdf = ray.pdf;
+  s.otherPdf = lights.probability(scene.lights(), ray.from, scene.environmentIndices()[which]) *
+               lights.pdfLi(light, ray.from.position, direction);
+}
+
+/** Sets the source of a contribution: a shadow ray from `vertex` to a light. `pdf`: of all samples together,
+ * `otherPdf` of the BSDF's ray. */
+inline void recordLightSample(PathRecorder& recorder, int vertex, const LiSample& light, float pdf,
+                              float otherPdf, float weight) {
+  const bool isInfinite = !(light.distance < INFINITE);
+  recorder.source = {.technique = PathTechnique::LIGHT_SAMPLE,
+                     .vertex = vertex,
+                     .step = recorder.source.step,
+                     .end = isInfinite ? light.direction : light.target,
+                     .isInfinite = isInfinite,
+                     .weight = weight,
+                     .pdf = light.delta ? 0 : pdf,
+                     .otherPdf = light.delta ? 0 : otherPdf};
+}
+
+/** The same with the weights of unshadowedRadiance(), whose arguments these are. */
+inline void recordLightSample(PathRecorder& recorder, int vertex, const ScatteringPoint& scattering,
+                              const Vec3f& wi, const LiSample& light, float probability, int samples,
+                              LobeSet allowed) {
+  const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
+  recordLightSample(recorder, vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
+                    light.delta ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
+}
+
+} // namespace recurse

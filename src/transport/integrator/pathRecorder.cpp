@@ -1,0 +1,80 @@
+/** @file
+ * Record of camera paths.
+ */
+#include "recurse/transport/integrator/pathRecorder.h"
+
+#include "recurse/model/scene/scene.h"
+
+namespace recurse {
+
+const char* techniqueName(PathTechnique technique) {
+  switch (technique) {
+  case PathTechnique::HIT:
+    return "hit";
+  case PathTechnique::LIGHT_SAMPLE:
+    return "light sample";
+  case PathTechnique::CONNECTION:
+    return "connection";
+  case PathTechnique::MERGE:
+    return "merge";
+  case PathTechnique::UNKNOWN:
+    break;
+  }
+  return "unknown";
+}
+
+void PathRecorder::beginSample(RecordedSample sample) {
+  sample.firstVertex = recordedVertices.size();
+  sample.firstStep = recordedSteps.size();
+  sample.firstEstimate = recordedEstimates.size();
+  sample.firstContribution = recordedContributions.size();
+  recordedSamples.push_back(sample);
+  source = {};
+}
+
+int PathRecorder::addVertex(const RecordedVertex& vertex) {
+  recordedVertices.push_back(vertex);
+  return source.vertex = static_cast<int>(recordedVertices.size()) - 1;
+}
+
+int PathRecorder::addVertex(int step, const Hit& hit, const Vec3f& direction, LobeSet lobes,
+                            const Rgb& throughput) {
+  return addVertex({.step = step,
+                    .position = hit.point.position,
+                    .normal = hit.point.normalTowards(-direction),
+                    .object = hit.object,
+                    .material = hit.material,
+                    .lobes = lobes,
+                    .throughput = throughput});
+}
+
+int PathRecorder::addStep(const RecordedStep& step) {
+  recordedSteps.push_back(step);
+  return static_cast<int>(recordedSteps.size()) - 1;
+}
+
+void PathRecorder::beginEstimate(int vertex, bool caustic) {
+  recordedEstimates.push_back({.vertex = vertex, .caustic = caustic});
+  source = {.technique = PathTechnique::MERGE,
+            .vertex = vertex,
+            .estimate = static_cast<int>(recordedEstimates.size()) - 1};
+}
+
+void PathRecorder::endEstimate(float radius, int photons) {
+  recordedEstimates.back().radius = radius;
+  recordedEstimates.back().photons = photons;
+  const int vertex = source.vertex;
+  source = {.vertex = vertex};
+}
+
+std::string PathRecorder::letters(int step) const {
+  std::string out;
+  while (step != CAMERA_STEP) {
+    const RecordedStep& s = recordedSteps[size_t(step)];
+    out += "SDV"[static_cast<size_t>(s.event)];
+    step = recordedVertices[size_t(s.vertex)].step;
+  }
+  return out;
+}
+
+} // namespace recurse
