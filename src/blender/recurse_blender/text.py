@@ -5,6 +5,9 @@ import os
 import numpy as np
 
 
+MATRIX = "[ " + 16 * "%.9g " + "]"
+
+
 def number(value):
     """A number with the digits of a float."""
     return f"{float(value):.9g}"
@@ -23,7 +26,7 @@ def quoted(text):
 
 def matrix(values):
     """A matrix as Transform and ConcatTransform take it, column by column."""
-    return numbers(np.asarray(values, float).T)
+    return MATRIX % tuple(np.asarray(values, float).T.ravel().tolist())
 
 
 class Folder:
