@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "apps/commands/commands.h"
+#include "apps/help/quickStart.h"
 #include "apps/options/manual.h"
 #include "apps/options/optionText.h"
 #include "apps/options/suggestions.h"
@@ -115,6 +116,10 @@ ExitStatus run(int argc, char** argv) {
   addExplainCommand(app, chosen);
   addConvertCommand(app, chosen);
   addReferenceCommand(app, chosen);
+  if (argc <= 1) {
+    print(quickStart());
+    return ExitStatus::DONE;
+  }
   std::string manual, shell;
   app.add_option("--manual", manual, "Print a page for man: 'recurse', or the name of a subcommand")
       ->type_name("COMMAND");

@@ -30,7 +30,6 @@ TEST_F(ProgramUsage, HelpOfEverySubcommandHasExamples) {
 
 TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{}, "subcommand is required"},
       {{"rendre", "scene.pbrt"}, "did you mean render?"},
       {{"rendr", "scene.pbrt", "--spp", "4"}, "did you mean render?"},
       {{"render"}, "required"},
@@ -43,7 +42,6 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
       {{"render", "scene.pbrt", "--time", "8s"}, "did you mean --time-limit"},
       {{"render", "scene.pbrt", "--samples", "8"}, "did you mean --spp"},
       {{"render", "scene.pbrt", "--depth", "8"}, "did you mean --maxdepth"},
-      {{"reference", "fog"}, "did you mean homogeneous?"},
       {{"compare", "a.exr", "b.exr", "--fail-abve=relmse=1"}, "did you mean --fail-above?"},
       {{"render", "scene.pbrt", "-o", "a.bmp2"}, ".exr .hdr .pfm .png"},
       {{"render", "scene.pbrt", "-o", "a.exr", "-o", "a.exr"}, "twice"},
@@ -82,6 +80,70 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
     EXPECT_TRUE(has(o.err, message)) << line << "\n" << o.err;
     EXPECT_TRUE(o.out.empty()) << line << o.out;
   }
+}
+
+TEST_F(ProgramUsage, WithoutArgumentsAQuickStartOfCommandsThatExist) {
+  const Outcome o = run({});
+  EXPECT_EQ(o.status, 0) << o.err;
+  std::istringstream lines(o.out);
+  int count = 0, examples = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    EXPECT_LE(line.size(), 100u) << line;
+    std::istringstream words(line);
+    std::string program, command;
+    words >> program >> command;
+    if (!line.starts_with("  recurse ")) continue;
+    ++examples;
+    const Outcome help = run({command, "--help"});
+    EXPECT_EQ(help.status, 0) << line;
+    for (std::string word; words >> word;)
+      EXPECT_TRUE(!word.starts_with("-") || has(help.out, word)) << word << " of " << line;
+  }
+  EXPECT_EQ(count, 10) << o.out;
+  EXPECT_GE(examples, 8) << o.out;
+}
+
+TEST_F(ProgramUsage, ReferenceFindsWhatAWordMeansAndTheTextsThatHaveIt) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> cases = {
+      {"fog", {"MakeNamedMedium \"homogeneous\"", "MakeNamedMedium \"uniformgrid\""}},
+      {"glass", {"Material \"dielectric\"", "Material \"thindielectric\""}},
+      {"caustics", {"Integrator \"photonmap\"", "\"bool causticsonly\""}},
+      {"lambert", {"Material \"diffuse\""}},
+      {"Phong", {"Material \"blinnphong\""}},
+      {"mirror", {"Material \"conductor\""}},
+      {"area", {"AreaLightSource \"diffuse\""}},
+      {"pinhole", {"\"float lensradius\""}},                               // a text of a parameter
+      {"espresso", {"MakeNamedMedium \"homogeneous\" \"string preset\""}}, // a value of one
+      {"finalgather", {"Integrator \"photonmap\" "}},                      // a parameter's name
+      {"WorldEn", {}},
+  };
+  for (const auto& [word, parts] : cases) {
+    const Outcome o = run({"reference", word});
+    EXPECT_EQ(o.status, parts.empty() ? 2 : 0) << word << o.err;
+    for (const std::string& part : parts) EXPECT_TRUE(has(o.out, part)) << word << "\n" << o.out;
+    std::istringstream lines(o.out);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 100u) << line;
+  }
+  // Every shape has the same opacity: that is one match.
+  const std::string alpha = run({"reference", "opacity"}).out;
+  EXPECT_EQ(alpha.find("alpha"), alpha.rfind("alpha")) << alpha;
+  const std::string two = run({"reference", "sphere", "fog"}).out;
+  EXPECT_TRUE(has(two, "\"float zmin\"") && has(two, "'fog' is probably:")) << two;
+}
+
+TEST_F(ProgramUsage, NamesOfOtherRenderersSuggestThePlugIn) {
+  write("other.pbrt",
+        scene("", "Material \"glass\"\nShape \"sphere\"\nMaterial \"lambert\"\nShape \"sphere\"\n"
+                  "LightSource \"area\"\nMakeNamedMedium \"m\" \"string type\" \"fog\"\n"
+                  "Material \"interface\"\nMediumInterface \"m\" \"\"\nShape \"sphere\"\n"));
+  const Outcome o = run({"render", "other.pbrt", "--check"});
+  EXPECT_EQ(o.status, 3);
+  for (const char* part : {"unknown Material \"glass\"; did you mean \"dielectric\" or \"thindielectric\"?",
+                           "unknown Material \"lambert\"; did you mean \"diffuse\"",
+                           "unknown LightSource \"area\"; did you mean AreaLightSource \"diffuse\"?",
+                           "\"fog\"; did you mean \"homogeneous\" or \"uniformgrid\"?"})
+    EXPECT_TRUE(has(o.err, part)) << part << "\n" << o.err;
+  EXPECT_TRUE(has(run({"render", "scene.pbrt", "--integrator", "pathtracer"}).err, "did you mean path?"));
 }
 
 TEST_F(ProgramUsage, BadScenesAreStatus3WithPlaceAndCount) {

@@ -3,6 +3,7 @@
  */
 #include "model/bsdfTesting.h"
 #include "model/shapeTesting.h"
+#include "recurse/scene/parameters/otherNames.h"
 
 using namespace recurse;
 using namespace recurse::testing;
@@ -39,6 +40,48 @@ TEST(PlugIns, EveryExampleCanBeMade) {
   Diagnostics diagnostics;
   const auto sphere = all.shapes.make(parseParameterText("sphere", ""), {}, diagnostics);
   check(all.areaLights, AreaLightContext{*sphere});
+}
+
+TEST(OtherNames, MeanPlugInsThatExistAndAreNoNamesOfTheirKind) {
+  const PlugIns& all = plugIns();
+  const auto check = [](const auto& registry, size_t& meanings) {
+    for (const OtherName& other : otherNames())
+      for (const PlugInName& meant : other.meant) {
+        if (meant.kind != registry.kind()) continue;
+        ++meanings;
+        EXPECT_TRUE(registry.find(meant.name)) << other.word << ": " << meant.kind << " " << meant.name;
+        EXPECT_FALSE(registry.find(other.word)) << other.word;
+        EXPECT_EQ(likelyNames(meant.kind, other.word, registry.names()).empty(), false) << other.word;
+      }
+  };
+  size_t found = 0, listed = 0;
+  check(all.films, found);
+  check(all.cameras, found);
+  check(all.filters, found);
+  check(all.samplers, found);
+  check(all.integrators, found);
+  check(all.shapes, found);
+  check(all.imports, found);
+  check(all.materials, found);
+  check(all.textures, found);
+  check(all.lights, found);
+  check(all.areaLights, found);
+  check(all.media, found);
+  check(all.phaseFunctions, found);
+  std::string last;
+  for (const OtherName& other : otherNames()) {
+    listed += other.meant.size();
+    EXPECT_LT(last, other.word) << "the table is sorted";
+    last = other.word;
+  }
+  EXPECT_EQ(found, listed) << "a kind is misspelt";
+}
+
+TEST(OtherNames, ComeBeforeMisspellings) {
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(likelyNames("Material", "Matte", {"diffuse", "mate"}), (Names{"diffuse", "mate"}));
+  EXPECT_EQ(likelyNames("Material", "difuse", {"diffuse"}), Names{"diffuse"});
+  EXPECT_EQ(likelyNames("Shape", "matte", {"sphere"}), Names{});
 }
 
 TEST(Filters, SamplesHaveTheFiltersMoments) {

@@ -4,11 +4,12 @@
 #include <algorithm>
 
 #include "apps/commands/commands.h"
+#include "apps/help/referenceSearch.h"
+#include "apps/help/registries.h"
 #include "apps/options/optionText.h"
 #include "apps/options/suggestions.h"
-#include "recurse/model/scene/plugIns.h"
+#include "recurse/core/io/text.h"
 #include "recurse/scene/directives/reference.h"
-#include "recurse/transport/integrator/integrator.h"
 
 namespace recurse::apps {
 
@@ -18,26 +19,6 @@ struct ReferenceOptions {
   std::vector<std::string> names;
   bool markdown = false;
 };
-
-/** Calls visit(registry) for every registry, in the order of the page. */
-template <class Visitor> void forEachRegistry(const Visitor& visit) {
-  const PlugIns& all = plugIns();
-  visit(all.films);
-  visit(all.cameras);
-  visit(all.filters);
-  visit(all.samplers);
-  visit(all.integrators);
-  visit(all.accelerators);
-  visit(all.shapes);
-  visit(all.imports);
-  visit(all.materials);
-  visit(all.textures);
-  visit(all.lights);
-  visit(all.areaLights);
-  visit(all.media);
-  visit(all.phaseFunctions);
-  visit(all.toneMaps);
-}
 
 std::string markdownPage() {
   std::string out =
@@ -71,28 +52,53 @@ std::string plainPlugIn(const std::string& kind, const PlugInInfo& plugIn) {
   return out + "\n";
 }
 
-/** Everything, or what bears one of the names: of a directive, a kind of plug-in or a plug-in. */
-std::string plainPage(const std::vector<std::string>& names) {
-  const auto wanted = [&names](const std::string& name) {
-    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-  };
-  std::string out;
-  for (const DirectiveInfo& d : directiveInfos())
-    if (wanted(d.name)) out += padded(d.name + " " + d.arguments, 50) + " " + d.summary + "\n";
-  if (!out.empty()) out += "\n";
+/** Names of directives, kinds of plug-ins and plug-ins, each with its summary. */
+std::vector<Described> knownNames() {
   std::vector<Described> known;
   for (const DirectiveInfo& d : directiveInfos()) known.emplace_back(d.name, d.summary);
   forEachRegistry([&](const auto& registry) {
     known.emplace_back(registry.kind(), "");
-    for (const auto& plugIn : registry.entries()) {
-      known.emplace_back(plugIn.name, plugIn.summary);
-      if (wanted(plugIn.name) || wanted(registry.kind())) out += plainPlugIn(registry.kind(), plugIn);
-    }
+    for (const auto& plugIn : registry.entries()) known.emplace_back(plugIn.name, plugIn.summary);
   });
-  for (const std::string& name : names)
-    if (std::none_of(known.begin(), known.end(), [&](const Described& one) { return one.first == name; }))
-      badUsage("no directive or plug-in '" + name + "'" + suggestion(name, known));
+  return known;
+}
+
+/** The directives, kinds of plug-ins and plug-ins for which wanted(name) holds. */
+template <class Wanted> std::string plainPage(const Wanted& wanted) {
+  std::string out;
+  for (const DirectiveInfo& d : directiveInfos())
+    if (wanted(d.name)) out += padded(d.name + " " + d.arguments, 50) + " " + d.summary + "\n";
+  if (!out.empty()) out += "\n";
+  forEachRegistry([&](const auto& registry) {
+    for (const auto& plugIn : registry.entries())
+      if (wanted(plugIn.name) || wanted(registry.kind())) out += plainPlugIn(registry.kind(), plugIn);
+  });
   return out;
+}
+
+/** Directives and plug-ins with one of the names in full, then search results for the words that are no
+ * names. */
+std::string answers(const std::vector<std::string>& words) {
+  const std::vector<Described> known = knownNames();
+  std::vector<std::string> names;
+  std::string found;
+  for (const std::string& word : words) {
+    const std::string lower = lowerCase(word);
+    if (std::any_of(known.begin(), known.end(),
+                    [&](const Described& one) { return lowerCase(one.first) == lower; })) {
+      names.push_back(lower);
+      continue;
+    }
+    const std::string matches = searchReference(word);
+    if (matches.empty())
+      badUsage("the reference has no directive, plug-in or text with '" + word + "'" +
+               suggestion(word, known));
+    found += (found.empty() ? "" : "\n") + matches;
+  }
+  const auto isNamed = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), lowerCase(name)) != names.end();
+  };
+  return plainPage(isNamed) + found;
 }
 
 } // namespace
@@ -102,17 +108,24 @@ void addReferenceCommand(CLI::App& app, Command& chosen) {
   CLI::App* command = app.add_subcommand(
       "reference", "Print every directive, plug-in and parameter of scene files, and tone operators");
   CLI::Option* names =
-      command->add_option("names", options->names, "Only these directives or plug-ins (default: all)")
+      command
+          ->add_option(
+              "names", options->names,
+              "Only these directives or plug-ins, or a word to search for in all texts (default: all)")
           ->type_name("NAME...");
   command->add_flag("--markdown", options->markdown, "The whole page as Markdown")->excludes(names);
-  command->footer("Examples:\n"
-                  "  recurse reference\n"
-                  "  recurse reference photonmap dielectric\n"
-                  "  recurse reference LightSource\n"
-                  "  recurse reference --markdown > reference.md");
+  command->footer(
+      "Examples:\n"
+      "  recurse reference\n"
+      "  recurse reference photonmap dielectric     two plug-ins with all parameters\n"
+      "  recurse reference LightSource              all lights\n"
+      "  recurse reference fog                      what a word means, and every text that has it\n"
+      "  recurse reference --markdown > reference.md");
   command->callback([options, &chosen] {
     chosen = [options] {
-      print(options->markdown ? markdownPage() : plainPage(options->names));
+      print(options->markdown        ? markdownPage()
+            : options->names.empty() ? plainPage([](const std::string&) { return true; })
+                                     : answers(options->names));
       return ExitStatus::DONE;
     };
   });

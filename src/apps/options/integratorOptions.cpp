@@ -9,6 +9,7 @@
 #include "apps/options/optionText.h"
 #include "recurse/core/io/error.h"
 #include "recurse/model/scene/plugIns.h"
+#include "recurse/scene/parameters/otherNames.h"
 
 namespace recurse::apps {
 
@@ -132,7 +133,7 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
   if (!entry) {
     // What the file names is an error in the file, reported with its place when the integrator is made.
     if (!named()) return out;
-    const std::vector<std::string> nearest = nearestNames(name, registry.names());
+    const std::vector<std::string> nearest = likelyNames("Integrator", name, registry.names());
     badUsage("--integrator: there is no integrator '" + name + "'" +
              (nearest.empty() ? "" : "; did you mean " + joined(nearest) + "?") +
              "; there are: " + joined(registry.names()));

@@ -3,9 +3,11 @@
  */
 #include "recurse/scene/parameters/registry.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
 
+#include "recurse/scene/parameters/otherNames.h"
 #include "scene/text/pbrt3.h"
 
 namespace recurse {
@@ -24,14 +26,27 @@ std::string pbrt4Reason(const std::string& kind, const std::string& name) {
   return NOT_YET.count(kind + " " + name) > 0 ? "of pbrt-v4 is not rendered here" : "";
 }
 
+/** '; did you mean "A" or "B"?', or plug-ins of another kind that the word means; empty where nothing is
+ * near. */
+std::string suggestion(const std::string& kind, const std::string& wrong,
+                       const std::vector<std::string>& names) {
+  constexpr size_t MOST = 3;
+  std::vector<std::string> likely = likelyNames(kind, wrong, names);
+  for (std::string& name : likely) name = "\"" + name + "\"";
+  if (likely.empty())
+    for (const PlugInName& meant : plugInsMeantBy(wrong))
+      if (meant.kind != kind) likely.push_back(meant.kind + " \"" + meant.name + "\"");
+  std::string out;
+  for (size_t i = 0; i < likely.size() && i < MOST; ++i) out += (i ? " or " : "; did you mean ") + likely[i];
+  return out.empty() ? out : out + "?";
+}
+
 } // namespace
 
 void reportUnknownPlugIn(const std::string& kind, const ParsedDirective& directive,
                          const std::vector<std::string>& names, Diagnostics& diagnostics) {
-  std::string message = "unknown " + kind + " \"" + directive.type + "\"";
-  const auto near = nearestNames(directive.type, names);
-  for (size_t i = 0; i < near.size(); ++i) message += (i ? " or \"" : "; did you mean \"") + near[i] + "\"";
-  if (!near.empty()) message += "?";
+  std::string message =
+      "unknown " + kind + " \"" + directive.type + "\"" + suggestion(kind, directive.type, names);
   if (const std::string reason = pbrt4Reason(kind, directive.type); !reason.empty())
     message = kind + " \"" + directive.type + "\" " + reason;
   if (sceneFile::pbrt3::isPlugIn(kind, directive.type)) message += " (pbrt-v3 had it)";
