@@ -30,7 +30,9 @@ class MarkingPage(OfflinePage):
         """Red, green and blue of all pixels of a canvas."""
         return browser.evaluate(
             f"(() => {{ const c = document.getElementById('{name}');"
-            "const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; const s = [0, 0, 0];"
+            "const copy = document.createElement('canvas'); copy.width = c.width; copy.height = c.height;"
+            "const context = copy.getContext('2d', { willReadFrequently: true }); context.drawImage(c, 0, 0);"
+            "const d = context.getImageData(0, 0, c.width, c.height).data; const s = [0, 0, 0];"
             "for (let i = 0; i < d.length; i += 4) for (let k = 0; k < 3; ++k) s[k] += d[i + k] * d[i + 3] / 255;"
             "return s; })()")
 

@@ -306,17 +306,24 @@ float encoded(float linear, ValueEncoding encoding) {
 }
 
 std::vector<double> nonNegativeFactors(const std::vector<double>& matrix, const std::vector<double>& vector) {
-  constexpr int SWEEPS = 100; // coordinate by coordinate; what is left after them cannot be told anyway
+  // Coordinate by coordinate; what changes less than that, or after so many sweeps, cannot be told anyway.
+  constexpr int SWEEPS = 100;
+  constexpr double LEAST_CHANGE = 1e-5;
   const size_t n = vector.size();
   std::vector<double> factors(n, 1);
-  for (int sweep = 0; sweep < SWEEPS; ++sweep)
+  for (int sweep = 0; sweep < SWEEPS; ++sweep) {
+    double change = 0;
     for (size_t i = 0; i < n; ++i) {
       if (matrix[i * n + i] <= 0) continue;
       double rest = vector[i];
       for (size_t j = 0; j < n; ++j)
         if (j != i) rest -= matrix[i * n + j] * factors[j];
-      factors[i] = std::max(0.0, rest / matrix[i * n + i]);
+      const double factor = std::max(0.0, rest / matrix[i * n + i]);
+      change = std::max(change, std::abs(factor - factors[i]));
+      factors[i] = factor;
     }
+    if (change < LEAST_CHANGE) break;
+  }
   return factors;
 }
 

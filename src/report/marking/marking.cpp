@@ -277,8 +277,9 @@ ClassMark markClass(size_t i, const StillLayer& layer, const StateFindings& whol
     mark.standardError = global.standardError;
     return mark;
   }
-  // One region alone is wrong by accident more often than by a mistake that the whole picture does not show.
-  const bool isSeen = count[wrong] > 1 || global.state == ClassState(wrong);
+  // A region or two are wrong by accident more often than by a mistake that the whole picture does not show.
+  const bool isSeen =
+      (count[wrong] > 1 && area[wrong] > LEAST_PART * all) || global.state == ClassState(wrong);
   const size_t state = isSeen && area[wrong] > LEAST_PART * told ? wrong : 0;
   mark.state = ClassState(state);
   mark.toldFraction = told / all;

@@ -29,7 +29,10 @@ function firstWrong(data) {
   return data.classes.reduce((best, c, i) => (c.share > data.classes[best].share ? i : best), 0);
 }
 
-const sure = (certainty) => (certainty > 0.999 ? "more than 99.9 % sure" : `${Number((100 * certainty).toFixed(1))} % sure`);
+/** Without the sign of a factor that is rounded to zero. */
+const formatFactor = (factor) => (Math.round(factor * 100) / 100 + 0).toFixed(2);
+const sure = (certainty) =>
+  certainty > 0.999 ? "more than 99.9 % sure" : `${Number((100 * certainty).toFixed(1))} % sure`;
 
 function part(tag, text, className = "") {
   const out = document.createElement(tag);
@@ -68,9 +71,8 @@ function fillClasses(page) {
     const row = body.insertRow(), isKnown = c.state !== "unknown";
     const name = row.insertCell();
     name.append(c.name, part("code", c.expression.length > 40 ? `${c.expression.slice(0, 38)}…` : c.expression));
-    const state = row.insertCell();
-    state.textContent = percent(c.share);
-    const cells = [c.state, isKnown ? percent(c.certainty) : "–", isKnown ? c.factor.toFixed(2) : "–",
+    row.insertCell().textContent = percent(c.share);
+    const cells = [c.state, isKnown ? percent(c.certainty) : "–", isKnown ? formatFactor(c.factor) : "–",
       isKnown ? c.standard_error.toFixed(3) : "–", percent(c.told_in), c.told_in > 0 ? percent(c.state_in) : "–"];
     cells.forEach((text, k) => {
       const cell = row.insertCell();
@@ -140,7 +142,7 @@ function describeRegion(page, x, y) {
   if (!region) return;
   const known = region.classes.map((c, i) => ({ ...c, name: page.data.classes[i].name }))
     .filter((c) => c.state !== "unknown")
-    .map((c) => `${c.name} ${c.state} (${c.factor.toFixed(2)} ± ${c.standard_error.toFixed(2)})`);
+    .map((c) => `${c.name} ${c.state} (${formatFactor(c.factor)} ± ${c.standard_error.toFixed(2)})`);
   const other = region.unexplained > 0 ? `; ${(100 * region.unexplained).toFixed(0)} % differ in no class's way` : "";
   element("region").textContent =
     `Pixels ${region.x}, ${region.y} and on: ${known.length > 0 ? known.join(", ") : "nothing can be told"}${other}.`;

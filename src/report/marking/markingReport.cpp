@@ -20,7 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string percent(double part) { return formatted("%.3g %%", std::round(1000 * part) / 10); }
-std::string factorText(double factor) { return formatted("%.3g", factor); }
+/** To a thousandth; + 0 takes the sign of a negative zero. */
+std::string factorText(double factor) { return formatted("%.3g", std::round(1000 * factor) / 1000 + 0.0); }
 
 /** Notation and name: the notation alone is what a lecture has, the name alone where it would fill the line.
  */
