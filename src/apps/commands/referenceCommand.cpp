@@ -7,6 +7,7 @@
 #include "apps/options/optionText.h"
 #include "apps/options/suggestions.h"
 #include "recurse/model/scene/plugIns.h"
+#include "recurse/scene/directives/directiveInfo.h"
 #include "recurse/scene/directives/reference.h"
 #include "recurse/transport/integrator/integrator.h"
 

@@ -9,7 +9,7 @@
 
 #include "apps/load/loadedScene.h"
 #include "recurse/core/image/image.h"
-#include "recurse/render/render.h"
+#include "recurse/render/renderSettings.h"
 
 namespace recurse::apps {
 
