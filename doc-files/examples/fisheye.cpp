@@ -3,7 +3,7 @@
  */
 #include <cmath>
 
-#include "recurse/model/camera/cameraFrame.h"
+#include "cameras/frame/cameraFrame.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

@@ -1,7 +1,7 @@
 /** @file
  * All directions around a point in one picture.
  */
-#include "recurse/model/camera/cameraFrame.h"
+#include "cameras/frame/cameraFrame.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

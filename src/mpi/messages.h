@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "recurse/render/render.h"
+#include "recurse/render/renderSettings.h"
 #include "recurse/render/workQueue.h"
 
 namespace recurse::apps {

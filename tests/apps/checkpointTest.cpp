@@ -20,10 +20,11 @@ namespace {
 
 class Checkpoints : public Program {
  protected:
-  /** The picture of a render that goes through at once. */
-  std::vector<float> whole(const std::vector<std::string>& settings) {
+  /** The picture of a render that goes through at once; `seconds`: how long that takes. */
+  std::vector<float> whole(const std::vector<std::string>& settings, double* seconds = nullptr) {
     const Outcome o = render(settings, {"-o", "whole.exr"});
     EXPECT_EQ(o.status, 0) << o.err;
+    if (seconds) *seconds = o.seconds;
     return readImage(file("whole.exr")).pixels;
   }
   Outcome render(std::vector<std::string> settings, const std::vector<std::string>& more,
@@ -59,15 +60,16 @@ TEST_F(Checkpoints, KilledAgainAndAgainAndStillTheSame) {
   for (int round = 0; kills < wanted || round < int(all.size()); ++round) {
     ASSERT_LT(round, 40) << "renders end before they are killed";
     const std::vector<std::string>& settings = all[size_t(round) % all.size()];
-    const std::vector<float> truth = whole(settings);
+    double seconds = 0;
+    const std::vector<float> truth = whole(settings, &seconds);
     std::filesystem::remove(file("c.rck"));
     // At first too short to get anywhere; longer and longer, so that it ends some time.
-    for (int longest = 4000;; longest = longest * 5 / 4) {
-      const auto delay = std::chrono::microseconds(std::uniform_int_distribution<>(1000, longest)(random));
+    for (double longest = 0.1 * seconds;; longest *= 1.25) {
+      const double delay = std::uniform_real_distribution<>(0, longest)(random);
       const Outcome o = render(
           settings, {"--checkpoint", "c.rck", "--checkpoint-interval", "0.005s", "--resume", "-o", "r.exr"},
           [&](pid_t child) {
-            std::this_thread::sleep_for(delay);
+            sleepSeconds(delay);
             ::kill(child, SIGKILL);
           });
       if (o.status == 0) break;

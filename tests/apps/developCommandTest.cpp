@@ -175,14 +175,14 @@ TEST_F(DevelopProgram, PreviewIsKeptUpToDateAndChangesNothing) {
   int seen = 0;
   const Outcome o = run(arguments, [&](pid_t child) {
     std::filesystem::file_time_type last{};
-    for (int i = 0; i < 2400 && seen < 3; ++i, sleepSeconds(0.025)) { // a minute at most
+    comesTo([&] {
       std::error_code none;
       const auto time = std::filesystem::last_write_time(file("p.png"), none);
-      if (none || time == last) continue;
+      if (none || time == last) return false;
       last = time;
       EXPECT_EQ(readImage(file("p.png")).width, 24); // always a complete picture
-      ++seen;
-    }
+      return ++seen == 3;
+    });
     ::kill(child, SIGINT);
   });
   ASSERT_EQ(o.status, 130) << o.err;

@@ -30,20 +30,6 @@ class OutputFiles : public Program {
     for (float& value : grey.pixels) value = 0.5f;
     writeImage(name, grey);
   }
-  /** Runs the program, and ends it by force where it waits. */
-  Outcome runAtMost(double seconds, const std::vector<std::string>& arguments) const {
-    std::thread watch;
-    std::atomic<bool> over{false};
-    const Outcome o = run(arguments, [&](pid_t child) {
-      watch = std::thread([&over, seconds, child] {
-        for (double waited = 0; waited < seconds && !over; waited += 0.02) sleepSeconds(0.02);
-        if (!over) ::kill(child, SIGKILL);
-      });
-    });
-    over = true;
-    watch.join();
-    return o;
-  }
 };
 
 } // namespace
@@ -183,13 +169,13 @@ TEST_F(OutputFiles, NamedPipesAreNotWaitedFor) {
                                              {"convert", "p.ply", "-o", "m.pbrt"}}) {
     const std::string command = arguments[0] + " " + arguments[1];
     if (arguments[0] == "render") arguments.insert(arguments.end(), quick.begin(), quick.end());
-    const Outcome o = runAtMost(20, arguments);
+    const Outcome o = runAMinute(arguments);
     EXPECT_NE(o.status, 128 + SIGKILL) << command;
     EXPECT_NE(o.status, 0) << command;
     EXPECT_TRUE(has(o.err, "p.")) << command << ": " << o.err;
   }
   // Materials that are missing cost a model no more than those.
-  EXPECT_EQ(runAtMost(20, {"convert", "m.obj", "-o", "m.pbrt"}).status, 0);
+  EXPECT_EQ(runAMinute({"convert", "m.obj", "-o", "m.pbrt"}).status, 0);
 }
 
 TEST_F(OutputFiles, StandardOutputIsAFileToWriteTo) {

@@ -6,10 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <condition_variable>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <mutex>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -66,10 +68,10 @@ class Program : public testing::Test {
            inWorld;
   }
 
-  /** The scene with shapes that take a minute to make. */
+  /** The scene with shapes that take ten minutes to make. */
   static std::string slowScene() {
     std::string shapes;
-    for (int i = 0; i < 100; ++i)
+    for (int i = 0; i < 1000; ++i)
       shapes += "Shape \"loopsubdiv\" \"integer levels\" 9 \"point3 P\" [ 0 0 0  1 0 0  0 1 0  0 0 1 ] "
                 "\"integer indices\" [ 0 1 2  0 2 3 ]\n";
     return scene({}, shapes);
@@ -78,6 +80,21 @@ class Program : public testing::Test {
   Outcome run(const std::vector<std::string>& arguments,
               const std::function<void(pid_t)>& meanwhile = {}) const {
     return runIn(folder, arguments, meanwhile);
+  }
+  /** The same for what is to end soon on any machine: it is killed a minute after `meanwhile`. */
+  Outcome runAMinute(const std::vector<std::string>& arguments,
+                     const std::function<void(pid_t)>& meanwhile = {}) const {
+    std::jthread watch;
+    return run(arguments, [&](pid_t child) {
+      if (meanwhile) meanwhile(child);
+      watch = std::jthread([child](const std::stop_token& ended) {
+        std::mutex own;
+        std::unique_lock lock(own);
+        std::condition_variable_any sleep;
+        sleep.wait_for(lock, ended, std::chrono::minutes(1), [] { return false; });
+        if (!ended.stop_requested()) ::kill(child, SIGKILL);
+      });
+    });
   }
   std::string file(const std::string& name) const { return folder + "/" + name; }
   void write(const std::string& name, const std::string& text) const { std::ofstream(file(name)) << text; }
@@ -93,21 +110,32 @@ class Program : public testing::Test {
     return text.find(part) != std::string::npos;
   }
 
-  /** Waits until a render with `--progress json` has a sample of every pixel, then sends it the signal. */
-  std::function<void(pid_t)> onceUnderWay(int signal) const {
-    return [this, signal](pid_t child) {
-      for (int i = 0; i < 3000; ++i) {
-        std::ifstream lines(file(".stderr"));
-        for (std::string line; std::getline(lines, line);) {
-          const size_t at = line.find(SAMPLES);
-          if (at == std::string::npos || std::atof(line.c_str() + at + SAMPLES.size()) < 1) continue;
-          ::kill(child, signal);
-          return;
-        }
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  /** Waits until something is so; false where it is not within a minute. */
+  static bool comesTo(const std::function<bool()>& isSo) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!isSo()) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return true;
+  }
+  bool appears(const std::string& name) const {
+    return comesTo([&] { return exists(name); });
+  }
+  /** Waits until a render with `--progress json` has a sample of every pixel. */
+  bool isUnderWay() const {
+    return comesTo([&] {
+      std::ifstream lines(file(".stderr"));
+      for (std::string line; std::getline(lines, line);) {
+        const size_t at = line.find(SAMPLES);
+        if (at != std::string::npos && std::atof(line.c_str() + at + SAMPLES.size()) >= 1) return true;
       }
-      ::kill(child, SIGKILL); // a minute without a sample
-    };
+      return false;
+    });
+  }
+  /** Waits for that, then sends it the signal; without a sample after a minute SIGKILL. */
+  std::function<void(pid_t)> onceUnderWay(int signal) const {
+    return [this, signal](pid_t child) { ::kill(child, isUnderWay() ? signal : SIGKILL); };
   }
 
   std::string folder;

@@ -201,5 +201,8 @@ TEST(Metaballs, TimeGrowsNoFasterThanTheirNumber) {
     return now() - start;
   };
   secondsFor(250); // the first has to read the program
-  EXPECT_LT(secondsFor(8000) / secondsFor(250), 32 * 4);
+  const auto fastest = [&](int count) {
+    return std::min({secondsFor(count), secondsFor(count), secondsFor(count)});
+  };
+  EXPECT_LT(fastest(8000) / fastest(250), 32 * 4);
 }

@@ -29,7 +29,7 @@ class Render:
         self.output = self.folder.name + "/out.exr"
         self.process = subprocess.Popen(
             [PROGRAM, "render", SCENE, "-o", self.output, "--resolution", f"{SIZE}x{SIZE}", "--integrator", "path",
-             "--spp", "1000000", "--time-limit", "120s", "--progress", "off", *options],
+             "--spp", "1000000000", "--progress", "off", *options],
             stderr=subprocess.PIPE, text=True)
         self.url = None
         for line in self.process.stderr:
@@ -39,14 +39,14 @@ class Render:
                 break
 
     def get(self, path):
-        with urllib.request.urlopen(self.url + path, timeout=10) as answer:
+        with urllib.request.urlopen(self.url + path, timeout=60) as answer:
             return answer.read()
 
     def state(self):
         return json.loads(self.get("state"))
 
     def wait(self):
-        self.process.communicate(timeout=60)
+        self.process.communicate(timeout=120)
         return self.process.returncode
 
     def close(self):
@@ -56,7 +56,7 @@ class Render:
         self.folder.cleanup()
 
 
-def until(condition, seconds=30):
+def until(condition, seconds=60):
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
@@ -128,7 +128,7 @@ class LivePage(Page):
         # A page from elsewhere cannot stop it.
         request = urllib.request.Request(self.render.url + "stop", b"", {"Origin": "http://example.org"})
         with self.assertRaises(urllib.error.HTTPError) as caught:
-            urllib.request.urlopen(request, timeout=10)
+            urllib.request.urlopen(request, timeout=60)
         self.assertEqual(caught.exception.code, 403)
         caught.exception.close()
         self.assertFalse(self.render.state()["stopped"])
@@ -164,7 +164,7 @@ class DisplayServer(unittest.TestCase):
                             "127.0.0.1:%d" % server.getsockname()[1]], check=True)
             info = subprocess.run([PROGRAM, "info", folder + "/a.exr", "--pixel", "9,24"], check=True,
                                   stdout=subprocess.PIPE, text=True).stdout
-        thread.join(30)
+        thread.join(60)
         server.close()
         self.assertEqual(packets[0][0], 4)  # CreateImage
         name, _, rest = packets[0][2:].partition(b"\0")

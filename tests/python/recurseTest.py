@@ -203,8 +203,8 @@ class Renders(InFolder):
             elif counter[0] < 5:
                 threading.Timer(0.1, interrupt).start()
 
-        interrupt()
         with self.assertRaises(KeyboardInterrupt):
+            interrupt()
             room().render("path", spp=1 << 24)
         self.assertEqual(counter[0], 5)
 

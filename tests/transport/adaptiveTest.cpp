@@ -97,10 +97,12 @@ bool same(const Rendered& a, const Rendered& b) {
   return true;
 }
 
-const std::vector<Way> WAYS = {{"path", ""},
-                               {"photonmap", "\"integer passes\" 1 \"integer photons\" 3000"},
-                               {"photonmap", "\"integer photons\" 1000 \"integer passes\" 5"},
-                               {"sppm", "\"integer photons\" 1000"}};
+/** All ways, and one with fewer passes than samples. */
+std::vector<Way> ways() {
+  std::vector<Way> all = allWays("3000");
+  all.push_back({"photonmap", "\"integer photons\" 1000 \"integer passes\" 5"});
+  return all;
+}
 
 } // namespace
 
@@ -235,7 +237,7 @@ TEST(Adaptive, NothingToTellMeansTheSameForAll) {
 
 TEST(Adaptive, SameBitsForAnyNumberOfThreads) {
   const auto scene = sceneFrom(litCorner(20));
-  for (const Way& way : WAYS) {
+  for (const Way& way : ways()) {
     const Rendered one = renderWith(*scene, way, {.samples = 25, .threads = 1});
     EXPECT_GT(one.statistics.most, one.statistics.least);
     EXPECT_TRUE(same(one, renderWith(*scene, way, {.samples = 25, .threads = 3}))) << way.parameters;
@@ -244,7 +246,7 @@ TEST(Adaptive, SameBitsForAnyNumberOfThreads) {
 
 TEST(Adaptive, GoesOnFromWhereverItWas) {
   const auto scene = sceneFrom(litCorner(20));
-  for (const Way& way : WAYS) {
+  for (const Way& way : ways()) {
     std::vector<State> saved;
     const Settings settings{.samples = 25};
     const Rendered whole = renderWith(*scene, way, settings, &saved);
@@ -258,7 +260,7 @@ TEST(Adaptive, GoesOnFromWhereverItWas) {
 TEST(Adaptive, MeansAgreeWithThoseOfEvenSamples) {
   const auto scene = sceneFrom(litCorner(20));
   const int count = SANITIZED ? 100 : 200;
-  for (const Way& way : WAYS) {
+  for (const Way& way : ways()) {
     const Rendered a = renderWith(*scene, way, {.samples = count, .seed = 1});
     const Rendered b = renderWith(*scene, way, {.samples = count, .seed = 2, .adaptive = false});
     const double maps = way.integrator == "path" ? 0 : 0.02 * b.mean(); // few photons: their noise is shared

@@ -9,6 +9,7 @@
 #include "apps/options/optionText.h"
 #include "apps/options/suggestions.h"
 #include "recurse/core/io/text.h"
+#include "recurse/scene/directives/directiveInfo.h"
 #include "recurse/scene/directives/reference.h"
 
 namespace recurse::apps {

@@ -257,7 +257,7 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
     if (!o.render.statistics.empty()) o.render.statistics = numberedName(o.render.statistics, frame.number);
     status = renderScene(o, onLoaded);
   }
-  if (ownsPage && viewers.page) viewers.page->finish();
+  if (ownsPage && viewers.page) viewers.page->finish(viewers.patience);
   return status;
 }
 
@@ -295,7 +295,7 @@ ExitStatus renderAgainAndAgain(const RenderCommandOptions& given) {
       throw;
     }
     end();
-    if (o.viewers.page && (!first || skipsFull)) o.viewers.page->finish();
+    if (o.viewers.page && (!first || skipsFull)) o.viewers.page->finish(o.viewers.patience);
   });
 }
 

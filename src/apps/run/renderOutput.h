@@ -11,7 +11,7 @@
 #include "apps/load/loadedScene.h"
 #include "recurse/core/image/image.h"
 #include "recurse/render/featureLayers.h"
-#include "recurse/render/render.h"
+#include "recurse/render/renderSettings.h"
 
 namespace recurse::apps {
 

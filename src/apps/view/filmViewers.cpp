@@ -124,7 +124,7 @@ std::shared_ptr<LiveServer> ViewerOptions::openPage(const std::string& title,
 
 FilmViewers::FilmViewers(const ViewerOptions& options, const DevelopOptions& develop,
                          const std::string& title, std::function<void()> stop)
-    : keepsPage(options.page != nullptr) {
+    : keepsPage(options.page != nullptr), patience(options.patience) {
   const auto begin = Clock::now();
   if (!options.preview.empty()) {
     constexpr double PREVIEW_SECONDS = 5;
@@ -180,9 +180,10 @@ void FilmViewers::show(const RenderProgress& progress) {
 }
 
 void FilmViewers::finish(const Image& picture, const std::function<void(const std::string&)>& say) {
-  constexpr std::chrono::seconds PATIENCE{2}; // for the last picture
+  const auto end =
+      Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience));
   for (Viewer& viewer : viewers) {
-    if (viewer.server) viewer.server->endBy(Clock::now() + PATIENCE);
+    if (viewer.server) viewer.server->endBy(end);
     if (!viewer.isPreview) viewer.thread->offer(picture);
   }
   for (Viewer& viewer : viewers) {
@@ -193,7 +194,7 @@ void FilmViewers::finish(const Image& picture, const std::function<void(const st
   viewers.clear();
   if (!live) return;
   live->show(picture);
-  if (!keepsPage) live->finish();
+  if (!keepsPage) live->finish(patience);
 }
 
 } // namespace recurse::apps

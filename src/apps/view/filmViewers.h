@@ -61,6 +61,7 @@ struct ViewerOptions {
   bool live = false;
   /** Of several renders one after the other, which share it; null: each render has its own. */
   std::shared_ptr<LiveServer> page;
+  double patience = 2; ///< seconds that pages and display servers have for the last picture
 
   void addTo(CLI::App& command);
   /** Throws Error where one makes no sense or the preview cannot be written. */
@@ -94,7 +95,8 @@ class FilmViewers {
   };
   std::vector<Viewer> viewers;
   std::shared_ptr<LiveServer> live;
-  bool keepsPage; ///< it outlives the render
+  bool keepsPage;  ///< it outlives the render
+  double patience; ///< as ViewerOptions has it
   Clock::time_point liveDue{};
 };
 

@@ -287,16 +287,15 @@ void LiveServer::begin() {
   parts->stopped = parts->finished = false;
 }
 
-void LiveServer::finish() {
-  constexpr double PATIENCE = 2; // seconds for a page that is open to fetch the last picture
+void LiveServer::finish(double patience) {
   const Clock::time_point start = Clock::now();
-  const auto awaited = [this] {
+  const auto awaited = [&] {
     const std::lock_guard<std::mutex> guard(parts->mutex);
     parts->finished = true;
-    return ageOf(parts->lastVisit) < PATIENCE &&
+    return ageOf(parts->lastVisit) < patience &&
            (parts->fetched < parts->version || parts->server->isAnswering());
   };
-  while (awaited() && ageOf(start) < PATIENCE) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  while (awaited() && ageOf(start) < patience) std::this_thread::sleep_for(std::chrono::milliseconds(50));
 }
 
 } // namespace recurse::apps

@@ -31,8 +31,8 @@ class LiveServer {
   void show(const RenderProgress& progress);
   /** A render begins, which may be another one: nobody has asked yet that it ends. */
   void begin();
-  /** The render has ended: a page that is open has up to two seconds to fetch the last picture. */
-  void finish();
+  /** The render has ended: a page that is open has so many seconds to fetch the last picture. */
+  void finish(double patience);
 
  private:
   struct Parts;

@@ -1,9 +1,9 @@
 /** @file
  * Central projection: the pinhole camera, and the thin lens.
  */
+#include "cameras/frame/cameraFrame.h"
 #include "cameras/projective/aperture.h"
 #include "cameras/projective/screenWindow.h"
-#include "recurse/model/camera/cameraFrame.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {

@@ -9,11 +9,11 @@
 #include <fstream>
 #include <sstream>
 
+#include "cameras/frame/cameraFrame.h"
 #include "cameras/realistic/lensSystem.h"
 #include "recurse/core/image/image.h"
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/parallel.h"
-#include "recurse/model/camera/cameraFrame.h"
 #include "recurse/model/scene/plugIns.h"
 
 namespace recurse {
