@@ -162,8 +162,6 @@ class PathRadiance {
 
   TransportCounts& counts;
   const std::atomic<bool>* abandon = nullptr; ///< see abandoned(); null: never
-  Splatter* splatter =
-      nullptr; ///< for light paths that belong to this camera path, where Integrator::splats()
   PathRecorder* recorder = nullptr; ///< of this camera path; null: nothing is recorded
 
  private:
@@ -236,8 +234,7 @@ class Integrator {
   virtual void prepare(const Scene&, const PathClasses&) {}
   /** How often forward() is called for so many samples of each pixel; 0: no end is known. */
   virtual Passes passes(int /*samplesPerPixel*/) const { return Passes::oneMap(); }
-  /** Whether light paths bring something to pixels by themselves, through a Splatter: in forward(), or in
-   * backward() those that belong to one camera path. */
+  /** Whether light paths bring something to pixels by themselves, through a Splatter in forward(). */
   virtual bool splats() const { return false; }
   /** How many photons forward() emits each time; 0: it keeps none in a map. */
   virtual uint64_t photonsEmitted(const Scene&) const { return 0; }
