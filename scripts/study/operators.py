@@ -18,7 +18,7 @@ def main():
         study.render(study.ROOT / 'scenes/cornell-glass.pbrt', picture, '--resolution', '300x300', '--spp', 16)
     sheet = study.temporary('sheet.png')
     study.recurse('develop', picture, '--sheet', '-o', sheet)
-    subprocess.run(['oiiotool', sheet, '--compression', 'jpeg:80', '-o', study.ROOT / 'doc-files/operators.jpg'],
+    subprocess.run(['oiiotool', '--nosoftwareattrib', sheet, '--compression', 'jpeg:80', '-o', study.ROOT / 'doc-files/operators.jpg'],
                    check=True)
     print('written: doc-files/operators.jpg')
 
