@@ -15,6 +15,8 @@ FLAGS = (
     "--disable-component-update --disable-sync --disable-dev-shm-usage --disable-extensions "
     "--remote-debugging-pipe --window-size=1400,900"
 ).split()
+# Instead of --disable-gpu, for pages that draw with WebGL.
+WEBGL_FLAGS = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 
 
 class BrowserError(Exception):

@@ -91,8 +91,8 @@ ExitStatus inspectScene(const InspectOptions& o) {
   }
   replaceIntegrator(loaded, o.render.integrator, o.render.lenient);
   const GracefulStop graceful;
-  const RenderStatistics recorded = recordPixels(scene, *loaded.integrator, classes, plan.settings(scene),
-                                                 samples, inspection.pixels, graceful.flag());
+  recordPixels(scene, *loaded.integrator, classes, plan.settings(scene), samples, inspection.pixels,
+               graceful.flag());
   if (graceful.flag()) return ExitStatus::INTERRUPTED;
   inspection.photons = photonsOf(*loaded.integrator, photons, inspection.photonsInMap);
   inspection.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
@@ -102,8 +102,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
   if (!o.render.quiet)
     say("recorded: " + std::to_string(inspection.pixels.size()) + " pixels, " +
         std::to_string(inspection.photons.size()) + " of " + std::to_string(inspection.photonsInMap) +
-        " photons of " + std::to_string(recorded.forwardPasses) + " passes\nwritten: " + o.output + ", " +
-        bytesText(double(page.size())) + "\n");
+        " photons of the last map\nwritten: " + o.output + ", " + bytesText(double(page.size())) + "\n");
   return ExitStatus::DONE;
 }
 

@@ -11,6 +11,32 @@ async function decodePhotons(photons) {
     directions: await decodeNumbers(photons.directions, Int8Array), kinds: await decodeNumbers(photons.kinds, Uint8Array) };
 }
 
+/** Whether the camera sees the scene's axes as left-handed, as in pbrt files: WebGL's are right-handed. */
+function isLeftHanded(rays) {
+  if (rays.some((ray) => !ray)) return true;
+  const corner = (i) => vector(rays[i].origin).add(vector(rays[i].direction));
+  const right = corner(1).sub(corner(0)), up = corner(0).sub(corner(3));
+  return right.cross(up).dot(vector(rays[4].direction)) > 0;
+}
+
+/** Turns x around in all that the page shows, where the axes are left-handed; `data.mirror` turns it back. */
+function mirror(data, mesh, photons) {
+  data.mirror = isLeftHanded(data.camera) ? -1 : 1;
+  if (data.mirror > 0) return;
+  const turn = (v) => { v[0] = -v[0]; };
+  const turnAll = (array) => { for (let i = 0; i < array.length; i += 3) array[i] = -array[i]; };
+  turn(data.center);
+  for (const ray of data.camera) if (ray) [ray.origin, ray.direction].forEach(turn);
+  for (const box of [...mesh.boxes, ...data.media]) box.forEach(turn);
+  for (const array of [mesh.positions, photons.positions, photons.normals, photons.directions]) turnAll(array);
+  for (const { samples, vertices, steps, contributions } of data.pixels) {
+    for (const sample of samples) [sample[2], sample[3]].forEach(turn);
+    for (const vertex of vertices) [vertex[1], vertex[2]].forEach(turn);
+    for (const step of steps) turn(step[6]);
+    for (const contribution of contributions) turn(contribution[4]);
+  }
+}
+
 /** The picture with a mark on each recorded pixel. */
 class Picture {
   constructor(data, values, choose) {
@@ -88,7 +114,7 @@ function connect(data, view, photonView) {
   onClick(element("view"), (event) => {
     const hit = view.pick(event.clientX, event.clientY);
     element("where").textContent = hit
-      ? `${hit.name}: ${hit.point.toArray().map((x, k) => numberText(x + data.origin[k])).join("  ")}` : "";
+      ? `${hit.name}: ${worldText(data, hit.point.toArray())}` : "";
     if (hit) photonView.pick(hit);
   });
 }
@@ -107,6 +133,7 @@ async function start() {
   element("label").textContent = data.label;
   const values = await decodeLayer(data.picture, data.picture.width * data.picture.height);
   const mesh = await decodeMesh(data.mesh), photons = await decodePhotons(data.photons);
+  mirror(data, mesh, photons);
   let paths = null;
   const choose = (pixel) => {
     paths.show(pixel);

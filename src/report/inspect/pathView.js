@@ -72,9 +72,10 @@ class PixelPaths {
   /** Whether some path of this word and class is in an expression. */
   matches(path, expression) {
     if (!path.word.includes("…")) return expression.test(path.word);
-    const own = path.cls === NO_CLASS ? null : expressionOf(this.classes[path.cls].expression);
-    return PREFIXES.map((p) => path.word.replace("…", p))
-      .some((word) => expression.test(word) && (!own || own.test(word)));
+    // An expression with set operations is no regular one of JavaScript: then what no other class has is its own.
+    const all = this.classes.map((c) => expressionOf(c.expression)), own = all[path.cls];
+    const isOwn = (word) => own ? own.test(word) : !all.some((other) => other?.test(word));
+    return PREFIXES.map((p) => path.word.replace("…", p)).some((word) => expression.test(word) && isOwn(word));
   }
 }
 
@@ -149,7 +150,7 @@ class PathView {
   fillContributions() {
     const MOST = 200, table = element("contributions");
     table.replaceChildren();
-    addRow(table, ["class", "path", "technique", "sample", "weight", "luminance"], "th");
+    addRow(table, ["class", "path", "technique", "sample", "weight", "light"], "th");
     for (const path of this.list.slice(0, MOST)) {
       const name = document.createElement("span");
       name.append(swatch(classColour(path.cls)), ` ${this.data.classes[path.cls]?.name ?? "other"}`);
@@ -175,8 +176,8 @@ class PathView {
 
   /** One row for each vertex from the camera on, and one for the end at the light or the photons. */
   fillVertices(path) {
-    const table = element("vertices"), sample = this.pixel.samples[path.sample], world = (p) => p.map((x, k) =>
-      numberText(x + this.data.origin[k])).join(" "), colour = (c) => c.map(numberText).join(" ");
+    const table = element("vertices"), sample = this.pixel.samples[path.sample];
+    const world = (p) => worldText(this.data, p), colour = (c) => c.map(numberText).join(" ");
     element("word").textContent = path.word;
     table.replaceChildren();
     addRow(table, ["", "object", "material", "lobe", "throughput", "pdf", "reverse pdf", "position"], "th");
@@ -189,7 +190,8 @@ class PathView {
     });
     const e = path.estimate;
     const what = e ? `${e[3]} photons within ${numberText(e[2])}` : path.technique;
-    const place = e ? "" : path.isInfinite ? `towards ${path.end.map(numberText).join(" ")}` : world(path.end);
+    const towards = () => [path.end[0] * this.data.mirror, path.end[1], path.end[2]].map(numberText).join(" ");
+    const place = e ? "" : path.isInfinite ? `towards ${towards()}` : world(path.end);
     addRow(table, ["L", what, "", `weight ${numberText(path.weight)}`, colour(path.radiance), numberText(path.pdf),
       path.otherPdf > 0 ? `other ${numberText(path.otherPdf)}` : "", place]);
   }
@@ -261,9 +263,14 @@ function addRow(table, cells, tag = "td") {
   return row;
 }
 
+/** A point of the view in the coordinates of the scene file. */
+function worldText(data, p) {
+  return p.map((x, k) => numberText((k === 0 ? data.mirror * x : x) + data.origin[k])).join(" ");
+}
+
 /** Three digits. */
 function numberText(x) {
   if (x === null || x === undefined || !Number.isFinite(x)) return "–";
   if (x === 0) return "0";
-  return Math.abs(x) < 1e-3 || Math.abs(x) >= 1e5 ? x.toExponential(2) : String(Number(x.toPrecision(4)));
+  return Math.abs(x) < 1e-3 || Math.abs(x) >= 1e5 ? x.toExponential(2) : String(Number(x.toPrecision(3)));
 }

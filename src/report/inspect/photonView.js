@@ -105,7 +105,7 @@ class PhotonView {
     element("number").value = count > 0 ? Math.log(count) / Math.log(Math.max(2, this.found.length)) : 0;
     element("numberText").textContent = count;
     const rows = [["surface", this.name],
-      ["position", this.point.toArray().map((x, k) => numberText(x + this.data.origin[k])).join("  ")],
+      ["position", worldText(this.data, this.point.toArray())],
       ["irradiance, red green blue", value.map(numberText).join("  ")],
       ["luminance", `${numberText(y)} ± ${numberText(error)}`],
       ["noise", y > 0 ? `${(100 * error / y).toFixed(0)} %` : "–"]];

@@ -62,7 +62,7 @@ class SceneView {
   }
 
   addLights() {
-    this.scene.add(new THREE.HemisphereLight(0xffffff, 0x8c8478, 0.75));
+    this.scene.add(new THREE.HemisphereLight(0xffffff, 0xb8b0a4, 0.62));
     this.headLight = new THREE.DirectionalLight(0xffffff, 0.35);
     this.scene.add(this.headLight, this.headLight.target);
   }
@@ -75,14 +75,16 @@ class SceneView {
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
     geometry.setAttribute("color", new THREE.BufferAttribute(vertexColours, 3));
     geometry.computeVertexNormals();
-    this.material = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide });
+    // Behind photons and lines that lie on it.
+    this.material = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide,
+      polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 });
     this.surface = new THREE.Mesh(geometry, this.material);
     this.scene.add(this.surface);
   }
 
   addBoxes(boxes, colour) {
     for (const [lower, upper] of boxes)
-      this.scene.add(new THREE.Box3Helper(new THREE.Box3(vector(lower), vector(upper)), colour));
+      this.scene.add(new THREE.Box3Helper(new THREE.Box3().setFromPoints([vector(lower), vector(upper)]), colour));
   }
 
   /** The frustum, a part of the scene deep, with the picture at its end. */
