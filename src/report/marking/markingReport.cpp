@@ -194,7 +194,8 @@ std::vector<std::string> remarks(const Marking& marking) {
   std::vector<std::string> out;
   std::string unknown;
   for (const ClassMark& mark : marking.classes)
-    if (mark.state == ClassState::UNKNOWN) unknown += (unknown.empty() ? "" : ", ") + mark.name;
+    if (mark.state == ClassState::UNKNOWN && mark.share > 0)
+      unknown += (unknown.empty() ? "" : ", ") + mark.name;
   if (!unknown.empty())
     out.push_back("Nothing is said of: " + unknown +
                   ". They are too dark or too noisy here, or look too much like others.");
