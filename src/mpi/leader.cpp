@@ -59,7 +59,8 @@ class Leader {
       }
       for (const FullReport& r : worker.reports(stop)) take(LEADER, r);
       if (worker.reduced()) addFilms();
-      if (isSaveDue && isFilmKnown()) save();
+      // Of a unit that was stopped the film has a part only after the next reduction, which the end brings.
+      if (isSaveDue && !reason && isFilmKnown()) save();
       watch();
       tellSilence();
       beginStage();

@@ -19,7 +19,7 @@ namespace recurse {
 class Watchdog {
  public:
   explicit Watchdog(std::function<void()> look)
-      : look(std::move(look)), thread([this](std::stop_token done) { watch(done); }) {}
+      : look(std::move(look)), thread([this](const std::stop_token& done) { watch(done); }) {}
 
  private:
   void watch(const std::stop_token& done) {
