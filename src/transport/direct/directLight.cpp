@@ -3,7 +3,7 @@
  */
 #include "transport/direct/directLight.h"
 
-#include "transport/direct/recordedLight.h"
+#include "transport/paths/recordedSample.h"
 
 namespace recurse {
 
@@ -58,6 +58,14 @@ int transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, N
       ray.tMax = MIN_REST * glm::dot(light.target - ray.origin, ray.direction) / lengthSquared(ray.direction);
     if (!(ray.tMax > 0)) return passed;
   }
+}
+
+/** Records a shadow ray from the last vertex, with the weight of unshadowedRadiance(). */
+void recordSample(PathRecorder& recorder, const ScatteringPoint& scattering, const Vec3f& wi,
+                  const LiSample& light, float probability, int samples, LobeSet allowed) {
+  const float pdf = probability * light.pdf, bsdfPdf = scattering.pdf(wi, light.direction, allowed);
+  recordLightSample(recorder, recorder.source.vertex, light, pdf * static_cast<float>(samples), bsdfPdf,
+                    light.delta ? 1 : powerHeuristic(samples, pdf, bsdfPdf));
 }
 
 } // namespace
@@ -119,8 +127,7 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
     }
     if (isBlack(free.value)) continue;
     if (out.recorder)
-      recordLightSample(*out.recorder, out.recorder->source.vertex, scattering, wi, *light,
-                        choice.chosen.probability, samples, allowed);
+      recordSample(*out.recorder, scattering, wi, *light, choice.chosen.probability, samples, allowed);
     out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value);
   }
 }

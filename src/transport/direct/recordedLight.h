@@ -5,18 +5,9 @@
 
 #include "recurse/transport/integrator/pathRecorder.h"
 #include "transport/direct/directLight.h"
+#include "transport/paths/recordedSample.h"
 
 namespace recurse {
-
-namespace recorded {
-
-/** The weight that a technique gave: what it made of the radiance. */
-inline float weightOf(const Rgb& weighted, const Rgb& whole) {
-  const float largest = maxComponent(whole);
-  return largest > 0 ? maxComponent(weighted) / largest : 0;
-}
-
-} // namespace recorded
 
 /** Sets the source of a contribution: a ray that left by `step` met an area light. `weighted`: its radiance
  * times the weight. */
@@ -45,22 +36,7 @@ inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, cons
                lights.pdfLi(light, ray.from.position, direction);
 }
 
-/** Sets the source of a contribution: a shadow ray from `vertex` to a light. `pdf`: of all samples together,
- * `otherPdf` of the BSDF's ray. */
-inline void recordLightSample(PathRecorder& recorder, int vertex, const LiSample& light, float pdf,
-                              float otherPdf, float weight) {
-  const bool isInfinite = !(light.distance < INFINITE);
-  recorder.source = {.technique = PathTechnique::LIGHT_SAMPLE,
-                     .vertex = vertex,
-                     .step = recorder.source.step,
-                     .end = isInfinite ? light.direction : light.target,
-                     .isInfinite = isInfinite,
-                     .weight = weight,
-                     .pdf = light.delta ? 0 : pdf,
-                     .otherPdf = light.delta ? 0 : otherPdf};
-}
-
-/** The same with the weights of unshadowedRadiance(), whose arguments these are. */
+/** recordLightSample() with the weights of unshadowedRadiance(), whose arguments these are. */
 inline void recordLightSample(PathRecorder& recorder, int vertex, const ScatteringPoint& scattering,
                               const Vec3f& wi, const LiSample& light, float probability, int samples,
                               LobeSet allowed) {
