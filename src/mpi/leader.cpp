@@ -57,8 +57,7 @@ class Leader {
       }
       for (const FullReport& r : worker.reports(stop)) take(LEADER, r);
       if (worker.reduced()) addFilms();
-      // Of a unit that was stopped the film has a part only after the next reduction, which the end brings.
-      if (saveDue && !reason && isFilmKnown()) save();
+      if (saveDue && isFilmKnown()) save();
       watch();
       tellSilence();
       beginStage();
