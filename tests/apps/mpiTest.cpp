@@ -33,7 +33,7 @@ class Mpi : public Program {
   }
   static std::string ranks(int count, const std::string& program = RECURSE_MPI_PROGRAM) {
     // Open MPI 4.1 may wait for ever where a rank is killed while it starts.
-    return "timeout -k 1 300 " RECURSE_MPIRUN " --oversubscribe --mca plm ^rsh -n " + std::to_string(count) +
+    return "timeout -k 1 60 " RECURSE_MPIRUN " --oversubscribe --mca plm ^rsh -n " + std::to_string(count) +
            " " + program + " ";
   }
   std::string log() const { return contents(file("log")); }
