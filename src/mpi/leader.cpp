@@ -59,8 +59,7 @@ class Leader {
       }
       for (const FullReport& r : worker.reports(stop)) take(LEADER, r);
       if (worker.reduced()) addFilms();
-      // Of a unit that was stopped the film has a part only after the next reduction, which the end brings.
-      if (isSaveDue && !reason && isFilmKnown()) save();
+      if (isSaveDue && isFilmKnown()) save();
       watch();
       tellSilence();
       beginStage();
