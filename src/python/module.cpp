@@ -158,14 +158,34 @@ std::shared_ptr<PythonScene> load(const std::string& name, const std::optional<s
   return out;
 }
 
+/** An array that owns the rows. */
+template <class T> py::array rowsOf(std::vector<T> rows) {
+  auto* list = new std::vector<T>(std::move(rows));
+  const py::capsule owner(list, [](void* p) { delete static_cast<std::vector<T>*>(p); });
+  return py::array_t<T>({py::ssize_t(list->size())}, list->data(), owner);
+}
+
 py::array photons(const std::shared_ptr<PythonScene>& scene, uint64_t count, uint64_t seed, int maxDepth,
                   const std::vector<std::string>& classes) {
   PhotonRequest request{count, seed, maxDepth, {}};
   for (const std::string& expression : classes) request.classes.push_back(PathAutomaton::compile(expression));
-  auto* list = new std::vector<PhotonRecord>;
-  const py::capsule owner(list, [](void* p) { delete static_cast<std::vector<PhotonRecord>*>(p); });
-  runInBackground([&] { *list = scene->photons(request); }, doNothing, doNothing);
-  return py::array_t<PhotonRecord>({py::ssize_t(list->size())}, list->data(), owner);
+  std::vector<PhotonRecord> list;
+  runInBackground([&] { list = scene->photons(request); }, doNothing, doNothing);
+  return rowsOf(std::move(list));
+}
+
+py::tuple paths(const std::shared_ptr<PythonScene>& scene, const std::vector<std::string>& options,
+                const std::vector<std::pair<std::string, std::string>>& classes, std::pair<int, int> pixel,
+                int64_t samples) {
+  PathLists lists;
+  runInBackground(
+      [&] {
+        lists = scene->paths({options, pathClasses(classes), {}, {}}, pixel.first, pixel.second, samples);
+      },
+      doNothing, &PythonScene::stop);
+  const Rgb value = lists.value;
+  return py::make_tuple(rowsOf(std::move(lists.vertices)), rowsOf(std::move(lists.contributions)),
+                        py::make_tuple(value.r, value.g, value.b));
 }
 
 /** The Python class of an error that may lead to a scene file. */
@@ -208,6 +228,13 @@ PYBIND11_MODULE(_core, m) {
   PYBIND11_NUMPY_DTYPE_EX(PhotonRecord, position, "position", direction, "direction", normal, "normal", power,
                           "power", path, "path", event, "event", pathClass, "class");
 
+  PYBIND11_NUMPY_DTYPE_EX(PathVertexRecord, sample, "sample", previous, "previous", event, "event", position,
+                          "position", normal, "normal", throughput, "throughput", pdf, "pdf", pdfReverse,
+                          "pdf_reverse");
+  PYBIND11_NUMPY_DTYPE_EX(PathContributionRecord, sample, "sample", vertex, "vertex", technique, "technique",
+                          path, "path", weight, "weight", pdf, "pdf", otherPdf, "other_pdf", radiance,
+                          "radiance", pathClass, "class");
+
   py::class_<Image, std::shared_ptr<Image>>(m, "Image")
       .def(py::init(&imageOf))
       .def_readonly("channels", &Image::channels)
@@ -216,10 +243,12 @@ PYBIND11_MODULE(_core, m) {
   py::class_<PythonScene, std::shared_ptr<PythonScene>>(m, "Scene")
       .def("render", &renderScene)
       .def("photons", &photons)
+      .def("paths", &paths)
       .def("report", &PythonScene::report)
       .def("take_warnings", &PythonScene::takeWarnings);
 
   m.def("load", &load);
+  m.def("technique_name", [](int technique) { return techniqueName(static_cast<PathTechnique>(technique)); });
   m.def("plug_ins", &plugInList);
   m.def("read_image",
         [](const std::string& name) { return std::make_shared<Image>(readImage(FileReference{name})); });

@@ -105,6 +105,24 @@ RenderResult PythonScene::render(const RenderRequest& request,
   return {std::make_shared<Image>(std::move(image)), apps::statisticsJson(report)};
 }
 
+PathLists PythonScene::paths(const RenderRequest& request, int x, int y, int64_t samples) {
+  const apps::RenderOptions options = parsedOptions(fileName, request.options);
+  apps::RenderPlan plan = options.plan();
+  plan.overrides.lenient |= built.lenient;
+  const PathClasses classes = pathClassesOf(request.classes);
+  const Work work(warnings, plan.threads);
+  require(plan.overrides);
+  apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
+  apps::withdrawStop();
+  const apps::GracefulStop graceful;
+  std::vector<RecordedPixel> pixels(1);
+  pixels[0].x = x;
+  pixels[0].y = y;
+  recordPixels(*loaded.scene, *loaded.integrator, classes, plan.settings(*loaded.scene), samples, pixels,
+               graceful.flag());
+  return listPaths(*loaded.scene, pixels[0]);
+}
+
 std::vector<PhotonRecord> PythonScene::photons(const PhotonRequest& request) const {
   std::vector<std::string> none;
   const Work work(none);

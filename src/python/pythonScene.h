@@ -10,6 +10,7 @@
 
 #include "apps/load/loadedScene.h"
 #include "apps/options/renderOptions.h"
+#include "python/pathList.h"
 #include "python/photonList.h"
 #include "recurse/core/image/image.h"
 
@@ -39,6 +40,8 @@ class PythonScene {
   RenderResult render(const RenderRequest& request,
                       const std::function<void(const RenderProgress&)>& progress);
   std::vector<PhotonRecord> photons(const PhotonRequest& request) const;
+  /** The first `samples` camera paths of a pixel, as render() with the same request walks them. */
+  PathLists paths(const RenderRequest& request, int x, int y, int64_t samples);
   /** What `--check` prints. */
   std::string report() const;
   /** Makes a render() under way end early. */

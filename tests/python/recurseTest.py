@@ -208,6 +208,24 @@ class Renders(InFolder):
             room().render("path", spp=1 << 24)
         self.assertEqual(counter[0], 5)
 
+    def test_paths_of_a_pixel_add_up_to_it(self):
+        pixel = (12, 14)
+        for integrator, parameters in (("path", {}), ("photonmap", {"photons": 3000})):
+            paths = recurse.paths(room(), pixel, samples=4, integrator=integrator, seed=3, **parameters)
+            picture = room().render(integrator, spp=4, seed=3, **parameters)
+            np.testing.assert_allclose(paths.value, picture.array[pixel[1], pixel[0]], rtol=1e-5)
+            np.testing.assert_allclose(paths.contributions["radiance"].sum(axis=0) / 4, paths.value, rtol=1e-3)
+            self.assertEqual(set(paths.contributions["sample"]) - set(range(4)), set())
+            self.assertIn("light sample", set(paths.contributions["technique"]))
+            of = paths.contributions[paths.contributions["technique"] == "light sample"]
+            lit = paths.vertices[of["vertex"]]
+            np.testing.assert_array_equal(lit["sample"], of["sample"])
+            first = lit[lit["previous"] == -1]
+            self.assertEqual(set(first["event"]), {b"E"})
+            np.testing.assert_allclose(first["position"][:, 1], 0, atol=1e-5)  # the floor is seen there
+        with self.assertRaisesRegex(recurse.Error, "pixel 99,0 is not in the picture"):
+            recurse.paths(room(), (99, 0), integrator="path")
+
     def test_photons_carry_the_power_of_the_lamp(self):
         scene = recurse.Scene()
         scene.set_film(xresolution=4, yresolution=4)

@@ -81,10 +81,10 @@ ExitStatus inspectScene(const InspectOptions& o) {
 
   std::string statistics;
   {
-    const Rendering rendering(loaded, PathClasses(), plan, o.render);
-    if (rendering.interrupted()) return ExitStatus::INTERRUPTED;
-    const RenderReport report = rendering.report("recurse inspect");
-    inspection.picture = pictureOf(rendering.film(), report);
+    const RenderResult result = renderLoaded(loaded, PathClasses(), plan, o.render);
+    if (result.isInterrupted()) return ExitStatus::INTERRUPTED;
+    const RenderReport report = result.report("recurse inspect");
+    inspection.picture = pictureOf(result.film, report);
     inspection.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
                        " samples per pixel";
     statistics = statisticsJson(report);

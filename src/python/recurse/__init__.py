@@ -13,12 +13,12 @@ from .picture import Picture, classes, compare, develop, in_class, named_classes
 from .plug_ins import (PlugIn, area_lights, cameras, films, filters, integrators, lights, materials, media,
                        samplers, shapes, textures)
 from .progress import ProgressBar
-from .scene import RecurseWarning, Scene, load, parse, photons
+from .scene import Paths, RecurseWarning, Scene, load, parse, paths, photons
 from .transforms import look_at, rotate, scale, translate
 
 __all__ = ["Error", "Picture", "PlugIn", "ProgressBar", "RecurseWarning", "Scene", "SceneError", "area_lights",
            "cameras", "classes", "compare", "develop", "films", "filters", "in_class", "integrators", "lights",
-           "load", "look_at", "materials", "media", "named_classes", "parse", "photons", "read", "rotate", "samplers",
+           "load", "look_at", "materials", "media", "named_classes", "parse", "paths", "photons", "read", "rotate", "samplers",
            "scale", "shapes", "textures", "translate"]
 
 Error.__module__ = SceneError.__module__ = "recurse"

@@ -5,7 +5,7 @@ import contextlib
 import json
 import os
 import warnings as python_warnings
-from typing import Any, Callable, Iterator, Mapping, Sequence, Union
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Union
 
 import numpy as np
 
@@ -21,6 +21,23 @@ Medium = Union[str, "tuple[str, str]"]
 
 class RecurseWarning(UserWarning):
     """What Recurse does otherwise than the scene asks for, or what will be seen in the picture."""
+
+
+class Paths(NamedTuple):
+    """Camera paths of a pixel.
+
+    vertices: a record for each point where a path scatters. sample: of the pixel; previous: index of the vertex before,
+    -1 for the camera; event: at that one, S, D or V, E for the camera; position: in the world; normal: unit, 0 in a
+    medium; throughput: that arrives; pdf, pdf_reverse: of the direction that led here and of the opposite walk [1/sr],
+    0 for mirrors and smooth glass.
+    contributions: a record for each that reached the pixel. vertex: index of the last vertex from the camera, -1 where
+    the camera sees the light; technique: "hit", "light sample", "connection", "merge" or "unknown"; path: the letters
+    from that vertex to the camera; weight: of multiple importance sampling; pdf, other_pdf: of the technique and of its
+    rival [1/sr]; radiance: with weight and throughput; class: the name of its class, "" for none.
+    value: of the pixel, red, green and blue, the mean over the samples."""
+    vertices: np.ndarray
+    contributions: np.ndarray
+    value: np.ndarray
 
 
 class Scene:
@@ -228,18 +245,10 @@ class Scene:
 
         Ctrl-C raises KeyboardInterrupt as soon as the render has stopped.
         """
-        options = []
-        if isinstance(integrator, PlugIn):
-            parameters = {name: value for name, (_, value) in integrator.parameters.items()} | parameters
-            integrator = integrator.name
-        given = {"integrator": integrator, "spp": spp, "time-limit": time_limit, "error-target": error_target,
-                 "nthreads": threads, "seed": seed,
+        given = {"spp": spp, "time-limit": time_limit, "error-target": error_target, "nthreads": threads, "seed": seed,
                  "resolution": resolution and "x".join(map(str, resolution)),
                  "cropwindow": crop and ",".join(map(repr, map(float, crop)))}
-        options += [f"--{name}={value}" for name, value in given.items() if value is not None]
-        for name, value in parameters.items():
-            text = str(value).lower() if isinstance(value, (bool, np.bool_)) else str(value)
-            options.append(f"--set={name}={text}")
+        options = _options(integrator, given, parameters)
         if adaptive:
             options.append("--adaptive")
         scene = self._loaded()
@@ -251,6 +260,26 @@ class Scene:
             if isinstance(shown, ProgressBar):
                 shown.finish()
         return Picture(image, json.loads(statistics))
+
+    def paths(self, pixel: tuple[int, int], *, samples: int = 16, integrator: str | PlugIn | None = None,
+              seed: int | None = None, resolution: tuple[int, int] | None = None,
+              classes: Mapping[str, str] | Sequence[str] | None = None, **parameters: Any) -> Paths:
+        """The first `samples` camera paths of a pixel (x, y), as render() with the same settings walks them.
+
+        classes: as in render(); without it those of `recurse stills`. `path` and `photonmap` record vertices; other
+        integrators record contributions only, with the technique "unknown".
+        """
+        pairs = _core.default_classes(True) if classes is None else class_list(classes)
+        given = {"spp": samples, "seed": seed, "resolution": resolution and "x".join(map(str, resolution))}
+        scene = self._loaded()
+        try:
+            vertices, contributions, value = scene.paths(_options(integrator, given, parameters), pairs, tuple(pixel),
+                                                         samples)
+        finally:
+            self._warn()
+        return Paths(vertices, _named(contributions, {
+            "class": [name for name, _ in pairs] + [""],  # of -1, the last
+            "technique": [_core.technique_name(i) for i in range(5)]}), np.array(value, np.float32))
 
     def photons(self, count: int = 100000, *, seed: int = 0, max_depth: int = -1,
                 classes: Mapping[str, str] | Sequence[str] | None = None) -> np.ndarray:
@@ -269,13 +298,30 @@ class Scene:
         """
         pairs = _core.default_classes(True) if classes is None else class_list(classes)
         records = self._loaded().photons(count, seed, max_depth, [expression for _, expression in pairs])
-        names = np.array([name for name, _ in pairs] + [""])  # of -1, the last
-        described = records.dtype.fields
-        out = np.empty(len(records), [(name, names.dtype if name == "class" else described[name][0])
-                                      for name in records.dtype.names])
-        for name in records.dtype.names:
-            out[name] = names[records[name]] if name == "class" else records[name]
-        return out
+        return _named(records, {"class": [name for name, _ in pairs] + [""]})  # of -1, the last
+
+
+def _options(integrator: str | PlugIn | None, given: Mapping[str, Any], parameters: Mapping[str, Any]) -> list[str]:
+    """Options of the command line."""
+    if isinstance(integrator, PlugIn):
+        parameters = {name: value for name, (_, value) in integrator.parameters.items()} | dict(parameters)
+        integrator = integrator.name
+    options = [f"--{name}={value}" for name, value in {"integrator": integrator, **given}.items() if value is not None]
+    for name, value in parameters.items():
+        text = str(value).lower() if isinstance(value, (bool, np.bool_)) else str(value)
+        options.append(f"--set={name}={text}")
+    return options
+
+
+def _named(records: np.ndarray, columns: Mapping[str, Sequence[str]]) -> np.ndarray:
+    """The same records with names in the place of the indices of some columns."""
+    names = {column: np.array(texts) for column, texts in columns.items()}
+    types = [(column, names[column].dtype if column in names else records.dtype.fields[column][0])
+             for column in records.dtype.names]
+    out = np.empty(len(records), types)
+    for column in records.dtype.names:
+        out[column] = names[column][records[column]] if column in names else records[column]
+    return out
 
 
 def load(file: Union[str, os.PathLike], *, lenient: bool = False) -> Scene:
@@ -294,6 +340,11 @@ def parse(text: str, *, name: str = "scene in Python", directory: Union[str, os.
     scene._name, scene._directory, scene._source = name, os.fspath(directory), text
     scene._loaded()
     return scene
+
+
+def paths(scene: Scene, pixel: tuple[int, int], **options: Any) -> Paths:
+    """See Scene.paths()."""
+    return scene.paths(pixel, **options)
 
 
 def photons(scene: Scene, count: int = 100000, **options: Any) -> np.ndarray:

@@ -1,0 +1,50 @@
+/** @file
+ * Camera paths of a pixel as lists.
+ */
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "recurse/render/recordPixels.h"
+
+namespace recurse::python {
+
+/** Letters of a path that a record has room for. */
+constexpr size_t MAX_PATH_LETTERS = 17;
+
+/** A point where a camera path scatters. */
+struct PathVertexRecord {
+  int32_t sample;                  ///< of the pixel
+  int32_t previous;                ///< index of the vertex before; -1: the camera
+  std::array<char, 1> event;       ///< at `previous`: S, D or V; E: the camera
+  std::array<double, 3> position;  ///< in world space
+  std::array<float, 3> normal;     ///< geometric, unit, on the side of the path; 0 in a medium
+  std::array<float, 3> throughput; ///< that arrives
+  float pdf, pdfReverse; ///< of the direction from `previous`, and of the opposite walk [1/sr]; 0: delta
+};
+
+/** Radiance that reaches the pixel by one technique. */
+struct PathContributionRecord {
+  int32_t sample;    ///< of the pixel
+  int32_t vertex;    ///< index of the last vertex from the camera; -1: the camera sees the light
+  int32_t technique; ///< PathTechnique
+  std::array<char, MAX_PATH_LETTERS> path; ///< events from that vertex to the camera and E, the first of them
+  float weight;                            ///< of multiple importance sampling
+  float pdf, otherPdf;                     ///< of the technique and of its rival [1/sr]; 0: delta or unknown
+  std::array<float, 3> radiance;           ///< weight and throughput included
+  int32_t pathClass;                       ///< index of the first class with the path; -1: none
+};
+
+struct PathLists {
+  std::vector<PathVertexRecord> vertices;
+  std::vector<PathContributionRecord> contributions;
+  Rgb value{0}; ///< of the pixel, see RecordedPixel
+};
+
+/** The record of a pixel. Layer 0 of the classes it was made with has all paths; the others count from 0. */
+PathLists listPaths(const Scene& scene, const RecordedPixel& pixel);
+
+} // namespace recurse::python
