@@ -17,6 +17,7 @@ constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanis
                                                             {"lightlearning", Mechanism::LIGHT_LEARNING},
                                                             {"shadowopenings", Mechanism::SHADOW_OPENINGS},
                                                             {"guide", Mechanism::GUIDE},
+                                                            {"targets", Mechanism::TARGETS},
                                                             {"portals", Mechanism::PORTALS},
                                                             {"aim", Mechanism::AIM},
                                                             {"sparselight", Mechanism::SPARSE_LIGHT},

@@ -73,6 +73,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
       learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
+  shoot.targets = guidance.targets;
   shoot.region = &region;
   shoot.minStartDensity = guidance.minStartDensity;
   shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
@@ -360,9 +361,12 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                ForwardStatistics& statistics) {
   region = probeRegion(scene, settings.weighting, statistics.counts);
   lights = lightsByPower(scene.lights());
+  // Photons that media scatter know nothing of targets.
+  const GuidanceChoice choice{settings.without != Mechanism::GUIDE,
+                              !scene.hasMedia() && !settings.causticsOnly &&
+                                  settings.without != Mechanism::TARGETS};
   const auto learned = [&] {
-    return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts,
-                                  settings.without != Mechanism::GUIDE);
+    return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, choice);
   };
   guidance = learned();
   const auto adoptIfBetter = [&](LightPortals otherPortals, PhotonAim otherAim) {
@@ -417,6 +421,9 @@ void PhotonPass::noteGuidance(std::vector<std::string>& notes) const {
     notes.push_back(
         formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",
                   guidance.emission.gain()));
+  if (!guidance.targets.empty())
+    notes.push_back(formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
+                              guidance.targets.size()));
 }
 
 } // namespace recurse

@@ -19,6 +19,7 @@ enum class Mechanism {
   LIGHT_LEARNING,  ///< lights and openings for shadow rays are chosen by place
   SHADOW_OPENINGS, ///< shadow rays to an environment go through openings
   GUIDE,           ///< emission of photons follows useful trial photons
+  TARGETS,         ///< DXTRAN spheres
   PORTALS,         ///< photons from far away start where camera paths see out
   AIM,             ///< photons of far lamps
   SPARSE_LIGHT,    ///< light whose photons are few and strong is left to rays

@@ -18,6 +18,60 @@ namespace {
 /** Tells trial samples from those of photons and pixels. */
 constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 
+/** Spheres that cover what is seen, but for what would need wide ones or is hardly anything. */
+std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Vec3f> seen,
+                                              std::span<const Vec3f> landed) {
+  constexpr float MAX_RADIUS = 0.2f; // of the scene
+  constexpr double MIN_COUNT = 0.02; // of what is seen
+  constexpr float SPARED = 8;        // as many photons as that are not needed
+  constexpr size_t MAX_COUNT = 8;
+  struct Part {
+    std::span<Vec3f> places;
+    Bounds3f box;
+    float radius() const { return glm::length(box.diagonal()) / 2; }
+  };
+  const auto partOf = [](std::span<Vec3f> places) {
+    Part part{places, {}};
+    for (const Vec3f& p : places) part.box.add(p);
+    return part;
+  };
+  std::vector<Part> parts{partOf(seen)};
+  while (parts.size() < MAX_COUNT) {
+    // The one is cut whose places would gain most.
+    const auto cut = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+      return square(a.radius()) * static_cast<float>(a.places.size()) <
+             square(b.radius()) * static_cast<float>(b.places.size());
+    });
+    const int axis = widestAxis(cut->box.diagonal());
+    const float at = cut->box.center()[axis];
+    const auto middle =
+        std::partition(cut->places.begin(), cut->places.end(), [&](const Vec3f& p) { return p[axis] < at; });
+    const auto left = static_cast<size_t>(middle - cut->places.begin());
+    if (left == 0 || left == cut->places.size()) break;
+    const Part right = partOf(cut->places.subspan(left));
+    *cut = partOf(cut->places.first(left));
+    parts.push_back(right);
+  }
+  std::vector<DxtranSphere> targets;
+  for (const Part& part : parts) {
+    const float radius = part.radius();
+    const double share = double(part.places.size()) / double(seen.size());
+    if (share < MIN_COUNT || !(radius > 0 && radius < MAX_RADIUS * scene.bounds().radius)) continue;
+    const Vec3f center = part.box.center();
+    // What a grey surface sends there, typically.
+    std::vector<float> typical;
+    for (const Vec3f& p : landed)
+      if (const float q = square(radius) / lengthSquared(p - center); q < 1 / square(NEAR_TARGET))
+        typical.push_back(0.5f * (1 - std::sqrt(1 - q)));
+    if (typical.empty()) continue;
+    const auto middle = typical.begin() + static_cast<std::ptrdiff_t>(typical.size() / 2);
+    std::nth_element(typical.begin(), middle, typical.end());
+    targets.push_back({center, radius, SPARED * *middle / static_cast<float>(share),
+                       static_cast<float>(part.places.size()) / square(radius)});
+  }
+  return targets;
+}
+
 /** Trial photons, added up. */
 struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
@@ -27,13 +81,23 @@ struct Trials {
     float startDensity, fullPower; ///< see PhotonWalk
   };
   std::vector<Arrived> powers;
-  uint64_t inRegion = 0;
+  std::vector<Vec3f> landed; ///< a few of the places where photons were stored
+  uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
   double squares = 0, guided = 0; ///< of what photons bring: without a guide, and with the one they had
   TransportCounts counts;
+  /** Whether targets are worth the photons that are sent there. */
+  bool arrive() const {
+    constexpr double MIN_ARRIVED = 0.2;
+    return double(arrived) >= MIN_ARRIVED * double(sent);
+  }
   void add(const Trials& o) {
     useful.insert(useful.end(), o.useful.begin(), o.useful.end());
+    landed.insert(landed.end(), o.landed.begin(), o.landed.end());
     powers.insert(powers.end(), o.powers.begin(), o.powers.end());
+    stored += o.stored;
     inRegion += o.inRegion;
+    sent += o.sent;
+    arrived += o.arrived;
     squares += o.squares;
     guided += o.guided;
     counts.add(o.counts);
@@ -78,16 +142,6 @@ void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
   guidance.sparsePart = static_cast<float>(sparse / all);
 }
 
-/** Number of samples of equal weight with the same relative variance of their sum. */
-double effectiveCount(const std::vector<EmissionGuide::TrainingSample>& samples) {
-  double sum = 0, squared = 0;
-  for (const EmissionGuide::TrainingSample& s : samples) {
-    sum += double(s.weight);
-    squared += square(double(s.weight));
-  }
-  return squared > 0 ? square(sum) / squared : 0;
-}
-
 Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed,
                    const ShootSettings& settings, const VisibleRegion& region) {
   const size_t batches = (settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH;
@@ -96,14 +150,17 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
     Trials& part = parts[b];
     StoredPhotons stored;
     PhotonWalk walk(scene, classes, settings, part.counts, stored);
+    walk.region = &region;
     for (uint64_t i = b * PHOTON_BATCH; i < std::min(settings.photons, (b + 1) * PHOTON_BATCH); ++i) {
       stored.clear();
       Sampler sampler(seed, TRIAL_STREAM, static_cast<uint32_t>(i));
       const float time =
           scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0; // the guide is for all times
       EmissionGuide::TrainingSample start = walk.shoot(sampler, time);
+      // What is at full power in a target is a lot there, wherever it goes from now on.
       const double perPhoton = double(settings.photons) / double(start.weight);
-      double squares = 0;
+      auto squares =
+          double(walk.enteredImportance()) * square(double(walk.fullPower()) * double(settings.photons));
       for (const Photon& p : stored.onSurfaces) {
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
@@ -120,11 +177,15 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
         ++part.inRegion;
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
+      part.stored += stored.size();
+      if (!stored.onSurfaces.empty() && i % 16 == 0) part.landed.push_back(stored.onSurfaces[0].position);
       part.squares += double(start.weight) * squares;
       part.guided += square(double(start.weight)) * squares;
       start.weight *= static_cast<float>(squares);
       if (start.weight > 0) part.useful.push_back(start);
     }
+    part.sent = walk.sent;
+    part.arrived = walk.arrived;
   });
   Trials all;
   for (const Trials& t : parts) all.add(t);
@@ -135,10 +196,11 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
 
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
-                             const ForwardControl& control, TransportCounts& counts, bool usesEmission) {
+                             const ForwardControl& control, TransportCounts& counts, GuidanceChoice choice) {
   constexpr uint64_t TRIALS = 8 * PHOTON_BATCH;
   constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
   constexpr double MIN_RISE = 1.1, MIN_GAIN = 1.5;
+  constexpr double MAX_IN_REGION = 0.05; // of photons; else no targets are needed
   PhotonGuidance guidance;
   if (scene.lights().size() == 0 || region.empty()) return guidance;
   EmissionGuide& guide = guidance.emission;
@@ -146,30 +208,52 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   trial.guide = &guide;
   // No more than a pass has: learning must not cost many times what it serves.
   trial.photons = std::min(TRIALS, settings.photons);
-  std::vector<EmissionGuide::TrainingSample> useful;
-  Trials last;
+  uint64_t shot = 0;
   double squares = 0, guided = 0; // of all rounds with a guide, each learned from those before
-  for (int round = 1;; ++round) {
-    last = shootTrials(scene, classes, hashCombine(seed, static_cast<uint64_t>(round - 1)), trial, region);
-    counts.add(last.counts);
-    if (round == 1) {
-      guidance.useful = last.inRegion;
-    } else {
-      squares += last.squares;
-      guided += last.guided;
+  // Returns the last round.
+  const auto learn = [&] {
+    guide = {};
+    std::vector<EmissionGuide::TrainingSample> useful;
+    for (int round = 1;; ++round) {
+      const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
+      counts.add(trials.counts);
+      if (shot == 1) guidance.useful = trials.inRegion;
+      if (round > 1) squares += trials.squares;
+      if (round > 1) guided += trials.guided;
+      if (!trial.targets.empty() && !trials.arrive()) return trials;
+      useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
+      const double before = guide.gain();
+      if (choice.emission)
+        guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
+      // Few hits say little yet; many of a density that is good already, that there is no more to gain.
+      double weight = 0, squared = 0;
+      for (const EmissionGuide::TrainingSample& u : useful) {
+        weight += double(u.weight);
+        squared += square(double(u.weight));
+      }
+      const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
+      if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || round == MAX_ROUNDS ||
+          (round >= ROUNDS && guide.gain() < MIN_RISE * before))
+        return trials;
     }
-    useful.insert(useful.end(), last.useful.begin(), last.useful.end());
-    const double before = guide.gain();
-    if (usesEmission) guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
-    // Few hits say little yet; many of a density that is good already, that there is no more to gain.
-    const bool isKnown = effectiveCount(useful) * 4 > double(trial.photons);
-    if (control.stopped() || (isKnown && guide.gain() < MIN_GAIN) || round == MAX_ROUNDS ||
-        (round >= ROUNDS && guide.gain() < MIN_RISE * before))
-      break;
+  };
+  Trials last = learn();
+  if (choice.targets && double(last.inRegion) < MAX_IN_REGION * double(last.stored) && !control.stopped()) {
+    const EmissionGuide without = guide;
+    trial.targets = dxtranSpheresAround(scene, region.all(), last.landed);
+    if (!trial.targets.empty()) {
+      if (Trials sent = learn(); sent.arrive()) {
+        last = std::move(sent);
+      } else {
+        trial.targets.clear();
+        guide = without;
+      }
+    }
   }
   // What a few photons leave behind that media scatter hundreds of times tells less than it seems to.
   if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.secondMoment = (guide.active() ? last.guided : last.squares) / double(trial.photons);
+  guidance.targets = trial.targets;
   std::vector<float> powers;
   for (const Trials::Arrived& a : last.powers) powers.push_back(a.power);
   guidance.splitPower = splitPowerOf(std::move(powers), trial.photons);
@@ -184,7 +268,7 @@ EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes,
   trial.photons = TRIALS;
   trial.maxDepth = maxDepth;
   const VisibleRegion region = probeRegion(scene, {}, counts);
-  return learnGuidance(scene, classes, seed, trial, region, control, counts).emission;
+  return learnGuidance(scene, classes, seed, trial, region, control, counts, {.targets = false}).emission;
 }
 
 } // namespace recurse

@@ -14,6 +14,7 @@ namespace recurse {
 /** How photons are sent where they are wanted. */
 struct PhotonGuidance {
   EmissionGuide emission;
+  std::vector<DxtranSphere> targets;
   float splitPower = INFINITE; ///< see ShootSettings, of one photon emitted
   float minStartDensity = 0;   ///< see ShootSettings
   float sparsePart = 0;        ///< of the power where the eye looks, that starts less densely
@@ -21,13 +22,21 @@ struct PhotonGuidance {
   double secondMoment = 0;     ///< of what a photon brings to what is seen, about; by which guidances compare
 };
 
-/** Learns from trial photons the density of their starts: few of them where most come down in `region`, and
- * the guide is not active then. With `usesEmission` false there is no guide. `counts` gets the cost of the
- * trials. */
+/** What learnGuidance() may use. */
+struct GuidanceChoice {
+  bool emission = true; ///< photons start where useful ones did
+  bool targets = true;  ///< the region may become a target
+};
+
+/**
+ * Learns from trial photons where those start that come down in the region: as few as will do, where most do
+ * so anyway, and the guide is then not active. The region becomes a target where few photons come down in it
+ * and many do that are sent there, as far as `choice` allows. `counts` gets what the trials cost.
+ */
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts,
-                             bool usesEmission = true);
+                             GuidanceChoice choice = {});
 
 /** For light paths of which no photon map is made: where those start that come to where the eye looks. Of a
  * sun or sky outside hardly any other comes into a room. `maxDepth` as of ShootSettings. */

@@ -21,8 +21,9 @@ struct PhotonState {
   ReverseRatio ratio;
   int depth = 0;
   bool caustic = true;
-  bool straight = true; ///< from the light: nothing but thin panes so far
-  float wavelength = 0; ///< as in Subpath
+  bool straight = true;    ///< from the light: nothing but thin panes so far
+  float relativePower = 1; ///< to that of the photon that it branched off; below 1 until it leaves its target
+  float wavelength = 0;    ///< as in Subpath
   // In media:
   Rgb pathPdf{1}; ///< see SpectralPath
   int hero = 0;   ///< the channel that draws distances

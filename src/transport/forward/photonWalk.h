@@ -10,6 +10,7 @@
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/directLight.h"
 #include "transport/forward/photonStart.h"
+#include "transport/forward/targetCones.h"
 
 namespace recurse {
 
@@ -45,7 +46,7 @@ class PhotonWalk {
     EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
-    starts.fullPower = 0;
+    starts.fullPower = enteredTargets = 0;
     const float byMedia = starts.byMedia();
     const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
     storesDirect = settings.direct || fromMedium;
@@ -66,6 +67,12 @@ class PhotonWalk {
   float startDensity() const {
     return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
   }
+  /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
+   * light. */
+  float enteredImportance() const { return enteredTargets; }
+
+  const VisibleRegion* region = nullptr; ///< of trial photons
+  uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
 
  private:
   /** A short beam: its length is sampled by the channel of least extinction, so that no channel is amplified.
@@ -154,6 +161,7 @@ class PhotonWalk {
     Vec3f wi; ///< unit, towards where the photon came from
     LightState afterD, afterS;
     LobeSet allowed = NO_LOBE; ///< lobes that the photon may leave by
+    bool sends = false;        ///< photons to the targets, which BSDF sampling then leaves out
   };
 
   Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
@@ -172,7 +180,7 @@ class PhotonWalk {
   bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;
     const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
-    if (!s) return false;
+    if (!s || (at.sends && !s->specular() && cones.around(s->direction) > 0)) return false;
     const Rgb scattered = photon.flux * s->weight;
     photon.flux = scattered;
     const float chance = std::min(1.0f, maxComponent(scattered) / power);
@@ -209,18 +217,35 @@ class PhotonWalk {
     for (int i = 1; i < count; ++i) branch(photon, i);
   }
 
+  /** Of trial photons: notes where one comes into a target straight from the light. */
+  void noteTargetsEntered(const Vec3f& position) {
+    for (const DxtranSphere& t : settings.targets)
+      if (glm::distance(position, t.center) < t.radius) enteredTargets += t.importance;
+  }
+
   /** Follows a photon until it is killed. */
   void walk(PhotonState photon, Sampler& sampler) {
     Hit hit;
+    bool toTarget = photon.relativePower < 1; // and has not come down yet
     while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
       if (photon.depth == settings.maxDepth) {
         counts.truncatedThroughput += double(maxComponent(photon.flux));
         return;
       }
+      const Vec3f position = hit.point.position;
+      if (region && photon.depth == 0) noteTargetsEntered(position);
+      const bool outside = !settings.targets.empty() && cones.find(settings.targets, position);
+      if (std::exchange(toTarget, false) && region) arrived += region->contains(position);
+      if (outside && photon.relativePower < 1) {
+        if (!russianRoulette(photon.relativePower, photon.depth, sampler, photon.flux)) return;
+        photon.relativePower = 1;
+      }
       Arrival at = arrive(photon, hit, *bsdf);
       const bool keepsPhotons = at.scattering.keepsPhotons();
       if (keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect)) store(photon, at);
       ++photon.depth;
+      at.sends = outside && (at.allowed & NON_DELTA_LOBES) && (at.scattering.lobes() & LAMBERTIAN);
+      if (at.sends) sendToTargets(photon, at, sampler);
       if (keepsPhotons) split(photon, at, sampler);
       if (!scatter(photon, at, maxComponent(photon.flux), sampler)) return;
     }
@@ -251,6 +276,44 @@ class PhotonWalk {
         arrivalDensity(origin.kind, origin.pdf, glm::distance(origin.position, hit.point.position),
                        absDot(wi, hit.point.geometricNormal), origin.probability, chosen);
     return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
+  }
+
+  /** Photons to the targets from where `from` has scattered. */
+  void sendToTargets(const PhotonState& from, const Arrival& at, const Sampler& sampler) {
+    constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
+    constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
+    const ScatteringPoint& scattering = at.scattering;
+    const Vec3f& wi = at.wi;
+    const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
+    const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
+    Sampler branch = sampler.fork(BRANCH);
+    for (const auto& [cone, part] : cones) {
+      const float lifted = glm::dot(normal, cone.axis);
+      // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
+      if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
+      const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
+      const float wanted =
+          std::clamp(maxComponent(from.flux) * seen / (starts.fullPower * part), MIN_COUNT, MAX_COUNT);
+      const int count = static_cast<int>(wanted + branch.next1D());
+      for (int i = 0; i < count; ++i) {
+        Sampler own = branch.fork(static_cast<uint32_t>(i));
+        const Vec3f direction = cone.sample(own.next2D());
+        PhotonState next = from;
+        const float density = wanted *
+                              static_cast<float>(std::max<std::ptrdiff_t>(1, cones.around(direction))) /
+                              (2 * PI * cone.opening);
+        next.flux *= scattering.evaluateFlux(wi, direction) / density;
+        if (isBlack(next.flux)) continue;
+        next.relativePower = std::min(1.0f, maxComponent(next.flux) / maxComponent(from.flux));
+        next.state = at.afterD;
+        next.caustic = next.straight = false;
+        next.ratio = ratioAfter(from.ratio, from.depth - 1, at.hit, scattering, wi, direction);
+        next.nesting.scatters(at.hit, wi, direction);
+        next.ray = spawn(at.hit.point, direction);
+        waiting.emplace_back(std::move(next), own);
+        ++sent;
+      }
+    }
   }
 
   /** Rounding must not send a photon that only grazes the surface below it, where no search would find it. */
@@ -285,6 +348,8 @@ class PhotonWalk {
   StoredPhotons& out;
   std::vector<std::pair<PhotonState, Sampler>> waiting;
   PhotonStart starts;
+  TargetCones cones; ///< of the last surface
+  float enteredTargets = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
   BsdfArena arena;
 };

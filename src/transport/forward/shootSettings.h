@@ -13,6 +13,19 @@
 
 namespace recurse {
 
+/**
+ * A sphere that photons are sent to from every matt surface outside, by directions of their own: those that
+ * the surface's BSDF would send there are left out in return, so that nothing is counted twice (the DXTRAN
+ * spheres of neutron transport; X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9). They carry
+ * little each and are many; when they leave the sphere, roulette makes them few.
+ */
+struct DxtranSphere {
+  Vec3f center{0};
+  float radius = 0;
+  float part = 1;       ///< of a photon's power that one sent to the sphere should carry
+  float importance = 0; ///< how much of what is seen lies in so much of a surface
+};
+
 /** What walks leave behind in media. Each medium keeps either points or beams, so that nothing is counted
  * twice. */
 struct KeptInMedia {
@@ -43,6 +56,7 @@ struct ShootSettings {
   /** Photons from infinitely far that start less densely [1/length²] are so strong that each would be seen:
    * what they bring to the first matt surface straight from the light, rays find from there on. */
   float minStartDensity = 0;
+  std::vector<DxtranSphere> targets;
   KeptInMedia inMedia;
   const VisibleRegion* region = nullptr; ///< where strong photons are split; null: nowhere
   float splitPower = INFINITE;           ///< about what each part of a strong one carries; at most 256 parts
