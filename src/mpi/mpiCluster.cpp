@@ -19,7 +19,7 @@
 #include "recurse/core/threads/parallel.h"
 #include "render/progressEstimate.h"
 #include "render/stopRule.h"
-#include "render/watchdog.h"
+#include "recurse/core/threads/watchdog.h"
 
 namespace recurse::apps {
 

@@ -9,7 +9,7 @@
 #include <functional>
 #include <mutex>
 
-#include "recurse/render/render.h"
+#include "recurse/render/renderSettings.h"
 
 namespace recurse {
 

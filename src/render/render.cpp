@@ -13,7 +13,7 @@
 #include "render/roundSchedule.h"
 #include "render/sampleRenderer.h"
 #include "render/stopRule.h"
-#include "render/watchdog.h"
+#include "recurse/core/threads/watchdog.h"
 
 namespace recurse {
 

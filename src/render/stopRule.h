@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "recurse/render/render.h"
+#include "recurse/render/renderSettings.h"
 
 namespace recurse {
 

@@ -14,17 +14,6 @@
 
 namespace recurse {
 
-/** Told to the progress display about ten times a second, from one thread at a time. */
-struct RenderProgress {
-  std::string phase;       ///< "photons", "picture"
-  double fraction = 0;     ///< of the phase, in [0, 1]
-  double elapsed = 0;      ///< seconds since the start of the render
-  double secondsLeft = -1; ///< negative: not known yet
-  double samplesPerPixel = 0;
-  double raysPerSecond = 0;
-  double error = -1; ///< Film::relativeError when it was last looked at; negative: not known yet
-};
-
 /** What the film tells: the samples of all pixels, and a warning where some have none. */
 void countSamples(const Film& film, RenderStatistics& statistics);
 

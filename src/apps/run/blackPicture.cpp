@@ -13,7 +13,7 @@
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/parallel.h"
-#include "render/watchdog.h"
+#include "recurse/core/threads/watchdog.h"
 #include "transport/paths/walker.h"
 
 namespace recurse::apps {

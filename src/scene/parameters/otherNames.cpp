@@ -23,7 +23,7 @@ const PlugInName BLINN_PHONG{"Material", "blinnphong"};
 const PlugInName PLASTIC{"Material", "plastic"};
 const PlugInName SUBSURFACE{"Material", "subsurface"};
 const PlugInName MEASURED{"Material", "measured"};
-const PlugInName INFINITE{"LightSource", "infinite"};
+const PlugInName INFINITE_LIGHT{"LightSource", "infinite"};
 const PlugInName DISTANT{"LightSource", "distant"};
 const PlugInName SKY{"LightSource", "sky"};
 const PlugInName GONIOMETRIC{"LightSource", "goniometric"};
@@ -54,9 +54,9 @@ const std::vector<OtherName>& otherNames() {
       {"emission", {AREA_LIGHT}},
       {"emissive", {AREA_LIGHT}},
       {"emitter", {AREA_LIGHT}},
-      {"environment", {INFINITE, SPHERICAL}},
-      {"envmap", {INFINITE}},
-      {"exinfinite", {INFINITE}},
+      {"environment", {INFINITE_LIGHT, SPHERICAL}},
+      {"envmap", {INFINITE_LIGHT}},
+      {"exinfinite", {INFINITE_LIGHT}},
       {"exphotonmap", {PHOTON_MAP}},
       {"fbx", {MODEL_FILE}},
       {"fog", {HOMOGENEOUS, UNIFORM_GRID}},
@@ -67,7 +67,7 @@ const std::vector<OtherName>& otherNames() {
       {"gold", {CONDUCTOR}},
       {"grass", {{"Shape", "curve"}}},
       {"haze", {HOMOGENEOUS}},
-      {"hdri", {INFINITE}},
+      {"hdri", {INFINITE_LIGHT}},
       {"henyeygreenstein", {{"phase", "hg"}}},
       {"heterogeneous", {UNIFORM_GRID, NANOVDB}},
       {"ies", {GONIOMETRIC}},

@@ -15,7 +15,7 @@
 
 namespace recurse {
 
-/** Looks at the clock, and whether the render is to stop, while samples are under way that may take long. */
+/** Calls `look` every 20 ms in a thread of its own, from its construction to its destruction. */
 class Watchdog {
  public:
   explicit Watchdog(std::function<void()> look)
