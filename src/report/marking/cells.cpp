@@ -15,7 +15,7 @@ constexpr double CELL_TOLERANCE = 0.03;
 /** Distance by which pixels of two renderers may lie apart [pixels]: filters of other widths. */
 constexpr double PIXEL_TOLERANCE = 0.25;
 /** Darkness below which errors are not seen, as a part of the mean. */
-constexpr double DARK_PART = 0.1;
+constexpr double UNSEEN_PART = 0.1;
 
 constexpr double square(double x) { return x * x; }
 
@@ -128,7 +128,7 @@ void Cells::weigh(const std::vector<double>& factors) {
     }
     count += 3;
   }
-  const double dark = count > 0 && mean > 0 ? DARK_PART * mean / count : 1;
+  const double dark = count > 0 && mean > 0 ? UNSEEN_PART * mean / count : 1;
   constexpr int LIGHT_REACH = 2, NOISE_REACH = 1;
   const std::vector<double> light = meansNear(prediction, LIGHT_REACH),
                             noise = meansNear(pixelNoise(factors), NOISE_REACH);

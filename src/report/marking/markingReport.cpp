@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::string percent(double part) { return formatted("%.3g %%", std::round(1000 * part) / 10); }
+std::string percentText(double part) { return formatted("%.3g %%", std::round(1000 * part) / 10); }
 /** To a thousandth; + 0 takes the sign of a negative zero. */
 std::string factorText(double factor) { return formatted("%.3g", std::round(1000 * factor) / 1000 + 0.0); }
 
@@ -74,7 +74,7 @@ std::string wellKnownFactor(double factor, double error) {
 
 std::string whereText(const ClassMark& mark) {
   if (mark.toldFraction == 0) return ", in the picture as a whole";
-  return ", in " + percent(mark.stateFraction) + " of the picture that shows it";
+  return ", in " + percentText(mark.stateFraction) + " of the picture that shows it";
 }
 
 void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
@@ -146,7 +146,7 @@ MarkingStatement statementOf(const ClassConfusion& confusion, const Marking& mar
   double sum = 0;
   for (size_t i = 0; i < confusion.classes.size(); ++i) {
     list += (list.empty() ? "" : ", or ") + nameOf(marking.classes[confusion.classes[i]]) + " is " +
-            stateText(confusion.states[i]) + " (" + percent(confusion.probabilities[i]) + ")";
+            stateText(confusion.states[i]) + " (" + percentText(confusion.probabilities[i]) + ")";
     sum += confusion.probabilities[i];
   }
   return {"Either " + list,
@@ -156,7 +156,7 @@ MarkingStatement statementOf(const ClassConfusion& confusion, const Marking& mar
 }
 
 std::string sureText(double certainty) {
-  return certainty > 0.999 ? "more than 99.9 % sure" : percent(certainty) + " sure";
+  return certainty > 0.999 ? "more than 99.9 % sure" : percentText(certainty) + " sure";
 }
 
 /** Breaks a text into lines of at most 100 characters, each with the indent. */
@@ -181,10 +181,10 @@ std::string classTable(const Marking& marking) {
                               "told in", "paths");
   for (const ClassMark& mark : marking.classes) {
     const bool isKnown = mark.state != ClassState::UNKNOWN;
-    out += formatted("%-24s %8s  %-8s %8s %9s  %8s  %s\n", mark.name.c_str(), percent(mark.share).c_str(),
+    out += formatted("%-24s %8s  %-8s %8s %9s  %8s  %s\n", mark.name.c_str(), percentText(mark.share).c_str(),
                      CLASS_STATE_NAMES[size_t(mark.state)], isKnown ? factorText(mark.factor).c_str() : "-",
                      isKnown ? formatted("%.2g", mark.standardError).c_str() : "-",
-                     percent(mark.toldFraction).c_str(), mark.expression.c_str());
+                     percentText(mark.toldFraction).c_str(), mark.expression.c_str());
   }
   return out;
 }
@@ -200,7 +200,7 @@ std::vector<std::string> remarks(const Marking& marking) {
     out.push_back("Nothing is said of: " + unknown +
                   ". They are too dark or too noisy here, or look too much like others.");
   if (marking.clippedFraction > 0)
-    out.push_back(percent(marking.clippedFraction) +
+    out.push_back(percentText(marking.clippedFraction) +
                   " of the pixels are white of an 8-bit picture and tell little: lamps, caustics and noise "
                   "there cannot be marked. An EXR file has all light.");
   return out;
@@ -226,7 +226,7 @@ std::vector<MarkingStatement> markingStatements(const Marking& marking) {
   for (size_t i : wrong) out.push_back(statementOf(marking.classes[i], static_cast<int>(i)));
   for (const ClassConfusion& confusion : marking.confusions) out.push_back(statementOf(confusion, marking));
   if (marking.isUnexplained())
-    out.push_back({"In " + percent(marking.unexplainedFraction) +
+    out.push_back({"In " + percentText(marking.unexplainedFraction) +
                        " of the picture something differs that is no class of light",
                    "Geometry, a material, a texture or the camera is not that of the reference there."});
   return out;
