@@ -61,8 +61,8 @@ TEST_F(MethodsProgram, AmbientOcclusionShowsAClosedRoom) {
 TEST_F(MethodsProgram, NoMethodTakesMuchLongerThanItsTime) {
   // A sample of each pixel would take minutes.
   const Outcome o =
-      run({"methods", "scene.pbrt", "-o", "out", "--time-limit", "2s", "--reference-spp", "1",
-           "--resolution", "768x512", "--method", "slow=--integrator vpl --set lightpaths=40000"});
+      run({"methods", "scene.pbrt", "-o", "out", "--time-limit", "2s", "--reference-spp", "1", "--resolution",
+           "768x512", "--method", "slow=--integrator vpl --set lightpaths=40000"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_NE(report()["methods"][0]["failure"], "");
   // The first sample of each pixel may take as long again; the render of a scene takes ten seconds more.
