@@ -17,9 +17,9 @@
 #include "mpi/sharedPhotons.h"
 #include "recurse/core/io/error.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/watchdog.h"
 #include "render/progressEstimate.h"
 #include "render/stopRule.h"
-#include "recurse/core/threads/watchdog.h"
 
 namespace recurse::apps {
 

@@ -9,11 +9,11 @@
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
+#include "recurse/core/threads/watchdog.h"
 #include "render/progressEstimate.h"
 #include "render/roundSchedule.h"
 #include "render/sampleRenderer.h"
 #include "render/stopRule.h"
-#include "recurse/core/threads/watchdog.h"
 
 namespace recurse {
 

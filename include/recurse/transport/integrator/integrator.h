@@ -162,7 +162,7 @@ class PathRadiance {
 
   TransportCounts& counts;
   const std::atomic<bool>* abandon = nullptr; ///< see abandoned(); null: never
-  PathRecorder* recorder = nullptr; ///< of this camera path; null: nothing is recorded
+  PathRecorder* recorder = nullptr;           ///< of this camera path; null: nothing is recorded
 
  private:
   const PathClasses& classes;
