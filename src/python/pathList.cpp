@@ -6,13 +6,11 @@
 #include <algorithm>
 #include <bit>
 
-#include "recurse/model/scene/scene.h"
+#include "python/recordArrays.h"
 
 namespace recurse::python {
 
 namespace {
-
-template <class V> std::array<float, 3> floats(const V& v) { return {v[0], v[1], v[2]}; }
 
 int32_t vertexOf(const PathRecorder& record, int step) {
   return step == CAMERA_STEP ? -1 : record.steps()[size_t(step)].vertex;
@@ -28,7 +26,7 @@ PathVertexRecord vertexRow(const Scene& scene, const PathRecorder& record, const
     out.pdf = step.pdf;
     out.pdfReverse = step.pdfReverse;
   }
-  for (int i = 0; i < 3; ++i) out.position[size_t(i)] = scene.origin()[i] + double(v.position[i]);
+  out.position = worldPosition(scene, v.position);
   out.normal = floats(v.normal);
   out.throughput = floats(v.throughput);
   return out;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "python/recordArrays.h"
 #include "recurse/core/math/hash.h"
 #include "recurse/core/threads/parallel.h"
 #include "transport/emission/pathEnds.h"
@@ -17,8 +18,6 @@ namespace {
 /** Tells these photons from other samples of the same seed. */
 constexpr uint64_t PHOTON_STREAM = 0x4c49535450484f54ull;
 constexpr uint64_t BATCH = 4096;
-
-template <class V> std::array<float, 3> floats(const V& v) { return {v[0], v[1], v[2]}; }
 
 class PhotonShooter {
  public:
@@ -47,7 +46,7 @@ class PhotonShooter {
   PhotonRecord record(const LightVertex& vertex, const std::string& word) const {
     const SurfacePoint& point = vertex.point();
     PhotonRecord out{};
-    for (int i = 0; i < 3; ++i) out.position[size_t(i)] = scene.origin()[i] + double(point.position[i]);
+    out.position = worldPosition(scene, point.position);
     out.direction = floats(vertex.wi);
     if (!vertex.medium) out.normal = floats(point.normalTowards(vertex.wi));
     out.power = floats(vertex.throughput / float(request.emitted));
