@@ -495,8 +495,9 @@ TEST(MediaPhotons, BesideASmallLampNoPixelIsBrighterThanByPaths) {
         renderScene(*scene, "photonmap", "\"integer photons\" 20000 \"integer passes\" 1", samples(32), seed);
     EXPECT_NEAR(r.mean() / paths.mean(), 1, 0.02 + 4.5 * paths.standardError() / paths.mean()) << seed;
     EXPECT_LT(brightest(r), 3 * brightest(paths)) << seed;
-    if (!SANITIZED) // whose few paths have bright pixels of their own
+    if (!SANITIZED) { // whose few paths have bright pixels of their own
       EXPECT_GT(brightest(r), brightest(paths) / 3) << seed;
+    }
   }
 }
 
