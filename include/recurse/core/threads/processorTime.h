@@ -10,7 +10,7 @@ namespace recurse {
 /** Processor time that all threads of the process have used [s]. */
 inline double processorSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
-/** Adds the processor time of its own life to a sum [s]. */
+/** Adds the processor time of its lifetime to a sum [s]. */
 class ProcessorTimer {
  public:
   explicit ProcessorTimer(double& sum) : sum(sum) {}
