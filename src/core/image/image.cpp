@@ -1,6 +1,6 @@
 /** @file
- * Image files by OpenImageIO. Encoders write to memory, and one function writes the bytes to the disk and checks every
- * error, which the file handling of the encoders does not always do.
+ * Image files by OpenImageIO. Encoders write to memory, and one function writes the bytes to the disk and
+ * checks every error, which the file handling of the encoders does not always do.
  */
 #include "recurse/core/image/image.h"
 
@@ -91,8 +91,8 @@ std::vector<unsigned char> encode(const std::string& fileName, const OIIO::Image
   return memory.buffer();
 }
 
-/** Encodes PFM, for which OpenImageIO 2.4 has no writer: three header lines, then rows from the bottom in the byte
- * order of the machine. */
+/** Encodes PFM, for which OpenImageIO 2.4 has no writer: three header lines, then rows from the bottom in the
+ * byte order of the machine. */
 std::vector<unsigned char> encodePfm(const Image& image, const std::vector<float>& rgb) {
   const char* order = std::endian::native == std::endian::little ? "-1.0" : "1.0";
   const std::string header =

@@ -1,6 +1,6 @@
 /** @file
- * Image textures. A file is read once and kept in its own type. OpenImageIO's cache requests its rows through an
- * ImageInput of Recurse, which decodes them, so that filtering is done in linear light.
+ * Image textures. A file is read once and kept in its own type. OpenImageIO's cache requests its rows through
+ * an ImageInput of Recurse, which decodes them, so that filtering is done in linear light.
  */
 #include "recurse/core/image/imageTexture.h"
 
@@ -250,8 +250,8 @@ class DecodedInput final : public OIIO::ImageInput {
 /** Memory of tiles in OpenImageIO's cache [bytes]. */
 double cacheBytes = 0x1p30;
 
-/** OpenImageIO's texture system. It is never destroyed, since threads that used it and end later still access their
- * data in it. */
+/** OpenImageIO's texture system. It is never destroyed, since threads that used it and end later still access
+ * their data in it. */
 class TextureCache {
  public:
   TextureCache(const TextureCache&) = delete;

@@ -7,8 +7,8 @@
 
 namespace recurse::detail {
 
-/** Converts a PCX image, 8-bit with a palette or 24-bit, to an uncompressed TGA file in memory. Throws Error naming the
- * file and the reason. */
+/** Converts a PCX image, 8-bit with a palette or 24-bit, to an uncompressed TGA file in memory. Throws Error
+ * naming the file and the reason. */
 std::string tgaOfPcx(const std::string& fileName, const std::string& pcx);
 
 } // namespace recurse::detail

@@ -19,8 +19,8 @@ namespace {
 std::atomic<double> limit{INFINITY};
 std::atomic<size_t> inMemory{0}, inFiles{0};
 
-/** Descriptor of an unlinked temporary file, which exists until it is closed; negative on failure. Not in /tmp, which
- * may be memory. */
+/** Descriptor of an unlinked temporary file, which exists until it is closed; negative on failure. Not in
+ * /tmp, which may be memory. */
 int namelessFile() {
   const char* chosen = std::getenv("TMPDIR");
   std::string name = std::string(chosen && *chosen ? chosen : "/var/tmp") + "/recurse-XXXXXX";

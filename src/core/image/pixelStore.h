@@ -10,8 +10,8 @@
 namespace recurse::detail {
 
 /**
- * Immutable bytes, in memory, or in a nameless temporary file where all stores together would exceed the limit. The
- * system keeps such a file in memory while there is room.
+ * Immutable bytes, in memory, or in a nameless temporary file where all stores together would exceed the
+ * limit. The system keeps such a file in memory while there is room.
  */
 class PixelStore {
  public:

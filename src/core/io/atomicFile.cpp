@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/** Entry of the table of temporary files: fixed memory and flags, since a signal handler must not lock or allocate. */
+/** Entry of a table in fixed memory, with flags: a signal handler must neither lock nor allocate. */
 struct Slot {
   std::atomic<bool> taken{false}, filled{false};
   char name[PATH_MAX];
@@ -78,7 +78,7 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
     return;
   }
   static std::atomic<unsigned> counter{0};
-  // A file of this name already exists only if an earlier process with this id was killed: it can be overwritten.
+  // Such a file exists only if an earlier process with this id was killed: it can be overwritten.
   temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
                                    std::to_string(counter.fetch_add(1)) + ".tmp"))
                   .string();

@@ -17,7 +17,7 @@ namespace recurse {
 
 namespace {
 
-/** False when the name refers to a different file by now: the process that had the lock has removed its own. */
+/** False when the name refers to a new file by now: the process with the lock has removed its own one. */
 bool isStillThere(const std::string& name, int descriptor) {
   struct stat byName {
   }, open{};

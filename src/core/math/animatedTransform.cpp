@@ -18,7 +18,7 @@ AnimatedTransform::Parts AnimatedTransform::takeApart(const Mat4d& m) {
   const Mat3d linear(m);
   // Polar decomposition by Newton's iteration (Higham 1986), of the matrix scaled to determinant 1.
   const double determinant = glm::determinant(linear);
-  Mat3d rotation = linear * (1 / std::cbrt(determinant)); // the root keeps its sign: a mirror goes into the stretch
+  Mat3d rotation = linear * (1 / std::cbrt(determinant)); // keeps a mirror in the stretch
   constexpr int MAX_STEPS = 60; // one for every factor of 4 between scales, and a few more
   for (int i = 0; i < MAX_STEPS; ++i) {
     const Mat3d next = (rotation + glm::transpose(glm::inverse(rotation))) * 0.5;

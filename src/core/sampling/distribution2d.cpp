@@ -1,6 +1,6 @@
 /** @file
- * Sampling of tabulated densities by inversion of their cumulative sums, which are in double precision so that the rest
- * of the sky still counts beside a sun.
+ * Sampling of tabulated densities by inversion of their cumulative sums, which are in double precision so
+ * that the rest of the sky still counts beside a sun.
  */
 #include "recurse/core/sampling/distribution2d.h"
 
@@ -120,8 +120,8 @@ double WindowedDistribution2d::sum(const Window& w) const {
 }
 
 Vec2d WindowedDistribution2d::sample(const Window& w, const Vec2d& u) const {
-  // Finds the coordinate in [low, high] at which the cumulative function `upTo` reaches `share` of its total, by
-  // bisection over the cells; upTo is linear within cells.
+  // Finds the coordinate in [low, high] at which the cumulative function `upTo` reaches `share` of its total,
+  // by bisection over the cells; upTo is linear within cells.
   const auto invert = [](double low, double high, size_t cells, double share, const auto& upTo) {
     const auto n = static_cast<double>(cells);
     const double wanted = share * upTo(high);
@@ -142,7 +142,7 @@ Vec2d WindowedDistribution2d::sample(const Window& w, const Vec2d& u) const {
     return sumTo(to, w.high.y) - sumTo(w.low.x, w.high.y) - sumTo(to, w.low.y) + sumTo(w.low.x, w.low.y);
   });
   const auto n = static_cast<double>(width);
-  const double left = std::min(std::floor(x * n), n - 1) / n, right = left + 1 / n; // the edges of the column of cells
+  const double left = std::min(std::floor(x * n), n - 1) / n, right = left + 1 / n; // edges of the column
   const double y = invert(w.low.y, w.high.y, height, u.y, [&](double to) {
     return sumTo(right, to) - sumTo(left, to) - sumTo(right, w.low.y) + sumTo(left, w.low.y);
   });

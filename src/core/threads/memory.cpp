@@ -51,7 +51,7 @@ double availableMemory() {
 }
 
 void requireMemory(const std::string& subject, double bytes) {
-  constexpr double SMALL = 0x1p26; // below this size, the query takes as long as the work that needs the memory
+  constexpr double SMALL = 0x1p26; // [bytes] below it, the query takes as long as the work itself
   if (bytes <= SMALL) return;
   const double available = availableMemory();
   if (bytes <= available) return;

@@ -1,5 +1,5 @@
 /** @file
- * Images in memory and on disk (OpenImageIO): reading, and writing that never leaves an incomplete file behind.
+ * Images in memory and on disk (OpenImageIO): reading, and writing that leaves no incomplete file behind.
  */
 #pragma once
 
@@ -35,11 +35,11 @@ struct Image {
   }
 };
 
-/** `picture` with the channels and metadata of `more`, an image of the same size, appended; its own metadata win. */
+/** `picture` with the channels and metadata of `more`, an image of the same size, after its own. */
 Image withChannels(const Image& picture, const Image& more);
 
-/** Indices of R, G and B among a file's channels, followed by all remaining channels; a single channel counts as all
- * three. Throws Error naming the file when it has neither R, G, B nor a single channel. */
+/** Indices of R, G and B among a file's channels, followed by all remaining channels; a single channel counts
+ * as all three. Throws Error naming the file when it has neither R, G, B nor a single channel. */
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);
 
 /** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */
@@ -56,8 +56,8 @@ struct ImageWriteOptions {
   bool encoded = false; ///< true: the values are display-encoded already, in [0, 1]; for display formats only
 };
 
-/** True for the 8-bit display formats: .png .jpg .jpeg .tif .tiff. Throws Error (BAD_USAGE) for a name with an unknown
- * extension or none. */
+/** True for the 8-bit display formats: .png .jpg .jpeg .tif .tiff. Throws Error (BAD_USAGE) for a name with
+ * an unknown extension or none. */
 bool isDisplayFormat(const std::string& fileName);
 
 /**

@@ -1,6 +1,6 @@
 /** @file
- * Image textures by OpenImageIO's texture system: levels of detail, filtering over a footprint, and a cache of tiles
- * that bounds the memory of filtered images.
+ * Image textures by OpenImageIO's texture system: levels of detail, filtering over a footprint, and a cache
+ * of tiles that bounds the memory of filtered images.
  */
 #pragma once
 
@@ -37,9 +37,9 @@ struct ImageTextureSettings {
   bool levels = true; ///< false: always the finest level
 };
 
-/** Sets the memory of all textures [bytes]; to be called before the first is read. Half of it holds pixels as files
- * store them, which go to a temporary file beyond that; half holds decoded tiles in use. Defaults: no limit for the
- * former, and 1 GiB of tiles. */
+/** Sets the memory of all textures [bytes]; to be called before the first is read. Half of it holds pixels as
+ * files store them, which go to a temporary file beyond that; half holds decoded tiles in use. Defaults: no
+ * limit for the former, and 1 GiB of tiles. */
 void setTextureMemory(double bytes);
 
 /** Memory that the pixels of all textures take now: in memory, and in temporary files [bytes]. */
@@ -55,7 +55,7 @@ class ImageTexture {
   ~ImageTexture();
 
   /**
-   * Linear value at `st`: s from the left and t from the top, both fractions of the image; a single channel gives grey.
+   * Linear value at `st`: s from the left, t from the top, fractions of the image; one channel gives grey.
    * alongX and alongY are the changes of (s, t) along the axes of the footprint; zero for a point.
    */
   Rgb at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const;

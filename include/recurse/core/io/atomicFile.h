@@ -9,10 +9,10 @@
 namespace recurse {
 
 /**
- * File that is written under a temporary name in the folder of its target and renamed to the target by commit().
- * Without a commit the temporary file is removed and an existing target stays unchanged. Targets that are not regular
- * files (/dev/stdout, a terminal, /dev/null) are written directly. Every function throws Error naming the target and
- * the reason.
+ * File that is written under a temporary name in the folder of its target and renamed to the target by
+ * commit(). Without a commit the temporary file is removed and an existing target stays unchanged. Targets
+ * that are not regular files (/dev/stdout, a terminal, /dev/null) are written directly. Every function throws
+ * Error naming the target and the reason.
  */
 class AtomicFile {
  public:
@@ -32,12 +32,12 @@ class AtomicFile {
   int slot = -1; ///< index in the table of removeTemporaryFiles(); -1: none
 };
 
-/** Throws Error when a file could not be written there: no such folder, no permission, a folder itself, a named pipe.
- * Creates nothing. */
+/** Throws Error when a file could not be written there: no such folder, no permission, a folder itself, a
+ * named pipe. Creates nothing. */
 void checkFileWritable(const std::string& fileName);
 
-/** Unlinks the temporary files of every AtomicFile that is not committed. Safe in a signal handler that ends the
- * program. */
+/** Unlinks the temporary files of every AtomicFile that is not committed. Safe in a signal handler that ends
+ * the program. */
 void removeTemporaryFiles() noexcept;
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * Reader of little-endian values in the bytes of a file. Every access is checked against the size of the file, since
- * its counts and offsets may be wrong.
+ * Reader of little-endian values in the bytes of a file. Every access is checked against the size of the
+ * file, since its counts and offsets may be wrong.
  */
 #pragma once
 

@@ -58,7 +58,7 @@ class Diagnostics {
   bool hasErrors() const { return errorCount > 0; }
   size_t errors() const { return errorCount; }
   const std::vector<Diagnostic>& all() const { return list; }
-  /** All diagnostics in the order of reporting, each on lines of its own; equal ones appear once, counted. */
+  /** All diagnostics in the order of reporting, on lines of their own; equal ones appear once, counted. */
   std::string format() const;
   /** Throws a SceneError with all collected diagnostics when at least one of them is an error. */
   void throwIfErrors() const;
@@ -81,7 +81,7 @@ class SceneError : public Error {
   std::vector<Diagnostic> list;
 };
 
-/** Up to `most` of `names`: the ones that `wrong` misspells, nearest first, then longer ones that contain it. */
+/** Up to `most` of `names`: ones that `wrong` misspells, nearest first, then longer ones that contain it. */
 std::vector<std::string> nearestNames(const std::string& wrong, const std::vector<std::string>& names,
                                       size_t most = 3);
 

@@ -7,8 +7,8 @@
 
 namespace recurse {
 
-/** Lock of a file against other processes: a file beside it whose name ends in ".lock", which is removed with the lock.
- * A process that is killed leaves no lock behind. */
+/** Lock of a file against other processes: a file beside it whose name ends in ".lock", which is removed with
+ * the lock. A process that is killed leaves no lock behind. */
 class FileLock {
  public:
   /** Throws Error where another process has the lock, or none can be had. */

@@ -1,5 +1,5 @@
 /** @file
- * References to files that a scene names: on the disk, or in memory, extracted by an importer from a larger file.
+ * References to files of a scene: on the disk, or in memory, extracted by an importer from a larger file.
  */
 #pragma once
 

@@ -7,8 +7,8 @@
 
 namespace recurse {
 
-/** True where both names refer to the same file or folder, through symbolic or hard links, or would once they are
- * written. False for devices and pipes, which keep no data. */
+/** True where both names refer to the same file or folder, through symbolic or hard links, or would once they
+ * are written. False for devices and pipes, which keep no data. */
 bool isSameFile(const std::string& a, const std::string& b);
 
 /** True where the name refers to a file in the folder or below it, once links are followed. */
@@ -20,8 +20,8 @@ bool isOpenStream(const std::string& name);
 /** "a folder", "a named pipe" and the like; empty for a regular file and where there is nothing. */
 std::string specialKind(const std::string& name);
 
-/** Throws Error unless the name refers to a regular file, since reading of special files may never end. Open streams
- * and names without a file pass. */
+/** Throws Error unless the name refers to a regular file, since reading of special files may never end. Open
+ * streams and names without a file pass. */
 void requireReadable(const std::string& name);
 
 } // namespace recurse

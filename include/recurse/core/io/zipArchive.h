@@ -24,7 +24,7 @@ class ZipArchive {
   static std::string normalised(const std::string& name);
   /** First name in the archive that equals `name` up to case and kind of slashes; empty: none. */
   std::optional<std::string> find(const std::string& name) const;
-  /** Content of a file of `names`. Throws Error where it is missing, damaged, over 1 GiB, or not of its stated size. */
+  /** Content of a file of `names`. Throws Error where it is damaged, over 1 GiB or not of the stated size. */
   std::string read(const std::string& name) const;
 
  private:

@@ -16,7 +16,7 @@ inline bool isFinite(const Mat4d& m) {
   return true;
 }
 
-/** True for a non-singular linear part; columns are normalised first, so that tiny scales do not underflow. */
+/** True for a non-singular linear part; columns are normalised first, to prevent underflow. */
 inline bool isInvertible(const Mat4d& m) {
   Mat3d linear(m);
   for (int c = 0; c < 3; ++c) {

@@ -12,9 +12,9 @@
 namespace recurse {
 
 /**
- * Affine matrix for every time in [0, 1], interpolated between a start and an end matrix. Each is decomposed into a
- * translation, a rotation and a remaining stretch (Shoemake and Duff 1992, "Matrix Animation and Polar Decomposition").
- * Rotations are slerped on the shortest path; translation and stretch change linearly.
+ * Affine matrix for every time in [0, 1], interpolated between a start and an end matrix. Each is decomposed
+ * into a translation, a rotation and a remaining stretch (Shoemake and Duff 1992, "Matrix Animation and Polar
+ * Decomposition"). Rotations are slerped on the shortest path; translation and stretch change linearly.
  */
 class AnimatedTransform {
  public:
@@ -26,8 +26,8 @@ class AnimatedTransform {
   const Mat4d& start() const { return first; }
   const Mat4d& end() const { return last; }
   Mat4d at(double time) const;
-  /** Number of equal time intervals within which interpolating matrices linearly is accurate to 1e-4 of the size of the
-   * transformed objects. */
+  /** Number of equal time intervals within which interpolating matrices linearly is accurate to 1e-4 of the
+   * size of the transformed objects. */
   int linearParts() const;
   /** The transform followed by a constant matrix: m times this. */
   AnimatedTransform after(const Mat4d& m) const {

@@ -1,6 +1,6 @@
 /** @file
- * SIMD of eight lanes: by AVX2, or by plain code for any processor, with bit-identical results. No other file of the
- * renderer depends on the processor.
+ * SIMD of eight lanes: by AVX2, or by plain code for any processor, with bit-identical results. No other file
+ * of the renderer depends on the processor.
  */
 #pragma once
 
@@ -16,8 +16,8 @@
 namespace recurse {
 
 /**
- * Portable lanes, in loops that compilers may vectorise. These loops define the operations: `avx2` has the same names
- * and gives the same bits.
+ * Portable lanes, in loops that compilers may vectorise. These loops define the operations: `avx2` has the
+ * same names and gives the same bits.
  */
 namespace portable {
 
@@ -295,9 +295,9 @@ struct Uint32x8 {
   friend Float8 toFloat(Uint32x8 a) { return _mm256_cvtepi32_ps(a.v); }
   friend Uint32x8 reverseBits(Uint32x8 a) {
     const __m256i bytes = _mm256_broadcastsi128_si256(
-        _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3)); // reverses the bytes of each 32-bit word
+        _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3)); // reversed bytes of each word
     const __m256i low = _mm256_broadcastsi128_si256(
-        _mm_set_epi8(15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // 4-bit values with their bits reversed
+        _mm_set_epi8(15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // 4-bit values, bits reversed
     const __m256i high = _mm256_slli_epi16(low, 4), four = _mm256_set1_epi8(15);
     const __m256i swapped = _mm256_shuffle_epi8(a.v, bytes);
     return _mm256_or_si256(_mm256_shuffle_epi8(high, _mm256_and_si256(swapped, four)),
@@ -311,8 +311,8 @@ using namespace avx2;
 using namespace portable;
 #endif
 
-/** Makes this thread treat denormal floats as zero, where the processor can: they are slow, and no computation needs
- * them. */
+/** Makes this thread treat denormal floats as zero, where the processor can: they are slow, and no
+ * computation needs them. */
 inline void flushDenormals() {
 #ifdef __SSE__
   constexpr unsigned FLUSH_ZERO = 0x8000, DENORMALS_ARE_ZERO = 0x0040;
@@ -339,7 +339,7 @@ struct LaneLists {
       }
     }
   }
-  /** Writes base + lane for each set lane, ascending. All 8 entries are written; the last ones are unspecified. */
+  /** Writes base + lane for each set lane, ascending; of the 8 entries written, the last are unspecified. */
   void ascending(uint32_t mask, uint32_t base, uint32_t* out) const { write(lanes[mask], base, out); }
   void descending(uint32_t mask, uint32_t base, uint32_t* out) const { write(lanesDown[mask], base, out); }
 

@@ -1,6 +1,6 @@
 /** @file
- * All roots of polynomials in an interval: the Bernstein form is halved until Descartes' rule of signs leaves one root
- * (Lane and Riesenfeld, "Bounds on a Polynomial", 1981).
+ * All roots of polynomials in an interval: the Bernstein form is halved until Descartes' rule of signs leaves
+ * one root (Lane and Riesenfeld, "Bounds on a Polynomial", 1981).
  */
 #pragma once
 
@@ -52,8 +52,8 @@ template <size_t DEGREE> double bernsteinValue(BernsteinForm<DEGREE> b, double f
 }
 
 /**
- * Calls visit(low, high, isRising) in ascending order for intervals with one sign change each. Two roots that are
- * closer to each other than `resolution` may both be omitted. Zero counts as positive.
+ * Calls visit(low, high, isRising) in ascending order for intervals with one sign change each. Two roots that
+ * are closer to each other than `resolution` may both be omitted. Zero counts as positive.
  */
 template <size_t DEGREE, class Visit>
 void isolateRoots(BernsteinForm<DEGREE> b, double low, double high, double resolution, const Visit& visit) {
@@ -73,7 +73,7 @@ void isolateRoots(BernsteinForm<DEGREE> b, double low, double high, double resol
 /** Root of f in [low, high], where f changes its sign, up to rounding; by the Illinois method. */
 template <class F> double refineRoot(const F& f, double low, double high) {
   double fLow = f(low), fHigh = f(high);
-  if ((fLow < 0) == (fHigh < 0)) return std::abs(fLow) < std::abs(fHigh) ? low : high; // no sign change, by rounding
+  if ((fLow < 0) == (fHigh < 0)) return std::abs(fLow) < std::abs(fHigh) ? low : high; // no sign change
   int sameSide = 0;
   for (int i = 0; i < 100; ++i) {
     // Bisects in every fourth step, for functions on which the secant converges slowly.

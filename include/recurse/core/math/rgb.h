@@ -7,7 +7,7 @@
 
 namespace recurse {
 
-/** Colour type, distinct from vectors to prevent mix-ups of the two. All operations are by component. */
+/** Colour type, distinct from vectors to prevent mix-ups of both. All operations are by component. */
 template <class T> struct RgbOf {
   T r, g, b;
 

@@ -1,6 +1,6 @@
 /** @file
- * Vectors, boxes and orthonormal frames. Vectors are GLM's; a distance is in scene units, a direction has unit length
- * unless its name says otherwise.
+ * Vectors, boxes and orthonormal frames. Vectors are GLM's; a distance is in scene units, a direction has
+ * unit length unless its name says otherwise.
  */
 #pragma once
 
@@ -36,8 +36,8 @@ constexpr float roundingBound(int n) {
   return static_cast<float>(n) * UNIT / (1 - static_cast<float>(n) * UNIT);
 }
 
-/** The float next to a finite x: above it where `direction` is positive, below it where `direction` is negative. A zero
- * of either sign has the smallest denormals as its neighbours. */
+/** The float next to a finite x: above it where `direction` is positive, below it where `direction` is
+ * negative. A zero of either sign has the smallest denormals as its neighbours. */
 inline float nextFloat(float x, float direction) {
   constexpr uint32_t SIGN = 0x80000000u;
   const uint32_t way = std::bit_cast<uint32_t>(direction) & SIGN;
@@ -107,8 +107,8 @@ struct Frame {
     x = Vec3f(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     y = Vec3f(b, sign + n.y * n.y * a, -n.y);
   }
-  /** Frame around n whose x axis is as close to `tangent` as possible; any frame around n where `tangent` is zero or
-   * parallel to n. */
+  /** Frame around n whose x axis is as close to `tangent` as possible; any frame around n where `tangent` is
+   * zero or parallel to n. */
   Frame(const Vec3f& n, const Vec3f& tangent) : Frame(n) {
     const Vec3f t = tangent - n * glm::dot(n, tangent);
     const float length2 = lengthSquared(t);

@@ -20,7 +20,7 @@ class Distribution2d {
 
   /** Zero density. */
   Distribution2d() = default;
-  /** Density in proportion to `corners`: (width + 1) · (height + 1) finite values of at least 0, row by row. */
+  /** Density in proportion to `corners`: (width + 1) · (height + 1) finite values >= 0, row by row. */
   Distribution2d(int width, int height, const std::vector<double>& corners);
 
   bool empty() const { return !(total > 0); }

@@ -1,7 +1,7 @@
 /** @file
- * Samples: Sobol' points with hashed Owen scrambling (Burley, "Practical Hash-based Owen Scrambling", JCGT 9(4), 2020),
- * padded two dimensions at a time. A sample depends only on (seed, stream, index, dimension), so that images do not
- * depend on the number or the order of threads.
+ * Samples: Sobol' points with hashed Owen scrambling (Burley, "Practical Hash-based Owen Scrambling", JCGT
+ * 9(4), 2020), padded two dimensions at a time. A sample depends only on (seed, stream, index, dimension), so
+ * that images do not depend on the number or the order of threads.
  */
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace recurse {
 
-/** 64-bit mixing function (the finaliser of splitmix64, Steele et al. 2014) of an unsigned number or of each component
- * of a vector. */
+/** 64-bit mixing function (the finaliser of splitmix64, Steele et al. 2014) of an unsigned number or of each
+ * component of a vector. */
 template <class T>
 requires(sizeof(T) >= sizeof(uint64_t)) constexpr T mixBits(T v) {
   v ^= v >> 30;

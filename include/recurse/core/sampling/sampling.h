@@ -14,7 +14,7 @@ inline Vec2f cosSinSmall(float x) {
           x * (1 + x2 * (-1.0f / 6 + x2 * (1.0f / 120 + x2 * (-1.0f / 5040 + x2 * (1.0f / 362880)))))};
 }
 
-/** Maps to uniform points of the unit disc by the concentric map (Shirley, Chiu 1997), which keeps stratification. */
+/** Uniform point of the unit disc by the concentric map (Shirley, Chiu 1997), which keeps stratification. */
 inline Vec2f uniformDisk(const Vec2f& u) {
   const Vec2f o = u * 2.0f - 1.0f;
   if (o.x == 0 && o.y == 0) return {0, 0};
@@ -55,8 +55,8 @@ inline Vec3f cosineHemisphere(const Vec2f& u) {
   return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
 }
 
-/** Uniform direction in a cone around +z with density 1 / (2π opening) [1/sr]; `opening` is 1 − the cosine of the
- * half-angle. */
+/** Uniform direction in a cone around +z with density 1 / (2π opening) [1/sr]; `opening` is 1 − the cosine of
+ * the half-angle. */
 inline Vec3f uniformCone(const Vec2f& u, float opening) {
   const float below = u.x * opening, r = std::sqrt(below * (2 - below)), phi = 2 * PI * u.y;
   return {r * std::cos(phi), r * std::sin(phi), 1 - below};

@@ -1,7 +1,7 @@
 /** @file
- * Results of functions constructed in their destination. Copying a structure right after it was written member by
- * member stalls the processor until the writes have reached the cache, about 5 ns, which is noticeable in inner
- * loops.
+ * Results of functions constructed in their destination. Copying a structure right after it was written
+ * member by member stalls the processor until the writes have reached the cache, about 5 ns, which is
+ * noticeable in inner loops.
  */
 #pragma once
 

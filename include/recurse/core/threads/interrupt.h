@@ -1,5 +1,5 @@
 /** @file
- * Work on all threads that can be abandoned midway: learning and photon passes, without which a render can go on.
+ * Work on all threads that can be abandoned midway: learning and photon passes, which are optional.
  */
 #pragma once
 
@@ -16,8 +16,8 @@ class Interrupted : public Error {
   Interrupted();
 };
 
-/** Scope in which checkInterrupted() reads the given flag, on this thread and in the iterations of parallelFor() loops
- * that begin here. Null: no flag. */
+/** Scope in which checkInterrupted() reads the given flag, on this thread and in the iterations of
+ * parallelFor() loops that begin here. Null: no flag. */
 class InterruptibleWork {
  public:
   explicit InterruptibleWork(const std::atomic<bool>* flag) : before(std::exchange(flagOfThread, flag)) {}
@@ -33,8 +33,8 @@ class InterruptibleWork {
   const std::atomic<bool>* const before;
 };
 
-/** Throws Interrupted where the flag of an InterruptibleWork is set. Scenes call it before each ray, parallelFor()
- * before each iteration. */
+/** Throws Interrupted where the flag of an InterruptibleWork is set. Scenes call it before each ray,
+ * parallelFor() before each iteration. */
 inline void checkInterrupted() {
   const std::atomic<bool>* flag = InterruptibleWork::flag();
   if (flag && flag->load(std::memory_order_relaxed)) throw Interrupted();

@@ -11,15 +11,15 @@ namespace recurse {
 /** Sets the memory that the process may take in all [bytes]. */
 void setMemoryLimit(double bytes);
 
-/** Memory that the process can still take [bytes]: the remainder of the limit, or without one the memory available
- * without swapping; infinite where the system does not report it. */
+/** Memory that the process can still take [bytes]: the remainder of the limit, or without one the memory
+ * available without swapping; infinite where the system does not report it. */
 double availableMemory();
 
 /** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. */
 void requireMemory(const std::string& subject, double bytes);
 
-/** Scope in which the process gets at most `bytes` more memory, std::bad_alloc beyond: for work of unpredictable needs,
- * such as calls of other libraries. Scopes may be nested. */
+/** Scope in which the process gets at most `bytes` more memory, std::bad_alloc beyond: for work of
+ * unpredictable needs, such as calls of other libraries. Scopes may be nested. */
 class MemoryCap {
  public:
   explicit MemoryCap(double bytes);
