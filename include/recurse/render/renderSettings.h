@@ -31,7 +31,7 @@ enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
 struct RenderStatistics {
   double processorSeconds = 0;         ///< of all threads together
-  double learningProcessorSeconds = 0; ///< before the first photon map or sample, and once for all of them
+  double learningProcessorSeconds = 0; ///< before the first photon map or sample, serving all of them
   double photonProcessorSeconds = 0;   ///< for photon maps; the remainder is for camera paths
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
          gatherSeconds = 0; ///< gather: the backward part

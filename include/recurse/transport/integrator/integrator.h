@@ -220,7 +220,7 @@ constexpr size_t CAMERA_BATCH = 256;
 /** Photon of a map. */
 struct StoredPhoton {
   Vec3f position;  ///< [scene units], relative to Scene::origin()
-  Vec3f direction; ///< unit, towards the photon's origin
+  Vec3f direction; ///< unit, opposite to the propagation
   Vec3f normal;    ///< geometric, unit, on the side from which the photon arrived
   Rgb power;       ///< flux [W]
   LightState state;

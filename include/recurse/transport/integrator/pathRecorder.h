@@ -74,7 +74,7 @@ struct RecordedSource {
   bool isInfinite = false;
   float weight = 1;   ///< MIS weight among all techniques that can make the path
   float pdf = 0;      ///< density of this technique [1/sr]; 0: a delta distribution, or unknown
-  float otherPdf = 0; ///< of the other one of a pair, light sample or hit [1/sr]; 0: it cannot make the path
+  float otherPdf = 0; ///< of a pair's second technique, light sample or hit [1/sr]; 0: cannot make the path
 };
 
 struct RecordedContribution {
