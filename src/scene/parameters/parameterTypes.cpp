@@ -1,5 +1,5 @@
 /** @file
- * The table of parameter types.
+ * Table of parameter types.
  */
 #include "scene/parameters/parameterTypes.h"
 
