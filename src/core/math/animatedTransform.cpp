@@ -44,7 +44,7 @@ int AnimatedTransform::linearParts() const {
   if (!animated) return 1;
   const double half = std::acos(std::min(1.0, glm::dot(parts[0].rotation, parts[1].rotation)));
   // A chord of angle a stays within a²/8 of its arc; a² / 4 also covers a stretch that changes with time.
-  constexpr double PART = 0.025; // radians
+  constexpr double PART = 0.025; // [rad]
   return 1 + static_cast<int>(2 * half / PART);
 }
 

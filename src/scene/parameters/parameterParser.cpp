@@ -275,7 +275,7 @@ ParsedDirective parseParameterText(const std::string& plugIn, const std::string&
   } catch (const SceneError& e) {
     for (const Diagnostic& d : e.diagnostics()) diagnostics.error(d.location, d.message, d.accepted);
   } catch (const TooManyErrors&) {
-    // they are in the diagnostics
+    // reported in the diagnostics
   }
   diagnostics.throwIfErrors();
   return out;

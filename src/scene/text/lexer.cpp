@@ -93,7 +93,7 @@ std::string Token::value() const {
       break;
     default: {
       Token place = *this;
-      place.column += static_cast<int64_t>(i); // the opening quote compensates for the backslash
+      place.column += static_cast<int64_t>(i); // - 1 for the backslash, + 1 for the opening quote
       throw SceneError(place.location(), "unknown escape '\\" + printable({&c, 1}) + "' in a string",
                        "\\\" \\\\ \\' \\b \\f \\n \\r \\t; a backslash in a path is written \\\\");
     }

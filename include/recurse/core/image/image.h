@@ -47,7 +47,7 @@ float linearFromSrgb(float encoded);
 /** sRGB encoding of linear light: the inverse of linearFromSrgb(). */
 float srgbFromLinear(float linear);
 
-/** Reads any format that OpenImageIO knows; 8- and 16-bit sRGB pictures become linear. Throws Error naming
+/** Reads any format that OpenImageIO supports; 8- and 16-bit sRGB pictures become linear. Throws Error naming
  * the file and the reason. */
 Image readImage(const FileReference& file);
 

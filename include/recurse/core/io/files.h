@@ -17,7 +17,7 @@ bool isInside(const std::string& name, const std::string& folder);
 /** True for a pipe, terminal or socket that this process was started with, such as /dev/stdout. */
 bool isOpenStream(const std::string& name);
 
-/** "a folder", "a named pipe" and the like; empty for a regular file and where there is nothing. */
+/** Kind of a special file: "a folder", "a named pipe" and so on; empty for a regular or missing file. */
 std::string specialKind(const std::string& name);
 
 /** Throws Error unless the name refers to a regular file, since reading of special files may never end. Open

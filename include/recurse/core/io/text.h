@@ -16,7 +16,7 @@ std::string formatted(const char* pattern, auto... values) {
   return text;
 }
 
-/** The text with letters A to Z as a to z. */
+/** Text with the letters A to Z replaced by a to z. */
 inline std::string lowerCase(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;

@@ -12,7 +12,7 @@ namespace recurse {
 
 class ZipArchive {
  public:
-  /** Throws Error naming the file and the reason. */
+  /** Opens an archive. Throws Error naming the file and the reason. */
   explicit ZipArchive(const std::string& path);
   ~ZipArchive();
   ZipArchive(const ZipArchive&) = delete;

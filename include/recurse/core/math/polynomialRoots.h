@@ -73,7 +73,7 @@ void isolateRoots(BernsteinForm<DEGREE> b, double low, double high, double resol
 /** Root of f in [low, high], where f changes its sign, up to rounding; by the Illinois method. */
 template <class F> double refineRoot(const F& f, double low, double high) {
   double fLow = f(low), fHigh = f(high);
-  if ((fLow < 0) == (fHigh < 0)) return std::abs(fLow) < std::abs(fHigh) ? low : high; // no sign change
+  if ((fLow < 0) == (fHigh < 0)) return std::abs(fLow) < std::abs(fHigh) ? low : high; // due to rounding
   int sameSide = 0;
   for (int i = 0; i < 100; ++i) {
     // Bisects in every fourth step, for functions on which the secant converges slowly.

@@ -16,7 +16,7 @@ namespace recurse {
 template <class Real> glm::vec<2, Real> squareOfDirection(const glm::vec<3, Real>& d) {
   constexpr Real PI_OVER_2 = std::numbers::pi_v<Real> / 2;
   // One octant: r is the radius of a disc of equal area, and the angle runs along the diamond's edge.
-  const Real r = std::sqrt((d.x * d.x + d.y * d.y) / (1 + std::abs(d.z))); // √(1 − |z|)
+  const Real r = std::sqrt((d.x * d.x + d.y * d.y) / (1 + std::abs(d.z))); // √(1 − |z|), no cancellation
   const Real part = std::atan2(std::abs(d.y), std::abs(d.x)) / PI_OVER_2;
   Real a = r * (1 - part), b = r * part;
   if (d.z < 0) {

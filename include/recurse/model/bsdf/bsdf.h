@@ -91,7 +91,7 @@ class Bsdf {
   /** Appends all delta lobes for wi. */
   virtual void deltas(const Vec3f& /*wi*/, DeltaScatters& /*out*/) const {}
   /** Fraction of the flux that the non-delta part scatters: exact for LAMBERTIAN lobes, else approximate,
-   * since it only steers the choice of a lobe; not zero where the non-delta part is not. */
+   * since it only steers the choice of a lobe; nonzero wherever the non-delta part is nonzero. */
   virtual Rgb albedo(const Vec3f& /*wi*/) const { return BLACK; }
   /** Refractive index below the surface over the index above, for the bending of the TRANSMISSION lobe. */
   virtual float eta() const { return 1; }

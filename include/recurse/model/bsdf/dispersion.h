@@ -15,8 +15,8 @@ namespace recurse {
 
 /** Samples a wavelength [nm] from u in [0, 1), with a density in proportion to its colour's magnitude. */
 float sampleWavelength(float u);
-/** RGB weight of a sampled wavelength [nm]: its colour over its density. The mean over samples is exactly (1,
- * 1, 1); components may be negative. */
+/** RGB weight of a sampled wavelength [nm]: its colour over its density. Its mean over samples is exactly
+ * (1, 1, 1); components may be negative. */
 Rgb wavelengthColour(float wavelength);
 
 /** Refractive index as a function of wavelength. */

@@ -62,11 +62,11 @@ struct TextureDescription {
   Mat4d worldFromTexture{1};
 };
 
-/** An Animate directive. */
+/** Description of an Animate directive. */
 struct TrackDescription {
   std::string name;
   SourceLocation location;
-  double firstTime = 0, lastTime = 0; ///< of its keyframes
+  double firstTime = 0, lastTime = 0; ///< times of the first and the last keyframe
 };
 
 struct SceneDescription {

@@ -45,7 +45,7 @@ struct ParsedDirective {
   std::vector<ParsedParameter> parameters;
   /** Parameters of Attribute directives for this kind, used for names not in `parameters`. May be null. */
   std::shared_ptr<const std::vector<ParsedParameter>> attributes;
-  SourceLocation location;  ///< of the plug-in's name
+  SourceLocation location;  ///< location of the plug-in's name
   std::string directory;    ///< base of relative file names in the directive
   std::string topDirectory; ///< directory of the top scene file, tried second
   /** Files in memory, tried before all others for file names in the directive. May be null. */

@@ -52,7 +52,7 @@ struct RecordedStep {
   LobeSet lobe = NO_LOBE;
   Vec3f direction{0};   ///< unit
   Rgb throughput{1};    ///< after the event
-  float pdf = 0;        ///< of the direction [1/sr]; 0: a delta lobe
+  float pdf = 0;        ///< density of the direction [1/sr]; 0: a delta lobe
   float pdfReverse = 0; ///< density of the reverse direction, from the light's side [1/sr]; 0: a delta lobe
 };
 
@@ -79,7 +79,7 @@ struct RecordedSource {
 
 struct RecordedContribution {
   RecordedSource source;
-  LayerMask classes = 0; ///< of the path
+  LayerMask classes = 0; ///< classes of the path
   Rgb radiance{0};       ///< including MIS weight and throughput
 };
 
