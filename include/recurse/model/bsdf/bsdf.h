@@ -73,9 +73,9 @@ struct DeltaScatters {
 /**
  * Scattering at one point, in the local frame: z is the shading normal, on the outer side of the surface.
  * Both directions are unit and point away from the surface: wi to the previous vertex of the walk, wo to the
- * next one. value(wi, wo) is for flux that arrives from wi and leaves towards wo; radiance has both
- * exchanged. It must be reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b,
- * a) n(b)²; only a FIBRE need not be.
+ * next one. value(wi, wo) is for flux that arrives from wi and leaves towards wo; radiance swaps both.
+ * It must be reciprocal, transmission up to the refractive indices: value(a, b) n(a)² = value(b, a) n(b)²;
+ * only a FIBRE need not be.
  */
 class Bsdf {
  public:

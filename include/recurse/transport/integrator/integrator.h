@@ -214,7 +214,7 @@ struct CameraPath {
 };
 
 /** Number of camera paths in a batch: enough independent work to keep the processor busy, and few enough for
- * the first-level cache. */
+ * its nearest cache. */
 constexpr size_t CAMERA_BATCH = 256;
 
 /** Photon of a map. */
