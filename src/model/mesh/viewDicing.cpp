@@ -56,7 +56,7 @@ double PixelWidths::alongEdge(const Vec3d& a, const Vec3d& b) const {
 }
 
 double PixelWidths::foreshortening(const Vec3d& along, const Vec3d& view) {
-  // Displacement between the ends of an edge is visible from the side: MOST limits what is missed.
+  // Displacement between the ends of an edge is visible from the side: MOST bounds the edge length.
   constexpr double MOST = 4;
   const double lengths = glm::length(along) * glm::length(view), seen = glm::length(glm::cross(along, view));
   return lengths < MOST * seen ? lengths / seen : lengths > 0 ? MOST : 1;
