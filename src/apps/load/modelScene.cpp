@@ -66,7 +66,7 @@ std::vector<std::string> gamePaths(const std::string& fileName) {
   return paths;
 }
 
-/** The camera that is asked for; else the first of the file that sees the model, if any does. */
+/** Requested camera; else the first camera of the file that sees the model, if any does. */
 const ImportedCamera* chosenCamera(const SceneImport& import, const std::string& name) {
   std::string list;
   for (const ImportedCamera& camera : import.cameras) {

@@ -12,7 +12,7 @@
 
 namespace recurse::apps {
 
-/** True for files that an importer reads as a scene, judging by their name. */
+/** True for model files, which an importer reads, judging by their name. */
 bool isModelFile(const std::string& fileName);
 
 /** Choice of a map and a camera of a model. */

@@ -15,7 +15,7 @@ void sendScene(const Cluster& cluster, const LoadedScene& loaded);
 /** Makes each ReceivedScene fail, if the leading process has no scene to send. */
 void sendNoScene(const Cluster& cluster);
 
-/** Received scene, outside of the leading process. Its files are in a folder until destruction. */
+/** Received scene, in all but the leading process. A temporary folder has its files until destruction. */
 class ReceivedScene {
  public:
   /** Waits for sendScene(). Throws Error if the leading process has no scene, or if the files cannot be

@@ -145,7 +145,7 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
     });
   for (const Value& value : values)
     if (value.text) replace(out, entry->parameters, value.option, value.parameter, *value.text);
-  // --photons is a number per pass: it sets "passes" to 0, unless these are given.
+  // --photons is a number per pass: it sets "passes" to 0, unless "passes" is given.
   const auto names = [&](const char* parameter) {
     return std::any_of(out.parameters.begin(), out.parameters.end(),
                        [&](const ParsedParameter& p) { return p.name == parameter; });

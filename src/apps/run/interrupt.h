@@ -27,7 +27,7 @@ class NothingToWrite {
   /** Extent of the time limit. */
   enum class TimeLimit {
     PROGRAM, ///< ends at once, with a message
-    WORK     ///< of this thread ends by checkInterrupted(), like for a requested stop
+    WORK     ///< ends work of this thread, by checkInterrupted(), like a requested stop
   };
   /** `seconds`: time limit; 0: none. */
   explicit NothingToWrite(double seconds, TimeLimit limited = TimeLimit::PROGRAM);

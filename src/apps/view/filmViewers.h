@@ -33,7 +33,7 @@ class PictureThread {
   /** Waits until the last picture has been presented. No picture may be offered after it. */
   void end();
 
-  /** Queues a picture, in exchange for one that still waits. */
+  /** Queues a picture, which replaces one that still waits. */
   void offer(Image picture);
   /** Duration of the latest presentation [s]. */
   double cost() const;

@@ -1,8 +1,8 @@
 /** @file
- * Live page: the page itself, the state as JSON, and the picture developed as the page requests.
- * Everybody with the printed address may watch and stop the render: it contains a random token,
- * which is unknown to all users of the machine and to all pages in the browser, except for this
- * page. */
+ * Live page: the page itself, the state as JSON, and the picture developed as the page
+ * requests. Anyone with the printed address may watch and stop the render. The address
+ * contains a random token, which no other user of the machine and no other page in the browser
+ * knows. */
 #include "apps/view/liveServer.h"
 
 #include <algorithm>

@@ -67,7 +67,7 @@ class Bumps final : public SurfaceDetail {
     const Vec2d step = Vec2d(after.uv) - Vec2d(before.uv);
     const double size = step.x + step.y;
     if (size == 0)
-      return 0; // the step is below the rounding of the coordinates: the slope is unknown
+      return 0; // the step is below the rounding of the coordinates, so that no slope can be measured
     const Vec3f shift(0.5 * (Vec3d(point.dpdu) * step.x + Vec3d(point.dpdv) * step.y));
     before.position -= shift;
     after.position += shift;

@@ -33,7 +33,7 @@ inline void occluded(RTCScene scene, RTCRay& ray) {
 
 constexpr unsigned PACKET = 8;
 
-/** Active rays of a packet: the first `count`. */
+/** Active rays of a packet: the first `count`, at most all. */
 struct Lanes {
   explicit Lanes(size_t count) {
     for (size_t i = 0; i < PACKET; ++i) valid[i] = i < count ? -1 : 0;

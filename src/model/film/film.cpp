@@ -76,7 +76,7 @@ double Film::darkLuminance() const {
 }
 
 std::vector<double> Film::standardErrors() const {
-  constexpr int AROUND = 8; // [pixels] each way: the difference of a single pixel's halves is too noisy
+  constexpr int AROUND = 8; // reach [pixels]: the difference of a single pixel's halves is too noisy
   const int width = pixelBounds.width(), height = pixelBounds.height();
   const double dark = darkLuminance();
   std::vector<VariancePair> relative(pixels.size());

@@ -1,6 +1,6 @@
-/** Closed triangle meshes as solids: a check that they are closed, and a watertight search for all crossings
+/** @file
+ * Closed triangle meshes as solids: a check that they are closed, and a watertight search for all crossings
  * of a line.
- * edges.
  */
 #include "recurse/model/mesh/triangleMesh.h"
 

@@ -154,7 +154,7 @@ template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const
   Vec3f rounding = magnitude(s.position);
   for (int i = 0; i < 3; ++i)
     rounding[i] *=
-        float(int(e1[i] != 0) | int(e2[i] != 0)); // a coordinate that all vertices share is exact
+        float(int(e1[i] != 0) | int(e2[i] != 0)); // a coordinate that all vertices share has no error
   s.error = positionError(rounding, plane.normal, plane.error);
 
   s.geometricNormal = plane.normal;

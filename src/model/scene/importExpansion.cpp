@@ -94,7 +94,7 @@ class ImportExpander {
     attachFiles(piece, std::make_shared<const MemoryFiles>(import.files));
     scene.sources.insert(scene.sources.end(), piece.sources.begin(), piece.sources.end());
     materialOffset =
-        static_cast<int>(scene.materials.size()) - 1; // the piece's material 0 is the outer one
+        static_cast<int>(scene.materials.size()) - 1; // the piece's material 0 is the outer material
     areaLightOffset = static_cast<int>(scene.areaLights.size());
     scene.materials.insert(scene.materials.end(), piece.materials.begin() + 1, piece.materials.end());
     scene.areaLights.insert(scene.areaLights.end(), piece.areaLights.begin(), piece.areaLights.end());

@@ -9,7 +9,7 @@ namespace recurse {
 
 namespace {
 
-/** The permutation of the reference implementation that goes with the paper; pbrt has the same. */
+/** Permutation of the reference implementation of "Improving Noise"; pbrt has the same. */
 constexpr std::array<uint8_t, 256> PERMUTATION = {
     151, 160, 137, 91,  90,  15,  131, 13,  201, 95,  96,  53,  194, 233, 7,   225, 140, 36,  103, 30,
     69,  142, 8,   99,  37,  240, 21,  10,  23,  190, 6,   148, 247, 120, 234, 75,  0,   26,  197, 62,
