@@ -73,8 +73,8 @@ class BspReader {
                      indices = lump(INDICES, "list of indices");
     const uint64_t vertexCount = recordsOf(vertices, VERTEX_BYTES),
                    indexCount = recordsOf(indices, INDEX_BYTES);
-    // Faces share lists of indices and no vertices; without limits, few bytes could name the same ones again
-    // and again. A surface has at most twice as many triangles as vertices.
+    // Faces share lists of indices but no vertices; without limits, few bytes could reference the same lists
+    // again and again. A surface has at most twice as many triangles as vertices.
     uint64_t verticesLeft = 4 * vertexCount, indicesLeft = 6 * verticesLeft;
     for (uint64_t i = 0, count = recordsOf(in, FACE_BYTES); i < count; ++i) {
       const uint64_t at = i * FACE_BYTES;

@@ -20,7 +20,7 @@ struct StateProblem {
   ClassSums sums;
   std::vector<StatePrior> prior; ///< of each class
   double exposure = 1;           ///< factor of all classes
-  bool findsExposure = false;    ///< another exposure is tried as well
+  bool findsExposure = false;    ///< a different exposure is tried as well
 };
 
 struct StateFindings {
