@@ -54,8 +54,8 @@ class SingleScattering final : public RoughConductorBsdf {
   using RoughConductorBsdf::RoughConductorBsdf;
 };
 
-/** Single scattering plus light that hits several facets: the energy lost by single scattering times the reflectance
- * of all further facets (Kulla and Conty 2017, with the Fresnel factor of Hill 2018, "A Multi-Faceted Exploration").
+/** Single scattering plus light that hits several facets: the lost energy times the reflectance of all
+ * further facets (Kulla and Conty 2017, with the Fresnel factor of Hill 2018, "A Multi-Faceted Exploration").
  */
 class MultipleScattering final : public RoughConductorBsdf {
  public:

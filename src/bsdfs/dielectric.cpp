@@ -41,7 +41,7 @@ class DispersiveBsdf final : public Bsdf {
   bool isWhite;
 };
 
-/** Albedo of single scattering for light from one side (1: above, -1: below), in the form that FacetLosses needs. */
+/** Albedo of single scattering for light from one side (1: above, -1: below), as FacetLosses needs it. */
 auto singleAlbedo(float eta, float side) {
   return [eta, side](const Vec3f& up, const Microfacets& facets, const Vec2f& u) {
     const DielectricInterface surface{eta, facets};
@@ -65,7 +65,7 @@ struct InterfaceLosses {
   const FacetLosses& on(float z) const { return z > 0 ? above : below; }
 
   FacetLosses above, below;
-  float transmittance = 0; ///< of diffuse light from above
+  float transmittance = 0; ///< transmittance for diffuse light from above
 };
 
 /**

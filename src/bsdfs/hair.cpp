@@ -64,7 +64,7 @@ struct TrimmedLogistic {
   }
 };
 
-/** Variances, tilts and azimuthal distribution of the lobes, from the roughnesses and the tilt of the scales. */
+/** Variances, tilts and azimuthal distribution of the lobes, from roughnesses and the tilt of the scales. */
 struct HairShape {
   HairShape(double eta, double betaM, double betaN, double alpha) : eta(eta) {
     const double root = 0.726 * betaM + 0.812 * square(betaM) + 3.7 * power(betaM, 20);
@@ -137,7 +137,7 @@ class HairBsdf final : public Bsdf {
  private:
   static double azimuth(const Vec3f& w) { return std::atan2(double(w.z), double(w.y)); }
 
-  /** Attenuations and exit angles of the lobes for the direction that h belongs to, in either sense of travel. */
+  /** Attenuations and exit angles of the lobes for the direction of h, in either sense of travel. */
   struct Lobes {
     Lobes(const HairBsdf& hair, const Vec3f& w) : shape(hair.shape) {
       const double h = hair.h;
@@ -146,7 +146,7 @@ class HairBsdf final : public Bsdf {
       // Modified index of refraction in the normal plane, which depends on the inclination.
       const double bent = std::sqrt(std::max(DBL_MIN, square(shape.eta) - square(inclination.sine)));
       sineGammaT = std::clamp(h * inclination.cosine / bent, -1.0, 1.0);
-      const double length = 2 * cosineOf(sineGammaT) / std::max(cosineT, DBL_MIN); // of one crossing [radii]
+      const double length = 2 * cosineOf(sineGammaT) / std::max(cosineT, DBL_MIN); // one crossing [radii]
       const Rgbd transmitted = exp(Rgbd(hair.absorption) * -length);
       const auto f = double(dielectricFresnel(static_cast<float>(inclination.cosine * cosineOf(h)),
                                               static_cast<float>(shape.eta))
@@ -171,7 +171,7 @@ class HairBsdf final : public Bsdf {
     }
     const HairShape& shape;
     Inclination inclination{};
-    double sineGammaT = 0; ///< of the refracted azimuthal angle γt
+    double sineGammaT = 0; ///< sine of the refracted azimuthal angle γt
     std::array<Rgbd, LOBES> attenuation;
     std::array<double, LOBES> chance{};
   };

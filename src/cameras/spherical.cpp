@@ -119,7 +119,7 @@ class Spherical final : public Camera {
   }
 
   CameraTrack track;
-  Vec2d size; ///< of the film [pixels]
+  Vec2d size; ///< size of the film [pixels]
   std::unique_ptr<SphereMap> map;
 };
 

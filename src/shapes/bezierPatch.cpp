@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-constexpr size_t POINTS = 16; ///< of a patch, four rows of four
+constexpr size_t POINTS = 16; ///< control points of a patch, four rows of four
 
 /** Bernstein polynomials of degree 3, and their derivatives. */
 std::array<double, 4> weights(double t) {

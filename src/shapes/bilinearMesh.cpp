@@ -196,7 +196,7 @@ class BilinearMesh final : public Shape {
     return nearest;
   }
 
-  /** Hit parameters are u and v relative to the middle, where large patches then have the highest precision. */
+  /** Hit parameters are u and v from the middle, where large patches then have the highest precision. */
   SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const override {
     return pointAt(primitive, patch(primitive), std::clamp(double(parameters.uv.x) + 0.5, 0.0, 1.0),
                    std::clamp(double(parameters.uv.y) + 0.5, 0.0, 1.0));
@@ -342,7 +342,7 @@ class BilinearMesh final : public Shape {
 
   std::vector<Vec3f> vertices, normals;
   std::vector<Vec2f> uvs;
-  std::vector<glm::uvec4> corners; ///< at (u, v) = (0,0), (1,0), (0,1), (1,1)
+  std::vector<glm::uvec4> corners; ///< vertices at (u, v) = (0,0), (1,0), (0,1), (1,1)
   std::vector<double> areas, cumulativeArea;
   bool flipped = false;
 };

@@ -83,7 +83,7 @@ std::vector<Weighted<V>> interpolated(const far::TopologyRefiner& refiner, const
   return from;
 }
 
-/** Numbers the sectors into which sharp edges divide the faces around a vertex; boundary edges do not divide. */
+/** Numbers the sectors into which sharp edges, but not the boundary, divide the faces around a vertex. */
 std::vector<int> sectors(const far::TopologyLevel& level, int v) {
   const far::ConstIndexArray faces = level.GetVertexFaces(v);
   std::vector<int> sector(static_cast<size_t>(faces.size()));
@@ -98,7 +98,7 @@ std::vector<int> sectors(const far::TopologyLevel& level, int v) {
   return sector;
 }
 
-/** Quadrilaterals of the last level at their limits. Vertices on creases are duplicated, once for each side. */
+/** Quadrilaterals of the last level at their limits. Vertices on creases exist once for each side. */
 MeshData limitOf(const ControlMesh& mesh, int levels) {
   const Refiner refiner = refined(mesh, levels);
   const far::TopologyLevel& last = refiner->GetLevel(levels);

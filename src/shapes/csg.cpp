@@ -66,7 +66,7 @@ class Csg final : public Shape {
     for (double length = firstStretch; begin <= last; length *= 2) {
       const double end = std::min(begin + length, last);
       found.clear();
-      // Crossings of all shapes that may contain a point of the piece; crossings outside the piece are invalid.
+      // Crossings of all shapes that may contain a point of the piece; invalid outside of the piece.
       crossings(origin, direction, begin - coincidence, end + coincidence, found);
       for (const Solid::Crossing& c : found) {
         const auto t = static_cast<float>(c.t);
@@ -327,7 +327,7 @@ class Csg final : public Shape {
 
   bool canEmit = false;
   mutable std::once_flag areasKnown;          ///< guards the areas, which only lamps need
-  mutable std::vector<double> cumulativeArea; ///< of parts [0, i]
+  mutable std::vector<double> cumulativeArea; ///< total area of parts [0, i]
   mutable float ownArea = 0;
 };
 

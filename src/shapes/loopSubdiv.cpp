@@ -51,7 +51,7 @@ class Topology {
   }
 
   size_t edgeNumber(uint32_t a, uint32_t b) const { return numbers.at(key(std::min(a, b), std::max(a, b))); }
-  /** Vertex after `from` around `v`: the third vertex of the triangle v, from, ...; null where there is none. */
+  /** Vertex after `from` around `v`: the third vertex of the triangle v, from, ...; null at the boundary. */
   const uint32_t* next(uint32_t v, uint32_t from) const {
     const auto found = directed.find(key(v, from));
     return found == directed.end() ? nullptr : &found->second;
@@ -66,7 +66,7 @@ class Topology {
   std::unordered_map<uint64_t, uint32_t> directed;
 };
 
-/** Weight of each neighbour of an interior vertex, as in pbrt and by Warren. */
+/** Weight of each neighbour of an interior vertex: Warren's, as in pbrt. */
 double neighbourWeight(double valence) { return valence == 3 ? 3 / 16.0 : 3 / (8 * valence); }
 double limitWeight(double valence) { return 1 / (valence + 3 / (8 * neighbourWeight(valence))); }
 
@@ -114,7 +114,7 @@ void splitOnce(MeshData& mesh) {
   mesh.triangles = std::move(triangles);
 }
 
-/** Neighbours in order around a vertex; on the boundary, from the first of the two boundary edges to the last. */
+/** Neighbours in order around a vertex; on the boundary, from its first boundary edge to its last. */
 std::vector<uint32_t> ringAround(const Topology& t, uint32_t v, uint32_t any) {
   std::vector<uint32_t> ring{any};
   if (t.boundaryOf[v] > 0) { // back to the first, which has no predecessor

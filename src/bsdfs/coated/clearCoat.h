@@ -35,7 +35,7 @@ class ClearCoat {
 
   float thickness, minAlpha, maxAlpha;
   AlbedoTable transmitted;
-  std::vector<float> returned; ///< at equal steps of alpha
+  std::vector<float> returned; ///< reflectance towards the base, at equal steps of alpha
 };
 
 } // namespace recurse

@@ -47,7 +47,7 @@ struct CoatParameters {
     return {thickness.at(point).r, albedo.at(point), g.at(point).r, maxDepth, samples};
   }
   static constexpr float MAX_TABULATED = 1; ///< largest alpha of the tables
-  /** Tables of the coat. Null where its medium scatters, or where they would depend on more than one roughness. */
+  /** Tables of the coat. Null where its medium scatters, or where they would depend on further parameters. */
   std::shared_ptr<const ClearCoat> clear() const {
     if (albedo.texture || !isBlack(albedo.constant) || thickness.texture || roughness.anisotropic())
       return {};

@@ -11,7 +11,7 @@
 
 namespace recurse {
 
-/** Uniform pseudorandom numbers seeded by two directions alone: PCG-RXS-M-XS (O'Neill 2014) on a hash of both. */
+/** Uniform pseudorandom numbers seeded by two directions: PCG-RXS-M-XS (O'Neill 2014) on a hash of both. */
 class WalkNumbers {
  public:
   WalkNumbers(const Vec3f& a, const Vec3f& b) : state(0) {
@@ -89,7 +89,7 @@ struct CoatMedium {
   int maxDepth = 10, samples = 1;
 };
 
-/** Henyey-Greenstein phase function (1941) [1/sr]; `cosine` between the directions before and after scattering. */
+/** Henyey-Greenstein phase function (1941) [1/sr]; `cosine` of the directions before and after scattering. */
 inline float phaseValue(float cosine, float g) {
   const float d = 1 + g * g - 2 * g * cosine;
   return (1 - g * g) / (4 * PI * d * std::sqrt(std::max(d, 1e-20f)));
@@ -261,7 +261,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     bool atTop = true;
   };
 
-  /** Adds the estimate of one walk for the light that the inside of the coat scatters from a to b, both up. */
+  /** Adds the estimate of one walk for the light that the coat's inside scatters from a to b, both up. */
   void walk(const Vec3f& a, const Vec3f& b, WalkNumbers& numbers, Rgb& sum) const {
     const auto in = coat.step(a, numbers.next2(), TRANSMISSION);
     const auto out = coat.step(b, numbers.next2(), TRANSMISSION); // sampled from the exit
@@ -334,7 +334,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     return true;
   }
 
-  /** Adds transmission through the rough coat to b, for a direction of density pdf [1/sr] (below 0: a delta). */
+  /** Adds transmission to b through the rough coat, for a direction of density pdf [1/sr] (< 0: a delta). */
   void leave(const Walk& w, const Vec3f& b, float distance, float pdf, Rgb& sum) const {
     const float f = coat.value(-w.way, b);
     if (!(f > 0)) return;

@@ -16,7 +16,7 @@ namespace {
 /** Fraction of cosine-distributed samples, because f may be above 0 where only the table of wo is. */
 constexpr float COSINE_SHARE = 0.1f;
 
-/** Jacobian [sr per area of the square] of half vectors that float directions cannot separate from the normal. */
+/** Jacobian [sr per area of the square] of half vectors that floats cannot separate from the normal. */
 constexpr double LEAST_JACOBIAN = 6e-10; // 2π² u sin θ at θ = 2^-23
 
 /** Cosine below which a direction is in the plane of the surface, at float precision. */

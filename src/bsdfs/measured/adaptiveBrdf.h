@@ -22,7 +22,7 @@ class TensorFile;
  */
 class AdaptiveBrdf {
  public:
-  /** Throws Error, which includes `name`, for bytes that are not such a file. */
+  /** Throws Error, whose message includes `name`, for bytes that are not such a file. */
   AdaptiveBrdf(const std::string& name, std::string_view bytes);
 
   bool isAnisotropic() const { return !isotropic; }

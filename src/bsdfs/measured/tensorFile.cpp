@@ -9,7 +9,7 @@ namespace recurse {
 
 namespace {
 
-constexpr std::string_view MAGIC("tensor_file", 12); ///< with the zero byte
+constexpr std::string_view MAGIC("tensor_file", 12); ///< includes the zero byte
 constexpr uint64_t HEADER = 18;                      ///< magic, version, number of fields
 enum Type : uint8_t { UINT8 = 1, FLOAT32 = 10, LAST_TYPE = 11 };
 

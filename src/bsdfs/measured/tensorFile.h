@@ -40,7 +40,7 @@ class TensorFile {
   TensorFile(const std::string& name, std::string_view bytes);
 
   bool has(const std::string& field) const { return fields.contains(field); }
-  /** A field of floats with the given extents. Throws Error where it is missing or of a different type or shape. */
+  /** Field of floats with the given extents. Throws Error where it is missing or of wrong type or shape. */
   FloatTensor floats(const std::string& field, const std::vector<uint64_t>& shape) const;
   /** A field of one byte. */
   uint8_t byte(const std::string& field) const;

@@ -13,7 +13,7 @@ namespace recurse {
 /** Complex refractive index eta + i k of each colour channel. */
 struct ConductorOptics {
   Rgb eta{1}, k{0};
-  /** Fresnel reflectance for the cosine with the (micro)surface normal, in [0, 1]; rounding above 1 is clamped. */
+  /** Fresnel reflectance; `cosine` with the (micro)surface normal, in [0, 1]; rounding above 1 is clamped. */
   Rgb reflectance(float cosine) const {
     const float c = std::min(cosine, 1.0f);
     return {conductorFresnel(c, eta.r, k.r), conductorFresnel(c, eta.g, k.g),

@@ -12,7 +12,7 @@
 
 namespace recurse {
 
-/** Dielectric interface with its outer side towards +z. Smooth `facets` only for the functions that say so. */
+/** Dielectric interface with outer side +z. Smooth `facets` are only for the functions that say so. */
 struct DielectricInterface {
   float eta = 1.5f; ///< refractive index below over above
   Microfacets facets;
@@ -102,7 +102,7 @@ struct DielectricInterface {
     Vec3f m{0, 0, 1};  ///< its normal, on the side of wi
     float fresnel = 0; ///< reflectance, or transmittance of a refraction
     float jacobian =
-        0; ///< of refraction: solid angle of normals per solid angle of wo (Walter et al. 2007, eq. 17)
+        0; ///< refraction: solid angle of normals per solid angle of wo (Walter et al. 2007, eq. 17)
   };
   /** Finds the facet; false where none scatters wi to wo. */
   bool facet(const Vec3f& wi, const Vec3f& wo, Facet& f) const {
@@ -115,7 +115,7 @@ struct DielectricInterface {
       return c > 0;
     }
     if (!(product < 0)) return false;
-    // The facet is computed from the upper and lower direction, not wi and wo, so that the reverse path finds it too.
+    // The facet is computed from the upper and lower direction, so that the reverse path finds it too.
     const Vec3f& up = wi.z > 0 ? wi : wo;
     const Vec3f& down = wi.z > 0 ? wo : wi;
     Vec3f m = up + down * eta;

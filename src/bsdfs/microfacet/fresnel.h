@@ -10,7 +10,7 @@ namespace recurse {
 
 /** Reflection and refraction of a ray at a smooth dielectric interface. */
 struct DielectricFresnel {
-  float reflectance = 1;    ///< in [0, 1]; 1 at total reflection
+  float reflectance = 1;    ///< reflectance in [0, 1]; 1 at total reflection
   float cosTransmitted = 0; ///< cosine of the refracted ray with the normal, >= 0
 };
 

@@ -9,8 +9,8 @@
 
 namespace recurse {
 
-/** A `Gloss` has, for directions that point up (z >= 0): the two reciprocal lobes `value(a, b)` and `diffuse(a,
- * b)` [1/sr]; `sample(a, u, pick)` of the gloss lobe, below the surface where it absorbs, and its density
+/** A `Gloss` has, for directions with z >= 0: the reciprocal lobes `value(a, b)` and `diffuse(a, b)`
+ * [1/sr]; `sample(a, u, pick)` of the gloss lobe, below the surface where it absorbs, and its density
  * `pdf(a, b)` [1/sr]; approximate `albedo(a)` and `diffuseAlbedo(a)`; `anisotropic()` and `lossless()`. */
 template <class Gloss> class GlossOverDiffuse final : public Bsdf {
  public:

@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** Orthographic camera. With a lens it is telecentric: every film point has a separate lens in front of it. */
+/** Orthographic camera. With a lens it is telecentric: every film point has a separate lens before it. */
 class Orthographic final : public Camera {
  public:
   Orthographic(const Parameters& p, const CameraContext& c)

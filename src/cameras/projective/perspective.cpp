@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** Perspective camera. Directions are represented by their intersection with the image plane at distance 1. */
+/** Perspective camera. Directions are given by their intersection with the image plane at distance 1. */
 class Perspective final : public Camera {
  public:
   Perspective(const Parameters& p, const CameraContext& c)
@@ -27,7 +27,7 @@ class Perspective final : public Camera {
     Vec3d lens(0), direction(image, 1);
     if (usesLens()) {
       lens = Vec3d(aperture.sample(sample.lens), 0);
-      direction -= lens / aperture.focalDistance; // to the same point of the plane in focus
+      direction -= lens / aperture.focalDistance; // aims at the same point of the plane in focus
     }
     track.at(sample.time, [&](const CameraFrame& frame) {
       r.origin = Vec3f(frame.pointToScene(lens));

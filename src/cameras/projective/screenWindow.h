@@ -21,7 +21,7 @@ inline std::vector<ParameterSpec> screenParameters() {
 /** Maps film positions to the image plane at distance 1 from the camera. */
 struct ScreenWindow {
   double x0 = -1, x1 = 1, y0 = -1, y1 = 1;
-  double width, height; ///< of the film, in pixels
+  double width, height; ///< size of the film [pixels]
 
   ScreenWindow(const Parameters& p, const CameraContext& c) : width(c.width), height(c.height) {
     const double aspect = p.hasValue("frameaspectratio") ? p.real("frameaspectratio") : width / height;

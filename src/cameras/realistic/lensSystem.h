@@ -16,9 +16,9 @@ namespace recurse {
 
 /** A surface of a lens, or the aperture stop. */
 struct LensSurface {
-  double radius;    ///< of curvature; positive: convex towards the scene; 0: a plane
+  double radius;    ///< radius of curvature; positive: convex towards the scene; 0: a plane
   double thickness; ///< distance to the next surface towards the film
-  double index;     ///< of refraction, behind the surface
+  double index;     ///< refractive index behind the surface
   double apertureRadius;
   bool isStop() const { return radius == 0; }
 };

@@ -178,7 +178,7 @@ class Realistic final : public Camera {
       const double width = diagonal / 2 / PUPILS;
       const double margin = 1.5 * lens.rearRadius();
       Bounds<Vec2d> all{Vec2d(-margin), Vec2d(margin)};
-      // A coarse search over the surface and a margin, a fine one where that finds nothing, then one in the result.
+      // A coarse search over the surface and a margin, a fine one where that fails, then one in the result.
       Bounds<Vec2d> found = pupilWithin(all, double(i) * width, width, COARSE);
       if (found.lower.x > found.upper.x) found = pupilWithin(all, double(i) * width, width, FINE);
       if (found.lower.x <= found.upper.x) all = pupilWithin(found, double(i) * width, width, COARSE);
@@ -214,7 +214,7 @@ class Realistic final : public Camera {
   static constexpr int PUPILS = 64, COARSE = 48, FINE = 256;
   CameraTrack track;
   LensSystem lens;
-  Vec2d size;      ///< of the film [pixels]
+  Vec2d size;      ///< size of the film [pixels]
   Vec2d film;      ///< size of the film [m]
   double diagonal; ///< diagonal of the film [m]
   double spread;   ///< angle of a pixel near the axis [rad]

@@ -125,7 +125,7 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   Assimp::Importer importer;
   // Lines and points have no surface.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | aiPrimitiveType_POINT);
-  std::map<std::string, bool> answers; // by file, so that each is reported once
+  std::map<std::string, bool> answers; // answers by file, so that each is reported once
   const auto isAllowed = [&](const std::string& file) {
     std::error_code missing;
     if (!std::filesystem::exists(file, missing)) return true;

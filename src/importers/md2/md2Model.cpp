@@ -91,7 +91,7 @@ MeshData Md2Model::pose(double frame) const {
   }
   std::vector<Vec3d> normals(place.size(), Vec3d(0)); // sums of the area vectors of adjacent faces
   MeshData mesh;
-  std::map<std::pair<uint32_t, uint32_t>, uint32_t> made; // by position and texture coordinate
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> made; // indices by position and texture coordinate
   for (uint64_t t = 0; t < triangles; ++t) {
     const uint64_t at = trianglesAt + 12 * t;
     uint32_t vertex[3], uv[3];

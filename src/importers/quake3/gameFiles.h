@@ -42,7 +42,7 @@ class GameFiles {
 
   std::vector<std::string> given;
   std::vector<std::unique_ptr<ZipArchive>> archives; ///< null for a map
-  std::map<std::string, Entry> entries;              ///< by normalised names
+  std::map<std::string, Entry> entries;              ///< files by normalised names
 };
 
 } // namespace recurse

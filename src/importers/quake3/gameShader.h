@@ -26,7 +26,7 @@ struct GameShader {
   };
   struct Sun {
     Vec3d colour;
-    double intensity = 0, azimuth = 0, elevation = 0; ///< azimuth and elevation of the sun's position [degrees]
+    double intensity = 0, azimuth = 0, elevation = 0; ///< azimuth and elevation of its position [degrees]
   };
 
   bool isSky = false, isInvisible = false, isLiquid = false, isTwoSided = false;

@@ -381,7 +381,7 @@ class Quake3Import {
   Quake3Bsp map;
   GameShaders scripts;
   std::vector<std::string> missing; ///< textures without a picture
-  std::vector<Look> looks;          ///< by shader of the map
+  std::vector<Look> looks;          ///< looks by shader of the map
   const GameShader* sky = nullptr;
   size_t triangles = 0, patches = 0, lamps = 0, lights = 0, dark = 0;
 };

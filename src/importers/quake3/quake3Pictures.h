@@ -38,8 +38,8 @@ class Quake3Pictures {
   const GameFiles& game;
   SceneImport& import;
   ImportWriter& out;
-  std::map<std::string, std::string> files; ///< by texture names
-  std::map<std::string, Image> decoded;     ///< by files of the scene
+  std::map<std::string, std::string> files; ///< files of the scene by texture names
+  std::map<std::string, Image> decoded;     ///< pictures by files of the scene
 };
 
 } // namespace recurse

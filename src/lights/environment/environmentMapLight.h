@@ -40,7 +40,7 @@ class EnvironmentMapLight final : public EnvironmentLight {
   Vec3d sampleSky(float& pick, const Vec2f& u, Sampling sampling) const;
   double pdfSky(const Vec3d& direction, Sampling sampling) const;
   Rgb radianceFrom(const Vec3d& direction) const;
-  /** Direction of the scene in light space; `stretch` is the solid angle there over the solid angle in the scene. */
+  /** Direction of the scene in light space; `stretch` is the solid angle there over that in the scene. */
   Vec3d toLight(const Vec3d& direction, double& stretch) const;
   bool inSun(const Vec3d& direction) const;
   /** Fraction of the samples for the sun. */

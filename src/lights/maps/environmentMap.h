@@ -23,11 +23,11 @@ Vec3d directionOfPlace(EnvironmentMapping mapping, const Vec2d& place);
  * luminance. */
 class EnvironmentMap {
  public:
-  /** COMPLETE: every direction of positive luminance has a density. COMPENSATED: only directions that are brighter
-   * than BSDF sampling accounts for (Karlík et al., "MIS Compensation", 2019), for use in MIS with it only. */
+  /** COMPLETE: all directions of positive luminance have a density. COMPENSATED: only directions brighter
+   * than BSDF sampling accounts for (Karlík et al., "MIS Compensation", 2019), for MIS with it only. */
   enum class Sampling { COMPLETE, COMPENSATED };
 
-  /** Takes the first three channels, which must be finite and at least 0. EQUAL_AREA needs a square picture. */
+  /** Takes the first three channels, which must be finite and >= 0. EQUAL_AREA needs a square picture. */
   EnvironmentMap(const Image& picture, EnvironmentMapping mapping);
 
   Rgb value(const Vec3d& direction) const { return at(placeOfDirection(mapping, direction)); }

@@ -78,7 +78,7 @@ class ProbePicture {
       return Rgbd(0);
     }
     const double across = std::hypot(d.x, d.y);
-    // Distance from the middle: the angle to the front over π; for a mirror, the sine of half the angle to the back.
+    // Distance from the middle: angle to the front over π; in a mirror, sine of half the angle to the back.
     const double r =
         layout == Layout::ANGULAR ? std::atan2(across, -d.z) / pi : std::sqrt(std::max(0.0, (1 - d.z) / 2));
     const Vec2d way = across > 0 ? Vec2d(d.x, d.y) * (std::min(r, 1.0) / across) : Vec2d(std::min(r, 1.0), 0);

@@ -27,7 +27,7 @@ class IesProfile {
   double folded(double horizontal) const;
 
   std::vector<double> vertical, horizontal; ///< ascending [degrees]
-  std::vector<double> candela;              ///< for each horizontal angle all vertical angles
+  std::vector<double> candela;              ///< rows of vertical angles, one row for each horizontal angle
 };
 
 } // namespace recurse

@@ -49,14 +49,14 @@ template <class T> class SampledGrid {
 /** Majorants of an interpolated field by cells. `largest(i)` is the bound of the field at sample i, which
  * may be outside of the grid by one. */
 template <class Largest> MajorantGrid majorantsOf(const glm::ivec3& samples, const Largest& largest) {
-  constexpr int MAX_CELLS = 64; // along an axis; with more, traversal costs about as much as it saves
+  constexpr int MAX_CELLS = 64; // cells along an axis; with more, traversal costs about as much as it saves
   const glm::ivec3 cells = glm::min(samples, glm::ivec3(MAX_CELLS));
   std::vector<float> bounds;
   for (int z = 0; z < cells.z; ++z)
     for (int y = 0; y < cells.y; ++y)
       for (int x = 0; x < cells.x; ++x) {
         const glm::ivec3 cell(x, y, z);
-        // Samples whose filter support reaches the cell, and one more for points that rounding puts outside of it.
+        // Samples whose filter support reaches the cell, and one more for points rounded out of it.
         const glm::ivec3 first = cell * samples / cells - 1,
                          last = ((cell + 1) * samples + cells - 1) / cells + 1;
         float bound = 0;

@@ -27,15 +27,15 @@ enum GridType : uint32_t { FLOAT = 1, FP4 = 13, FP8 = 14, FP16 = 15, FP_ANY = 16
 
 /** An inner level of the tree. */
 struct Level {
-  int log2Children; ///< along an axis
-  int log2Width;    ///< of a child, in voxels
+  int log2Children; ///< number of children along an axis
+  int log2Width;    ///< side of a child [voxels]
   uint64_t children() const { return 1ull << (3 * log2Children); }
   uint64_t childMask() const { return 32 + children() / 8; }
   uint64_t table() const { return (childMask() + children() / 8 + 16 + 31) / 32 * 32; }
   uint64_t bytes() const { return table() + 8 * children(); }
 };
 constexpr Level UPPER{5, 7}, LOWER{4, 3};
-constexpr int ROOT_WIDTH_LOG2 = 12; ///< of an upper node
+constexpr int ROOT_WIDTH_LOG2 = 12; ///< side of an upper node [voxels]
 
 /** Reader of a grid that begins at byte 0. */
 class GridReader {

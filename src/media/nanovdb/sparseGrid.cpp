@@ -86,7 +86,7 @@ float SparseGrid::largest() const {
 }
 
 MajorantGrid SparseGrid::majorants() const {
-  constexpr int MAX_CELLS = 64; // along an axis; with more, traversal costs about as much as it saves
+  constexpr int MAX_CELLS = 64; // cells along an axis; with more, traversal costs about as much as it saves
   const glm::ivec3 size = highest - lowest + 1;
   const glm::ivec3 cells = glm::min(size, glm::ivec3(MAX_CELLS));
   std::vector<float> bounds(size_t(cells.x) * size_t(cells.y) * size_t(cells.z), 0);

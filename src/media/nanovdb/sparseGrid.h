@@ -13,7 +13,7 @@ namespace recurse {
 
 class SparseGrid {
  public:
-  static constexpr int WIDTH = 8;                                ///< of a block
+  static constexpr int WIDTH = 8;                                ///< side of a block
   static constexpr size_t BLOCK = size_t(WIDTH) * WIDTH * WIDTH; ///< values of a block, z fastest
 
   SparseGrid() = default;

@@ -36,7 +36,7 @@ struct PixelError {
   double mean() const { return (relative[0] + relative[1] + relative[2]) / 3; }
 };
 
-/** Order of errors: the larger first, equal ones in the order of the picture, so that the choice is deterministic. */
+/** Order of errors: the larger first, equal ones by pixel, so that the choice is deterministic. */
 bool worse(const PixelError& a, const PixelError& b) {
   return a.mean() != b.mean() ? a.mean() > b.mean() : a.pixel < b.pixel;
 }

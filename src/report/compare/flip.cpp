@@ -222,7 +222,7 @@ float largestColourError() {
   return LARGEST;
 }
 
-/** Adds errors of linear pictures with values in [0, 1]: `errors` keeps the larger of its value and the new error. */
+/** Adds errors of linear pictures in [0, 1]: `errors` keeps the larger of its value and the new error. */
 void addErrors(const std::vector<Rgb>& image, const std::vector<Rgb>& reference, const Filters& filters,
                Flip& out) {
   const Seen a = see(image, out.width, out.height, filters),
@@ -257,7 +257,7 @@ std::vector<Rgb> colours(const Image& image) {
   return out;
 }
 
-/** Prepares a comparison. Throws where the pictures do not fit; errors are empty where a pixel is not finite. */
+/** Prepares a comparison. Throws where the pictures do not fit; no errors where a pixel is not finite. */
 Flip begin(const Image& image, const Image& reference) {
   requireComparable(image, reference, "reference has");
   Flip out;

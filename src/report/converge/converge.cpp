@@ -18,7 +18,7 @@ namespace {
 
 constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
 
-/** Quantile of two-sided 95%; Student's distribution with 60 degrees of freedom or more is within 2% of it. */
+/** Quantile of two-sided 95%; Student's with 60 degrees of freedom or more is within 2% of it. */
 constexpr double QUANTILE_95 = 2;
 /** Number of blocks of a picture that has enough pixels, and their largest side [pixels]. */
 constexpr double BLOCKS = 256;
@@ -239,7 +239,7 @@ TimeToReach timeToReach(const Curve& curve, double error) {
   const std::optional<PowerLaw> fit = fitPowerLaw(points);
   if (!fit || fit->exponent >= 0) return {};
   constexpr double FARTHEST = 10;
-  // Extrapolates from the last point with the slope of the fit, so that the result is after the last measurement.
+  // Extrapolates from the last point with the slope of the fit, to a time after the last measurement.
   const double seconds = points.back()[0] * std::pow(error / points.back()[1], 1 / fit->exponent);
   if (seconds > FARTHEST * points.back()[0]) return {};
   return {Kind::BEYOND, seconds};

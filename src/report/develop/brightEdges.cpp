@@ -129,7 +129,7 @@ class BrightEdges {
     const double a = xx / sum - square(sx / sum), b = xy / sum - sx * sy / square(sum),
                  c = yy / sum - square(sy / sum);
     const double root = std::hypot((a - c) / 2, b), along = (a + c) / 2 + root, across = (a + c) / 2 - root;
-    constexpr double LENGTH = 4; // in pixels as bright as the brightest
+    constexpr double LENGTH = 4; // [pixels as bright as the brightest]
     const bool isLine = sum >= LENGTH && across <= 1.5 && along >= 2 * across;
     return isLine ? std::optional(brightest) : std::nullopt;
   }
@@ -153,7 +153,7 @@ class BrightEdges {
     const Rgb mixed = covered * brightShown + (1 - covered) * shownAt(withGlareOf(x, y, *dark));
     // The correction fades in with brightness above white.
     const float part = std::min(top - 1, 1.0f);
-    // A concave curve shows a mixture brighter than the mixture of its shown parts; otherwise nothing changes.
+    // A concave curve shows mixed light brighter than the mixture of shown colours; pixels only darken.
     const Rgb before = shownAt({x, y}), after = before + part * (min(mixed, before) - before);
     std::copy_n(&after.r, 3, out.at(x, y));
   }

@@ -50,15 +50,15 @@ struct Window {
 };
 
 /**
- * Metering field: means over small squares, because the logarithm of noise is too low. Black around the lit part
- * is excluded, and pixels far brighter than everything around them, such as lamps, are no part of the means.
+ * Metering field: means over small squares, because the logarithm of noise is too low. Black around the lit
+ * part is excluded; pixels far brighter than everything around them, such as lamps, are not in the means.
  */
 class MeterField {
  public:
   explicit MeterField(const Image& picture)
       : width(picture.width), height(picture.height), values(luminances(picture)) {
     const Window lit = litPart({0, 0, picture.width, picture.height});
-    constexpr int SQUARES = 24; // along the longer side
+    constexpr int SQUARES = 24; // squares along the longer side
     const int side = std::max(1, std::max(lit.right - lit.left, lit.bottom - lit.top) / SQUARES);
     for (int y = lit.top; y < lit.bottom; y += side)
       for (int x = lit.left; x < lit.right; x += side) {
@@ -84,7 +84,7 @@ class MeterField {
         if (at(x, y) > 0 && std::isfinite(at(x, y))) out.add(x, y);
     return out;
   }
-  /** Whether a pixel and at least two of its neighbours are brighter than a lamp: an isolated one is noise. */
+  /** Whether a pixel and two or more neighbours are brighter than `lamp`: an isolated one is noise. */
   bool isLamp(int x, int y, float lamp) const {
     if (!(at(x, y) > lamp)) return false;
     int bright = -1; // itself

@@ -48,7 +48,7 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 OIIO::ColorConfig& ocioConfiguration() {
-  static OIIO::ColorConfig CONFIG; // of $OCIO
+  static OIIO::ColorConfig CONFIG; // configuration of $OCIO
   return CONFIG;
 }
 

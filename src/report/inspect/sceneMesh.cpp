@@ -28,7 +28,7 @@ uint8_t srgb(float linear) {
 
 /** Colour of a surface in the view: its albedo at normal incidence. */
 Rgb albedoAt(const PlacedShape& placed, const SurfacePoint& point) {
-  constexpr float CLEAR = 0.85f; // for mirrors and glass, which have no albedo
+  constexpr float CLEAR = 0.85f; // grey of mirrors and glass, which have no albedo
   if (placed.emits) return Rgb(1, 0.9f, 0.6f);
   if (!placed.material) return Rgb(CLEAR);
   BsdfArena arena;
@@ -138,7 +138,7 @@ SceneMesh simplified(const SceneMesh& mesh, float cellSize) {
 } // namespace
 
 SceneMesh meshOf(const Scene& scene, size_t limit) {
-  constexpr float FINEST = 1.0f / 2048, COARSER = 1.5f; // of the scene's radius
+  constexpr float FINEST = 1.0f / 2048, COARSER = 1.5f; // fractions of the scene's radius
   constexpr size_t HELD = 20;                           // times the limit, in memory at once
   MeshMaker maker(scene);
   SceneMesh& mesh = maker.mesh;

@@ -15,7 +15,7 @@ constexpr float NOTHING = std::numeric_limits<float>::quiet_NaN();
 constexpr ValueEncoding ENCODINGS[] = {ValueEncoding::LINEAR, ValueEncoding::SRGB, ValueEncoding::GAMMA_22,
                                        ValueEncoding::DECODED};
 
-/** Least cells of the longer side at the coarsest level; shifts up to an eighth of the shorter side are tried.
+/** Least cells of the longer side at the coarsest level; shifts reach an eighth of the shorter side.
  */
 constexpr int COARSE_CELLS = 24;
 constexpr int shiftReach(int cells) { return cells / 8; }
@@ -34,7 +34,7 @@ constexpr double DARK_PART = 0.1;
 struct Level {
   int width = 0, height = 0;
   size_t channels = 0;
-  std::vector<float> values; ///< not finite where a pixel of the cell cannot be used
+  std::vector<float> values; ///< NaN or infinite where a pixel of the cell cannot be used
 
   const float* at(int x, int y) const { return &values[(size_t(y) * size_t(width) + size_t(x)) * channels]; }
 };
@@ -159,7 +159,7 @@ class FitReference {
     }
   }
 
-  /** Residual in the encoding of the picture and relative to the picture, so that candidates are comparable. */
+  /** Residual in the encoding of the picture, relative to the picture: comparable between candidates. */
   double residual(const std::vector<const float*>& values, const std::vector<double>& factors, double dark,
                   ValueEncoding encoding) const {
     double sum = 0, count = 0;
@@ -200,7 +200,7 @@ class Search {
     coarseSide = side;
   }
 
-  /** Evaluates all candidates at the coarse level, then the best of them at each finer level; the best first. */
+  /** Evaluates all candidates at the coarse level, the best of them at finer levels; the best first. */
   std::vector<Candidate> run() {
     std::vector<Candidate> all;
     for (ValueEncoding encoding : ENCODINGS)
@@ -258,7 +258,7 @@ class Search {
   }
 
   const Image &picture, &reference;
-  int side = 1, coarseSide = 1; ///< of a cell [pixels], now and at the coarsest level
+  int side = 1, coarseSide = 1; ///< sides of a cell [pixels], now and at the coarsest level
 };
 
 } // namespace

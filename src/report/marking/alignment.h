@@ -10,7 +10,7 @@ namespace recurse {
 struct Alignment {
   PictureChange change;
   double certainty = 0;        ///< probability of the change among all candidates
-  std::vector<double> factors; ///< not negative, of the classes, by least squares over the whole picture
+  std::vector<double> factors; ///< factors of the classes by least squares over the picture, none negative
 };
 
 /** Finds the change under which the sum of the classes, each with a factor, fits the picture best. */

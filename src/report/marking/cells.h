@@ -16,11 +16,11 @@ namespace recurse {
  * by row.
  */
 struct ClassSums {
-  std::vector<double> matrix;         ///< of layers: weighted (a b' + b a') / 2
-  std::vector<double> vector;         ///< of layers and picture, weighted likewise
-  std::vector<double> covariance;     ///< of `vector` about matrix x factors
-  std::vector<double> ordinaryMatrix; ///< of layers: weighted (a + b) (a + b)' / 4
-  std::vector<double> ordinaryVector; ///< of layers and picture, weighted likewise
+  std::vector<double> matrix;         ///< products of layers: weighted (a b' + b a') / 2
+  std::vector<double> vector;         ///< products of layers and picture, weighted likewise
+  std::vector<double> covariance;     ///< covariance of `vector` about matrix x factors
+  std::vector<double> ordinaryMatrix; ///< products of layers: weighted (a + b) (a + b)' / 4
+  std::vector<double> ordinaryVector; ///< products of layers and picture, weighted likewise
   size_t cells = 0;                   ///< number of usable cells
 
   explicit ClassSums(size_t layers = 0)
@@ -31,13 +31,13 @@ struct ClassSums {
 };
 
 struct CellRange {
-  int left = 0, top = 0, right = 0, bottom = 0; ///< in cells; right and bottom excluded
+  int left = 0, top = 0, right = 0, bottom = 0; ///< range of cells; right and bottom excluded
 };
 
 /** Misfit of given factors in a region. */
 struct Misfit {
   double chiSquare = 0;   ///< sum of squared residuals over their variances
-  double count = 0;       ///< residuals
+  double count = 0;       ///< number of residuals
   double unexplained = 0; ///< RMS of the residual without its noise, over the RMS of the light
 };
 

@@ -171,7 +171,7 @@ class Evidence {
   std::vector<double> covariance; ///< C
 };
 
-/** Evaluated sets of states with their scores; hill climbing goes from a set to the best of its neighbours. */
+/** Evaluated sets of states with their scores; hill climbing goes to the best neighbour of a set. */
 class StateSearch {
  public:
   StateSearch(const StateProblem& problem, bool findsExposure)

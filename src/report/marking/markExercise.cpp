@@ -1,5 +1,5 @@
 /** @file
- * Marking of an exercise: alignment of the picture, states of the classes in its regions, and their combination.
+ * Marking of an exercise: alignment of the picture, states of classes in its regions, their combination.
  */
 #include "recurse/report/marking/marking.h"
 
@@ -16,7 +16,7 @@ namespace recurse {
 
 namespace {
 
-/** Cells along a side of a region: 64 cells can separate ten classes, and are small enough to localise mistakes. */
+/** Cells along a side of a region: 64 cells can separate ten classes, and localise mistakes well. */
 constexpr int REGION_CELLS = 8;
 /** Regions along the longer side of the picture, where it has enough pixels. */
 constexpr int REGIONS = 20;

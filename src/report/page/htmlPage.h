@@ -19,8 +19,8 @@ namespace recurse {
  * src/report/page/pixels.js decodes them. */
 void addPixels(nlohmann::ordered_json& json, const Image& image);
 
-/** Bytes of `stride`-byte numbers, deflated, in base 64: the first bytes of all numbers, then the second
- * bytes, as they compress well among themselves. decodeNumbers() of src/report/page/pixels.js decodes them. */
+/** Bytes of `stride`-byte numbers, deflated, in base 64: first bytes of all numbers, then second bytes,
+ * which compress well among themselves. decodeNumbers() of src/report/page/pixels.js decodes them. */
 std::string encodedBytes(std::span<const std::byte> bytes, size_t stride);
 template <class T> std::string encodedNumbers(const std::vector<T>& numbers) {
   return encodedBytes(std::as_bytes(std::span(numbers)), sizeof(T));

@@ -28,7 +28,7 @@ bool isLetterOrDigit(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
 }
 
-/** Checks names of classes: they become names of channels and files, also on case-insensitive file systems. */
+/** Checks names of classes, which name channels and files, also on case-insensitive file systems. */
 void checkNames(const std::vector<PathClass>& classes) {
   std::set<std::string> names = {"beauty"};
   for (const PathClass& c : classes) {

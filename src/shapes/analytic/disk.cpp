@@ -53,7 +53,7 @@ class Disk final : public Shape {
   SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
     double x = double(parameters.uv.x), y = double(parameters.uv.y);
     double r = std::hypot(x, y);
-    if (r > 1) { // by rounding
+    if (r > 1) { // outside by rounding
       x /= r;
       y /= r;
       r = 1;

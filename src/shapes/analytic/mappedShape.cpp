@@ -92,7 +92,7 @@ SurfacePoint MappedShape::surfaceAt(uint32_t, const HitParameters& parameters) c
 }
 
 double MappedShape::stretchedArea() const {
-  // The cofactor matrix times the unit normal n of an area has the length by which the area grows.
+  // Area with unit normal n grows by the length of the cofactor matrix times n.
   const Mat3d cofactor = glm::transpose(inverse) * determinant;
   double sum = 0;
   for (uint32_t part = 0; part < areas.size(); ++part)

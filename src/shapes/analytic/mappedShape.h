@@ -77,7 +77,7 @@ class MappedShape : public Shape {
   void prepare(const Mat4d& sceneFromOwn, const Bounds3d& ownBounds, std::vector<double> partAreas,
                bool reverseOrientation, double radius = 0);
   static constexpr double TWO_PI = 6.28318530717958647693;
-  /** Bounding box of the sector within `radius` of the z axis from phi = 0 to phiMax [rad], between two heights. */
+  /** Bounding box of the sector within `radius` of the z axis, phi = 0 to phiMax [rad], zLow to zHigh. */
   static Bounds3d sectorBounds(double radius, double phiMax, double zLow, double zHigh);
 
   virtual void intersectAll(const Line& line, LineHits& found) const = 0;
@@ -102,15 +102,15 @@ class MappedShape : public Shape {
   SurfacePoint toScene(const OwnPoint& own) const;
   double stretchedArea() const;
 
-  Mat3d linear{1}, inverse{1}, magnitudes{1}; ///< to the scene, from the scene, and absolute values of linear
+  Mat3d linear{1}, inverse{1}, magnitudes{1}; ///< to the scene, its inverse, absolute values of the former
   Vec3d center{0};
   Bounds3f box;
-  Vec3d extent{0};           ///< of the shape in the scene
+  Vec3d extent{0};           ///< extent of the shape in the scene
   double side = 1;           ///< -1 where the inside counts as outside
   double determinant = 1;    ///< absolute
   double uniformScale = 0;   ///< 0 where the map does not scale uniformly
   double roundingInOwn = 0;  ///< bound on the error of a point of the scene taken to the own space
-  std::vector<double> areas; ///< of the parts, in the own space
+  std::vector<double> areas; ///< areas of the parts in own space
   double ownArea = 0;
   mutable std::once_flag areaKnown;
   mutable double sceneArea = 0;

@@ -238,10 +238,10 @@ template <class Field> class Metaballs final : public MappedShape {
   }
 
   /**
-   * Calls visit(t, entering) for the crossings in ascending order while it returns true; returns false where it
-   * did not. `inside` is the state at `low`, and on return at `high`. The field is `sum`, of balls whose
-   * support covers the whole piece, plus the balls of reaches[first] to the last, which are removed from the
-   * list. A piece in which supports begin or end is split there, unless the field cannot change its sign in it.
+   * Calls visit(t, entering) for the crossings in ascending order while it returns true; false where it did
+   * not. `inside` is the state at `low`, and on return at `high`. The field is `sum`, of balls whose support
+   * covers the whole piece, plus the balls of reaches[first] to the last, which are removed from the list. A
+   * piece in which supports begin or end is split there, unless the field cannot change its sign.
    */
   template <class Visit>
   bool intersectPiece(std::vector<Reach>& reaches, size_t first, double low, double high, Sum sum,

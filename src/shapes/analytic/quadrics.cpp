@@ -102,7 +102,7 @@ class RevolvedQuadric final : public MappedShape {
       }
       return;
     }
-    // Spans inside the quadric and between the caps, in which entries and exits alternate whatever is rounded.
+    // Spans inside the quadric and between the caps: entries and exits alternate whatever is rounded.
     End slab[2] = {{-INFINITE_D, LOW_CAP}, {INFINITE_D, HIGH_CAP}};
     if (d.z != 0) {
       slab[0].t = (profile.zLow - o.z) / d.z;
