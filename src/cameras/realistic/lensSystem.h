@@ -16,7 +16,7 @@ namespace recurse {
 
 /** A surface of a lens, or the aperture stop. */
 struct LensSurface {
-  double radius;    ///< radius of curvature; positive: convex towards the scene; 0: a plane
+  double radius;    ///< radius of curvature; positive: convex towards the scene; 0: the plane of the stop
   double thickness; ///< distance to the next surface towards the film
   double index;     ///< refractive index behind the surface
   double apertureRadius;
