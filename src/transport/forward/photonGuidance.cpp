@@ -18,12 +18,12 @@ namespace {
 /** Sampler stream of trial photons, distinct from those of photons and pixels. */
 constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 
-/** DXTRAN spheres that cover the visible points, except groups that are too wide or contain too few points. */
+/** DXTRAN spheres that cover the visible points, except groups that are too wide or have too few points. */
 std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Vec3f> seen,
                                               std::span<const Vec3f> landed) {
   constexpr float MAX_RADIUS = 0.2f; // maximum radius over that of the scene
   constexpr double MIN_COUNT = 0.02; // minimum fraction of the visible points
-  constexpr float SPARED = 8;        // factor on the power of photons sent to a sphere, which divides their number
+  constexpr float SPARED = 8;        // factor on the power of photons sent to a sphere: divides their number
   constexpr size_t MAX_COUNT = 8;
   struct Part {
     std::span<Vec3f> places;
@@ -115,10 +115,10 @@ float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
   return std::max(OVER_TYPICAL * *middle, static_cast<float>(sum / double(emitted)));
 }
 
-/** Sets the emission density below which infinite lights are left to rays beyond the first diffuse surface. */
+/** Sets the emission density below which rays replace photons of infinite lights after the first surface. */
 void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
   constexpr float MAX_POWER = 32; // in splitting powers: a stronger photon is visible as a blotch
-  constexpr double WORTH_IT = 4;  // minimum factor between the photons' variances that outweighs the noise of rays
+  constexpr double WORTH_IT = 4;  // minimum ratio of the photons' variances that outweighs noise of rays
   double starts = 0, far = 0;
   for (const Trials::Arrived& a : trials.powers) {
     if (!(a.startDensity < INFINITE)) continue;

@@ -19,7 +19,7 @@ struct PhotonGuidance {
   float minStartDensity = 0;   ///< see ShootSettings
   float sparsePart = 0;        ///< fraction of the power in the visible region from starts below that density
   uint64_t useful = 0;         ///< number of unguided trial photons stored in the visible region
-  double secondMoment = 0;     ///< approximate second moment of a photon's visible contribution; compares guidances
+  double secondMoment = 0;     ///< approximate second moment of a photon's visible contribution
 };
 
 /** Mechanisms that learnGuidance() may use. */
@@ -29,17 +29,17 @@ struct GuidanceChoice {
 };
 
 /**
- * Learns from trial photons which starts reach the visible region. The trials are few, and the guide is inactive, where
- * most photons reach it anyway. The region becomes a target where few photons reach it but many of those sent to it do,
- * if `choice` allows. Adds the work of the trials to `counts`.
+ * Learns from trial photons which starts reach the visible region. The trials are few, and the guide is
+ * inactive, where most photons reach it anyway. The region becomes a target where few photons reach it but
+ * many of those sent to it do, if `choice` allows. Adds the work of the trials to `counts`.
  */
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts,
                              GuidanceChoice choice = {});
 
-/** Learns an emission guide for light paths without a photon map: the starts of paths that reach the visible region.
- * Few other paths from an outdoor sun or sky enter a room. `maxDepth` is that of ShootSettings. */
+/** Learns an emission guide for light paths without a photon map: the starts of paths that reach the visible
+ * region. Few other paths from an outdoor sun or sky enter a room. `maxDepth` is that of ShootSettings. */
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
                                  const ForwardControl& control, TransportCounts& counts);
 

@@ -106,8 +106,8 @@ class PhotonStart {
  private:
   const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }
 
-  /** Fraction of the photons that emissive media emit: proportional to power, but between a tenth and nine tenths if
-   * the scene has lights, too. */
+  /** Fraction of the photons that emissive media emit: proportional to power, but between a tenth and nine
+   * tenths if the scene has lights, too. */
   float partOfMedia() const {
     constexpr double MAX_PART = 0.9;
     if (!settings.media || settings.media->empty()) return 0;

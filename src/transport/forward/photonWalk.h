@@ -67,15 +67,15 @@ class PhotonWalk {
   float startDensity() const {
     return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
   }
-  /** Visible-point density [1/area] of the targets that the last photon entered straight from the light, summed over
-   * targets. */
+  /** Visible-point density [1/area] of the targets that the last photon entered straight from the light,
+   * summed over targets. */
   float enteredImportance() const { return enteredTargets; }
 
   const VisibleRegion* region = nullptr; ///< visible region, for trial photons only
-  uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
+  uint64_t sent = 0, arrived = 0;        ///< photons sent to targets; those that hit a surface in the region
 
  private:
-  /** Stores a short beam. The channel of least extinction samples its length, so that no channel is amplified.
+  /** Stores a short beam. The thinnest channel samples its length, so that no channel is amplified.
    */
   void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
                  Sampler& sampler) {
@@ -101,8 +101,8 @@ class PhotonWalk {
     SpectralPath spectral{photon.flux, photon.pathPdf, Rgb(1)};
     const Collision c = sampleCollision(*medium, photon.ray, end, photon.hero, Absorption::SAMPLED, sampler,
                                         spectral, [](const Rgb&) {});
-    // Roulette by the mean of the channels, which keeps powers nearly equal: the mean is constant where single channels
-    // fluctuate with their densities.
+    // Roulette by the mean of the channels, which keeps powers nearly equal: the mean is constant where
+    // single channels fluctuate with their densities.
     const float before = photon.flux.r + photon.flux.g + photon.flux.b;
     photon.flux = spectral.throughput;
     photon.pathPdf = spectral.pathPdf;
@@ -161,7 +161,7 @@ class PhotonWalk {
     Vec3f wi; ///< unit, back along the photon's path
     LightState afterD, afterS;
     LobeSet allowed = NO_LOBE; ///< lobes by which the photon may leave
-    bool sends = false;        ///< photons are sent to the targets, so BSDF sampling leaves those directions out
+    bool sends = false;        ///< photons are sent to targets; BSDF sampling leaves those directions out
   };
 
   Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
@@ -175,8 +175,8 @@ class PhotonWalk {
     return at;
   }
 
-  /** Scatters a photon by the BSDF of a surface, with russian roulette if its new flux is below `power`. Returns false
-   * if the photon ends. */
+  /** Scatters a photon by the BSDF of a surface, with russian roulette if its new flux is below `power`.
+   * Returns false if the photon ends. */
   bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;
     const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
@@ -198,8 +198,8 @@ class PhotonWalk {
     return true;
   }
 
-  /** Splits a strong photon into several at non-delta lobes; all but one are put on hold. At delta lobes one photon
-   * carries the flux of all, since they would follow the same path. */
+  /** Splits a strong photon into several at non-delta lobes; all but one are put on hold. At delta lobes one
+   * photon carries the flux of all, since they would follow the same path. */
   void split(PhotonState& photon, Arrival& at, Sampler& sampler) {
     constexpr uint32_t SPLIT = 2000; // number of the fork, unused by other forks of the sampler
     const int count = splitCount(photon.flux, at.hit.point.position);
@@ -251,8 +251,8 @@ class PhotonWalk {
     }
   }
 
-  /** Number of photons that a photon is split into. Without a split, the few photons far stronger than most in the
-   * visible region would each light a whole room from one direction. */
+  /** Number of photons that a photon is split into. Without a split, the few photons far stronger than most
+   * in the visible region would each light a whole room from one direction. */
   int splitCount(const Rgb& flux, const Vec3f& position) const {
     constexpr float MAX_COUNT = 256;
     const float count = maxComponent(flux) / settings.splitPower;
@@ -260,7 +260,7 @@ class PhotonWalk {
     return static_cast<int>(std::min(count, MAX_COUNT));
   }
 
-  /** Reverse ratio after a non-delta event: of the light's densities at depth 0, else by ReverseRatio::furtherOn(). */
+  /** Reverse ratio after a non-delta event: from the light's densities at depth 0, else by furtherOn(). */
   ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
                           const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
     // Not for fibres: both techniques would have to agree on the normal of a curve.

@@ -24,9 +24,9 @@ struct ShotPhotons {
 };
 
 /**
- * Traces photons from lights chosen by power. Surfaces with a diffuse lobe store a photon; it continues by russian
- * roulette on the scattered flux, which keeps powers nearly equal. The list does not depend on the number of threads.
- * Photons that no path class can use are not followed.
+ * Traces photons from lights chosen by power. Surfaces with a diffuse lobe store a photon; it continues by
+ * russian roulette on the scattered flux, which keeps powers nearly equal. The list does not depend on the
+ * number of threads. Photons that no path class can use are not followed.
  */
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,
                          const ShootSettings& settings, const ForwardControl& control);

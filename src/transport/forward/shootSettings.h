@@ -14,10 +14,10 @@
 namespace recurse {
 
 /**
- * DXTRAN sphere (X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9): all diffuse surfaces outside send
- * additional photons to it. BSDF sampling leaves out the directions towards it in return, so that nothing is counted
- * twice. The additional photons are many and weak. When they leave the sphere, russian roulette reduces their
- * number.
+ * DXTRAN sphere (X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9): all diffuse surfaces
+ * outside send additional photons to it. BSDF sampling leaves out the directions towards it in return, so
+ * that nothing is counted twice. The additional photons are many and weak. When they leave the sphere,
+ * russian roulette reduces their number.
  */
 struct DxtranSphere {
   Vec3f center{0};
@@ -39,8 +39,8 @@ struct ShootSettings {
   uint64_t photons = 0; ///< number emitted in the pass
   int maxDepth =
       -1; ///< maximum number of scattering events, including that of the stored photon; -1: no limit
-  /** Whether photons straight from a light, thin panes included, are stored as well. Photons of emissive media always
-   * are: no other technique samples their light. */
+  /** Whether photons straight from a light, thin panes included, are stored as well. Photons of emissive
+   * media always are: no other technique samples their light. */
   bool direct = true;
   bool causticsOnly = false;             ///< photons end at the first non-delta surface, and in media
   const EmissiveMedia* media = nullptr;  ///< emissive media besides the lights; null: none
@@ -53,8 +53,8 @@ struct ShootSettings {
   /** Light sampler of shadow rays, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */
   const LightSampler* shadowRays = nullptr;
-  /** Emission density [1/length²] below which photons of infinite lights end at the first non-delta surface, as each
-   * would be visible as a blotch. Rays sample the light beyond that surface. */
+  /** Emission density [1/length²] below which photons of infinite lights end at the first non-delta surface,
+   * as each would be visible as a blotch. Rays sample the light beyond that surface. */
   float minStartDensity = 0;
   std::vector<DxtranSphere> targets;
   KeptInMedia inMedia;

@@ -21,7 +21,7 @@ class TargetCones {
     float part;
   };
 
-  /** Computes the cones from a point. False, with an incomplete list, unless the point is outside of all spheres. */
+  /** Computes the cones from a point. Returns false, with an incomplete list, if it is not outside of all. */
   bool find(const std::vector<DxtranSphere>& targets, const Vec3f& from) {
     cones.clear();
     for (const DxtranSphere& t : targets) {

@@ -55,9 +55,9 @@ class CellFit {
     return SquareTree(chosen);
   }
 
-  /** Mean logarithm of the density of the mixture over that of BSDF sampling (Müller 2019, "Practical Path Guiding in
-   * Production", section 10.5). Cross-validated: the tree is built from the records with even index, and scored on
-   * those with odd index. */
+  /** Mean logarithm of the density of the mixture over that of BSDF sampling (Müller 2019, "Practical Path
+   * Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
+   * index, and scored on those with odd index. */
   double gain() const {
     const GuideCell half(tree(0), frame);
     double sum = 0, total = 0;
@@ -73,8 +73,8 @@ class CellFit {
   Frame frame{Vec3f(0, 0, 1)};
 
  private:
-  /** Clips values to their 99.9 % quantile, so that no single record dominates the cell. Clipping biases the guide
-   * only, not the estimates. */
+  /** Clips values to their 99.9 % quantile, so that no single record dominates the cell. Clipping biases the
+   * guide only, not the estimates. */
   void clip() {
     constexpr double QUANTILE = 0.999;
     std::vector<float> values;

@@ -1,8 +1,8 @@
 /** @file
- * Guiding field: for each position and surface side, a density over directions of incident light that no other
- * technique samples well (Jensen 1995, "Importance Driven Path Tracing using the Photon Map"; Vorba et al. 2014;
- * Müller et al. 2017). Always rebuilt from records, never updated, so that it depends on the current records
- * alone.
+ * Guiding field: for each position and surface side, a density over directions of incident light that no
+ * other technique samples well (Jensen 1995, "Importance Driven Path Tracing using the Photon Map"; Vorba et
+ * al. 2014; Müller et al. 2017). Always rebuilt from records, never updated, so that it depends on the
+ * current records alone.
  */
 #pragma once
 
@@ -25,8 +25,8 @@ struct GuideRecord {
   float pdfBsdf = 0;  ///< density of BSDF sampling for the direction [1/sr]; positive
 };
 
-/** Directional density shared by neighbouring positions: cosine lobe around the mean normal of the records, times a
- * quadtree density over the unit square that the lobe is sampled from. */
+/** Directional density shared by neighbouring positions: cosine lobe around the mean normal of the records,
+ * times a quadtree density over the unit square that the lobe is sampled from. */
 class GuideCell final : public DirectionGuide {
  public:
   /** A cell that is off: BSDF sampling alone. */
@@ -50,8 +50,8 @@ class GuideCell final : public DirectionGuide {
 /** Directional densities of all cells, found by position and normal. */
 class GuideField {
  public:
-  /** Learns the cells from records. No cell smaller than `smallest` [scene units] is divided. The result does not
-   * depend on the number of threads. */
+  /** Learns the cells from records. No cell smaller than `smallest` [scene units] is divided. The result does
+   * not depend on the number of threads. */
   void build(std::span<const GuideRecord> records, float smallest);
 
   /** Cell for a point with unit `normal` on the side that it is seen from. Null where only BSDF sampling is
@@ -80,7 +80,7 @@ class GuideField {
               int depth, std::vector<std::span<uint32_t>>& leaves);
 
   std::vector<Node>
-      nodes; ///< roots first: one for each nearest signed axis of the normal
+      nodes; ///< the first are the roots, one for each signed axis that a normal can be nearest to
   std::vector<GuideCell> cells;
   size_t on = 0;
 };

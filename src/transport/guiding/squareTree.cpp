@@ -9,7 +9,7 @@ namespace recurse {
 
 namespace {
 
-/** Index of the quarter of the unit square that contains a point. Rescales the point to the quarter's coordinates.
+/** Index of the quarter of the unit square that contains a point. Changes the point to the quarter's frame.
  */
 size_t descend(Vec2f& point) {
   const size_t x = point.x >= 0.5f, y = point.y >= 0.5f;
@@ -17,8 +17,8 @@ size_t descend(Vec2f& point) {
   return x + 2 * y;
 }
 
-/** Returns true with probability second / (first + second), decided by the uniform number u. Rescales u to be uniform
- * in [0, 1) again. */
+/** Returns true with probability second / (first + second), decided by the uniform number u. Rescales u to be
+ * uniform in [0, 1) again. */
 bool choose(float first, float second, float& u) {
   const float bound = first / (first + second);
   const bool isSecond = u >= bound;
@@ -71,8 +71,8 @@ struct SquareTree::Builder {
     }
   }
 
-  /** Distributes the weight of a box of constant density to the leaves below a node by overlap. The box is in the
-   * node's coordinates. */
+  /** Distributes the weight of a box of constant density to the leaves below a node by overlap. The box is in
+   * the node's coordinates. */
   void spread(uint32_t node, const Vec2f& lower, const Vec2f& upper, double density) {
     for (uint32_t quarter = 0; quarter < 4; ++quarter) {
       const Vec2f corner = 0.5f * Vec2f(quarter % 2, quarter / 2);

@@ -1,8 +1,8 @@
 /** @file
- * Free flight in media: sampling of the next collision, and transmittance. One colour channel, the hero, draws all
- * events of a path, weighted by the one-sample balance heuristic over channels and techniques (Miller, Georgiev and
- * Jarosz 2019, "A null-scattering path integral formulation of light transport"). Derivations are in
- * doc-files/notes/media.md.
+ * Free flight in media: sampling of the next collision, and transmittance. One colour channel, the hero,
+ * draws all events of a path, weighted by the one-sample balance heuristic over channels and techniques
+ * (Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light transport").
+ * Derivations are in doc-files/notes/media.md.
  */
 #pragma once
 
@@ -20,7 +20,7 @@ namespace recurse {
 struct SpectralPath {
   Rgb throughput{1}; ///< path throughput over the mean of pathPdf
   Rgb pathPdf{1};    ///< densities of the path so far by channel, relative to their mean
-  Rgb lightPdf{1};   ///< densities of a shadow ray from the last vertex to here, relative to its direction's density
+  Rgb lightPdf{1};   ///< densities of a shadow ray from the last vertex, over its direction's density
 
   /** Scales all three so that the mean of `pathPdf` is 1. Their ratios do not change. */
   void normalize() {
@@ -32,8 +32,8 @@ struct SpectralPath {
   }
 };
 
-/** Transmittance of a shadow ray, and by channel the factors of both techniques' densities along it: of the path that
- * continues (pathPdf) and of the shadow ray (lightPdf). */
+/** Transmittance of a shadow ray, and by channel the factors of both techniques' densities along it: of the
+ * path that continues (pathPdf) and of the shadow ray (lightPdf). */
 struct SpectralTransmittance {
   Rgb value{1}, pathPdf{1}, lightPdf{1};
 };
@@ -51,8 +51,8 @@ inline float sampleDistance(float extinction, Sampler& sampler) {
   return extinction > 0 ? -std::log1p(-sampler.next1D()) / extinction : INFINITE;
 }
 
-/** Russian roulette of a nearly absorbed flight. Returns true if it survives, with an increased `value`. `density`:
- * mean of the densities that the value will be divided by. */
+/** Russian roulette of a nearly absorbed flight. Returns true if it survives, with an increased `value`.
+ * `density`: mean of the densities that the value will be divided by. */
 inline bool survives(Rgb& value, float density, Sampler& sampler) {
   constexpr float LOW = 0.05f, LOST = 0.75f;
   if (maxComponent(value) >= LOW * density) return true;
@@ -75,8 +75,8 @@ inline Rgb stoppingCoefficient(const MediumPoint& medium, Absorption absorption)
 }
 
 /**
- * Density, by channel, of the distance to the next collision of a flight of length `end` in a homogeneous medium. Where
- * absorption is expected, all flights arrive, with the same throughput (doc-files/notes/media.md, equation 1).
+ * Density of the distance to the next collision on a flight of length `end` in a homogeneous medium. Where
+ * absorption is expected all flights arrive, with the same throughput (doc-files/notes/media.md, equation 1).
  */
 class FlightDensity {
  public:
@@ -125,8 +125,8 @@ inline Rgb emittedAlong(const MediumPoint& medium, float end) {
   return emitted;
 }
 
-/** Tentative collision in a heterogeneous medium: a real one, by which the flight ends, or a null collision, whose
- * coefficient is the difference between majorant and extinction. */
+/** Tentative collision in a heterogeneous medium: a real one, by which the flight ends, or a null collision,
+ * whose coefficient is the difference between majorant and extinction. */
 struct NullCollision {
   Rgb coefficient; ///< null-collision coefficient [1/length]
   Rgb stop, pass;  ///< probabilities of a real and of a null collision, by channel
@@ -167,9 +167,9 @@ Collision sampleHomogeneousCollision(const MediumPoint& medium, float end, int h
 }
 
 /**
- * Samples a flight along a ray of unit direction, to a collision drawn by the hero channel or to the surface at `end`.
- * Calls `emission(radiance)` with the emission of the medium on the way times the throughput. The throughput is black
- * afterwards if nothing is left of it.
+ * Samples a flight along a ray of unit direction, to a collision drawn by the hero channel or to the surface
+ * at `end`. Calls `emission(radiance)` with the emission of the medium on the way times the throughput. The
+ * throughput is black afterwards if nothing is left of it.
  */
 template <class Emission>
 Collision sampleCollision(const Medium& medium, const Ray& ray, float end, int hero, Absorption absorption,
@@ -218,12 +218,12 @@ Collision sampleCollision(const Medium& medium, const Ray& ray, float end, int h
   return {};
 }
 
-/** Hero index of rays that carry no densities: ratio tracking with the majorant of the densest channel, which bounds
- * all weights by 1. */
+/** Hero index of rays that carry no densities: ratio tracking with the majorant of the densest channel, which
+ * bounds all weights by 1. */
 constexpr int NO_HERO = -1;
 
-/** Transmits a shadow ray up to `end`: in closed form for homogeneous media, else by ratio tracking. The density
- * `pathPdf` is for a path with expected absorption. Without a hero only `value` is valid. */
+/** Transmits a shadow ray up to `end`: in closed form for homogeneous media, else by ratio tracking. The
+ * density `pathPdf` is for a path with expected absorption. Without a hero only `value` is valid. */
 inline void trackTransmittance(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
                                SpectralTransmittance& s) {
   if (medium.isHomogeneous()) {
@@ -257,9 +257,9 @@ inline void trackTransmittance(const Medium& medium, const Ray& ray, float end, 
   }
 }
 
-/** Transmittance from the origin of a ray of unit direction to every point on it before `end`, and the emission of the
- * medium up to `end`: in closed form for homogeneous media, else by one run of ratio tracking, whose piecewise constant
- * estimate is unbiased at each point. */
+/** Transmittance from the origin of a ray of unit direction to every point on it before `end`, and the
+ * emission of the medium up to `end`: in closed form for homogeneous media, else by one run of ratio
+ * tracking, whose piecewise constant estimate is unbiased at each point. */
 class RayTransmittance {
  public:
   RayTransmittance(const Medium& medium, const Ray& ray, float end, Sampler& sampler)

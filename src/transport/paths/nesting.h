@@ -1,7 +1,7 @@
 /** @file
- * Nested dielectrics with priorities (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images"): where
- * several overlap, the one of highest priority fills the overlap, and rays pass the surfaces of the lower ones. Water
- * may therefore overlap the glass around it, which leaves no gap.
+ * Nested dielectrics with priorities (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
+ * Images"): where several overlap, the one of highest priority fills the overlap, and rays pass the surfaces
+ * of the lower ones. Water may therefore overlap the glass around it, which leaves no gap.
  */
 #pragma once
 
@@ -15,7 +15,7 @@ namespace recurse {
 /** True for the surface of a dielectric with a priority. */
 inline bool isNested(const Hit& hit) { return hit.material && hit.material->nesting >= 0; }
 
-/** Media and dielectrics that contain the current point. Dielectrics are indexed by priority, the highest first. */
+/** What a walk is inside of. Dielectrics are known by their places, the strongest first. */
 class Nesting {
  public:
   /** Index of the medium that contains the current point. */
@@ -29,14 +29,14 @@ class Nesting {
   }
   /** Sets the medium outside of all nested dielectrics, where a walk begins. */
   void startIn(uint16_t medium) { around = medium; }
-  /** Corrects the medium before a hit: it is the one on this side of the boundary ahead. The tracked medium may be
-   * wrong where the walk began on a boundary, or where two boundaries are coplanar and rays hit only one of them. */
+  /** Corrects the medium before a hit to the one on this side of the boundary. The tracked medium is wrong if
+   * the walk began on a boundary, or if two boundaries are coplanar and rays hit only one of them. */
   void approach(const Hit& hit, const Vec3f& direction) {
     if (!hit.media.isBoundary() || isNested(hit) || depth != decltype(depth){}) return;
     around = glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside : hit.media.inside;
   }
-  /** Updates the medium when the walk leaves a surface in `direction`, reflected, transmitted or passed: it is in the
-   * medium on that side. */
+  /** Updates the medium when the walk leaves a surface in `direction`, reflected, transmitted or passed: it
+   * is in the medium on that side. */
   void enterMedium(const Hit& hit, const Vec3f& direction) {
     if (!hit.media.isBoundary()) return;
     const bool outside = glm::dot(direction, hit.point.geometricNormal) > 0;
@@ -46,9 +46,9 @@ class Nesting {
       around = hit.media.outside;
   }
 
-  /** Whether a ray of unit `direction` that has hit a nested dielectric interacts with its surface. False where a
-   * dielectric of higher priority hides it: the ray passes, and the state is updated to the new side. If true, sets the
-   * refractive index outside of the point. */
+  /** Whether a ray of unit `direction` that has hit a nested dielectric interacts with its surface. False
+   * where a dielectric of higher priority hides it: the ray passes, and the state is updated to the new side.
+   * If true, sets the refractive index outside of the point. */
   bool isTrueIntersection(const Scene& scene, Hit& hit, const Vec3f& direction) {
     const auto own = static_cast<size_t>(hit.material->nesting);
     const bool entering = glm::dot(direction, hit.point.geometricNormal) < 0;
@@ -68,8 +68,8 @@ class Nesting {
     return true;
   }
 
-  /** State for a walk that begins at a point, from all hits of one ray from there. Solids are closed, so a ray leaves
-   * those that contain the point once more than it enters them. `surfaces(f)` calls f(hit, direction) for each hit. */
+  /** State for a walk that begins at a point, from all hits of one ray: solids are closed, so it leaves those
+   * that contain the point once more than it enters them. `surfaces(f)` calls f(hit, direction) for each. */
   template <class Surfaces> static Nesting within(const Surfaces& surfaces) {
     std::array<int, Scene::MAX_NESTED> left{};
     surfaces([&](const Hit& hit, const Vec3f& direction) {
@@ -100,7 +100,7 @@ class Nesting {
       --d;
   }
 
-  std::array<uint8_t, Scene::MAX_NESTED> depth{}; ///< number of shapes of each dielectric that contain the point
+  std::array<uint8_t, Scene::MAX_NESTED> depth{}; ///< number of shapes of each that contain the point
   uint16_t around = 0;                            ///< index of the medium outside of all nested dielectrics
 };
 

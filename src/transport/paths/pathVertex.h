@@ -1,10 +1,10 @@
 /** @file
  * Vertices of light paths, shared by walks from the camera and from the lights.
  *
- * A walk from the camera carries a CameraState and radiance, a walk from a light a LightState and flux. Densities are
- * per unit area at the vertex they refer to; for an infinite light they are per solid angle. A delta lobe contributes
- * a density of 1/sr: this factor occurs in every technique that can generate the path, and cancels in the MIS
- * weights.
+ * A walk from the camera carries a CameraState and radiance, a walk from a light a LightState and flux.
+ * Densities are per unit area at the vertex they refer to; for an infinite light they are per solid angle. A
+ * delta lobe contributes a density of 1/sr: this factor occurs in every technique that can generate the path,
+ * and cancels in the MIS weights.
  */
 #pragma once
 
@@ -33,9 +33,9 @@ template <class State> struct Subpath {
   double pdf = 1;
   bool parallel = false;   ///< the ray starts at an infinite light, or at a camera with parallel rays
   bool delta = false;      ///< the last event was a delta scattering
-  float cosine = 1;        ///< between the ray and the geometric normal at the vertex it left; 1 without a normal
+  float cosine = 1;        ///< cosine at the vertex that the ray left, to its geometric normal; 1 without
   Vec3f from{0};           ///< position of the vertex that the ray left
-  float etaScale = 1;      ///< undoes the 1/η² of radiance inside glass, which must not affect russian roulette
+  float etaScale = 1;      ///< undoes the 1/η² of radiance inside glass, for russian roulette only
   float width = 0;         ///< width of the pixel footprint at the ray's origin [scene units]; 0: unknown
   float spread = 0;        ///< growth of the footprint per unit of distance
   float sampleSpacing = 1; ///< see CameraRay
@@ -66,8 +66,8 @@ template <class State> struct PathVertex {
   bool isConnectable() const {
     return medium ? allowed != NO_LOBE : (scattering->lobes() & allowed & NON_DELTA_LOBES) != 0;
   }
-  /** Density with which a walk that comes from unit `from` continues towards unit `to` by a non-delta lobe, with all
-   * lobes allowed [1/sr]. Russian roulette is not included, neither here nor in any MIS weight. */
+  /** Density with which a walk that comes from unit `from` continues towards unit `to` by a non-delta lobe,
+   * with all lobes allowed [1/sr]. Russian roulette is not included, neither here nor in any MIS weight. */
   double pdfDirection(const Vec3f& from, const Vec3f& to) const { return double(scattering->pdf(from, to)); }
   /** Density with which a walk that arrives from unit `wo` samples the previous vertex. */
   double pdfPrevious(const Vec3f& wo) const { return pdfDirection(wo, wi) * toPrevious; }

@@ -18,8 +18,8 @@ inline float weightOf(const Rgb& weighted, const Rgb& whole) {
 
 } // namespace recorded
 
-/** Sets the source of the next contribution to a shadow ray from `vertex` to a light. `pdf`: density of all light
- * samples together; `otherPdf`: density of the BSDF-sampled ray. */
+/** Sets the source of the next contribution to a shadow ray from `vertex` to a light. `pdf`: density of all
+ * light samples together; `otherPdf`: density of the BSDF-sampled ray. */
 inline void recordLightSample(PathRecorder& recorder, int vertex, const LiSample& light, float pdf,
                               float otherPdf, float weight) {
   const bool isInfinite = !(light.distance < INFINITE);

@@ -1,6 +1,6 @@
 /** @file
- * Functions shared by walks from the camera and from the lights: counted intersection queries, russian roulette,
- * visibility.
+ * Functions shared by walks from the camera and from the lights: counted intersection queries, russian
+ * roulette, visibility.
  */
 #pragma once
 
@@ -23,9 +23,9 @@ constexpr int MAX_BRANCHING_DEPTH = 64;
 constexpr int LOSSLESS_ROULETTE_DEPTH = 512;
 
 /**
- * Russian roulette with survival probability `chance`: returns true to continue, with the weight divided by it.
- * Lossless paths survive n events with probability (512/n)², since a probability below the squared albedo would give
- * infinite variance.
+ * Russian roulette with survival probability `chance`: returns true to continue, with the weight divided by
+ * it. Lossless paths survive n events with probability (512/n)², since a probability below the squared albedo
+ * would give infinite variance.
  */
 inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& weight) {
   constexpr float NOTHING_LOST = 0.99999f;
@@ -52,8 +52,8 @@ inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
 }
 
 /**
- * Origin of a ray that continues straight behind a surface. At an edge it is behind all surfaces there: if it were
- * displaced from one surface only, the ray would hit the others again and again.
+ * Origin of a ray that continues straight behind a surface. At an edge it is behind all surfaces there: if it
+ * were displaced from one surface only, the ray would hit the others again and again.
  */
 inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
   constexpr float AT_ONCE = 2; // minimum distance to the next surface, over its position error
@@ -66,8 +66,8 @@ inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
 }
 
 /**
- * Finds the nearest surface that scatters or emits. Surfaces that do neither are not part of the scene. For a surface
- * that emits without scattering, the caller continues the ray behind it.
+ * Finds the nearest surface that scatters or emits. Surfaces that do neither are not part of the scene. For a
+ * surface that emits without scattering, the caller continues the ray behind it.
  */
 inline bool intersect(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
   ++counts.rays;
@@ -80,8 +80,8 @@ inline bool intersectPosition(const Scene& scene, const Ray& ray, Hit& hit, Tran
   return scene.intersectPosition(ray, hit);
 }
 
-/** Sets the wavelength at which a dispersive surface refracts, before bsdfAt(): that of the walk, or for white light a
- * sampled one. */
+/** Sets the wavelength at which a dispersive surface refracts, before bsdfAt(): that of the walk, or for
+ * white light a sampled one. */
 inline void drawWavelength(const Scene& scene, float wavelength, Sampler& sampler, Hit& hit) {
   if (!(scene.contents().lobes & DISPERSIVE) || !hit.material || !(hit.material->lobes() & DISPERSIVE))
     return;
@@ -89,8 +89,8 @@ inline void drawWavelength(const Scene& scene, float wavelength, Sampler& sample
   hit.point.wavelength = wavelength > 0 ? wavelength : sampleWavelength(sampler.next1D());
 }
 
-/** Updates the wavelength of the walk after a scattering event: refraction at a sampled wavelength fixes it. Returns
- * the colour factor of formerly white light, whose mean over wavelengths is white. */
+/** Updates the wavelength of the walk after a scattering event: refraction at a sampled wavelength fixes it.
+ * Returns the colour factor of formerly white light, whose mean over wavelengths is white. */
 inline Rgb dispersedColour(const SurfacePoint& point, const Scatter& s, float& wavelength) {
   if (!(point.wavelength > 0) || !point.isWhite || s.lobe != REFRACTION) return Rgb(1);
   wavelength = point.wavelength;
@@ -117,8 +117,8 @@ inline const Bsdf* bsdfAt(const Scene& scene, Hit& hit, const Vec3f& direction, 
   return bsdfAt(hit, footprint, arena);
 }
 
-/** Shadow ray from the point to `target`, or to infinity in that direction, which is unoccluded if the light is
- * visible. Its direction is zero where both points coincide. */
+/** Shadow ray from the point to `target`, or to infinity in that direction, which is unoccluded if the light
+ * is visible. Its direction is zero where both points coincide. */
 inline Ray shadowRay(const SurfacePoint& from, const LiSample& light) {
   const Vec3f origin = from.rayOrigin(light.direction);
   const bool endless = light.distance == INFINITE;
@@ -143,8 +143,8 @@ inline bool passesPane(const Scene& scene, const ScatteringPoint& scattering, co
   return s.lobe == REFRACTION && (scattering.lobes() & STRAIGHT) && hasPanes(scene);
 }
 
-/** Fraction of the radiance transmitted straight through thin panes at `scattering`, seen from unit `wi`; black without
- * a pane. */
+/** Fraction of the radiance transmitted straight through thin panes at `scattering`, seen from unit `wi`;
+ * black without a pane. */
 inline Rgb paneTransmittance(const ScatteringPoint& scattering, const Vec3f& wi) {
   Rgb sum = BLACK;
   if (!(scattering.lobes() & STRAIGHT)) return sum;
@@ -164,8 +164,8 @@ struct Transmittance {
 /** Value of maxPanes for estimators with other techniques for light behind panes. */
 constexpr int NO_PANES = 0;
 
-/** Number of panes that a shadow ray may pass from the surface that is event number `depth` of its path. A maxDepth of
- * -1 means any number. */
+/** Number of panes that a shadow ray may pass from the surface that is event number `depth` of its path. A
+ * maxDepth of -1 means any number. */
 inline int panesLeft(int maxDepth, int depth) {
   return maxDepth < 0 ? std::numeric_limits<int>::max() : std::max(0, maxDepth - depth);
 }
@@ -204,8 +204,8 @@ Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const V
   return sum;
 }
 
-/** Transmittance from the light to the point, at which a walk arrived from `wi`. Calls passed(const SurfacePoint&) for
- * each pane on the ray. */
+/** Transmittance from the light to the point, at which a walk arrived from `wi`. Calls passed(const
+ * SurfacePoint&) for each pane on the ray. */
 template <class Passed = IgnorePane>
 Transmittance transmittance(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
                             const Nesting& nesting, int maxPanes, TransportCounts& counts,

@@ -1,6 +1,6 @@
 /** @file
- * The walk: one loop that follows paths from either end through surfaces and media. Its caller gets one vertex at a
- * time, until next() or scatter() returns false.
+ * The walk: one loop that follows paths from either end through surfaces and media. Its caller gets one
+ * vertex at a time, until next() or scatter() returns false.
  */
 #pragma once
 
@@ -30,17 +30,17 @@ template <class State> class Walker {
   using Path = Subpath<State>;
   using Vertex = PathVertex<State>;
 
-  /** `maxDepth`: maximum number of scattering events; -1: no limit. `throughMedia` false: media are ignored. */
+  /** `maxDepth`: maximum scattering events; -1: no limit. `throughMedia` false: media are ignored. */
   Walker(const Scene& scene, const PathClasses& classes, TransportCounts& counts, int maxDepth,
          bool throughMedia = true)
       : scene(scene), classes(classes), counts(counts), maxDepth(maxDepth),
         media(throughMedia && scene.hasMedia()) {}
 
   /**
-   * Follows the ray to the next scattering event, at a surface or in a medium. Calls emission(const Hit*) for each
-   * emitting surface on the way, the vertex itself included, and with null when the ray leaves the scene; calls
-   * mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput. Returns false if the path
-   * ends.
+   * Follows the ray to the next scattering event, at a surface or in a medium. Calls emission(const Hit*) for
+   * each emitting surface on the way, the vertex itself included, and with null when the ray leaves the
+   * scene; calls mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput. Returns
+   * false if the path ends.
    */
   template <class Emission, class MediumEmission>
   bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
@@ -88,8 +88,8 @@ template <class State> class Walker {
     return next(path, vertex, sampler, [](const Hit*) {});
   }
 
-  /** Samples the next direction from the BSDF or the phase function, then applies russian roulette. Returns nullopt if
-   * the path ends. */
+  /** Samples the next direction from the BSDF or the phase function, then applies russian roulette. Returns
+   * nullopt if the path ends. */
   std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler) const {
     if (vertex.medium) return scatterInMedium(path, vertex, sampler);
     constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
@@ -178,7 +178,7 @@ template <class State> class Walker {
     return s;
   }
 
-  /** Number of scattering events without roulette on camera walks, since short paths carry most of the light. */
+  /** Scattering events of a camera walk without roulette, since short paths carry most of the light. */
   static constexpr int ROULETTE_FREE_DEPTH = 2;
 
   void arrive(const Path& path, Vertex& vertex, const Bsdf& bsdf) const {

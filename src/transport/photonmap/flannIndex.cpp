@@ -1,7 +1,7 @@
 /** @file
- * FLANN's kd-tree as an alternative index of the photon map. The photons keep their order of emission; only FLANN's own
- * data is added. All acceptance tests use the same arithmetic as the eight-wide tree, so both indices find the same
- * sets of photons.
+ * FLANN's kd-tree as an alternative index of the photon map. The photons keep their order of emission; only
+ * FLANN's own data is added. All acceptance tests use the same arithmetic as the eight-wide tree, so both
+ * indices find the same sets of photons.
  */
 #include "transport/photonmap/photonMapQuery.h"
 
@@ -17,8 +17,8 @@ namespace {
 constexpr int FLANN_LEAF = 16;
 
 /**
- * Upper bound [scene units²] with slack for FLANN, which updates the distance to a box incrementally, so that rounding
- * may exceed the exact one. Photons are accepted by their own exact distance.
+ * Upper bound [scene units²] with slack for FLANN, which updates the distance to a box incrementally, so that
+ * rounding may exceed the exact one. Photons are accepted by their own exact distance.
  */
 float slackened(float distance2) { return distance2 * 1.0001f + std::numeric_limits<float>::min(); }
 

@@ -10,12 +10,12 @@
 
 namespace recurse {
 
-/** Spheroid around a surface point, flattened along the normal: with v = photon − center, h = v·normal and w = max(0,
- * 1/flatness² − 1), photons where D² = |v|² + w h² < radius². The flattening is part of the metric, so that a k-nearest
- * query and a fixed-radius query with the distance of the k-th photon find the same photons.
+/** Spheroid around a surface point, flattened along the normal: with v = photon − center, h = v·normal and w
+ * = max(0, 1/flatness² − 1), photons where D² = |v|² + w h² < radius². The flattening is part of the metric:
+ * a k-nearest query and a fixed-radius query at the k-th photon's distance find the same photons.
  *
- * Unless bothSides is set, the normals of photons must be within 60° of the region's, which prevents light leaks
- * through thin walls. Half-spaces clip the region to photons where v·normal > limit for all of them. */
+ * Unless bothSides is set, the normals of photons must be within 60° of the region's, which prevents light
+ * leaks through thin walls. Half-spaces clip the region to photons where v·normal > limit for all of them. */
 struct GatherRegion {
   struct HalfSpace {
     Vec3f normal{0};

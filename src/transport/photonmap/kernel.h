@@ -1,9 +1,9 @@
 /** @file
  * Kernels of density estimation: weight of a photon as a function of its distance from the query point.
  *
- * Each kernel K(d) [1/area] has a disc of radius r as its support, and is normalised there: ∫ K(d) 2πd dd = 1 over [0,
- * r]. A uniform irradiance field is therefore estimated without bias wherever the disc is within the surface. Kernels
- * are defined by their shape π r² K as a function of q = d²/r², since photon-map queries yield squared distances.
+ * Kernel K(d) [1/area] with a disc of radius r as its support, normalised there: ∫ K(d) 2πd dd = 1 over [0,
+ * r]. A uniform irradiance field is estimated without bias wherever the disc is within the surface. Kernels
+ * are defined by their shape π r² K over q = d²/r², since photon-map queries yield squared distances.
  */
 #pragma once
 
@@ -25,8 +25,8 @@ enum class Kernel {
 constexpr Kernel ALL_KERNELS[] = {Kernel::CONSTANT, Kernel::CONE, Kernel::EPANECHNIKOV};
 
 /**
- * Kernel shape π r² K at q = d²/r², for 0 <= q <= 1 (negative or undefined beyond). T is float, double or Float8. The
- * kernel is a template argument, so that inner loops have no branch on it.
+ * Kernel shape π r² K at q = d²/r², for 0 <= q <= 1 (negative or undefined beyond). T is float, double or
+ * Float8. The kernel is a template argument, so that inner loops have no branch on it.
  */
 template <Kernel KERNEL, class T> T kernelShape(const T& q) {
   using std::sqrt;

@@ -11,8 +11,8 @@
 namespace recurse {
 
 /**
- * Unit direction in 32 bits: octahedral map (Meyer et al. 2010, "On Floating-Point Normal Vectors") with 16 bits for
- * each axis. The error is below 4e-5 rad.
+ * Unit direction in 32 bits: octahedral map (Meyer et al. 2010, "On Floating-Point Normal Vectors") with 16
+ * bits for each axis. The error is below 4e-5 rad.
  */
 struct PackedDirection {
   uint32_t bits = 0;
@@ -48,8 +48,8 @@ struct Photon {
   uint8_t pathState = 0;     ///< LightState after the events before this surface
   bool caustic = false;      ///< only specular events, or none, between the light and this surface
   PackedDirection normal;    ///< geometric, unit, on the side that the photon came from
-  /** Ratio of densities, camera ray to photon, for the same path, see mergeWeights.h; 0 where no camera ray finds it,
-   * or it is unknown. Negative after several non-delta surfaces: such photons are not weighted by it. */
+  /** Ratio of densities, camera ray to photon, see mergeWeights.h; 0 if no camera ray finds the path, or it
+   * is unknown. Negative after several non-delta surfaces: such photons are not weighted by it. */
   float reverseRatio = 0;
 };
 static_assert(sizeof(Photon) <= 40);

@@ -28,8 +28,8 @@ constexpr size_t PARALLEL_KEYS = 8192;
 constexpr size_t CHUNK = 16384;
 
 /**
- * Sort keys of the tree: x, y, z and the bits of the photon's index, moved as one register. Stored in the memory of the
- * payload, which takes the same number of bytes for each photon.
+ * Sort keys of the tree: x, y, z and the bits of the photon's index, moved as one register. Stored in the
+ * memory of the payload, which takes the same number of bytes for each photon.
  */
 struct Keys {
   float* data;

@@ -1,8 +1,8 @@
 /** @file
- * The photon map: a balanced kd-tree whose nodes have eight children, so that a query tests eight boxes or eight
- * photons at once. All leaves but the last are full; the children of node i are 8i+1…8i+8. Build takes O(n log n), a
- * query that finds m photons O(log n + m). Lengths are in scene units; a slot is the index of a photon in the map. The
- * templates are defined in photonMapQuery.h, which their callers include.
+ * The photon map: a balanced kd-tree whose nodes have eight children, so that a query tests eight boxes or
+ * eight photons at once. All leaves but the last are full; the children of node i are 8i+1…8i+8. Build takes
+ * O(n log n), a query that finds m photons O(log n + m). Lengths are in scene units; a slot is the index of a
+ * photon in the map. The templates are defined in photonMapQuery.h, which their callers include.
  */
 #pragma once
 
@@ -51,8 +51,8 @@ struct FoundPhotons {
 };
 
 /**
- * Working memory of queries and the result of the last one; one for each thread. The last query is the initial guess of
- * the next: a coherent order makes queries faster, but never changes their results.
+ * Working memory of queries and the result of the last one; one for each thread. The last query is the
+ * initial guess of the next: a coherent order makes queries faster, but never changes their results.
  */
 class PhotonScratch {
  public:
@@ -83,9 +83,9 @@ class PhotonMap {
   PhotonMap& operator=(PhotonMap&&) noexcept;
 
   /**
-   * Replaces the contents by these photons, given in the order of emission. Photons with a non-finite position or power
-   * are refused and counted. The result does not depend on the number of threads. Buffers are reused. Throws Error for
-   * 2^32 - 64 photons or more.
+   * Replaces the contents by these photons, given in the order of emission. Photons with a non-finite
+   * position or power are refused and counted. The result does not depend on the number of threads. Buffers
+   * are reused. Throws Error for 2^32 - 64 photons or more.
    */
   void build(std::span<const Photon> photons, PhotonIndexKind kind = PhotonIndexKind::KDTREE);
 
@@ -101,26 +101,26 @@ class PhotonMap {
   const Bounds3f& bounds() const { return box; }
 
   /**
-   * Calls visitor(const PhotonBlock&) for all photons in the region, in increasing order of slots. Safe to call from
-   * any thread. A query without flattening and with bothSides has no cost for either.
+   * Calls visitor(const PhotonBlock&) for all photons in the region, in increasing order of slots. Safe to
+   * call from any thread. A query without flattening and with bothSides has no cost for either.
    */
   template <class Visitor> void visitWithin(const GatherRegion& region, Visitor&& visitor) const;
   /**
-   * Accumulates over all photons in the region: calls add(state, const PhotonBlock&), which changes the state, and
-   * returns the last state. Faster than a visitor that captures its sums, since the state is a local copy that the
-   * compiler can keep in registers. Blocks with an empty mask may be passed too, to save a branch: `add` should handle
-   * them without one.
+   * Accumulates over all photons in the region: calls add(state, const PhotonBlock&), which changes the
+   * state, and returns the last state. Faster than a visitor that captures its sums, since the state is a
+   * local copy that the compiler can keep in registers. Blocks with an empty mask may be passed too, to save
+   * a branch: `add` should handle them without one.
    */
   template <class State, class Add>
   State accumulateWithin(const GatherRegion& region, State state, Add&& add) const;
 
   /**
-   * Finds the k photons of the region nearest to its centre. Ties are resolved in favour of photons emitted first. The
-   * result is kept in the scratch memory for visitNearest().
+   * Finds the k photons of the region nearest to its centre. Ties are resolved in favour of photons emitted
+   * first. The result is kept in the scratch memory for visitNearest().
    */
   NearestPhotons nearest(const GatherRegion& region, int k, PhotonScratch& scratch) const;
-  /** Slot of the photon nearest to the centre, on either side of its surface; the lowest slot among ties. The map must
-   * not be empty. Much faster than nearest() for one photon. */
+  /** Slot of the photon nearest to the centre, on either side of its surface; the lowest slot among ties. The
+   * map must not be empty. Much faster than nearest() for one photon. */
   size_t nearestSlot(const Vec3f& center, PhotonScratch& scratch) const;
   /** Calls visitor(const PhotonBlock&) for the result of the last nearest(), in increasing order of slots. */
   template <class Visitor> void visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const;

@@ -8,8 +8,8 @@
 namespace recurse {
 
 /**
- * Estimate of the D² of the k-th nearest photon, on the high side. Assumes that the photons of the smallest node around
- * the centre with enough photons are spread evenly over the two widest extents of its box.
+ * Estimate of the D² of the k-th nearest photon, on the high side. Assumes that the photons of the smallest
+ * node around the centre with enough photons are spread evenly over the two widest extents of its box.
  */
 float PhotonMap::densityBound(const Vec3f& center, int k) const {
   constexpr float MARGIN = 1.3f;
@@ -62,8 +62,8 @@ size_t countUpTo(const FoundPhotons& found, float bound) {
 
 } // namespace
 
-/** Narrows the bracket until it contains few photons: first by interpolation, since the number of photons on a surface
- * grows linearly with D², then by bisection of the remaining floats. */
+/** Narrows the bracket until it contains few photons: first by interpolation, since the number of photons on
+ * a surface grows linearly with D², then by bisection of the remaining floats. */
 PhotonMap::RankBracket PhotonMap::bracketNearest(const FoundPhotons& found, size_t wanted, float upper) {
   constexpr size_t MAX_LEFT = 8;
   constexpr int INTERPOLATIONS = 6;
@@ -232,7 +232,7 @@ size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const
   }
   Query<false, false, false> query(region);
   float nearest = INFINITE;
-  // Any photon bounds the distance: the result of the last query, or the photons of a leaf close to the centre.
+  // Any photon bounds the distance: the last query's result, or the photons of a leaf close to the centre.
   constexpr float MAX_REUSED_DISTANCE = 2; // times the distance found by the last query
   if (scratch.lastSlot < photonCount) nearest = query.distance2(position(scratch.lastSlot));
   if (!(nearest < square(MAX_REUSED_DISTANCE * scratch.lastNearest))) {

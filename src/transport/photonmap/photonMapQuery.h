@@ -8,8 +8,8 @@
 namespace recurse {
 
 /**
- * Query with exact bounds, without tolerances. Rounding is monotonic, and boxes and photons are compared by the same
- * operations in the same order. A box that contains a photon of the region is therefore never culled.
+ * Query with exact bounds and no tolerances. Rounding is monotonic, and boxes and photons are compared by the
+ * same operations in the same order: a box that contains a photon of the region is never culled.
  */
 template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
   static constexpr bool SELECTIVE = SIDED || CLIPPED; ///< photons within the radius may be rejected
@@ -104,12 +104,12 @@ struct PhotonMap::Hits {
 };
 
 /**
- * Calls flush(hits) with blocks in increasing order of slots, as often as needed. The flush may shrink query.radius2;
- * hits found before it does are within the old radius.
+ * Calls flush(hits) with blocks in increasing order of slots, as often as needed. The flush may shrink
+ * query.radius2; hits found before it does are within the old radius.
  *
- * Nodes, leaves and blocks are compacted into work lists by branchless code, which always writes and advances only past
- * accepted entries: a mispredicted branch costs as much as the tests of two leaves. Filtering out empty blocks has a
- * cost, too: with EMPTY_TOO the flush may get blocks with an empty mask.
+ * Nodes, leaves and blocks are compacted into work lists by branchless code, which always writes and advances
+ * only past accepted entries: a mispredicted branch costs as much as the tests of two leaves. Filtering out
+ * empty blocks has a cost, too: with EMPTY_TOO the flush may get blocks with an empty mask.
  */
 template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
   if (photonCount == 0) return;
@@ -160,8 +160,8 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
     if (node < lastLevel) {
       const uint32_t mask = query.mayReach(nodes[node]);
       if (mask != 0) {
-        // The first child is visited next without a detour by the stack: latency of the chain of nodes on the way down
-        // bounds the speed of a query.
+        // The first child is visited next without a detour by the stack: latency of the chain of nodes on the
+        // way down bounds the speed of a query.
         LANE_LISTS.descending(mask, 8 * node + 1, nodeStack + nodesLeft);
         nodesLeft += static_cast<size_t>(std::popcount(mask)) - 1;
         node = 8 * node + 1 + static_cast<uint32_t>(std::countr_zero(mask));
