@@ -15,7 +15,7 @@ namespace recurse {
 /** True for the surface of a dielectric with a priority. */
 inline bool isNested(const Hit& hit) { return hit.material && hit.material->nesting >= 0; }
 
-/** What a walk is inside of. Dielectrics are known by their places, the strongest first. */
+/** Media and dielectrics that contain the current point; dielectrics by priority, the highest first. */
 class Nesting {
  public:
   /** Index of the medium that contains the current point. */
