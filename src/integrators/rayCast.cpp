@@ -43,7 +43,7 @@ class RayCast final : public Integrator {
   }
 
  private:
-  /** Adds the ambient term, which counts as light that another surface has reflected (LDD). */
+  /** Adds the ambient term, which counts as light with one earlier reflection (LDD). */
   void addAmbient(const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
     const PathClasses& classes = out.pathClasses();
     const LightState reflected = classes.step(classes.lightStart(), PathEvent::D);

@@ -1,6 +1,6 @@
 /** @file
- * Photon mapping in its plain form (Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", chapters 5
- * to 8): one map of all light, without batches of photons or rays. For readers.
+ * Plain photon mapper for study (Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", chapters 5 to
+ * 8): one map of all light, one photon and one ray at a time.
  */
 #include <chrono>
 

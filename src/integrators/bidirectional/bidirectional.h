@@ -15,7 +15,7 @@ struct BidirectionalSettings {
   uint64_t lightPaths = 0; ///< number in each pass; 0: one for each pixel of the film
   bool hits = true, shadowRays = true, connections = true, splats = true, merges = false;
   float radius = 0;       ///< merge radius in the first pass [scene units]; 0: 1.5 pixels
-  double alpha = 2.0 / 3; ///< exponent of the radius reduction, see radiusScale()
+  double alpha = 2.0 / 3; ///< alpha of the progressive radius reduction, see radiusScale()
   bool correlated = true; ///< weights account for the correlation of merged photons
 };
 

@@ -253,13 +253,13 @@ class Bidirectional::CameraWalk {
     std::copy(vertices.begin() + std::ptrdiff_t(copied), vertices.end(), x.begin() + std::ptrdiff_t(copied));
     copied = vertices.size() - std::min<size_t>(vertices.size(), 2);
   }
-  /** Sums the techniques up to x_s-1, when the walk leaves x_s. */
+  /** Computes sumNearCamera() up to x_s-1, when the walk leaves x_s. */
   void sumCameraPath() {
     copyVertices();
     nearCamera = sumNearCamera(weighted(), vertices.size() - 2);
     summed = vertices.size() - 2;
   }
-  /** Sums the techniques at each vertex of a light path, from the light on. */
+  /** Computes sumBeyond() at each vertex of a light path, beginning at the light. */
   void sumLightPath(const StoredPath& from) {
     beyond.resize(from.count + 1);
     if (from.count < 2 || owner.subpaths.startsAtPane(from)) return;

@@ -25,7 +25,7 @@ constexpr double MAX_DIVISIONS = 128;
 constexpr double MAX_TURN = 0.5;
 /** Number of lines and of pieces by which the length and turn of a face are measured. */
 constexpr int LINES = 3, PIECES = 16;
-/** Number of divisions for areas: triangles of a patch, with opacity taken at their centroids. */
+/** Areas are sums over this number squared of triangles, with opacity taken at their centroids. */
 constexpr int AREA_PIECES = 4;
 /** Maximum number of points to try until one is opaque. */
 constexpr int MAX_TRIES = 64;

@@ -144,7 +144,7 @@ LightSampler::Chosen LightSampler::chooseBelow(const Cluster& cluster, const Vec
 
 float LightSampler::probabilityLearned(const LightSampleContext& place, uint32_t light) const {
   const uint32_t wanted = rank[light];
-  if (order[wanted] != light) return 0; // it has no power
+  if (order[wanted] != light) return 0; // the light has no power
   const uint32_t c = clusterOf[wanted];
   double probability = upTo(place, c) - (c > 0 ? upTo(place, c - 1) : 0);
   Descent way(*this, place.position, 0, clusters[c]);
@@ -338,7 +338,7 @@ void LightSampler::shoot(const Scene& scene, uint32_t index, Found& found) const
     arena.reset();
     const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
     const LobeSet lobes = bsdf ? bsdf->lobes() : LobeSet(STRAIGHT);
-    if (!(lobes & STRAIGHT) || (lobes & NON_DELTA_LOBES)) // else shadow rays pass
+    if (!(lobes & STRAIGHT) || (lobes & NON_DELTA_LOBES)) // a pane alone lets shadow rays pass
       return keep(hit, ray.direction, rank[light], found);
   }
 }

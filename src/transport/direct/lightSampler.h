@@ -1,5 +1,5 @@
 /** @file
- * Light selection for shadow rays, learned from photons that arrive straight from the lights: those that
+ * Light selection for shadow rays, learned from photons that arrive straight from the lights: lights that
  * reach a region are sampled more often there.
  */
 #pragma once

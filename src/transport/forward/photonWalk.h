@@ -72,7 +72,7 @@ class PhotonWalk {
   float enteredImportance() const { return enteredTargets; }
 
   const VisibleRegion* region = nullptr; ///< visible region, for trial photons only
-  uint64_t sent = 0, arrived = 0;        ///< photons sent to targets; those that hit a surface in the region
+  uint64_t sent = 0, arrived = 0;        ///< photons sent to targets; number of these that hit the region
 
  private:
   /** Stores a short beam. The thinnest channel samples its length, so that no channel is amplified.
