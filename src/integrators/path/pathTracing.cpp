@@ -18,7 +18,7 @@ namespace {
 struct BatchPath {
   CameraPath* camera;
   Rgb throughput;
-  float etaScale; ///< undoes the 1/η² inside glass, for russian roulette only
+  float etaScale; ///< undoes the 1/η² inside glass, for Russian roulette only
   int depth;
   CameraState state;
   float width, spread; ///< footprint of the ray, see Subpath
@@ -310,7 +310,7 @@ class PathTracing final : public Integrator {
       }
     }
 
-    /** Samples the next direction of each path, with russian roulette. */
+    /** Samples the next direction of each path, with Russian roulette. */
     void scatter() {
       for (size_t i = 0; i < vertexCount; ++i) {
         const Vertex& v = vertices[i];
@@ -383,7 +383,7 @@ class PathTracing final : public Integrator {
     Raw<std::optional<Scatter>> scatters;
   };
 
-  /** Number of scattering events before russian roulette begins. */
+  /** Number of scattering events before Russian roulette begins. */
   static constexpr int ROULETTE_FREE_DEPTH = 2;
   /** Guide of the current pass; null where nothing was learned. */
   const GuideField* activeGuide() const { return training.guide(); }

@@ -1,5 +1,5 @@
 /** @file
- * Unbiased path tracer: shadow rays at every vertex, multiple importance sampling, russian roulette. It
+ * Unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It
  * renders the references for the photon map.
  */
 #pragma once

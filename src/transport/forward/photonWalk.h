@@ -175,7 +175,7 @@ class PhotonWalk {
     return at;
   }
 
-  /** Scatters a photon by the BSDF of a surface, with russian roulette if its new flux is below `power`.
+  /** Scatters a photon by the BSDF of a surface, with Russian roulette if its new flux is below `power`.
    * Returns false if the photon ends. */
   bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;

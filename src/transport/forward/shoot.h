@@ -25,7 +25,7 @@ struct ShotPhotons {
 
 /**
  * Traces photons from lights chosen by power. Surfaces with a diffuse lobe store a photon; it continues by
- * russian roulette on the scattered flux, which keeps powers nearly equal. The list does not depend on the
+ * Russian roulette on the scattered flux, which keeps powers nearly equal. The list does not depend on the
  * number of threads. Photons that no path class can use are not followed.
  */
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,

@@ -17,7 +17,7 @@ namespace recurse {
  * DXTRAN sphere (X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9): all diffuse surfaces
  * outside send additional photons to it. BSDF sampling leaves out the directions towards it in return, so
  * that nothing is counted twice. The additional photons are many and weak. When they leave the sphere,
- * russian roulette reduces their number.
+ * Russian roulette reduces their number.
  */
 struct DxtranSphere {
   Vec3f center{0};

@@ -289,7 +289,7 @@ class RayTransmittance {
   };
 
   void track(const Medium& medium, const Ray& ray, float end, Sampler& sampler) {
-    constexpr float LOW = 0.01f; // lower bound of the weight; below it, russian roulette
+    constexpr float LOW = 0.01f; // lower bound of the weight; below it, Russian roulette
     Rgb value(1);
     MajorantSegments segments = medium.segments(ray, end);
     for (MajorantSegment part; segments.next(part);) {

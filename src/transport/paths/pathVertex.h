@@ -35,7 +35,7 @@ template <class State> struct Subpath {
   bool delta = false;      ///< the last event was a delta scattering
   float cosine = 1;        ///< cosine at the vertex that the ray left, to its geometric normal; 1 without
   Vec3f from{0};           ///< position of the vertex that the ray left
-  float etaScale = 1;      ///< undoes the 1/η² of radiance inside glass, for russian roulette only
+  float etaScale = 1;      ///< undoes the 1/η² of radiance inside glass, for Russian roulette only
   float width = 0;         ///< width of the pixel footprint at the ray's origin [scene units]; 0: unknown
   float spread = 0;        ///< growth of the footprint per unit of distance
   float sampleSpacing = 1; ///< see CameraRay

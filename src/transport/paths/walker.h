@@ -88,7 +88,7 @@ template <class State> class Walker {
     return next(path, vertex, sampler, [](const Hit*) {});
   }
 
-  /** Samples the next direction from the BSDF or the phase function, then applies russian roulette. Returns
+  /** Samples the next direction from the BSDF or the phase function, then applies Russian roulette. Returns
    * nullopt if the path ends. */
   std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler) const {
     if (vertex.medium) return scatterInMedium(path, vertex, sampler);
