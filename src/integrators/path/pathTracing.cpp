@@ -98,7 +98,7 @@ class PathTracing final : public Integrator {
   }
 
   void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
-    if (scene.hasMedia()) { // too many branches for batches to gain
+    if (scene.hasMedia()) { // in media, steps are too dependent for batches to be of use
       for (CameraPath& p : paths)
         tracePlainPath(scene, p.ray, lightSampler, {maxDepth, lightSamples, activeGuide()}, p.sampler, *p.out,
                        caustics);

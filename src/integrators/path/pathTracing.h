@@ -11,9 +11,9 @@
 
 namespace recurse {
 
-/** Makes a path tracer. `caustics`: photons that share paths of mirrors and glass between light and non-delta
- * surface with its rays. `lights`: has learned the scene; null: the path tracer learns its own. Both must
- * outlive it. `guided`: learns the directions of incident light during the render. */
+/** Makes a path tracer. `caustics`: photons that share caustic paths, with only delta events between light
+ * and non-delta surface, with its rays. `lights`: has learned the scene; null: the path tracer learns its
+ * own. Both must outlive it. `guided`: learns the directions of incident light during the render. */
 std::unique_ptr<Integrator> makePathTracing(const PlainPathSettings& settings,
                                             const CausticPhotons* caustics = nullptr,
                                             const LightSampler* lights = nullptr, bool guided = false);

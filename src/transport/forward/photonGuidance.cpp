@@ -118,7 +118,7 @@ float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
 /** Sets the emission density below which rays replace photons of infinite lights after the first surface. */
 void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
   constexpr float MAX_POWER = 32; // in splitting powers: a stronger photon is visible as a blotch
-  constexpr double WORTH_IT = 4;  // minimum ratio of the photons' variances that outweighs noise of rays
+  constexpr double WORTH_IT = 4;  // minimum reduction of the photons' variance that outweighs noise of rays
   double starts = 0, far = 0;
   for (const Trials::Arrived& a : trials.powers) {
     if (!(a.startDensity < INFINITE)) continue;

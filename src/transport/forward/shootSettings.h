@@ -22,7 +22,7 @@ namespace recurse {
 struct DxtranSphere {
   Vec3f center{0};
   float radius = 0;
-  float part = 1;       ///< power of a photon sent to the sphere over that of its parent
+  float part = 1;       ///< intended power of a photon sent to the sphere, over full emission power
   float importance = 0; ///< visible-point density [1/area]
 };
 

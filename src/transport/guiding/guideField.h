@@ -33,7 +33,7 @@ class GuideCell final : public DirectionGuide {
   GuideCell() = default;
   GuideCell(SquareTree tree, const Frame& frame) : tree(std::move(tree)), frame(frame), on(true) {}
 
-  /** Bound of the error: a wrong tree at most doubles the weight of a path at each vertex. */
+  /** Probability of BSDF sampling: with it a wrong tree at most doubles a path's weight at each vertex. */
   static constexpr float BSDF_PROBABILITY = 0.5f;
   float bsdfProbability() const override { return BSDF_PROBABILITY; }
   bool isOn() const { return on; }

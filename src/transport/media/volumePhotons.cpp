@@ -11,7 +11,7 @@ namespace recurse {
 
 namespace {
 
-/** Side of a cube that contains about PHOTONS of the `count` photons in the box. */
+/** Radius of discs: side of a cube that contains about PHOTONS of the `count` photons in the box. */
 float radiusIn(const Bounds3f& box, size_t count) {
   constexpr float PHOTONS = 2;
   const Vec3f sides = thickSides(box);

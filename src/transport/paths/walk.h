@@ -1,5 +1,5 @@
 /** @file
- * Functions shared by walks from the camera and from the lights: counted intersection queries, russian
+ * Functions shared by walks from the camera and from the lights: counted intersection queries, Russian
  * roulette, visibility.
  */
 #pragma once

@@ -174,7 +174,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
     float start = INFINITE;
     float step = INFINITE;
     if (scratch.lastRadius > 0 && scratch.lastCount == k) {
-      // Upper bound, by the triangle inequality: the last query's k photons are within this distance.
+      // Bound by the triangle inequality, if the region accepts the last query's photons, too.
       step = glm::distance(region.center, scratch.lastCenter);
       start = square((scratch.lastRadius + step) * (1 + roundingBound(16)));
     }
