@@ -17,8 +17,8 @@ float radiusScale(uint32_t index, double alpha) {
 
 namespace {
 
-/** Finds the surface on which a photon was stored, by a short ray against `near` along the photon's path;
- * nullopt if the ray hits nothing. */
+/** Finds the surface on which a photon was stored, by a ray along the photon's path that is short compared to
+ * `near`; nullopt if the ray hits nothing. */
 std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, float near,
                                       TransportCounts& counts) {
   const Vec3f direction = unpackDirection(photon.direction);
