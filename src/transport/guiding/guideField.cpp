@@ -1,5 +1,5 @@
 /** @file
- * Building of the guide: places divided at medians, and for each cell a density and how often to follow it.
+ * Building of the guide: kd-trees with median splits; a density and an on/off decision for each cell.
  */
 #include "transport/guiding/guideField.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr size_t BUCKETS = 6;
 constexpr int MAX_CELL_DEPTH = 24;
 
-/** The signed axis that a normal is nearest to. */
+/** Index of the signed axis nearest to a normal: 2 axis, plus 1 for negative. */
 size_t bucketOf(const Vec3f& normal) {
   const Vec3f n = glm::abs(normal);
   const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
@@ -31,10 +31,10 @@ class CellFit {
     clip();
     Vec3f sum(0);
     for (const GuideRecord& r : this->records) sum += r.normal;
-    frame = Frame(glm::normalize(sum)); // all are within 55 degrees of an axis
+    frame = Frame(glm::normalize(sum)); // each normal is within 55 degrees of the bucket's axis
   }
 
-  /** (sum x)² / sum x²: by how many equal records as much would be known (Kish 1965, "Survey Sampling"). */
+  /** Effective number of records, (Σ value)² / Σ value² (Kish 1965, "Survey Sampling"). */
   double effectiveCount() const {
     double sum = 0, squares = 0;
     for (const GuideRecord& r : records) {
@@ -44,7 +44,7 @@ class CellFit {
     return squares > 0 ? square(sum) / squares : 0;
   }
 
-  /** The tree of records whose number leaves `remainder` by 2; of all where it is negative. */
+  /** Tree of the records whose index modulo 2 is `remainder`; of all records if it is negative. */
   SquareTree tree(int remainder) const {
     std::vector<WeightedPoint> chosen;
     for (size_t i = 0; i < records.size(); ++i) {
@@ -55,9 +55,9 @@ class CellFit {
     return SquareTree(chosen);
   }
 
-  /** Mean logarithm of the density of the mixture over that of BSDF sampling, for the records with odd
-   * numbers by a guide from those with even ones (Müller 2019, "Practical Path Guiding in Production",
-   * section 10.5). */
+  /** Mean logarithm of the density of the mixture over that of BSDF sampling (Müller 2019, "Practical Path
+   * Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
+   * index, and scored on those with odd index. */
   double gain() const {
     const GuideCell half(tree(0), frame);
     double sum = 0, total = 0;
@@ -73,8 +73,8 @@ class CellFit {
   Frame frame{Vec3f(0, 0, 1)};
 
  private:
-  /** Cuts values to their 99.9 % quantile, so that one record does not own the cell. Fitting may be biased;
-   * estimates are not. */
+  /** Clips values to their 99.9 % quantile, so that no single record dominates the cell. Clipping biases the
+   * guide only, not the estimates. */
   void clip() {
     constexpr double QUANTILE = 0.999;
     std::vector<float> values;
@@ -156,7 +156,7 @@ void GuideField::build(std::span<const GuideRecord> records, float smallest) {
     counts[i] = fit.effectiveCount();
     cells[i] = GuideCell(fit.tree(-1), fit.frame);
   });
-  // What few records say of a cell is corrected by what all say (empirical Bayes).
+  // Shrinks the gains of cells with few records towards the mean of all cells (empirical Bayes).
   const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
   const double mean =
       std::inner_product(gains.begin(), gains.end(), counts.begin(), 0.0) / std::max(all, 1.0);

@@ -1,5 +1,5 @@
 /** @file
- * Records of camera paths, from which the guide is built.
+ * Records of training camera paths, from which the guide is built.
  */
 #include "transport/learning/guideTraining.h"
 
@@ -14,18 +14,18 @@ namespace {
 
 using Records = std::vector<GuideRecord>;
 
-/** Turns a camera path into records: for each vertex that it left by a non-delta lobe, the light that was
- * found behind it, times the weights by which the render would have added it. */
+/** Converts a camera path to records, one for each vertex left by a non-delta lobe: the light that the path
+ * finds beyond the vertex, times the MIS weights with which the render would add it. */
 class PathRecorder {
  public:
   explicit PathRecorder(Records& records) : records(records) {}
 
-  /** The path found radiance, times its throughput. */
+  /** Adds radiance that the path has found, multiplied by its throughput. */
   void add(const Rgb& radiance) {
     const float found = luminance(radiance);
     for (Vertex& v : vertices) v.found += found;
   }
-  /** The path leaves a vertex at which it arrived with `throughput`. */
+  /** Begins a record at a vertex that the path leaves. Its throughput is the one on arrival. */
   void leave(const CameraVertex& vertex, const Scatter& s) {
     constexpr size_t MAX_VERTICES = 32;
     const float before = luminance(vertex.throughput);
@@ -47,8 +47,8 @@ class PathRecorder {
  private:
   struct Vertex {
     GuideRecord record;
-    float throughput; ///< luminance before the vertex
-    float found = 0;  ///< luminance at the camera
+    float throughput; ///< luminance of the throughput before the vertex
+    float found = 0;  ///< luminance at the camera of the light found beyond
   };
   Records& records;
   std::vector<Vertex> vertices;
@@ -102,7 +102,7 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
 void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, const Pass& pass,
                             const ForwardControl& control, TransportCounts& counts) {
   constexpr uint64_t STREAM = 0x6775696465ull;
-  constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // of those of the passes before
+  constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // fraction of the paths in all passes before
   constexpr size_t MAX_RECORDS = 1 << 20;              // 48 MB
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
   const PixelBounds film = scene.film().whole();
