@@ -39,8 +39,10 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
                              GuidanceChoice choice = {});
 
 /** For light paths of which no photon map is made: where those start that come to where the eye looks. Of a
- * sun or sky outside hardly any other comes into a room. `maxDepth` as of ShootSettings. */
+ * sun or sky outside hardly any other comes into a room. `maxDepth` as of ShootSettings; `trials`: photons of
+ * a round. */
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
-                                 const ForwardControl& control, TransportCounts& counts);
+                                 const ForwardControl& control, TransportCounts& counts,
+                                 uint64_t trials = 32768);
 
 } // namespace recurse

@@ -21,8 +21,11 @@ struct GuideRecord {
   Vec3f position{0};
   Vec3f normal{0};    ///< unit, geometric, on the side that the vertex is seen from
   Vec3f direction{0}; ///< unit, away from the vertex
-  float value = 0;    ///< f L cos times the MIS weight of the ray over the density of the direction; positive
-  float pdfBsdf = 0;  ///< of BSDF sampling for the direction [1/sr]; positive
+  /** f L cos times the MIS weight of the ray over the density of the direction; positive. Flux of a photon,
+   * in any unit: the values of photons and of camera paths are brought to a common scale in each cell. */
+  float value = 0;
+  float pdfBsdf = 0;       ///< of BSDF sampling for the direction [1/sr]; positive
+  bool fromPhoton = false; ///< else from a camera path
 };
 
 /** Places that share a density: a cosine lobe around their mean normal, times a quadtree over the square that
@@ -65,6 +68,9 @@ class GuideField {
 
   static constexpr size_t MAX_RECORDS = 500;  ///< of a cell
   static constexpr double MIN_EFFECTIVE = 32; ///< effective records, below which a cell is off
+  /** Effective records that the photons of a cell count for at most: camera paths know the BSDF, and the MIS
+   * weights at both ends of a ray. */
+  static constexpr double MAX_PHOTONS = 256;
   /** Effective records that the mean of all cells counts for in the gain of one. */
   static constexpr double PRIOR_COUNT = 256;
   /** A cell is off where its mixture gains less log-likelihood over BSDF sampling. */

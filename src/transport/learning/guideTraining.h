@@ -1,11 +1,12 @@
 /** @file
- * Training of the guide by camera paths. Its size and random numbers do not depend on the crop window, the
- * threads or the processes.
+ * Training of the guide by photons and camera paths. Its size and random numbers do not depend on the crop
+ * window, the threads or the processes.
  */
 #pragma once
 
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
+#include "transport/emission/emissionGuide.h"
 #include "transport/guiding/guideField.h"
 
 namespace recurse {
@@ -13,6 +14,7 @@ namespace recurse {
 struct GuideTrainingSettings {
   int maxDepth = -1;    ///< most scattering events of a path; -1: no limit
   int lightSamples = 1; ///< shadow rays at each vertex
+  bool caustics = true; ///< rays have to find caustics: no photon map has them
 };
 
 /**
@@ -33,8 +35,13 @@ class GuideTraining {
   const GuideField* guide() const { return field.cellsOn() > 0 ? &field : nullptr; }
 
  private:
+  std::vector<GuideRecord> photonsOfStage(const Scene& scene, const LightSampler& lights, const Pass& pass,
+                                          double count, const ForwardControl& control,
+                                          TransportCounts& counts);
+
   GuideTrainingSettings settings;
-  int stage = -1; ///< the last one
+  int stage = -1;         ///< the last one
+  EmissionGuide emission; ///< of training photons, from the first stage
   std::vector<GuideRecord> records;
   GuideField field;
 };
