@@ -70,7 +70,8 @@ class PathTracing final : public Integrator {
   PathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics, const LightSampler* lights,
               bool guided)
       : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), guided(guided), caustics(caustics),
-        training({settings.maxDepth, settings.lightSamples}), lightSampler(lights ? *lights : ownLights) {}
+        training({settings.maxDepth, settings.lightSamples, !caustics}),
+        lightSampler(lights ? *lights : ownLights) {}
 
   void prepare(const Scene& scene, const PathClasses&) override {
     if (&lightSampler == &ownLights) learned = ownLights.learn(scene);

@@ -262,10 +262,9 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
 }
 
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
-                                 const ForwardControl& control, TransportCounts& counts) {
-  constexpr uint64_t TRIALS = 32768; // photons in a round
+                                 const ForwardControl& control, TransportCounts& counts, uint64_t trials) {
   ShootSettings trial;
-  trial.photons = TRIALS;
+  trial.photons = trials;
   trial.maxDepth = maxDepth;
   const VisibleRegion region = probeRegion(scene, {}, counts);
   return learnGuidance(scene, classes, seed, trial, region, control, counts, {.targets = false}).emission;

@@ -27,22 +27,24 @@ size_t bucketOf(const Vec3f& normal) {
 /** Learns one cell from its records. */
 class CellFit {
  public:
-  explicit CellFit(std::vector<GuideRecord> records) : records(std::move(records)) {
-    clip();
+  explicit CellFit(std::span<const GuideRecord> local) {
+    records.assign(local.begin(), local.end());
+    const auto firstOfCamera = std::stable_partition(records.begin(), records.end(),
+                                                     [](const GuideRecord& r) { return r.fromPhoton; });
+    const std::span photons(records.begin(), firstOfCamera), cameraPaths(firstOfCamera, records.end());
+    clip(photons);
+    clip(cameraPaths);
+    const double fromPhotons = std::min(Weights(photons).effectiveCount(), GuideField::MAX_PHOTONS);
+    scaleTo(fromPhotons, photons);
+    scaleTo(Weights(cameraPaths).effectiveCount(), cameraPaths);
+    count = Weights(records).effectiveCount();
     Vec3f sum(0);
-    for (const GuideRecord& r : this->records) sum += r.normal;
+    for (const GuideRecord& r : records) sum += r.normal;
     frame = Frame(glm::normalize(sum)); // each normal is within 55 degrees of the bucket's axis
   }
 
-  /** Effective number of records, (Σ value)² / Σ value² (Kish 1965, "Survey Sampling"). */
-  double effectiveCount() const {
-    double sum = 0, squares = 0;
-    for (const GuideRecord& r : records) {
-      sum += double(r.value);
-      squares += square(double(r.value));
-    }
-    return squares > 0 ? square(sum) / squares : 0;
-  }
+  /** Effective number of records. */
+  double effectiveCount() const { return count; }
 
   /** Tree of the records whose index modulo 2 is `remainder`; of all records if it is negative. */
   SquareTree tree(int remainder) const {
@@ -73,19 +75,41 @@ class CellFit {
   Frame frame{Vec3f(0, 0, 1)};
 
  private:
+  /** Sums of the values of records. */
+  struct Weights {
+    double sum = 0, squares = 0;
+    explicit Weights(std::span<const GuideRecord> records) {
+      for (const GuideRecord& r : records) {
+        sum += double(r.value);
+        squares += square(double(r.value));
+      }
+    }
+    /** Effective number of records, (Σ value)² / Σ value² (Kish 1965, "Survey Sampling"). */
+    double effectiveCount() const { return squares > 0 ? square(sum) / squares : 0; }
+  };
+
+  /** Scales the values so that `sum` is their sum. */
+  static void scaleTo(double sum, std::span<GuideRecord> scaled) {
+    const double before = Weights(scaled).sum;
+    if (!(before > 0)) return;
+    for (GuideRecord& r : scaled) r.value = static_cast<float>(double(r.value) * sum / before);
+  }
+
   /** Clips values to their 99.9 % quantile, so that no single record dominates the cell. Clipping biases the
    * guide only, not the estimates. */
-  void clip() {
+  static void clip(std::span<GuideRecord> clipped) {
     constexpr double QUANTILE = 0.999;
+    if (clipped.empty()) return;
     std::vector<float> values;
-    for (const GuideRecord& r : records) values.push_back(r.value);
+    for (const GuideRecord& r : clipped) values.push_back(r.value);
     const auto rank = static_cast<ptrdiff_t>(QUANTILE * double(values.size() - 1));
     std::nth_element(values.begin(), values.begin() + rank, values.end());
     const float limit = values[static_cast<size_t>(rank)];
-    for (GuideRecord& r : records) r.value = std::min(r.value, limit);
+    for (GuideRecord& r : clipped) r.value = std::min(r.value, limit);
   }
 
   std::vector<GuideRecord> records;
+  double count = 0;
 };
 
 } // namespace
@@ -150,7 +174,7 @@ void GuideField::build(std::span<const GuideRecord> records, float smallest) {
     std::sort(leaves[i].begin(), leaves[i].end());
     std::vector<GuideRecord> local;
     for (const uint32_t k : leaves[i]) local.push_back(records[k]);
-    const CellFit fit(std::move(local));
+    const CellFit fit(local);
     if (fit.effectiveCount() < MIN_EFFECTIVE) return;
     gains[i] = fit.gain();
     counts[i] = fit.effectiveCount();

@@ -21,8 +21,11 @@ struct GuideRecord {
   Vec3f position{0};
   Vec3f normal{0};    ///< unit, geometric, on the side that the vertex is seen from
   Vec3f direction{0}; ///< unit, away from the vertex
-  float value = 0;    ///< f L cos θ times the MIS weight of the ray, over the pdf of the direction; positive
-  float pdfBsdf = 0;  ///< density of BSDF sampling for the direction [1/sr]; positive
+  /** f L cos θ times the MIS weight of the ray, over the pdf of the direction; of a photon its flux, in any
+   * unit, since each cell scales both kinds of records. Positive. */
+  float value = 0;
+  float pdfBsdf = 0;       ///< density of BSDF sampling for the direction [1/sr]; positive
+  bool fromPhoton = false; ///< a photon, not a camera path, made the record
 };
 
 /** Directional density shared by neighbouring positions: cosine lobe around the mean normal of the records,
@@ -65,6 +68,9 @@ class GuideField {
 
   static constexpr size_t MAX_RECORDS = 500;  ///< records in a cell before it is divided
   static constexpr double MIN_EFFECTIVE = 32; ///< effective records (Kish 1965) below which a cell is off
+  /** Upper bound of the weight of a cell's photons [effective records]. Camera paths outweigh them in the
+   * end: their records include the BSDF and the MIS weight of the whole ray. */
+  static constexpr double MAX_PHOTONS = 256;
   /** Weight of the mean gain of all cells in the gain of one [effective records]. */
   static constexpr double PRIOR_COUNT = 256;
   /** Minimum gain in mean log-likelihood over BSDF sampling; cells below it are off. */

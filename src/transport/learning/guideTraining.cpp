@@ -7,6 +7,8 @@
 
 #include "transport/direct/cameraPaths.h"
 #include "transport/direct/directLight.h"
+#include "transport/forward/photonGuidance.h"
+#include "transport/learning/photonRecords.h"
 
 namespace recurse {
 
@@ -99,21 +101,51 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
 
 } // namespace
 
+std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const LightSampler& lights,
+                                                       const Pass& pass, double count,
+                                                       const ForwardControl& control,
+                                                       TransportCounts& counts) {
+  constexpr uint64_t TRIALS = 8192; // photons of a round that learn where to start
+  const PathClasses allPaths;
+  if (stage < 0)
+    emission = learnEmissionGuide(scene, allPaths, pass.seed, settings.maxDepth, control, counts, TRIALS);
+  ShootSettings shoot;
+  shoot.photons = static_cast<uint64_t>(count);
+  shoot.maxDepth = settings.maxDepth;
+  shoot.direct = false;
+  shoot.guide = &emission;
+  if (!scene.hasMedia()) shoot.shadowRays = &lights;
+  return photonRecords(scene, pass, shoot, settings.caustics, control, counts);
+}
+
 void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, const Pass& pass,
                             const ForwardControl& control, TransportCounts& counts) {
   constexpr uint64_t STREAM = 0x6775696465ull;
   constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // fraction of the paths in all passes before
+  constexpr double PHOTONS = 1;                        // photons for each camera path
   constexpr size_t MAX_RECORDS = 1 << 20;              // 48 MB
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
+  if (pass.index == 0) {
+    stage = -1;
+    records.clear();
+    field = {};
+  }
   const PixelBounds film = scene.film().whole();
   const float smallest =
       FOOTPRINTS * scene.bounds().radius / static_cast<float>(std::max(film.width(), film.height()));
   const int last = static_cast<int>(pass.index) - 1;
   while (stage < last && records.size() < MAX_RECORDS) {
-    const uint64_t seed = hashCombine(pass.seed, STREAM + static_cast<uint64_t>(stage + 1));
+    Pass training = pass;
+    training.index = static_cast<uint32_t>(stage + 1);
+    training.seed = hashCombine(pass.seed, STREAM + training.index);
     const double paths = std::max(MIN_PATHS, PATHS * double(film.area()) * std::exp2(stage + 1));
+    const std::vector<GuideRecord> photons =
+        photonsOfStage(scene, lights, training, PHOTONS * paths, control, counts);
+    records.insert(records.end(), photons.begin(), photons.end());
+    if (stage < 0) field.build(records, smallest); // for the first camera paths
     const auto across = static_cast<int>(std::sqrt(paths));
-    const Records more = cameraRecords(scene, lights, field, settings, across, seed, control, counts);
+    const Records more =
+        cameraRecords(scene, lights, field, settings, across, training.seed, control, counts);
     if (control.stopped()) return;
     records.insert(records.end(), more.begin(), more.end());
     field.build(records, smallest);

@@ -1,11 +1,12 @@
 /** @file
- * Training of the guide by camera paths. The number of paths and their random numbers are independent of the
+ * Training of the guide by photons and camera paths. Their numbers and random numbers are independent of the
  * crop window, the threads and the processes.
  */
 #pragma once
 
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
+#include "transport/emission/emissionGuide.h"
 #include "transport/guiding/guideField.h"
 
 namespace recurse {
@@ -13,6 +14,7 @@ namespace recurse {
 struct GuideTrainingSettings {
   int maxDepth = -1;    ///< maximum scattering events of a path; -1: no limit
   int lightSamples = 1; ///< shadow rays at each vertex
+  bool caustics = true; ///< caustics are left to rays: no photon map estimates them
 };
 
 /** Guide of a render, with its training. Stage k precedes pass k + 1 of
@@ -33,8 +35,13 @@ class GuideTraining {
   const GuideField* guide() const { return field.cellsOn() > 0 ? &field : nullptr; }
 
  private:
+  std::vector<GuideRecord> photonsOfStage(const Scene& scene, const LightSampler& lights, const Pass& pass,
+                                          double count, const ForwardControl& control,
+                                          TransportCounts& counts);
+
   GuideTrainingSettings settings;
-  int stage = -1; ///< last completed stage; -1: none
+  int stage = -1;         ///< last completed stage; -1: none
+  EmissionGuide emission; ///< learned before the first stage, for its photons and those of later stages
   std::vector<GuideRecord> records;
   GuideField field;
 };
