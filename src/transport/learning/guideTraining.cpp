@@ -139,14 +139,14 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
     training.index = static_cast<uint32_t>(stage + 1);
     training.seed = hashCombine(pass.seed, STREAM + training.index);
     const double paths = std::max(MIN_PATHS, PATHS * double(film.area()) * std::exp2(stage + 1));
-    const std::vector<GuideRecord> photons =
-        photonsOfStage(scene, lights, training, PHOTONS * paths, control, counts);
-    records.insert(records.end(), photons.begin(), photons.end());
-    if (stage < 0) field.build(records, smallest); // for the first camera paths
+    const Records photons = photonsOfStage(scene, lights, training, PHOTONS * paths, control, counts);
+    GuideField byPhotons;
+    if (stage < 0) byPhotons.build(photons, smallest);
     const auto across = static_cast<int>(std::sqrt(paths));
-    const Records more =
-        cameraRecords(scene, lights, field, settings, across, training.seed, control, counts);
+    const Records more = cameraRecords(scene, lights, stage < 0 ? byPhotons : field, settings, across,
+                                       training.seed, control, counts);
     if (control.stopped()) return;
+    records.insert(records.end(), photons.begin(), photons.end());
     records.insert(records.end(), more.begin(), more.end());
     field.build(records, smallest);
     ++stage;
