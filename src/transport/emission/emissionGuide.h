@@ -77,8 +77,8 @@ class EmissionGuide {
 
  private:
   static constexpr double UNIFORM_PART = 0.1;
-  struct Node { ///< numbers[dimension] < at: the next node, else `other`
-    int dimension; ///< -1 in leaves
+  struct Node { ///< numbers[dimension] < at: the next node, else `other`; dimension is -1 in leaves
+    int dimension;
     float at;
     uint32_t other; ///< in leaves: index of the leaf
   };
