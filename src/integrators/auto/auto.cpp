@@ -95,7 +95,7 @@ class Auto final : public Integrator {
   }
 
   /** Replaces photonmap by path tracing, with or without caustic photons, if a trial on a few blocks of the
-   * image shows that the other photons do not repay their work. */
+   * image shows that all other photons do not repay their work. */
   void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
                 const ForwardControl& control, ForwardStatistics& statistics) {
     constexpr uint64_t STREAM = 0x747269616cull;

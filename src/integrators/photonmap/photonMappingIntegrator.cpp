@@ -26,7 +26,7 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
   ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
   statistics.counts.add(std::exchange(learned, {}));
   recordSampler = Sampler(pass.seed, pass.index, 0);
-  const bool oneClass = classes.lightStateCount() == 1; // else some photons count and some do not
+  const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
   const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;
   irradiances.reset(shared ? photons.indirect().cache.size() : 0);
   causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);

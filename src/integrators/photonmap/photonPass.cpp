@@ -198,7 +198,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
   inVain = manySeen.empty() && stored + mediaPhotons.size() == 0;
-  const bool areAllWanted = classes.lightStateCount() == 1; // else possibly none, as for class LDE
+  const bool areAllWanted = classes.lightStateCount() == 1; // else possibly none, e.g. for class LDE
   if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
     statistics.warnings.push_back(formatted(
         "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "

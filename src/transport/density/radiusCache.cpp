@@ -220,7 +220,7 @@ class PlaceFinder {
       e.direct += directIrradiance(scene, *rays.lights, place, sampler, partCounts) / SAMPLES;
   }
 
-  /** Worth of a gather from sums over `evidence` records. */
+  /** Gain of a gather over rays, from sums over `evidence` records. */
   static GatherWorth worth(const SupportErrors& sum, size_t best, double bias2, int evidence) {
     const double n = evidence, irradiance2 = square(sum.irradiance / n);
     const double all2 = square((sum.irradiance + sum.direct) / n);

@@ -15,13 +15,13 @@ namespace recurse {
 
 namespace {
 
-/** Sampler stream of trial photons, distinct from those of photons and pixels. */
+/** Sampler stream of trial photons, distinct from the streams of photons and pixels. */
 constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 
 /** DXTRAN spheres that cover the visible points, except groups that are too wide or have too few points. */
 std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Vec3f> seen,
                                               std::span<const Vec3f> landed) {
-  constexpr float MAX_RADIUS = 0.2f; // maximum radius over that of the scene
+  constexpr float MAX_RADIUS = 0.2f; // maximum radius over the scene's radius
   constexpr double MIN_COUNT = 0.02; // minimum fraction of the visible points
   constexpr float SPARED = 8;        // factor on the power of photons sent to a sphere: divides their number
   constexpr size_t MAX_COUNT = 8;

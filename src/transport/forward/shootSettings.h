@@ -38,7 +38,7 @@ struct KeptInMedia {
 struct ShootSettings {
   uint64_t photons = 0; ///< number emitted in the pass
   int maxDepth =
-      -1; ///< maximum number of scattering events, including that of the stored photon; -1: no limit
+      -1; ///< maximum number of scattering events, including the one of a stored photon; -1: no limit
   /** Whether photons straight from a light, thin panes included, are stored as well. Photons of emissive
    * media always are: no other technique samples their light. */
   bool direct = true;

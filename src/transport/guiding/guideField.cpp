@@ -57,8 +57,8 @@ class CellFit {
     return SquareTree(chosen);
   }
 
-  /** Mean logarithm of the density of the mixture over that of BSDF sampling (Müller 2019, "Practical Path
-   * Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
+  /** Mean logarithm of the density of the mixture over the density of BSDF sampling (Müller 2019, "Practical
+   * Path Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
    * index, and scored on those with odd index. */
   double gain() const {
     const GuideCell half(tree(0), frame);

@@ -41,7 +41,7 @@ class GuideTraining {
 
   GuideTrainingSettings settings;
   int stage = -1;         ///< last completed stage; -1: none
-  EmissionGuide emission; ///< learned before the first stage, for its photons and those of later stages
+  EmissionGuide emission; ///< learned before the first stage, for the photons of all stages
   std::vector<GuideRecord> records;
   GuideField field;
 };

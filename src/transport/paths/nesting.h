@@ -68,8 +68,8 @@ class Nesting {
     return true;
   }
 
-  /** State for a walk that begins at a point, from all hits of one ray: solids are closed, so it leaves those
-   * that contain the point once more than it enters them. `surfaces(f)` calls f(hit, direction) for each. */
+  /** State for a walk that begins at a point, from all hits of one ray: solids are closed, so the ray leaves
+   * solids around the point once more than it enters them. `surfaces(f)` calls f(hit, direction) for each. */
   template <class Surfaces> static Nesting within(const Surfaces& surfaces) {
     std::array<int, Scene::MAX_NESTED> left{};
     surfaces([&](const Hit& hit, const Vec3f& direction) {

@@ -28,7 +28,7 @@ template <class State> struct Subpath {
   Rgb throughput{1}; ///< importance or flux, over the density of all sampling decisions
   State state{};     ///< state of the path-class automaton
   Nesting nesting;   ///< dielectrics and media that contain the ray's origin
-  int depth = 0;     ///< number of scattering events so far
+  int depth = 0;     ///< number of scattering events of the subpath
   /** Density of the ray's direction [1/sr]; for parallel rays, of their position across them [1/area]. */
   double pdf = 1;
   bool parallel = false;   ///< the ray starts at an infinite light, or at a camera with parallel rays

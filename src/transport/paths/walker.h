@@ -161,7 +161,7 @@ template <class State> class Walker {
     s.weight = Rgb(1);
     s.lobe = REFLECTION;
     if (!(s.pdf > 0)) return {};
-    // Survival in proportion to the throughput, which already includes the absorption so far.
+    // Survival in proportion to the throughput, which already includes all earlier absorption.
     const float chance = maxComponent(path.throughput) * path.etaScale;
     if (path.depth > ROULETTE_FREE_DEPTH &&
         !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput))
