@@ -164,7 +164,7 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
         is_ending = False
         while process.poll() is None or reader.is_alive() or not lines.empty():
             if self.test_break() and not is_ending:
-                process.send_signal(signal.SIGINT)  # the program writes the image so far
+                process.send_signal(signal.SIGINT)  # the program then writes its image
                 is_ending = True
             try:
                 self._tell(lines.get(timeout=0.1), told)

@@ -147,7 +147,7 @@ class PhotonPass {
                      ForwardStatistics& statistics);
   /** Adds notes on the learned guidance. */
   void noteGuidance(std::vector<std::string>& notes) const;
-  /** Table of lights by the power that they send to the targets of photons. */
+  /** Table of lights by the power of their photons: what portals admit, or the aimed fraction. */
   LightTable lightsByPower(const LightTable& lights) const;
   /** Learns the medium around the scene, and its transmittance for infinite lights. */
   void learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics);

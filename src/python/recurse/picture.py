@@ -82,7 +82,7 @@ def read(file: Union[str, os.PathLike]) -> Picture:
 
 
 def compare(picture: PictureLike, reference: PictureLike, flip: bool = False) -> dict[str, Any]:
-    """Measures of the difference, the same as of `recurse compare --json`; with `flip` also LDR- and HDR-FLIP, which
+    """Measures of the difference, the same as from `recurse compare --json`; with `flip` also LDR- and HDR-FLIP, which
     take longer."""
     return json.loads(_core.compare(_image(picture), _image(reference), flip))
 
@@ -101,7 +101,7 @@ def _develop_options(options: Mapping[str, Any]) -> list[str]:
 
 
 def develop(picture: PictureLike, **options: Any) -> np.ndarray:
-    """Picture for a display, as bytes of shape (height, width, 3). The options are the same as of `recurse develop`:
+    """Picture for a display, as bytes of shape (height, width, 3). The options are the same as in `recurse develop`:
     exposure ("auto", stops, "p98"), tonemap, white_balance, bloom, bloom_angle, display, dither."""
     image, _ = _core.develop(_image(picture), _develop_options(options))
     return np.rint(np.clip(image.array()[:, :, :3], 0, 1) * 255).astype(np.uint8)

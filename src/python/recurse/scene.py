@@ -232,7 +232,7 @@ class Scene:
                classes: Mapping[str, str] | Sequence[str] = (), features: Sequence[str] = (), error: bool = False,
                samples: bool = False, progress: Callable[[dict], Any] | bool | None = None,
                **parameters: Any) -> Picture:
-        """Renders the scene; the scene's settings are the defaults. The picture is bit for bit the same as of `recurse
+        """Renders the scene; the scene's settings are the defaults. The picture is bit for bit the same as by `recurse
         render` with the same options.
 
         integrator: its name, or one of `integrators`; **parameters are its parameters.
@@ -241,7 +241,7 @@ class Scene:
         classes: classes of light paths, such as {"caustic": "LS+DE"}, which become layers.
         features: additional layers, see `--layers` of `recurse render --help`. error, samples: whether to add this layer.
         progress: called about ten times a second with a dictionary, whose `seconds_left` is negative while unknown. If it
-        returns False, the render ends and keeps the samples so far. True shows a bar.
+        returns False, the render ends and keeps its samples. True shows a bar.
 
         Ctrl-C raises KeyboardInterrupt as soon as the render has stopped.
         """

@@ -68,7 +68,7 @@ class EmissionGuide {
    */
   EmissionGuide(std::span<const TrainingSample> useful, double trials, size_t lights = 1);
 
-  /** Expected variance of a photon without the guide, divided by that with it; 1 without a guide. */
+  /** Expected variance without the guide over the variance with it; 1 without a guide. */
   double gain() const { return expectedGain; }
   bool active() const { return leaves.size() > 1; }
   /** Transforms uniform numbers to the learned density, and returns that density. `choice` is an additional

@@ -15,7 +15,7 @@ namespace recurse {
 
 class PhotonAim {
  public:
-  /** Follows camera paths and aims the finite lights whose photons then hit their vertices far more often. */
+  /** Follows camera paths, and aims finite lights whose photons then hit the paths' vertices more often. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
   /** Whether any light is aimed. */
   bool active() const { return !part.empty(); }
