@@ -91,7 +91,7 @@ class PhotonPass {
   const PhotonLayer& indirect() const { return indirectLayer; }
   /** Photons in media that have scattered before; with `directLight` all photons in media. */
   const MediaPhotons& inMedia() const { return mediaPhotons; }
-  /** Whether surfaces stored under one in MIN_STORED photons of the first pass, or fewer than MIN_MAP. */
+  /** Whether surfaces store fewer than MIN_MAP photons, or than one in MIN_STORED, in the first pass. */
   bool hasTooFewPhotons() const { return tooFew; }
   /** Relative variance of the caustics that one camera ray finds from a visible point; mean over all visible
    * points. */

@@ -21,7 +21,7 @@ class VisibleRegion {
   bool contains(const Vec3f& position) const { return importance(position) > 0; }
   /** Visible-point density on surfaces [1/area]; 0 outside of the region. */
   float importance(const Vec3f& position) const { return surfaces.importance(position); }
-  /** Adds a point in a medium. Its `weight` counts for an area across the camera rays. */
+  /** Adds a point in a medium with a weight. Its density is per area perpendicular to the camera rays. */
   void addInMedium(const Vec3f& position, float size, float weight);
   float importanceInMedium(const Vec3f& position) const { return media.importance(position); }
   bool empty() const { return surfaces.empty() && media.empty(); }
