@@ -15,7 +15,7 @@ namespace recurse {
 
 namespace {
 
-// Numbers of photons: a single map must suffice for the whole image; of progressive maps only the mean must.
+// A single map must suffice for the whole image. Of progressive maps the mean must, and many must come soon.
 constexpr uint64_t ONE_MAP_PHOTONS = 1000000, MIN_PROGRESSIVE_PHOTONS = 65536,
                    MAX_PROGRESSIVE_PHOTONS = 262144;
 
