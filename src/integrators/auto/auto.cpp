@@ -99,7 +99,7 @@ class Auto final : public Integrator {
   void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
                 const ForwardControl& control, ForwardStatistics& statistics) {
     constexpr uint64_t STREAM = 0x747269616cull;
-    constexpr double PASS_RAY = 1.6; // work of a photon's ray, with its storage [rays of a camera path]
+    constexpr double PASS_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
     constexpr double CLEARLY = 2;    // trials miss rare bright samples, of which paths have more
     const Pass other{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time};
     const EstimatorTrial trial(scene, classes, other.seed, pass.time);

@@ -67,7 +67,7 @@ double EstimatorTrial::Figures::errorOver(const Figures& other) const {
 
 EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds& others) {
   // Work coefficients fitted to the render times of nineteen scenes, for most to within a fifth. RAY is small
-  // because nearly all rays of gathers are short searches for edges.
+  // because, with gathers, nearly all rays are short searches for edges.
   constexpr double RAY = 0.2, GATHER = 5, PHOTON = 0.02, SCATTERED = 0.09;
   constexpr double DARK = 0.01; // fraction of the image's mean square, below which errors are invisible
   std::vector<double> mean(ALL_BLOCKS);

@@ -54,7 +54,7 @@ struct PathState {
   SharedRay shared;                  ///< weights of directly hit light against photons
   BsdfRay bsdfRay;                   ///< MIS weights of directly hit light against shadow rays
   MergeRatio merge;                  ///< MIS weights of light hit through mirrors and glass against photons
-  float lightShare = 1;              ///< weight of hit emission where photons store all light
+  float lightShare = 1;              ///< weight of hit emission where photons carry all light
   int recordedStep = CAMERA_STEP;    ///< step by which the ray left, see PathRecorder
   int recordedVertex = NOT_RECORDED; ///< last recorded vertex
 

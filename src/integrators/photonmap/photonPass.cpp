@@ -15,7 +15,7 @@ namespace recurse {
 
 namespace {
 
-// Numbers of photons: a single map must suffice for the whole image; of progressive maps only the mean must.
+// A single map must suffice for the whole image. Of progressive maps the mean must, and many must come soon.
 constexpr uint64_t ONE_MAP_PHOTONS = 1000000, MIN_PROGRESSIVE_PHOTONS = 65536,
                    MAX_PROGRESSIVE_PHOTONS = 262144;
 
@@ -147,7 +147,7 @@ namespace {
 /** Whether a medium stores beams on request. Beams need the closed forms of homogeneous media, and are
  * unsuitable if most of them are nearly parallel to the directions that they scatter into. */
 bool keepsBeams(const Medium& medium) {
-  constexpr float NEEDLE = 0.9f; // maximum mean cosine of the phase function
+  constexpr float NEEDLE = 0.9f; // maximum absolute mean cosine of the phase function
   return medium.isHomogeneous() && thinnest(medium.at(Vec3f(0)).extinction()) > 0 &&
          std::abs(medium.phase->meanCosine()) < NEEDLE;
 }

@@ -34,8 +34,8 @@ struct PhotonPassSettings {
   int nearest = 0;      ///< photons of an estimate in the first pass; 0: default, or all within the radius
   double radius = 0;    ///< search radius [scene units]; 0: from the photon density
   int maxDepth = -1;
-  bool directLight = false;  ///< photons store direct light as well
-  bool causticsOnly = false; ///< photons store only light through mirrors and glass alone
+  bool directLight = false;  ///< photons carry direct light as well
+  bool causticsOnly = false; ///< photons carry only light through mirrors and glass alone
   bool guided = true;
   bool edges = true; ///< estimates are corrected where surfaces end
   float flatness = 0.2f;

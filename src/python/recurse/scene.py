@@ -93,11 +93,11 @@ class Scene:
         self._setting("Film", films.make(name, parameters))
 
     def set_integrator(self, name: str | PlugIn, **parameters: Any) -> None:
-        """Sets the integrator, unless render() is given a different one."""
+        """Sets the default integrator of render()."""
         self._setting("Integrator", integrators.make(name, parameters))
 
     def set_sampler(self, name: str | PlugIn = "zsobol", **parameters: Any) -> None:
-        """Sets the samples per pixel and the seed, unless render() is given different ones."""
+        """Sets the default samples per pixel and seed of render()."""
         self._setting("Sampler", samplers.make(name, parameters))
 
     def set_filter(self, name: str | PlugIn, **parameters: Any) -> None:
@@ -293,8 +293,8 @@ class Scene:
         class: name of the first of `classes` that contains this path continued straight to the camera; "" if none does.
         By default the classes of `recurse stills`.
 
-        The sum of the power near a point of a surface, divided by its area, is the irradiance there; in a medium, divided
-        by the volume, it is the fluence times the scattering coefficient.
+        The sum of the power near a point of a surface, divided by the area that it covers, is the irradiance there; in a
+        medium, divided by the volume, it is the fluence times the scattering coefficient.
         """
         pairs = _core.default_classes(True) if classes is None else class_list(classes)
         records = self._loaded().photons(count, seed, max_depth, [expression for _, expression in pairs])

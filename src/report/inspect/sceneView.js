@@ -192,7 +192,7 @@ class SceneView {
     this.draw();
   }
 
-  /** Hides geometry above `place` on an axis, in [-1, 1] of the scene's radius; nothing if `axis` is empty. */
+  /** Hides geometry above `place` (below if `isTurned`) on an axis, in scene radii from the centre; empty axis: none. */
   cut(axis, place, isTurned) {
     const normal = new THREE.Vector3(), k = AXES.indexOf(axis), side = isTurned ? 1 : -1;
     if (k >= 0) {

@@ -43,7 +43,7 @@ async function start() {
     view.draw();
   }
 
-  /** Paints a thumbnail, scaled to its size and centred. */
+  /** Paints a thumbnail, centred, and scaled with smoothing to fit. */
   function paintThumbnail(row, values, stops) {
     const picture = document.createElement("canvas"), thumbnail = row.querySelector(".thumbnail");
     paint(picture, values, data.width, data.height, stops);

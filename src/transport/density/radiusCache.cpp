@@ -166,7 +166,7 @@ class PlaceFinder {
   }
 
   /** Evidence of neighbouring records. A single record has too little, and neighbours share photons. The more
-   * unequal the powers of these, the larger the neighbourhood, up to the evidence of PHOTONS equal ones. */
+   * unequal their powers, the larger the neighbourhood: it has the evidence of PHOTONS equal photons. */
   static Evidence evidenceAt(const std::vector<Place>& places, const Measured& measured, const Place& place,
                              PhotonScratch& scratch) {
     constexpr int NEAREST = 16;

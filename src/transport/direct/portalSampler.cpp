@@ -220,7 +220,7 @@ PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, Tr
 }
 
 TransportCounts PortalSampler::learn(const Scene& scene) {
-  constexpr float WORTH_IT = 1.25f; // minimum second moment without portals, relative to portals
+  constexpr float WORTH_IT = 1.25f; // minimum ratio of second moments without and with portals
   // A mixture weight of 1/4 raises the second moment by at most a third. Without windows, the seeming
   // reduction of relative second moments is a half or less.
   constexpr float WORTH_IT_ELSEWHERE = 4;

@@ -17,7 +17,7 @@ class PortalSampler {
  public:
   /** Learns portals and the mixture weight that minimises the second moment of direct light at camera
    * vertices. The weight is 0 if the gain is small, and small if only most paths gain, because sunlight on a
-   * few dominates the moment. Returns the counts of this. */
+   * few dominates the moment. Returns the work it took. */
   TransportCounts learn(const Scene& scene);
   /** Mixture weight of the portals, in [0, 1); 0: no portals. */
   float part() const { return throughPortals; }

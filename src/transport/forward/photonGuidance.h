@@ -15,7 +15,7 @@ namespace recurse {
 struct PhotonGuidance {
   EmissionGuide emission;
   std::vector<DxtranSphere> targets;
-  float splitPower = INFINITE; ///< see ShootSettings; relative to the emission of one photon
+  float splitPower = INFINITE; ///< see ShootSettings; for a single photon emitted [W]
   float minStartDensity = 0;   ///< see ShootSettings
   float sparsePart = 0;        ///< fraction of the power in the visible region from starts below that density
   uint64_t useful = 0;         ///< number of unguided trial photons stored in the visible region

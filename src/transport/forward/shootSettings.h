@@ -48,7 +48,7 @@ struct ShootSettings {
   Rgb outsideTransmittance{1};           ///< transmittance from the infinite lights to those starts
   const EmissionGuide* guide = nullptr;  ///< density of useful starts; null: unguided
   const LightPortals* portals = nullptr; ///< openings that admit infinite lights; null: none known
-  const PhotonAim* aim = nullptr;        ///< aim of distant lamps; null: their own emission
+  const PhotonAim* aim = nullptr;        ///< aim of lamps far from visible surfaces; null: unaimed
   const LightTable* lights = nullptr;    ///< table from which lights are chosen; null: the scene's
   /** Light sampler of shadow rays, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */

@@ -17,7 +17,7 @@ namespace {
 constexpr size_t BUCKETS = 6;
 constexpr int MAX_CELL_DEPTH = 24;
 
-/** Index of the signed axis nearest to a normal: 2 axis, plus 1 for negative. */
+/** Index of the signed axis nearest to a normal: 2 · axis, plus 1 if the direction is negative. */
 size_t bucketOf(const Vec3f& normal) {
   const Vec3f n = glm::abs(normal);
   const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;

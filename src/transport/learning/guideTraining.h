@@ -17,10 +17,10 @@ struct GuideTrainingSettings {
   bool caustics = true; ///< caustics are left to rays: no photon map estimates them
 };
 
-/** Guide of a render, with its training. Stage k precedes pass k + 1 of
- * Passes::doubling(). Its camera paths are a fraction of the number in all passes before,
- * and follow the guide of stage k - 1. The guide of a pass depends only on the scene, the
- * seed and the pass.
+/**
+ * Guide of a render, with its training. Stage k precedes pass k + 1 of Passes::doubling(). Its camera paths
+ * are a fraction of the number in all passes before, and follow the guide of stage k - 1. The guide of a pass
+ * depends only on the scene, the seed and the pass.
  */
 class GuideTraining {
  public:

@@ -99,7 +99,7 @@ template <class State> class Walker {
     applyWeight(path, vertex, *s);
     if (isBlack(path.throughput)) return {};
     const float chance = TRANSPORT == Transport::FLUX
-                             ? maxComponent(path.throughput) / before // keeps the flux of photons equal
+                             ? maxComponent(path.throughput) / before // keeps fluxes nearly equal
                              : maxComponent(path.throughput) * path.etaScale;
     const bool roulette = TRANSPORT == Transport::FLUX || path.depth > ROULETTE_FREE_DEPTH;
     if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
