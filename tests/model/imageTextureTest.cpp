@@ -8,7 +8,7 @@
 #include "model/textureTesting.h"
 #include "recurse/core/image/image.h"
 #include "recurse/core/image/imageTexture.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/model/scene/scene.h"
 #include "recurse/scene/directives/loader.h"

@@ -47,13 +47,13 @@ std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, con
 }
 
 FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
-                                const RenderSettings& settings, const std::atomic<bool>& stop,
+                                uint64_t seed, double timeLimit, const std::atomic<bool>& stop,
                                 const std::function<void(const RenderProgress&)>& progress) {
   const auto path = pathTracerThatLearnsNothing(maxDepthOf(loaded.integratorDirective));
   RenderSettings once;
   once.samplesPerPixel = 1;
-  once.seed = settings.seed;
-  once.timeLimit = settings.timeLimit;
+  once.seed = seed;
+  once.timeLimit = timeLimit;
   const auto tell = [&](RenderProgress p) {
     p.phase = "first picture";
     if (progress) progress(p);

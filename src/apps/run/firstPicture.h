@@ -28,11 +28,11 @@ struct FirstPicture {
 std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, const PathClasses& classes);
 
 /**
- * One sample of each pixel by path tracing with lights chosen by power, which learns nothing. Of the
- * settings: seed and time limit. Ends early when `stop` becomes true.
+ * One sample of each pixel by path tracing with lights chosen by power, which learns nothing. Ends early
+ * when `stop` becomes true, and with `timeLimit` [s; 0: none] as RenderSettings has it.
  */
 FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
-                                const RenderSettings& settings, const std::atomic<bool>& stop,
+                                uint64_t seed, double timeLimit, const std::atomic<bool>& stop,
                                 const std::function<void(const RenderProgress&)>& progress);
 
 } // namespace recurse::apps

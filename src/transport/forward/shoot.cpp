@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "recurse/core/io/text.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/core/threads/parallel.h"
 #include "transport/forward/photonWalk.h"
 

@@ -163,6 +163,8 @@ class Shape {
   /** Where a point of a primitive lies. */
   virtual FacePoint facePointOf(uint32_t /*primitive*/, const SurfacePoint&) const { return {}; }
 
+  /** Mean number of parts that a ray through the shape tests where its parts overlap; 1 for all others. */
+  virtual double testsOfRay() const { return 1; }
   /** The mesh itself when the shape is one, so that Embree can have its triangles. */
   virtual const TriangleMesh* triangleMesh() const { return nullptr; }
   Bounds3f bounds() const;

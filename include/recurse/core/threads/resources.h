@@ -1,6 +1,6 @@
 /** @file
- * How much memory there is, asked before much of it is taken: a process that takes too much is killed
- * without a word.
+ * Memory and work, asked for before they are taken: a process that takes too much memory is killed without a
+ * word, and one that works for hours on what a line of a scene file asks for looks as if it hung.
  */
 #pragma once
 
@@ -17,6 +17,27 @@ double availableMemory();
 
 /** Throws Error, which begins with `subject`, when that much memory is not available. */
 void requireMemory(const std::string& subject, double bytes);
+
+/** Work that is foretold to take longer on one core is refused [s]; without a limit all is allowed. */
+void setWorkLimit(double seconds);
+
+/** Throws Error, which begins with `subject`, when work that is foretold to take that long on one core, with
+ * what the WorkSum of this thread has, comes to more than the limit. */
+void requireWork(const std::string& subject, double seconds);
+
+/** While one lives, requireWork() of this thread adds up: many parts of a scene together have one limit. */
+class WorkSum {
+ public:
+  WorkSum();
+  ~WorkSum();
+  WorkSum(const WorkSum&) = delete;
+  WorkSum& operator=(const WorkSum&) = delete;
+
+ private:
+  friend void requireWork(const std::string& subject, double seconds);
+  double sum = 0; ///< [s]
+  WorkSum* const outer;
+};
 
 /** While one lives, memory beyond what the process had at its beginning is refused (std::bad_alloc): for
  * work whose needs nobody can tell, such as that of other libraries. They may be nested. */
