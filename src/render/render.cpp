@@ -266,9 +266,8 @@ void countSamples(const Film& film, RenderStatistics& statistics) {
   statistics.most = *most;
   if (const auto without = std::count(counts.begin(), counts.end(), 0u);
       without > 0 && statistics.samples > 0) {
-    statistics.warnings.push_back(
-        formatted("%td of %zu pixels have no sample, and show one beside them or are black", without,
-                  counts.size()));
+    statistics.warnings.push_back(formatted(
+        "%td of %zu pixels have no sample, and show one beside them or are black", without, counts.size()));
   }
 }
 

@@ -51,7 +51,9 @@ class RoundSchedule {
 struct CoarseToFine {
   static constexpr int STAGES = 3, SPACING = 4;
   static constexpr int stageOf(int x, int y) {
-    return x % SPACING == 0 && y % SPACING == 0 ? 0 : x % (SPACING / 2) == 0 && y % (SPACING / 2) == 0 ? 1 : 2;
+    return x % SPACING == 0 && y % SPACING == 0               ? 0
+           : x % (SPACING / 2) == 0 && y % (SPACING / 2) == 0 ? 1
+                                                              : 2;
   }
 };
 static_assert(FIRST_SAMPLE_REACH == 2 * (CoarseToFine::SPACING - 1)); // in a corner of the picture

@@ -61,13 +61,13 @@ struct RenderPosition {
   std::optional<std::vector<WorkUnit>> left = {};
 };
 
-/** From a pixel that has no sample when the time is up to one that has [steps along rows and columns], at most
- * where its tile was begun. */
+/** From a pixel that has no sample when the time is up to one that has [steps along rows and columns], at
+ * most where its tile was begun. */
 constexpr int FIRST_SAMPLE_REACH = 6;
 
 struct RenderSettings {
-  int samplesPerPixel = 16;    ///< 0: until the time limit or the error target
-  double timeLimit = 0;        ///< seconds for the whole render; 0: none
+  int samplesPerPixel = 16;   ///< 0: until the time limit or the error target
+  double timeLimit = 0;       ///< seconds for the whole render; 0: none
   double firstSampleTime = 1; ///< how many seconds more the first sample of each pixel may take
   /** The time limit ends the first forward pass, and leaves a film without samples; else that pass ends late.
    */

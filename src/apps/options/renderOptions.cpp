@@ -69,7 +69,8 @@ void RenderOptions::addTo(CLI::App& command) {
       "(default: what there is)");
   add("--work", work, "TIME",
       "What a scene may take on one core before its first sample is complete, as far as that is foretold, "
-      "such as 1h: one that divides surfaces finer, or has more of them at one place, is refused (default: 2m)");
+      "such as 1h: one that divides surfaces finer, or has more of them at one place, is refused (default: "
+      "2m)");
   add("--texture-memory", textureMemory, "BYTES",
       "What pictures on surfaces may take in memory, such as 2G; the rest is in a temporary file, in TMPDIR "
       "or "
@@ -265,8 +266,7 @@ class RenderRun {
       renderFirst(settings.timeLimit);
       // Its time is a part of the render's.
       if (settings.timeLimit > 0)
-        settings.timeLimit = std::max(settings.timeLimit - first->statistics.renderSeconds,
-                                      NO_TIME_LEFT);
+        settings.timeLimit = std::max(settings.timeLimit - first->statistics.renderSeconds, NO_TIME_LEFT);
     }
     if (first || kept.film.totalSamples() > 0) settings.lookAfter = settings.look();
   }

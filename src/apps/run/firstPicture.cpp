@@ -46,8 +46,8 @@ std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, con
   return PathClasses(left);
 }
 
-FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
-                                uint64_t seed, double timeLimit, const std::atomic<bool>& stop,
+FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes, uint64_t seed,
+                                double timeLimit, const std::atomic<bool>& stop,
                                 const std::function<void(const RenderProgress&)>& progress) {
   const auto path = pathTracerThatLearnsNothing(maxDepthOf(loaded.integratorDirective));
   RenderSettings once;

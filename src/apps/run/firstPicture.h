@@ -31,8 +31,8 @@ std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, con
  * One sample of each pixel by path tracing with lights chosen by power, which learns nothing. Ends early
  * when `stop` becomes true, and with `timeLimit` [s; 0: none] as RenderSettings has it.
  */
-FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
-                                uint64_t seed, double timeLimit, const std::atomic<bool>& stop,
+FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes, uint64_t seed,
+                                double timeLimit, const std::atomic<bool>& stop,
                                 const std::function<void(const RenderProgress&)>& progress);
 
 } // namespace recurse::apps

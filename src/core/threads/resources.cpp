@@ -69,7 +69,8 @@ void setWorkLimit(double seconds) { workLimit = seconds; }
 void requireWork(const std::string& subject, double seconds) {
   const double before = sumOfThread ? sumOfThread->sum : 0, sum = before + seconds;
   if (sum > workLimit) {
-    const std::string others = before > 0 ? formatted(" after %.3g s for other parts of the scene", before) : "";
+    const std::string others =
+        before > 0 ? formatted(" after %.3g s for other parts of the scene", before) : "";
     throw Error(subject + formatted(" takes about %.3g s of one core", seconds) + others +
                 formatted(", and %.3g s are allowed (--work)", workLimit));
   }

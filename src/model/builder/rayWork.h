@@ -7,8 +7,8 @@
 
 namespace recurse {
 
-/** False after an error: one ray for each pixel of the film would take longer than work may take, through many
- * surfaces at one place or a shape of many parts that overlap. */
+/** False after an error: one ray for each pixel of the film would take longer than work may take, through
+ * many surfaces at one place or a shape of many parts that overlap. */
 bool allowsRayWork(const ShapeGroups& shapes, const FilmSettings& film, Diagnostics& diagnostics);
 
 } // namespace recurse

@@ -62,8 +62,8 @@ class SceneBuilder {
   std::unique_ptr<Scene> build() {
     buildFilm();
     const WorkSum work;
-    const bool complete = shapes.build(scene->filmSettings) &&
-                          allowsRayWork(shapes, scene->filmSettings, diagnostics);
+    const bool complete =
+        shapes.build(scene->filmSettings) && allowsRayWork(shapes, scene->filmSettings, diagnostics);
     if (complete) measure();
     buildCamera();
     buildLights();

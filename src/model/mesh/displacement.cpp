@@ -8,8 +8,8 @@
 
 #include "recurse/core/io/text.h"
 #include "recurse/core/threads/interrupt.h"
-#include "recurse/core/threads/resources.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/texture/texture.h"
 
 namespace recurse {
@@ -41,7 +41,8 @@ class Displacement {
       size_t count = done.size();
       for (const glm::uvec3& t : active) count += 1 + static_cast<size_t>(longEdgesOf(t));
       if (count > MAX_TRIANGLES) return false;
-      requireWork(formatted("a surface of %zu triangles", count), TRIANGLE_SECONDS * double(count - triangles));
+      requireWork(formatted("a surface of %zu triangles", count),
+                  TRIANGLE_SECONDS * double(count - triangles));
       triangles = count;
       const size_t before = vertices.size();
       splitLongEdges();
