@@ -98,8 +98,7 @@ class EyeBatch {
     if (count == CAMERA_BATCH || recorder) flush();
   }
   void flush() {
-    if (!paths.empty()) integrator.backwardBatch(scene, paths);
-    abandoned = abandoned || radiance[0].abandoned();
+    walk();
     for (size_t i = 0, path = 0; i < count && !abandoned; ++i) {
       const Place& place = places[i];
       PathRadiance& seen = place.seesNothing ? nothing : radiance[path];
@@ -120,6 +119,19 @@ class EyeBatch {
   bool isAbandoned() const { return abandoned; }
 
  private:
+  /** Traces what has been collected, ray by ray until the samples are broken off. */
+  void walk() {
+    if (paths.empty()) return;
+    const std::atomic<bool>* const abandon = radiance[0].abandon;
+    try {
+      const InterruptibleWork rays(abandon ? abandon : InterruptibleWork::flag());
+      integrator.backwardBatch(scene, paths);
+    } catch (const Interrupted&) {
+      if (!abandon) throw;
+    }
+    abandoned = abandoned || radiance[0].abandoned();
+  }
+
   struct Place {
     size_t pixel;
     uint32_t index;

@@ -61,10 +61,14 @@ struct RenderPosition {
   std::optional<std::vector<WorkUnit>> left = {};
 };
 
+/** Largest distance from a pixel without a sample at the time limit to one with a sample, within a tile that
+ * was begun [steps along rows and columns]. */
+constexpr int FIRST_SAMPLE_REACH = 6;
+
 struct RenderSettings {
-  int samplesPerPixel = 16;    ///< 0: until the time limit or the error target
-  double timeLimit = 0;        ///< seconds for the whole render; 0: none
-  double firstSampleTime = 10; ///< additional seconds that the first sample of each pixel may take
+  int samplesPerPixel = 16;   ///< 0: until the time limit or the error target
+  double timeLimit = 0;       ///< seconds for the whole render; 0: none
+  double firstSampleTime = 1; ///< additional seconds that the first sample of each pixel may take
   /** Whether the time limit ends the first forward pass, which leaves a film without samples; else that pass
    * may exceed it. */
   bool limitsFirstPass = false;

@@ -15,7 +15,7 @@
 #include "apps/run/console.h"
 #include "recurse/core/image/imageTexture.h"
 #include "recurse/core/math/hash.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/film/film.h"
 #include "recurse/model/scene/importExpansion.h"
 #include "recurse/model/scene/sceneImport.h"

@@ -10,8 +10,8 @@
 #include <type_traits>
 
 #include "recurse/core/io/text.h"
-#include "recurse/core/threads/memory.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/resources.h"
 #include "transport/forward/photonWalk.h"
 
 namespace recurse {

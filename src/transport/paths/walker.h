@@ -192,7 +192,7 @@ template <class State> class Walker {
     vertex.allowed = LobeSet((classes.dead(vertex.afterD) ? NO_LOBE : NON_DELTA_LOBES) |
                              (classes.dead(vertex.afterS) ? NO_LOBE : DELTA_LOBES));
     vertex.depth = path.depth;
-    const double perDistance2 = 1 / double(lengthSquared(point.position - path.from));
+    const double perDistance2 = inverseDistance2(point.position, path.from);
     vertex.pdf =
         path.pdf * double(absDot(vertex.wi, point.geometricNormal)) * (path.parallel ? 1 : perDistance2);
     vertex.toPrevious = path.parallel ? 1 : double(path.cosine) * perDistance2;

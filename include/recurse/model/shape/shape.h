@@ -163,6 +163,8 @@ class Shape {
   /** Face and coordinates of a point of a primitive. */
   virtual FacePoint facePointOf(uint32_t /*primitive*/, const SurfacePoint&) const { return {}; }
 
+  /** Mean number of overlapping parts that a ray through the shape tests; 1 without overlap. */
+  virtual double testsOfRay() const { return 1; }
   /** The mesh itself where the shape is one, so that Embree intersects its triangles. */
   virtual const TriangleMesh* triangleMesh() const { return nullptr; }
   Bounds3f bounds() const;

@@ -1,6 +1,6 @@
 /** @file
- * Available memory, checked before large allocations: a process that takes too much is killed without a
- * message.
+ * Limits of memory and work, checked in advance: the system kills a process that takes too much memory
+ * without a message, and a process that works for hours on one line of a scene file seems to hang.
  */
 #pragma once
 
@@ -17,6 +17,28 @@ double availableMemory();
 
 /** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. */
 void requireMemory(const std::string& subject, double bytes);
+
+/** Sets the work that a scene may take, as predicted for one core [s]. Initially unlimited. */
+void setWorkLimit(double seconds);
+
+/** Adds the predicted time on one core [s] to the WorkSum of this thread, if any. Throws Error, which begins
+ * with `subject`, if the sum exceeds the limit. */
+void requireWork(const std::string& subject, double seconds);
+
+/** Scope in which the work of requireWork() in this thread adds up, so that all parts of a scene share the
+ * limit. */
+class WorkSum {
+ public:
+  WorkSum();
+  ~WorkSum();
+  WorkSum(const WorkSum&) = delete;
+  WorkSum& operator=(const WorkSum&) = delete;
+
+ private:
+  friend void requireWork(const std::string& subject, double seconds);
+  double sum = 0; ///< [s]
+  WorkSum* const outer;
+};
 
 /** Scope in which the process gets at most `bytes` more memory, std::bad_alloc beyond: for work of
  * unpredictable needs, such as calls of other libraries. Scopes may be nested. */
