@@ -114,7 +114,7 @@ class SampleAllocation {
   uint64_t hashOf(size_t pixel) const;
 
   size_t width, height;
-  double dark; ///< luminance of a dark pixel
+  double dark; ///< luminance below which an error counts as absolute rather than relative
   bool mapPerSample = false;
   Stage stage;
   std::vector<Pixel> pixels;

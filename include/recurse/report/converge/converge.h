@@ -141,7 +141,7 @@ struct TimeToReach {
   enum class Kind {
     BETWEEN, ///< interpolated between two measured points, linearly in the log-log plot
     BEFORE,  ///< the first point has reached it already
-    BEYOND,  ///< extrapolated by the fit, to at most ten times the longest time measured
+    BEYOND,  ///< extrapolated from the last point by the fitted exponent, at most tenfold in time
     NEVER    ///< neither measured nor extrapolated
   } kind = Kind::NEVER;
   double seconds = 0;
