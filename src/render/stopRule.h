@@ -89,8 +89,8 @@ class ErrorWatch {
   ErrorWatch(double shortest, double costRatio, double now)
       : shortest(shortest), costRatio(costRatio), next(shortest, now) {}
   bool isDue(double now) const { return next.isDue(now); }
-  /** Adds an estimate for a film with `samples`, made from `begin` to `end`. One that is not finite, of too few
-   * samples, only restarts the interval. */
+  /** Adds an estimate for a film with `samples`, made from `begin` to `end`. One that is not finite, from too
+   * few samples, only restarts the interval. */
   void add(double estimate, double samples, double begin, double end) {
     next.restart(end, std::max(shortest, costRatio * (end - begin)));
     if (!std::isfinite(estimate)) return;
