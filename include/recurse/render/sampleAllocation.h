@@ -92,7 +92,7 @@ class SampleAllocation {
     return {std::as_writable_bytes(std::span(&stage, 1)), std::as_writable_bytes(std::span(pixels)),
             std::as_writable_bytes(std::span(stagePilots))};
   }
-  /** Data on which due() and pilotsDue() depend, for a second process that renders a part of the stage. */
+  /** Data on which due() and pilotsDue() depend, for processes that render a part of the stage. */
   std::vector<std::byte> plan() const;
   void setPlan(std::span<const std::byte> plan);
 

@@ -24,8 +24,8 @@ struct Flip {
   std::vector<double> exposures;
 };
 
-/** LDR-FLIP of linear pictures as displayed without exposure, clipped to [0, 1]. Throws Error for different
- * sizes. */
+/** LDR-FLIP of linear pictures as displayed without exposure, clipped to [0, 1]. Throws Error where the
+ * sizes differ. */
 Flip ldrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 
 /**

@@ -25,7 +25,7 @@ struct References {
 };
 
 /** References from one picture; from two independent ones, with r as their mean; or from r and two
- * independent ones. Throws Error for different sizes and for pixels that are not finite. */
+ * independent ones. Throws Error where sizes differ, or pixels are not finite. */
 References makeReferences(const std::vector<Image>& images, const std::vector<std::string>& names);
 
 /** Number with its 95 % confidence interval. */
