@@ -170,7 +170,7 @@ class Leader {
                         [&](const Dealt& d) { return !d.finished && d.unit.firstSample <= firstSample; });
   }
 
-  /** True if photons are shot here, or any rank has samples. */
+  /** True if photons have been shot here, or any rank has samples. */
   bool hasBegunPicture() const {
     return worker.renderer.hasShot() ||
            std::any_of(ranks.begin(), ranks.end(), [](const Rank& r) { return r.last.tileSamples > 0; });
