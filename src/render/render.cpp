@@ -111,7 +111,7 @@ class RenderLoop {
     renderer.shootPass(index, splats, control);
     if (index > 0) schedule.addPass(elapsed() - begin);
   }
-  /** True if the pass has splats already. Of renders that share a pass, one has its splats. */
+  /** True if the pass's splats exist: in this film or, if it has any, in the render that began the pass. */
   bool hasSplats() const {
     return film.splats() && (film.splats()->nextPass() > uint64_t(pass) ||
                              (film.splats()->paths() > 0 && sample != renderer.passBegin(pass)));

@@ -21,10 +21,10 @@ using Clock = std::chrono::steady_clock;
 /** Sampler stream of the times of passes. */
 constexpr uint64_t TIME_STREAM = 0x54494d4553ull;
 
-/** Unit of splats: 2^-28 of the radiance that the lights' flux would give
- * if it left the scene's bounding sphere uniformly. Contributions to a
- * pixel that sees a small part of the scene may be 2^60 times that
- * radiance. */
+/**
+ * Unit of splats: 2^-28 of the radiance that the lights' flux would give if it left the scene's bounding
+ * sphere uniformly. Contributions to a pixel that sees a small part of the scene may be 2^60 times that.
+ */
 double splatUnit(const Scene& scene) {
   double flux = 0;
   for (size_t i = 0; i < scene.lights().size(); ++i) flux += double(maxComponent(scene.lights()[i].power()));

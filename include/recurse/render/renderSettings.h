@@ -31,8 +31,8 @@ enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
 struct RenderStatistics {
   double processorSeconds = 0;         ///< of all threads together
-  double learningProcessorSeconds = 0; ///< before the first photon map or sample, serving all of them
-  double photonProcessorSeconds = 0;   ///< for photon maps; the remainder is for camera paths
+  double learningProcessorSeconds = 0; ///< part of processorSeconds before the first photon map or sample
+  double photonProcessorSeconds = 0;   ///< part of processorSeconds for photon maps; the rest: camera paths
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
          gatherSeconds = 0; ///< gather: the backward part
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;

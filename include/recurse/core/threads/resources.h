@@ -11,8 +11,8 @@ namespace recurse {
 /** Sets the memory that the process may take in all [bytes]. */
 void setMemoryLimit(double bytes);
 
-/** Memory that the process can still take [bytes]: the remainder of the limit, or without one the memory
- * available without swapping; infinite where the system does not report it. */
+/** Memory that the process can still take [bytes]: the remainder of setMemoryLimit(), else the memory free
+ * without swapping; within the limits of control group and shell; infinite where none is known. */
 double availableMemory();
 
 /** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. */

@@ -59,7 +59,7 @@ class Film {
     ++p.halfSamples;
   }
 
-  /** Allocates the splat plane at first use; sums are fixed-point, with this unit, a power of two. */
+  /** Allocates the splat plane, unless it exists; sums are fixed-point with this unit, a power of two. */
   void enableSplats(double unit) {
     if (!splatPlane) splatPlane.emplace(pixelBounds, layers, unit);
   }

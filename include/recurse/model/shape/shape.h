@@ -49,7 +49,7 @@ struct SurfacePoint {
   float indexOutside = 1; ///< refractive index on the outer side; only for nested dielectrics
   float time = 0;         ///< Ray::time of the incident and the scattered rays
   float wavelength = 0;   ///< wavelength for dispersive refraction [nm]; 0: no dispersion
-  bool isWhite = true;    ///< true: the path has all wavelengths, and `wavelength` is sampled
+  bool isWhite = true;    ///< true: the path still has all wavelengths; `wavelength` is a sample
   /** Kind of a curve: curves are too thin for photon density. Most of them turn to the ray that hits them. */
   enum class Curve : uint8_t { NONE, FIXED, FACES_RAY } curve = Curve::NONE;
 
@@ -213,7 +213,7 @@ struct ComponentShape {
 class ShapeLookup {
  public:
   virtual ~ShapeLookup() = default;
-  /** Makes the shapes of the object in the space of `context`; fails at the parameter that names it. */
+  /** Makes the object's shapes in the space of `context`. Throws SceneError at the naming parameter. */
   virtual std::vector<ComponentShape> object(const Parameters& p, const std::string& parameter,
                                              const std::string& name, const ShapeContext& context) = 0;
 };
