@@ -168,7 +168,7 @@ class RoughDielectricBsdf : public Bsdf {
 };
 
 /** Without the light that meets several facets. */
-class SingleScattering final : public RoughDielectricBsdf {
+class SingleScatteringDielectric final : public RoughDielectricBsdf {
  public:
   using RoughDielectricBsdf::RoughDielectricBsdf;
 };

@@ -11,8 +11,6 @@ namespace recurse {
 
 namespace {
 
-constexpr double PI_D = 3.14159265358979323846;
-
 /** The part of the unit sphere that is there. */
 struct Sweep {
   double zLow = -1, zHigh = 1, phiMax = 2 * PI_D;
