@@ -49,7 +49,7 @@ class RoughConductorBsdf : public Bsdf {
   Microfacets facets;
 };
 
-class SingleScattering final : public RoughConductorBsdf {
+class SingleScatteringConductor final : public RoughConductorBsdf {
  public:
   using RoughConductorBsdf::RoughConductorBsdf;
 };
@@ -57,10 +57,10 @@ class SingleScattering final : public RoughConductorBsdf {
 /** Single scattering plus light that hits several facets: the lost energy times the reflectance of all
  * further facets (Kulla and Conty 2017, with the Fresnel factor of Hill 2018, "A Multi-Faceted Exploration").
  */
-class MultipleScattering final : public RoughConductorBsdf {
+class MultipleScatteringConductor final : public RoughConductorBsdf {
  public:
-  MultipleScattering(const ConductorOptics& optics, const Rgb& meanReflectance, const Microfacets& facets,
-                     const FacetLosses& losses)
+  MultipleScatteringConductor(const ConductorOptics& optics, const Rgb& meanReflectance,
+                              const Microfacets& facets, const FacetLosses& losses)
       : RoughConductorBsdf(optics, facets), losses(&losses), meanLost(losses.meanLost(facets)) {
     further = meanReflectance * meanReflectance * (1 - meanLost) / (1.0f - meanReflectance * meanLost);
     white = meanReflectance.r > 0.999f && meanReflectance.g > 0.999f && meanReflectance.b > 0.999f;
@@ -113,9 +113,9 @@ class Conductor final : public Material {
     const Microfacets facets = roughness.at(point);
     const ConductorOptics here = optics.at(point);
     if (facets.smooth()) return arena.make<MirrorBsdf>(here);
-    if (losses.empty()) return arena.make<SingleScattering>(here, facets);
-    return arena.make<MultipleScattering>(here, meanReflectance ? *meanReflectance : here.meanReflectance(),
-                                          facets, losses);
+    if (losses.empty()) return arena.make<SingleScatteringConductor>(here, facets);
+    return arena.make<MultipleScatteringConductor>(
+        here, meanReflectance ? *meanReflectance : here.meanReflectance(), facets, losses);
   }
   LobeSet lobes() const override {
     return LobeSet((roughness.neverSmooth() ? NO_LOBE : MIRROR) |

@@ -73,9 +73,9 @@ struct InterfaceLosses {
  * with the angular shape of the loss there. The transmitted fraction follows the mean Fresnel transmittance,
  * limited by reciprocity between both ways up to the squares of the indices.
  */
-class MultipleScattering final : public RoughDielectricBsdf {
+class MultipleScatteringDielectric final : public RoughDielectricBsdf {
  public:
-  MultipleScattering(const DielectricInterface& surface, const InterfaceLosses& losses)
+  MultipleScatteringDielectric(const DielectricInterface& surface, const InterfaceLosses& losses)
       : RoughDielectricBsdf(surface), losses(&losses), meanAbove(losses.above.meanLost(surface.facets)),
         meanBelow(losses.below.meanLost(surface.facets)) {
     const float k = losses.transmittance / std::max(meanAbove, meanBelow);
@@ -128,8 +128,8 @@ class Dielectric final : public Material {
     const float relative = rank > 0 ? eta / point.indexOutside : eta;
     if (relative == 1 || facets.smooth()) return arena.make<DielectricBsdf>(relative);
     const DielectricInterface surface{relative, facets};
-    if (!losses) return arena.make<SingleScattering>(surface);
-    return arena.make<MultipleScattering>(surface, *losses);
+    if (!losses) return arena.make<SingleScatteringDielectric>(surface);
+    return arena.make<MultipleScatteringDielectric>(surface, *losses);
   }
   LobeSet lobes() const override {
     // With a priority, the index outside varies; where it is equal there is no interface.

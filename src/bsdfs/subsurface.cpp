@@ -16,7 +16,7 @@ class Subsurface final : public Material {
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Microfacets facets = roughness.at(point);
     if (eta == 1 || facets.smooth()) return arena.make<DielectricBsdf>(eta);
-    return arena.make<SingleScattering>(DielectricInterface{eta, facets});
+    return arena.make<SingleScatteringDielectric>(DielectricInterface{eta, facets});
   }
   LobeSet lobes() const override {
     return LobeSet((eta != 1 && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |

@@ -4,6 +4,7 @@
  */
 #include <chrono>
 
+#include "recurse/core/threads/processorTime.h"
 #include "recurse/model/scene/plugIns.h"
 #include "transport/density/gather.h"
 #include "transport/density/storedPhotons.h"
@@ -39,7 +40,7 @@ class SimplePhotonMap final : public Integrator {
       shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored);
       if (i % 4096 == 0) control.progress(double(i) / double(photons));
     }
-    statistics.shootSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    statistics.shootSeconds = secondsSince(start);
     map.build(stored);
     statistics.photonsEmitted = photons;
     statistics.photonsStored = map.size();

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "recurse/core/threads/processorTime.h"
 #include "recurse/render/renderSettings.h"
 #include "recurse/render/workQueue.h"
 
@@ -19,9 +20,6 @@ namespace recurse::apps {
 constexpr int LEADER = 0;
 
 using Clock = std::chrono::steady_clock;
-inline double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /** Message from the leader to a rank. */
 struct Command {

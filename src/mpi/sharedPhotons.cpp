@@ -8,6 +8,8 @@
 
 #include <mpi.h>
 
+#include "recurse/core/threads/processorTime.h"
+
 namespace recurse::apps {
 
 namespace {
@@ -53,7 +55,7 @@ bool SharedPhotons::share(size_t count, const std::function<void(size_t first, s
   const size_t trial = std::min(count, std::max(count / TRIAL_PART, all));
   const std::vector<size_t> firstPart = dealt(0, trial, std::vector<double>(all, 1));
   shootOwn(firstPart);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = secondsSince(start);
   const double speed = double(firstPart[self + 1] - firstPart[self]) / std::max(seconds, 1e-6);
   std::vector<double> speeds(all);
   MPI_Allgather(&speed, 1, MPI_DOUBLE, speeds.data(), 1, MPI_DOUBLE, MPI_COMM_WORLD);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/processorTime.h"
 
 namespace recurse {
 
@@ -96,7 +97,7 @@ void UnitRenderer::work() {
     } catch (...) {
       failure = std::current_exception();
     }
-    done.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    done.seconds = secondsSince(start);
     lock.lock();
     items.pop_front();
     if (item.film)

@@ -13,8 +13,6 @@ namespace recurse {
 
 namespace {
 
-constexpr double PI_D = 3.14159265358979323846;
-
 /** Edges of a triangle mesh, and the neighbourhood of each vertex. */
 class Topology {
  public:

@@ -15,6 +15,7 @@
 #include "apps/run/console.h"
 #include "recurse/core/image/imageTexture.h"
 #include "recurse/core/math/hash.h"
+#include "recurse/core/threads/processorTime.h"
 #include "recurse/core/threads/resources.h"
 #include "recurse/model/film/film.h"
 #include "recurse/model/scene/importExpansion.h"
@@ -23,10 +24,6 @@
 namespace recurse::apps {
 
 namespace {
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 std::string counted(size_t count, const std::string& one, const std::string& many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);

@@ -168,7 +168,7 @@ class RoughDielectricBsdf : public Bsdf {
 };
 
 /** Rough dielectric interface without light that hits several facets. */
-class SingleScattering final : public RoughDielectricBsdf {
+class SingleScatteringDielectric final : public RoughDielectricBsdf {
  public:
   using RoughDielectricBsdf::RoughDielectricBsdf;
 };

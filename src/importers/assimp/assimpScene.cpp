@@ -15,7 +15,7 @@ namespace recurse {
 
 namespace {
 
-Vec3d vectorOf(const aiVector3D& v) { return {v.x, v.y, v.z}; }
+Vec3d worldVector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
 Mat4d matrixOf(const aiMatrix4x4& m) { // stored by rows in Assimp, by columns here
   Mat4d out;
   for (unsigned row = 0; row < 4; ++row)
@@ -133,7 +133,7 @@ class AssimpSceneImport {
   /** Corners of the bounding box of a mesh. */
   static std::vector<Vec3d> corners(const aiMesh& mesh) {
     Bounds3d box;
-    for (unsigned i = 0; i < mesh.mNumVertices; ++i) box.add(vectorOf(mesh.mVertices[i]));
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i) box.add(worldVector(mesh.mVertices[i]));
     std::vector<Vec3d> points;
     for (int i = 0; i < 8; ++i)
       points.emplace_back(i & 1 ? box.upper.x : box.lower.x, i & 2 ? box.upper.y : box.lower.y,
@@ -151,11 +151,11 @@ class AssimpSceneImport {
         uvChannel < AI_MAX_NUMBER_OF_TEXTURECOORDS ? mesh.mTextureCoords[uvChannel] : nullptr;
     data.positions.reserve(mesh.mNumVertices);
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-      data.positions.push_back(vectorOf(mesh.mVertices[i]));
+      data.positions.push_back(worldVector(mesh.mVertices[i]));
       const Vec3d& position = data.positions.back();
       if (!std::isfinite(position.x) || !std::isfinite(position.y) || !std::isfinite(position.z))
         fail("mesh \"" + meshName(mesh, nodeName) + "\": vertex " + std::to_string(i) + " is not finite");
-      if (mesh.HasNormals()) data.normals.push_back(vectorOf(mesh.mNormals[i]));
+      if (mesh.HasNormals()) data.normals.push_back(worldVector(mesh.mNormals[i]));
       if (uvs) data.uvs.emplace_back(finite(uvs[i].x), finite(uvs[i].y));
     }
     data.triangles.reserve(mesh.mNumFaces);
@@ -193,8 +193,8 @@ class AssimpSceneImport {
     for (unsigned i = 0; lightsWanted && i < scene.mNumLights; ++i) {
       const aiLight& light = *scene.mLights[i];
       const Mat4d place = placeOf(light.mName);
-      const Vec3d from = transformPoint(place, vectorOf(light.mPosition));
-      const Vec3d direction = Mat3d(place) * vectorOf(light.mDirection);
+      const Vec3d from = transformPoint(place, worldVector(light.mPosition));
+      const Vec3d direction = Mat3d(place) * worldVector(light.mDirection);
       const Vec3d colour(colourOf(light.mColorDiffuse));
       if (!(maxComponent(Rgbd(colour)) > 0) ||
           !std::isfinite(glm::dot(colour, from) + glm::dot(direction, from))) {
@@ -231,9 +231,9 @@ class AssimpSceneImport {
       const aiCamera& camera = *scene.mCameras[i];
       const Mat3d place(placeOf(camera.mName));
       // Assimp 5.2 puts the translation of glTF's node into the camera once more.
-      const Vec3d offset = isGltf ? Vec3d(0) : vectorOf(camera.mPosition);
+      const Vec3d offset = isGltf ? Vec3d(0) : worldVector(camera.mPosition);
       const Vec3d eye = transformPoint(placeOf(camera.mName), offset);
-      const Vec3d forward = place * vectorOf(camera.mLookAt), up = place * vectorOf(camera.mUp);
+      const Vec3d forward = place * worldVector(camera.mLookAt), up = place * worldVector(camera.mUp);
       const Vec3d right = glm::cross(forward, up); // right-handed, as Assimp's space is
       ImportedCamera made;
       made.name = camera.mName.length > 0 ? camera.mName.C_Str() : "camera " + std::to_string(i + 1);

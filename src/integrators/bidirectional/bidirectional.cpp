@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/processorTime.h"
 #include "transport/density/radiusCache.h"
 #include "transport/direct/directLight.h"
 #include "transport/paths/walker.h"
@@ -23,10 +24,6 @@ constexpr uint64_t LIGHT_STREAM = 0x4c49474854504154ull;
 constexpr uint64_t BATCH = 4096;
 /** Default merge radius in the first pass [pixels], which averages the photons of a few pixels. */
 constexpr double MERGE_PIXELS = 1.5;
-
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 } // namespace
 

@@ -19,10 +19,6 @@ namespace {
 constexpr uint64_t ONE_MAP_PHOTONS = 1000000, MIN_PROGRESSIVE_PHOTONS = 65536,
                    MAX_PROGRESSIVE_PHOTONS = 262144;
 
-double secondsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 } // namespace
 
 uint64_t PhotonPass::photonCount(const Scene& scene, bool progressive) const {

@@ -7,8 +7,6 @@ namespace recurse {
 
 namespace {
 
-constexpr double PI_D = 3.14159265358979323846;
-
 Mat4d inverseOf(const TextureContext& context) {
   return glm::inverse(context.worldFromTexture); // the reader rejects singular transforms
 }

@@ -12,8 +12,8 @@ namespace recurse {
 namespace {
 
 constexpr float NOTHING = std::numeric_limits<float>::quiet_NaN();
-constexpr ValueEncoding ENCODINGS[] = {ValueEncoding::LINEAR, ValueEncoding::SRGB, ValueEncoding::GAMMA_22,
-                                       ValueEncoding::DECODED};
+constexpr ValueEncoding FILE_ENCODINGS[] = {ValueEncoding::LINEAR, ValueEncoding::SRGB,
+                                            ValueEncoding::GAMMA_22, ValueEncoding::DECODED};
 
 /** Least cells of the longer side at the coarsest level; shifts reach an eighth of the shorter side.
  */
@@ -203,7 +203,7 @@ class Search {
   /** Evaluates all candidates at the coarse level, the best of them at finer levels; the best first. */
   std::vector<Candidate> run() {
     std::vector<Candidate> all;
-    for (ValueEncoding encoding : ENCODINGS)
+    for (ValueEncoding encoding : FILE_ENCODINGS)
       for (int flips = 0; flips < 4; ++flips)
         all.push_back({{encoding, (flips & 1) != 0, (flips & 2) != 0}, {}});
     findShifts(all, shiftReach(std::min(picture.width, picture.height) / side));
@@ -251,7 +251,7 @@ class Search {
     return -2 * std::log(change.isShifted() ? CHANGE_PRIOR / shifts : 1 - CHANGE_PRIOR);
   }
   static double prior(const PictureChange& change) {
-    const double others = double(std::size(ENCODINGS)) - 1;
+    const double others = double(std::size(FILE_ENCODINGS)) - 1;
     const double encoding =
         change.encoding == ValueEncoding::LINEAR ? 1 - CHANGE_PRIOR : CHANGE_PRIOR / others;
     return -2 * std::log(encoding * (change.isFlipped() ? CHANGE_PRIOR / 3 : 1 - CHANGE_PRIOR));

@@ -12,8 +12,6 @@ namespace recurse {
 
 namespace {
 
-constexpr double INFINITE_D = std::numeric_limits<double>::infinity();
-
 struct Ball {
   Vec3d center;
   double radius, strength;
@@ -170,7 +168,6 @@ template <class Field> class Metaballs final : public MappedShape {
     // Rounding of the field moves the surface.
     s.error = steepness > 0 ? std::min(0x1p-48 * strengths / steepness, MAX_ERROR) : MAX_ERROR;
     // Spherical coordinates around the middle, and their derivatives along the surface.
-    constexpr double PI_D = 0.5 * TWO_PI;
     const double rho2 = p.x * p.x + p.y * p.y, rho = std::sqrt(rho2), r2 = rho2 + p.z * p.z;
     const double phi = std::atan2(p.y, p.x);
     s.uv = {(phi < 0 ? phi + TWO_PI : phi) / TWO_PI, std::atan2(rho, p.z) / PI_D};

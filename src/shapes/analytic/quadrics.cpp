@@ -10,8 +10,6 @@ namespace recurse {
 
 namespace {
 
-constexpr double INFINITE_D = std::numeric_limits<double>::infinity();
-
 /** Surface x² + y² = a z² + b z + c between two heights. */
 struct Profile {
   double a = 0, b = 0, c = 0, zLow = 0, zHigh = 1;

@@ -11,8 +11,6 @@ namespace recurse {
 
 namespace {
 
-constexpr double PI_D = 3.14159265358979323846;
-
 /** Part of the unit sphere that the shape covers. */
 struct Sweep {
   double zLow = -1, zHigh = 1, phiMax = 2 * PI_D;

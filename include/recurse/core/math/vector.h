@@ -25,8 +25,10 @@ using Mat3f = glm::mat3;
 using Mat4d = glm::dmat4;
 
 constexpr float PI = 3.14159265358979323846f;
+constexpr double PI_D = 3.14159265358979323846;
 constexpr float INV_PI = 0.31830988618379067154f;
 constexpr float INFINITE = std::numeric_limits<float>::infinity();
+constexpr double INFINITE_D = std::numeric_limits<double>::infinity();
 /** The largest float below 1. */
 constexpr float ONE_MINUS_EPSILON = 0x1.fffffep-1f;
 

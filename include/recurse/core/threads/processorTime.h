@@ -1,14 +1,20 @@
 /** @file
- * Processor time of the process.
+ * Processor time of the process, and elapsed time.
  */
 #pragma once
 
+#include <chrono>
 #include <ctime>
 
 namespace recurse {
 
 /** Processor time that all threads of the process have used [s]. */
 inline double processorSeconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
+
+/** Elapsed time [s]. */
+inline double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 /** Adds the processor time of its lifetime to a sum [s]. */
 class ProcessorTimer {
