@@ -35,7 +35,7 @@ LightEnd lightEnd(const Scene& scene, uint32_t index, const LeRay& ray, const Su
 
 double directionToEnd(const LightEnd& end, const Vec3f& from) {
   if (end.light->kind() != LightKind::AREA) return 1;
-  return double(absDot(end.ray.direction, end.ray.normal)) / double(lengthSquared(end.ray.origin - from));
+  return double(absDot(end.ray.direction, end.ray.normal)) * inverseDistance2(end.ray.origin, from);
 }
 
 double shadowRayPdf(const Scene& scene, const LightSampler& lights, const LightSampleContext& from,
