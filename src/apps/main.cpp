@@ -1,5 +1,5 @@
 /** @file
- * Where the program `recurse` begins.
+ * Entry point of the program `recurse`.
  */
 #include "apps/program.h"
 

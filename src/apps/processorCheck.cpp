@@ -1,6 +1,6 @@
 /** @file
- * Before anything else: one clear line where the processor lacks what the program was compiled for. This file
- * is compiled for any x86-64 processor.
+ * Check at the start of the program: one clear line if the processor lacks instruction sets of the build.
+ * This file is compiled for any x86-64 processor.
  */
 #include <unistd.h>
 
@@ -16,7 +16,7 @@ template <unsigned long SIZE> void say(const char (&text)[SIZE]) {
 }
 
 #ifdef __x86_64__
-/** Before all other initialization of the program. */
+/** Runs before all other initialization of the program. */
 __attribute__((constructor(101))) void checkProcessor() {
   __builtin_cpu_init();
   const ProcessorNeeds& needs = PROCESSOR_NEEDS;

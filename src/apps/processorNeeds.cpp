@@ -1,5 +1,5 @@
 /** @file
- * As the compiler's options have it; no code, which might need what is not there.
+ * Instruction sets of the compiler's options, as data, because code might need a missing one.
  */
 #include "apps/processorNeeds.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * What the program was compiled to run on.
+ * Instruction sets that the program was compiled for.
  */
 #pragma once
 

@@ -1,5 +1,5 @@
 /** @file
- * The program `recurse`: finds the subcommand, and turns whatever goes wrong into a message and an exit
+ * The program `recurse`: dispatch to the subcommand, and conversion of every error to a message and an exit
  * status.
  */
 #include <algorithm>
@@ -40,16 +40,16 @@ ExitStatus sayScene(const SceneError& error) {
   return error.status();
 }
 
-/** For what escapes every handler, such as an exception in a destructor. */
+/** Handler of std::terminate, for example of an exception in a destructor. */
 [[noreturn]] void lastWords() {
   removeTemporaryFiles();
   say("recurse: internal error; the program ends here\n");
   ::_exit(static_cast<int>(ExitStatus::FAILED));
 }
 
-/** Lines of at most 100 columns; the descriptions of options go on below themselves. */
+/** Wraps lines at 100 columns; descriptions of options continue in their column. */
 std::string wrapped(const std::string& help) {
-  constexpr size_t WIDTH = 100, INDENT = 30; // as CLI11 places descriptions
+  constexpr size_t WIDTH = 100, INDENT = 30; // INDENT: column of descriptions in CLI11
   std::string out;
   size_t begin = 0;
   while (begin < help.size()) {
@@ -67,8 +67,8 @@ std::string wrapped(const std::string& help) {
   return out;
 }
 
-/** What the first word that the command does not know may stand for: an option, or before any command one of
- * these. */
+/** Suggestion for the first word that the command does not know: an option, or before any subcommand the name
+ * of one. */
 std::string nearestTo(const CLI::App& command, const std::vector<std::string>& words) {
   const auto isIn = [](const std::vector<Described>& list, const std::string& word) {
     return std::any_of(list.begin(), list.end(), [&](const Described& one) { return one.first == word; });

@@ -5,7 +5,7 @@
 
 namespace recurse::apps {
 
-/** All that `recurse` does: once a process, and before it has threads. Returns the exit status. */
+/** Runs the program: once per process, and before it has threads. Returns the exit status. */
 int program(int argc, char** argv);
 
 } // namespace recurse::apps

@@ -1,6 +1,6 @@
 /** @file
  * Ashikhmin and Shirley 2000, "An Anisotropic Phong BRDF Model": an anisotropic gloss lobe over a diffuse
- * base that gets what the gloss lets through.
+ * base, which receives the light that the gloss transmits.
  */
 #include "bsdfs/microfacet/glossOverDiffuse.h"
 #include "bsdfs/microfacet/microfacet.h"
@@ -17,7 +17,7 @@ class AshikhminShirleyGloss {
   bool anisotropic() const { return n.x != n.y; }
   bool lossless() const { return false; }
 
-  /** Their equation 4. */
+  /** Specular BRDF [1/sr], equation 4 of the paper. */
   Rgb value(const Vec3f& a, const Vec3f& b) const {
     const Vec3f h = halfVector(a, b);
     const float c = glm::dot(a, h), d = c * std::max(a.z, b.z);
@@ -30,7 +30,7 @@ class AshikhminShirleyGloss {
     const float c = glm::dot(a, h);
     return c > 0 ? halfDensity(h) / (4 * c) : 0;
   }
-  /** Their equations 9 and 10, over the whole circle at once. */
+  /** Equations 9 and 10 of the paper, over the whole circle at once. */
   Vec3f sample(const Vec3f& a, const Vec2f& u, float) const {
     const float angle = 2 * PI * u.y;
     Vec2f way(std::cos(angle) * std::sqrt(n.y + 1), std::sin(angle) * std::sqrt(n.x + 1));
@@ -41,10 +41,10 @@ class AshikhminShirleyGloss {
     return mirrored(a, {way.x * sine, way.y * sine, std::exp(x / 2)});
   }
   Rgb albedo(const Vec3f& a) const {
-    const float mean = std::sqrt(n.x * n.y); // wide lobes see no grazing facets
+    const float mean = std::sqrt(n.x * n.y); // mean exponent; wide lobes have no grazing facets
     return specular * (0.4f + 0.6f * a.z) + (1.0f - specular) * (fifth(1 - a.z) * mean / (mean + 20));
   }
-  /** Their equation 5. */
+  /** Diffuse BRDF [1/sr], equation 5 of the paper. */
   Rgb diffuse(const Vec3f& a, const Vec3f& b) const {
     return base * ((1 - fifth(1 - a.z / 2)) * (1 - fifth(1 - b.z / 2)));
   }
@@ -54,10 +54,10 @@ class AshikhminShirleyGloss {
 
  private:
   static float fifth(float x) { return square(square(x)) * x; }
-  /** Density of half vectors [1/sr], their equation 6: cos^(nu cos² φ + nv sin² φ), normalised. */
+  /** Density of half vectors [1/sr], equation 6 of the paper: cos^(nu cos² φ + nv sin² φ), normalised. */
   float halfDensity(const Vec3f& h) const {
     const float sine2 = std::min(square(h.x) + square(h.y), 1.0f);
-    const float e = n.x * square(h.x) + n.y * square(h.y); // times sin²
+    const float e = n.x * square(h.x) + n.y * square(h.y); // exponent times sin²
     const float x = sine2 < 1 ? (sine2 > 0 ? 0.5f * std::log1p(-sine2) * (e / sine2) : 0) : -INFINITE;
     return std::sqrt((n.x + 1) * (n.y + 1)) * (INV_PI / 2) * (e == 0 ? 1 : std::exp(x));
   }

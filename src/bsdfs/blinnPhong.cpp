@@ -37,8 +37,8 @@ class BlinnPhongGloss {
   Rgb diffuseAlbedo(const Vec3f&) const { return base; }
 
  private:
-  /** cos^e of a unit vector's angle with the normal; by the sine, as the cosine of a large power has no
-   * digits to spare. */
+  /** cos^e of the angle between a unit vector and the normal. It is computed from the sine, because
+   * rounding of the cosine is amplified by large exponents. */
   static float power(const Vec3f& h, float e) {
     const float sine2 = std::min(square(h.x) + square(h.y), 1.0f);
     return e > 0 ? std::exp(0.5f * e * std::log1p(-sine2)) : 1;

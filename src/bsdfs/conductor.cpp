@@ -1,5 +1,5 @@
 /** @file
- * Metals, smooth and rough: mirrors, large or microscopic, with the Fresnel reflectance of a conductor.
+ * Smooth and rough metals: mirror or microfacet reflection with the Fresnel reflectance of a conductor.
  */
 #include "bsdfs/microfacet/conductorOptics.h"
 #include "bsdfs/microfacet/facetLosses.h"
@@ -54,7 +54,7 @@ class SingleScatteringConductor final : public RoughConductorBsdf {
   using RoughConductorBsdf::RoughConductorBsdf;
 };
 
-/** With the light that meets several facets: what single scattering loses, times the reflectance of all
+/** Single scattering plus light that hits several facets: the lost energy times the reflectance of all
  * further facets (Kulla and Conty 2017, with the Fresnel factor of Hill 2018, "A Multi-Faceted Exploration").
  */
 class MultipleScatteringConductor final : public RoughConductorBsdf {
@@ -90,11 +90,11 @@ class MultipleScatteringConductor final : public RoughConductorBsdf {
 
   const FacetLosses* losses;
   float meanLost;
-  Rgb further; ///< what of the lost light leaves after all
+  Rgb further; ///< fraction of the lost energy that leaves after further facets
   bool white;
 };
 
-/** The part that facets of perfect mirrors let go after one reflection. */
+/** Weight of one sample of single scattering by perfectly reflecting facets. */
 float mirrorAlbedo(const Vec3f& wi, const Microfacets& facets, const Vec2f& u) {
   const Vec3f m = facets.sampleVisible(wi, u), wo = mirrored(wi, m);
   const float p = wo.z > 0 ? facets.reflectionPdf(wi, m) : 0;
@@ -125,8 +125,8 @@ class Conductor final : public Material {
  private:
   ConductorParameters optics;
   Roughness roughness;
-  FacetLosses losses;                 ///< empty: not asked for
-  std::optional<Rgb> meanReflectance; ///< where it is the same everywhere
+  FacetLosses losses;                 ///< empty: single scattering only
+  std::optional<Rgb> meanReflectance; ///< set where the metal is not textured
 };
 
 } // namespace

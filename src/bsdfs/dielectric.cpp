@@ -12,7 +12,7 @@ namespace recurse {
 
 namespace {
 
-/** Refraction by one wavelength; what white light mirrors is the mean over all. */
+/** Refraction at one wavelength; the reflectance of white light is the mean over all wavelengths. */
 class DispersiveBsdf final : public Bsdf {
  public:
   DispersiveBsdf(const DispersiveIndex& index, float wavelength, bool isWhite)
@@ -41,7 +41,7 @@ class DispersiveBsdf final : public Bsdf {
   bool isWhite;
 };
 
-/** The part of the light from one side that leaves after one facet, as FacetLosses wants it. */
+/** Albedo of single scattering for light from one side (1: above, -1: below), as FacetLosses needs it. */
 auto singleAlbedo(float eta, float side) {
   return [eta, side](const Vec3f& up, const Microfacets& facets, const Vec2f& u) {
     const DielectricInterface surface{eta, facets};
@@ -52,7 +52,7 @@ auto singleAlbedo(float eta, float side) {
   };
 }
 
-/** What single scattering loses of the light on either side. */
+/** Energy that single scattering loses, for light from either side. */
 struct InterfaceLosses {
   InterfaceLosses(float eta, const Roughness& roughness)
       : above(roughness, singleAlbedo(eta, 1)), below(roughness, singleAlbedo(eta, -1)) {
@@ -65,13 +65,13 @@ struct InterfaceLosses {
   const FacetLosses& on(float z) const { return z > 0 ? above : below; }
 
   FacetLosses above, below;
-  float transmittance = 0; ///< of diffuse light from above
+  float transmittance = 0; ///< transmittance for diffuse light from above
 };
 
 /**
- * With the light that meets several facets. On its side of the surface, and on the other, it leaves in the
- * shape of what is lost there; how much goes through is as much as Fresnel's mean asks for, and what the
- * reciprocity of both ways, up to the squares of the indices, allows.
+ * Single scattering plus light that hits several facets. On either side of the surface the lost energy leaves
+ * with the angular shape of the loss there. The transmitted fraction follows the mean Fresnel transmittance,
+ * limited by reciprocity between both ways up to the squares of the indices.
  */
 class MultipleScatteringDielectric final : public RoughDielectricBsdf {
  public:
@@ -103,7 +103,7 @@ class MultipleScatteringDielectric final : public RoughDielectricBsdf {
 
  private:
   float lost(const Vec3f& w) const { return losses->on(w.z).lost(w, surface.facets); }
-  /** Of the light from wi that is lost, the part that leaves on the side of wo. */
+  /** Fraction of the lost energy from wi that leaves on the side of wo. */
   float share(const Vec3f& wi, const Vec3f& wo) const {
     const float through = wi.z > 0 ? fromAbove : fromBelow;
     return wi.z * wo.z > 0 ? 1 - through : through;
@@ -111,7 +111,7 @@ class MultipleScatteringDielectric final : public RoughDielectricBsdf {
 
   const InterfaceLosses* losses;
   float meanAbove, meanBelow;
-  float fromAbove, fromBelow; ///< the parts of what is lost that go through
+  float fromAbove, fromBelow; ///< transmitted fractions of the lost energy
 };
 
 class Dielectric final : public Material {
@@ -132,7 +132,7 @@ class Dielectric final : public Material {
     return arena.make<MultipleScatteringDielectric>(surface, *losses);
   }
   LobeSet lobes() const override {
-    // Against another dielectric of the same index the surface is none.
+    // With a priority, the index outside varies; where it is equal there is no interface.
     const bool always = rank == 0 && eta != 1;
     return LobeSet(
         (index ? DISPERSIVE : NO_LOBE) | (always && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
@@ -145,11 +145,11 @@ class Dielectric final : public Material {
   float eta;
   Roughness roughness;
   int rank;                              ///< priority
-  std::optional<InterfaceLosses> losses; ///< none: not asked for
-  std::optional<DispersiveIndex> index;  ///< none: it does not disperse
+  std::optional<InterfaceLosses> losses; ///< empty: single scattering only
+  std::optional<DispersiveIndex> index;  ///< empty: no dispersion
 };
 
-/** What of the refractive index depends on wavelength; empty: nothing. */
+/** Wavelength dependence of the refractive index; empty where one index serves all wavelengths. */
 std::optional<DispersiveIndex> dispersionOf(const Parameters& p, const Roughness& roughness) {
   if (!p.boolean("dispersion")) return {};
   SampledSpectrum spectrum = p.sampledSpectrum("eta");

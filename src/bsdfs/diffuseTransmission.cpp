@@ -37,7 +37,7 @@ class DiffuseTransmissionBsdf final : public Bsdf {
 
  private:
   Rgb reflectance, transmittance;
-  float reflected; ///< the chance of reflection
+  float reflected; ///< probability of sampling reflection
 };
 
 class DiffuseTransmission final : public Material {

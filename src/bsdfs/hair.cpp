@@ -1,7 +1,7 @@
 /** @file
  * Hair: a dielectric cylinder with tilted scales and absorption inside (Chiang, Bitterli, Tappan, Burley, "A
  * Practical and Controllable Hair and Fur Model for Production Path Tracing", 2016), with the parameters of
- * pbrt-v4. Light is reflected (R), goes through (TT), or leaves after reflections inside (TRT and on).
+ * pbrt-v4. Light is reflected (R), transmitted (TT), or leaves after internal reflections (TRT and longer).
  */
 #include <cfloat>
 
@@ -12,7 +12,7 @@ namespace recurse {
 
 namespace {
 
-constexpr size_t LOBES = 4; ///< R, TT, TRT, and all that is reflected inside more often
+constexpr size_t LOBES = 4; ///< R, TT, TRT, and all paths with more internal reflections
 
 double power(double x, int n) {
   double y = 1;
@@ -22,7 +22,7 @@ double power(double x, int n) {
 
 double cosineOf(double sine) { return std::sqrt(std::max(0.0, 1 - sine * sine)); }
 
-/** log I₀(x), the modified Bessel function; by its series or, beyond, the asymptotic one. */
+/** log I₀(x), the modified Bessel function, from its series or, for large x, the asymptotic series. */
 double logBesselI0(double x) {
   if (x > 12) return x - 0.5 * std::log(2 * M_PI * x) + std::log1p(1 / (8 * x) + 9 / (128 * x * x));
   double sum = 1, term = 1;
@@ -33,16 +33,16 @@ double logBesselI0(double x) {
   return std::log(sum);
 }
 
-/** An angle to the plane across the hair. */
+/** Inclination to the normal plane of the hair. */
 struct Inclination {
   double sine, cosine;
-  /** The same, further on by an angle of sine `s` and cosine `c`. */
+  /** Inclination increased by an angle of sine `s` and cosine `c`. */
   Inclination turned(double s, double c) const {
     return {sine * c + cosine * s, std::abs(cosine * c - sine * s)};
   }
 };
 
-/** The density of inclinations, per sine: M_p (d'Eon et al. 2011, equation 7), of variance v. */
+/** Longitudinal scattering M_p of variance v, a density over the sine (d'Eon et al. 2011, equation 7). */
 double longitudinal(const Inclination& a, const Inclination& b, double v) {
   // exp(-ab/v) I₀ / (2v sinh(1/v)), as one exponent: each of the factors may overflow.
   const double exponent =
@@ -64,13 +64,13 @@ struct TrimmedLogistic {
   }
 };
 
-/** What the roughnesses and the tilt come to. */
+/** Variances, tilts and azimuthal distribution of the lobes, from roughnesses and the tilt of the scales. */
 struct HairShape {
   HairShape(double eta, double betaM, double betaN, double alpha) : eta(eta) {
     const double root = 0.726 * betaM + 0.812 * square(betaM) + 3.7 * power(betaM, 20);
     variances = {square(root), square(root) / 4, 4 * square(root), 4 * square(root)};
     logistic.s = std::sqrt(M_PI / 8) * (0.265 * betaN + 1.194 * square(betaN) + 5.372 * power(betaN, 22));
-    // Light meets the scales' slopes: R is turned by -2α, TT by α, TRT by 4α.
+    // Slopes of the scales turn R by -2α, TT by α, TRT by 4α.
     const double turns[LOBES] = {-2 * alpha, alpha, 4 * alpha, 0};
     for (size_t p = 0; p < LOBES; ++p) tilts[p] = {std::sin(turns[p]), std::cos(turns[p])};
   }
@@ -80,12 +80,12 @@ struct HairShape {
   TrimmedLogistic logistic{};
 };
 
-/** x runs along the hair. The walk came from wi, at a distance h of the radius from the axis, on the side of
- * +y. Values are those of pbrt-v4: the cosine of the light divides them. */
+/** Hair BSDF in a frame with x along the hair. The walk arrives from wi at offset h [radii] from the axis,
+ * on the side of +y. As in pbrt-v4, values are divided by the cosine of the light. */
 class HairBsdf final : public Bsdf {
  public:
-  /** `twoSided`: the surface does not turn to those that look at it, and light that comes from where h was
-   * not measured leaves on the other side. */
+  /** `twoSided`: the surface does not turn to face the ray, and light from the side where h was not
+   * measured leaves on the opposite side. */
   HairBsdf(const HairShape& shape, const Rgb& absorption, float h, bool twoSided)
       : shape(shape), absorption(absorption), h(std::clamp(double(h), -1.0, 1.0)), twoSided(twoSided) {}
 
@@ -137,16 +137,16 @@ class HairBsdf final : public Bsdf {
  private:
   static double azimuth(const Vec3f& w) { return std::atan2(double(w.z), double(w.y)); }
 
-  /** What becomes of light along the direction that h belongs to, one way or the other. */
+  /** Attenuations and exit angles of the lobes for the direction of h, in either sense of travel. */
   struct Lobes {
     Lobes(const HairBsdf& hair, const Vec3f& w) : shape(hair.shape) {
       const double h = hair.h;
       inclination = {double(w.x), cosineOf(double(w.x))};
       const double sineT = inclination.sine / shape.eta, cosineT = cosineOf(sineT);
-      // Across the hair it refracts by an index that depends on the inclination.
+      // Modified index of refraction in the normal plane, which depends on the inclination.
       const double bent = std::sqrt(std::max(DBL_MIN, square(shape.eta) - square(inclination.sine)));
       sineGammaT = std::clamp(h * inclination.cosine / bent, -1.0, 1.0);
-      const double length = 2 * cosineOf(sineGammaT) / std::max(cosineT, DBL_MIN); // of the way through
+      const double length = 2 * cosineOf(sineGammaT) / std::max(cosineT, DBL_MIN); // one crossing [radii]
       const Rgbd transmitted = exp(Rgbd(hair.absorption) * -length);
       const auto f = double(dielectricFresnel(static_cast<float>(inclination.cosine * cosineOf(h)),
                                               static_cast<float>(shape.eta))
@@ -158,25 +158,25 @@ class HairBsdf final : public Bsdf {
       double total = 0;
       for (size_t p = 0; p < LOBES; ++p)
         total += chance[p] = (attenuation[p].r + attenuation[p].g + attenuation[p].b) / 3;
-      if (total == 0) chance[0] = total = 1; // all is absorbed
+      if (total == 0) chance[0] = total = 1; // everything is absorbed
       for (double& c : chance) c /= total;
     }
     Inclination tilted(size_t p) const {
       return inclination.turned(shape.tilts[p].first, shape.tilts[p].second);
     }
-    /** By how much azimuths turn, where everything is smooth. */
+    /** Azimuthal deflection by a smooth cylinder [rad]. */
     double exit(size_t p, double h) const {
       const double gammaT = h < 0 ? -std::asin(std::abs(sineGammaT)) : std::asin(std::abs(sineGammaT));
       return 2 * double(p) * gammaT - 2 * std::asin(h) + double(p) * M_PI;
     }
     const HairShape& shape;
     Inclination inclination{};
-    double sineGammaT = 0; ///< of the azimuth inside
+    double sineGammaT = 0; ///< sine of the refracted azimuthal angle γt
     std::array<Rgbd, LOBES> attenuation;
     std::array<double, LOBES> chance{};
   };
 
-  /** Of a lobe: the density of `to` per solid angle, where it comes from `from`. */
+  /** Density of lobe p for `to` [1/sr], where light arrives from `from` at the given offset. */
   double density(const Lobes& all, size_t p, const Vec3f& from, const Vec3f& to, double offset) const {
     const double m = longitudinal({double(to.x), cosineOf(double(to.x))}, all.tilted(p), shape.variances[p]);
     if (p + 1 == LOBES) return m / (2 * M_PI);
@@ -185,7 +185,7 @@ class HairBsdf final : public Bsdf {
   }
 
   const HairShape& shape;
-  Rgb absorption; ///< per radius
+  Rgb absorption; ///< [1/radius]
   double h;
   bool twoSided;
 };
@@ -223,7 +223,7 @@ class Hair final : public Material {
     case Colour::REFLECTANCE:
       break;
     }
-    // Of many hairs together, fitted (Chiang et al., equation 9).
+    // Absorption fitted to the albedo of many hairs (Chiang et al., equation 9).
     const float b = roughness, b2 = b * b;
     const float fit =
         5.969f - 0.215f * b + 2.532f * b2 - 10.73f * b2 * b + 5.574f * b2 * b2 + 0.245f * b2 * b2 * b;
@@ -235,7 +235,7 @@ class Hair final : public Material {
   TexturedRgb eta, betaM, betaN, alpha;
 };
 
-/** The colour by the first that is given; the others are told to be without effect. */
+/** Colour from the first parameter that is given, with a warning that any further one has no effect. */
 Hair::Values colourOf(const Parameters& p, const MaterialContext& c) {
   Hair::Values values;
   std::string taken;

@@ -1,7 +1,7 @@
 /** @file
  * Rough diffuse surfaces: Oren and Nayar 1994, "Generalization of Lambert's Reflectance Model", in the form
- * of Portsmouth, Kutz and Hill 2024 ("EON: A Practical Energy-Preserving Rough Diffuse BRDF"), whose single
- * scattering is Fujii's and which gives the light that it loses back as multiple scattering.
+ * of Portsmouth, Kutz and Hill 2024 ("EON: A Practical Energy-Preserving Rough Diffuse BRDF"). Its single
+ * scattering is Fujii's; multiple scattering compensates the energy that this loses.
  */
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/model/scene/plugIns.h"

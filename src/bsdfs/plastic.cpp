@@ -1,9 +1,9 @@
 /** @file
- * Plastic: a diffuse base below a clear coat, in closed form. What the coat does not reflect reaches the
- * base; what the base sends up is reflected back in part, over and over, and leaves in the shape that
- * reciprocity asks for (Ashikhmin, Premože, Shirley 2000, "A Microfacet-based BRDF Generator", section 4; the
- * inner reflections as in Egan and Hilgeman 1979). `coateddiffuse` is the same with the coat's light walked
- * at random, absorption and media.
+ * Plastic: a diffuse base below a clear coat, in closed form. Light that the coat transmits reaches the base.
+ * The coat reflects part of the light from the base back, repeatedly; the remainder leaves with the angular
+ * shape that reciprocity requires (Ashikhmin, Premože, Shirley 2000, "A Microfacet-based BRDF Generator",
+ * section 4; the inner reflections as in Egan and Hilgeman 1979). `coateddiffuse` is the same model with
+ * random walks in the coat, absorption and media.
  */
 #include "bsdfs/microfacet/albedoTable.h"
 #include "bsdfs/microfacet/dielectricInterface.h"
@@ -15,7 +15,7 @@ namespace recurse {
 
 namespace {
 
-/** The part of the light from each direction that the coat reflects. */
+/** Directional albedo of the reflection by the coat. */
 AlbedoTable coatAlbedo(float eta, MicrofacetKind kind, float least, float most) {
   return {least, most, [&](const Vec3f& wi, float alpha, const Vec2f& u) {
             const DielectricInterface coat{eta, {kind, Vec2f(alpha)}};
@@ -58,7 +58,7 @@ class PlasticBsdf final : public Bsdf {
     return wi.z < 0 ? Vec3f(unit.x, unit.y, -unit.z) : unit;
   }
   void deltas(const Vec3f& wi, DeltaScatters& out) const override {
-    // The table's value, so that coat and base share exactly what there is.
+    // The tabulated value makes coat and base conserve energy exactly.
     if (coat.facets.smooth()) out.add({{-wi.x, -wi.y, wi.z}, Rgb(1 - through(up(wi))), 1, MIRROR});
   }
   Rgb albedo(const Vec3f& wi) const override {
@@ -79,7 +79,7 @@ class PlasticBsdf final : public Bsdf {
   DielectricInterface coat;
   const AlbedoTable* table;
   float alpha;
-  Rgb base; ///< what leaves over what is let through both ways
+  Rgb base; ///< BRDF of the base times π, over the transmittances of both directions
   bool white;
 };
 

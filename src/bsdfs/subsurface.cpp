@@ -1,5 +1,5 @@
 /** @file
- * Milk, skin, marble and the like: a dielectric boundary, and the medium that scatters inside of it.
+ * Milk, skin, marble and the like: a dielectric interface, and the scattering medium inside it.
  */
 #include "bsdfs/microfacet/dielectricInterface.h"
 #include "bsdfs/microfacet/roughness.h"
@@ -28,10 +28,10 @@ class Subsurface final : public Material {
   Roughness roughness;
 };
 
-/** The part of diffuse light from inside that the boundary sends back. */
+/** Fraction of diffuse light from inside that the boundary reflects. */
 double internalReflectance(double eta) {
   constexpr int STEPS = 256;
-  double outside = 0; // the same from outside: ∫ F(μ) 2 μ dμ
+  double outside = 0; // reflectance from outside: ∫ F(μ) 2 μ dμ
   for (int i = 0; i < STEPS; ++i) {
     const double cosine = (i + 0.5) / STEPS;
     outside += double(dielectricFresnel(float(cosine), float(eta)).reflectance) * 2 * cosine / STEPS;
@@ -40,9 +40,9 @@ double internalReflectance(double eta) {
 }
 
 /**
- * The single-scattering albedo of a half-space that gives back `reflectance` of the light which has entered
- * it: what stays below the boundary after Saunderson 1942, the spherical albedo of what scatters there after
- * van de Hulst 1980 (Multiple Light Scattering, volume 2), anisotropy by similarity.
+ * Single-scattering albedo of a half-space that returns the fraction `reflectance` of the light that has
+ * entered it. Internal reflection follows Saunderson 1942, the spherical albedo of the medium van de Hulst
+ * 1980 (Multiple Light Scattering, volume 2), and anisotropy the similarity relation.
  */
 double albedoOf(double reflectance, double internal, double g) {
   const double below = reflectance / (1 - internal * (1 - reflectance));
@@ -52,8 +52,8 @@ double albedoOf(double reflectance, double internal, double g) {
   return (1 - s * s) / (1 - g * s * s);
 }
 
-/** The value of a colour; of a texture its mean over the surface's coordinates, as the medium is the same
- * everywhere. */
+/** Value of a colour parameter. For a texture it is the mean over the surface coordinates, because the
+ * medium is homogeneous. */
 Rgbd meanColour(const Parameters& p, const MaterialContext& c, const std::string& name) {
   if (p.texture(name).empty()) return p.spectrum(name);
   const TexturedRgb texture = c.textures.rgb(p, name);
@@ -90,7 +90,7 @@ Inside fromReflectance(const Parameters& p, const MaterialContext& c) {
   return inside;
 }
 
-/** As in pbrt a name goes before coefficients, and these before a reflectance. */
+/** Coefficients of the medium. As in pbrt, a name precedes coefficients, and these precede a reflectance. */
 Inside insideOf(const Parameters& p, const MaterialContext& c) {
   const double scale = p.real("scale");
   if (p.has("name")) {

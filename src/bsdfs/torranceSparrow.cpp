@@ -14,7 +14,7 @@ namespace {
 
 enum class FacetTilt { GAUSSIAN, BECKMANN, TROWBRIDGE_REITZ, BLINN };
 
-/** D of the facets' tilt, isotropic, with the integral of D cos over the hemisphere 1. */
+/** Isotropic distribution D of the facets' tilt; the integral of D cos over the hemisphere is 1. */
 class TiltDistribution {
  public:
   TiltDistribution(FacetTilt kind, float m)
@@ -22,7 +22,7 @@ class TiltDistribution {
         facets(kind == FacetTilt::BECKMANN ? MicrofacetKind::BECKMANN : MicrofacetKind::TROWBRIDGE_REITZ,
                Vec2f(m)) {
     if (kind == FacetTilt::GAUSSIAN) {
-      // 1 / (π ∫ exp(-θ²/m²) sin 2θ dθ) by Simpson's rule over the width that counts.
+      // 1 / (π ∫ exp(-θ²/m²) sin 2θ dθ) by Simpson's rule over the effective support.
       constexpr int N = 64;
       const float end = std::min(PI / 2, 6 * m), h = end / N;
       float sum = 0;
@@ -33,7 +33,7 @@ class TiltDistribution {
       }
       scale = 3 / (h * sum * PI);
     }
-    exponent = std::max(2 / square(m) - 2, 0.0f); // Blinn's, for the same slopes (Walter et al. 2007)
+    exponent = std::max(2 / square(m) - 2, 0.0f); // Blinn's exponent for the same slopes (Walter et al. 2007)
   }
 
   float density(const Vec3f& h) const {
@@ -47,7 +47,7 @@ class TiltDistribution {
       return facets.density(h);
     }
   }
-  /** The distribution that sample follows: the same, but for the Gaussian, which has no inverse. */
+  /** Distribution that sample() follows: density(), except for the Gaussian, which has no inverse. */
   float sampledDensity(const Vec3f& h) const {
     return kind == FacetTilt::GAUSSIAN ? facets.density(h) : density(h);
   }
@@ -86,7 +86,7 @@ class TorranceSparrowGloss {
     const Vec3f h = halfVector(a, b);
     const float c = glm::dot(a, h);
     if (!(c > 0 && a.z > 0 && b.z > 0)) return BLACK;
-    // G over the cosines: each of the three cases of the groove, divided before anything vanishes.
+    // G over both cosines: each of the three cases of the groove is divided before any factor vanishes.
     const float groove =
         std::min(1 / std::max(a.z, b.z) / std::min(a.z, b.z), 2 * h.z / (c * std::max(a.z, b.z)));
     return specular * optics.reflectance(c) * (0.25f * tilt.density(h) * groove);
@@ -96,7 +96,7 @@ class TorranceSparrowGloss {
     if (!(glm::dot(a, h) > 0)) return 0;
     return tilt.sampledDensity(h) * h.z / (2 * seen(a, h));
   }
-  /** One wall of a groove, as often as it is seen (Heitz and d'Eon 2014 choose so from Smith's surface). */
+  /** Samples a wall of a groove by its visible area (as Heitz and d'Eon 2014 do for Smith's surface). */
   Vec3f sample(const Vec3f& a, const Vec2f& u, float pick) const {
     Vec3f h = tilt.sample(u);
     const float own = std::max(glm::dot(a, h), 0.0f);
@@ -108,7 +108,7 @@ class TorranceSparrowGloss {
   Rgb diffuseAlbedo(const Vec3f&) const { return base; }
 
  private:
-  /** Both walls of the groove together; not zero, as the upper one is seen from everywhere. */
+  /** Visible area of both walls of the groove. Not zero, because the upper one is visible from everywhere. */
   static float seen(const Vec3f& a, const Vec3f& h) {
     return std::max(glm::dot(a, h), 0.0f) + std::max(h.z * a.z - h.x * a.x - h.y * a.y, 0.0f);
   }

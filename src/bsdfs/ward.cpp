@@ -17,7 +17,7 @@ class WardGloss {
   bool anisotropic() const { return facets.anisotropic(); }
   bool lossless() const { return false; }
   Rgb value(const Vec3f& a, const Vec3f& b) const {
-    // Their equation 17, with the Beckmann distribution, which Ward's exponential over cos⁴ is, factored out.
+    // Equation 17 of the paper, with the Beckmann distribution (Ward's exponential over cos⁴) factored out.
     const Vec3f h = halfVector(a, b);
     const float c = glm::dot(a, h);
     return c > 0 ? specular * (facets.density(h) / (4 * square(c))) : BLACK;

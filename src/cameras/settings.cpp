@@ -1,5 +1,5 @@
 /** @file
- * The directives that only set numbers: Film, Sampler and Accelerator.
+ * Directives that only set parameters: Film, Sampler and Accelerator.
  */
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** Those of pbrt-v4. */
+/** Sensor names of pbrt-v4. */
 const std::vector<std::string>& sensorNames() {
   static const std::vector<std::string> NAMES = {
       "cie1931",       "canon_eos_100d",     "canon_eos_1dx_mkii", "canon_eos_200d",    "canon_eos_200d_mkii",
@@ -22,13 +22,13 @@ const std::vector<std::string>& sensorNames() {
 
 void setColours(const Parameters& p, FilmSettings& film) {
   double white = p.real("whitebalance");
-  constexpr double COOLEST = 1000; // colder bodies have no colour in these primaries
+  constexpr double COOLEST = 1000; // cooler bodies have no colour in these primaries
   if (white > 0 && white < COOLEST)
     p.fail("whitebalance", "there is no white of " + std::to_string(white) + " K", "0, or 1000 to 1000000");
   if (p.string("sensor") != "cie1931") {
     p.warn("sensor", "the response of \"" + p.string("sensor") +
                          "\" is not known here: colours are those of the CIE 1931 matching functions");
-    if (white == 0) white = 6500; // as pbrt has it for cameras
+    if (white == 0) white = 6500; // pbrt's default for camera sensors
   }
   if (white > 0) film.whiteBalance = Mat3f(whiteBalance(white));
   if (p.has("maxcomponentvalue")) {

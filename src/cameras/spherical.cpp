@@ -1,5 +1,5 @@
 /** @file
- * All directions around a point in one picture.
+ * Spherical camera: all directions around a point in one picture.
  */
 #include "cameras/frame/cameraFrame.h"
 #include "recurse/model/scene/plugIns.h"
@@ -8,18 +8,18 @@ namespace recurse {
 
 namespace {
 
-/** A map between the square [0, 1]² and directions of camera space. */
+/** Map between the square [0, 1]² and directions of camera space. */
 class SphereMap {
  public:
   virtual ~SphereMap() = default;
-  /** Unit direction; beyond the square's edges the picture goes on at another of them. */
+  /** Unit direction; coordinates beyond the edges of the square continue as on the sphere. */
   virtual Vec3d direction(const Vec2d& uv) const = 0;
   virtual Vec2d place(const Vec3d& direction) const = 0;
-  /** Density of uniform places at a unit direction [1/sr]. */
+  /** Density at a unit direction, for uniform points of the square [1/sr]. */
   virtual double pdf(const Vec3d& direction) const = 0;
 };
 
-/** Longitude to the right, polar angle downwards. */
+/** Equirectangular map: longitude to the right, polar angle downwards. */
 class Equirectangular final : public SphereMap {
  public:
   Vec3d direction(const Vec2d& uv) const override {
@@ -55,7 +55,7 @@ class EqualArea final : public SphereMap {
   double pdf(const Vec3d&) const override { return 1 / (4 * M_PI); }
 
  private:
-  /** Over an edge the picture goes on at the place opposite on the same edge. */
+  /** Beyond an edge the picture continues at the opposite position on the same edge. */
   static Vec2d wrapped(Vec2d uv) {
     for (int axis = 0; axis < 2; ++axis) {
       if (uv[axis] >= 0 && uv[axis] <= 1) continue;
@@ -80,7 +80,7 @@ class Spherical final : public Camera {
     const Vec3d direction = map->direction(Vec2d(sample.film) / size);
     CameraRay r;
     r.time = sample.time;
-    // The side of a pixel that was square.
+    // Angle of the side of a square pixel with this solid angle [rad].
     r.spread = static_cast<float>(1 / std::sqrt(size.x * size.y * map->pdf(direction)));
     track.at(sample.time, [&](const CameraFrame& frame) {
       r.origin = Vec3f(frame.pointToScene(Vec3d(0)));
@@ -119,7 +119,7 @@ class Spherical final : public Camera {
   }
 
   CameraTrack track;
-  Vec2d size; ///< of the film [pixels]
+  Vec2d size; ///< size of the film [pixels]
   std::unique_ptr<SphereMap> map;
 };
 

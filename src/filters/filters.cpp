@@ -1,5 +1,5 @@
 /** @file
- * Pixel filters. All of them are separable, so that each axis is sampled by itself.
+ * Pixel filters. All of them are separable, so that each axis is sampled independently.
  */
 #include <cmath>
 

@@ -1,6 +1,6 @@
 /** @file
- * Ambient occlusion (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model"): how much of an even
- * white sky reaches what is seen.
+ * Ambient occlusion (Zhukov, Iones, Kronin 1998, "An Ambient Light Illumination Model"): the fraction of a
+ * uniform white sky that reaches a visible surface.
  */
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/model/scene/plugIns.h"
@@ -24,7 +24,7 @@ class AmbientOcclusion final : public Integrator {
     const SurfacePoint& point = vertex.point();
     const float side = glm::dot(point.shadingNormal, vertex.wi) < 0 ? -1.0f : 1.0f;
     const Vec3f direction = Frame(point.shadingNormal * side).toWorld(cosineHemisphere(sampler.next2D()));
-    // Smooth normals may lead into the surface, where there is no sky.
+    // Shading normals may send directions below the geometric surface, where no sky is visible.
     if (glm::dot(direction, point.geometricNormal) * glm::dot(vertex.wi, point.geometricNormal) <= 0) return;
     Ray towardsSky = spawn(point, direction);
     towardsSky.tMax = maxDistance;

@@ -1,6 +1,6 @@
 /** @file
- * Ray casting (Appel 1968, "Some Techniques for Shading Machine Renderings of Solids"): the surface that a
- * pixel sees, lit straight by the lights, and a constant in the place of all other light.
+ * Ray casting (Appel 1968, "Some Techniques for Shading Machine Renderings of Solids"): direct light of the
+ * visible surface, and a constant ambient term for all other light.
  */
 #include "recurse/model/scene/plugIns.h"
 #include "transport/direct/localShading.h"
@@ -43,7 +43,7 @@ class RayCast final : public Integrator {
   }
 
  private:
-  /** The constant stands for light that another surface has reflected, and counts as such. */
+  /** Adds the ambient term, which counts as light with one earlier reflection (LDD). */
   void addAmbient(const CameraVertex& vertex, Sampler& sampler, PathRadiance& out) const {
     const PathClasses& classes = out.pathClasses();
     const LightState reflected = classes.step(classes.lightStart(), PathEvent::D);

@@ -1,6 +1,6 @@
 /** @file
- * A photon mapper to be read (Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", chapters 5 to
- * 8): one map of all light, one photon and one ray after the other.
+ * Plain photon mapper for study (Jensen 2001, "Realistic Image Synthesis Using Photon Mapping", chapters 5 to
+ * 8): one map of all light, one photon and one ray at a time.
  */
 #include <chrono>
 
@@ -16,7 +16,7 @@ namespace recurse {
 
 namespace {
 
-/** Tells photons from other samples of the same pass. */
+/** Sampler stream of photons, distinct from other samples of the same pass. */
 constexpr uint64_t PHOTON_STREAM = 0x53494d504c450000ull;
 
 class SimplePhotonMap final : public Integrator {
@@ -29,7 +29,7 @@ class SimplePhotonMap final : public Integrator {
   }
   bool passHasOneTime() const override { return true; }
 
-  /** Traces photons from the lights, stores and balances them. */
+  /** Traces photons from the lights, and builds their map. */
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     const auto start = std::chrono::steady_clock::now();
@@ -49,12 +49,12 @@ class SimplePhotonMap final : public Integrator {
     return statistics;
   }
 
-  /** Emitted light, the estimate from the map, and what mirrors and glass show. */
+  /** Adds emission and the radiance estimate at the first non-delta vertices; follows mirrors and glass. */
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
     CameraWalker walker(scene, classes, out.counts, maxDepth);
-    // Rays that wait, instead of a recursion as deep as two mirrors ask for.
+    // Stack of pending rays: a recursion could be as deep as facing mirrors make it.
     std::vector<CameraSubpath> waiting = {startCameraSubpath(scene, classes, ray, out.counts)};
     while (!waiting.empty() && !out.abandoned()) {
       CameraSubpath path = waiting.back();
@@ -91,10 +91,10 @@ class SimplePhotonMap final : public Integrator {
   }
 
  private:
-  static constexpr float MAX_RADIUS = 0.1f;    ///< of the scene's: dark corners must not see all of it
-  static constexpr float BRANCH_WEIGHT = 0.1f; ///< below it rays at glass do not become more and more
+  static constexpr float MAX_RADIUS = 0.1f;    ///< over the scene's radius; bounds gathers in dark corners
+  static constexpr float BRANCH_WEIGHT = 0.1f; ///< throughput below which roulette limits rays at glass
 
-  /** Follows a photon until it is absorbed, and stores it wherever it meets a non-delta surface. */
+  /** Traces a photon until it is absorbed, and stores it at each non-delta surface that it hits. */
   void shootPhoton(const Scene& scene, const PathClasses& classes, float time, Sampler sampler,
                    TransportCounts& counts, std::vector<Photon>& stored) const {
     const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
@@ -120,10 +120,10 @@ class SimplePhotonMap final : public Integrator {
     stored.push_back(photon);
   }
 
-  uint64_t photons; ///< emitted
+  uint64_t photons; ///< number emitted in a pass
   GatherSettings search;
   int maxDepth;
-  LightSampler lights; ///< no shadow ray asks it
+  LightSampler lights; ///< unlearned; no shadow ray uses it
   PhotonMap map;
 };
 

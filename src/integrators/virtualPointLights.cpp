@@ -1,7 +1,7 @@
 /** @file
- * Instant radiosity (Keller 1997): where paths from the lights scatter there are point lights, which light
- * all that the camera sees. What comes from near by is bounded, and rays that go on bring the rest (Kollig
- * and Keller 2004, "Illumination in the Presence of Weak Singularities").
+ * Instant radiosity (Keller 1997): the vertices of light paths are virtual point lights, which illuminate all
+ * that the camera sees. The geometry term is bounded, and paths that continue add the bias that this causes
+ * (Kollig and Keller 2004, "Illumination in the Presence of Weak Singularities").
  */
 #include "recurse/core/io/text.h"
 #include "recurse/model/scene/plugIns.h"
@@ -14,31 +14,31 @@ namespace recurse {
 
 namespace {
 
-/** Tells light paths from others of the same pass. */
+/** Sampler stream of light paths, distinct from other samples of the same pass. */
 constexpr uint64_t VIRTUAL_LIGHT_STREAM = 0x56504c5354524541ull;
 
 struct VplSettings {
   int maxDepth = -1;
-  int lightPaths = 32;     ///< in each pass
+  int lightPaths = 32;     ///< number in each pass
   int passes = 0;          ///< 0: one for each sample
-  float clampDistance = 0; ///< the geometric term is at most one over its square [scene units]; 0: no bound
-  bool clampChosen = true; ///< by the number of lights
+  float clampDistance = 0; ///< geometry term is bounded by its reciprocal square [scene units]; 0: unbounded
+  bool clampChosen = true; ///< clamp distance is chosen by the number of lights
   bool compensate = true;
 };
 
-/** A light path's vertex, as a light. */
+/** Vertex of a light path, as a virtual point light. */
 struct VirtualLight {
   SurfacePoint point;
-  Vec3f wi; ///< unit, towards where the light came from
-  Rgb flux; ///< that arrives, of one of many paths
+  Vec3f wi; ///< unit, back along the light path
+  Rgb flux; ///< flux on arrival, divided by the number of light paths
   LightState afterD;
   int events = 0;
   bool bounded =
-      true; ///< false after mirrors and glass: no ray that goes on could bring what a bound cuts off
+      true; ///< false after a delta event: no ray that continues could add the light that a bound removes
   ScatteringPoint scattering;
 };
 
-/** Whether a wanted path has a D on either side of where a virtual light is joined to what it lights. */
+/** Whether a path class contains paths with D events on both sides of a virtual light's connection. */
 bool joinsVirtualLights(const PathClasses& classes) {
   for (size_t i = 0; i < classes.lightStateCount(); ++i)
     for (size_t j = 0; j < classes.cameraStateCount(); ++j)
@@ -59,7 +59,7 @@ class VirtualPointLights final : public Integrator {
   bool passHasOneTime() const override { return true; }
   void prepare(const Scene& scene, const PathClasses&) override {
     lights.learn(scene);
-    // By default the side of a light path's share of the scene's extent.
+    // Default: side of the region for each light path in a square of the scene's extent.
     const float distance = settings.clampChosen
                                ? scene.bounds().radius / std::sqrt(static_cast<float>(settings.lightPaths))
                                : settings.clampDistance;
@@ -144,7 +144,7 @@ class VirtualPointLights final : public Integrator {
     }
   }
 
-  /** |cos| |cos| / distance², and the part of it that the virtual lights bring. */
+  /** Geometry term |cos| |cos| / distance², with the direction and distance of a connection. */
   struct Geometry {
     Vec3f direction; ///< unit, towards the light
     float distance = 0, term = 0;
@@ -159,7 +159,7 @@ class VirtualPointLights final : public Integrator {
                 square(distance)};
   }
 
-  /** Direct light and that of the virtual lights. */
+  /** Adds direct light and the contribution of the virtual lights. */
   void shade(const Scene& scene, const CameraVertex& vertex, const Nesting& nesting, Sampler& sampler,
              PathRadiance& out) const {
     addDirectLight(scene, lights, vertex, nesting, sampler, out);
@@ -183,8 +183,8 @@ class VirtualPointLights final : public Integrator {
   }
   bool isBounded(const VirtualLight& light) const { return light.bounded || !settings.compensate; }
 
-  /** What the bound has cut off: the walk goes on to surfaces that are near enough, with the part that is
-   * missing. */
+  /** Adds the light that the bound removes: the path continues to surfaces within the clamp distance,
+   * weighted by the missing fraction. */
   void compensate(const Scene& scene, CameraSubpath path, CameraVertex vertex, Sampler& sampler,
                   PathRadiance& out) const {
     CameraWalker walker(scene, out.pathClasses(), out.counts, settings.maxDepth);
@@ -207,11 +207,11 @@ class VirtualPointLights final : public Integrator {
 
   VplSettings settings;
   LightSampler lights;
-  float bound = INFINITE; ///< of the geometric term
-  EmissionGuide guide;    ///< of the light paths
-  // Of the pass:
+  float bound = INFINITE; ///< maximum of the geometry term
+  EmissionGuide guide;    ///< emission density of the light paths
+  // State of the current pass:
   std::vector<VirtualLight> virtualLights;
-  BsdfArena arena; ///< of their BSDFs
+  BsdfArena arena; ///< memory of the virtual lights' BSDFs
 };
 
 } // namespace

@@ -1,6 +1,6 @@
 /** @file
- * Recursive ray tracing (Whitted 1980, "An Improved Illumination Model for Shaded Display"): mirrors and
- * glass are followed in all their directions, and whatever scatters otherwise is lit straight by the lights.
+ * Recursive ray tracing (Whitted 1980, "An Improved Illumination Model for Shaded Display"): all delta
+ * directions of mirrors and glass are followed; other surfaces have direct light only.
  */
 #include "recurse/model/scene/plugIns.h"
 #include "transport/direct/localShading.h"
@@ -21,7 +21,7 @@ class Whitted final : public Integrator {
                 PathRadiance& out) const override {
     const PathClasses& classes = out.pathClasses();
     CameraWalker walker(scene, classes, out.counts, maxDepth);
-    // Branches that wait, instead of a recursion as deep as two mirrors ask for.
+    // Stack of pending branches: a recursion could be as deep as facing mirrors make it.
     std::vector<CameraSubpath> branches = {startCameraSubpath(scene, classes, ray, out.counts)};
     CameraVertex vertex;
     while (!branches.empty() && !out.abandoned()) {
@@ -42,7 +42,7 @@ class Whitted final : public Integrator {
   }
 
  private:
-  /** Every direction that the vertex mirrors and refracts to; what is cut off is counted. */
+  /** Branches into all delta directions of the vertex. Counts the throughput of those below the threshold. */
   void branch(const CameraWalker& walker, const CameraSubpath& path, const CameraVertex& vertex,
               std::vector<CameraSubpath>& branches, PathRadiance& out) const {
     if (!(vertex.allowed & DELTA_LOBES)) return;

@@ -1,6 +1,6 @@
 /** @file
- * A surface that emits the same radiance in all directions, from one side or both: of one colour, or a
- * picture.
+ * Area light with the same radiance in all directions, from one side or both. The radiance is constant or
+ * given by a picture.
  */
 #include "lights/maps/lightProbe.h"
 #include "recurse/core/sampling/sampling.h"
@@ -10,12 +10,12 @@ namespace recurse {
 
 namespace {
 
-/** A picture over (u, v), with v going up. */
+/** Picture over (u, v), with v upwards. */
 class Slide {
  public:
   Slide(Image picture, bool repeats) : image(std::move(picture)), repeats(repeats) {}
 
-  /** Between pixels; beyond the edges that of the edge, or the picture again. */
+  /** Bilinear interpolation between pixels; beyond the edges the edge pixel, or the repeated picture. */
   Rgb at(const Vec2f& uv) const {
     const float x = wrapped(uv.x) * static_cast<float>(image.width) - 0.5f,
                 y = wrapped(1 - uv.y) * static_cast<float>(image.height) - 0.5f;
@@ -39,7 +39,7 @@ class Slide {
     if (repeats) x -= std::floor(x);
     return x > 0 ? std::min(x, 1.0f) : 0;
   }
-  /** The place of a pixel that may be one beyond the edges. */
+  /** Index of a pixel that may be one beyond the edges. */
   int neighbour(int i, int size) const { return repeats ? (i + size) % size : std::clamp(i, 0, size - 1); }
   Image image;
   bool repeats;
@@ -47,7 +47,7 @@ class Slide {
 
 class DiffuseArea final : public AreaLight {
  public:
-  /** With a picture the radiance is a factor on it. */
+  /** `radiance` is a factor on the picture where there is one. */
   DiffuseArea(const Shape& shape, const Rgb& radiance, bool twoSided, std::optional<Slide> picture)
       : AreaLight(shape), constant(radiance), twoSided(twoSided), picture(std::move(picture)) {
     if (this->picture) mean = meanOverShape();
@@ -61,8 +61,8 @@ class DiffuseArea final : public AreaLight {
     return twoSided || glm::dot(point.geometricNormal, direction) > 0 ? emitted(point) : BLACK;
   }
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
-    // Of a sphere the direction comes first, and a place on the side that it leaves from: the same densities,
-    // but an emission guide sees by the direction alone where photons go.
+    // On a sphere the direction is sampled first, then a point on the side that it leaves from. The densities
+    // are equal, but an emission guide can then aim photons by the direction alone.
     if (!twoSided) {
       const Vec3f direction = uniformSphere(sample.direction), local = cosineHemisphere(sample.place);
       if (const auto s = shape().pointWithNormal(Frame(direction).toWorld(local)))
@@ -73,7 +73,7 @@ class DiffuseArea final : public AreaLight {
     Vec3f normal = s.point.geometricNormal;
     float sides = 1;
     Vec2f u = sample.direction;
-    if (twoSided) { // one number for the side and what is left over of it
+    if (twoSided) { // one number chooses the side and is rescaled
       if (u.x < 0.5f) normal = -normal;
       u.x = 2 * u.x - (u.x < 0.5f ? 0.0f : 1.0f);
       sides = 2;
@@ -112,7 +112,7 @@ class DiffuseArea final : public AreaLight {
   }
 
  private:
-  /** None along the surface: there is no light, and its density is 0. */
+  /** Emission sample; empty along the surface, where the density is 0. */
   std::optional<LeSample> leaving(const ShapeSample& s, const Vec3f& direction, const Vec3f& normal,
                                   float cosine, float sides) const {
     if (!(cosine > 0)) return {};
@@ -127,7 +127,7 @@ class DiffuseArea final : public AreaLight {
     return picture ? constant * picture->at(point.uv) : constant;
   }
 
-  /** Of the picture, as far as it is seen on the shape. */
+  /** Area-weighted mean of the picture over the shape. */
   Rgb meanOverShape() const {
     constexpr uint32_t POINTS = 16384;
     Rgbd sum(0);

@@ -1,5 +1,5 @@
 /** @file
- * Parallel light from infinitely far.
+ * Parallel light from infinity.
  */
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/model/scene/plugIns.h"

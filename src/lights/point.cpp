@@ -1,5 +1,5 @@
 /** @file
- * A light at a point, the same in all directions.
+ * Point light of uniform intensity.
  */
 #include "recurse/core/sampling/sampling.h"
 #include "recurse/model/scene/plugIns.h"

@@ -1,5 +1,5 @@
 /** @file
- * A light at a point that shines into a cone with a soft edge.
+ * Spot light: a point light with a cone and a soft edge.
  */
 #include "recurse/model/scene/plugIns.h"
 
@@ -22,7 +22,7 @@ class Spot final : public Light {
   Rgb power() const override { return intensity * static_cast<float>(solidAngle(cosEdge, cosFull)); }
 
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
-    // Directions in proportion to the falloff, so that every photon has the same flux.
+    // Directions are sampled in proportion to the falloff, so that every photon has the same flux.
     const double full = 1 - cosFull, ring = (cosFull - cosEdge) / 2;
     const Vec2f& u = sample.direction;
     double c = double(u.x) * (full + ring);
@@ -49,14 +49,14 @@ class Spot final : public Light {
   }
 
  private:
-  /** Intensity over that of the full cone, at an angle of cosine c to the axis. */
+  /** Intensity relative to the full cone, at an angle of cosine c to the axis. */
   float falloff(double c) const {
     if (c <= cosEdge) return 0;
     if (c >= cosFull) return 1;
     const auto x = static_cast<float>((c - cosEdge) / (cosFull - cosEdge));
     return x * x * (3 - 2 * x);
   }
-  /** x in [0,1] with ∫₀ˣ smoothstep = u/2, that is 2x³ − x⁴ = u, by bisection and Newton's steps. */
+  /** Solves ∫₀ˣ smoothstep = u/2, that is 2x³ − x⁴ = u, for x in [0,1] by bisection and Newton's steps. */
   static double inverseSmoothStep(double u) {
     double low = 0, high = 1, x = 0.5;
     for (int i = 0; i < 60; ++i) {
@@ -74,7 +74,7 @@ class Spot final : public Light {
   Frame frame;
   Rgb intensity;
   double cosEdge, cosFull;
-  float pdfInside; ///< of directions in the full cone [1/sr]
+  float pdfInside; ///< density of directions in the full cone [1/sr]
 };
 
 } // namespace

@@ -1,5 +1,5 @@
 /** @file
- * A cloud by noise, after that of pbrt-v4: dense at the bottom of its box, and torn further up.
+ * Procedural cloud, after pbrt-v4: dense at the bottom of its box, and torn further up.
  */
 #include "media/grid/gridMedium.h"
 #include "recurse/model/scene/plugIns.h"
@@ -9,7 +9,7 @@ namespace recurse {
 
 namespace {
 
-constexpr double FINER = 1.99; ///< an octave over the one before
+constexpr double FINER = 1.99; ///< frequency ratio of successive octaves
 constexpr int TURNS = 2, OCTAVES = 5;
 constexpr double STEEPNESS = 4.5;
 
@@ -43,7 +43,7 @@ class Cloud final : public Medium {
   Bounds3f bounds() const override { return box.bounds(); }
 
  private:
-  /** The slope of the noise, by differences as wide as pbrt-v4's. */
+  /** Gradient of the noise, by finite differences with the step of pbrt-v4. */
   static Vec3d slope(const Vec3d& p) {
     constexpr double STEP = 0.01;
     const double n = perlinNoise(p);
@@ -65,9 +65,9 @@ class Cloud final : public Medium {
     const double torn = std::clamp((1 - p.y) * STEEPNESS * density * sum, 0.0, 1.0);
     return std::clamp(torn + 2 * std::max(0.0, 0.5 - p.y), 0.0, 1.0);
   }
-  /** No density between two heights is above. */
+  /** Upper bound of the density between two heights. */
   double boundBetween(double y0, double y1) const {
-    constexpr double HIGHEST = 1.04; // |noise|, whose sum of octaves is nearly as large at most
+    constexpr double HIGHEST = 1.04; // bound of |noise|, and of its sum of octaves
     const double torn = std::max(std::abs(1 - y0), std::abs(1 - y1)) * STEEPNESS * density * HIGHEST;
     return std::min(1.0, std::min(1.0, torn) + 2 * std::max(0.0, 0.5 - y0));
   }

@@ -19,7 +19,7 @@ std::vector<ParameterSpec> boxParameters() {
 
 glm::ivec3 readSize(const Parameters& p) { return {p.integer("nx"), p.integer("ny"), p.integer("nz")}; }
 
-/** The values of a grid's parameter, as many as it has cells. */
+/** Values of a grid parameter; fails unless there is one for each cell. */
 template <class T, class Values>
 SampledGrid<T> readGrid(const Parameters& p, const std::string& name, const Values& values) {
   const glm::ivec3 size = readSize(p);
@@ -35,7 +35,7 @@ SampledGrid<T> readGrid(const Parameters& p, const std::string& name, const Valu
   return {size, std::move(converted)};
 }
 
-/** `Lescale` of each cell over emissionScale(); empty where all have the same. */
+/** `Lescale` of each cell over emissionScale(); empty where one value serves all cells. */
 SampledGrid<float> readEmissionScale(const Parameters& p) {
   std::vector<double> values = p.reals("Lescale");
   if (values.size() == 1) return {};

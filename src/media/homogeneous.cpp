@@ -1,5 +1,5 @@
 /** @file
- * The medium that is the same everywhere.
+ * Homogeneous media: equal coefficients everywhere.
  */
 #include "recurse/model/medium/mediumParameters.h"
 #include "recurse/model/scene/plugIns.h"
@@ -8,8 +8,8 @@ namespace recurse {
 
 namespace {
 
-/** A medium of the same albedos that is no denser than that, by channel: of what is so dense only those
- * count. */
+/** Medium of the same albedos with limited extinction in each channel [1/length]. At such extinctions only
+ * the albedos matter. */
 MediumPoint limited(MediumPoint m, float maxExtinction) {
   const Rgb extinction = m.extinction();
   for (int c = 0; c < 3; ++c)

@@ -14,11 +14,11 @@ namespace recurse::apps {
 
 namespace {
 
-/** Elements of a part that are sent at once, so that what has come is added while the rest is on its way.
- * Counts of MPI are of 31 bits. */
+/** Elements of a part in one message, so that received elements are added during the transfer of the next.
+ * MPI counts have 31 bits. */
 constexpr size_t CHUNK = 1 << 18;
 
-// MPI passes nothing to an operation but the numbers.
+// Functions by part, because MPI passes only the numbers to an operation.
 constexpr size_t MAX_PARTS = 8;
 std::array<Film::StatePart::Add, MAX_PARTS> adders{};
 template <size_t PART> void addPart(void* from, void* into, int* count, MPI_Datatype*) {

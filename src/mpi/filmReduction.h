@@ -1,5 +1,5 @@
 /** @file
- * The sum of the ranks' films.
+ * Sum of the films of all ranks.
  */
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace recurse::apps {
 
-/** Adds up the films of all ranks at the leader, while they do other things. */
+/** Adds up the films of all ranks at the leader, in the background. */
 class FilmReduction {
  public:
   explicit FilmReduction(Film& shape);
@@ -20,10 +20,10 @@ class FilmReduction {
   FilmReduction(const FilmReduction&) = delete;
   FilmReduction& operator=(const FilmReduction&) = delete;
 
-  /** `sum`: at the leader, where it is to go; null elsewhere. Both stay until it has ended. */
+  /** `sum`: target at the leader; null at all other ranks. Both films must exist until it has ended. */
   void start(Film& own, Film* sum);
   bool isActive() const { return active; }
-  /** True when it has just ended. */
+  /** True once, after the reduction has ended. */
   bool ended();
 
  private:

@@ -1,5 +1,5 @@
 /** @file
- * Dealing out, adding up, and when to end.
+ * Leader: distribution of work, sum of films, end of the render.
  */
 #include "mpi/leader.h"
 
@@ -18,16 +18,16 @@ namespace recurse::apps {
 
 namespace {
 
-/** Seconds of a unit, where there is a choice: dealing them out costs next to nothing then, and whoever is
- * slow holds up the others for so long at most. */
+/** Duration of a unit, if it can be chosen [s]. The cost of distribution is then negligible, and a slow rank
+ * delays the render by this time at most. */
 constexpr double UNIT_SECONDS = 1;
-/** Shortest time between estimates of the error [s]. They take one part in ERROR_COST_RATIO of the time, with
- * the films' way to the leader, while the ranks go on. */
+/** Shortest time between estimates of the error [s]. Including the transfer of films they take at most 1 /
+ * ERROR_COST_RATIO of the time; the ranks go on rendering. */
 constexpr double ERROR_INTERVAL = 0.5, ERROR_COST_RATIO = 20;
-/** Seconds without a word from a rank, which reports five times a second. */
+/** Silence of a rank before a warning [s]; ranks report five times a second. */
 constexpr double SILENCE_SECONDS = 3;
 
-/** The rank that deals out. */
+/** Rank that distributes the work. */
 class Leader {
  public:
   Leader(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings, Film& film,
@@ -69,7 +69,7 @@ class Leader {
       if (quiet) std::this_thread::sleep_for(worker.isReducing() ? BUSY_POLL : IDLE_POLL);
     }
     sendOthers(Command::END);
-    if (reason != StopReason::ERROR) estimateError(); // else it is the one that was reached
+    if (reason != StopReason::ERROR) estimateError(); // otherwise the known error has ended the render
     if (settings.save) save();
     reporter.finish(progress());
     return summary();
@@ -77,9 +77,9 @@ class Leader {
 
  private:
   struct Rank {
-    int units = 0;       ///< that it has
-    double unitSize = 0; ///< of the last one
-    double speed = 0;    ///< samples of a tile in a second; 0: not known yet
+    int units = 0;       ///< units that the rank has
+    double unitSize = 0; ///< of the latest unit
+    double speed = 0;    ///< tile samples per second; 0: unknown
     FullReport last;
     Clock::time_point heard = Clock::now();
     bool isMissed = false;
@@ -87,7 +87,7 @@ class Leader {
   struct Dealt {
     int64_t id = 0;
     WorkUnit unit;
-    int64_t reduction = 0; ///< that it will be in
+    int64_t reduction = 0; ///< number of the reduction with this unit
     bool finished = false;
   };
 
@@ -170,13 +170,13 @@ class Leader {
                         [&](const Dealt& d) { return !d.finished && d.unit.firstSample <= firstSample; });
   }
 
-  /** Whether photons are shot here, or another rank has samples. */
+  /** True if photons are shot here, or any rank has samples. */
   bool hasBegunPicture() const {
     return worker.renderer.hasShot() ||
            std::any_of(ranks.begin(), ranks.end(), [](const Rank& r) { return r.last.tileSamples > 0; });
   }
   bool isStopped() const { return stop || stoppedElsewhere; }
-  /** Ends the render early where that is due. */
+  /** Ends the render early if a limit is reached. */
   void watch() {
     if (reason) return;
     if (!isPicture && hasBegunPicture()) {
@@ -186,7 +186,7 @@ class Leader {
     }
     const bool hasFirstSample = everyPixelHasASample();
     if (hasFirstSample) rule.completeFirstSample();
-    // Of a picture that has begun there is to be something to be written.
+    // A picture that has begun gets at least one tile, so that there is output.
     const bool waitsForTile = isPicture && !hasFirstSample && worker.renderer.tileSamples() == 0;
     if (isStopped() || (rule.isTimeUp(elapsed() + reductionSeconds) && !waitsForTile) ||
         (rule.isErrorReached(errors.error()) && (isWorkLeft() || unitsOut() > 0)))
@@ -207,7 +207,7 @@ class Leader {
   }
 
   bool isWorkLeft() const { return !queue.empty() || (allocation && allocation->dealtUpTo() < lastSample); }
-  /** A stage of adaptive samples follows from all samples of those before. */
+  /** Begins the next stage of adaptive samples after all samples of the stages before. */
   void beginStage() {
     if (reason || !allocation || !queue.empty() || unitsOut() > 0 || !isWorkLeft()) return;
     const int64_t first = allocation->dealtUpTo();
@@ -222,14 +222,14 @@ class Leader {
       any = false;
       for (int r = 0; r < int(ranks.size()) && !queue.empty(); ++r) any = dealTo(r) || any;
     }
-    // What is left takes too long for the time.
+    // The remaining units would take longer than the time limit allows.
     if (!queue.empty() && unitsOut() == 0) reason = StopReason::TIME;
   }
-  /** False where it has enough to do, or there is nothing that it would finish in time. */
+  /** False if the rank has enough units, or no unit can be finished in time. */
   bool dealTo(int r) {
     const int workers = int(ranks.size());
     Rank& rank = ranks[size_t(r)];
-    // A second one is on its way while the first is worked on, but not where they run out.
+    // A second unit is sent while the first is rendered, unless few units are left.
     const bool plenty = queue.size() > 4 * double(workers) * rank.unitSize && rank.speed > 0;
     if (rank.units >= (plenty ? 2 : 1)) return false;
     double wanted =
@@ -293,7 +293,7 @@ class Leader {
     for (const Rank& r : ranks) {
       RenderStatistics one;
       r.last.figures.addTo(one);
-      one.photonSeconds /= double(ranks.size()); // they work at the same time
+      one.photonSeconds /= double(ranks.size()); // ranks work at the same time
       one.balanceSeconds /= double(ranks.size());
       Figures(one).addTo(out);
       out.threads += static_cast<int>(r.last.threads);
@@ -303,7 +303,7 @@ class Leader {
     return out;
   }
 
-  /** All units have been reported that are in the film. */
+  /** True if all units in the film have been reported. */
   bool isFilmKnown() const {
     return std::none_of(dealt.begin(), dealt.end(),
                         [&](const Dealt& d) { return !d.finished && d.reduction <= reductionsDone; });
@@ -361,22 +361,22 @@ class Leader {
   int64_t firstSample, lastSample;
   SampleAllocation* allocation;
   WorkQueue queue;
-  std::vector<Dealt> dealt; ///< not finished, or not in the film yet
+  std::vector<Dealt> dealt; ///< units not finished, or not in the film yet
   int64_t lastId = 0, reductionsBegun = 0, reductionsDone = 0;
-  bool anythingNew = false;      ///< in the films of the ranks
-  bool stoppedElsewhere = false; ///< somebody wants another rank to end
-  bool isPicture = false;        ///< its first sample has begun
+  bool anythingNew = false;      ///< in the ranks' films since the latest reduction
+  bool stoppedElsewhere = false; ///< a rank was asked to end the render
+  bool isPicture = false;        ///< the first sample has begun
   bool isSaveDue = false;
-  std::optional<StopReason> reason; ///< to end early: no more work is dealt out
-  const Clock::time_point start;    ///< with the time before an interruption
+  std::optional<StopReason> reason; ///< why the render ends early: no more work is distributed
+  const Clock::time_point start;    ///< earlier by the time before an interruption
   StopRule rule;
   ErrorWatch errors;
   Recurrence saves, looks;
   ProgressReporter reporter;
   double pictureStart; ///< seconds since `start`
   Clock::time_point reductionStart{};
-  double reductionSeconds = 0; ///< of the latest one
-  double before;               ///< tile samples that the film began with
+  double reductionSeconds = 0; ///< duration of the latest reduction
+  double before;               ///< tile samples in the film at the start
 };
 
 } // namespace

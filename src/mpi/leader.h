@@ -1,5 +1,5 @@
 /** @file
- * The rank that deals out the work.
+ * Rank that distributes the work.
  */
 #pragma once
 
@@ -13,8 +13,8 @@
 
 namespace recurse::apps {
 
-/** As recurse::render(), which began at `start`, while all others follow(); `names` are those of the ranks.
- * `log` gets a warning where a rank is waited for that is silent. */
+/** Leads a render that began at `start`, like recurse::render(), while all other ranks follow(). `names` are
+ * the names of ranks. `log` gets a warning when a silent rank delays the render. */
 RenderStatistics lead(Worker& worker, const std::vector<std::string>& names, const RenderSettings& settings,
                       Film& film, Clock::time_point start, const std::atomic<bool>& stop,
                       const std::function<void(const RenderProgress&)>& progress,

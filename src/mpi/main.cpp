@@ -1,5 +1,5 @@
 /** @file
- * Where the program `recurse-mpi` begins: `recurse render` by many processes.
+ * Entry point of the program `recurse-mpi`: `recurse render` by many processes.
  */
 #include <cstdio>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace {
 
-/** Keeps what a rank says to itself until it has joined: all would say the same. */
+/** Captures the output of a rank until it has joined, because all ranks would print the same. */
 class QuietUntilJoined {
  public:
   explicit QuietUntilJoined(bool leads) {
@@ -23,7 +23,7 @@ class QuietUntilJoined {
     own = ::dup(STDERR_FILENO);
     ::dup2(::fileno(kept), STDERR_FILENO);
   }
-  /** What it has said. */
+  /** Ends the capture and returns the text. */
   std::string release() {
     std::string text;
     if (!kept) return text;

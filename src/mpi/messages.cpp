@@ -20,7 +20,7 @@ template <class T> void append(std::vector<char>& bytes, const T* values, size_t
   std::memcpy(&bytes[at], values, sizeof(T) * count);
 }
 
-/** The next values of a message, which goes on behind them. */
+/** Reads the next values of a message and moves `bytes` behind them. */
 template <class T> void take(const char*& bytes, std::vector<T>& values, size_t count) {
   values.resize(count);
   if (count == 0) return;

@@ -1,5 +1,5 @@
 /** @file
- * What the leading rank and the others tell each other.
+ * Messages between the leader and the ranks.
  */
 #pragma once
 
@@ -21,14 +21,14 @@ constexpr int LEADER = 0;
 
 using Clock = std::chrono::steady_clock;
 
-/** From the leader to a rank. */
+/** Message from the leader to a rank. */
 struct Command {
   enum Kind : int64_t { UNIT, TAKE_FILM, STAGE, STOP, END };
   int64_t kind = UNIT, id = 0;
   WorkUnit unit;
 };
 
-/** The numbers of RenderStatistics that add up. */
+/** Additive numbers of RenderStatistics. */
 struct Figures {
   double photonSeconds = 0, balanceSeconds = 0, processorSeconds = 0, learningProcessorSeconds = 0,
          photonProcessorSeconds = 0, truncatedThroughput = 0;
@@ -67,10 +67,10 @@ struct Figures {
   }
 };
 
-/** From a rank to the leader. Units that are left, pilot samples and the text of a failure come after it. */
+/** Message from a rank to the leader, followed by unfinished units, pilot samples and a failure's text. */
 struct Report {
-  int64_t finished = -1; ///< a unit; -1: none
-  double seconds = 0;    ///< that it took
+  int64_t finished = -1; ///< id of a unit; -1: none
+  double seconds = 0;    ///< time of the unit
   double tileSamples = 0, photonProgress = 0;
   uint64_t rays = 0;
   int64_t stop = 0, threads = 0;
@@ -84,11 +84,11 @@ struct FullReport : Report {
 };
 
 void sendCommand(int rank, const Command& command);
-/** The next command of the leader that has arrived. */
+/** Next command of the leader, if one has arrived. */
 std::optional<Command> receivedCommand();
 
 void sendReport(const FullReport& report);
-/** The next report that has arrived, and who it is from. */
+/** Next report and the rank that sent it, if one has arrived. */
 std::optional<std::pair<int, FullReport>> receivedReport();
 
 } // namespace recurse::apps

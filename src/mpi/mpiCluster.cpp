@@ -1,5 +1,5 @@
 /** @file
- * Ranks that meet, tell each other texts, and render together.
+ * MPI ranks: agreement at the start, exchange of texts, common render.
  */
 #include "mpi/mpiCluster.h"
 
@@ -25,7 +25,7 @@ namespace recurse::apps {
 
 namespace {
 
-/** "name\tvalue\n" for each. */
+/** Text of an identity: a line "name\tvalue\n" for each entry. */
 std::string textOf(const std::map<std::string, std::string>& identity) {
   std::string out;
   for (const auto& [name, value] : identity) out += name + "\t" + value + "\n";
@@ -39,11 +39,11 @@ std::map<std::string, std::string> identityOf(const std::string& text) {
       out[line.substr(0, tab)] = line.substr(tab + 1);
   return out;
 }
-/** What a rank sends that cannot join. */
+/** First character of the text of a rank that cannot join. */
 constexpr char FAILED = '!';
 
-/** The photons of the only pass. Where that is to end at any rank it ends at all: each then shoots them when
- * it needs them. */
+/** Shoots the photons of the only pass, shared by all ranks. A stop at one rank stops all: each then shoots
+ * the photons alone when it needs them. */
 void shootTogether(Worker& worker, const std::function<bool()>& isToEnd, Clock::time_point start,
                    const std::function<void(const RenderProgress&)>& progress) {
   std::atomic<bool> stopping{isToEnd()};
@@ -73,7 +73,7 @@ MpiCluster::MpiCluster(int& argc, char**& argv) {
   int neighbours = 1;
   MPI_Comm_size(onHost, &neighbours);
   MPI_Comm_free(&onHost);
-  // mpirun ties a rank to one core unless it is told not to.
+  // mpirun binds each rank to one core by default.
   if (std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE")) {
     cpu_set_t all;
     CPU_ZERO(&all);
@@ -153,7 +153,7 @@ void MpiCluster::join(const std::map<std::string, std::string>& identity) {
 void MpiCluster::fail(const std::string& why) {
   try {
     requireAgreement(FAILED + why);
-  } catch (const Error&) { // has been said where it happened
+  } catch (const Error&) { // reported already by the rank that failed
   }
 }
 
@@ -161,13 +161,13 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
                                     const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
                                     const std::function<void(const RenderProgress&)>& progress,
                                     const std::function<void(const std::string&)>& log) {
-  // What the leader saves is not what its own worker writes to.
+  // The leader's own worker needs an allocation apart from the one that is saved.
   RenderSettings workerSettings = settings;
   std::optional<SampleAllocation> workerAllocation;
   if (leads() && settings.allocation)
     workerSettings.allocation = &workerAllocation.emplace(*settings.allocation);
   const Clock::time_point start = startOf(settings);
-  // Photons that ranks share need the same learning at all of them: where some are not done with it in time,
+  // Shared photons require the same learning at all ranks. Where one rank does not finish learning in time,
   // no photons are shot either.
   const StopRule rule(settings, false);
   const auto isToEnd = [&] { return stop || rule.isTimeUp(secondsSince(start)); };
@@ -178,7 +178,7 @@ RenderStatistics MpiCluster::render(const Scene& scene, Integrator& integrator, 
   if (size > 1 && worker.renderer.samples().hasOneMap())
     shootTogether(worker, isToEnd, start, leads() ? progress : nullptr);
   if (leads()) {
-    // It has to have room for what the ranks' films have.
+    // The film needs the splats of the ranks' films.
     if (worker.sum->splats()) film.enableSplats(worker.sum->splats()->unit());
     if (settings.allocation)
       settings.allocation->setMapPerSample(worker.renderer.samples().hasMapPerSample());

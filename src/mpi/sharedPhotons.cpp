@@ -1,5 +1,5 @@
 /** @file
- * Dealing out batches of photons, and gathering them at all ranks.
+ * Distribution of batches of photons to all ranks, and their exchange.
  */
 #include "mpi/sharedPhotons.h"
 
@@ -14,10 +14,10 @@ namespace recurse::apps {
 
 namespace {
 
-/** The part of the batches that tells how fast the ranks are. */
+/** Reciprocal of the fraction of batches that measures the speed of ranks. */
 constexpr size_t TRIAL_PART = 10;
 
-/** Where the batches of each rank begin between `first` and `end`, in proportion to `speeds`. */
+/** First batch of each rank in [first, end), in proportion to `speeds`; `end` follows. */
 std::vector<size_t> dealt(size_t first, size_t end, const std::vector<double>& speeds) {
   double all = 0, before = 0;
   for (const double s : speeds) all += s;
@@ -30,9 +30,9 @@ std::vector<size_t> dealt(size_t first, size_t end, const std::vector<double>& s
   return out;
 }
 
-/** Sends the bytes of one rank to all. */
+/** Sends bytes from rank `root` to all ranks. */
 void broadcast(std::vector<std::byte>& bytes, int root) {
-  constexpr size_t PIECE = size_t(1) << 30; // counts of MPI are of 31 bits
+  constexpr size_t PIECE = size_t(1) << 30; // MPI counts have 31 bits
   for (size_t at = 0; at < bytes.size(); at += PIECE)
     MPI_Bcast(bytes.data() + at, static_cast<int>(std::min(PIECE, bytes.size() - at)), MPI_BYTE, root,
               MPI_COMM_WORLD);

@@ -1,5 +1,5 @@
 /** @file
- * Photons that all ranks shoot together.
+ * Photons of a pass, shared by all ranks.
  */
 #pragma once
 
@@ -9,11 +9,11 @@
 
 namespace recurse::apps {
 
-/** Deals out the photons of a pass to all ranks, who must be in it at the same time: a tenth of them in equal
- * parts, the rest by how fast each rank was. */
+/** Distributes the photons of a pass to all ranks, which must take part at the same time: a tenth in equal
+ * numbers, the remaining ones in proportion to the ranks' speeds. */
 class SharedPhotons final : public PhotonSharing {
  public:
-  /** `stop`: of this rank; becomes true where it is true at any. */
+  /** `stop`: stop flag of this rank; becomes true if it is true at any rank. */
   explicit SharedPhotons(std::atomic<bool>& stop) : stop(stop) {}
   bool share(size_t count, const std::function<void(size_t first, size_t end)>& shoot,
              const std::function<std::vector<std::byte>(size_t batch)>& shot,

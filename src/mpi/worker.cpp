@@ -1,5 +1,5 @@
 /** @file
- * Rendering units, giving films away, reporting.
+ * Worker of a rank: renders units, gives films to the reduction, reports.
  */
 #include "mpi/worker.h"
 
@@ -15,7 +15,7 @@ namespace recurse::apps {
 
 namespace {
 
-/** Between reports of a rank. */
+/** Time between reports of a rank [s]. */
 constexpr double REPORT_SECONDS = 0.2;
 
 } // namespace
@@ -39,7 +39,7 @@ bool Worker::obey(const Command& c) {
 }
 
 void Worker::shareStage(std::vector<std::byte> plan) {
-  constexpr size_t PIECE = size_t(1) << 30; // counts of MPI are of 31 bits
+  constexpr size_t PIECE = size_t(1) << 30; // MPI counts have 31 bits
   for (size_t at = 0; at < plan.size(); at += PIECE)
     MPI_Bcast(plan.data() + at, static_cast<int>(std::min(PIECE, plan.size() - at)), MPI_BYTE, LEADER,
               stages);

@@ -1,5 +1,5 @@
 /** @file
- * What every rank does.
+ * Worker of a rank, the leader included.
  */
 #pragma once
 
@@ -19,26 +19,26 @@
 
 namespace recurse::apps {
 
-/** Between looks for messages, while films are on their way and else. */
+/** Time between polls for messages: during a reduction, and at all other times. */
 constexpr std::chrono::microseconds BUSY_POLL{50}, IDLE_POLL{500};
 
-/** What every rank does: renders units, gives its film away, and reports. */
+/** Worker of every rank: renders units, gives its film to the reduction, and reports. */
 class Worker {
  public:
-  /** Learns what the integrator learns before the first sample. */
+  /** Prepares the integrator, including everything it learns before the first sample. */
   Worker(const Scene& scene, Integrator& integrator, const PathClasses& classes,
          const RenderSettings& settings, const std::function<void(const std::string&)>& log, bool leads);
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
 
-  /** False at the end. */
+  /** Executes a command. False at the end. */
   bool obey(const Command& command);
-  /** The leader's plan of adaptive samples goes to all, together. Elsewhere `plan` is of the right size. */
+  /** Broadcasts the leader's plan of adaptive samples to all ranks. Elsewhere `plan` has only its size. */
   void shareStage(std::vector<std::byte> plan);
-  /** What there is to be said now. */
+  /** Reports that are due now. */
   std::vector<FullReport> reports(bool stop);
-  /** Goes on with the reduction. True when it has just ended, and the leader has the sum in films(). */
+  /** Advances the reduction. True once it has ended; the leader then has the sum of films in `sum`. */
   bool reduced();
   bool isReducing() const { return reduction.isActive() || filmWanted; }
   static void clear(Film& film);
@@ -46,18 +46,18 @@ class Worker {
   UnitRenderer renderer;
   Film outgoing;
   FilmReduction reduction;
-  std::optional<Film> sum; ///< of all ranks, at the leader
+  std::optional<Film> sum; ///< sum of the films of all ranks, at the leader
 
  private:
   SampleAllocation* allocation;
-  MPI_Comm stages; ///< for what shareStage() sends, apart from films that are on their way
+  MPI_Comm stages; ///< communicator of shareStage(), apart from reductions of films
   Figures figures;
   std::clock_t processorStart;
   Clock::time_point told{};
   bool stopSaid = false, filmWanted = false;
 };
 
-/** A rank that does not lead: until the end. */
+/** Runs a rank that does not lead, until the end. */
 void follow(Worker& worker, const std::atomic<bool>& stop);
 
 } // namespace recurse::apps

@@ -1,5 +1,5 @@
 /** @file
- * The report on path classes, for a person at a terminal.
+ * Report on path classes for a terminal.
  */
 #include "recurse/pathclasses/classesReport.h"
 
@@ -12,7 +12,7 @@ namespace recurse {
 
 namespace {
 
-/** A line for each length of path. */
+/** Words in one line for each length of path. */
 std::string byLength(const std::vector<std::string>& words) {
   std::string out;
   size_t length = 0;

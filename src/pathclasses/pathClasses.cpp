@@ -1,7 +1,7 @@
 /** @file
- * The tables of several path classes. A camera state is a row: for every light state, the classes that accept
- * the path if the light has read up to it and the eye the rest. Words with the same row cannot be told apart,
- * so that the rows are the states of the smallest reverse automaton, and the join table too.
+ * Tables of several path classes. A camera state is a row: for every light state, the classes that accept the
+ * path if the light has read up to this state and the camera the remainder. Words with equal rows are
+ * equivalent, so that the rows are the states of the minimal reverse automaton, and also the join table.
  */
 #include "recurse/pathclasses/pathClasses.h"
 
@@ -52,7 +52,7 @@ std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes) {
   return automata;
 }
 
-/** What a person can do about it is to leave out the class with most states. */
+/** Throws Error that names the class with most states, which a person can omit. */
 [[noreturn]] void tooLarge(const std::string& what, const std::vector<PathClass>& classes,
                            const std::vector<PathAutomaton>& automata) {
   size_t largest = 0;
@@ -64,10 +64,10 @@ std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes) {
               ExitStatus::BAD_USAGE);
 }
 
-/** All classes side by side after L, not yet minimised. */
+/** Product automaton of all classes after L, not minimised. */
 struct Product {
-  std::vector<uint32_t> next;    ///< PATH_EVENTS a state
-  std::vector<LayerMask> output; ///< the classes that accept when E comes now
+  std::vector<uint32_t> next;    ///< PATH_EVENTS entries for each state
+  std::vector<LayerMask> output; ///< classes that accept if E is next
 };
 
 Product multiply(const std::vector<PathClass>& classes, const std::vector<PathAutomaton>& automata) {
@@ -108,7 +108,7 @@ PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classe
   const std::vector<PathAutomaton> automata = compileAll(list);
   const Product product = multiply(list, automata);
 
-  // Light side: states that no class can tell apart become one.
+  // Light side: states that are equivalent for all classes are merged.
   const std::vector<uint32_t> block = coarsestPartition(product.next, PATH_EVENTS, product.output);
   lightStates = *std::max_element(block.begin(), block.end()) + 1;
   if (lightStates > MAX_LIGHT_STATES)
@@ -123,7 +123,7 @@ PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classe
       lightNext[block[s] * PATH_EVENTS + e] = static_cast<uint8_t>(block[product.next[s * PATH_EVENTS + e]]);
   }
 
-  // Eye side, from "E" backwards.
+  // Camera side, from "E" backwards.
   std::unordered_map<Row, uint32_t, HashRow> number;
   std::vector<const Row*> rows;
   const auto visit = [&](Row row) {
@@ -143,7 +143,7 @@ PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classe
       cameraNext.push_back(visit(std::move(row)));
     }
 
-  // The rows hold the answer for every pair, so what is dead shows in them too.
+  // The rows contain the result of every pair, and thus the dead states.
   lightDead.assign(lightStates, 1);
   for (const Row* row : rows) {
     joined.insert(joined.end(), row->begin(), row->end());

@@ -1,5 +1,5 @@
 /** @file
- * Sets of paths: their algebra, examples of their words, and how they read.
+ * Sets of paths: their algebra, examples of their words, and their expressions.
  */
 #include "recurse/pathclasses/pathExpression.h"
 
@@ -64,11 +64,11 @@ class WordLister {
   size_t wanted = 0;
 };
 
-/** A piece of an expression on its way from an automaton; what it is decides about parentheses. */
+/** Partial expression during state elimination; its kind determines the need for parentheses. */
 struct Text {
   enum Kind { NOTHING, EMPTY_WORD, ALTERNATIVES, SEQUENCE, REPEATED, ATOM } kind = NOTHING;
   std::string text;
-  uint32_t letters = 0; ///< when it is one letter out of several
+  uint32_t letters = 0; ///< set of letters, if it is a single letter or a choice of letters
 };
 
 Text letterText(uint32_t letters) {
@@ -151,7 +151,7 @@ bool PathAutomaton::equivalent(const PathAutomaton& other) const { return *dfa =
 bool PathAutomaton::subsetOf(const PathAutomaton& other) const { return difference(other).isEmpty(); }
 
 std::vector<std::string> PathAutomaton::exampleWords(size_t maxEvents, size_t mostPerLength) const {
-  // Scenes with media are few, so paths without come first.
+  // Scenes with media are rare: paths without V come first.
   const PathAutomaton surfaces = compile("L[SD]*E");
   const Dfa without = *intersect(surfaces).dfa, with = *difference(surfaces).dfa;
   WordLister first(without, maxEvents), second(with, maxEvents);
@@ -165,7 +165,7 @@ std::vector<std::string> PathAutomaton::exampleWords(size_t maxEvents, size_t mo
 }
 
 std::string PathAutomaton::shortestWord() const {
-  // Breadth first; `words` grows while it is read.
+  // Breadth-first search; `words` grows during the loop.
   std::vector<std::pair<uint32_t, std::string>> words = {{start(), ""}};
   std::vector<uint8_t> seen(dfa->size());
   for (size_t i = 0; i < words.size(); ++i) {
@@ -185,8 +185,8 @@ std::string PathAutomaton::describe() const {
   std::string out;
   for (uint32_t s = 0; s < dfa->size(); ++s) {
     if (s >= MAX_COUNT) return out + "  ... (" + std::to_string(dfa->size()) + " states)\n";
-    if (dfa->dead(s) || dfa->accepting[s]) continue; // acceptance has no way on: E ends a path
-    // Letters with the same target are told together, in the order of the letters.
+    if (dfa->dead(s) || dfa->accepting[s]) continue; // an accepting state has no continuation: E ends a path
+    // Letters with the same target are listed together, in the order of the letters.
     std::string line;
     std::vector<uint32_t> told;
     for (const PathLetter l : {PathLetter::L, PathLetter::S, PathLetter::D, PathLetter::V, PathLetter::E}) {
@@ -208,13 +208,13 @@ std::string PathAutomaton::describe() const {
 
 std::string PathAutomaton::toExpression(size_t longest) const {
   if (isEmpty()) return {};
-  // State elimination among the states between L and E. Two more nodes stand for "L was read" and "E is
+  // State elimination over the states between L and E. Two additional nodes represent "L was read" and "E is
   // next".
   std::vector<uint32_t> states;
   for (uint32_t s = 1; s < dfa->size(); ++s)
     if (!dfa->dead(s) && !dfa->accepting[s]) states.push_back(s);
   const size_t first = states.size(), last = first + 1;
-  if (first > longest) return {}; // every state takes at least a character
+  if (first > longest) return {}; // every state needs at least one character
   std::vector<std::vector<Text>> edge(last + 1, std::vector<Text>(last + 1));
   const Text emptyWord = {Text::EMPTY_WORD, "", 0};
   for (size_t i = 0; i < first; ++i) {
@@ -229,7 +229,7 @@ std::string PathAutomaton::toExpression(size_t longest) const {
   }
   std::vector<size_t> left(first);
   for (size_t i = 0; i < first; ++i) left[i] = i;
-  const auto weight = [&](size_t k) { // how much text the elimination of k would make
+  const auto weight = [&](size_t k) { // length of the text that the elimination of k adds
     size_t in = 0, out = 0, inText = 0, outText = 0;
     for (size_t i = 0; i <= last; ++i) {
       if (i == k) continue;

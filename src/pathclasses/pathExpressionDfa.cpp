@@ -1,6 +1,6 @@
 /** @file
- * The algebra of finite automata: every operation makes a small non-deterministic or product automaton,
- * determinises it and minimises at once, so that sizes stay those of the languages.
+ * Algebra of finite automata. Every operation makes a small non-deterministic or product automaton,
+ * determinises it and minimises it at once, so that sizes are bounded by the languages.
  */
 #include "pathclasses/pathExpressionDfa.h"
 
@@ -23,7 +23,7 @@ struct HashStates {
   }
 };
 
-/** Deterministic, complete and reachable, but perhaps not minimal. */
+/** Minimal automaton of a deterministic, complete and reachable one. */
 Dfa minimised(const Dfa& dfa) {
   std::vector<uint32_t> next;
   next.reserve(dfa.size() * PATH_LETTERS);
@@ -31,7 +31,7 @@ Dfa minimised(const Dfa& dfa) {
   const std::vector<uint64_t> colours(dfa.accepting.begin(), dfa.accepting.end());
   const std::vector<uint32_t> block = coarsestPartition(next, PATH_LETTERS, colours);
 
-  // The breadth-first order makes the numbering depend on the language alone.
+  // Breadth-first order makes the numbering depend only on the language.
   std::vector<uint32_t> number(dfa.size(), UINT32_MAX);
   std::vector<uint32_t> order;
   const auto visit = [&](uint32_t state) {
@@ -53,8 +53,8 @@ Dfa minimised(const Dfa& dfa) {
   return out;
 }
 
-/** A non-deterministic automaton made of deterministic ones: where a piece may end, its followers may begin.
- */
+/** Non-deterministic automaton made of deterministic pieces: from each accepting state of a piece, its
+ * followers may begin. */
 struct Piece {
   const Dfa* dfa;
   bool initial;
@@ -62,7 +62,7 @@ struct Piece {
   std::vector<uint32_t> followers;
 };
 
-/** The subset construction: states are sets of states of all pieces, numbered piece after piece. */
+/** Subset construction: states are sets of states of all pieces, which are numbered piece after piece. */
 class SubsetConstruction {
  public:
   SubsetConstruction(const std::vector<Piece>& pieces, Effort& effort) : pieces(pieces), effort(effort) {
@@ -76,7 +76,7 @@ class SubsetConstruction {
 
   /** `acceptsEmpty` adds the empty word. */
   Dfa run(bool acceptsEmpty) {
-    // The start is a state of its own, though its subset may occur again later without the empty word.
+    // The start is a separate state, since its subset may occur later without the empty word.
     begin();
     for (uint32_t p = 0; p < pieces.size(); ++p)
       if (pieces[p].initial) add(offset[p]);
@@ -107,7 +107,7 @@ class SubsetConstruction {
     subset.clear();
     accepting = false;
   }
-  /** Adds a state, and where its piece may end the first ones of the followers. */
+  /** Adds a state, and if its piece may end there, the initial states of the followers. */
   void add(uint32_t global) {
     pending.push_back(global);
     while (!pending.empty()) {
@@ -124,14 +124,14 @@ class SubsetConstruction {
       for (const uint32_t f : piece.followers) pending.push_back(offset[f]);
     }
   }
-  /** The number of the subset. */
+  /** Index of the subset. */
   uint32_t finish() {
     std::sort(subset.begin(), subset.end());
     const auto [at, fresh] = number.try_emplace(subset, static_cast<uint32_t>(subsets.size()));
     if (fresh) {
       if (subsets.size() >= MAX_STATES)
         throw AutomatonTooLarge("needs more than " + std::to_string(MAX_STATES) + " states");
-      subsets.push_back(&at->first); // stays put: the map never moves its elements
+      subsets.push_back(&at->first); // address is stable: the map never moves its elements
       out.accepting.push_back(accepting);
     }
     return at->second;
@@ -139,7 +139,7 @@ class SubsetConstruction {
 
   const std::vector<Piece>& pieces;
   Effort& effort;
-  std::vector<uint32_t> offset, pieceOf; ///< first state of a piece; the piece of a state
+  std::vector<uint32_t> offset, pieceOf; ///< first state of each piece; piece of each state
   std::vector<uint32_t> seenIn, pending, subset;
   uint32_t round = 0;
   bool accepting = false;
@@ -167,7 +167,7 @@ bool Dfa::dead(uint32_t state) const {
 std::vector<uint32_t> coarsestPartition(const std::vector<uint32_t>& next, size_t letters,
                                         const std::vector<uint64_t>& colours) {
   const auto states = static_cast<uint32_t>(colours.size());
-  // For each letter and state the states that lead to it, one after the other.
+  // Predecessors of each state by each letter, in consecutive ranges.
   std::vector<uint32_t> sourcesBegin(letters * states + 1, 0), sources(letters * states);
   for (uint32_t s = 0; s < states; ++s)
     for (size_t a = 0; a < letters; ++a) ++sourcesBegin[a * states + next[s * letters + a] + 1];
@@ -214,7 +214,7 @@ std::vector<uint32_t> coarsestPartition(const std::vector<uint32_t>& next, size_
       for (const uint32_t b : touched) {
         const uint32_t middle = blocks[b].begin + std::exchange(blocks[b].marked, 0u);
         if (middle == blocks[b].end) continue;
-        // The smaller part becomes the new block and the new splitter; the other part stays what it was.
+        // The smaller part becomes the new block and the new splitter; the larger part keeps its index.
         Block part = {blocks[b].begin, middle, 0};
         if (middle - blocks[b].begin <= blocks[b].end - middle) {
           blocks[b].begin = middle;

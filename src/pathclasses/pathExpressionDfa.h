@@ -1,6 +1,6 @@
 /** @file
- * The algebra of finite automata behind path expressions. Private to path expressions and path classes: these
- * automata accept any words over the five letters, of which paths are just some.
+ * Algebra of finite automata for path expressions and path classes. These automata accept arbitrary words
+ * over the five letters, and paths are a subset of these words.
  */
 #pragma once
 
@@ -15,24 +15,24 @@ namespace recurse {
 constexpr size_t PATH_LETTERS = 5;
 constexpr size_t PATH_EVENTS = 3;
 
-/** Minimal and complete; states in breadth-first order from the start, 0. Equal languages have equal Dfas. */
+/** Minimal, complete automaton; states in breadth-first order from 0. Equal languages have equal Dfas. */
 struct Dfa {
   std::vector<std::array<uint32_t, PATH_LETTERS>> next;
   std::vector<uint8_t> accepting;
 
   size_t size() const { return accepting.size(); }
-  /** No word completes from this state. */
+  /** True where no word completes from this state. */
   bool dead(uint32_t state) const;
   bool operator==(const Dfa&) const = default;
 };
 
-/** Thrown when an automaton would grow beyond what is sensible. */
+/** Thrown when an automaton exceeds the maximum size. */
 class AutomatonTooLarge : public Error {
  public:
   explicit AutomatonTooLarge(const std::string& message) : Error(message, ExitStatus::BAD_USAGE) {}
 };
 
-/** Bounds the work of one compilation as a whole, so that no expression, however nested, takes seconds. */
+/** Limit of the total work of a compilation, so that no expression, however nested, takes seconds. */
 class Effort {
  public:
   void spend(size_t steps);
@@ -43,7 +43,7 @@ class Effort {
 
 constexpr size_t UNBOUNDED = static_cast<size_t>(-1);
 
-/** Words of one letter, of those whose bits are set. */
+/** Words of one letter, any of the letters whose bits are set. */
 Dfa oneLetter(uint32_t letters);
 Dfa concatenation(const std::vector<Dfa>& parts, Effort& effort);
 Dfa alternation(const std::vector<Dfa>& parts, Effort& effort);
@@ -52,12 +52,12 @@ Dfa repetition(const Dfa& part, size_t least, size_t most, Effort& effort);
 enum class SetOperation { AND, OR, AND_NOT };
 Dfa combination(const Dfa& a, const Dfa& b, SetOperation operation, Effort& effort);
 
-/** L(S|D|V)*E. */
+/** All words L(S|D|V)*E. */
 const Dfa& allPaths();
 
 /**
- * The coarsest partition of the states of a complete automaton that respects `colours` and all transitions
- * (Hopcroft 1971): the block of each state. `next` holds `letters` entries a state.
+ * Coarsest partition of the states of a complete automaton that is consistent with `colours` and all
+ * transitions (Hopcroft 1971): the block of each state. `next` has `letters` entries for each state.
  */
 std::vector<uint32_t> coarsestPartition(const std::vector<uint32_t>& next, size_t letters,
                                         const std::vector<uint64_t>& colours);

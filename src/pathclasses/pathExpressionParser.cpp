@@ -1,6 +1,6 @@
 /** @file
- * The parser of path expressions. It keeps no syntax tree: every part becomes its automaton as soon as it is
- * read.
+ * Parser of path expressions. It builds no syntax tree: every part is compiled to its automaton as soon as it
+ * is parsed.
  */
 #include "recurse/pathclasses/pathExpression.h"
 
@@ -55,12 +55,12 @@ class Parser {
   struct Part {
     Dfa dfa;
     size_t at = 0;
-    /** What stands for whole paths by itself: a named class, a complement. */
+    /** True for a part that matches whole paths: a named class, a complement. */
     bool whole = false;
   };
 
   [[noreturn]] void fail(size_t at, const std::string& message, const std::string& accepted) const {
-    // The caret counts characters, not bytes, and the expression may hold tabs and line ends.
+    // The caret position counts characters, not bytes; tabs and line ends in the expression are replaced.
     std::string shown, indent;
     for (size_t i = 0; i < std::min(text.size(), MAX_LENGTH); ++i) shown += isSpace(text[i]) ? ' ' : text[i];
     size_t column = 1;
@@ -76,7 +76,7 @@ class Parser {
     if (atEnd())
       fail(position, "the expression ends too early",
            "a letter L S D V E, '.', '[', '(', '!' or a named class");
-    // A whole character, should it be one of several bytes.
+    // Takes a whole character, which may have several bytes.
     size_t end = position + 1;
     while (end < text.size() && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) ++end;
     const std::string character = text.substr(position, end - position);
@@ -124,7 +124,7 @@ class Parser {
          "words that begin with L, end with E and have S, D or V between, such as L(S|D)*E");
   }
 
-  /** An operand of a set operation outside all parentheses is a class by itself, so it must have paths. */
+  /** An operand of a set operation outside of all parentheses is a class, so it must have paths. */
   Part operand(Part part) {
     if (depth == 0 && empty == PathAutomaton::Empty::REFUSED)
       refuseEmpty({combination(part.dfa, allPaths(), SetOperation::AND, effort), part.at, part.whole});
@@ -269,7 +269,7 @@ class Parser {
     return part;
   }
 
-  /** `[SD]` and `[^S]`, after the '['; nothing, and nothing read, where it is a group. */
+  /** Parses `[SD]` and `[^S]` after the '['; for a group it returns nothing and leaves the position. */
   std::optional<Part> letterSet(size_t at) {
     const size_t begin = position;
     const bool negated = take('^');
@@ -299,7 +299,7 @@ class Parser {
     const std::string name = text.substr(at, position - at);
     std::vector<std::string> names;
     for (const NamedPathClass& c : namedPathClasses()) {
-      // A named class is made of letters alone, so this goes no deeper.
+      // The expressions of named classes contain only letters, so the recursion ends here.
       if (c.name == name) return {Parser(c.expression, empty).parse(), at, true};
       names.push_back(c.name);
     }
@@ -357,7 +357,7 @@ std::vector<PathClass> defaultStillClasses(bool withMedia) {
       {"specular-of-diffuse", "LD+S+E"},
   };
   if (withMedia) {
-    // Every path with a V is in one of these.
+    // Every path with a V is in one of these classes.
     const std::vector<PathClass> media = {
         {"medium-direct", "LVE"},
         {"medium-caustic", "LS+VE"},

@@ -24,7 +24,7 @@ class HenyeyGreenstein final : public PhaseFunction {
   float meanCosine() const override { return g; }
 
  private:
-  /** Below this the quotient is rounding, and the peak less than a thousandth. */
+  /** |g| below which the quotient is rounding error, and the peak less than a thousandth. */
   static constexpr float ISOTROPIC = 1e-4f;
   float g;
 };

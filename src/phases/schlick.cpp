@@ -27,7 +27,7 @@ class Schlick final : public PhaseFunction {
   }
 
  private:
-  /** Below this the next term of the series, of k³, is less than rounding leaves of the closed form. */
+  /** |k| below which the next term of the series, k³, is below the rounding error of the closed form. */
   static constexpr float SERIES = 1e-3f;
   float k;
 };

@@ -1,6 +1,6 @@
 /** @file
- * The one list of plug-ins. A new plug-in is one .cpp file that defines its register function, and one line
- * here: RECURSE_PLUG_IN(Name) stands for `void registerName(PlugIns&)`.
+ * The list of plug-ins. A new plug-in is one .cpp file that defines its register function, and one line here:
+ * RECURSE_PLUG_IN(Name) expands to `void registerName(PlugIns&)`.
  */
 
 // Shapes

@@ -1,6 +1,6 @@
 /** @file
- * Makes the registries from the list, and from a second one where RECURSE_MORE_PLUG_INS names it: of plug-ins
- * that are compiled with a program and not with the library.
+ * Registries of plug-ins: filled from the list, and from a second one that RECURSE_MORE_PLUG_INS may name, of
+ * plug-ins that are compiled with a program and not with the library.
  */
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/model/scene/importExpansion.h"

@@ -1,5 +1,5 @@
 /** @file
- * A thread, and a wait with interruptions.
+ * Background thread, and a wait with interruptions.
  */
 #include "python/background.h"
 

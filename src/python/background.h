@@ -1,5 +1,5 @@
 /** @file
- * Work of the renderer in a thread beside Python's, so that other Python threads run and Ctrl-C is heard.
+ * Rendering in a background thread, so that other Python threads run and Ctrl-C works.
  */
 #pragma once
 
@@ -8,9 +8,9 @@
 namespace recurse::python {
 
 /**
- * Runs `work` in a thread of its own, without Python's lock, and waits for it. Meanwhile calls `look` with
- * Python's lock ten times a second, in the calling thread. Where `look` throws, and on Ctrl-C, calls `stop`,
- * and throws that once the work has ended. Throws what the work throws.
+ * Runs `work` in a thread of its own, without the GIL, and waits for it. Ten times a second, `look` is called
+ * with the GIL, in the calling thread. If `look` throws, or on Ctrl-C, `stop` is called, and the exception is
+ * thrown after the work has ended. Exceptions of `work` are thrown, too.
  */
 void runInBackground(const std::function<void()>& work, const std::function<void()>& look,
                      const std::function<void()>& stop);

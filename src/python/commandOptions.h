@@ -1,5 +1,5 @@
 /** @file
- * Options of commands as the command line takes them.
+ * Options of commands, parsed as on the command line.
  */
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace recurse::python {
 
-/** The options that words of a command line set. Throws as the command does. */
+/** Options set by the words of a command line. Throws like the command itself. */
 template <class Options> Options commandOptions(const std::vector<std::string>& words) {
   Options out;
   CLI::App command;

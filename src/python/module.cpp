@@ -1,5 +1,5 @@
 /** @file
- * What of Recurse the Python package calls, as its module `_core`.
+ * Functions of Recurse that the Python package calls, as its module `_core`.
  */
 #include <mutex>
 
@@ -22,7 +22,7 @@ namespace recurse::python {
 
 namespace {
 
-/** The name of a type in scene files. */
+/** Name of a parameter type in scene files. */
 std::string typeName(ParameterType type) {
   switch (type) {
   case ParameterType::BOOLEAN:
@@ -65,7 +65,7 @@ template <class R> void describe(const R& registry, py::list& out) {
   }
 }
 
-/** Every plug-in with its parameters. */
+/** List of all plug-ins with their parameters. */
 py::list plugInList() {
   const PlugIns& all = plugIns();
   py::list out;
@@ -86,7 +86,7 @@ py::list plugInList() {
 
 using Pixels = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
-/** A copy of rows of pixels; of three channels unless they have names. */
+/** Copies rows of pixels into an image with these channels. Throws Error (BAD_USAGE) for a wrong shape. */
 std::shared_ptr<Image> imageOf(const Pixels& pixels, std::vector<std::string> channels) {
   if (pixels.ndim() != 3 || size_t(pixels.shape(2)) != channels.size())
     throw Error("a picture is an array of height, width and " + std::to_string(channels.size()) + " channels",
@@ -96,7 +96,7 @@ std::shared_ptr<Image> imageOf(const Pixels& pixels, std::vector<std::string> ch
   return image;
 }
 
-/** The pixels without a copy: the array keeps the image. */
+/** Pixels as an array without a copy: the array owns the image. */
 py::array arrayOf(const std::shared_ptr<Image>& image) {
   using Shared = std::shared_ptr<Image>;
   const py::capsule owner(new Shared(image), [](void* p) { delete static_cast<Shared*>(p); });
@@ -110,7 +110,7 @@ std::vector<PathClass> pathClasses(const std::vector<std::pair<std::string, std:
   return out;
 }
 
-/** The progress of a render, handed from its threads to Python's. */
+/** Progress of a render, handed from its threads to Python's. */
 class ProgressMailbox {
  public:
   void put(const RenderProgress& progress) {
@@ -158,7 +158,7 @@ std::shared_ptr<PythonScene> load(const std::string& name, const std::optional<s
   return out;
 }
 
-/** An array that owns the rows. */
+/** Array that owns the rows. */
 template <class T> py::array rowsOf(std::vector<T> rows) {
   auto* list = new std::vector<T>(std::move(rows));
   const py::capsule owner(list, [](void* p) { delete static_cast<std::vector<T>*>(p); });
@@ -188,7 +188,7 @@ py::tuple paths(const std::shared_ptr<PythonScene>& scene, const std::vector<std
                         py::make_tuple(value.r, value.g, value.b));
 }
 
-/** The Python class of an error that may lead to a scene file. */
+/** Raises the Python exception of a SceneError, with its locations in the scene files. */
 void raiseSceneError(PyObject* type, const SceneError& error) {
   const py::object raised = py::reinterpret_borrow<py::object>(type)(std::string(error.what()));
   py::list places;

@@ -1,5 +1,5 @@
 /** @file
- * The record of a pixel, one row for each vertex and each contribution.
+ * Record of a pixel as rows, one for each vertex and one for each contribution.
  */
 #include "python/pathList.h"
 

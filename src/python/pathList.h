@@ -12,39 +12,39 @@
 
 namespace recurse::python {
 
-/** Letters of a path that a record has room for. */
+/** Capacity of a record for the letters of a path. */
 constexpr size_t MAX_PATH_LETTERS = 17;
 
-/** A point where a camera path scatters. */
+/** Vertex at which a camera path scatters. */
 struct PathVertexRecord {
-  int32_t sample;                  ///< of the pixel
-  int32_t previous;                ///< index of the vertex before; -1: the camera
+  int32_t sample;                  ///< number of the sample in the pixel
+  int32_t previous;                ///< index of the previous vertex; -1: the camera
   std::array<char, 1> event;       ///< at `previous`: S, D or V; E: the camera
   std::array<double, 3> position;  ///< in world space
   std::array<float, 3> normal;     ///< geometric, unit, on the side of the path; 0 in a medium
-  std::array<float, 3> throughput; ///< that arrives
-  float pdf, pdfReverse; ///< of the direction from `previous`, and of the opposite walk [1/sr]; 0: delta
+  std::array<float, 3> throughput; ///< throughput of the camera path at the vertex
+  float pdf, pdfReverse; ///< of the direction from `previous`, and of the opposite direction [1/sr]; 0: delta
 };
 
 /** Radiance that reaches the pixel by one technique. */
 struct PathContributionRecord {
-  int32_t sample;    ///< of the pixel
+  int32_t sample;    ///< number of the sample in the pixel
   int32_t vertex;    ///< index of the last vertex from the camera; -1: the camera sees the light
   int32_t technique; ///< PathTechnique
-  std::array<char, MAX_PATH_LETTERS> path; ///< events from that vertex to the camera and E, the first of them
-  float weight;                            ///< of multiple importance sampling
-  float pdf, otherPdf;                     ///< of the technique and of its rival [1/sr]; 0: delta or unknown
+  std::array<char, MAX_PATH_LETTERS> path; ///< events from `vertex` to the camera, then E; truncated
+  float weight;                            ///< MIS weight
+  float pdf, otherPdf;                     ///< of the technique and its rival [1/sr]; 0: delta or unknown
   std::array<float, 3> radiance;           ///< weight and throughput included
-  int32_t pathClass;                       ///< index of the first class with the path; -1: none
+  int32_t pathClass;                       ///< index of the first class of the path; -1: none
 };
 
 struct PathLists {
   std::vector<PathVertexRecord> vertices;
   std::vector<PathContributionRecord> contributions;
-  Rgb value{0}; ///< of the pixel, see RecordedPixel
+  Rgb value{0}; ///< value of the pixel, see RecordedPixel
 };
 
-/** The record of a pixel. Layer 0 of the classes it was made with has all paths; the others count from 0. */
+/** Lists the record of a pixel. Layer 0 of its classes must have all paths; later ones count from 0. */
 PathLists listPaths(const Scene& scene, const RecordedPixel& pixel);
 
 } // namespace recurse::python

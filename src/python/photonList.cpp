@@ -1,5 +1,5 @@
 /** @file
- * Light paths, and what they leave behind.
+ * Light paths, and the photons that they store.
  */
 #include "python/photonList.h"
 
@@ -15,7 +15,7 @@ namespace recurse::python {
 
 namespace {
 
-/** Tells these photons from other samples of the same seed. */
+/** Sampler stream of these photons. */
 constexpr uint64_t PHOTON_STREAM = 0x4c49535450484f54ull;
 constexpr uint64_t BATCH = 4096;
 

@@ -1,5 +1,5 @@
 /** @file
- * Loading and rendering as the program does it.
+ * Loading and rendering for Python, as in the commands of the program.
  */
 #include "python/pythonScene.h"
 
@@ -16,7 +16,7 @@ namespace recurse::python {
 
 namespace {
 
-/** One thing at a time: the threads, and what is told, are those of the process. */
+/** Lock of all work: the thread pool and the messages belong to the whole process. */
 std::mutex busy;
 
 class Work {

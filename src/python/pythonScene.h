@@ -1,5 +1,5 @@
 /** @file
- * A scene as Python sees it: loaded once, rendered as often as one likes.
+ * Scene of the Python module: loaded once, rendered any number of times.
  */
 #pragma once
 
@@ -16,41 +16,41 @@
 
 namespace recurse::python {
 
-/** A render beside its options for the command line. */
+/** Arguments of a render. */
 struct RenderRequest {
-  std::vector<std::string> options; ///< as `recurse render` takes them
-  std::vector<PathClass> classes;   ///< a layer each, beside that of all paths
+  std::vector<std::string> options; ///< options of `recurse render`
+  std::vector<PathClass> classes;   ///< one layer each, after the layer of all paths
   apps::ExtraLayers extra;
   std::vector<std::string> features; ///< names of FeatureLayers
 };
 
 struct RenderResult {
-  std::shared_ptr<Image> image; ///< R, G and B of all paths, then the other layers
+  std::shared_ptr<Image> image; ///< R, G and B of all paths, then the layers of classes
   std::string statistics;       ///< JSON
 };
 
-/** Its functions run one at a time, and take as long as it takes; they know nothing of Python. What they
- * throw is an Error, with the place in the scene where that is known. */
+/** Scene of the Python module. Its functions run one at a time, block until the work is done, and do not use
+ * Python. They throw Error, with the location in the scene where it is known. */
 class PythonScene {
  public:
-  /** `text`: null: the file is read. */
+  /** `text`: content of the scene file; null: the file is read. */
   PythonScene(const std::string& fileName, const std::shared_ptr<const std::string>& text,
               const std::string& directory, bool lenient);
 
   RenderResult render(const RenderRequest& request,
                       const std::function<void(const RenderProgress&)>& progress);
   std::vector<PhotonRecord> photons(const PhotonRequest& request) const;
-  /** The first `samples` camera paths of a pixel, as render() with the same request walks them. */
+  /** First `samples` camera paths of a pixel, identical to those in render() of the same request. */
   PathLists paths(const RenderRequest& request, int x, int y, int64_t samples);
-  /** What `--check` prints. */
+  /** Report that `--check` prints. */
   std::string report() const;
-  /** Makes a render() under way end early. */
+  /** Ends a running render() early. */
   static void stop();
-  /** Warnings since the last call, in the order of their coming. */
+  /** Warnings since the last call, in chronological order. */
   std::vector<std::string> takeWarnings();
 
  private:
-  /** Loads the scene again unless it is there with these overrides. */
+  /** Loads the scene, unless it is loaded with the same overrides. */
   void require(const apps::LoadOverrides& overrides);
 
   std::string fileName;

@@ -1,6 +1,6 @@
 /** @file
- * Checkpoints: a line that says what it is, a line of JSON, the film's numbers as they are and those of
- * adaptive samples, a checksum.
+ * Checkpoint files: a magic line, a header in JSON, the state of the film and of the allocation of adaptive
+ * samples, and a checksum.
  */
 #include "recurse/render/checkpoint.h"
 
@@ -26,14 +26,14 @@ using Json = nlohmann::ordered_json;
 static_assert(std::endian::native == std::endian::little, "checkpoints are not turned around");
 
 const std::string MAGIC = "Recurse checkpoint 8\n";
-/** Larger headers are damaged. */
+/** Size of a header [bytes], above which the file is damaged. */
 constexpr uint64_t MAX_HEADER = 1 << 24;
 
 uint64_t checksum(uint64_t state, std::span<const std::byte> bytes) {
   return ::crc32_z(state, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
 }
 
-/** What follows the header: the film's numbers, then those of the allocation, where there is one. */
+/** State after the header: the film's numbers, then the allocation's, if there is one. */
 std::vector<std::span<std::byte>> numbersOf(Checkpoint& c) {
   std::vector<std::span<std::byte>> out;
   for (const std::span<std::byte> part : c.film.state()) out.push_back(part);
@@ -42,7 +42,7 @@ std::vector<std::span<std::byte>> numbersOf(Checkpoint& c) {
   return out;
 }
 
-/** Calls `use(name, value)` for everything of a position that is kept. */
+/** Calls `use(name, value)` for each figure of a position that is kept. */
 template <class Position, class Use> void forEachFigure(Position& p, const Use& use) {
   auto& s = p.statistics;
   use("sample", p.sample);
@@ -150,7 +150,7 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
     for (const Json& k : json.at("classes")) classes.push_back({k.at(0), k.at(1)});
     const Json& f = json.at("film");
     const PixelBounds bounds{f.at(0), f.at(1), f.at(2), f.at(3)};
-    // What follows must be as long as the header says, before memory is taken for it.
+    // The remaining size must fit the header, before memory is allocated for it.
     const uint64_t left = fileBytes - MAGIC.size() - sizeof size - header.size();
     const double pixels = double(bounds.width()) * double(bounds.height());
     const bool adaptive = json.at("adaptive");

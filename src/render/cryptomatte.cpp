@@ -1,5 +1,5 @@
 /** @file
- * Ids of what camera rays meet, by the parts of a pixel that they cover.
+ * Ids of the surfaces that camera rays hit, with their coverage of each pixel.
  */
 #include "render/cryptomatte.h"
 
@@ -16,14 +16,14 @@ namespace recurse {
 
 namespace {
 
-/** Samples of a pixel: an edge that cuts it is told to about one part in so many. */
+/** Samples of a pixel: the resolution of coverage is about 1 / SAMPLES. */
 constexpr int SAMPLES = 64;
-/** Ids that a pixel can have, two in each RGBA layer. */
+/** Ids of a pixel with the largest coverage that are kept, two in each RGBA layer. */
 constexpr size_t RANKS = 6;
-/** Mirrors and glass that a sample is followed through. */
+/** Longest chain of mirrors and glass that a sample is followed through [vertices]. */
 constexpr int MAX_SEEN_THROUGH = 16;
 
-/** What one sample sees. */
+/** Object and material that one sample sees. */
 struct SeenObject {
   bool something = false;
   uint32_t object = 0;
@@ -62,7 +62,7 @@ class IdWalk {
   CameraWalker walker;
 };
 
-/** A few ids with their weights; a pixel rarely shows more than a handful. */
+/** Ids of a pixel with their weights, in a list: few pixels show more than a handful. */
 class Coverage {
  public:
   void add(uint32_t id, float weight) {
@@ -72,7 +72,7 @@ class Coverage {
     else
       same->weight += weight;
   }
-  /** Id and part of `total` of the RANKS largest, and forgets them. */
+  /** Writes the id and the fraction of `total` of the RANKS largest weights, and clears the list. */
   void write(float total, float* channels) {
     std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
       return a.weight != b.weight ? a.weight > b.weight : a.id < b.id;
@@ -110,7 +110,7 @@ std::string jsonString(const std::string& text) {
   return out + '"';
 }
 
-/** The channels of one matte, and what it says of itself. */
+/** Adds the channel names and the metadata of one matte. */
 void describe(const std::string& name, const std::set<std::string>& names, Image& image) {
   for (size_t layer = 0; layer < RANKS / 2; ++layer)
     for (const char letter : {'R', 'G', 'B', 'A'})

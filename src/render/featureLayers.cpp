@@ -1,5 +1,5 @@
 /** @file
- * Camera rays up to the first surface that scatters.
+ * Features of the first surface that scatters on each camera path.
  */
 #include "recurse/render/featureLayers.h"
 
@@ -19,18 +19,18 @@ namespace {
 
 enum Feature { ALBEDO, NORMAL, GEOMETRIC_NORMAL, DEPTH, POSITION, FEATURES };
 
-/** What one sample sees. */
+/** Features that one sample sees. */
 struct SeenFeatures {
   bool surface = false;
   std::array<Vec3f, FEATURES> values{};
 };
 
-/** Mirrors and glass that a sample is followed through. */
+/** Longest chain of mirrors and glass that a sample is followed through [vertices]. */
 constexpr int MAX_SPECULAR = 16;
 
-/** The part of light from `wi` that is scattered, from one sample of the BSDF. */
+/** Albedo for light from `wi`, estimated from one sample of the BSDF. */
 Rgb sampledAlbedo(const CameraVertex& vertex, Sampler& sampler) {
-  // Flux, since radiance would have the 1/η² of refraction in it.
+  // Flux has no factor 1/η² at refraction, unlike radiance.
   const auto s = vertex.scattering->scatter(vertex.wi, Transport::FLUX, sampler, ALL_LOBES);
   return s ? clamp(s->weight, 0, 1) : BLACK;
 }
@@ -135,7 +135,7 @@ Image renderFeatures(const Scene& scene, const FeatureSettings& settings) {
       int surfaces = 0;
       for (int i = 0; i < settings.samples; ++i) {
         Sampler sampler(settings.seed, stream, uint32_t(i));
-        // The pixel's own square: filters with negative lobes make no sense of depths.
+        // Box filter over the pixel: negative lobes of a filter would falsify depths.
         CameraSample sample{corner + sampler.next2D()};
         sample.lens = sampler.next2D();
         sample.time = scene.camera().timeAt(sampler.next1D());

@@ -1,5 +1,5 @@
 /** @file
- * What a progress display is told, from given times.
+ * Progress figures for displays, computed from given times.
  */
 #pragma once
 
@@ -13,23 +13,23 @@
 
 namespace recurse {
 
-/** Where the samples of a render stand; times in seconds. */
+/** Progress of the samples of a render; times in seconds. */
 struct PictureState {
   double elapsed = 0;            ///< since the start of the render
-  double working = 0;            ///< since this process began with samples
-  double samplesBefore = 0;      ///< in the film before, in any unit
-  double samplesDone = 0;        ///< since then, in the same unit
-  double samplesLeft = INFINITY; ///< in the same unit; infinite: as many as fit
+  double working = 0;            ///< since the first sample of this process
+  double samplesBefore = 0;      ///< in the film at the start, in any unit
+  double samplesDone = 0;        ///< since the start, in the same unit
+  double samplesLeft = INFINITY; ///< in the same unit; infinite: no limit
   double samplesPerPixel = 0;    ///< in the film
-  double rays = 0;               ///< in that time
-  double error = -1;             ///< Film::relativeError; negative: not known
-  double errorSamples = 0;       ///< in the film when it was estimated
+  double rays = 0;               ///< traced since the start
+  double error = -1;             ///< Film::relativeError; negative: unknown
+  double errorSamples = 0;       ///< in the film at the time of the estimate
 };
 
-/** Seconds until the first of all limits: samples, error and time. Infinite where there is none. */
+/** Seconds until the first of all limits: samples, error and time. Infinite without any limit. */
 inline double secondsLeft(const PictureState& state, const RenderSettings& settings) {
   double samples = state.samplesLeft;
-  if (settings.errorTarget > 0 && state.error > 0) { // which falls as one over the root of the samples
+  if (settings.errorTarget > 0 && state.error > 0) { // the error falls as samples^-1/2
     const double ratio = state.error / settings.errorTarget;
     samples = std::min(samples, state.errorSamples * ratio * ratio - state.samplesBefore - state.samplesDone);
   }
@@ -50,8 +50,8 @@ inline RenderProgress pictureProgress(const PictureState& state, const RenderSet
   return p;
 }
 
-/** `fraction` of the photons before the first sample are made; the time left follows from it when it is more
- * than noise. */
+/** Progress of the photons before the first sample: `fraction` of them are made. The remaining time is
+ * extrapolated once 2 % are. */
 inline RenderProgress photonProgress(double fraction, double elapsed, double error = -1) {
   RenderProgress p;
   p.phase = "photons";
@@ -62,12 +62,12 @@ inline RenderProgress photonProgress(double fraction, double elapsed, double err
   return p;
 }
 
-/** Tells a progress display at most ten times a second, from one thread at a time. */
+/** Reports to a progress display at most ten times a second, from one thread at a time. */
 class ProgressReporter {
  public:
   explicit ProgressReporter(const std::function<void(const RenderProgress&)>& show) : show(show) {}
 
-  /** `progress()` is called where it is time for it. */
+  /** Calls `progress()` if a report is due. */
   template <class Progress> void tell(const Progress& progress) {
     if (!show || !one.try_lock()) return;
     const std::lock_guard<std::mutex> guard(one, std::adopt_lock);
@@ -76,7 +76,7 @@ class ProgressReporter {
     last = now;
     show(progress());
   }
-  /** The last one is always told. */
+  /** Reports the final progress in any case. */
   void finish(RenderProgress progress) const {
     progress.fraction = 1;
     progress.secondsLeft = 0;

@@ -1,5 +1,5 @@
 /** @file
- * Records of pixels, pass by pass.
+ * Records of the samples of pixels, pass by pass.
  */
 #include "recurse/render/recordPixels.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * The render loop of a process that renders alone.
+ * Render loop of a single process.
  */
 #include "recurse/render/render.h"
 
@@ -21,11 +21,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/** Shortest time between estimates of the error [s]. They take one part in ERROR_COST_RATIO of the time, in
- * which nothing else is done. */
+/** Shortest time between estimates of the error [s]. An estimate stops all rendering: at most 1 /
+ * ERROR_COST_RATIO of the time is spent on it. */
 constexpr double ERROR_INTERVAL = 0.2, ERROR_COST_RATIO = 50;
 
-/** Adds the statistics of a render before it was interrupted. */
+/** Adds the statistics from before the interruption that the render continues. */
 void continueFrom(RenderStatistics& now, const RenderStatistics& before) {
   RenderStatistics sum = before;
   sum.threads = now.threads;
@@ -45,7 +45,7 @@ class RenderLoop {
       : settings(settings), film(film), stop(stop), log(log), start(startOf(settings)),
         processorStart(processorSeconds() - settings.from.statistics.processorSeconds), reporter(progress),
         rule(settings, film.totalSamples() > 0),
-        // Learning is of no use when the time is up before the first sample.
+        // Learning is skipped when the time is up before the first sample.
         renderer(
             interruptibly([&] { return stop || rule.timeLeft(elapsed()) < 0; },
                           [&] { return SampleRenderer(scene, integrator, classes, settings, film, log); })),
@@ -92,12 +92,12 @@ class RenderLoop {
            !rule.isErrorReached(errors.error());
   }
 
-  /** Makes the photons of the next sample, unless they are there. False where they are not ready in time. */
+  /** Shoots the photons of the next sample, unless they exist. False if they are not finished in time. */
   bool preparePass() {
     if (isReady && sample < renderer.passEnd(pass)) return true;
     if (!schedule.isPassInTime(timeLeft())) return false;
     if (isReady) ++pass;
-    if (!isReady && pass > 0) shootPass(0, false); // which the later ones look back at
+    if (!isReady && pass > 0) shootPass(0, false); // later passes refer to it
     if (!abandon) shootPass(pass, !hasSplats());
     if (abandon) return false;
     if (!isReady) pictureStart = elapsed();
@@ -111,13 +111,13 @@ class RenderLoop {
     renderer.shootPass(index, splats, control);
     if (index > 0) schedule.addPass(elapsed() - begin);
   }
-  /** Among renders of parts of a pass one has its splats; but none is without any. */
+  /** True if the pass has splats already. Of renders that share a pass, one has its splats. */
   bool hasSplats() const {
     return film.splats() && (film.splats()->nextPass() > uint64_t(pass) ||
                              (film.splats()->paths() > 0 && sample != renderer.passBegin(pass)));
   }
 
-  /** False where no round would end in time. */
+  /** False if no round would end in time. */
   bool renderRound() {
     const int64_t length = schedule.roundLength(sample, timeLeft());
     if (length == 0) return false;
@@ -134,7 +134,7 @@ class RenderLoop {
     if (errors.isDue(elapsed()) || (settings.errorTarget > 0 && renderer.hasOneMap())) estimateError();
     return true;
   }
-  /** All samples before `end` that the film does not have. False where the round was broken off. */
+  /** Takes all samples before `end` that the film does not have. False if the round was abandoned. */
   bool renderTiles(int64_t end) {
     const auto samplesOf = [&](size_t pixel) { return missingSamples(pixel, end); };
     std::atomic<size_t> tilesDone{0};
@@ -153,7 +153,7 @@ class RenderLoop {
     });
     return tilesDone == tileCounts.size();
   }
-  /** None where the tile was done before the round was broken off. */
+  /** Sample range of a pixel; empty if the tile was finished before the round was abandoned. */
   SampleRenderer::PixelSamples missingSamples(size_t pixel, int64_t end) const {
     const SampleAllocation* const allocation = settings.allocation;
     const uint64_t due = allocation ? allocation->due(pixel, end) : uint64_t(end - first);
@@ -216,7 +216,7 @@ class RenderLoop {
   Film& film;
   const std::atomic<bool>& stop;
   const std::function<void(const std::string&)>& log;
-  const Clock::time_point start; ///< with the time before an interruption
+  const Clock::time_point start; ///< earlier by the time before an interruption
   const double processorStart;
   ProgressReporter reporter;
   StopRule rule;
@@ -225,8 +225,8 @@ class RenderLoop {
   std::vector<TransportCounts> tileCounts;
   const ScatteredOrder scattered;
   const int64_t first, last;
-  int64_t sample;   ///< every pixel has those before
-  int64_t pass = 0; ///< of `sample`, or of the one before until its photons are there
+  int64_t sample;   ///< every pixel has all samples before it
+  int64_t pass = 0; ///< pass of `sample`; the previous one until its photons exist
   bool isReady = false;
   RoundSchedule schedule;
   ErrorWatch errors;
@@ -234,8 +234,8 @@ class RenderLoop {
   double pictureStart = 0; ///< seconds since `start`
   const uint64_t samplesBefore;
   std::atomic<uint64_t> samplesDone, raysDone{0};
-  std::atomic<bool> abandon{false};   ///< everything: the time is up, or somebody said so
-  std::atomic<bool> isPausing{false}; ///< the round, for save() or look()
+  std::atomic<bool> abandon{false};   ///< stops everything: the time is up, or by request
+  std::atomic<bool> isPausing{false}; ///< ends the round, for save() or look()
   ForwardControl control;
 };
 

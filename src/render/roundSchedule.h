@@ -1,5 +1,5 @@
 /** @file
- * How a process that renders alone goes over the picture.
+ * Rounds of a process that renders alone, and the order of tiles.
  */
 #pragma once
 
@@ -11,16 +11,16 @@
 
 namespace recurse {
 
-/** Lengths of rounds, in each of which all pixels get equally many samples; and what fits in the time. */
+/** Lengths of rounds, in each of which all pixels get equally many samples, within the remaining time. */
 class RoundSchedule {
  public:
-  /** Samples of a round, at most. */
+  /** Largest number of samples in a round. */
   static constexpr int64_t LONGEST_ROUND = 64;
 
-  /** For samples from `first` on. */
+  /** `first`: index of the first sample. */
   explicit RoundSchedule(int64_t first) : first(first) {}
 
-  /** Samples of the round that begins with `sample`, so that it ends within `timeLeft` [s]; 0: none would. */
+  /** Samples of the round from `sample` on that end within `timeLeft` [s]; 0: not even one. */
   int64_t roundLength(int64_t sample, double timeLeft) const {
     const int64_t longest = std::clamp<int64_t>(sample - first, 1, LONGEST_ROUND);
     if (sampleSeconds <= 0 || std::isinf(timeLeft)) return longest;
@@ -29,9 +29,9 @@ class RoundSchedule {
   }
   void addRound(int64_t samples, double seconds) { sampleSeconds = seconds / double(samples); }
 
-  /** Whether another photon map can be made in `timeLeft` [s]: half of one is of no use. */
+  /** True if one more photon map can be finished in `timeLeft` [s]: a part of a map cannot be used. */
   bool isPassInTime(double timeLeft) const { return passes == 0 || passSeconds / passes <= timeLeft; }
-  /** Takes the time of a photon map, but for the first, which includes learning. */
+  /** Adds the time of a photon map [s], except for the first, which includes learning. */
   void addPass(double seconds) {
     passSeconds += seconds;
     ++passes;
@@ -39,12 +39,12 @@ class RoundSchedule {
 
  private:
   int64_t first;
-  double sampleSeconds = 0; ///< of one sample of each pixel, in the latest round
+  double sampleSeconds = 0; ///< time of one sample of each pixel in the latest round
   double passSeconds = 0;
   int passes = 0;
 };
 
-/** An order of tiles without rows or columns, so that a round which is broken off leaves no band. */
+/** Order of tiles without rows or columns, so that an abandoned round leaves no visible band. */
 class ScatteredOrder {
  public:
   explicit ScatteredOrder(size_t count) : count(count), step(std::max<size_t>(1, count * 5 / 8)) {

@@ -1,5 +1,5 @@
 /** @file
- * Dealing out samples.
+ * Allocation of adaptive samples to pixels.
  */
 #include "recurse/render/sampleAllocation.h"
 
@@ -15,25 +15,25 @@ namespace recurse {
 
 namespace {
 
-/** Of the pixels around one, these say how much it varies, in two squares of (2 n + 1)² without itself that
- * count alike. */
+/** Reaches of the two squares of (2 n + 1)² pixels, centre excluded, whose deviations predict a pixel's. Both
+ * have equal weight. */
 constexpr int INNER_REACH = 1, OUTER_REACH = 2;
-/** Those that tell the photons' part from the camera paths'. */
+/** Reach of the square in which photon variance is separated from camera-path variance [pixels]. */
 constexpr int PAIRS = 4;
-/** And those over which rare bright samples are spread. */
+/** Reach of the square over which rare bright samples are averaged [pixels]. */
 constexpr int WIDE = 12;
-/** They decide where nothing else does. */
+/** Weight of rare samples: it decides only where deviations are equal. */
 constexpr double RARE_WEIGHT = 0.01;
-/** Sums over rectangles leave rounding behind, which must not tell of the pixel's own value. */
+/** Step of rounding: differences of area sums keep rounding errors, which depend on the pixel's own value. */
 constexpr double MIN_STEP = 1e-10;
-/** The mean of squares over the square of the mean up to which values are no more than unequal. */
+/** Mean square over squared mean, up to which deviations are not caused by rare samples. */
 constexpr double EVEN_SPREAD = 2;
-/** Classes of pixels that are told apart by what their surroundings say. */
+/** Largest number of classes of pixels with a similar predicted variance. */
 constexpr size_t MAX_CLASSES = 64;
-/** The samples of a pixel are a multiple of it. */
+/** Sample counts of pixels are multiples of it, for better stratification. */
 constexpr double ROUND_NUMBER = 4;
 
-/** [first, end) of places; of those within `reach` of `at`, of `count`. */
+/** Index range [first, end); or the indices within `reach` of `at`, below `count`. */
 struct Range {
   Range(size_t at, int reach, size_t count)
       : first(at - std::min(at, size_t(reach))), end(std::min(count, at + size_t(reach) + 1)) {}
@@ -43,7 +43,7 @@ struct Range {
   size_t first, end;
 };
 
-/** The square of pixels around one. */
+/** Square of pixels around one. */
 struct PixelSquare {
   PixelSquare(size_t pixel, int reach, size_t width, size_t height)
       : x(pixel % width, reach, width), y(pixel / width, reach, height) {}
@@ -68,7 +68,7 @@ class AreaSums {
     return sums[y.end * stride + x.end] - sums[y.end * stride + x.first] - sums[y.first * stride + x.end] +
            sums[y.first * stride + x.first];
   }
-  /** The mean over the pixels around one whose own value this is. */
+  /** Mean over the square without its centre, whose value is `own`. */
   double meanAround(const PixelSquare& s, double own) const {
     return s.others() > 0 ? std::max(0.0, sum(s.x, s.y) - own) / s.others() : 0;
   }
@@ -78,13 +78,13 @@ class AreaSums {
   std::vector<double> sums;
 };
 
-/** Puts pixels that are close in the order of `key` into classes of at least MIN_CLASS, and gives each the
- * mean of `value` over its class. Equal keys are in the same class. */
+/** Sorts pixels by `key` into classes of at least MIN_CLASS, and gives each pixel the mean of `value` over
+ * its class. Equal keys are in the same class. */
 std::vector<double> meansOfClasses(const std::vector<double>& key, const std::vector<double>& value) {
   std::vector<uint32_t> order(key.size());
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    return key[a] != key[b] ? key[a] < key[b] : a < b; // one order, so that sums are the same
+    return key[a] != key[b] ? key[a] < key[b] : a < b; // a total order keeps sums reproducible
   });
   const size_t size = std::max(SampleAllocation::MIN_CLASS, (key.size() + MAX_CLASSES - 1) / MAX_CLASSES);
   std::vector<double> mean(key.size());
@@ -130,8 +130,8 @@ uint64_t SampleAllocation::due(size_t pixel, int64_t sample) const {
              pilotsDone = uint64_t(pilots(stage.first, sample)),
              pilotsAll = uint64_t(pilots(stage.first, stage.end));
   if (p.extra == 0) return p.before + pilotsDone;
-  // Each may have a photon map of its own: first one sample in as many as possible of those without a pilot
-  // sample, at even distances, and what is left evenly in all. Those of different pixels not at once.
+  // Each sample may have a photon map of its own. First, extras go to as many samples without a pilot as
+  // possible, evenly spaced; the rest is spread over all. The hash offsets pixels against each other.
   const uint64_t single = std::min<uint64_t>(p.extra, all - pilotsAll), hash = hashOf(pixel);
   const auto spread = [hash](uint64_t count, uint64_t part, uint64_t whole) {
     return whole > 0 ? (count * part + hash % whole) / whole : 0;
@@ -183,7 +183,7 @@ void SampleAllocation::setPlan(std::span<const std::byte> plan) {
 }
 
 void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
-  if (stage.end == end) return; // an interrupted one
+  if (stage.end == end) return; // continues an interrupted stage
   std::vector<uint64_t> has(pixels.size());
   if (stage.end > 0) {
     for (size_t i = 0; i < pixels.size(); ++i) has[i] = due(i, stage.end);
@@ -206,7 +206,7 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
     const double wanted = std::max(scale * need[i].eye, std::min(scale * need[i].all, maps));
     return std::clamp(wanted - has, 0.0, std::max(0.0, most - has));
   };
-  // Sums by rows, so that they do not depend on the number of threads.
+  // Sums by rows do not depend on the number of threads.
   std::vector<double> rows(height);
   const auto total = [&](double scale) {
     parallelFor(height, [&](size_t y) {
@@ -227,8 +227,8 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
   if (largest > 0) {
     double low = 0, high = most / least;
     if (total(high) > left) {
-      low = 1 / largest; // a sample for the most varied pixel: nothing yet
-      // By the exponent: scales may be apart by many powers of ten.
+      low = 1 / largest; // one sample for the most varied pixel: no extra yet
+      // Bisection of the exponent, because the bounds may differ by many orders of magnitude.
       for (int step = 0; step < 50 && high > low * (1 + 1e-6); ++step) {
         const double middle = std::sqrt(low) * std::sqrt(high);
         (total(middle) > left ? high : low) = middle;
@@ -238,10 +238,10 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
       scale = high;
     }
   }
-  // What no pixel has use for goes to all.
+  // Samples that no pixel needs are divided among all.
   const double rest = std::max(0.0, left - total(scale)) / double(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
-    // On average what is wanted, in round numbers: those are stratified better.
+    // Random rounding to multiples, which are stratified better, unbiased on average.
     const double has = double(pixels[i].before) + pilotsNow, extra = extraOf(i, scale) + rest;
     const double multiple = mapPerSample ? 1 : ROUND_NUMBER;
     const double above = (std::floor((has + extra) / multiple) + 1) * multiple - has;
@@ -252,9 +252,9 @@ void SampleAllocation::begin(int64_t sample, int64_t end, uint64_t seed) {
 }
 
 std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
-  const uint64_t pilots = pixels[0].pilots; // as many of each
+  const uint64_t pilots = pixels[0].pilots; // equal for all pixels
   const double n = double(pilots), paired = double(pilots / (2 * BLOCK) * (2 * BLOCK));
-  // All relative to the brightness: of samples, its root, and of what blocks of them bring.
+  // Relative to squared brightness: variance of samples, its root, and variance of blocks of samples.
   std::vector<double> brightness(pixels.size()), variance(pixels.size()), deviation(pixels.size()),
       blockVariance(pixels.size());
   for (size_t i = 0; i < pixels.size(); ++i) {
@@ -271,13 +271,13 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
     const AreaSums variances(variance, width, height), deviations(deviation, width, height);
     parallelFor(height, [&](size_t y) {
       for (size_t i = y * width; i < (y + 1) * width; ++i) {
-        // Means of deviations, so that a single bright sample does not get far.
+        // Means of deviations limit the influence of a single bright sample.
         const auto usual = [&](int reach) {
           return deviations.meanAround({i, reach, width, height}, deviation[i]);
         };
         const double near = square((usual(INNER_REACH) + usual(OUTER_REACH)) / 2);
-        // Where bright samples are rare, that some have been met here and none there says nothing: all around
-        // expect their share of them.
+        // Rare bright samples among few pilots say nothing about the pixel that got them: all pixels around
+        // expect an equal part of their variance.
         const double rare = std::max(0.0, variances.meanAround({i, WIDE, width, height}, variance[i]) -
                                               EVEN_SPREAD * square(usual(WIDE)));
         boundary[i] = std::round((near + RARE_WEIGHT * rare) / MIN_STEP) * MIN_STEP;
@@ -295,7 +295,7 @@ std::vector<SampleAllocation::Need> SampleAllocation::needs() const {
 void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector<double>& variance,
                                      const std::vector<double>& brightness) const {
   const double n = double(pixels[0].pilots);
-  // Of pairs: the mean of both variances, and half the variance of the difference, which both pixels get.
+  // For horizontal pixel pairs: mean variance; half the variance of the difference is the camera-path part.
   std::vector<double> both(pixels.size()), difference(pixels.size());
   for (size_t i = 0; i + 1 < pixels.size(); ++i) {
     if (i % width % 2 != 0 || i % width + 1 == width) continue;
@@ -310,7 +310,7 @@ void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector
   parallelFor(height, [&](size_t y) {
     for (size_t x = 0; x < width; ++x) {
       const size_t i = y * width + x, left = x / 2 * 2;
-      // Without the pair that the pixel is in.
+      // The pixel's own pair is excluded.
       const PixelSquare around(i, PAIRS, width, height);
       const Range ownX(left, std::min(left + 2, width)), ownY(y, y + 1);
       const auto partOf = [&](const AreaSums& sums) {
@@ -320,13 +320,13 @@ void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector
       if (whole > 0) needs[i].eye *= std::sqrt(std::min(1.0, partOf(pairDifferences) / whole));
     }
   });
-  // Neighbours see the same photons, so that what few passes say of a place is far off all around it: the
-  // mean over the picture counts.
+  // Neighbours share photons, so that an estimate from few passes has an error common to its surroundings:
+  // the photon variance is averaged over the picture.
   double photons = 0;
   for (const Need& need : needs) photons += square(need.all) - square(need.eye);
   photons = std::max(0.0, photons / double(needs.size()));
-  // Eye paths are stratified, and what is left of e after n samples is less than e / n. As if the error fell
-  // as n^-1.5, which it does at edges: too little of e costs less than too few maps.
+  // Camera paths are stratified: after n samples their variance e is below e / n. An error that falls as
+  // n^-1.5, the rate at edges, is assumed: underestimating e costs less than too few photon maps.
   const double stratified = 1 / std::sqrt(double(stage.end));
   for (Need& need : needs) {
     need.eye *= std::sqrt(stratified);

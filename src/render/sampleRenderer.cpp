@@ -1,5 +1,5 @@
 /** @file
- * Photons of a pass and samples of a tile.
+ * Rendering of the photons of a pass and the samples of a tile.
  */
 #include "render/sampleRenderer.h"
 
@@ -18,13 +18,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/** Tells the times of passes from other samples. */
+/** Sampler stream of the times of passes. */
 constexpr uint64_t TIME_STREAM = 0x54494d4553ull;
 
-/**
- * The unit of splats: 2^-28 of the radiance that the lights' flux would give if it left the scene's bounding
- * sphere evenly. Of a pixel that sees little of the scene contributions may be 2^60 times that.
- */
+/** Unit of splats: 2^-28 of the radiance that the lights' flux would give
+ * if it left the scene's bounding sphere uniformly. Contributions to a
+ * pixel that sees a small part of the scene may be 2^60 times that
+ * radiance. */
 double splatUnit(const Scene& scene) {
   double flux = 0;
   for (size_t i = 0; i < scene.lights().size(); ++i) flux += double(maxComponent(scene.lights()[i].power()));
@@ -32,14 +32,14 @@ double splatUnit(const Scene& scene) {
   return std::isnormal(even) ? std::exp2(std::ilogb(even) - 28) : 0x1p-28;
 }
 
-/** What the samples of a round share. */
+/** Constants of all samples in a round. */
 struct Round {
   uint64_t seed;
   float sampleSpacing;
-  std::optional<float> time; ///< of all camera rays; none: each draws its own
+  std::optional<float> time; ///< time of all camera rays; none: each draws its own
 };
 
-/** What the film makes of a sample before it counts. */
+/** Applies the film's clamp and white balance to a sample. */
 void expose(const FilmSettings& film, PathRadiance& sample) {
   if (film.maxComponent < INFINITE) {
     const Vec3d xyz = xyzOfRgb(Rgbd(sample.total())) * double(film.imagingRatio);
@@ -50,8 +50,8 @@ void expose(const FilmSettings& film, PathRadiance& sample) {
   if (film.whiteBalance) sample.transform([&](const Rgb& c) { return *film.whiteBalance * c; });
 }
 
-/** Collects camera paths, has them walked together, and puts what they bring into the film in the same order.
- */
+/** Batch of camera paths: the integrator walks them together, and their radiance is added to the film in the
+ * order of add(). */
 class EyeBatch {
  public:
   EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
@@ -66,8 +66,8 @@ class EyeBatch {
       r.recorder = recorder;
     }
   }
-  /** Sample `index` of a pixel, whose upper left corner is at `corner` on the film. `pilot`: number of a
-   * pilot, of which the allocation is told. */
+  /** Adds sample `index` of a pixel with its upper left corner at `corner` on the film. `pilot`: number of a
+   * pilot sample, whose luminance goes to the allocation. */
   void add(uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner, std::optional<size_t> pilot) {
     if (abandoned) return;
     Place& place = places[count++];
@@ -114,9 +114,9 @@ class EyeBatch {
     paths.clear();
     count = 0;
   }
-  /** How many samples have reached the film. */
+  /** Number of samples that have reached the film. */
   uint64_t taken() const { return samplesTaken; }
-  /** True when samples were broken off: none of them, and none after, has reached the film. */
+  /** True after samples were abandoned: neither they nor any later ones have reached the film. */
   bool isAbandoned() const { return abandoned; }
 
  private:
@@ -132,13 +132,13 @@ class EyeBatch {
   const Round& round;
   Film& film;
   SampleAllocation* allocation;
-  PathRecorder* recorder; ///< null: nothing is recorded; else samples are walked one by one
+  PathRecorder* recorder; ///< null: nothing is recorded; else each sample is walked alone
   bool usesLens;
   PathRadiance nothing; ///< stays black
   std::vector<PathRadiance> radiance;
-  std::vector<CameraPath> paths; ///< of the places that see something
+  std::vector<CameraPath> paths; ///< paths of the places with a camera ray
   std::array<Place, CAMERA_BATCH> places;
-  size_t count = 0; ///< of places
+  size_t count = 0; ///< number of places in use
   uint64_t samplesTaken = 0;
   bool abandoned = false;
 };
@@ -153,8 +153,8 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
       wanted(settings.samplesPerPixel > 0
                  ? std::max(int64_t(settings.samplesPerPixel), allPasses.minSamples())
                  : int64_t(1) << 31),
-      // As in pbrt: a sample stands for its share of the pixel, of which many samples leave at least an
-      // eighth. Where a limit ends the render it is as sharp as with the scene's own number of samples.
+      // Sample spacing: a sample covers its part of the pixel, at least an eighth of its width as in pbrt.
+      // Under a time or error limit, textures are filtered for the scene's own number of samples.
       sampleSpacing(
           std::max(0.125f, 1 / std::sqrt(static_cast<float>(
                                    settings.samplesPerPixel > 0 ? wanted : scene.sampler().pixelSamples)))),
@@ -193,7 +193,7 @@ bool SampleRenderer::shootPass(int64_t index, bool splats, ForwardControl& contr
   ForwardStatistics forward;
   const double processorStart = processorSeconds();
   try {
-    // Processes that share photons wait for each other, and end a pass together.
+    // Processes that share photons wait for each other, and must end a pass together.
     const InterruptibleWork shooting(control.sharing ? nullptr : control.stop);
     forward = integrator.forward(
         scene, classes, {settings.seed, static_cast<uint32_t>(index), allPasses.schedule(), timeOf(index)},
@@ -234,7 +234,7 @@ SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t 
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
   EyeBatch batch(scene, integrator, classes, counts, round, film, settings.allocation, abandon);
   forEachPixel(tile, [&](size_t pixel, int x, int y) {
-    // Keyed by the place on the whole film, so that a crop is a part of the same picture.
+    // Streams are keyed by the position on the whole film, so that a crop has the same samples.
     const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
     const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
     const PixelSamples samples = samplesOf(pixel);

@@ -1,5 +1,5 @@
 /** @file
- * When a render ends, and when it looks at its error. All times are seconds since its start, and given.
+ * End of a render, and times of its error estimates. All times are seconds since its start, passed in.
  */
 #pragma once
 
@@ -12,21 +12,21 @@
 
 namespace recurse {
 
-/** When a render that begins now would have begun without the interruption that it goes on from. */
+/** Start time of a render, moved back by the time before the interruption that it continues. */
 inline std::chrono::steady_clock::time_point startOf(const RenderSettings& settings) {
   using Clock = std::chrono::steady_clock;
   const std::chrono::duration<double> before(settings.from.statistics.renderSeconds);
   return Clock::now() - std::chrono::duration_cast<Clock::duration>(before);
 }
 
-/**
- * The time limit, the error target and the interrupt of a render. Every pixel is to have a sample: the limit
- * counts from the second sample on, unless RenderSettings::limitsFirstPass or the first one takes more than
+/** Time limit, error target and interrupt of a render. Every pixel should get a
+ * sample: the limit holds from the second sample on, unless
+ * RenderSettings::limitsFirstPass is set, or the first sample takes more than
  * RenderSettings::firstSampleTime beyond it.
  */
 class StopRule {
  public:
-  /** `hasSamples`: the film of a render that goes on has some. */
+  /** `hasSamples`: true for a resumed render with samples in its film. */
   StopRule(const RenderSettings& settings, bool hasSamples)
       : limit(settings.timeLimit > 0 ? settings.timeLimit : INFINITY), extraTime(settings.firstSampleTime),
         errorTarget(settings.errorTarget),
@@ -34,25 +34,25 @@ class StopRule {
                      ? limit
                      : INFINITY) {}
 
-  /** The photons of the first sample are there. Has no effect when called again. */
+  /** Notes that the photons of the first sample exist. Has no effect when called again. */
   void beginFirstSample(double now) {
     if (phase != Phase::PHOTONS) return;
     phase = Phase::FIRST_SAMPLE;
     deadline = std::max(limit, now) + extraTime;
   }
-  /** Every pixel has a sample. */
+  /** Notes that every pixel has a sample. */
   void completeFirstSample() {
     phase = Phase::MORE_SAMPLES;
     deadline = limit;
   }
 
-  /** Any thread. */
+  /** True after the deadline of the current phase. Callable from any thread. */
   bool isTimeUp(double now) const { return now > deadline; }
-  /** Until the time limit [s], whatever the phase; infinite without one. */
+  /** Seconds until the time limit in any phase; infinite without one. */
   double timeLeft(double now) const { return limit - now; }
-  /** `error`: Film::relativeError; negative: not known. */
+  /** `error`: Film::relativeError; negative: unknown. */
   bool isErrorReached(double error) const { return errorTarget > 0 && error >= 0 && error <= errorTarget; }
-  /** Why a render has ended. */
+  /** Reason why the render has ended. */
   StopReason reason(bool isInterrupted, double error, bool hasAllSamples) const {
     if (isInterrupted) return StopReason::INTERRUPTED;
     if (isErrorReached(error)) return StopReason::ERROR;
@@ -66,10 +66,10 @@ class StopRule {
   std::atomic<double> deadline;
 };
 
-/** Something that is done again and again. */
+/** Timer of an action that recurs. */
 class Recurrence {
  public:
-  /** Due `interval` seconds after `now`; infinite: never. */
+  /** First due `interval` seconds after `now`; infinite: never. */
   Recurrence(double interval, double now) : interval(interval), last(now) {}
   bool isDue(double now) const { return now - last > interval; }
   void restart(double now) { last = now; }
@@ -82,22 +82,22 @@ class Recurrence {
   double interval, last;
 };
 
-/** The error of a film, estimated at intervals that keep the cost of it low. */
+/** Error of a film, estimated at intervals that keep its cost low. */
 class ErrorWatch {
  public:
-  /** At least `shortest` seconds, and `costRatio` times what an estimate takes, from one to the next. */
+  /** Estimates are at least `shortest` seconds apart, and `costRatio` times the duration of an estimate. */
   ErrorWatch(double shortest, double costRatio, double now)
       : shortest(shortest), costRatio(costRatio), next(shortest, now) {}
   bool isDue(double now) const { return next.isDue(now); }
-  /** Takes an estimate of a film with `samples`, made from `begin` to `end`; not finite: these are too few.
-   */
+  /** Adds an estimate for a film with `samples`, made from `begin` to `end`. An infinite estimate, of a film
+   * with too few samples, only restarts the interval. */
   void add(double estimate, double samples, double begin, double end) {
     next.restart(end, std::max(shortest, costRatio * (end - begin)));
     if (!std::isfinite(estimate)) return;
     latest = estimate;
     latestSamples = samples;
   }
-  /** The latest one; negative: there is none. */
+  /** Latest estimate; negative: none yet. */
   double error() const { return latest; }
   double samples() const { return latestSamples; }
 

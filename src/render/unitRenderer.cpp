@@ -1,5 +1,5 @@
 /** @file
- * The thread that renders units of work.
+ * Thread that renders units of work.
  */
 #include "render/unitRenderer.h"
 
@@ -115,7 +115,7 @@ std::vector<WorkUnit> UnitRenderer::render(const WorkUnit& unit) {
     const int64_t pass = renderer.passOf(rest.firstSample);
     const bool splats = rest.splats && film.splats() && rest.firstSample == renderer.passBegin(pass);
     if (shotPass != pass || splats) {
-      // All others look back at the first.
+      // pass 0 has to be shot before any later one
       if (!shotPass && pass > 0 && !renderer.shootPass(0, false, control)) break;
       shotPass.reset();
       if (!renderer.shootPass(pass, splats, control)) break;

@@ -1,5 +1,5 @@
 /** @file
- * Dealing out work.
+ * Division of a render into units of work.
  */
 #include "recurse/render/workQueue.h"
 
@@ -11,10 +11,10 @@ namespace recurse {
 
 namespace {
 
-/** Each worker gets so many units out of what is left, so that those at the end are short. */
+/** Units per worker into which the remaining work is divided, so that the last units are short. */
 constexpr double UNITS_LEFT = 3;
-/** A pass that takes so many times as long as a unit should is dealt out in parts, whose photons are shot
- * each time. */
+/** Longest pass that is one unit [wanted unit sizes]. A longer one is divided, and its photons are shot again
+ * for each part. */
 constexpr double LONG_PASS = 4;
 
 } // namespace
@@ -47,10 +47,10 @@ std::pair<int64_t, int64_t> WorkQueue::extent(double wanted, int workers) const 
   }
   int64_t pass = passOf(front.firstSample);
   const int64_t passesLeft = passOf(units.back().endSample - 1) - pass + 1;
-  // Where there are fewer passes than workers, several make the same photons, and share the tiles.
+  // With fewer passes than workers, several workers shoot the same photons and share the tiles.
   const int64_t sharers = passesLeft >= workers ? 1 : (workers + passesLeft - 1) / passesLeft;
   const int64_t share = sharers == 1 ? width : std::min(width, (tiles + sharers - 1) / sharers);
-  // As many passes as fit; a part of one where it has a great many samples.
+  // Whole passes as many as fit, or a part of a pass with very many samples.
   int64_t end = passBegin(pass + 1);
   const int64_t inPass = std::min(end, front.endSample) - front.firstSample;
   if (wholePasses && double(inPass) * double(share) > LONG_PASS * wanted)
@@ -78,7 +78,7 @@ std::optional<WorkUnit> WorkQueue::take(double wanted, int workers) {
   WorkUnit right = unit, below = front;
   right.firstTile = unit.endTile;
   right.endTile = front.endTile;
-  right.splats = 0; // belong to the first tile
+  right.splats = 0; // splats belong to the first tile
   below.firstSample = unit.endSample;
   units.erase(units.begin());
   giveBack(right);

@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-constexpr size_t POINTS = 16; ///< of a patch, four rows of four
+constexpr size_t POINTS = 16; ///< control points of a patch, four rows of four
 
 /** Bernstein polynomials of degree 3, and their derivatives. */
 std::array<double, 4> weights(double t) {
@@ -22,7 +22,7 @@ std::array<double, 4> slopes(double t) {
   return {-3 * s * s, 3 * s * (s - 2 * t), 3 * t * (2 * s - t), 3 * t * t};
 }
 
-/** u runs along the rows, v from row to row. */
+/** Weighted sum of the control points; u runs along the rows, v from row to row. */
 Vec3d sum(const Vec3d* points, const std::array<double, 4>& alongU, const std::array<double, 4>& alongV) {
   Vec3d out(0);
   for (size_t row = 0; row < 4; ++row)
@@ -37,7 +37,7 @@ Vec3d normalAt(const Vec3d* points, double u, double v) {
 
 void addPatch(const Vec3d* points, uint32_t steps, MeshData& mesh) {
   const auto first = static_cast<uint32_t>(mesh.positions.size());
-  double largest = 0; // of the normals' lengths, for what is too small to have a direction
+  double largest = 0; // longest normal, the scale of degenerate normals
   for (uint32_t j = 0; j <= steps; ++j)
     for (uint32_t i = 0; i <= steps; ++i) {
       const double u = double(i) / steps, v = double(j) / steps;
@@ -50,7 +50,7 @@ void addPatch(const Vec3d* points, uint32_t steps, MeshData& mesh) {
     for (uint32_t i = 0; i <= steps; ++i) {
       Vec3d& normal = mesh.normals[first + j * (steps + 1) + i];
       if (glm::length(normal) > 1e-9 * largest) continue;
-      // Where a side of the patch is a single point the normal is that of places close by.
+      // Where a side of the patch is a single point, the normal of a nearby point is used.
       const auto inside = [](double t) { return 1e-4 + (1 - 2e-4) * t; };
       normal = normalAt(points, inside(double(i) / steps), inside(double(j) / steps));
     }

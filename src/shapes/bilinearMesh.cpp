@@ -1,8 +1,8 @@
 /** @file
- * Meshes of bilinear patches: surfaces through four corners, straight along both coordinates. Rays meet them
- * as in Reshetov, "Cool Patches: A Geometric Approach to Ray/Bilinear Patch Intersections" (Ray Tracing Gems,
- * chapter 8, 2019), here in double precision. Corners are rounded to float as those of triangles are, so that
- * meshes of both kinds fit together.
+ * Meshes of bilinear patches: surfaces through four corners, straight along both coordinates. Ray
+ * intersection follows Reshetov, "Cool Patches: A Geometric Approach to Ray/Bilinear Patch Intersections"
+ * (Ray Tracing Gems, chapter 8, 2019), here in double precision. Corners are rounded to float like the
+ * corners of triangles, so that meshes of both kinds fit together.
  */
 #include <array>
 
@@ -23,7 +23,7 @@ struct Patch {
   bool isParallelogram() const { return twist == Vec3d(0); }
 
   Vec2d coordinatesOf(const SurfacePoint& point) const {
-    // The patch is met close by along the normal, a little beyond the edges by rounding.
+    // Intersection along the normal, close to the point, and slightly beyond the edges by rounding.
     double nearest = std::numeric_limits<double>::infinity();
     Vec2d uv(0.5);
     intersectPosition(point.position, point.geometricNormal, 0.01, [&](double t, double u, double v) {
@@ -35,13 +35,13 @@ struct Patch {
   }
 
   /**
-   * Calls visit(t, u, v) for each meeting with the line origin + t·direction where u and v are in [0, 1] or
-   * `beyond` it.
+   * Calls visit(t, u, v) for each intersection with the line origin + t·direction where u and v are in [0,
+   * 1], or outside by at most `beyond`.
    */
   template <class Visit>
   void intersectPosition(const Vec3d& origin, const Vec3d& direction, double beyond,
                          const Visit& visit) const {
-    // The line is looked at from near the patch, so that distance costs no digits.
+    // The origin is moved near the patch, so that distance costs no precision.
     const Vec3d middle = corner + offset(0.5, 0.5);
     const double tNear = glm::dot(middle - origin, direction) / glm::dot(direction, direction);
     const Vec3d q00 = corner - (origin + direction * tNear), across00 = glm::cross(q00, direction);
@@ -78,8 +78,8 @@ struct Patch {
     double v = glm::dot(glm::cross(start, direction), n) / n2;
     if (!(v >= -beyond && v <= 1 + beyond)) return;
     v = std::clamp(v, 0.0, 1.0);
-    // t from the tangent plane, which errors of u and v along the surface do not change. An axis-aligned
-    // patch is met exactly.
+    // t is computed from the tangent plane, which errors of u and v along the surface do not change. An
+    // axis-aligned patch is intersected exactly.
     const Vec3d normal = across(u, v);
     const double slope = glm::dot(normal, direction);
     if (slope == 0) return;
@@ -87,7 +87,7 @@ struct Patch {
   }
 };
 
-/** The area of p([u0, u0+size], [v0, v0+size]) by Gauss' rule of five points. */
+/** Area of p([u0, u0+size], [v0, v0+size]) by five-point Gauss quadrature. */
 double gaussArea(const Patch& p, double u0, double v0, double size) {
   constexpr double NODE[] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
                              0.9061798459386640},
@@ -101,7 +101,7 @@ double gaussArea(const Patch& p, double u0, double v0, double size) {
   return 0.25 * size * size * sum;
 }
 
-/** Splits in four until the parts agree with the whole. */
+/** Adaptive quadrature: splits in four until the parts agree with the whole. */
 double patchArea(const Patch& p, double u0, double v0, double size, double whole, double tolerance,
                  int depth) {
   const double half = 0.5 * size;
@@ -122,14 +122,14 @@ double patchArea(const Patch& p) {
   return patchArea(p, 0, 0, 1, whole, 1e-7 * whole, 8);
 }
 
-/** From uniform u to x in [0, 1] with a density that goes linearly from a at 0 to b at 1. */
+/** Maps uniform u to x in [0, 1] with a linear density, a at 0 and b at 1. */
 double sampleLinear(double u, double a, double b) {
   if (!(a + b > 0)) return u;
   return std::min(u * (a + b) / (a + std::sqrt((1 - u) * a * a + u * b * b)), 1.0);
 }
 
-/** A density on the unit square, proportional to the stretch of areas at the corners and bilinear between. It
- * is nowhere less than the stretch itself, which is convex along u and along v. */
+/** Density on the unit square, proportional to the area stretch at the corners and bilinear between. It is
+ * nowhere less than the stretch itself, which is convex along u and along v. */
 struct CornerDensity {
   double w00, w10, w01, w11;
 
@@ -175,7 +175,7 @@ class BilinearMesh final : public Shape {
 
   uint32_t primitiveCount() const override { return static_cast<uint32_t>(corners.size()); }
 
-  /** A patch lies in the hull of its corners. */
+  /** A patch is inside the convex hull of its corners. */
   Bounds3f bounds(uint32_t primitive) const override {
     Bounds3f b;
     for (int k = 0; k < 4; ++k) b.add(vertices[corners[primitive][k]]);
@@ -186,7 +186,7 @@ class BilinearMesh final : public Shape {
                                         float tMin, float tMax) const override {
     PrimitiveHit nearest;
     nearest.t = tMax;
-    // Neighbours share edges: rounding must not open them.
+    // Slack at the edges, which neighbours share: rounding must not open them.
     constexpr double EDGE_ROUNDING = 1e-13;
     patch(primitive).intersectPosition(origin, direction, EDGE_ROUNDING, [&](double t, double u, double v) {
       const auto rounded = static_cast<float>(t);
@@ -196,7 +196,7 @@ class BilinearMesh final : public Shape {
     return nearest;
   }
 
-  /** The parameters are u and v from the middle, where large patches then have the most digits. */
+  /** Hit parameters are u and v from the middle, where large patches then have the highest precision. */
   SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const override {
     return pointAt(primitive, patch(primitive), std::clamp(double(parameters.uv.x) + 0.5, 0.0, 1.0),
                    std::clamp(double(parameters.uv.y) + 0.5, 0.0, 1.0));
@@ -275,7 +275,7 @@ class BilinearMesh final : public Shape {
            (D(values[c.z]) * (1 - u) + D(values[c.w]) * u) * v;
   }
 
-  /** Unit normal of a patch where it is well defined; else that of the middle, or any. */
+  /** Unit normal of a patch where it is well defined; otherwise the normal of the middle, or any. */
   static Vec3d unitNormal(const Patch& p, double u, double v) {
     for (const Vec3d& n : {p.across(u, v), p.across(0.5, 0.5), p.across(0.25, 0.25)}) {
       const double length = glm::length(n);
@@ -299,7 +299,7 @@ class BilinearMesh final : public Shape {
     s.shadingNormal = smooth ? Vec3f(shading / shadingLength) : s.geometricNormal;
     if (glm::dot(s.shadingNormal, s.geometricNormal) < 0) s.shadingNormal = s.geometricNormal;
 
-    // What the corners span, an axis at a time; a coordinate that they share is exact.
+    // Extent of the corners along each axis; a coordinate that they share is exact.
     const Vec3d extent = glm::abs(p.alongU) + glm::abs(p.alongV) + glm::abs(p.twist);
     Vec3d rounding = position;
     for (int i = 0; i < 3; ++i)
@@ -319,7 +319,7 @@ class BilinearMesh final : public Shape {
     s.uv = {static_cast<float>(u), static_cast<float>(v)};
     if (!uvs.empty()) {
       s.uv = Vec2f(bilinear(uvs, c, u, v));
-      // By the chain rule, from the coordinates' derivatives along the patch's own.
+      // Chain rule, from derivatives along the patch coordinates to derivatives along (u, v) of the texture.
       const Vec2d t00 = uvs[c.x], t10 = uvs[c.y], t01 = uvs[c.z], t11 = uvs[c.w];
       const Vec2d du = (t10 - t00) * (1 - v) + (t11 - t01) * v, dv = (t01 - t00) * (1 - u) + (t11 - t10) * u;
       const double determinant = du.x * dv.y - du.y * dv.x;
@@ -342,7 +342,7 @@ class BilinearMesh final : public Shape {
 
   std::vector<Vec3f> vertices, normals;
   std::vector<Vec2f> uvs;
-  std::vector<glm::uvec4> corners; ///< at (u, v) = (0,0), (1,0), (0,1), (1,1)
+  std::vector<glm::uvec4> corners; ///< vertices at (u, v) = (0,0), (1,0), (0,1), (1,1)
   std::vector<double> areas, cumulativeArea;
   bool flipped = false;
 };

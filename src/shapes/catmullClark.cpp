@@ -20,7 +20,7 @@ namespace {
 
 namespace far = OpenSubdiv::Far;
 
-/** What a file says; sharpness up to 10, which is for ever. */
+/** Control mesh as the file describes it; sharpness is at most 10, which means infinitely sharp. */
 struct ControlMesh {
   std::vector<Vec3d> positions;
   std::vector<Vec2d> uvs; ///< one for each position, or none
@@ -33,7 +33,7 @@ struct ControlMesh {
   bool cornersOfBoundary = false;
 };
 
-/** A value as OpenSubdiv sums it up. */
+/** Value in the form that OpenSubdiv accumulates. */
 template <class V> struct Weighted {
   V value{0};
   void Clear() { value = V(0); }
@@ -69,7 +69,7 @@ Refiner refined(const ControlMesh& mesh, int levels) {
   return refiner;
 }
 
-/** The values of the last level's vertices. */
+/** Values at the vertices of the last level. */
 template <class V>
 std::vector<Weighted<V>> interpolated(const far::TopologyRefiner& refiner, const std::vector<V>& values) {
   std::vector<Weighted<V>> from(values.size()), to;
@@ -83,7 +83,7 @@ std::vector<Weighted<V>> interpolated(const far::TopologyRefiner& refiner, const
   return from;
 }
 
-/** Numbers the parts into which sharp edges cut the faces around a vertex; the boundary does not. */
+/** Numbers the sectors into which sharp edges, but not the boundary, divide the faces around a vertex. */
 std::vector<int> sectors(const far::TopologyLevel& level, int v) {
   const far::ConstIndexArray faces = level.GetVertexFaces(v);
   std::vector<int> sector(static_cast<size_t>(faces.size()));
@@ -98,7 +98,7 @@ std::vector<int> sectors(const far::TopologyLevel& level, int v) {
   return sector;
 }
 
-/** Quadrilaterals of the last level, at their limits. Vertices on creases stand there once for each side. */
+/** Quadrilaterals of the last level at their limits. Vertices on creases exist once for each side. */
 MeshData limitOf(const ControlMesh& mesh, int levels) {
   const Refiner refiner = refined(mesh, levels);
   const far::TopologyLevel& last = refiner->GetLevel(levels);
@@ -123,12 +123,12 @@ MeshData limitOf(const ControlMesh& mesh, int levels) {
     out.normals.push_back(normal);
     if (!uvs.empty()) out.uvs.push_back(uvs[v].value);
   };
-  for (size_t v = 0; v < count; ++v) add(v, Vec3d(0)); // those of the control mesh come first
+  for (size_t v = 0; v < count; ++v) add(v, Vec3d(0)); // refined vertices first, then the duplicates
   for (size_t v = 0; v < count; ++v) {
     const far::ConstIndexArray faces = last.GetVertexFaces(static_cast<int>(v));
     const std::vector<int> sector = sectors(last, static_cast<int>(v));
     for (int s = 0; s < faces.size(); ++s) {
-      if (sector[size_t(s)] != s) continue; // each once, by its first face
+      if (sector[size_t(s)] != s) continue; // each sector once, by its first face
       Vec3d sum(0);
       for (int i = 0; i < faces.size(); ++i)
         if (sector[size_t(i)] == s) sum += faceNormals[size_t(faces[i])];
@@ -157,7 +157,7 @@ MeshData limitOf(const ControlMesh& mesh, int levels) {
   return out;
 }
 
-/** Throws Error where faces do not agree on which side is the outside. */
+/** Directed edges of all faces. Throws Error where faces do not agree on which side is the outside. */
 std::set<std::pair<int, int>> edgesOf(const ControlMesh& mesh) {
   std::set<std::pair<int, int>> directed;
   size_t first = 0;
@@ -173,7 +173,7 @@ std::set<std::pair<int, int>> edgesOf(const ControlMesh& mesh) {
   return directed;
 }
 
-/** One number for all, or one for each of `count` things. */
+/** Sharpness parameter: one number for all, or one for each of `count` things. */
 std::vector<float> sharpness(const Parameters& p, const std::string& name, size_t count, const char* things) {
   std::vector<double> given = p.reals(name);
   if (given.size() == 1) given.assign(count, given[0]);
@@ -184,7 +184,7 @@ std::vector<float> sharpness(const Parameters& p, const std::string& name, size_
   return {given.begin(), given.end()};
 }
 
-/** Numbers of things of which there are `count`. */
+/** Indices of things of which there are `count`. */
 std::vector<int> numbersOf(const Parameters& p, const std::string& name, size_t count, const char* things) {
   const std::vector<int> numbers = p.has(name) ? p.integers(name) : std::vector<int>();
   for (const int i : numbers)
@@ -244,7 +244,7 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
   const double faces = double(mesh.indices.size()) * std::pow(4.0, levels - 1);
   if (faces > MOST_FACES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_FACES)) + " faces", "fewer levels");
-  // Of topology, limits with their tangents, and normals.
+  // Memory per face [bytes] for topology, limits with their tangents, and normals.
   constexpr double FACE_BYTES = 500;
   requireMemory("subdivision by " + std::to_string(levels) + " levels", FACE_BYTES * faces);
   try {

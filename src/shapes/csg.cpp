@@ -1,6 +1,6 @@
 /** @file
- * Constructive solid geometry: unions, intersections and differences of solids. A line's crossings with the
- * operands are sorted, and those kept where it goes into or out of the result (Roth, "Ray Casting for
+ * Constructive solid geometry: unions, intersections and differences of solids. The crossings of a line with
+ * the operands are sorted, and kept where the line enters or leaves the result (Roth, "Ray Casting for
  * Modeling Solids", 1982).
  */
 #include <mutex>
@@ -15,14 +15,14 @@ namespace {
 
 enum class Operation { UNION, INTERSECTION, DIFFERENCE };
 
-/** A shape among the operands. */
+/** Shape of an operand. */
 struct Part {
   std::unique_ptr<Shape> shape;
   std::unique_ptr<Solid> solid;
   uint32_t operand = 0;
   uint32_t firstComponent = 0; ///< its components are numbered from here on
-  bool isCompound = false;     ///< its own components count, instead of its primitives
-  bool turned = false;         ///< the result's outside is where this shape's normals do not point
+  bool isCompound = false;     ///< its components count, instead of its primitives
+  bool turned = false;         ///< normals of the result are opposite to this shape's normals
 };
 
 class Csg final : public Shape {
@@ -42,10 +42,10 @@ class Csg final : public Shape {
       if (!takenOff) box.add(b);
     }
     if (operation == Operation::INTERSECTION) box = commonBox();
-    // Faces that coincide differ by rounding.
+    // Distance below which faces coincide: they differ by rounding.
     coincidence = 0x1p-22 * glm::length(Vec3d(box.diagonal()));
-    // A ray that is looked at piece by piece need not ask all that lies behind what it meets. A piece that is
-    // a few shapes long has something in it where they are many; where they are few, it is the whole ray.
+    // Rays are intersected piece by piece, which spares the shapes behind the first hit. A piece that is a
+    // few shapes long usually contains a hit where shapes are many; where they are few, it is the whole ray.
     constexpr double SHAPES_LONG = 4;
     for (const Bounds3d& b : boxes)
       firstStretch += SHAPES_LONG * glm::length(b.diagonal()) / double(boxes.size());
@@ -66,7 +66,7 @@ class Csg final : public Shape {
     for (double length = firstStretch; begin <= last; length *= 2) {
       const double end = std::min(begin + length, last);
       found.clear();
-      // All shapes that a point of the stretch may lie in; their crossings elsewhere mean nothing.
+      // Crossings of all shapes that may contain a point of the piece; invalid outside of the piece.
       crossings(origin, direction, begin - coincidence, end + coincidence, found);
       for (const Solid::Crossing& c : found) {
         const auto t = static_cast<float>(c.t);
@@ -88,7 +88,7 @@ class Csg final : public Shape {
     return s;
   }
 
-  /** Points are chosen on all of the operands' surfaces, and those that are none of the result's are refused.
+  /** Samples are points on the operands' surfaces; points that are not on the result's surface are rejected.
    */
   bool canBeSampled() const override { return canEmit; }
   float area() const override {
@@ -115,8 +115,8 @@ class Csg final : public Shape {
 
   std::unique_ptr<Solid> asSolid() const override { return std::make_unique<CsgSolid>(*this); }
 
-  /** Appends the result's crossings between tMin and tMax in the order of t, and others beyond that may be
-   * wrong. */
+  /** Appends the crossings of the result between tMin and tMax, sorted by t. Crossings outside this range
+   * may be appended too, and may be wrong. */
   void crossings(const Vec3d& origin, const Vec3d& direction, double tMin, double tMax,
                  std::vector<Solid::Crossing>& found) const {
     const size_t first = found.size();
@@ -128,7 +128,7 @@ class Csg final : public Shape {
         Solid::Crossing& c = found[k];
         c.parameters.setComponent(part.firstComponent +
                                   (part.isCompound ? c.parameters.component() : c.primitive));
-        c.primitive = part.operand; // from here on of the result, which has one primitive
+        c.primitive = part.operand; // operand, until keepResult() sets the result's only primitive
       }
     });
     std::sort(found.begin() + static_cast<std::ptrdiff_t>(first), found.end(),
@@ -152,7 +152,7 @@ class Csg final : public Shape {
     const Csg& csg;
   };
 
-  /** How many shapes of each operand a point along the line lies in. */
+  /** Number of shapes of each operand that contain a point along the line. */
   class State {
    public:
     State(Operation operation, uint32_t operandCount) : operation(operation) {
@@ -182,9 +182,9 @@ class Csg final : public Shape {
   };
 
   /**
-   * Crossings that lie together are passed at once, so that faces that coincide leave no skin behind. Where
-   * they change the result, the operand that is named first and turned the right way is its surface, at the
-   * place of the first of them, which does not depend on the order of names.
+   * Crossings within `together` count as one, so that coincident faces leave no skin behind. Where they
+   * change the result, its surface is the operand that is named first and has the right orientation. Its t is
+   * the t of the first crossing, which does not depend on the order of names.
    */
   void keepResult(std::vector<Solid::Crossing>& found, size_t first, double together) const {
     if (found.size() == first) return;
@@ -212,7 +212,7 @@ class Csg final : public Shape {
     found.resize(kept);
   }
 
-  /** Where the line enters and leaves the box, with some slack. */
+  /** Range of t in which the line is inside the box, with some slack. */
   std::pair<double, double> withinBox(const Vec3d& origin, const Vec3d& direction) const {
     constexpr double FAR = std::numeric_limits<double>::infinity();
     double begin = -FAR, end = FAR;
@@ -240,7 +240,7 @@ class Csg final : public Shape {
     s.crossTangent = static_cast<int8_t>(-s.crossTangent);
   }
 
-  /** The component whose surface the result has at a point, or so near that rounding tells no difference. */
+  /** Component whose surface the result has at a point, within rounding; empty where there is none. */
   std::optional<uint32_t> componentAt(const SurfacePoint& point) const {
     static thread_local std::vector<Solid::Crossing> found;
     found.clear();
@@ -259,7 +259,7 @@ class Csg final : public Shape {
     std::call_once(areasKnown, [this] { measureAreas(); });
   }
 
-  /** Of the parts before part i. */
+  /** Area of the parts before part i. */
   double areaBefore(size_t i) const { return i > 0 ? cumulativeArea[i - 1] : 0; }
 
   ShapeSample samplePart(float pick, const Vec2f& u) const {
@@ -286,12 +286,12 @@ class Csg final : public Shape {
     return static_cast<float>(own / cumulativeArea.back()) * part.shape->pdfArea(primitive, point);
   }
 
-  /** Of the parts, and by points on them of the result. */
+  /** Measures the areas of the parts, and the area of the result by points on them. */
   void measureAreas() const {
     double sum = 0;
     for (const Part& p : parts) cumulativeArea.push_back(sum += double(p.shape->area()));
     if (!(sum > 0)) return;
-    constexpr uint32_t POINTS = 1 << 18; // a per cent where a tenth of the operands' surface is the result's
+    constexpr uint32_t POINTS = 1 << 18; // 1 % error where a tenth of the operands' surface is the result's
     double own = 0;
     for (uint32_t i = 0; i < POINTS; ++i) {
       Sampler sampler(0, 0, i);
@@ -302,7 +302,7 @@ class Csg final : public Shape {
     ownArea = static_cast<float>(own / POINTS);
   }
 
-  /** The box that all operands have in common. */
+  /** Intersection of the bounding boxes of all operands. */
   Bounds3f commonBox() const {
     std::vector<Bounds3f> boxes(operandCount);
     for (const Part& p : parts) boxes[p.operand].add(p.shape->bounds());
@@ -316,18 +316,18 @@ class Csg final : public Shape {
 
   Operation operation;
   uint32_t operandCount;
-  std::vector<Part> parts; ///< those of one operand follow each other
-  uint32_t components;     ///< of all parts
+  std::vector<Part> parts; ///< sorted by operand
+  uint32_t components;     ///< number of components of all parts
   std::vector<const Material*> materials;
-  std::vector<uint32_t> materialStarts; ///< the component that each material begins with
+  std::vector<uint32_t> materialStarts; ///< first component of each material
   bool reversed;
   double coincidence = 0, firstStretch = 0; ///< [scene units]
   Bounds3f box;
   BoxTree tree;
 
   bool canEmit = false;
-  mutable std::once_flag areasKnown;          ///< what follows is for lamps only
-  mutable std::vector<double> cumulativeArea; ///< of parts [0, i]
+  mutable std::once_flag areasKnown;          ///< guards the areas, which only lamps need
+  mutable std::vector<double> cumulativeArea; ///< total area of parts [0, i]
   mutable float ownArea = 0;
 };
 

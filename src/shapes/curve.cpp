@@ -1,5 +1,5 @@
 /** @file
- * Curves as pbrt-v4 has them: Bézier and B-spline, flat, cylinder and ribbon.
+ * Curves as in pbrt-v4: Bézier and B-spline, flat, cylinder and ribbon.
  */
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/model/shape/curveShape.h"

@@ -1,6 +1,6 @@
 /** @file
- * Loop's subdivision surfaces as pbrt-v4 has them: triangles are split level by level, then moved to the
- * limit surface, with its normals (Loop, "Smooth Subdivision Surfaces Based on Triangles", 1987).
+ * Loop's subdivision surfaces as in pbrt-v4: triangles are split level by level, then moved to the limit
+ * surface, with its normals (Loop, "Smooth Subdivision Surfaces Based on Triangles", 1987).
  */
 #include <unordered_map>
 
@@ -13,12 +13,12 @@ namespace recurse {
 
 namespace {
 
-/** Edges of a triangle mesh, and what is around each vertex. */
+/** Edges of a triangle mesh, and the neighbourhood of each vertex. */
 class Topology {
  public:
   struct Edge {
     uint32_t a, b;        ///< vertices
-    uint32_t opposite[2]; ///< of the one or two triangles
+    uint32_t opposite[2]; ///< third vertices of the one or two triangles
     int triangles = 0;
     bool isBoundary() const { return triangles == 1; }
   };
@@ -49,14 +49,14 @@ class Topology {
   }
 
   size_t edgeNumber(uint32_t a, uint32_t b) const { return numbers.at(key(std::min(a, b), std::max(a, b))); }
-  /** What follows `from` around `v`: the third vertex of the triangle v, from, ... */
+  /** Vertex after `from` around `v`: the third vertex of the triangle v, from, ...; null at the boundary. */
   const uint32_t* next(uint32_t v, uint32_t from) const {
     const auto found = directed.find(key(v, from));
     return found == directed.end() ? nullptr : &found->second;
   }
 
   std::vector<Edge> edges;
-  std::vector<uint32_t> edgesOf, boundaryOf; ///< numbers of edges at a vertex, and of those on the boundary
+  std::vector<uint32_t> edgesOf, boundaryOf; ///< numbers of edges, and of boundary edges, at a vertex
 
  private:
   static uint64_t key(uint32_t a, uint32_t b) { return uint64_t(a) << 32 | b; }
@@ -64,12 +64,12 @@ class Topology {
   std::unordered_map<uint64_t, uint32_t> directed;
 };
 
-/** The weight of each neighbour for a vertex inside, as pbrt and Warren have it. */
+/** Weight of each neighbour of an interior vertex: Warren's, as in pbrt. */
 double neighbourWeight(double valence) { return valence == 3 ? 3 / 16.0 : 3 / (8 * valence); }
 double limitWeight(double valence) { return 1 / (valence + 3 / (8 * neighbourWeight(valence))); }
 
-/** Each vertex with its neighbours: those along the boundary only, by a weight of their own, where it is on
- * it. */
+/** Averages each vertex with its neighbours. A vertex on the boundary is averaged with its neighbours
+ * along the boundary only, with a separate weight. */
 template <class Inner>
 std::vector<Vec3d> averaged(const Topology& t, const std::vector<Vec3d>& positions, double boundaryWeight,
                             const Inner& weightInside) {
@@ -112,10 +112,10 @@ void splitOnce(MeshData& mesh) {
   mesh.triangles = std::move(triangles);
 }
 
-/** Neighbours in their order around a vertex; on the boundary from one of its ends to the other. */
+/** Neighbours in order around a vertex; on the boundary, from its first boundary edge to its last. */
 std::vector<uint32_t> ringAround(const Topology& t, uint32_t v, uint32_t any) {
   std::vector<uint32_t> ring{any};
-  if (t.boundaryOf[v] > 0) { // back to the first: the one that none leads to
+  if (t.boundaryOf[v] > 0) { // back to the first, which has no predecessor
     for (uint32_t steps = 0; steps < t.edgesOf[v]; ++steps) {
       // The triangle v, x, ring.front() is also ring.front(), v, x.
       const uint32_t* before = t.next(ring.front(), v);
@@ -131,8 +131,8 @@ std::vector<uint32_t> ringAround(const Topology& t, uint32_t v, uint32_t any) {
   return ring;
 }
 
-/** The limit surface's normal from the ring around a vertex (Hoppe et al., "Piecewise Smooth Surface
- * Reconstruction", 1994). As in pbrt-v4 the outside is where the triangles are seen clockwise from. */
+/** Normal of the limit surface from the ring around a vertex (Hoppe et al., "Piecewise Smooth Surface
+ * Reconstruction", 1994). As in pbrt-v4, triangles are clockwise as seen from the outside. */
 Vec3d limitNormal(const Vec3d& v, const std::vector<Vec3d>& ring, bool onBoundary) {
   const size_t n = ring.size();
   Vec3d s(0), t(0);
@@ -204,7 +204,7 @@ std::unique_ptr<Shape> makeLoopSubdivision(const Parameters& p, const ShapeConte
   if (double(mesh.triangles.size()) * std::pow(4.0, levels) > MOST_TRIANGLES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_TRIANGLES)) + " triangles",
            "fewer levels");
-  // A triangle has an edge and a half, three entries in tables of edges and half a vertex.
+  // Memory per triangle [bytes]: one and a half edges, three entries in tables of edges and half a vertex.
   constexpr double TRIANGLE_BYTES = 300;
   requireMemory("subdivision by " + std::to_string(levels) + " levels",
                 TRIANGLE_BYTES * double(mesh.triangles.size()) * std::pow(4.0, levels));

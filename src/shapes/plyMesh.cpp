@@ -25,7 +25,7 @@ std::unique_ptr<Shape> makePlyMesh(const Parameters& p, const ShapeContext& cont
     return makeDisplacedMesh(std::move(ply.mesh), p, context);
   } catch (const SceneError&) {
     throw;
-  } catch (const Error& e) { // of the mesh, which knows of no file
+  } catch (const Error& e) { // errors of the mesh do not name the file
     p.fail("filename", file.path + ": " + e.what());
   }
 }

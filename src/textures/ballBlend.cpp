@@ -1,5 +1,5 @@
 /** @file
- * Values of balls, blended by the fields that metaballs are made of.
+ * Values of balls, blended by the fields of metaballs.
  */
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/model/shape/ballField.h"
@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** At each point the mean of the balls' values, each with the weight of its field there. */
+/** Mean of the balls' values, weighted by their fields at the point. */
 class BallBlend final : public Texture {
  public:
   BallBlend(const Parameters& p, const TextureContext& c) : space(c), field(ballField(p.string("field"))) {
@@ -24,7 +24,7 @@ class BallBlend final : public Texture {
         p.fail("values", "a float texture is given colours", "\"float values\"");
     std::vector<Bounds3d> boxes;
     for (size_t i = 0; i < centers.size(); ++i) {
-      if (!(strengths[i] > 0)) continue; // it takes away, and leaves nothing of its own
+      if (!(strengths[i] > 0)) continue; // a ball that subtracts has no value
       balls.push_back({centers[i], radii[i], strengths[i], values[i]});
       boxes.push_back({centers[i] - radii[i], centers[i] + radii[i]});
     }

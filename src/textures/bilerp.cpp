@@ -1,5 +1,5 @@
 /** @file
- * Interpolation between four corners.
+ * Bilinear interpolation between four corners.
  */
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/model/texture/textureMapping.h"

@@ -8,11 +8,11 @@ namespace recurse {
 
 namespace {
 
-/** The mean over [x - r, x + r] of the wave that is 1 on [0, 1) and -1 on [1, 2), and so on. */
+/** Mean over [x - r, x + r] of the square wave that is 1 on [0, 1), -1 on [1, 2), and so on. */
 double squareWave(double x, double r) {
   const auto sign = [](double cell) { return std::fmod(cell, 2) == 0 ? 1.0 : -1.0; };
   if (std::floor(x - r) == std::floor(x + r)) return sign(std::floor(x));
-  // Its integral is a triangle wave: up from 0 to 1, and down again.
+  // The integral of the wave is a triangle wave: up from 0 to 1, and down again.
   const auto integral = [](double y) { return 1 - std::abs(1 - (y - 2 * std::floor(y / 2))); };
   return (integral(x + r) - integral(x - r)) / (2 * r);
 }
@@ -41,7 +41,7 @@ class Checkerboard final : public Texture {
 
  private:
   TexturedRgb first, second;
-  std::optional<TextureMapping> mapping; ///< none: three dimensions
+  std::optional<TextureMapping> mapping; ///< empty: three dimensions
   TextureSpace space;
 };
 

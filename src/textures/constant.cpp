@@ -1,5 +1,5 @@
 /** @file
- * The same value everywhere.
+ * Texture of one value.
  */
 #include "recurse/model/scene/plugIns.h"
 

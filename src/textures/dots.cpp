@@ -8,8 +8,8 @@ namespace recurse {
 
 namespace {
 
-/** Whether a place is in a dot. Which cells have one, and where in the cell it is, are read off noise, in
- * planes and with offsets that are pbrt's, so that the dots are where they are there. */
+/** Whether a point is in a dot. Noise decides which cells have a dot and its position in the cell. Planes
+ * and offsets of the noise are pbrt's, so that the dots are at the same positions. */
 bool inDot(const Vec2d& st) {
   constexpr double RADIUS = 0.35, PLAY = 0.5 - RADIUS;
   const auto noise = [](double x, double y) { return perlinNoise({x, y, 0.5}); };

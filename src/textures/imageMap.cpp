@@ -1,5 +1,5 @@
 /** @file
- * Pictures on surfaces.
+ * Image textures.
  */
 #include <optional>
 
@@ -32,7 +32,7 @@ class ImageMap final : public Texture {
   ImageTexture image;
   float scale;
   bool invert, spectrum;
-  std::optional<float> threshold; ///< from which on the value is 1, and 0 below
+  std::optional<float> threshold; ///< values of at least this become 1, lower ones 0
 };
 
 ImageEncoding encodingOf(const Parameters& p) {

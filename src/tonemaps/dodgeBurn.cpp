@@ -11,11 +11,11 @@ namespace recurse {
 
 namespace {
 
-/** Surroundings of eight sizes, each 1.6 times the one before, as in the paper. */
+/** Number of surround sizes, each 1.6 times the previous one, as in the paper. */
 constexpr int SCALES = 8;
 constexpr float RATIO = 1.6f;
-/** The smallest, as a fraction of the longer side: a pixel of the paper's pictures. Sizes in the formulas
- * count in it, so that a picture gets the same at any resolution. */
+/** Smallest size, as a fraction of the longer side: a pixel of the paper's pictures. Sizes in the formulas
+ * have this unit, so that the result does not depend on the resolution. */
 constexpr float UNIT = 0.001f;
 /** Standard deviation of the Gaussian of size 1: its α is 1/(2√2), and its exponent has no ½. */
 constexpr float SIGMA = 0.25f;
@@ -27,7 +27,7 @@ class DodgeBurn final : public ToneMap {
   float haloBound() const override { return 0.65f; }
 
   void apply(Image& picture) const override {
-    constexpr float SCALE = 1 / (1 - GREY_CARD); // keeps the grey card: L / (1 + L) of it is the card
+    constexpr float SCALE = 1 / (1 - GREY_CARD); // keeps the grey card, a fixed point of L / (1 + L)
     std::vector<float> light = luminances(picture);
     for (float& y : light) y *= SCALE;
     const std::vector<float> adaptation = localAdaptation(light, picture.width, picture.height);
@@ -40,7 +40,7 @@ class DodgeBurn final : public ToneMap {
   }
 
  private:
-  /** The mean of the largest surroundings without an edge in them (equations 5 to 8). */
+  /** Mean of the largest surround that contains no edge (equations 5 to 8). */
   std::vector<float> localAdaptation(const std::vector<float>& light, int width, int height) const {
     const float unit = UNIT * float(std::max(width, height));
     const auto blurred = [&](float size) { return gaussianBlur(light, width, height, SIGMA * size * unit); };

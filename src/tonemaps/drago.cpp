@@ -15,14 +15,14 @@ class Drago final : public ToneMap {
  public:
   explicit Drago(float bias) : exponent(std::log(bias) / std::log(0.5f)) {}
   void apply(Image& picture) const override {
-    // Ten times the grey card at the least: a curve that ends below is none.
+    // White is at least ten times the grey card: the curve is not defined for less.
     const float white = std::max(10 * GREY_CARD, luminanceQuantile(picture, 0.999));
     // Equation 4 at luminance y; `scale` is the paper's scale factor, found so that the grey card is kept.
     const auto curve = [&](float y, float scale) {
       const float t = std::min(y / white, 1.0f);
       const float shown = std::log1p(scale * t * white) * std::log(10.0f) /
                           (std::log1p(scale * white) * std::log(2 + 8 * std::pow(t, exponent)));
-      return std::min(shown, 1.0f); // of great contrasts it rises over 1 before it comes back to it
+      return std::min(shown, 1.0f); // at high contrast the curve exceeds 1 before it returns to it
     };
     float low = 1e-4f, high = 1e4f;
     for (int i = 0; i < 60; ++i) {

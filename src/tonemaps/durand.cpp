@@ -32,7 +32,7 @@ std::vector<float> bilateral(const std::vector<float>& field, int width, int hei
     weight = gaussianBlur(weight, width, height, sigmaSpace);
     weighted = gaussianBlur(weighted, width, height, sigmaSpace);
     for (size_t i = 0; i < field.size(); ++i) {
-      const float share = 1 - std::abs(field[i] - level) / step; // of this level in the interpolation
+      const float share = 1 - std::abs(field[i] - level) / step; // weight of this level in the interpolation
       if (share > 0) out[i] += share * weighted[i] / weight[i];
     }
   }
@@ -49,12 +49,12 @@ class Durand final : public ToneMap {
     std::vector<float> light = luminances(picture);
     const float brightest = *std::max_element(light.begin(), light.end());
     if (!(brightest > 0)) return;
-    // Six decades below the brightest nothing is told apart.
+    // Luminances more than six decades below the brightest are clamped.
     for (float& y : light) y = std::log10(std::max(y, 1e-6f * brightest));
     const std::vector<float> base =
         bilateral(light, picture.width, picture.height,
                   sigmaSpace * float(std::max(picture.width, picture.height)), sigmaRange);
-    // Contrast of the base around the grey card, so that its bright end comes to white; never increased.
+    // Contrast of the base around the grey card, such that its bright end becomes white; never increased.
     std::vector<float> sorted = base;
     const auto top = sorted.begin() + std::ptrdiff_t(0.999 * double(sorted.size() - 1));
     std::nth_element(sorted.begin(), top, sorted.end());

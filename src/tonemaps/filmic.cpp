@@ -8,8 +8,8 @@ namespace recurse {
 
 namespace {
 
-/** Hable 2010, "Filmic Tonemapping for Real-time Rendering": a short toe and a long shoulder. His difference
- * ... - E/F as one fraction, which is exactly 0 at 0. */
+/** Hable 2010, "Filmic Tonemapping for Real-time Rendering": a short toe and a long shoulder. The
+ * difference ... - E/F of the publication is one fraction here, which is exactly 0 at 0. */
 float hable(float x) {
   constexpr float A = 0.15f, B = 0.50f, C = 0.10f, D = 0.20f, E = 0.02f, F = 0.30f;
   return x * (A * (1 - E / F) * x + B * (C - E / F)) / (x * (A * x + B) + D * F);

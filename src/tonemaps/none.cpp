@@ -1,5 +1,5 @@
 /** @file
- * No operator.
+ * Identity tone map.
  */
 #include "recurse/model/scene/plugIns.h"
 

@@ -287,3 +287,29 @@ TEST(GuideField, OneStrongRecordDoesNotOwnACell) {
   ASSERT_NE(cell, nullptr);
   EXPECT_LT(cell->pdf(records[10].direction), 20 * cell->pdf(glm::normalize(Vec3f(0.6f, 0, 0.8f))));
 }
+
+TEST(GuideField, PhotonsAndCameraPathsAreBroughtToOneScale) {
+  // Photons come from x < 0, what camera paths find from x > 0, in units a million times smaller.
+  std::vector<GuideRecord> records = cosineRecords(400, [](const Vec3f& d) { return d.z; });
+  for (GuideRecord& r : records) {
+    r.fromPhoton = r.direction.x < 0;
+    r.value = r.fromPhoton ? 1e3f : 1e-3f;
+  }
+  GuideField field;
+  // Too like BSDF sampling to be followed, unless a third direction is left out.
+  std::erase_if(records, [](const GuideRecord& r) { return std::abs(r.direction.y) > 0.3f; });
+  const GuideCell* cell = cellOf(records, field);
+  ASSERT_NE(cell, nullptr);
+  const auto massOf = [&](float sign) {
+    double mass = 0;
+    constexpr int ACROSS = 256;
+    for (int y = 0; y < ACROSS; ++y)
+      for (int x = 0; x < ACROSS; ++x) {
+        const Vec3f d = cosineHemisphere({(float(x) + 0.5f) / ACROSS, (float(y) + 0.5f) / ACROSS});
+        if (d.x * sign > 0) mass += double(cell->pdf(d) / (d.z * INV_PI)) / square(double(ACROSS));
+      }
+    return mass;
+  };
+  EXPECT_NEAR(massOf(-1), 0.5, 0.1);
+  EXPECT_NEAR(massOf(1), 0.5, 0.1);
+}

@@ -76,6 +76,16 @@ TEST(GuidedPath, APassAloneHasTheGuideOfTheSequence) {
   EXPECT_GT(found, 0);
 }
 
+TEST(GuidedPath, ASecondRenderByTheSameIntegratorForgetsTheFirst) {
+  const auto scene = sceneFrom(slitRoom());
+  const PathClasses classes;
+  const auto guided = integratorFrom("path", "\"bool guided\" true");
+  const Rendered first = renderScene(*scene, *guided, classes, 16, 1),
+                 second = renderScene(*scene, *guided, classes, 16, 1);
+  ASSERT_EQ(first.pixels(), second.pixels());
+  for (size_t i = 0; i < first.pixels(); ++i) EXPECT_EQ(first.luminanceAt(i), second.luminanceAt(i)) << i;
+}
+
 TEST(GuidedPath, InAFurnaceEveryPixelIsTheRadianceOfEverything) {
   // A closed shell that emits 1 and reflects a half shows 2 everywhere.
   const auto scene = sceneFrom(view(8, 8, "0 0 0  1 0 0  0 1 0", perspective(90)) + R"(

@@ -1,5 +1,5 @@
 /** @file
- * What `recurse classes` tells about path expressions: what each stands for, and how they relate.
+ * Report of `recurse classes` on path expressions: the paths of each, and the relations between them.
  */
 #pragma once
 
@@ -18,18 +18,18 @@ struct ClassesReport {
   };
   std::vector<Entry> entries;
   std::vector<PathOverlap> overlaps; ///< all pairs of entries that share paths
-  PathAutomaton leftOver;            ///< the paths in no entry
-  std::string renderable; ///< the size of the joint automata, or why they cannot be rendered at once
+  PathAutomaton leftOver;            ///< paths in none of the entries
+  std::string renderable; ///< size of the joint automata, or the reason why they cannot be rendered at once
 
   std::string text() const;
 };
 
-/** Compiles and compares the classes. Throws Error for what does not compile; a class without paths is
- * reported. */
+/** Compiles and compares the classes. Throws Error for an expression that does not compile; an empty class is
+ * allowed and reported. */
 ClassesReport analyseClasses(const std::vector<PathClass>& classes, size_t maxEvents = 4,
                              size_t mostPerLength = 4);
 
-/** The named classes as a table for a terminal: name, expression, meaning. */
+/** Table of the named classes for a terminal: name, expression, meaning. */
 std::string namedClassesText();
 
 } // namespace recurse

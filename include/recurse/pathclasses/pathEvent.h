@@ -1,5 +1,5 @@
 /** @file
- * The events that the words of path classes are made of, and the name of a class.
+ * Events in the words of path classes, and the definition of a class.
  */
 #pragma once
 
@@ -8,10 +8,10 @@
 
 namespace recurse {
 
-/** The events of a path between its ends. */
+/** Events of a path between L and E. */
 enum class PathEvent : uint8_t { S, D, V };
 
-/** One class: a name for its film layer and its expression. */
+/** Path class: the name of its film layer, and its expression. */
 struct PathClass {
   std::string name;
   std::string expression;

@@ -1,6 +1,6 @@
 /** @file
- * Features of what a pixel sees, for compositing and for denoisers: albedo, normals, depth, position, and
- * mattes of objects and materials.
+ * Feature layers of the visible surfaces, for compositing and for denoisers: albedo, normals, depth,
+ * position, and mattes of objects and materials.
  */
 #pragma once
 
@@ -12,25 +12,25 @@
 
 namespace recurse {
 
-/** A layer of features. Each value is the mean over those samples of the pixel that meet a surface, 0 where
- * none does; of the albedo that 0 is a part of the mean. */
+/** Feature layer. Each value is the mean over the samples of the pixel that hit a surface, 0 where none does;
+ * the albedo includes the samples that hit none, as 0. */
 struct FeatureLayer {
   const char* name;
   const char* channels; ///< letters: "RGB", "XYZ", "Z"; empty for mattes
   const char* meaning;
 };
 const std::vector<FeatureLayer>& featureLayers();
-/** Throws Error (BAD_USAGE) with those there are where a name is not one of a layer, or is there twice. */
+/** Throws Error (BAD_USAGE), with all valid names, for a name that is unknown or occurs twice. */
 void requireFeatureLayers(const std::vector<std::string>& names);
 
 struct FeatureSettings {
   std::vector<std::string> layers; ///< names from featureLayers()
-  int samples = 16;                ///< of a pixel
-  bool throughSpecular = false;    ///< mirrors and smooth glass are looked through, as far as 16 of them
+  int samples = 16;                ///< for each pixel
+  bool throughSpecular = false;    ///< sees through mirrors and smooth glass, up to 16 in a row
   uint64_t seed = 0;
 };
 
-/** The channels LAYER.LETTER of the film's part of the picture, and those of mattes (cryptomatte.h). */
+/** Channels LAYER.LETTER of the film's crop window, and the channels of mattes (cryptomatte.h). */
 Image renderFeatures(const Scene& scene, const FeatureSettings& settings);
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * Records of the camera paths of some pixels, as render() walks them.
+ * Records of the camera paths of selected pixels, identical to the paths of render().
  */
 #pragma once
 
@@ -12,19 +12,19 @@
 
 namespace recurse {
 
-/** A pixel of the film, and the record of its samples. */
+/** Pixel of the film with the record of its samples. */
 struct RecordedPixel {
   int x = 0, y = 0; ///< on the whole film, within the crop window
   PathRecorder record;
-  /** Mean of the samples, weighted by the filter: the film's value where all are recorded and nothing
-   * splats. */
+  /** Mean of the samples, weighted by the filter: the value on the film, if all samples are recorded and
+   * there are no splats. */
   Rgb value() const;
 };
 
 /**
  * Records samples [0, `count`) of each pixel: the samples of render() with the same settings, bit for bit.
- * The integrator is new, and keeps its last photon map. `stop` ends it early. Throws Error for a pixel
- * outside of the crop window, and where the integrator cannot render the scene.
+ * The integrator must be new, and keeps its last photon map. `stop` ends the recording early. Throws Error
+ * for a pixel outside of the crop window, and where the integrator cannot render the scene.
  */
 RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                               const RenderSettings& settings, int64_t count, std::span<RecordedPixel> pixels,

@@ -1,6 +1,6 @@
 /** @file
- * The render loop: passes of the forward and backward parts of an integrator into a film, until the samples,
- * the time or the person's patience are used up.
+ * The render loop: forward and backward passes of an integrator into a film, until the sample count, the time
+ * limit or an interrupt.
  */
 #pragma once
 
@@ -14,20 +14,20 @@
 
 namespace recurse {
 
-/** What the film tells: the samples of all pixels, and a warning where some have none. */
+/** Copies the film's sample counts to the statistics, with a warning where pixels have no samples. */
 void countSamples(const Film& film, RenderStatistics& statistics);
 
 /**
- * Renders into the film, which is empty or, for a render that goes on, the one of that moment. Returns early
- * when `stop` becomes true; the film then holds what there is. Bit for bit the same for any number of threads
- * and interruptions unless it ends early.
+ * Renders into the film, which is empty, or the film of the resume point of an interrupted render. Returns
+ * early when `stop` becomes true; the film then holds all samples taken. Bit-identical for any number of
+ * threads and interruptions unless it ends early.
  */
 RenderStatistics render(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                         const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
                         const std::function<void(const RenderProgress&)>& progress,
                         const std::function<void(const std::string&)>& log);
 
-/** Makes the first pass and takes no sample: `notes` of the statistics say what the integrator has chosen. */
+/** Runs only the first pass: `notes` of the statistics describe the choices of the integrator. */
 RenderStatistics shootFirstPass(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                                 const RenderSettings& settings);
 

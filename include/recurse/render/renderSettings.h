@@ -1,5 +1,5 @@
 /** @file
- * What a render is asked to do, where it stands, and what it has done.
+ * Settings, resume point and statistics of a render.
  */
 #pragma once
 
@@ -16,73 +16,73 @@
 
 namespace recurse {
 
-/** Told to the progress display about ten times a second, from one thread at a time. */
+/** State reported to the progress display, about ten times a second, from one thread at a time. */
 struct RenderProgress {
   std::string phase;       ///< "photons", "picture"
   double fraction = 0;     ///< of the phase, in [0, 1]
-  double elapsed = 0;      ///< seconds since the start of the render
-  double secondsLeft = -1; ///< negative: not known yet
+  double elapsed = 0;      ///< since the start of the render [s]
+  double secondsLeft = -1; ///< negative: unknown
   double samplesPerPixel = 0;
   double raysPerSecond = 0;
-  double error = -1; ///< Film::relativeError when it was last looked at; negative: not known yet
+  double error = -1; ///< latest Film::relativeError(); negative: unknown
 };
 
 enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
 struct RenderStatistics {
   double processorSeconds = 0;         ///< of all threads together
-  double learningProcessorSeconds = 0; ///< of them before the first photon map or sample, and for all of them
-  double photonProcessorSeconds = 0;   ///< of them for photon maps; what is left is that of camera paths
+  double learningProcessorSeconds = 0; ///< before the first photon map or sample, serving all of them
+  double photonProcessorSeconds = 0;   ///< for photon maps; the remainder is for camera paths
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
          gatherSeconds = 0; ///< gather: the backward part
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
   size_t mapBytes = 0;
-  uint64_t splatsSaturated = 0; ///< that were too large to be added up, and lost light by it
+  uint64_t splatsSaturated = 0; ///< contributions too large for the splat plane, which lost light
   TransportCounts counts;
   uint64_t samples = 0;                     ///< camera paths
   uint64_t least = 0, median = 0, most = 0; ///< camera paths of a pixel
   int passes = 0;                           ///< rounds of samples over the whole picture
-  int forwardPasses = 0;                    ///< photon maps shot
+  int forwardPasses = 0;                    ///< number of photon maps
   int threads = 0;
   StopReason stopReason = StopReason::SAMPLES;
-  double error = -1;   ///< Film::relativeError at the end; negative: too few samples to tell
-  bool oneMap = false; ///< all samples share one forward pass, whose error is not in `error`
+  double error = -1;   ///< Film::relativeError() at the end; negative: too few samples
+  bool oneMap = false; ///< all samples share one forward pass, whose error is not included in `error`
   std::vector<std::string> notes, warnings;
 };
 
 /**
- * Where a render stands. The film, and the allocation where there is one, have the rest: of the round of
- * samples that begins with `sample` each tile of the picture has either everything or nothing.
+ * Resume point. Rounds of samples are atomic per tile: of the round that begins with `sample`, each tile of
+ * the picture has all samples or none. The film, and the allocation if any, hold all other state.
  */
 struct RenderPosition {
-  int64_t sample = 0; ///< every pixel, or with an allocation the average one, has the samples up to this one
-  RenderStatistics statistics; ///< so far, without notes and warnings
-  /** Of a render by several processes: what they have not done, whatever `sample` says. */
+  int64_t sample = 0; ///< every pixel, or with an allocation the average one, has all samples before it
+  RenderStatistics statistics; ///< up to now, without notes and warnings
+  /** Unfinished work of a render by several processes, regardless of `sample`. */
   std::optional<std::vector<WorkUnit>> left = {};
 };
 
 struct RenderSettings {
   int samplesPerPixel = 16;    ///< 0: until the time limit or the error target
   double timeLimit = 0;        ///< seconds for the whole render; 0: none
-  double firstSampleTime = 10; ///< how many seconds more the first sample of each pixel may take
-  /** The time limit ends the first forward pass, and leaves a film without samples; else that pass ends late.
-   */
+  double firstSampleTime = 10; ///< additional seconds that the first sample of each pixel may take
+  /** Whether the time limit ends the first forward pass, which leaves a film without samples; else that pass
+   * may exceed it. */
   bool limitsFirstPass = false;
   double errorTarget = 0; ///< Film::relativeError at which to stop; 0: none
   uint64_t seed = 0;
-  /** A part of the samples of each pixel, those from `firstSample` up to `endSample` of samplesPerPixel, for
-   * renders that are to be added up; 0: up to the last one. */
+  /** Range of samples of each pixel, from `firstSample` up to `endSample` out of samplesPerPixel, for renders
+   * to be merged; endSample 0: up to the last one. */
   int64_t firstSample = 0, endSample = 0;
-  RenderPosition from = {}; ///< where the film comes from that the render begins with
-  /** Deals the samples out; samplesPerPixel is the average then, and all samples are rendered. Goes with the
-   * film: new, or the one of the moment that the render goes on from. Null: each pixel gets as many. */
+  RenderPosition from = {}; ///< resume point of the film
+  /** Adaptive samples; samplesPerPixel is then the average, and all samples are rendered. It belongs to the
+   * film: new, or from the same resume point. Null: the same number for each pixel. */
   SampleAllocation* allocation = nullptr;
-  /** Called with a film that a render can go on from: when `saveInterval` seconds have passed since the last
-   * time, and at the end, whatever the reason for it. */
+  /** Called with a film at a resume point: when `saveInterval` seconds have passed since the last call, and
+   * at the end, for whatever reason the render ends. */
   std::function<void(const RenderPosition&)> save = {};
   double saveInterval = 60;
-  /** Called while no thread writes to the film, for those who want to see it grow: first after `lookAfter`
-   * seconds. Returns the seconds until the next time. */
+  /** Called while no thread writes to the film, to display intermediate pictures: first after `lookAfter`
+   * seconds. Returns the seconds until the next call. */
   std::function<double()> look = {};
   double lookAfter = 0;
 };

@@ -1,5 +1,5 @@
 /** @file
- * The work of a render in units, for processes that share it.
+ * Queue of work units of a render, shared by several processes.
  */
 #pragma once
 
@@ -16,51 +16,51 @@ namespace recurse {
 struct WorkUnit {
   int64_t firstSample = 0, endSample = 0;
   int64_t firstTile = 0, endTile = 0;
-  int64_t splats = 1; ///< with the splats of the light paths of the passes that begin here
+  int64_t splats = 1; ///< 1: includes the splats of the light paths of passes that begin here
 
-  /** Samples of a tile, in all. */
+  /** Number of tile samples: samples times tiles. */
   double size() const { return double(endSample - firstSample) * double(endTile - firstTile); }
 };
 
-/** What has not been dealt out. Units are cut off its beginning, so that samples come about in their order.
- */
+/** Work that is not yet assigned. Units are taken from its beginning, so that samples are rendered roughly in
+ * order. */
 class WorkQueue {
  public:
-  /** For samples of each pixel. */
+  /** Queue of all samples [0, samples) of each pixel. */
   WorkQueue(int64_t samples, int64_t tiles, const Passes& passes);
-  /** The same with what is left of a render. */
+  /** Queue of the remaining work of a render. */
   WorkQueue(int64_t samples, int64_t tiles, const Passes& passes, std::vector<WorkUnit> left);
-  /** Units keep all samples of a pass that their tiles have in the queue. */
+  /** Makes units contain all queued samples of a pass for their tiles. */
   void keepPassesWhole() { wholePasses = true; }
 
   bool empty() const { return units.empty(); }
   const std::vector<WorkUnit>& left() const { return units; }
-  /** Of the units left: WorkUnit::size. */
+  /** Total WorkUnit::size() of the queue. */
   double size() const;
   /** The first sample of the next unit; the queue must not be empty. */
   int64_t nextSample() const { return units.front().firstSample; }
 
   /**
-   * A unit for one of `workers` processes, of about `size` or less: whole passes where there are many, for
-   * their photons serve all tiles; samples and tiles else. Towards the end units become small, so that all
-   * end at the same time.
+   * Takes a unit for one of `workers` processes, of about `size` or less: whole passes where there are many,
+   * since their photons serve all tiles; otherwise samples and tiles. Units become small towards the end, so
+   * that all processes end at the same time.
    */
   std::optional<WorkUnit> take(double size, int workers);
-  /** About the size of the smallest unit that take() would give. */
+  /** Approximate size of the smallest unit that take() would return. */
   double smallest(int workers) const;
-  /** Puts back what was not done. */
+  /** Returns unfinished work to the queue. */
   void giveBack(const WorkUnit& unit);
 
  private:
   int64_t passBegin(int64_t pass) const { return passes.begin(pass, samples); }
   int64_t passOf(int64_t sample) const { return passes.of(sample, samples); }
-  /** Samples and tiles of the unit for a wanted size. */
+  /** Samples and tiles of a unit for a requested size. */
   std::pair<int64_t, int64_t> extent(double size, int workers) const;
 
   int64_t samples, tiles;
   Passes passes;
   bool wholePasses = false;
-  std::vector<WorkUnit> units; ///< by first sample and tile
+  std::vector<WorkUnit> units; ///< sorted by first sample, then by tile
 };
 
 } // namespace recurse

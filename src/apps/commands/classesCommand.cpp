@@ -1,5 +1,5 @@
 /** @file
- * `recurse classes`: what path expressions mean.
+ * `recurse classes`: explanation of path expressions.
  */
 #include <optional>
 
@@ -16,7 +16,7 @@ struct ClassesOptions {
   std::optional<std::string> events, examples;
 };
 
-/** NAME=EXPRESSION, or an expression that is its own name. */
+/** Parses NAME=EXPRESSION, or an expression that is its own name. */
 PathClass classOf(const std::string& text) {
   const size_t equals = text.find('=');
   if (equals == std::string::npos) return {text, text};

@@ -1,5 +1,5 @@
 /** @file
- * The subcommands of the program. Each adds itself to the command line, and what it will do to `chosen`.
+ * Subcommands of the program. Each function adds a command to the command line, whose parsing sets `chosen`.
  */
 #pragma once
 

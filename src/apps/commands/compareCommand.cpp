@@ -1,5 +1,5 @@
 /** @file
- * `recurse compare`: how far a picture is from a reference.
+ * `recurse compare`: error of a picture against a reference.
  */
 #include <cstdio>
 
@@ -121,7 +121,7 @@ ExitStatus compareFiles(const CompareOptions& o) {
     fail(o.picture + ": " + std::to_string(comparison.nonFinite) + " pixels are not finite");
   for (const Limit& limit : limits) {
     const double value = metricByName(comparison, limit.metric);
-    // Written so that NaN fails.
+    // NaN fails both comparisons.
     const bool good = limit.above ? value <= limit.value : value >= limit.value;
     if (good) continue;
     const std::string definition = metricDefinition(limit.metric);

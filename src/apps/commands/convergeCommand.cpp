@@ -31,7 +31,7 @@ struct ConvergeOptions {
   std::optional<std::string> times, samples, photons, seeds, referenceError, referenceTime;
 };
 
-/** "100k" for 100000: short enough for file names and tables. */
+/** Short name of a count for file names and tables: "100k" for 100000. */
 std::string countName(int64_t count) {
   if (count % 1000000 == 0) return std::to_string(count / 1000000) + "M";
   if (count % 1000 == 0) return std::to_string(count / 1000) + "k";
@@ -47,7 +47,7 @@ Budgets budgetsOf(const ConvergeOptions& o) {
   if (int(o.times.has_value()) + int(o.samples.has_value()) + int(o.photons.has_value()) > 1)
     badUsage("only one of --times, --samples and --photons");
   Budgets out;
-  Study sorted; // include() puts budgets in order and drops what is there twice
+  Study sorted; // include() sorts budgets and removes duplicates
   const auto add = [&](double amount, const std::string& text) {
     Study one;
     one.budgets = {{amount, text}};
@@ -75,7 +75,7 @@ Budgets budgetsOf(const ConvergeOptions& o) {
   return out;
 }
 
-/** What the budgets say. */
+/** Options that the budgets replace, so that runs may not have them. */
 std::vector<const char*> refusedFor(BudgetKind kind) {
   return kind == BudgetKind::PHOTONS ? std::vector<const char*>{"--time-limit", "--photons"}
                                      : std::vector<const char*>{"--time-limit", "--spp"};
@@ -97,7 +97,7 @@ std::vector<Run> runsOf(const ConvergeOptions& o, BudgetKind kind) {
   return runs;
 }
 
-/** All that decides the picture of a run but budget and seed. */
+/** All settings that determine the picture of a run, except for budget and seed. */
 std::string settingsText(const Run& run, const Scene& scene, BudgetKind kind) {
   std::string out = run.integrator.type;
   for (const std::string& setting : settingsOf(run.integrator))
@@ -108,7 +108,7 @@ std::string settingsText(const Run& run, const Scene& scene, BudgetKind kind) {
   return out;
 }
 
-/** The options of one picture. */
+/** Options of one picture. */
 RenderOptions cellOptions(const Run& run, BudgetKind kind, const Budget& budget, uint64_t seed) {
   RenderOptions options = run.options;
   options.seed = std::to_string(seed);
@@ -129,8 +129,8 @@ struct PlannedCell {
   uint64_t seed;
 };
 
-/** Small budgets first, and one seed after the other, so that an interrupted study has something of each run.
- */
+/** Order of cells: small budgets first, then seed by seed, so that an interrupted study has cells of each
+ * run. */
 std::vector<PlannedCell> cellsInOrder(const std::vector<Run>& runs, const std::vector<Budget>& budgets,
                                       const std::vector<uint64_t>& seeds) {
   std::vector<PlannedCell> cells;
@@ -140,13 +140,13 @@ std::vector<PlannedCell> cellsInOrder(const std::vector<Run>& runs, const std::v
   return cells;
 }
 
-/** Guesses what is left of a study from what has been done. */
+/** Estimate of the remaining time of a study from its finished cells. */
 class TimeLeft {
  public:
   TimeLeft(const Study& study, const std::vector<PlannedCell>& planned) : study(study), planned(planned) {}
 
-  /** Seconds of a cell; by the nearest budget of its run that is known, else of any run; negative: unknown.
-   */
+  /** Estimated time of a cell [s], from the nearest known budget of the same run, or else of any run.
+   * Negative: unknown. */
   double of(const std::string& run, const Budget& budget) const {
     if (study.kind == BudgetKind::TIME) return budget.amount;
     double best = -1, distance = INFINITY;
@@ -161,7 +161,7 @@ class TimeLeft {
     return best;
   }
 
-  /** Of all cells that are missing; negative: unknown. */
+  /** Estimated time of all missing cells [s]; negative: unknown. */
   double ofAll() const {
     double sum = 0;
     for (const PlannedCell& cell : planned) {
@@ -187,7 +187,7 @@ void makeFolder(const std::string& folder) {
   checkFileWritable(studyFile(folder));
 }
 
-/** What is read must not be among the files that the folder gets. */
+/** Throws Error if an input is among the files that the folder gets. */
 void checkFiles(const ConvergeOptions& o, const std::vector<std::string>& sceneFiles) {
   std::vector<InputFile> inputs = inputFiles("a file of the scene", sceneFiles);
   for (const std::string& name : o.references) inputs.push_back({"a reference", name});
@@ -233,12 +233,12 @@ std::string errorText(const ConvergeCell& cell) {
 
 std::string leftText(double seconds) { return seconds > 0 ? "; " + durationText(seconds) + " left" : ""; }
 
-/** What the options say, as far as that can be told without the scene. */
+/** Parsed options, without the parts that depend on the scene. */
 struct ConvergePlan {
   Budgets budgets;
   RenderPlan render;
   ReferencePlan reference;
-  std::vector<Image> references; ///< that are given
+  std::vector<Image> references; ///< pictures of --reference
   std::vector<Run> runs;
   uint64_t seedCount = 2;
 };
@@ -283,13 +283,13 @@ void requireSize(const std::vector<Image>& references, const std::vector<std::st
                " pixels, the scene is rendered with " + sizeText(crop.width(), crop.height()));
 }
 
-/** The part of the picture that is rendered. */
+/** Description of the rendered part of the picture. */
 std::string partText(const ConvergeOptions& o, const PixelBounds& crop) {
   return sizeText(crop.width(), crop.height()) + " pixels" +
          (o.render.cropWindow ? " of the window " + *o.render.cropWindow : "");
 }
 
-/** The study that was asked for, without cells and without the identity of its reference. */
+/** Study as requested, without cells and without the identity of its reference. */
 Study plannedStudy(const ConvergeOptions& o, const ConvergePlan& plan, const Scene& scene,
                    const std::string& sceneHash) {
   Study study;
@@ -339,7 +339,7 @@ bool renderMissingCells(Study& study, const std::vector<PlannedCell>& planned, L
   return true;
 }
 
-/** Writes and prints what has been measured so far. True where there is a plot among it. */
+/** Writes and prints the results up to now. True if there is a plot. */
 bool tellStudy(const Study& study, const References& references, const ConvergeOptions& o,
                const PixelBounds& crop, bool isComplete) {
   StudyReport report = reportOf(study, references, o.folder);
@@ -357,7 +357,7 @@ bool tellStudy(const Study& study, const References& references, const ConvergeO
 ExitStatus converge(const ConvergeOptions& o) {
   ConvergePlan plan = planOf(o);
   const ThreadPool pool(plan.render.threads);
-  // What the file says of its integrator counts; the options are for the runs.
+  // The scene keeps the integrator of its file; integrator options are for the runs.
   LoadedScene loaded = loadAndBuild(o.render.scene, plan.render.overrides, IntegratorOptions());
   const PixelBounds& crop = loaded.scene->film().crop;
   chooseIntegrators(plan, loaded.description.integrator, o.render.lenient);
@@ -373,7 +373,7 @@ ExitStatus converge(const ConvergeOptions& o) {
   if (fs::exists(studyFile(o.folder))) {
     found = readStudy(studyFile(o.folder));
     requireSameStudy(found, study, o.folder);
-    if (!found.cells.empty()) plan.reference.relMse = INFINITY; // they were measured against what there is
+    if (!found.cells.empty()) plan.reference.relMse = INFINITY; // existing cells need the reference as it is
   }
 
   const GracefulStop graceful;

@@ -1,5 +1,5 @@
 /** @file
- * `recurse convert`: a model becomes a scene that stands by itself.
+ * `recurse convert`: conversion of a model to a self-contained scene.
  */
 #include <filesystem>
 

@@ -1,5 +1,5 @@
 /** @file
- * `recurse develop`: a picture without bounds in, pictures for a display out.
+ * `recurse develop`: pictures for a display from a picture with unbounded linear values.
  */
 #include <filesystem>
 

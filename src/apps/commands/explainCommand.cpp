@@ -17,7 +17,7 @@ struct ExplainOptions {
   IntegratorOptions integrator;
 };
 
-/** Builds the scene and has its integrator choose. Returns what that says. */
+/** Shoots the first pass, in which the integrator of the scene chooses, and returns its notes. */
 std::string chosenFor(const LoadedScene& loaded) {
   RenderSettings settings;
   settings.samplesPerPixel = loaded.scene->sampler().pixelSamples;

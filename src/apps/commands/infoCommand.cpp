@@ -1,5 +1,5 @@
 /** @file
- * `recurse info`: what is in a picture or a scene file.
+ * `recurse info`: contents of a picture or a scene file.
  */
 #include <array>
 #include <cmath>
@@ -44,7 +44,7 @@ std::string channelLine(const Image& image, size_t channel) {
   return out;
 }
 
-/** "X,Y", a pixel of the picture. */
+/** Parses "X,Y", a pixel of the picture. */
 std::array<int, 2> parsePixel(const std::string& text, const Image& image) {
   const size_t comma = text.find(',');
   if (comma == std::string::npos) throw Error("--pixel: '" + text + "' is not X,Y", ExitStatus::BAD_USAGE);

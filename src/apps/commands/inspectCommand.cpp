@@ -24,7 +24,7 @@ struct InspectOptions {
   std::string pathSamples = "16", shownPhotons = "100k";
 };
 
-/** Of the grid of pixels that are recorded unless others are asked for. */
+/** Default grid of recorded pixels. */
 constexpr int GRID_COLUMNS = 6, GRID_ROWS = 4;
 
 int wholeNumber(const std::string& text) {

@@ -1,5 +1,5 @@
 /** @file
- * `recurse merge`: renders of the same picture, kept in checkpoints, added up.
+ * `recurse merge`: sum of renders of the same picture, which are kept in checkpoints.
  */
 #include <filesystem>
 #include <optional>
@@ -32,8 +32,8 @@ std::string partsText(const Checkpoint& c) {
   return out;
 }
 
-/** Throws Error where something is missing, unless that was asked for. A sum without a picture may be a part
- * of a larger one. */
+/** Sums the checkpoints. Without --partial a missing file is an Error, and so are missing samples if a
+ * picture is written: a sum without a picture may be a part of a larger one. */
 Checkpoint sumOf(const MergeOptions& o) {
   std::optional<Checkpoint> sum;
   std::string missing;

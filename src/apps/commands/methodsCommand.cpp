@@ -1,5 +1,5 @@
 /** @file
- * `recurse methods`: a scene by every method, with what each leaves out.
+ * `recurse methods`: a scene rendered by every method, with the light that each of them omits.
  */
 #include <filesystem>
 #include <optional>
@@ -32,7 +32,7 @@ struct MethodsOptions {
 struct NamedMethod {
   const char *name, *options;
 };
-/** From local light to all light. */
+/** Methods, from local to global illumination. */
 constexpr NamedMethod METHODS[] = {
     {"raycast", "--integrator raycast"},
     {"whitted", "--integrator whitted"},
@@ -83,7 +83,7 @@ std::string settingsText(const ParsedDirective& directive) {
   return out;
 }
 
-/** Pictures with layers in the folder, each there once it is finished. */
+/** Finished pictures with layers, as files of the folder. */
 class Pictures {
  public:
   Pictures(LoadedScene& loaded, const StillsPlan& plan, std::string folder, const std::string& common)
@@ -94,7 +94,7 @@ class Pictures {
   }
   bool exists(const std::string& name) const { return fs::exists(fileName(name)); }
 
-  /** Empty when it was interrupted. With `checkpoint` what was begun is gone on with. */
+  /** Reads or renders a picture; nullopt when interrupted. `checkpoint`: a begun render is resumed. */
   std::optional<Stills> get(const std::string& name, const RenderOptions& options, const Retell& retell,
                             bool checkpoint = false) {
     const std::string identity = common + "; " + settingsText(loaded.integratorDirective) + "; " +
@@ -152,7 +152,7 @@ double figure(const Stills& stills, const char* name) {
   return parseReal(name, stills.image.metadata.at(std::string("recurse:") + name));
 }
 
-/** As fine as the claims, unless that is too fine to be rendered at once. */
+/** Refines the default classes by the claims; keeps the default if the result has too many layers. */
 void chooseClasses(MethodsReport& report, const std::vector<std::string>& claims, bool withMedia) {
   try {
     report.classes = refineClasses(defaultStillClasses(withMedia), claims);
@@ -163,8 +163,8 @@ void chooseClasses(MethodsReport& report, const std::vector<std::string>& claims
   }
 }
 
-/** Ambient occlusion without a distance counts surfaces within half of the scene's radius: in a closed room
- * all of them are in the way of the sky. */
+/** Sets a default "maxdistance" of ambient occlusion to half of the scene's radius: at infinite distance, the
+ * surfaces of a closed room occlude the whole sky. */
 void setAmbientReach(ParsedDirective& integrator, const SceneBounds& bounds) {
   const auto isReach = [](const ParsedParameter& p) { return p.name == "maxdistance"; };
   if (integrator.type != "ambientocclusion" ||
@@ -174,7 +174,7 @@ void setAmbientReach(ParsedDirective& integrator, const SceneBounds& bounds) {
   integrator.parameters.push_back(parseParameterText(integrator.type, reach).parameters.front());
 }
 
-/** Adds a method to the report for each run, and chooses classes by which their claims are told apart. */
+/** Adds a method to the report for each run, and chooses classes that distinguish the claims. */
 void startReport(MethodsReport& report, std::vector<Run>& runs, LoadedScene& loaded, bool lenient) {
   std::vector<std::string> claims;
   for (Run& run : runs) {
@@ -195,7 +195,7 @@ void startReport(MethodsReport& report, std::vector<Run>& runs, LoadedScene& loa
   chooseClasses(report, claims, loaded.scene->hasMedia());
 }
 
-/** The options of the references. */
+/** Options of the references' renders. */
 RenderOptions referenceOptions(const MethodsOptions& o) {
   RenderOptions options = o.render;
   options.timeLimit.reset();
@@ -205,7 +205,7 @@ RenderOptions referenceOptions(const MethodsOptions& o) {
   return options;
 }
 
-/** Gives the options and the scene the integrator of the references, and returns its name. */
+/** Sets the integrator of the references in options and scene, and returns its name. */
 std::string chooseReferenceMethod(const MethodsOptions& o, RenderOptions& reference, LoadedScene& loaded,
                                   const std::vector<PathClass>& classes) {
   const auto choose = [&](const std::string& name) {
@@ -222,7 +222,7 @@ std::string chooseReferenceMethod(const MethodsOptions& o, RenderOptions& refere
 bool renderReferences(MethodsReport& report, RenderOptions options, uint64_t seed, Pictures& pictures,
                       const GracefulStop& graceful) {
   for (const bool second : {false, true}) {
-    // Far from the seeds that people choose.
+    // Seeds far from the ones that users choose.
     options.seed = std::to_string((seed + (second ? 2 : 1)) * 0x9e3779b97f4a7c15ull);
     const std::string name = second ? "reference-b" : "reference-a";
     std::optional<Stills> stills = pictures.get(
@@ -234,7 +234,7 @@ bool renderReferences(MethodsReport& report, RenderOptions options, uint64_t see
   return true;
 }
 
-/** Takes over the picture of a method and what it cost. */
+/** Sets the picture of a method, its time and its samples. Throws Error below one sample per pixel. */
 void setPicture(MethodResult& method, Stills stills) {
   method.stills = std::move(stills);
   method.seconds = figure(method.stills, "seconds");
@@ -243,8 +243,8 @@ void setPicture(MethodResult& method, Stills stills) {
     throw Error(formatted("its time was over with %.2g samples a pixel", method.samplesPerPixel));
 }
 
-/** Renders and measures each run as the method of the same place in the report. After an interruption, of
- * which it returns false, only pictures that are there are taken. */
+/** Renders and measures each run as the method with the same index in the report. After an interruption, for
+ * which it returns false, it only uses pictures that exist. */
 bool renderMethods(MethodsReport& report, const std::vector<Run>& runs, const RenderOptions& common,
                    LoadedScene& loaded, Pictures& pictures, const GracefulStop& graceful) {
   bool stopped = false;

@@ -1,5 +1,5 @@
 /** @file
- * `recurse render`: a scene file in, pictures out.
+ * `recurse render`: pictures of a scene file.
  */
 #include <algorithm>
 #include <atomic>
@@ -22,9 +22,9 @@ namespace recurse::apps {
 
 namespace {
 
-/** The film's file name, in the current folder as pbrt has it; a picture with everything where it says
- * nothing. A scene from elsewhere does not choose other folders: of a name that leads out of the current one
- * the last part is taken. */
+/** Default output: the film's file name, in the current folder as in pbrt. Without one: an .exr, which keeps
+ * everything, with the name of the scene. A scene cannot choose other folders: of a name that leads out of
+ * the current folder, only the last component is used. */
 std::string defaultOutput(const LoadedScene& loaded) {
   std::filesystem::path name = loaded.scene->film().fileName;
   if (name.empty()) name = std::filesystem::path(loaded.fileName).stem();
@@ -41,7 +41,7 @@ std::string defaultOutput(const LoadedScene& loaded) {
 
 using OnLoaded = std::function<void(const std::vector<std::string>& files)>;
 
-/** Of the scene, or of what the leading process sends. */
+/** Loads the scene, or the copy that the leading process sends. */
 LoadedScene loadNow(const RenderCommandOptions& o, const RenderPlan& plan) {
   const LoadOverrides& overrides = plan.overrides;
   if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction, o.frame);
@@ -63,7 +63,7 @@ LoadedScene loadNow(const RenderCommandOptions& o, const RenderPlan& plan) {
   return std::move(*loaded);
 }
 
-/** The same within the time limit, which ends the program unless it watches the scene. */
+/** Loads the scene within the time limit, which ends the program unless it watches the scene. */
 LoadedScene load(const RenderCommandOptions& o, const RenderPlan& plan) {
   using TimeLimit = NothingToWrite::TimeLimit;
   const NothingToWrite loading(plan.timeLimit, o.watch ? TimeLimit::WORK : TimeLimit::PROGRAM);
@@ -75,7 +75,7 @@ LoadedScene load(const RenderCommandOptions& o, const RenderPlan& plan) {
   }
 }
 
-/** The name of a frame's file: its number in the place of the last '#'s, else before the extension. */
+/** File name of a frame: its number replaces the last '#'s, or else precedes the extension. */
 std::string numberedName(const std::string& name, int frame) {
   constexpr size_t DIGITS = 4;
   const std::filesystem::path path = name;
@@ -94,7 +94,7 @@ std::string numberedName(const std::string& name, int frame) {
   return (path.parent_path() / file).string();
 }
 
-/** Tells what a frame took from the one before, whose scene is not needed any more. */
+/** Reports the parts that a frame reuses, and releases the scene of the previous frame. */
 void startFrame(AnimationFrame& frame, const std::shared_ptr<const LoadedScene>& loaded,
                 const RenderCommandOptions& o) {
   if (loaded->description.tracks.empty())
@@ -118,24 +118,24 @@ void startFrame(AnimationFrame& frame, const std::shared_ptr<const LoadedScene>&
   frame.before = loaded;
 }
 
-/** What to try where the file names a path tracer, as most public scenes do, and the command line nothing. */
+/** Suggests a different integrator, if the scene file names a path tracer and the options name none. */
 std::string integratorRemark(const RenderOptions& options, const LoadedScene& loaded) {
   const std::string& type = loaded.description.integrator.type;
   if (options.integrator.named() || (type != "path" && type != "volpath")) return "";
   return "the scene asks for \"" + type + "\"; --integrator auto often has less noise in the same time\n";
 }
 
-/** The files for the picture; none where a part of the samples goes into a checkpoint alone. */
+/** Output files of the picture; none if a range of samples goes into a checkpoint only. */
 std::vector<std::string> outputsOf(const RenderCommandOptions& o, const LoadedScene& loaded) {
   if (!o.outputs.empty() || (o.sampleRange && !o.checkpoint.empty())) return o.outputs;
   const std::string name = defaultOutput(loaded);
   return {o.frame ? numberedName(name, o.frame->number) : name};
 }
 
-/** Keeps the errors of single files until all others are written. */
+/** Keeps the errors of single files until all files have been tried. */
 class Attempts {
  public:
-  /** False when it failed. */
+  /** Calls write(). False if it threw an Error. */
   bool attempt(const std::function<void()>& write) {
     try {
       write();
@@ -160,8 +160,8 @@ RenderReport reportOf(const RenderResult& result, const RenderCommandOptions& o)
   return report;
 }
 
-/** Writes the files that were asked for, and sums the render up. False where the render or its feature layers
- * were interrupted. */
+/** Writes the requested files, and prints the summary of the render. False if the render or its feature
+ * layers were interrupted. */
 bool writeResults(RenderResult& result, const RenderCommandOptions& o,
                   const std::vector<std::string>& outputs, const FeatureSettings& features,
                   PictureWriter& writer, FilmViewers& viewers) {
@@ -231,7 +231,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
                                                                      : ExitStatus::INTERRUPTED;
 }
 
-/** One picture after the other, on one live page; stops where one is interrupted. */
+/** Renders the frames in sequence, on one live page; stops at an interrupted frame. */
 ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
   for (const auto& [isGiven, option] : {std::pair(!given.checkpoint.empty(), "--checkpoint"),
                                         std::pair(given.sampleRange.has_value(), "--sample-range"),
@@ -261,8 +261,8 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
   return status;
 }
 
-/** Renders picture or frames at a quarter of the width and height, then in full, whenever the scene changes.
- * One live page shows all of it; its button ends the render under way, and changes are waited for. */
+/** Renders picture or frames whenever the scene changes: first at a quarter of width and height, then in
+ * full. One live page shows all renders; its button ends the current one, until the next change. */
 ExitStatus renderAgainAndAgain(const RenderCommandOptions& given) {
   if (cluster()) badUsage("--watch: one process only");
   for (const auto& [isGiven, option] :

@@ -20,11 +20,11 @@ struct SplitOptions {
   std::string folder, parts, paths;
 };
 
-/** More jobs than that no scheduler takes by default (Slurm: MaxArraySize 1001). */
+/** Largest number of jobs that schedulers accept by default (Slurm: MaxArraySize 1001). */
 constexpr int64_t MAX_PARTS = 1000;
 
-/** Where part `index` begins: at the beginning of a pass where there are enough, for two parts would both
- * shoot a pass that they share. */
+/** First sample of part `index`. It is the first of a pass if there are enough passes, because two parts that
+ * share a pass would both shoot its photons. */
 int64_t beginOf(int64_t index, int64_t parts, int64_t samples, const Passes& passes) {
   const int64_t count = passes.minSamples();
   return passes.schedule() == PassSchedule::FIXED && count >= parts
@@ -34,7 +34,7 @@ int64_t beginOf(int64_t index, int64_t parts, int64_t samples, const Passes& pas
 
 std::string partName(int64_t index) { return formatted("part-%03lld.rck", static_cast<long long>(index)); }
 
-/** A script that can be run. */
+/** Writes an executable script. */
 void writeScript(const std::filesystem::path& file, const std::string& text) {
   writeFileAtomically(file.string(), text);
   using std::filesystem::perms;
@@ -42,21 +42,21 @@ void writeScript(const std::filesystem::path& file, const std::string& text) {
                                std::filesystem::perm_options::add);
 }
 
-/** A line of a script ends where a name has a line break. */
+/** Rejects control characters: a line break in a name would end a line of the script. */
 void requireOneLine(const std::string& option, const std::string& name) {
   if (hasControlCharacters(name))
     badUsage(option + ": " + name + ": line breaks and other control characters cannot stand in a script");
 }
 
-/** A split render: what its scripts have in common. */
+/** Split render: data that its scripts share. */
 struct Job {
   std::filesystem::path folder;
-  std::string settings; ///< of `recurse render`
+  std::string settings; ///< options of `recurse render`
   int64_t parts = 1, samples = 1;
   Passes passes = Passes::oneMap();
 };
 
-/** Shell lines that set RECURSE and go into the script's folder, wherever that is by now. */
+/** Shell lines that set RECURSE and enter the script's folder, even if it has been moved. */
 std::string scriptStart() {
   return "RECURSE=${RECURSE:-" + shellQuoted(std::filesystem::read_symlink("/proc/self/exe").string()) +
          "}\n"
@@ -100,7 +100,7 @@ std::string localScript(const Job& job) {
          "exec ./merge.sh\n";
 }
 
-/** A job that is cancelled or requeued gets SIGTERM, and writes what it has. */
+/** Array job. A job that is cancelled or requeued gets SIGTERM, and writes its checkpoint. */
 std::string slurmScript(const Job& job) {
   return "#!/bin/sh\n"
          "# sbatch slurm.sh; then: sbatch --dependency=afterany:JOB merge.sh\n"
@@ -111,7 +111,7 @@ std::string slurmScript(const Job& job) {
          ">>\"slurm-${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID.log\" 2>&1\n";
 }
 
-/** The number of samples, of which the parts get some each. Throws where parts cannot be told apart. */
+/** Number of samples to be split. Throws Error (BAD_USAGE) for a render that cannot be split. */
 int64_t samplesToSplit(const RenderPlan& plan) {
   if (plan.adaptive || plan.timeLimit > 0 || plan.errorTarget > 0)
     badUsage(

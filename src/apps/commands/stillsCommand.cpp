@@ -1,5 +1,5 @@
 /** @file
- * `recurse stills`: one render, every class of paths a picture of its own.
+ * `recurse stills`: one render with a picture for each class of paths.
  */
 #include <filesystem>
 #include <optional>
@@ -26,14 +26,14 @@ struct StillsOptions {
   std::vector<std::string> classes;
 };
 
-/** The plan of the classes that are asked for. */
+/** Plan of the requested classes. */
 StillsPlan planOf(const StillsOptions& o) {
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
   return planStills(classes);
 }
 
-/** Statistics and inputs must not be among the files that the folder gets. */
+/** Throws Error if statistics or inputs are among the files that the folder gets. */
 void checkFiles(const StillsOptions& o, const std::vector<std::string>& sceneFiles) {
   std::vector<OutputFile> outputs = {{"--stats", o.render.statistics}};
   std::vector<InputFile> inputs = inputFiles("a file of the scene", sceneFiles);
@@ -45,7 +45,7 @@ void checkFiles(const StillsOptions& o, const std::vector<std::string>& sceneFil
   requireDistinctFiles(outputs, inputs);
 }
 
-/** Fails before the render where it can, not after it. */
+/** Throws Error, before the render, for stills of a different size. */
 void checkComparable(const Stills& other, const Scene& scene, const std::string& name) {
   const PixelBounds& crop = scene.film().crop;
   if (other.image.width != crop.width() || other.image.height != crop.height())

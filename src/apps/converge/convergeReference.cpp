@@ -1,5 +1,5 @@
 /** @file
- * Two references grow by batches of samples until their difference says that they are good enough.
+ * Two references, to which batches of samples are added until their difference is small enough.
  */
 #include "apps/converge/convergeReference.h"
 
@@ -13,18 +13,18 @@ namespace recurse::apps {
 
 namespace {
 
-/** A batch that is interrupted is lost, so it should not take longer than this [s]. */
+/** Longest duration of a batch [s]: an interrupted batch is lost. */
 constexpr double LONGEST_BATCH = 60;
 constexpr int FIRST_BATCH = 32; ///< samples per pixel
 
 struct Halves {
   Image a, b;
-  int64_t samples = 0; ///< per pixel, of each
+  int64_t samples = 0; ///< per pixel, of each half
   int64_t batches = 0;
   double seconds = 0; ///< of rendering, both together
 };
 
-/** The batches of a study of the same scene and seed never meet the seeds of its runs. */
+/** Seed of a batch; the batches of a study never use the seeds of its runs. */
 uint64_t batchSeed(uint64_t seed, int64_t batch, uint64_t half) {
   return seed ^ (0x9e3779b97f4a7c15ull * (2 * static_cast<uint64_t>(batch) + half + 1));
 }
@@ -36,7 +36,7 @@ void addBatch(Image& mean, int64_t samples, const Image& batch, int64_t batchSam
                                         (double(batch.pixels[i]) - double(mean.pixels[i])) * share);
 }
 
-/** The mean as R, G, B, and the halves as layers. */
+/** Reference as a file: the mean as R, G, B, and the halves as layers. */
 Image fileOf(const Halves& halves, const std::string& identity) {
   Image file(halves.a.width, halves.a.height, {"R", "G", "B", "a.R", "a.G", "a.B", "b.R", "b.G", "b.B"});
   const Image mean = meanImage(halves.a, halves.b);
@@ -112,13 +112,13 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
   if (halves.samples > 0) error = referenceError(halves.a, halves.b);
   double spent = 0;
   bool timeUp = false;
-  // The upper end of the interval is to be good enough: bright paths that are rare make estimates from few
-  // samples too low rather than too high.
+  // The upper end of the confidence interval has to reach the target, because rare bright paths make
+  // estimates from few samples too low rather than too high.
   while (!error || error->relMse.high > plan.relMse) {
     int64_t batch = FIRST_BATCH;
     double left = -1;
     if (error) {
-      // The squared error falls with the number of samples.
+      // The squared error is inversely proportional to the number of samples.
       const double wanted = double(halves.samples) * (error->relMse.high / plan.relMse - 1) * 1.05,
                    perSample = halves.seconds / double(halves.samples);
       left = wanted * perSample;

@@ -25,7 +25,7 @@ struct Match {
   int others = 0; ///< plug-ins of the same kind with the same parameter, besides the first
 };
 
-/** True where a word of the text, or the text from there on, begins with the wanted word in lower case. */
+/** True if `wanted`, in lower case, occurs in the text at the beginning of a word. */
 bool hasWord(const std::string& text, const std::string& wanted) {
   const std::string lower = lowerCase(text);
   for (size_t at = lower.find(wanted); at != std::string::npos; at = lower.find(wanted, at + 1))
@@ -95,7 +95,7 @@ std::vector<Match> meantBy(const std::string& word) {
   return out;
 }
 
-/** The description, and those choices of the parameter that have the word. */
+/** Description, with the choices of the parameter that have the word. */
 std::string textOf(const ParameterSpec& spec, const std::string& wanted) {
   std::string choices;
   for (const std::string& choice : spec.choices)
@@ -129,7 +129,7 @@ std::string searchReference(const std::string& word) {
   if (!meant.empty()) out += "'" + word + "' is probably:\n";
   for (const Match& match : meant) out += entry(labelOf(match), match.text);
   std::vector<Match> found = textsWith(singular);
-  std::erase_if(found, [&](const Match& match) { // these are there already
+  std::erase_if(found, [&](const Match& match) { // listed above
     return match.parameter.empty() && std::any_of(meant.begin(), meant.end(), [&](const Match& other) {
              return other.kind == match.kind && other.plugIn == match.plugIn;
            });

@@ -43,10 +43,10 @@ std::string typeOf(const ParsedDirective& directive, const char* otherwise) {
   return directive.given() ? directive.type : otherwise;
 }
 
-/** For a picture with fewer pixels of what the file and the overrides ask for. */
+/** Overrides for the same part of the picture with 1 / `reduction` of the pixels each way. */
 SceneOverrides reduced(SceneOverrides overrides, const SceneDescription& description, int reduction) {
   if (reduction <= 1) return overrides;
-  Diagnostics told; // again when the scene is built
+  Diagnostics told; // reported again when the scene is built
   ParsedDirective directive = description.film;
   if (!directive.given()) directive.type = "rgb";
   const auto film = plugIns().films.make(directive, {}, told, true);
@@ -61,8 +61,8 @@ SceneOverrides reduced(SceneOverrides overrides, const SceneDescription& descrip
   return overrides;
 }
 
-/** The file's integrator. Where a material is rendered as its medium, a limit would cut off what scatters
- * often in there, which other renderers count as one event. */
+/** Integrator of the file. A limit of depth is removed if a material is rendered as its medium: it would cut
+ * off multiple scattering inside, which other renderers count as one event. */
 ParsedDirective integratorOf(const SceneDescription& description, Diagnostics& diagnostics) {
   ParsedDirective integrator = description.integrator;
   const auto isMedium = [](const ParsedDirective& material) { return material.type == "subsurface"; };
@@ -80,7 +80,7 @@ ParsedDirective integratorOf(const SceneDescription& description, Diagnostics& d
   return integrator;
 }
 
-/** The integrator of file and options, made anew. */
+/** Makes the integrator of file and options anew. */
 void makeIntegratorOf(LoadedScene& loaded, const IntegratorOptions& options, bool lenient,
                       Diagnostics& diagnostics) {
   loaded.integratorDirective = options.directive(integratorOf(loaded.description, diagnostics));
@@ -112,7 +112,7 @@ LoadedScene loadAndBuild(const std::string& name, const std::function<SceneDescr
   out.loadSeconds = secondsSince(loadStart);
   const auto buildStart = std::chrono::steady_clock::now();
   makeIntegratorOf(out, options, overrides.lenient, diagnostics);
-  // A description with errors is built as well, as far as that goes: one run tells all that is wrong.
+  // A description with errors is built, too, so that one run reports all errors.
   out.scene = buildScene(out.description, reduced(overrides, out.description, reduction), diagnostics, kept);
   out.buildSeconds = secondsSince(buildStart);
   renderByPathIfNeeded(out, diagnostics);
@@ -151,7 +151,7 @@ void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics) {
 namespace {
 
 /** Calls inMemory(content) for each file in memory that the description names, and onDisk(path) for each
- * other string that may be that of a file: mesh, texture, spectrum. */
+ * other string that names an existing file: mesh, texture, spectrum. */
 template <class InMemory, class OnDisk>
 void forEachFile(const SceneDescription& d, const InMemory& inMemory, const OnDisk& onDisk) {
   const auto exists = [](const std::filesystem::path& path) {
@@ -208,7 +208,7 @@ std::vector<std::string> filesOf(const SceneDescription& description) {
 
 std::string contentHash(const SceneDescription& description) {
   Hash hash;
-  // In an order that does not depend on where the files are.
+  // Sorted texts do not depend on the locations of the files.
   std::set<std::string_view> texts;
   for (const auto& source : description.sources) texts.insert(source->text);
   for (const std::string_view text : texts) hash.add(std::string(text));
@@ -223,7 +223,7 @@ std::string contentHash(const SceneDescription& description) {
 
 namespace {
 
-/** Items with commas between them. */
+/** List with commas between its items. */
 class CommaList {
  public:
   void add(const std::string& item) { text += (text.empty() ? "" : ", ") + item; }
@@ -242,7 +242,7 @@ std::string filmText(const FilmSettings& film) {
   return size + ", file " + film.fileName;
 }
 
-/** Empty where nothing is animated. */
+/** Frame and keyframes of the animation; empty if nothing is animated. */
 std::string animationText(const SceneDescription& description) {
   CommaList names;
   double first = 0, last = 0;

@@ -1,5 +1,5 @@
 /** @file
- * A scene file taken all the way to a scene and its integrator, and what a person wants to know of them.
+ * Scene and integrator made from a scene file, and the report on them.
  */
 #pragma once
 
@@ -17,62 +17,62 @@
 namespace recurse::apps {
 
 struct LoadedScene {
-  std::shared_ptr<const void> place; ///< of files that go when it does; null: they stay
+  std::shared_ptr<const void> place; ///< owner of temporary files; null: the files are permanent
   std::string fileName;
   SceneDescription description;
   std::unique_ptr<Scene> scene;
   ParsedDirective integratorDirective;
   std::unique_ptr<Integrator> integrator;
-  std::vector<std::string> files; ///< that it was read from, by their paths
+  std::vector<std::string> files; ///< paths of the files that were read
   double loadSeconds = 0, buildSeconds = 0;
-  size_t warnings = 0; ///< already printed
+  size_t warnings = 0; ///< number of warnings, already printed
 };
 
-/** A frame of an animation, and what it takes from the one before. */
+/** Frame of an animation, with the parts kept from the previous frame. */
 struct AnimationFrame {
   int number = 0;
   KeptParts kept;
-  std::shared_ptr<const LoadedScene> before; ///< whose textures' pictures are still in memory
+  std::shared_ptr<const LoadedScene> before; ///< previous frame, which keeps images of textures in memory
   bool isFirst = true;
-  /** Exposure of the pictures for a display, by the first frame that is not black; a film that exposed each
-   * by itself would flicker. */
+  /** Exposure of the pictures for a display, from the first frame that is not black [stops]; a separate
+   * exposure of each frame would flicker. */
   std::optional<double> stops;
-  std::string warnings; ///< of the frame before, which are not told again
+  std::string warnings; ///< of the previous frame, which are not repeated
 };
 
-/** What the command line says in the place of the file. */
+/** Overrides of the scene file by the command line. */
 struct LoadOverrides : SceneOverrides {
   ModelChoice model;
 };
 
-/** Throws Error (BAD_SCENE) when the file cannot be read, SceneError with everything that is wrong with it,
- * and Error (BAD_USAGE) for options that do not fit. Prints warnings on standard error. Width and height of
- * the picture are divided by `reduction`. Without `frame` it is that of number 0. */
+/** Loads a scene file and builds its scene and integrator. Throws Error (BAD_SCENE) for an unreadable file,
+ * SceneError with all errors in it, and Error (BAD_USAGE) for unsuitable options. Prints warnings on standard
+ * error. Width and height are divided by `reduction`. Without `frame` it is frame 0. */
 LoadedScene loadAndBuild(const std::string& fileName, const LoadOverrides& overrides,
                          const IntegratorOptions& options, int reduction = 1,
                          AnimationFrame* frame = nullptr);
 
-/** The same of a description that `read` makes, whose diagnostics are those of the rest; `name` stands for
- * the file's. */
+/** Builds the description that `read` makes, with its diagnostics among all others; `name` is used as the
+ * name of the file. Throws like the function above. */
 LoadedScene loadAndBuild(const std::string& name, const std::function<SceneDescription(Diagnostics&)>& read,
                          const LoadOverrides& overrides, const IntegratorOptions& options, int reduction = 1,
                          AnimationFrame* frame = nullptr);
 
-/** Gives a scene that is built the integrator of the options, new and unprepared. Throws as loadAndBuild().
- */
+/** Replaces the integrator of a loaded scene by the one of the options, new and unprepared. Throws like
+ * loadAndBuild(). */
 void replaceIntegrator(LoadedScene& loaded, const IntegratorOptions& options, bool lenient);
 
-/** Puts path in the place of an integrator that does not render all of the scene, with a warning. */
+/** Replaces an integrator that does not render all of the scene by path, with a warning. */
 void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics);
 
-/** The files that a description without imports names and that there are, and those that its imports read,
- * each once. */
+/** Existing files that a description without imports names, and files that its imports have read, each once,
+ * sorted by path. */
 std::vector<std::string> filesOf(const SceneDescription& description);
 
-/** A hash of all files that the scene was read from, and of nothing else. */
+/** Hash of the contents of all files of the scene, and of nothing else. */
 std::string contentHash(const SceneDescription& description);
 
-/** What the scene contains and needs, and the settings that it would be rendered with. */
+/** Report on the contents and the memory of the scene, and on the settings of its render. */
 std::string sceneReport(const LoadedScene& loaded, size_t layers = 1);
 
 } // namespace recurse::apps

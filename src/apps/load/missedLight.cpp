@@ -1,5 +1,5 @@
 /** @file
- * Lights at a point or in one direction, and surfaces that only a ray by chance could lead to them.
+ * Delta lights and specular surfaces, between which only paths by chance would find light.
  */
 #include "apps/load/missedLight.h"
 

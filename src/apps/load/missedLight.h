@@ -11,8 +11,8 @@
 
 namespace recurse::apps {
 
-/** The paths of these classes, in this scene, that the integrator never finds, as an expression; empty where
- * there are none. */
+/** Expression of the paths of these classes, in this scene, that the integrator never finds; empty if it can
+ * find all of them. */
 std::string missedPaths(const LoadedScene& loaded, const std::vector<PathClass>& classes);
 
 } // namespace recurse::apps

@@ -22,7 +22,7 @@ std::string loweredExtension(const std::string& fileName) {
   return lowerCase(std::filesystem::path(fileName).extension().string());
 }
 
-/** The importer of a file; null for what is not known as a model. */
+/** Name of the importer of a file; null for an unknown extension. */
 const char* importerOf(const std::string& fileName) {
   const std::string extension = loweredExtension(fileName);
   if (extension == ".md2") return "md2";
@@ -34,14 +34,14 @@ const char* importerOf(const std::string& fileName) {
   return nullptr;
 }
 
-/** True where the middle of everything lies in front of a camera, within its view. */
+/** True if the centre of the model is in front of a camera, within its view. */
 bool seesTheModel(const ImportedCamera& camera, const Bounds3d& bounds) {
   const Vec3d p = transformPoint(glm::inverse(camera.worldFromCamera), bounds.center());
   const double extent = p.z * std::tan(glm::radians(camera.fov / 2));
   return p.z > 0 && std::abs(p.x) < extent && std::abs(p.y) < extent;
 }
 
-/** The archives of the game that a file belongs to, as the game reads them, the file itself last. */
+/** Archives of the game that a file belongs to, in the order of the game, the file itself last. */
 std::vector<std::string> gamePaths(const std::string& fileName) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::absolute(fileName).parent_path();
@@ -58,7 +58,7 @@ std::vector<std::string> gamePaths(const std::string& fileName) {
       const ZipArchive archive(path);
       paths.push_back(path);
     } catch (const Error&) {
-      // Of no concern to this file.
+      // Unreadable archives are skipped.
     }
   }
   std::sort(paths.begin(), paths.end());
@@ -66,7 +66,7 @@ std::vector<std::string> gamePaths(const std::string& fileName) {
   return paths;
 }
 
-/** The camera that is asked for; else the first of the file that sees the model, if any does. */
+/** Requested camera; else the first camera of the file that sees the model, if any does. */
 const ImportedCamera* chosenCamera(const SceneImport& import, const std::string& name) {
   std::string list;
   for (const ImportedCamera& camera : import.cameras) {

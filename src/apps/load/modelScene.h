@@ -1,5 +1,5 @@
 /** @file
- * A model alone as a scene: with a camera that sees it, and light.
+ * Scene made of a model alone, with a camera that sees it, and light.
  */
 #pragma once
 
@@ -12,30 +12,30 @@
 
 namespace recurse::apps {
 
-/** True for a file that is not a scene and that an importer reads, judging by its name. */
+/** True for model files, which an importer reads, judging by their name. */
 bool isModelFile(const std::string& fileName);
 
-/** What of a model is asked for. */
+/** Choice of a map and a camera of a model. */
 struct ModelChoice {
-  std::string map;    ///< of an archive with several; empty: the only one
-  std::string camera; ///< by its name in the file, with ':' for ' ' too; empty: one that sees the model
+  std::string map;    ///< name of a map, if there are several; empty: the only one
+  std::string camera; ///< name in the file, with ':' for ' ' too; empty: a camera that sees the model
 
   bool any() const { return !map.empty() || !camera.empty(); }
   void addTo(CLI::App& command);
-  /** Options that choose the same. */
+  /** Command-line options of this choice. */
   std::string text() const;
 };
 
 struct ModelScene {
-  std::string text; ///< of a scene file
+  std::string text; ///< content of a scene file
   std::shared_ptr<const MemoryFiles> files;
   std::vector<std::string> filesRead;
-  std::string note; ///< what was taken and left out
+  std::string note; ///< parts imported, and parts left out
 };
 
-/** Imports a model, and a map of a game with the archives beside it; `folder` is the prefix of the names of
- * files in the scene, `outside` the rule for files that are not in the model's own folder. Null where it
- * failed, and the diagnostics say why. Throws Error (BAD_USAGE) for a choice that there is not. */
+/** Imports a model, or a map of a game with the archives in its folder. `folder`: prefix of file names in the
+ * scene. `outside`: rule for files outside of the model's folder. Null after an error, which the diagnostics
+ * have. Throws Error (BAD_USAGE) for a choice that does not exist. */
 std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const ModelChoice& choice,
                                        const std::string& folder, const std::string& outside,
                                        Diagnostics& diagnostics);

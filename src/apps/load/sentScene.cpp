@@ -1,6 +1,6 @@
 /** @file
- * Files of a scene, one after the other in pieces: first the path, then the content, an empty piece at the
- * end of each.
+ * Transfer of a scene's files: for each its path, then its content in pieces and an empty piece; an empty
+ * path at the end.
  */
 #include "apps/load/sentScene.h"
 
@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** Bytes that are sent at once. */
+/** Largest piece [bytes]. */
 constexpr size_t PIECE = size_t(16) << 20;
 
-/** As it is written, but from the root: what lies beside it is found in the same way in the copy. */
+/** Absolute path, not normalised: relative names resolve in the copy in the same way. */
 std::string absolutePath(const std::string& path) { return fs::absolute(path).string(); }
 
 } // namespace
@@ -53,7 +53,7 @@ ReceivedScene::ReceivedScene(const Cluster& cluster) {
   const char* made = ::mkdtemp(pattern.data());
   std::string failure = made ? "" : std::strerror(errno);
   folder = pattern;
-  // What cannot be written is received all the same: the others are sending.
+  // After a failure the pieces are still received, because the broadcasts involve every process.
   for (std::string file = cluster.tellAll(""); !file.empty(); file = cluster.tellAll("")) {
     const std::string path = folder + file;
     std::error_code ignored;

@@ -1,5 +1,5 @@
 /** @file
- * A scene that the leading process reads and sends to the others, which need no shared folder then.
+ * Transfer of a scene from the leading process to all processes, without a shared folder.
  */
 #pragma once
 
@@ -10,16 +10,16 @@
 
 namespace recurse::apps {
 
-/** At the leading process. Throws Error for a scene that is made of more than the files it names. */
+/** Sends the files of the scene, in the leading process. Throws Error if a file cannot be read. */
 void sendScene(const Cluster& cluster, const LoadedScene& loaded);
-/** At the leading process, where there is none to send: the others give up too. */
+/** Makes each ReceivedScene fail, if the leading process has no scene to send. */
 void sendNoScene(const Cluster& cluster);
 
-/** At the others: its files in a temporary folder, for as long as this lives. */
+/** Received scene, in all but the leading process. A temporary folder has its files until destruction. */
 class ReceivedScene {
  public:
-  /** Waits for sendScene(). Throws Error where the leading process has none, or the files cannot be written.
-   */
+  /** Waits for sendScene(). Throws Error if the leading process has no scene, or if the files cannot be
+   * written. */
   explicit ReceivedScene(const Cluster& cluster);
   ~ReceivedScene();
   ReceivedScene(const ReceivedScene&) = delete;

@@ -1,5 +1,5 @@
 /** @file
- * Options of tone mapping: declared, understood, applied.
+ * Options of tone mapping: declaration, parsing, application.
  */
 #include "apps/options/developOptions.h"
 
@@ -18,7 +18,7 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/** "auto", "p98", "1.5", and the first two with stops: "auto+1", "p98-0.5". */
+/** Parses "auto", "p98", "1.5", and the first two with stops: "auto+1", "p98-0.5". */
 Exposure parseExposure(const std::string& text) {
   Exposure out;
   std::string rest = text;
@@ -54,7 +54,7 @@ WhiteBalance parseWhiteBalance(const std::string& text) {
   return {false, kelvin};
 }
 
-/** `NAME`, or a name and parameters as in a scene file: `drago "float bias" 0.7`. */
+/** Parses `NAME`, or a name and parameters as in a scene file: `drago "float bias" 0.7`. */
 std::shared_ptr<const ToneMap> parseToneMap(const std::string& text) {
   const auto& registry = plugIns().toneMaps;
   const size_t blank = text.find(' ');

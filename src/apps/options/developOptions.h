@@ -1,5 +1,5 @@
 /** @file
- * The options of tone mapping, which every command with pictures for a display has, and the writing of them.
+ * Options of tone mapping, for all commands that write pictures for a display, and the writer.
  */
 #pragma once
 
@@ -18,9 +18,9 @@ struct DevelopOptions {
   bool dither = false;
 
   void addTo(CLI::App& command);
-  /** Throws Error (BAD_USAGE) that names the option. */
+  /** Parsed settings. Throws Error (BAD_USAGE) that names the option. */
   DevelopSettings settings() const;
-  /** Options that do the same with the exposure that was chosen. */
+  /** Command-line options of these settings, with the exposure that was chosen [stops]. */
   std::string text(double stops) const;
 };
 
@@ -28,17 +28,17 @@ struct DevelopOptions {
 class PictureWriter {
  public:
   explicit PictureWriter(const DevelopOptions& options) : options(options), settings(options.settings()) {}
-  /** Throws Error. */
+  /** Writes a picture in the format of its extension. Throws Error. */
   void write(const std::string& fileName, const Image& image);
-  /** Exposure of the pictures for a display; empty where none was written, and of a black one. */
+  /** Exposure of the pictures for a display [stops]; empty if none was written, and for a black one. */
   std::optional<double> stops() const;
-  /** How the pictures for a display were developed, as a line; empty where none was written. */
+  /** Line on how pictures for a display were developed; empty if none was written. */
   std::string remark() const;
 
  private:
   DevelopOptions options;
   DevelopSettings settings;
-  std::optional<Developed> developed; ///< of the picture that was written first
+  std::optional<Developed> developed; ///< of the picture written first
 };
 
 } // namespace recurse::apps

@@ -1,6 +1,6 @@
 /** @file
- * Options become parameters by the integrator's own declaration of them, so that a new integrator needs
- * nothing here.
+ * Conversion of options to parameters, by the integrator's own declaration, so that a new integrator needs no
+ * change here.
  */
 #include "apps/options/integratorOptions.h"
 
@@ -131,21 +131,21 @@ ParsedDirective IntegratorOptions::directive(const ParsedDirective& fromFile) co
   if (named() || !fromFile.given()) out.type = named() ? name : DEFAULT_INTEGRATOR;
   const auto* entry = registry.find(out.type);
   if (!entry) {
-    // What the file names is an error in the file, reported with its place when the integrator is made.
+    // An unknown name in the file is reported with its location when the integrator is made.
     if (!named()) return out;
     const std::vector<std::string> nearest = likelyNames("Integrator", name, registry.names());
     badUsage("--integrator: there is no integrator '" + name + "'" +
              (nearest.empty() ? "" : "; did you mean " + joined(nearest) + "?") +
              "; there are: " + joined(registry.names()));
   }
-  // A radius was chosen for the method that the file names; the one asked for here finds its own.
+  // A radius in the file suits the file's method; a different integrator finds its own.
   if (named() && name != fromFile.type)
     std::erase_if(out.parameters, [&](const ParsedParameter& p) {
       return p.name == "radius" || !findSpec(entry->parameters, p.name);
     });
   for (const Value& value : values)
     if (value.text) replace(out, entry->parameters, value.option, value.parameter, *value.text);
-  // Who asks for a number of photons here means those of a pass.
+  // --photons is a number per pass: it sets "passes" to 0, unless "passes" is given.
   const auto names = [&](const char* parameter) {
     return std::any_of(out.parameters.begin(), out.parameters.end(),
                        [&](const ParsedParameter& p) { return p.name == parameter; });

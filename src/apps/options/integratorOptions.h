@@ -1,5 +1,5 @@
 /** @file
- * The options that stand in the place of the scene file's Integrator directive or of its parameters.
+ * Options that replace the scene file's Integrator directive or its parameters.
  */
 #pragma once
 
@@ -16,19 +16,19 @@
 
 namespace recurse::apps {
 
-/** The integrator where neither the scene nor the command line names one. */
+/** Default integrator, if neither the scene nor the command line names one. */
 constexpr const char* DEFAULT_INTEGRATOR = "auto";
 
 class IntegratorOptions {
  public:
-  /** What was given before counts on where it is not given again. */
+  /** Declares the options. Values set before are kept unless they are given again. */
   void addTo(CLI::App& command);
-  /** As if the option stood on the command line; call after addTo(). */
+  /** Sets an option as on the command line; call after addTo(). */
   void set(const std::string& option, const std::string& text);
   void setIntegrator(const std::string& integrator) { name = integrator; }
 
-  /** The file's directive with what the options say. Throws Error (BAD_USAGE) for an unknown integrator and
-   * for options that it does not take. */
+  /** The file's directive, changed by the options. Throws Error (BAD_USAGE) for an unknown integrator and for
+   * options that it does not take. */
   ParsedDirective directive(const ParsedDirective& fromFile) const;
   /** The options as they were given, for the picture's metadata. */
   std::string text() const;
@@ -41,20 +41,20 @@ class IntegratorOptions {
     const char* parameter;
     std::optional<std::string> text; ///< empty: not given
   };
-  /** What every value of the command line is, by the integrator's own declaration. */
+  /** Replaces a parameter by the text of an option, checked by the integrator's declaration. */
   void replace(ParsedDirective& directive, const std::vector<ParameterSpec>& specs, const std::string& option,
                const std::string& parameter, const std::string& text) const;
 
   std::string name;
   std::vector<Value> values;
-  std::vector<std::string> earlier, settings; ///< of --set: NAME=VALUE
+  std::vector<std::string> earlier, settings; ///< arguments of --set: NAME=VALUE
 };
 
-/** Makes it; what is wrong goes to `diagnostics`, and the result is null then. */
+/** Makes the integrator. Null after an error, which goes to `diagnostics`. */
 std::unique_ptr<Integrator> makeIntegrator(const ParsedDirective& directive, bool lenient,
                                            Diagnostics& diagnostics);
 
-/** The parameters of an integrator with the values that they have, `name value`, a line each. */
+/** Parameters of an integrator with their values, as `name value`, a line each. */
 std::vector<std::string> settingsOf(const ParsedDirective& directive);
 
 } // namespace recurse::apps

@@ -11,7 +11,7 @@ namespace recurse::apps {
 
 namespace {
 
-/** Text for troff. */
+/** Escapes text for troff. */
 std::string troff(const std::string& text) {
   std::string out;
   bool lineStart = true;
@@ -32,7 +32,7 @@ std::string fullName(const CLI::App& app) {
   return app.get_parent() ? fullName(*app.get_parent()) + "-" + app.get_name() : app.get_name();
 }
 
-/** "-o, --output" of an option, or a positional's name. */
+/** Names of an option, as "-o, --output", or of a positional. */
 std::string namesOf(const CLI::Option& option) {
   std::string out;
   const auto add = [&](const std::string& name) { out += (out.empty() ? "" : ", ") + name; };
@@ -80,7 +80,7 @@ std::vector<std::string> longNames(const CLI::App& app) {
   return out;
 }
 
-/** In single quotes, for any of the shells. */
+/** Text in single quotes; `quote` replaces single quotes within. */
 std::string quoted(const std::string& text, const std::string& quote) {
   std::string out;
   for (const char c : text) out += c == '\'' ? quote : std::string(1, c);

@@ -1,5 +1,5 @@
 /** @file
- * NAME=OPTIONS.
+ * Parsing of NAME=OPTIONS.
  */
 #include "apps/options/namedRun.h"
 

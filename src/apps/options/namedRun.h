@@ -1,5 +1,5 @@
 /** @file
- * Settings of a render under a name, as commands take them that render a scene in several ways.
+ * Named settings of a render, for commands that render a scene in several ways.
  */
 #pragma once
 
@@ -10,16 +10,16 @@
 
 namespace recurse::apps {
 
-/** A run as it was asked for. */
+/** Run with its options, as requested. */
 struct Run {
   std::string name;
   RenderOptions options;
-  ParsedDirective integrator; ///< set by whoever loads the scene
+  ParsedDirective integrator; ///< set once the scene is loaded
 };
 
-/** `text` is NAME=OPTIONS, understood by the very parser of `recurse render`; what it does not say is as in
- * `common`. `option` is its name for messages. `refused` are options that the command decides about. Throws
- * Error (BAD_USAGE). */
+/** Parses NAME=OPTIONS with the parser of `recurse render`, whose defaults are the options in `common`.
+ * `option` is its name for messages. `refused`: options that the command itself sets. Throws Error
+ * (BAD_USAGE). */
 Run parseRun(const std::string& option, const std::string& text, const RenderOptions& common,
              const std::vector<const char*>& refused);
 

@@ -20,7 +20,7 @@ namespace {
   throw Error(option + ": '" + text + "' is not " + wanted, ExitStatus::BAD_USAGE);
 }
 
-/** The whole of the text as a number; hexadecimal, infinity, NaN and blanks are not. */
+/** Number that is the whole text; none for hexadecimal, infinity, NaN and blanks. */
 std::optional<double> realOf(const std::string& text) {
   double value = 0;
   const char* begin = text.c_str();

@@ -17,31 +17,31 @@ namespace recurse::apps {
 
 /** Every function throws Error (BAD_USAGE) that names the option. */
 
-/** "30s", "2m", "1h30m", "90" (seconds): seconds, above zero. */
+/** Duration [s], above zero: "30s", "2m", "1h30m", "90" (seconds). */
 double parseDuration(const std::string& option, const std::string& text);
-/** The parts between separators; one empty part of an empty text. */
+/** Parts between separators; one empty part for an empty text. */
 std::vector<std::string> split(const std::string& text, char separator);
 
-/** "640x480". */
+/** Width and height, "640x480". */
 std::array<int, 2> parseResolution(const std::string& option, const std::string& text);
-/** "x0,x1,y0,y1", each in [0, 1]. */
+/** Crop window, "x0,x1,y0,y1", each in [0, 1]. */
 std::array<float, 4> parseCropWindow(const std::string& option, const std::string& text);
 /** A whole number in [minimum, maximum]; "1000000", "1e6", "1M" and "1000k" are the same. */
 int64_t parseCount(const std::string& option, const std::string& text, int64_t minimum, int64_t maximum);
 uint64_t parseSeed(const std::string& option, const std::string& text);
-/** "NAME=EXPRESSION". */
+/** Path class, "NAME=EXPRESSION". */
 PathClass parseClass(const std::string& option, const std::string& text);
 /** A finite number. */
 double parseReal(const std::string& option, const std::string& text);
 
-/** "2h05m", "3m07s", "12.3s". */
+/** Duration as text: "2h05m", "3m07s", "12.3s". */
 std::string durationText(double seconds);
-/** "12.3M" with at most three digits before the letter. */
+/** Count as text: "12.3M", with at most three digits before the letter. */
 std::string countText(double count);
 std::string bytesText(double bytes);
 /** The folder with a slash at its end. */
 std::string folderName(const std::string& folder);
-/** As a shell would need it. */
+/** Text quoted for a shell, where it needs quotes. */
 std::string shellQuoted(const std::string& text);
 
 } // namespace recurse::apps

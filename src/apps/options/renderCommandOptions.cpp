@@ -1,5 +1,5 @@
 /** @file
- * The options of `recurse render`, and what is wrong with them.
+ * Options of `recurse render`, and their checks.
  */
 #include "apps/options/renderCommandOptions.h"
 
@@ -168,7 +168,7 @@ FeatureSettings RenderCommandOptions::features(const std::vector<std::string>& o
     out.layers = split(layers, ',');
     requireFeatureLayers(out.layers);
     if (!hasExr) badUsage("--layers: only .exr can hold them; add -o FILE.exr");
-  } else if (layered && hasExr) { // as far as pbrt has them too
+  } else if (layered && hasExr) { // layers that pbrt has, too
     for (const FeatureLayer& layer : featureLayers())
       if (*layer.channels) out.layers.emplace_back(layer.name);
   } else if (throughSpecular) {
@@ -178,7 +178,7 @@ FeatureSettings RenderCommandOptions::features(const std::vector<std::string>& o
 }
 
 RenderCommandOptions RenderCommandOptions::withoutOutputs() const {
-  plan(); // what is wrong with them is wrong for all
+  plan(); // throws Error for options that are wrong in all processes
   RenderCommandOptions o = *this;
   o.outputs.clear();
   o.checkpoint.clear();

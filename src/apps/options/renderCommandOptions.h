@@ -15,7 +15,7 @@
 
 namespace recurse::apps {
 
-/** Of `recurse render`. */
+/** Options of `recurse render` as given. */
 struct RenderCommandOptions {
   RenderOptions render;
   std::vector<std::string> outputs;
@@ -28,23 +28,23 @@ struct RenderCommandOptions {
   ExtraLayers extra;
   bool check = false, watch = false, sendScene = false;
   std::string frames;
-  AnimationFrame* frame = nullptr; ///< of an animation
-  int reduction = 1;               ///< what width and height of the picture are divided by
+  AnimationFrame* frame = nullptr; ///< current frame of an animation
+  int reduction = 1;               ///< divisor of the picture's width and height
 
   void addTo(CLI::App& command);
-  /** What --checkpoint and its relatives say. */
+  /** Plan of the render, with --checkpoint and its related options. */
   RenderPlan plan() const;
-  /** What --paths or --class ask for. */
+  /** Path classes of --paths or --class. */
   PathClasses pathClasses() const;
-  /** The two of them, as on a command line. */
+  /** Text of --paths and --class, as on a command line. */
   std::string pathsText() const;
-  /** Checks before the render that all that is to be written can be, each to a file of its own. */
+  /** Checks before the render that all outputs can be written, each to a file of its own. */
   void checkOutputs(const std::vector<std::string>& outputs) const;
-  /** Nothing that is written may take the place of a file of the scene. */
+  /** Throws Error (BAD_USAGE) if an output would replace a file of the scene. */
   void keepInputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs) const;
   /** Checks --layers before the render. `layered`: the scene's film asks for layers. */
   FeatureSettings features(const std::vector<std::string>& outputs, bool layered) const;
-  /** What is left of them for a process that does not lead. */
+  /** Options for a process that does not lead, which writes no files. */
   RenderCommandOptions withoutOutputs() const;
 
  private:

@@ -1,5 +1,5 @@
 /** @file
- * Options of a render: declared, understood, and written down again.
+ * Options of a render: declaration, parsing, text; and the run of a render.
  */
 #include "apps/options/renderOptions.h"
 
@@ -25,7 +25,7 @@ RenderSettings RenderPlan::settings(const Scene& scene) const {
   out.timeLimit = timeLimit;
   out.firstSampleTime = firstSampleTime.value_or(out.firstSampleTime);
   out.seed = seed.value_or(scene.sampler().seed);
-  // A time limit or an error target alone means: as many samples as fit.
+  // With a time limit or an error target alone, the number of samples is unlimited.
   out.errorTarget = errorTarget;
   out.firstSample = firstSample;
   out.endSample = endSample;
@@ -127,7 +127,7 @@ std::string RenderOptions::text(const LoadedScene& loaded, const RenderSettings&
 
 namespace {
 
-/** What the samples of a render depend on, but for the seed. */
+/** Everything that the samples of a render depend on, except for the seed. */
 std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const RenderSettings& settings,
                                               const std::vector<PathClass>& classes, bool adaptive) {
   const FilmSettings& film = loaded.scene->film();
@@ -162,7 +162,7 @@ class RenderRun {
       : loaded(loaded), classes(classes), plan(plan), options(options),
         settings(plan.settings(*loaded.scene)),
         display(options.quiet ? ProgressMode::OFF : progressModeOf(options.progress)),
-        // Warnings are about what the picture will look like, so they come at once and even when quiet.
+        // Warnings concern the picture, so that they are printed at once and even when quiet.
         log([this](const std::string& text) {
           if (this->options.verbose || text.starts_with("warning")) display.message(text);
         }),
@@ -243,7 +243,7 @@ class RenderRun {
     try {
       writeCheckpoint(plan.checkpoint, kept);
       failure.clear();
-    } catch (const Error& error) { // the render is worth more than its copy
+    } catch (const Error& error) { // the render goes on without its checkpoint
       if (failure.empty()) display.message(std::string("warning: ") + error.what());
       failure = error.what();
     }
@@ -254,14 +254,14 @@ class RenderRun {
     settings.look = [this] { return plan.look([this] { return grownPicture(); }, log); };
     if (firstClasses && kept.film.totalSamples() == 0) {
       renderFirst();
-      // Its time is a part of the render's.
+      // The time limit includes the first picture.
       if (settings.timeLimit > 0)
         settings.timeLimit = std::max(settings.timeLimit - first->statistics.renderSeconds,
                                       std::numeric_limits<double>::min());
     }
     if (first || kept.film.totalSamples() > 0) settings.lookAfter = settings.look();
   }
-  /** The picture as it grows; where a pixel has no sample yet, the first picture. */
+  /** Picture of the film; pixels without a sample have the first picture's value. */
   Image grownPicture() {
     const auto pictureIn = [&](const Film& film) {
       return pictureOf(film, kept.classes, kept.imagingRatio, {});
@@ -280,7 +280,7 @@ class RenderRun {
     return image;
   }
 
-  /** What the integrator does not find; empty: nothing. */
+  /** Warning on light that the integrator does not find; empty if there is none. */
   std::string missedText() const {
     const std::string missed = missedPaths(loaded, kept.classes);
     if (missed.empty()) return {};
@@ -299,7 +299,7 @@ class RenderRun {
   }
 
   bool isInterrupted() const { return statistics.stopReason == StopReason::INTERRUPTED; }
-  /** Sees to it that there is a picture, and explains what may be wrong with it. */
+  /** Ensures that there is a picture, or throws Error; warns of missing light. */
   void complete(const std::string& missed) {
     if (!missed.empty()) statistics.warnings.push_back(missed);
     if (plan.endsWithFirstPicture && firstClasses && statistics.samples == 0) {
@@ -310,7 +310,7 @@ class RenderRun {
       throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
     if (statistics.samples == 0) throw Error("no sample was ready in time: nothing is written");
   }
-  /** Puts the first picture in the place of a film without samples, with a warning. */
+  /** Replaces a film without samples by the first picture, with a warning. */
   void takeFirstPicture() {
     const RenderStatistics ended = std::exchange(statistics, first->statistics);
     isFirst = true;
@@ -339,11 +339,11 @@ class RenderRun {
   const std::function<void(const RenderProgress&)> show;
   const std::string optionsText;
   std::unique_ptr<const GracefulStop> graceful = std::make_unique<const GracefulStop>();
-  std::unique_ptr<const FileLock> lock; ///< of the checkpoint, which no other process may replace meanwhile
+  std::unique_ptr<const FileLock> lock; ///< of the checkpoint, which no other process may replace now
   Checkpoint kept;
   const std::optional<PathClasses> firstClasses;
-  std::optional<FirstPicture> first; ///< until every pixel has a sample
-  bool isFirst = false;              ///< `first` has taken the place of the picture
+  std::optional<FirstPicture> first; ///< kept until every pixel has a sample
+  bool isFirst = false;              ///< `first` has replaced the picture
   RenderStatistics statistics;
   std::string failure;
 };

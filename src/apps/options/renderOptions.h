@@ -1,5 +1,5 @@
 /** @file
- * The options and the run that every command with a render in it shares.
+ * Options and run of a render, shared by all commands that render.
  */
 #pragma once
 
@@ -20,7 +20,7 @@
 
 namespace recurse::apps {
 
-/** The options once they have been understood. */
+/** Parsed options of a render. */
 struct RenderPlan {
   LoadOverrides overrides;
   std::optional<int> samples;
@@ -31,17 +31,17 @@ struct RenderPlan {
   int64_t firstSample = 0, endSample = 0; ///< see RenderSettings
   std::string checkpoint;                 ///< file to keep the render in; empty: none
   double checkpointInterval = 60;         ///< seconds
-  bool resume = false;                    ///< from that file, where it exists
+  bool resume = false;                    ///< continue from that file, if it exists
   bool adaptive = false;                  ///< see SampleAllocation
-  /** Gets the picture as it grows, first a FirstPicture; see RenderSettings::look. Messages go to `say`. */
+  /** Viewer of the growing picture, first a FirstPicture; see RenderSettings::look. `say`: messages. */
   using Look = std::function<double(const std::function<Image()>& picture,
                                     const std::function<void(const std::string&)>& say)>;
   Look look;
-  /** A FirstPicture takes the place of one whose first sample was not ready within the time limit. */
+  /** True if a FirstPicture replaces a picture without a sample at the time limit. */
   bool endsWithFirstPicture = false;
-  bool limitsFirstPass = false; ///< see RenderSettings; also where a FirstPicture may take its place
+  bool limitsFirstPass = false; ///< see RenderSettings; set too if a FirstPicture may replace the picture
 
-  /** With what the scene says where the options do not. */
+  /** Settings of the options; the scene's values are the defaults. */
   RenderSettings settings(const Scene& scene) const;
 };
 
@@ -54,45 +54,45 @@ struct RenderOptions {
   std::string statistics, progress = "auto";
   bool quiet = false, verbose = false, lenient = false, compact = false, adaptive = false;
 
-  /** The scene file, which is the first positional argument, and what of a model is asked for. */
+  /** Declares the scene file, which is the first positional argument, and ModelChoice. */
   void addSceneTo(CLI::App& command);
-  /** All others. */
+  /** Declares all other options. */
   void addTo(CLI::App& command);
-  /** Throws Error (BAD_USAGE). */
+  /** Parses the options. Throws Error (BAD_USAGE). */
   RenderPlan plan() const;
-  /** The part of a command line that gives the same picture, whatever the scene file and the defaults
-   * become: scene and options, without what the command itself adds. */
+  /** Part of a command line that gives the same picture, even if settings in the scene file or defaults
+   * change: scene and options, without the ones that the command itself adds. */
   std::string text(const LoadedScene& loaded, const RenderSettings& settings) const;
 };
 
-/** What a render leaves. While it lives, Ctrl-C does not end the program and nobody else gets at the
- * checkpoint, so that what was rendered can be written. */
+/** Result of a render. During its lifetime Ctrl-C does not end the program, and the checkpoint stays locked,
+ * so that the result can be written. */
 struct RenderResult {
   const LoadedScene& loaded;
   uint64_t seed = 0;
   std::vector<PathClass> classes; ///< the film's layers
   std::string optionsText;        ///< RenderOptions::text
-  Film film;                      ///< a FirstPicture where that has taken its place
+  Film film;                      ///< of a FirstPicture, if that has replaced the picture
   RenderStatistics statistics;
-  std::string checkpointFailure; ///< why the checkpoint could not be written; empty where it could
+  std::string checkpointFailure; ///< why the checkpoint could not be written; empty if it could
   std::unique_ptr<const GracefulStop> graceful;
   std::unique_ptr<const FileLock> checkpointLock;
 
   bool isInterrupted() const { return statistics.stopReason == StopReason::INTERRUPTED; }
-  /** True once the render, or what follows it, is to end. */
+  /** True once the render, or the work after it, has to end. */
   const std::atomic<bool>& stopFlag() const { return graceful->flag(); }
-  /** Says why the picture is black where it is, and adds that to the warnings; nothing after an interrupt.
-   * Takes some seconds at most. */
+  /** Warns with the reason if the picture is black, on standard error and in `statistics`; not after an
+   * interrupt. Takes some seconds at most. */
   void explainBlackness();
-  /** `command` and `rest` are what stands before and after the options of the render. */
+  /** Report with a command line: `command`, the options of the render, `rest`. */
   RenderReport report(const std::string& command, const std::string& rest = {}) const;
 };
 
-/** May change the progress before it is shown. */
+/** Callback that may change the progress before it is shown. */
 using Retell = std::function<void(RenderProgress&)>;
 
-/** Renders with progress and messages as the options ask for them. Throws Error (INTERRUPTED) when an
- * interrupt came before the first sample, and where the render cannot go on from its checkpoint. */
+/** Renders, with progress and messages by the options. Throws Error (INTERRUPTED) after an interrupt before
+ * the first sample, and Error if the checkpoint does not fit or no sample is ready in time. */
 RenderResult renderLoaded(const LoadedScene& loaded, const PathClasses& classes, const RenderPlan& plan,
                           const RenderOptions& options, const Retell& retell = {});
 

@@ -14,7 +14,7 @@ namespace recurse::apps {
 
 namespace {
 
-/** Where a text has a word that stands by itself; npos where it does not. */
+/** Position of a whole word in a text; npos if there is none. */
 size_t findWord(const std::string& text, const std::string& word) {
   const auto isLetter = [&](size_t i) {
     return i < text.size() && std::isalnum(static_cast<unsigned char>(text[i])) != 0;

@@ -1,5 +1,5 @@
 /** @file
- * What may be meant by a word that the command line does not know.
+ * Suggestions for a word that the command line does not know.
  */
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace recurse::apps {
 
-/** A name that is accepted, and what help says of it. */
+/** An accepted name, and its description in the help. */
 using Described = std::pair<std::string, std::string>;
 
-/** "; did you mean A or B?"; empty where nothing is near. Names that `wrong` misspells come first, then
- * those whose description begins with it, that contain it, or whose description has it as a word. Each is
- * shown behind the prefix. */
+/** "; did you mean A or B?", with `prefix` before each name; empty if nothing is near. Names that `wrong`
+ * misspells come first, then names with a description that begins with it, names that contain it, and names
+ * with it as a word of their description. */
 std::string suggestion(const std::string& wrong, const std::vector<Described>& accepted,
                        const std::string& prefix = {});
 

@@ -1,5 +1,5 @@
 /** @file
- * Probes of a scene without light: what the camera sees, where the lights shine, and what lies between.
+ * Probes of a scene without light: points that the camera sees, points that are lit, and surfaces between.
  */
 #include "apps/run/blackPicture.h"
 
@@ -20,22 +20,22 @@ namespace recurse::apps {
 
 namespace {
 
-/** Probes across the picture, and in all directions from a point. */
+/** Number of probes across the picture; its square is the number of directions from a point. */
 constexpr int ACROSS = 64;
-/** Samples of each light's emission; lights that are probed. */
+/** Number of samples of each light's emission, and of lights that are probed. */
 constexpr int EMISSIONS = 64;
 constexpr size_t MAX_LIGHTS = 256;
-/** Tells these samples from all others. */
+/** Sampler stream of the probes. */
 constexpr uint64_t PROBE_STREAM = 0x4441524bull;
 /** Longest time for all probes [s]. */
 constexpr double PROBE_SECONDS = 5;
-/** A picture is nearly black where its mean is less than this part of what its lamps would make of it. */
+/** A picture is nearly black if its mean is below this fraction of lampRadiance(). */
 constexpr double NEARLY_BLACK_PART = 0.1;
 constexpr const char* TURN_LAMP =
     "A lamp shines to the side of its normal: turn it round (ReverseOrientation), or let it shine to both "
     "sides (\"bool twosided\" true)";
 
-/** Light passes a surface of such a material in some direction. */
+/** True if light passes a surface of this material in some direction. */
 bool letsLightPass(const Material* material) {
   return !material || material->opacity || (material->lobes() & (TRANSMISSION | REFRACTION | STRAIGHT)) != 0;
 }
@@ -45,7 +45,7 @@ class DarkScene {
  public:
   explicit DarkScene(const LoadedScene& loaded) : loaded(loaded), scene(*loaded.scene) {}
 
-  /** Whether path tracing with at most `maxDepth` scattering events (-1: any) finds light in the picture. */
+  /** True if path tracing with at most `maxDepth` scattering events (-1: any) finds light in the picture. */
   bool showsLight(int maxDepth) const {
     const PathClasses all;
     const std::unique_ptr<Integrator> path = pathTracerThatLearnsNothing(maxDepth);
@@ -63,8 +63,8 @@ class DarkScene {
     return isLit;
   }
 
-  /** Why lamps, beside lights from infinitely far, light nothing in a picture that would be much brighter
-   * with them; empty where that is not so. `mean`, `brightest`: luminance of the picture and of a pixel. */
+  /** Reason why lamps, beside infinite lights, light nothing in a picture that would be much brighter with
+   * them; empty if they do. `mean`, `brightest`: luminance of the picture and of its brightest pixel. */
   std::string idleLampsReason(double mean, double brightest) {
     const SceneContents& contents = scene.contents();
     const bool hasLamps = contents.areaLights + contents.deltaLights > 0;
@@ -87,7 +87,7 @@ class DarkScene {
     if (seen.empty()) return nothingSeen();
     shine();
     if (emitted > 0 && landed == 0) return lightLeaves();
-    // Light of lamps at a point may come by mirrors and glass alone.
+    // Light of delta lights may arrive by mirrors and glass alone.
     if (scene.contents().deltaLights > 0 && (scene.contents().lobes & DELTA_LOBES)) return "";
     return betweenLightAndCamera();
   }
@@ -107,7 +107,7 @@ class DarkScene {
     for (int row = 0; row < ACROSS; ++row) forCameraRays(row, use);
   }
 
-  /** The first surface along the ray that scatters. */
+  /** Finds the first surface along the ray that scatters. False if there is none. */
   bool firstSurface(Ray ray, Hit& hit) {
     while (intersect(scene, ray, hit, counts)) {
       if (hit.material) return true;
@@ -132,7 +132,7 @@ class DarkScene {
            "lights";
   }
 
-  /** What the camera sees, and which media its rays pass. */
+  /** Collects the points that the camera sees, and counts the media that its rays pass. */
   void look() {
     passed.assign(scene.mediumCount() + 1u, 0);
     filled.assign(scene.mediumCount() + 1u, 0);
@@ -193,7 +193,7 @@ class DarkScene {
                      inCamera.z < 0 ? "behind the camera" : "outside of the picture");
   }
 
-  /** Where light goes that leaves the lights. */
+  /** Traces photons to the first surface, and collects points on lamps. */
   void shine() {
     const size_t every = (scene.lights().size() + MAX_LIGHTS - 1) / MAX_LIGHTS;
     for (size_t i = 0; i < scene.lights().size(); i += every) {
@@ -222,8 +222,8 @@ class DarkScene {
            (scene.contents().areaLights > 0 ? TURN_LAMP : "Look at where the lights stand and point to");
   }
 
-  /** Median over the points that the camera sees of their radiance if the lamps shone evenly all around, and
-   * half of the light were scattered. */
+  /** Median radiance of the points that the camera sees, if the lamps emitted uniformly in all directions,
+   * without occlusion, and half of the light were scattered. */
   double lampRadiance() const {
     if (seen.empty()) return 0;
     double power = 0;
@@ -239,7 +239,7 @@ class DarkScene {
     return *middle;
   }
 
-  /** Whether paths from the camera find light of lamps. */
+  /** True if paths from the camera find light of lamps. */
   bool showsLamps() const {
     std::atomic<bool> isLit{false};
     parallelFor(ACROSS, [&](size_t row) {
@@ -282,11 +282,11 @@ class DarkScene {
     return std::min(lamps.size() - 1, size_t(sampler.next1D() * float(lamps.size())));
   }
 
-  /** True where nothing opaque lies between. */
+  /** True if no opaque surface is between the points. */
   bool isFree(const SurfacePoint& from, const Vec3f& to) {
     Ray ray = spawn(from, to - from.position);
     ray.direction = to - ray.origin;
-    ray.tMax = 1 - 1e-3f; // a lamp's surface is not in its way
+    ray.tMax = 1 - 1e-3f; // the lamp's own surface does not occlude it
     for (Hit hit; ray.tMax > 0 && intersect(scene, ray, hit, counts);) {
       if (!letsLightPass(hit.material)) return false;
       ray.origin = originBehind(ray, hit);
@@ -295,7 +295,7 @@ class DarkScene {
     return true;
   }
 
-  /** Whether all directions from the camera end at opaque surfaces; their object where it is one. */
+  /** True if rays in all directions from the camera hit opaque surfaces; `object`: theirs, if it is one. */
   bool isShutIn(std::optional<uint32_t>& object) {
     bool isOne = true;
     for (int i = 0; i < ACROSS * ACROSS; ++i) {
@@ -310,7 +310,7 @@ class DarkScene {
     return true;
   }
 
-  /** Points of lamps that points which the camera sees have a free way to, and those that shine there. */
+  /** Pairs of a visible point and a point on a lamp: without occlusion, and the lit ones among them. */
   struct LampsInSight {
     size_t free = 0, lit = 0;
   };
@@ -361,11 +361,11 @@ class DarkScene {
   bool shinesFromAfar = false;
   std::optional<Vec3f> eye;
   std::vector<SurfacePoint> seen;
-  std::vector<size_t> passed, filled; ///< by media: rays in their shapes, and those that meet their grids
+  std::vector<size_t> passed, filled; ///< by medium: rays in its shape, and rays that hit its grid
   std::vector<Lamp> lamps;            ///< points of finite lights
 };
 
-/** What the probes say; empty when `stop` became true or they took too long. */
+/** Result of the probes; empty if `stop` became true or they took too long. */
 template <class Probe> std::string unlessStopped(const std::atomic<bool>& stop, const Probe& probe) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(PROBE_SECONDS);
@@ -392,7 +392,7 @@ struct Brightness {
       brightest = std::max(brightest, y);
     }
   }
-  /** True where no pixel has light, or fewer than one in a thousand. */
+  /** True if fewer than one pixel in a thousand has light. */
   bool isNone() const { return lit * 1000 < pixels; }
   size_t pixels, lit = 0;
   double mean = 0, brightest = 0;

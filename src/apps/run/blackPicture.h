@@ -1,5 +1,5 @@
 /** @file
- * Why a picture is black: probes by a few thousand rays, for messages.
+ * Reasons for black pictures: probes by a few thousand rays, for messages.
  */
 #pragma once
 
@@ -12,13 +12,13 @@
 
 namespace recurse::apps {
 
-/** What keeps light from the camera, and what to do about it; empty where light reaches it, where the probes
- * do not show what is in the way, and where they take longer than a few seconds. */
+/** Reason why no light reaches the camera, and a remedy; empty if light reaches it, if the probes do not find
+ * the reason, and if they take longer than a few seconds. */
 std::string darknessReason(const LoadedScene& loaded);
 
-/** The warning about a picture of these classes that is black or nearly black, or that lamps leave nearly
- * black while other lights do not. Empty where it is neither, and where `stop` becomes true or the probes
- * take longer than a few seconds. */
+/** Warning about a picture of these classes that is black or nearly black, or that lamps leave nearly black
+ * while infinite lights do not. Empty if it is neither, if `stop` becomes true, and if the probes take longer
+ * than a few seconds. */
 std::string blackPictureText(const LoadedScene& loaded, const PathClasses& classes, const Film& film,
                              const std::atomic<bool>& stop);
 

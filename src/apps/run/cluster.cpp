@@ -1,5 +1,5 @@
 /** @file
- * The one cluster that the process belongs to.
+ * Pointer to the cluster of the process.
  */
 #include "apps/run/cluster.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * Several processes that make one picture together.
+ * Cluster of processes that render one picture together.
  */
 #pragma once
 
@@ -15,23 +15,23 @@ namespace recurse::apps {
 class Cluster {
  public:
   virtual ~Cluster() = default;
-  /** One of them gets the picture, writes it, and talks to the person. */
+  /** True in one process of the cluster, which gets the picture, writes it, and prints messages. */
   virtual bool leads() const = 0;
-  /** Threads for this process where nobody says. */
+  /** Number of threads for this process by default; 0: one for each core. */
   virtual int threads() const = 0;
-  /** Called by all: what the leading one gives, no longer than 1 GB. */
+  /** Broadcasts the leading process's text, at most 1 GB, to all processes. Called by all. */
   virtual std::string tellAll(std::string text) const = 0;
-  /** Called by all with what the samples depend on. Throws Error, in the leading one with who differs. */
+  /** Compares `identity`, on which samples depend. Called by all. Throws Error if one differs or failed. */
   virtual void join(const std::map<std::string, std::string>& identity) = 0;
-  /** As recurse::render(), called by all with the same scene and settings. Only the film of the leading one
-   * is filled, and only there the callbacks are called. */
+  /** Renders like recurse::render(), called by all processes with the same scene and settings. Only the film
+   * of the leading process is filled, and only its callbacks are called. */
   virtual RenderStatistics render(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                                   const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
                                   const std::function<void(const RenderProgress&)>& progress,
                                   const std::function<void(const std::string&)>& log) = 0;
 };
 
-/** Null where this process renders alone. */
+/** Cluster of this process; null if it renders alone. */
 Cluster* cluster();
 void setCluster(Cluster* cluster);
 

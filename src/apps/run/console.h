@@ -1,5 +1,5 @@
 /** @file
- * What the program tells its user.
+ * Output of the program for its user.
  */
 #pragma once
 
@@ -8,13 +8,13 @@
 
 namespace recurse::apps {
 
-/** Writes to standard output, as terminalText(); Error when that fails, as on a full disk. */
+/** Writes terminalText() to standard output. Throws Error when that fails, as on a full disk. */
 void print(const std::string& text);
 
-/** Writes to standard error, as terminalText(). */
+/** Writes terminalText() to standard error. */
 void say(const std::string& text);
 
-/** While one lives, say() calls a function instead, from any thread. One at a time. */
+/** Redirects say() to a function during its lifetime, from any thread. One at a time. */
 class Listening {
  public:
   explicit Listening(const std::function<void(const std::string& text)>& listener);

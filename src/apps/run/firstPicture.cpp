@@ -1,5 +1,5 @@
 /** @file
- * One sample of each pixel by a path tracer that learns nothing.
+ * First picture: one sample of each pixel by a path tracer that learns nothing.
  */
 #include "apps/run/firstPicture.h"
 

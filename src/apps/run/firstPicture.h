@@ -1,5 +1,5 @@
 /** @file
- * The picture that is there before an integrator has learned or shot anything.
+ * First picture of a render, before the integrator has learned or shot anything.
  */
 #pragma once
 
@@ -12,24 +12,24 @@
 
 namespace recurse::apps {
 
-/** Path tracing with lights chosen by power, of at most `maxDepth` scattering events; -1: any number. */
+/** Path tracer with lights selected by power, with at most `maxDepth` scattering events; -1: any number. */
 std::unique_ptr<Integrator> pathTracerThatLearnsNothing(int maxDepth);
 
-/** A film with one sample of each pixel, and how it came about. */
+/** Film with one sample of each pixel, and the statistics of its render. */
 struct FirstPicture {
   Film film;
   RenderStatistics statistics;
 };
 
 /**
- * The classes of paths of a first picture: `classes`, without the paths that the integrator leaves out. None
- * for an integrator of direct light only, which begins with its samples, and where nothing is left.
+ * Path classes of a first picture: `classes`, without the paths that the integrator leaves out. None for an
+ * integrator of direct light only, which begins with its samples, and if a class would be empty.
  */
 std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, const PathClasses& classes);
 
 /**
- * One sample of each pixel by path tracing with lights chosen by power, which learns nothing. Of the
- * settings: seed and time limit. Ends early when `stop` becomes true.
+ * Renders one sample of each pixel by path tracing with lights selected by power, which learns nothing. Uses
+ * the seed and the time limit of `settings`. Ends early when `stop` becomes true.
  */
 FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
                                 const RenderSettings& settings, const std::atomic<bool>& stop,

@@ -1,5 +1,5 @@
 /** @file
- * Signal handlers, with nothing in them that a handler must not do.
+ * Signal handlers, restricted to async-signal-safe calls.
  */
 #include "apps/run/interrupt.h"
 
@@ -19,8 +19,8 @@ namespace recurse::apps {
 namespace {
 
 std::atomic<bool> stopRequested{false};
-std::atomic<int> graceful{0};  // how many GracefulStops there are
-std::atomic<int> immediate{0}; // how many NothingToWrites there are
+std::atomic<int> graceful{0};  // number of GracefulStop objects
+std::atomic<int> immediate{0}; // number of NothingToWrite objects
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
 void writeText(const char* text) {
@@ -28,7 +28,7 @@ void writeText(const char* text) {
   static_cast<void>(written); // nothing could be done about it here
 }
 
-/** The system repeats these until the program ends; a second one is not a person's. */
+/** True for signals that the system repeats: a second one is no request of the user. */
 bool isRepeatedBySystem(int signal) { return signal == SIGXCPU || signal == SIGPIPE; }
 
 void handle(int signal) {
@@ -38,7 +38,7 @@ void handle(int signal) {
     if (isFirst || isRepeatedBySystem(signal)) return;
   }
   removeTemporaryFiles();
-  if (signal == SIGPIPE) { // ends the program as a reader that has seen enough expects it
+  if (signal == SIGPIPE) { // ends the program as the reader of the pipe expects
     ::signal(SIGPIPE, SIG_DFL);
     ::raise(SIGPIPE);
     return;
@@ -47,7 +47,7 @@ void handle(int signal) {
   ::_exit(static_cast<int>(ExitStatus::INTERRUPTED));
 }
 
-/** A signal that the program's parent wants to be ignored, as nohup does, stays so. */
+/** Installs a handler, unless the program's parent has the signal ignored, as nohup does. */
 void installUnlessIgnored(int signal, const struct sigaction& action) {
   struct sigaction before {};
   if (::sigaction(signal, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
@@ -63,7 +63,7 @@ void installInterruptHandlers() {
   sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGUSR1, &action, nullptr); // of schedulers, before the time is up; mpirun passes it on at once
+  ::sigaction(SIGUSR1, &action, nullptr); // sent by schedulers before the time is up; mpirun passes it on
   ::sigaction(SIGXCPU, &action, nullptr);
   installUnlessIgnored(SIGHUP, action);
   installUnlessIgnored(SIGPIPE, action);

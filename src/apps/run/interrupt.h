@@ -1,5 +1,5 @@
 /** @file
- * Ctrl-C and its relatives: what is there is written first; a second one ends the program at once.
+ * Ctrl-C and similar signals: the first one leads to output of results, a second one ends the program.
  */
 #pragma once
 
@@ -16,20 +16,20 @@ namespace recurse::apps {
  * without temporary files left behind. A file above the limit of size is an error of that file alone. */
 void installInterruptHandlers();
 
-/** Does what the first signal does where a GracefulStop lives. */
+/** Sets the flag of GracefulStop, like the first signal. */
 void requestStop();
-/** Takes requestStop() back. */
+/** Clears the flag of GracefulStop. */
 void withdrawStop();
 
-/** While one lives, there is nothing to be written: a signal ends the program at once. */
+/** During its lifetime, there are no results to be written: a signal ends the program at once. */
 class NothingToWrite {
  public:
-  /** What the time limit ends. */
+  /** Extent of the time limit. */
   enum class TimeLimit {
-    PROGRAM, ///< at once, with a message
-    WORK     ///< of this thread, by checkInterrupted(), as it does where a stop is requested
+    PROGRAM, ///< ends at once, with a message
+    WORK     ///< ends work of this thread, by checkInterrupted(), like a requested stop
   };
-  /** `seconds`: the time limit; 0: there is none. */
+  /** `seconds`: time limit; 0: none. */
   explicit NothingToWrite(double seconds, TimeLimit limited = TimeLimit::PROGRAM);
   ~NothingToWrite();
   NothingToWrite(const NothingToWrite&) = delete;
@@ -42,10 +42,10 @@ class NothingToWrite {
   std::optional<InterruptibleWork> work;
   std::jthread clock;
 };
-/** Says that the time limit was up before a scene was loaded. */
+/** Message that the time limit was up before a scene was loaded. */
 extern const char* const NOT_LOADED_IN_TIME;
 
-/** While one lives, the first signal only sets the flag. */
+/** During its lifetime, the first signal only sets the flag. */
 class GracefulStop {
  public:
   GracefulStop();

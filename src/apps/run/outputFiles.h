@@ -1,5 +1,5 @@
 /** @file
- * Outputs of a command that must not take the place of each other or of what it reads.
+ * Outputs of a command, which must neither replace each other nor its inputs.
  */
 #pragma once
 
@@ -8,26 +8,26 @@
 
 namespace recurse::apps {
 
-/** A file that a command writes, by the option that names it, such as "-o". */
+/** File that a command writes, with the option that names it, such as "-o". */
 struct OutputFile {
   std::string option, name;
 };
 
-/** A file that a command reads, and what it is, such as "the reference". */
+/** File that a command reads, with its description, such as "the reference". */
 struct InputFile {
   std::string what, name;
 };
 
-/** Throws Error (BAD_USAGE) where an output is the same file as another output or an input, whatever the
- * spelling, and through links. Empty names are none. */
+/** Throws Error (BAD_USAGE) if two outputs, or an output and an input, are the same file, in any spelling or
+ * through links. Empty names are ignored. */
 void requireDistinctFiles(const std::vector<OutputFile>& outputs, const std::vector<InputFile>& inputs);
 
-/** The same for an output folder in which a command writes many files: none of its other files may be there.
- */
+/** Throws Error (BAD_USAGE) if an output or an input is in `folder`, in which the command writes many
+ * files. */
 void requireOutsideOf(const std::string& folder, const std::vector<OutputFile>& outputs,
                       const std::vector<InputFile>& inputs);
 
-/** A list of one option's files. */
+/** Lists the files of one option. */
 std::vector<OutputFile> outputFiles(const std::string& option, const std::vector<std::string>& names);
 std::vector<InputFile> inputFiles(const std::string& what, const std::vector<std::string>& names);
 

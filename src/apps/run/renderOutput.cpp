@@ -105,13 +105,13 @@ bool addFeatures(Image& image, const Scene& scene, const FeatureSettings& featur
 
 namespace {
 
-/** Null without estimates. */
+/** Statistics of kernel radii; null without estimates. */
 nlohmann::ordered_json radiiJson(const KernelRadii& radii) {
   if (radii.count() == 0) return nullptr;
   return {{"geometric_mean", radii.mean()}, {"counts", radii.bins}};
 }
 
-/** What the processor time went into. */
+/** Processor time by phase [s]. */
 nlohmann::ordered_json processorSplitJson(const RenderStatistics& s) {
   const double learning = s.learningProcessorSeconds, photons = s.photonProcessorSeconds;
   return {{"learning", learning},
@@ -119,7 +119,7 @@ nlohmann::ordered_json processorSplitJson(const RenderStatistics& s) {
           {"camera_paths", std::max(0.0, s.processorSeconds - learning - photons)}};
 }
 
-/** Bins by the ratio that each begins at. */
+/** Histograms of the ratio of kernel radius and footprint; "from": lower bound of each bin. */
 nlohmann::ordered_json radiusOverFootprintJson(const TransportCounts& counts) {
   std::array<int, KernelRadii::BINS> from{};
   for (size_t i = 1; i < from.size(); ++i) from[i] = 1 << (i - 1);

@@ -1,5 +1,5 @@
 /** @file
- * A thread that looks at the files' times and sizes, and the loop around renders.
+ * Thread that polls the files' times and sizes, and the loop around renders.
  */
 #include "apps/run/watch.h"
 
@@ -20,13 +20,13 @@ namespace recurse::apps {
 
 namespace {
 
-/** Between looks at the files: no longer than a person notices. */
+/** Interval between polls of the files, too short to be noticed. */
 constexpr std::chrono::milliseconds LOOK{200};
 
-/** Tells when files change. */
+/** Watches files for changes, in a thread. */
 class FileWatcher {
  public:
-  /** `onChange` is called in another thread, once. */
+  /** `onChange` is called at most once, in the watching thread. */
   explicit FileWatcher(std::function<void()> onChange)
       : onChange(std::move(onChange)), thread([this] { work(); }) {}
   ~FileWatcher() {
@@ -36,7 +36,7 @@ class FileWatcher {
   FileWatcher(const FileWatcher&) = delete;
   FileWatcher& operator=(const FileWatcher&) = delete;
 
-  /** Those that are watched already keep the state that they had. */
+  /** Adds files. The ones that are watched already keep their recorded state. */
   void add(const std::vector<std::string>& files) {
     const std::lock_guard<std::mutex> guard(mutex);
     for (const std::string& file : files) states.try_emplace(file, stateOf(file));
@@ -45,7 +45,7 @@ class FileWatcher {
 
  private:
   using State = std::pair<std::filesystem::file_time_type, uintmax_t>;
-  /** Of a file that is missing too, as while an editor puts another one in its place. */
+  /** State of a file, even if it is missing, as while an editor replaces it. */
   static State stateOf(const std::string& file) {
     std::error_code ignored;
     const auto time = std::filesystem::last_write_time(file, ignored);
@@ -105,7 +105,7 @@ ExitStatus watchScene(
     if (!graceful.flag()) say("waiting for a change of the scene's files; Ctrl-C ends\n");
     while (!graceful.flag() && !watcher->changed()) std::this_thread::sleep_for(LOOK);
     const bool changed = watcher->changed();
-    watcher.reset(); // from here on it asks for no stop
+    watcher.reset(); // it requests no stop from here on
     if (!changed) return ExitStatus::DONE;
     withdrawStop();
   }

@@ -12,10 +12,10 @@
 namespace recurse::apps {
 
 /**
- * Calls render(first, loaded) until Ctrl-C: with `first` for a picture that is soon there, then without, then
- * again from the first when a file has changed, which also ends a render that is under way. `loaded` is to be
- * called by render with the scene's files as soon as these are known, of several scenes for each. What a
- * render throws is told, and the next change waited for.
+ * Calls render(first, loaded) until Ctrl-C: with `first` for a quick picture, then without. A changed file
+ * ends the running render, and the loop begins again with `first`. The render has to call `loaded` with the
+ * scene's files as soon as these are known, for each scene that it loads. Errors of a render are printed, and
+ * the next change is awaited; only Error (BAD_USAGE) is thrown.
  */
 ExitStatus watchScene(
     const std::string& scene,

@@ -1,5 +1,5 @@
 /** @file
- * The threads that show pictures of a render, and who gets one when.
+ * Threads that show pictures of a render, and the times at which they get one.
  */
 #include "apps/view/filmViewers.h"
 
@@ -143,7 +143,7 @@ FilmViewers::FilmViewers(const ViewerOptions& options, const DevelopOptions& dev
 
 double FilmViewers::look(const std::function<Image()>& picture,
                          const std::function<void(const std::string&)>& say) {
-  // Who looks shall not cost more than a fiftieth of the time.
+  // Viewers take at most 1 / LEAST_PART of the time.
   constexpr double LEAST_PART = 50;
   const auto start = Clock::now();
   const auto after = [&](double seconds) {

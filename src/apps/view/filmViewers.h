@@ -1,6 +1,6 @@
 /** @file
- * Those who look at a film while it is rendered: a file that is kept up to date, a page, a display server.
- * They work in threads of their own and so seldom that the render hardly notices.
+ * Viewers of a film during its render: a file that is kept up to date, a page, a display server. They work in
+ * threads of their own, and seldom enough not to slow down the render.
  */
 #pragma once
 
@@ -22,22 +22,22 @@
 
 namespace recurse::apps {
 
-/** Hands pictures to a function in another thread: always the newest, one at a time. */
+/** Thread that hands pictures to a function: always the newest, one at a time. */
 class PictureThread {
  public:
   using Present = std::function<void(const Image&)>;
 
   explicit PictureThread(Present present);
-  /** Waits until the last picture was presented. */
+  /** Waits until the last picture has been presented. */
   ~PictureThread() { end(); }
-  /** The same; nothing is to be offered after it. */
+  /** Waits until the last picture has been presented. No picture may be offered after it. */
   void end();
 
-  /** Takes the place of a picture that still waits. */
+  /** Queues a picture, which replaces one that still waits. */
   void offer(Image picture);
-  /** Seconds that presenting took, the last time. */
+  /** Duration of the latest presentation [s]. */
   double cost() const;
-  /** Why presenting failed for the first time, told once; later pictures are tried all the same. */
+  /** Reason of the first failure, returned once; later pictures are tried nevertheless. */
   std::string takeFailure();
 
  private:
@@ -53,35 +53,35 @@ class PictureThread {
   std::thread thread;
 };
 
-/** The options of the command line. */
+/** Command-line options of the viewers. */
 struct ViewerOptions {
   std::string preview, liveAddress, displayServer;
   std::vector<std::string> liveHosts;
   std::optional<std::string> every;
   bool live = false;
-  /** Of several renders one after the other, which share it; null: each render has its own. */
+  /** Page shared by renders in sequence; null: each render has its own. */
   std::shared_ptr<LiveServer> page;
   double patience = 2; ///< seconds that pages and display servers have for the last picture
 
   void addTo(CLI::App& command);
-  /** Throws Error where one makes no sense or the preview cannot be written. */
+  /** Throws Error if an option makes no sense, or if the preview cannot be written. */
   void check() const;
-  /** A page where one is asked for, else null; prints its address. `stop` as FilmViewers has it. */
+  /** Opens a page if one is requested, and prints its address; else null. `stop`: see FilmViewers. */
   std::shared_ptr<LiveServer> openPage(const std::string& title, std::function<void()> stop) const;
   bool any() const { return !preview.empty() || live || !displayServer.empty(); }
 };
 
-/** The viewers that the options ask for, from before the render to its end. */
+/** Viewers that the options request, from before the render to its end. */
 class FilmViewers {
  public:
-  /** `stop` is called when a viewer wants the render to end. Throws Error where one cannot begin. */
+  /** `stop` is called when a viewer wants the render to end. Throws Error if a viewer cannot begin. */
   FilmViewers(const ViewerOptions& options, const DevelopOptions& develop, const std::string& title,
               std::function<void()> stop);
 
-  /** A picture of the film for those whose time it is. Returns the seconds until the next time. */
+  /** Shows a picture of the film to all viewers that are due. Returns the time until the next is due [s]. */
   double look(const std::function<Image()>& picture, const std::function<void(const std::string&)>& say);
   void show(const RenderProgress& progress);
-  /** The last picture. The preview is left to the caller, as its other outputs are. */
+  /** Shows the last picture. The caller writes the preview, like its other outputs. */
   void finish(const Image& picture, const std::function<void(const std::string&)>& say);
 
  private:
@@ -91,12 +91,12 @@ class FilmViewers {
     double interval = 1; ///< seconds
     bool isPreview = false;
     Clock::time_point due{};
-    std::shared_ptr<TevClient> server{}; ///< that it sends to
+    std::shared_ptr<TevClient> server{}; ///< display server; null: a preview
   };
   std::vector<Viewer> viewers;
   std::shared_ptr<LiveServer> live;
-  bool keepsPage;  ///< it outlives the render
-  double patience; ///< as ViewerOptions has it
+  bool keepsPage;  ///< the page outlives the render
+  double patience; ///< see ViewerOptions
   Clock::time_point liveDue{};
 };
 

@@ -1,5 +1,5 @@
 /** @file
- * Connections of a server, waited for by poll(2).
+ * HTTP server, which waits for its connections by poll(2).
  */
 #include "apps/view/httpServer.h"
 
@@ -52,13 +52,13 @@ std::string trimmed(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, end + 1 - begin);
 }
 
-/** "+" and "%20" of a query. */
+/** Decodes "+" and "%20" of a query. */
 std::string decoded(std::string text) {
   std::replace(text.begin(), text.end(), '+', ' ');
   return percentDecoded(text);
 }
 
-/** The pieces of a text between separators. */
+/** Parts of a text between separators. */
 std::vector<std::string> pieces(const std::string& text, const std::string& separator) {
   std::vector<std::string> out;
   for (size_t begin = 0; begin <= text.size();) {
@@ -69,7 +69,7 @@ std::vector<std::string> pieces(const std::string& text, const std::string& sepa
   return out;
 }
 
-/** A request's line and headers; none where they are not HTTP. */
+/** Parses the line and the headers of a request; none if they are not HTTP. */
 std::optional<HttpRequest> parseRequest(const std::string& head) {
   const std::vector<std::string> lines = pieces(head, "\r\n"), words = pieces(lines[0], " ");
   if (words.size() != 3 || !words[1].starts_with('/') || !words[2].starts_with("HTTP/1.")) return {};
@@ -93,7 +93,7 @@ std::optional<HttpRequest> parseRequest(const std::string& head) {
   return request;
 }
 
-/** The number of this end of a connection, as in URLs. */
+/** Numeric address of the local end of a connection, as in URLs. */
 std::string localHost(int socket) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
@@ -186,7 +186,7 @@ void HttpServer::serve() {
 
 void HttpServer::accept() {
   const int socket = ::accept4(listener, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
-  if (socket < 0) { // so many files are open that none is left
+  if (socket < 0) { // the limit of open files may be reached
     if (errno == EMFILE || errno == ENFILE) std::this_thread::sleep_for(std::chrono::milliseconds(50));
     return;
   }
@@ -217,7 +217,7 @@ bool HttpServer::receive(Connection& connection) {
     return true;
   try {
     answer(connection);
-  } catch (const std::bad_alloc&) { // the rest of the program needs it more
+  } catch (const std::bad_alloc&) { // memory is left to the render
     return false;
   }
   return send(connection);

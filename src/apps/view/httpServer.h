@@ -21,7 +21,7 @@ struct HttpRequest {
   std::string method, path;                      ///< path: up to the '?', as it was sent
   std::map<std::string, std::string> parameters; ///< after the '?', decoded
   std::map<std::string, std::string> headers;    ///< by their names in lower case
-  std::string localHost; ///< the number by which the client has reached this machine, as in URLs
+  std::string localHost; ///< numeric address by which the client has reached this machine, as in URLs
 
   /** A header's value; empty where it is missing. */
   std::string header(const std::string& name) const;
@@ -34,18 +34,18 @@ struct HttpAnswer {
 };
 
 /**
- * Answers requests without a body, one on each connection, from a thread of its own. Whoever connects,
- * memory, connections and time are bounded: a request has 8 kB and 5 s, an answer 60 s. Where there are too
- * many connections or unread answers, the oldest one is given up.
+ * Answers requests without a body, one on each connection, from a thread of its own. Memory, connections and
+ * time are bounded for any client: a request has 8 kB and 5 s, an answer 60 s. With too many connections or
+ * unread answers, the oldest one is closed.
  */
 class HttpServer {
  public:
   using Handler = std::function<HttpAnswer(const HttpRequest&)>;
 
-  /** Listens at the address; port 0: any that is free. `handler` is called in the server's thread, and must
-   * not throw. Throws Error where the address cannot be listened at. */
+  /** Listens at the address; port 0: any free port. `handler` is called in the server's thread, and must not
+   * throw. Throws Error if the server cannot listen at the address. */
   HttpServer(const NetworkAddress& address, Handler handler);
-  /** Closes all connections, whatever they wait for. */
+  /** Closes all connections, in any state. */
   ~HttpServer();
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
@@ -69,9 +69,9 @@ class HttpServer {
   void serve();
   void accept();
   void closeOldest(bool ofAnswered);
-  /** The next connection. */
+  /** Closes a connection. Returns the next one. */
   Connections::iterator close(Connections::iterator connection);
-  /** False where the connection is over. */
+  /** False if the connection has ended. */
   bool receive(Connection& connection);
   bool send(Connection& connection);
   void answer(Connection& connection);

@@ -1,8 +1,8 @@
 /** @file
- * The live page: the page, the state as JSON, the picture developed as the page asks. Whoever has the address
- * that is printed may watch and stop the render: it has a random token in it, which no other user of the
- * machine and no other page in the browser knows.
- */
+ * Live page: the page itself, the state as JSON, and the picture developed as the page
+ * requests. Anyone with the printed address may watch and stop the render. The address
+ * contains a random token, which no other user of the machine and no other page in the browser
+ * knows. */
 #include "apps/view/liveServer.h"
 
 #include <algorithm>
@@ -43,7 +43,7 @@ std::string randomToken() {
   return out;
 }
 
-/** Comparison whose time does not depend on where the texts differ. */
+/** Comparison in constant time: its duration does not depend on where the texts differ. */
 bool beginsWith(const std::string& text, const std::string& secret) {
   unsigned difference = text.size() < secret.size();
   for (size_t i = 0; i < secret.size() && i < text.size(); ++i)
@@ -92,9 +92,9 @@ struct LiveServer::Parts {
   std::vector<std::string> hosts;
   std::function<void()> stop;
 
-  std::mutex mutex; ///< of what follows
+  std::mutex mutex; ///< guards the members below
   std::shared_ptr<const Image> picture;
-  uint64_t version = 0, fetched = 0; ///< of the picture: newest, and the last one that was asked for
+  uint64_t version = 0, fetched = 0; ///< of pictures: newest, and latest one fetched
   RenderProgress progress;
   bool finished = false, stopped = false;
   double developSeconds = 0;
@@ -131,7 +131,7 @@ std::string LiveServer::Parts::stateJson() {
   return state.dump();
 }
 
-/** The newest picture as bytes, red, green, blue, row by row: `exposure` and `tonemap` as the options. */
+/** Newest picture as bytes R, G, B, row by row; the parameters `exposure` and `tonemap` are the options. */
 HttpAnswer LiveServer::Parts::shownPicture(const HttpRequest& request) {
   uint64_t shown = 0;
   std::shared_ptr<const Image> image;
@@ -164,7 +164,7 @@ HttpAnswer LiveServer::Parts::shownPicture(const HttpRequest& request) {
   return out;
 }
 
-/** The linear values of the pixel `x`, `y`. */
+/** Linear values of the pixel `x`, `y`. */
 HttpAnswer LiveServer::Parts::pixel(const HttpRequest& request) {
   const std::shared_ptr<const Image> image = newest();
   if (!image) return refusal(404, "There is no picture yet.");
@@ -204,7 +204,7 @@ HttpAnswer LiveServer::Parts::answerPost(const std::string& what, const HttpRequ
   return out;
 }
 
-/** Names that lead to this machine only because somebody's name server says so are not allowed. */
+/** True for known names of this machine: a name server could make any name lead here (DNS rebinding). */
 bool LiveServer::Parts::isAllowed(const std::string& host, const HttpRequest& request) const {
   return host == request.localHost || std::find(hosts.begin(), hosts.end(), host) != hosts.end();
 }
@@ -238,7 +238,7 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
       out = parts->answer(request);
     } catch (const Error& error) {
       out = refusal(400, error.what());
-    } catch (const std::exception& error) { // such as memory, which the render needs more
+    } catch (const std::exception& error) { // such as lack of memory, which the render needs more
       out = refusal(500, error.what());
     }
     out.headers.insert(
@@ -260,7 +260,7 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
   parts->url = "http://" + place.text() + parts->root;
 }
 
-// What its thread uses goes after it.
+// The server's thread ends before the members that it uses.
 LiveServer::~LiveServer() { parts->server.reset(); }
 
 const std::string& LiveServer::url() const { return parts->url; }

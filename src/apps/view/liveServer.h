@@ -13,25 +13,25 @@
 
 namespace recurse::apps {
 
-/** While it lives, the page can be opened; what it shows is the newest picture and progress it was given. */
+/** Serves the live page during its lifetime. The page shows the newest picture and progress. */
 class LiveServer {
  public:
-  /** `address` is HOST, HOST:PORT or :PORT; port 0 or none: any that is free. `hosts` are names of this
-   * machine that browsers may call it besides localhost and its numbers. `stop` is called when the person
-   * wants to keep what there is. Throws Error where the address cannot be listened at. */
+  /** `address`: HOST, HOST:PORT or :PORT; port 0 or none: any free port. `hosts`: names by which browsers may
+   * reach this machine, besides localhost and its numeric addresses. `stop` is called when the user stops the
+   * render on the page. Throws Error if the server cannot listen at the address. */
   LiveServer(const std::string& address, const std::vector<std::string>& hosts, const std::string& title,
              std::function<void()> stop);
   ~LiveServer();
 
   /** The address of the page; whoever knows it may watch and stop the render. */
   const std::string& url() const;
-  /** Seconds that developing a picture took, the last time. */
+  /** Duration of the latest development of a picture [s]. */
   double cost() const;
   void show(Image picture);
   void show(const RenderProgress& progress);
-  /** A render begins, which may be another one: nobody has asked yet that it ends. */
+  /** Notes the start of a render, possibly one of several, without a request to stop it. */
   void begin();
-  /** The render has ended: a page that is open has so many seconds to fetch the last picture. */
+  /** Notes the end of the render. An open page has `patience` [s] to fetch the last picture. */
   void finish(double patience);
 
  private:

@@ -12,13 +12,13 @@ struct NetworkAddress {
   std::string host; ///< without brackets; may be empty
   int port = 0;     ///< 0: none was given
 
-  /** The host as URLs have it: IPv6 in brackets. */
+  /** Host as in URLs: IPv6 in brackets. */
   std::string hostText() const;
   std::string text() const { return hostText() + ":" + std::to_string(port); }
 };
 
-/** HOST, HOST:PORT, :PORT, with IPv6 as [::1] or [::1]:PORT. Throws Error (BAD_USAGE) that names the option
- * and shows the example. */
+/** Parses HOST, HOST:PORT, :PORT, with IPv6 as [::1] or [::1]:PORT. Throws Error (BAD_USAGE) that names the
+ * option and shows the example. */
 NetworkAddress parseNetworkAddress(const std::string& option, const std::string& text,
                                    const std::string& example);
 

@@ -1,5 +1,5 @@
 /** @file
- * The three ways to show progress.
+ * Progress on a terminal, as plain lines, and as JSON.
  */
 #include "apps/view/progressDisplay.h"
 
@@ -20,7 +20,7 @@ namespace recurse::apps {
 
 namespace {
 
-/** Plain lines come at steps of a tenth, but not in a burst, and once in a while whatever the step. */
+/** Plain lines: step of the fraction; shortest and longest interval between lines [s]. */
 constexpr double PLAIN_STEP = 0.1, PLAIN_SHORTEST = 2, PLAIN_LONGEST = 30;
 
 bool isTerminal() {

@@ -13,7 +13,7 @@ namespace recurse::apps {
 
 enum class ProgressMode { TERMINAL, PLAIN, JSON, OFF };
 
-/** "auto" is TERMINAL where standard error is one, else PLAIN. */
+/** Mode by name. "auto" is TERMINAL if standard error is a terminal, else PLAIN. */
 ProgressMode progressModeOf(const std::string& name);
 
 class ProgressDisplay {
@@ -23,7 +23,7 @@ class ProgressDisplay {
   void update(const RenderProgress& progress);
   /** Prints a line without disturbing the progress line. */
   void message(const std::string& text);
-  /** Takes the progress line away. */
+  /** Removes the progress line. */
   void finish();
 
  private:
@@ -31,7 +31,7 @@ class ProgressDisplay {
 
   const ProgressMode mode;
   std::mutex mutex;
-  bool shown = false; ///< a progress line stands on the terminal
+  bool shown = false; ///< the terminal shows a progress line
   std::string lastPhase;
   double lastFraction = 0;
   std::chrono::steady_clock::time_point last{};

@@ -22,7 +22,7 @@ namespace recurse::apps {
 
 namespace {
 
-/** A packet as it grows. */
+/** Packet under construction. */
 class Packet {
  public:
   explicit Packet(unsigned char type) : bytes(4) { bytes.push_back(type); }
@@ -33,7 +33,7 @@ class Packet {
   }
   void addInteger(int32_t value) { addWord(static_cast<uint32_t>(value)); }
   void addReal(float value) { addWord(std::bit_cast<uint32_t>(value)); }
-  /** With its length filled in. */
+  /** Complete packet, with its length filled in. */
   std::vector<unsigned char> finished() {
     for (size_t i = 0; i < 4; ++i) bytes[i] = static_cast<unsigned char>(bytes.size() >> (8 * i));
     return std::move(bytes);
@@ -47,7 +47,7 @@ class Packet {
 };
 
 constexpr unsigned char UPDATE_IMAGE = 3, CREATE_IMAGE = 4;
-/** For a server to take any data at all, and between looks at the deadline. */
+/** Longest wait for a server to take data, and interval between checks of the deadline. */
 constexpr std::chrono::milliseconds PATIENCE{3000}, STEP{100};
 
 } // namespace

@@ -1,5 +1,5 @@
 /** @file
- * The network protocol of the viewer tev: a picture is made once and its pixels are sent again and again.
+ * Network protocol of the viewer tev: an image is created once, and its pixels are updated repeatedly.
  */
 #pragma once
 
@@ -17,7 +17,7 @@ namespace recurse::apps {
 namespace tev {
 std::vector<unsigned char> createImage(const std::string& name, int width, int height,
                                        const std::vector<std::string>& channels);
-/** One channel of all pixels. */
+/** Packet with one channel of all pixels. */
 std::vector<unsigned char> updateImage(const std::string& name, const Image& picture, size_t channel);
 } // namespace tev
 
@@ -33,16 +33,16 @@ class TevClient {
   TevClient(const TevClient&) = delete;
   TevClient& operator=(const TevClient&) = delete;
 
-  /** Throws Error where the server cannot be reached or takes no data for three seconds. */
+  /** Sends a picture. Throws Error if the server cannot be reached, or takes no data for three seconds. */
   void send(const Image& picture);
-  /** From any thread: all that is sent from now on, and what is being sent, ends in time. */
+  /** Sets a deadline for all sending, current and later. Callable from any thread. */
   void endBy(Clock::time_point time) { deadline = time; }
 
  private:
   void connect();
   void disconnect();
   void sendAll(const std::vector<unsigned char>& bytes);
-  /** Waits until the socket takes data. False where that takes too long. */
+  /** Waits until the socket takes data. False after PATIENCE or at the deadline. */
   bool awaitRoom() const;
   [[noreturn]] void fail(const std::string& why);
 

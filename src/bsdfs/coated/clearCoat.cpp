@@ -1,5 +1,5 @@
 /** @file
- * Tables of clear coats.
+ * Tables of the transmittance and the internal reflectance of clear coats.
  */
 #include "bsdfs/coated/clearCoat.h"
 
@@ -51,8 +51,8 @@ std::shared_ptr<const ClearCoat> ClearCoat::make(float eta, MicrofacetKind kind,
   return coat;
 }
 
-/** The mean over directions of diffuse light, by points that fill a cube evenly: multiples of powers of the
- * root of x⁴ = x + 1, as those of the golden ratio fill an interval. */
+/** Mean reflectance of the coat for diffuse light from below. The quasi-random points are multiples of the
+ * negative powers of the root of x⁴ = x + 1, which generalise the golden ratio to three dimensions. */
 float ClearCoat::meanReflectance(const DielectricInterface& coat) const {
   constexpr int COUNT = 1 << 15;
   const Vec3d step(0.8191725133961645, 0.6710436067037893, 0.5497004779019703);

@@ -1,5 +1,5 @@
 /** @file
- * What a clear coat lets through and sends back, tabulated.
+ * Transmittance and internal reflectance of a clear coat, tabulated.
  */
 #pragma once
 
@@ -11,22 +11,22 @@
 
 namespace recurse {
 
-/** Of light that crosses a coat with extinction 1; `distance` is the coat's thickness. */
+/** Transmittance of a coat with extinction 1; `distance` is its thickness. */
 inline float slabTransmittance(float distance, float cosine) {
   return std::exp(-std::abs(distance / cosine));
 }
 
-/** What a clear coat does with light between its outside and a diffuse base. */
+/** Transport of light through a clear coat, between its outside and a diffuse base. */
 class ClearCoat {
  public:
   ClearCoat(float eta, MicrofacetKind kind, float minAlpha, float maxAlpha, float thickness);
 
-  /** Of light from outside, what comes to the base. */
+  /** Fraction of the light from outside that reaches the base. */
   float transmittance(const DielectricInterface& coat, float cosine) const;
-  /** Of light that the base scatters, what comes back to it. */
+  /** Fraction of the light scattered by the base that the coat returns to it. */
   float reflectance(const DielectricInterface& coat) const;
 
-  /** Coats that are alike share what is tabulated. */
+  /** Coat whose tables are shared by all coats of equal parameters. */
   static std::shared_ptr<const ClearCoat> make(float eta, MicrofacetKind kind, float minAlpha, float maxAlpha,
                                                float thickness);
 
@@ -35,7 +35,7 @@ class ClearCoat {
 
   float thickness, minAlpha, maxAlpha;
   AlbedoTable transmitted;
-  std::vector<float> returned; ///< over equal steps of alpha
+  std::vector<float> returned; ///< reflectance towards the base, at equal steps of alpha
 };
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * Coated materials as pbrt-v4 means them: a dielectric layer, perhaps filled with a scattering medium, on a
- * diffuse or a metal base.
+ * Coated materials of pbrt-v4: a dielectric layer, optionally filled with a scattering medium, on a diffuse
+ * or a metal base.
  */
 #include "bsdfs/coated/coatedBsdf.h"
 #include "bsdfs/microfacet/roughness.h"
@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** The coat's parameters; `prefix` comes before those of its surface. */
+/** Parameters of the coat; `prefix` precedes the names of its surface parameters. */
 struct CoatParameters {
   CoatParameters(const Parameters& p, const TextureLookup& textures, const std::string& prefix)
       : roughness(p, textures, prefix), thickness(textures.real(p, "thickness")), g(textures.real(p, "g")),
@@ -40,14 +40,14 @@ struct CoatParameters {
   }
 
   DielectricInterface surface(const SurfacePoint& point) const {
-    if (eta == 1) return {eta, {}}; // no surface, which has no roughness
+    if (eta == 1) return {eta, {}}; // equal indices: no interface, thus no roughness
     return {eta, roughness.at(point)};
   }
   CoatMedium medium(const SurfacePoint& point) const {
     return {thickness.at(point).r, albedo.at(point), g.at(point).r, maxDepth, samples};
   }
-  static constexpr float MAX_TABULATED = 1; ///< alpha
-  /** Null where the coat's medium scatters, or a table would need more than a roughness to go by. */
+  static constexpr float MAX_TABULATED = 1; ///< largest alpha of the tables
+  /** Tables of the coat. Null where its medium scatters, or where they would depend on further parameters. */
   std::shared_ptr<const ClearCoat> clear() const {
     if (albedo.texture || !isBlack(albedo.constant) || thickness.texture || roughness.anisotropic())
       return {};
@@ -94,7 +94,7 @@ class CoatedConductor final : public Material {
       : coat(coat), metal(metal), roughness(roughness) {}
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     ConductorOptics optics = metal.at(point);
-    optics.eta /= coat.eta; // the metal lies below the coat, not below air
+    optics.eta /= coat.eta; // index relative to the coat, not to air
     optics.k /= coat.eta;
     return arena.make<CoatedBsdf<ConductorBase>>(
         coat.surface(point), ConductorBase{optics, roughness.at(point)}, coat.medium(point));

@@ -1,5 +1,5 @@
 /** @file
- * A dielectric coat on a base, with light between the two followed by random walks: doc-files/notes/coats.md.
+ * Dielectric coat on a base. Random walks follow the light between the two: doc-files/notes/coats.md.
  */
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace recurse {
 
-/** Uniform numbers that depend on two directions alone: PCG-RXS-M-XS (O'Neill 2014) on a hash of both. */
+/** Uniform pseudorandom numbers seeded by two directions: PCG-RXS-M-XS (O'Neill 2014) on a hash of both. */
 class WalkNumbers {
  public:
   WalkNumbers(const Vec3f& a, const Vec3f& b) : state(0) {
@@ -31,7 +31,7 @@ class WalkNumbers {
   uint64_t state;
 };
 
-/** What lies below the coat. All directions that it is given point up, into the coat. */
+/** Diffuse base below the coat. All directions that a base is given point up, into the coat. */
 struct DiffuseBase {
   static constexpr bool CAN_BE_SMOOTH = false;
   Rgb reflectance;
@@ -40,13 +40,13 @@ struct DiffuseBase {
   bool anisotropic() const { return false; }
   Rgb value(const Vec3f&, const Vec3f&) const { return reflectance * INV_PI; }
   float pdf(const Vec3f&, const Vec3f& wo) const { return wo.z * INV_PI; }
-  /** wo and f cos / pdf. */
+  /** Samples wo; `weight` is f cos / pdf. */
   bool step(const Vec3f&, const Vec2f& u, Vec3f& wo, Rgb& weight) const {
     wo = cosineHemisphere(u);
     weight = reflectance;
     return wo.z > 0;
   }
-  /** Reflectance for light that comes from w, nearly. */
+  /** Approximate reflectance for light from w. */
   Rgb albedo(const Vec3f&) const { return reflectance; }
 };
 
@@ -81,7 +81,7 @@ struct ConductorBase {
   Rgb albedo(const Vec3f& w) const { return optics.reflectance(w.z); }
 };
 
-/** The coat's inside: as in pbrt-v4 its extinction coefficient is 1, also where nothing is scattered. */
+/** Medium inside the coat. As in pbrt-v4 its extinction coefficient is 1, even where its albedo is 0. */
 struct CoatMedium {
   float thickness = 0.01f;
   Rgb albedo{0};
@@ -89,7 +89,7 @@ struct CoatMedium {
   int maxDepth = 10, samples = 1;
 };
 
-/** Henyey and Greenstein's phase function of the angle between the ways before and after; 1941. */
+/** Henyey-Greenstein phase function (1941) [1/sr]; `cosine` of the directions before and after scattering. */
 inline float phaseValue(float cosine, float g) {
   const float d = 1 + g * g - 2 * g * cosine;
   return (1 - g * g) / (4 * PI * d * std::sqrt(std::max(d, 1e-20f)));
@@ -107,7 +107,7 @@ inline Vec3f samplePhase(const Vec3f& way, float g, const Vec2f& u) {
 
 template <class Base> class CoatedBsdf final : public Bsdf {
  public:
-  /** `clear` is null where light has to be followed through the coat. */
+  /** `clear` is null where random walks must follow the light through the coat. */
   CoatedBsdf(const DielectricInterface& coat, const Base& base, const CoatMedium& medium,
              const ClearCoat* clear = nullptr)
       : coat(coat), base(base), medium(medium), clear(clear) {
@@ -115,8 +115,8 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     allSmooth = smoothCoat && base.smooth() && isBlack(medium.albedo);
     if (clear) scattered = scatteredByBase();
     if constexpr (Base::CAN_BE_SMOOTH) {
-      // Facets outside that would bend light as the base does below the coat: a base's tilt turns light by
-      // eta times as much outside, and a coat's tilt by (eta - 1)/2 of a mirror's, on the way in and out.
+      // Equivalent facets outside the coat. A tilt of the base turns light by eta times as much outside, and
+      // a tilt of the coat by (eta - 1)/2 as much as at a mirror, on the way in and on the way out.
       const Vec2f b = base.smooth() ? Vec2f(0) : base.facets.roughness() * coat.eta;
       const Vec2f c = smoothCoat ? Vec2f(0) : coat.facets.roughness() * ((coat.eta - 1) * 0.7071f);
       fitted = Microfacets(MicrofacetKind::TROWBRIDGE_REITZ,
@@ -181,7 +181,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     const DielectricFresnel f = dielectricFresnel(std::min(a.z, 1.0f), coat.eta);
     Rgb weight(f.reflectance);
     if (allSmooth && f.reflectance < 1) {
-      // All reflections between two mirrors that the depth allows.
+      // Sum over the reflections between the two mirrors, up to the maximum depth.
       const Rgb once = base.albedo({0, 0, f.cosTransmitted}) *
                        square(slabTransmittance(medium.thickness, f.cosTransmitted));
       Rgb path = once * square(1 - f.reflectance);
@@ -197,14 +197,14 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     if (allSmooth) return BLACK;
     const float r = coatReflectance(up(wi));
     const Rgb below = base.albedo({0, 0, 1});
-    // What is reflected inside comes back to the base: about 0.6 of diffuse light at eta 1.5.
+    // Internal reflection returns about 0.6 of the diffuse light to the base at eta 1.5.
     const Rgb inside = below / (0.3f * (1 - below) + 1);
     return min(inside * (1 - r) + Rgb(smoothCoat ? 0.0f : r) + medium.albedo * 0.1f, Rgb(1));
   }
 
  private:
   struct Shares {
-    float coat = 0, base = 0, cosine = 0; ///< chances of the parts of the sampling density
+    float coat = 0, base = 0, cosine = 0; ///< probabilities of the components of the sampling density
   };
 
   static Vec3f up(const Vec3f& w) { return {w.x, w.y, std::abs(w.z)}; }
@@ -223,7 +223,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
   }
   static float heuristic(float p, float q) { return p * p / (p * p + q * q); }
 
-  /** A value that depends on a cosine, computed anew only for another one: many photons are seen from one
+  /** Last value of a function of a cosine. It is often reused, because many photons are evaluated for one
    * direction. */
   template <class T> struct AtCosine {
     float cosine = -1;
@@ -235,8 +235,8 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     return last.value;
   }
 
-  /** As the walks' mean, of light that has come to the base: each visit scatters it, and sends part of it on.
-   * Times what both directions let through it is the BRDF. */
+  /** Expected value of the walks for light that has reached the base: each visit scatters it, and the coat
+   * returns part of it. The product with the transmittances of both directions is the BRDF [1/sr]. */
   Rgb scatteredByBase() const {
     const Rgb below = base.albedo({0, 0, 1});
     const Rgb again = below * clear->reflectance(coat);
@@ -248,25 +248,25 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     return below * visits * (INV_PI / square(coat.eta));
   }
 
-  /** How light comes out along a walk: the direction in the coat and what it is weighted by. */
+  /** Exit of a walk: its directions, weight and density. */
   struct Exit {
-    Vec3f direction; ///< up, in the coat
-    Vec3f outside;   ///< up, behind it
+    Vec3f direction; ///< up, inside the coat
+    Vec3f outside;   ///< up, outside the coat
     float weight, pdf;
   };
   struct Walk {
-    Vec3f way; ///< where the light goes
+    Vec3f way; ///< direction of travel of the light
     Rgb beta;
-    float z; ///< 0 at the base
+    float z; ///< height above the base, 0 at the base
     bool atTop = true;
   };
 
-  /** Adds one walk's estimate of what the inside of the coat scatters from a to b, both up. */
+  /** Adds the estimate of one walk for the light that the coat's inside scatters from a to b, both up. */
   void walk(const Vec3f& a, const Vec3f& b, WalkNumbers& numbers, Rgb& sum) const {
     const auto in = coat.step(a, numbers.next2(), TRANSMISSION);
-    const auto out = coat.step(b, numbers.next2(), TRANSMISSION); // walked from its end
+    const auto out = coat.step(b, numbers.next2(), TRANSMISSION); // sampled from the exit
     if (!in || !out || in->wo.z == 0 || out->wo.z == 0) return;
-    // Walked backwards, flux would have come the other way: 1/eta².
+    // The exit is sampled in reverse; flux, which travels the opposite way, has the factor 1/eta².
     const Exit exit{-out->wo, b, out->weight / square(coat.eta),
                     smoothCoat ? 0 : coat.pdf(b, out->wo, TRANSMISSION)};
     Walk w{in->wo, Rgb(in->weight), medium.thickness};
@@ -283,7 +283,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     }
   }
 
-  /** Crosses the medium, to the other face. True where it scatters before. */
+  /** Crosses the medium to the opposite face. True where the light scatters before it. */
   bool scatterInside(Walk& w, const Exit& exit, WalkNumbers& numbers, Rgb& sum) const {
     if (isBlack(medium.albedo)) {
       w.beta *= slabTransmittance(medium.thickness, w.way.z);
@@ -334,11 +334,11 @@ template <class Base> class CoatedBsdf final : public Bsdf {
     return true;
   }
 
-  /** Light that goes on with density pdf (below 0: a delta) goes out to b by the coat's own lobe. */
+  /** Adds transmission to b through the rough coat, for a direction of density pdf [1/sr] (< 0: a delta). */
   void leave(const Walk& w, const Vec3f& b, float distance, float pdf, Rgb& sum) const {
     const float f = coat.value(-w.way, b);
     if (!(f > 0)) return;
-    // Had b's own sample gone this way, this would have been its density.
+    // MIS with the sample of b, which has this density for the same direction.
     const float shared = pdf < 0 ? 1 : heuristic(pdf, coat.pdf(b, -w.way, TRANSMISSION));
     sum += w.beta * (f * shared * slabTransmittance(distance, w.way.z));
   }
@@ -349,7 +349,7 @@ template <class Base> class CoatedBsdf final : public Bsdf {
   const ClearCoat* clear;
   Rgb scattered{0}; ///< see scatteredByBase()
   Microfacets fitted;
-  mutable AtCosine<float> transmitted; ///< through a clear coat
+  mutable AtCosine<float> transmitted; ///< transmittance of a clear coat
   mutable AtCosine<Shares> sharesAt;
   bool smoothCoat = false, allSmooth = false;
 };

@@ -13,18 +13,18 @@ namespace recurse {
 
 namespace {
 
-/** Share of samples that follow the cosine: f may be above zero where the table of the other direction is. */
+/** Fraction of cosine-distributed samples, because f may be above 0 where only the table of wo is. */
 constexpr float COSINE_SHARE = 0.1f;
 
-/** Steradians per area of the square for half vectors that float directions do not tell from the normal. */
+/** Jacobian [sr per area of the square] of half vectors that floats cannot separate from the normal. */
 constexpr double LEAST_JACOBIAN = 6e-10; // 2π² u sin θ at θ = 2^-23
 
-/** Directions below this cosine are in the plane of the surface as far as floats tell. */
+/** Cosine below which a direction is in the plane of the surface, at float precision. */
 constexpr float GRAZING = 1e-6f;
 
 double squareOfTheta(double theta) { return std::sqrt(theta * (2 / M_PI)); }
 double polarAngle(const Vec3f& w) { return std::atan2(std::hypot(double(w.x), double(w.y)), double(w.z)); }
-/** An azimuth from -π to π, also by its cosine and sine up to a factor. */
+/** Coordinate in [0, 1] of the azimuth of (x, y), a vector of any length. */
 double squareOfPhi(double x, double y) { return std::atan2(y, x) / (2 * M_PI) + 0.5; }
 
 std::vector<float> increasing(const TensorFile& file, const std::string& name) {
@@ -85,7 +85,7 @@ void AdaptiveBrdf::readFacets(const TensorFile& file) {
   const std::vector<uint64_t> shape = {phis.size(), thetas.size(), TensorFile::ANY, TensorFile::ANY};
   const FloatTensor v = file.floats("vndf", shape), l = file.floats("luminance", shape);
   visible = readWarp(file, "vndf", v, notNegative(file, "vndf", v));
-  // It only steers the samples.
+  // Luminance only guides the samples: clamping it adds no bias.
   std::vector<float> brightness = l.values();
   for (float& x : brightness) x = std::max(x, 0.0f);
   luminance = readWarp(file, "luminance", l, std::move(brightness));
@@ -93,7 +93,7 @@ void AdaptiveBrdf::readFacets(const TensorFile& file) {
 }
 
 void AdaptiveBrdf::readColours(const TensorFile& file) {
-  // Each sample of a spectrum adds so much to the colour; of three numbers they are its components.
+  // Contribution of each spectral sample to the colour; RGB tables hold the components themselves.
   const bool isRgb = !file.has("spectra") && file.has("rgb");
   std::vector<Rgbd> parts = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (!isRgb) {
@@ -110,13 +110,13 @@ void AdaptiveBrdf::readColours(const TensorFile& file) {
       Rgbd sum(0);
       for (size_t p = 0; p < parts.size(); ++p)
         sum += parts[p] * double(t[(slice * parts.size() + p) * nodes + i]);
-      table[slice * nodes + i] = Rgb(intoGamut(sum)); // what is measured of nothing may be below 0
+      table[slice * nodes + i] = Rgb(intoGamut(sum)); // noise of a dark sample may be below 0
     }
   colours = SliceTable<Rgb>(t.shape(4), t.shape(3), std::move(table));
 }
 
 void AdaptiveBrdf::findAlbedos() {
-  constexpr int N = 16; // squared samples; only a choice among lobes is steered
+  constexpr int N = 16; // squared samples; they only guide the choice among lobes
   albedos.assign(grid.slices(), Rgb(0));
   size_t slice = 0;
   for (const float phi : phis)

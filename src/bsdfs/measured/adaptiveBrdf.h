@@ -1,6 +1,6 @@
 /** @file
  * Measured BRDFs in the adaptive parameterization of Dupuy and Jakob (2018, "An Adaptive Parameterization for
- * Efficient Material Acquisition and Rendering"), as the files of EPFL's material database have them.
+ * Efficient Material Acquisition and Rendering"), the format of EPFL's material database.
  */
 #pragma once
 
@@ -16,38 +16,38 @@ namespace recurse {
 class TensorFile;
 
 /**
- * For each direction of incidence p the unit square is warped to half vectors as the visible facets of a
- * distribution are spread, and the table of the square holds what remains of f(p, q) cos q then. Angles are
- * found in the square by θ = u² π/2, φ = (2v - 1) π. All directions have z > 0.
+ * Measured BRDF. For each direction of incidence p, a distribution of visible normals warps the unit square
+ * to half vectors, and a table over the square holds the remaining factor of f(p, q) cos q. The square maps
+ * to angles by θ = u² π/2, φ = (2v - 1) π. All directions have z > 0.
  */
 class AdaptiveBrdf {
  public:
-  /** Throws Error, with `name`, for bytes that are no such file. */
+  /** Throws Error, whose message includes `name`, for bytes that are not such a file. */
   AdaptiveBrdf(const std::string& name, std::string_view bytes);
 
   bool isAnisotropic() const { return !isotropic; }
   /**
-   * BRDF [1/sr]. Tables are reciprocal only as far as measurements are: f is the mean of the tables' values
-   * for both directions of incidence, weighted with the cosine that each does not divide by.
+   * BRDF [1/sr]. Measured tables are not exactly reciprocal: f is the mean of the values for both directions
+   * of incidence, weighted by the cosine that each table contains.
    */
   Rgb value(const Vec3f& a, const Vec3f& b) const;
   /** The density of sample() [1/sr]. */
   float pdf(const Vec3f& wi, const Vec3f& wo) const;
-  /** Empty: below the surface. */
+  /** Samples an outgoing direction; empty where it is below the surface. */
   std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const;
-  /** The flux that is scattered, nearly. */
+  /** Approximate albedo for light from wi. */
   Rgb albedo(const Vec3f& wi) const;
 
  private:
-  /** A direction of incidence. */
+  /** Direction of incidence, and its coordinates in the tables. */
   struct Incidence {
     Vec3f direction;
-    Vec2f flip{1};       ///< by the surface's symmetry, to the azimuths of the table
-    Vec2f azimuth{1, 0}; ///< cosine and sine of that which half vectors' are counted from
-    Vec2d square{0};     ///< place in the square
+    Vec2f flip{1};       ///< signs that map w into the azimuths of the table by symmetry
+    Vec2f azimuth{1, 0}; ///< cosine and sine of the reference azimuth of half vectors
+    Vec2d square{0};     ///< coordinates in the square
     SliceBlend blend;
   };
-  /** A half vector's place in the square, and steradians per area there. */
+  /** Coordinates of a half vector in the square, and the Jacobian there [sr per area]. */
   struct HalfPoint {
     Vec2d square;
     double jacobian;
@@ -63,16 +63,16 @@ class AdaptiveBrdf {
   Vec3f halfVectorAt(const Incidence& p, const Vec2d& square) const;
   Rgb valueTimesCosine(const Incidence& p, const Vec3f& m) const;
 
-  std::vector<float> phis, thetas; ///< of incidence, in the tables
+  std::vector<float> phis, thetas; ///< nodes of incidence of the tables [rad]
   bool isotropic = true;
-  int symmetry = 1;     ///< the azimuths are so many times in a full turn
+  int symmetry = 1;     ///< repetitions of the table's azimuths in a full turn
   bool relative = true; ///< colours are to be multiplied by D / (4 sigma)
   ParameterGrid grid{{}, {}};
   SliceTable<float> facets; ///< D of half vectors
-  SliceTable<float> sigma;  ///< projected area of the facets, of directions of incidence
+  SliceTable<float> sigma;  ///< projected area of the facets, over directions of incidence
   ParametricWarp visible, luminance;
   SliceTable<Rgb> colours;
-  std::vector<Rgb> albedos; ///< of the slices
+  std::vector<Rgb> albedos; ///< one for each slice
 };
 
 } // namespace recurse

@@ -18,12 +18,12 @@ namespace recurse {
 namespace {
 
 /**
- * The table, scaled to 1/sr. Indices are those of the format: half angle (finer towards 0, by its square
- * root), difference angle, azimuth of the difference from 0 to π (reciprocity gives the rest).
+ * Table of a MERL file, scaled to 1/sr. Its indices, as in the format: half angle (finer towards 0, by its
+ * square root), difference angle, azimuth of the difference from 0 to π (reciprocity gives the rest).
  */
 class MerlTable {
  public:
-  /** Throws std::runtime_error with what is wrong. */
+  /** Throws std::runtime_error with a description of the fault. */
   explicit MerlTable(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw std::runtime_error("cannot be opened");
@@ -47,7 +47,7 @@ class MerlTable {
                                std::to_string(bytes + 12) + " bytes");
     if (file.peek() != std::char_traits<char>::eof())
       throw std::runtime_error("goes on after the " + std::to_string(bytes + 12) + " bytes of its table");
-    // The channels' scales, from the format's own reader.
+    // Scales of the channels, from the reference reader of the format.
     constexpr double SCALE[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
     values.resize(count);
     for (size_t c = 0; c < 3; ++c)
@@ -56,24 +56,24 @@ class MerlTable {
         if (!std::isfinite(v) || std::abs(v) > 1e30)
           throw std::runtime_error("has a value that is no reflectance at byte " +
                                    std::to_string(12 + 8 * (c * count + i)));
-        // Negative values stand where nothing could be measured, near grazing.
+        // Negative values mark entries that could not be measured, near grazing.
         values[i][int(c)] = static_cast<float>(std::max(v, 0.0) * SCALE[c]);
       }
     fit();
   }
 
-  /** BRDF [1/sr], between the entries linearly; both directions up. */
+  /** BRDF [1/sr], linearly interpolated between the entries; both directions up. */
   Rgb at(const Vec3f& a, const Vec3f& b) const {
     const Vec3f h = halfVector(a, b);
     const float cosD = std::min(glm::dot(a, h), 1.0f);
     const float thetaH = std::atan2(std::hypot(h.x, h.y), h.z);
     const float thetaD = std::acos(std::max(cosD, 0.0f));
-    // The difference vector is `a` in the frame of h whose x axis lies in the plane of h and the normal.
+    // Difference vector: `a` in the frame of h whose x axis is in the plane of h and the normal.
     const float sineH = std::hypot(h.x, h.y);
     const Vec3f bent = sineH > 0 ? Vec3f(h.x * h.z / sineH, h.y * h.z / sineH, -sineH) : Vec3f(1, 0, 0);
     const Vec3f across = glm::cross(h, bent);
     float phi = std::atan2(glm::dot(a, across), glm::dot(a, bent));
-    if (phi < 0) phi += PI; // the other direction's azimuth: the same value
+    if (phi < 0) phi += PI; // by reciprocity, the azimuth of b has the same value
 
     const float x = std::sqrt(thetaH / (PI / 2)) * static_cast<float>(halfCount);
     const float y = thetaD / (PI / 2) * static_cast<float>(differenceCount);
@@ -88,13 +88,13 @@ class MerlTable {
     split(y, differenceCount, j, fy);
     split(z, azimuthCount, k, fz);
     const int i1 = std::min(i + 1, halfCount - 1), j1 = std::min(j + 1, differenceCount - 1),
-              k1 = (k + 1) % azimuthCount; // π is 0 again
+              k1 = (k + 1) % azimuthCount; // azimuth π is azimuth 0
     const auto along = [&](int ii, int jj) { return entry(ii, jj, k) * (1 - fz) + entry(ii, jj, k1) * fz; };
     return (along(i, j) * (1 - fy) + along(i, j1) * fy) * (1 - fx) +
            (along(i1, j) * (1 - fy) + along(i1, j1) * fy) * fx;
   }
 
-  /** The lobe to sample: a diffuse part, and facets for the rest. */
+  /** Sampling density: a diffuse part, and a microfacet lobe for the remainder. */
   float diffuseShare = 0.5f;
   Microfacets facets;
 
@@ -106,7 +106,7 @@ class MerlTable {
     return values[(size_t(i) * size_t(differenceCount) + size_t(j)) * size_t(azimuthCount) + size_t(k)];
   }
 
-  /** Fits the sampled lobe to what the surface does at normal incidence, where θd = θh. */
+  /** Fits the sampling density to the BRDF at normal incidence, where θd = θh. */
   void fit() {
     constexpr int N = 512;
     const auto at2 = [&](float theta) { // light from the normal, seen at 2 theta
@@ -119,7 +119,7 @@ class MerlTable {
     double total = 0, gloss = 0;
     std::vector<double> sums;
     for (int i = 0; i < N; ++i) {
-      // By the angle's square, as the peak may be sharp.
+      // Quadratic steps of the angle, because the peak may be narrow.
       const float s = (static_cast<float>(i) + 0.5f) / N, theta = PI / 4 * square(s);
       const double solid = 2 * M_PI * std::sin(2.0 * double(theta)) * 2 * double(PI / 4 * 2 * s) / N;
       const Rgb f = at2(theta);
@@ -151,7 +151,7 @@ class MeasuredBsdf final : public Bsdf {
   Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
     if (!(wi.z * wo.z > 0)) return BLACK;
     Vec3f a = up(wi), b = up(wo);
-    // In one order, so that rounding is the same both ways.
+    // A fixed order of both directions makes rounding reciprocal.
     if (b.z < a.z) std::swap(a, b);
     return table->at(a, b);
   }
@@ -188,7 +188,7 @@ class Measured final : public Material {
   MerlTable table;
 };
 
-/** Both sides are alike: from below, all directions are taken by their opposites, as in pbrt-v4. */
+/** Measured BSDF, equal on both sides: for light from below all directions are negated, as in pbrt-v4. */
 class AdaptiveBsdf final : public Bsdf {
  public:
   explicit AdaptiveBsdf(const AdaptiveBrdf& brdf) : brdf(&brdf) {}

@@ -1,6 +1,6 @@
 /** @file
- * Inversion of piecewise linear densities that are blended from slices: integrals are blended as densities
- * are.
+ * Inversion of piecewise linear densities that are blended from slices. Their integrals are blended with the
+ * same weights.
  */
 #include "bsdfs/measured/parametricWarp.h"
 
@@ -21,7 +21,7 @@ Bracket bracket(const std::vector<float>& nodes, float x) {
   return {next - 1, next, (x - nodes[next - 1]) / (nodes[next] - nodes[next - 1])};
 }
 
-/** The cell in which rising sums at `nodes` nodes pass `wanted`; one that adds something. */
+/** Cell in which the rising sums at `nodes` nodes pass `wanted`; its own increment is above 0. */
 template <class F> size_t findCell(size_t nodes, double wanted, const F& sum) {
   size_t low = 0, high = nodes - 1; // sum(low) <= wanted < sum(high)
   while (high - low > 1) {
@@ -33,10 +33,10 @@ template <class F> size_t findCell(size_t nodes, double wanted, const F& sum) {
 
 double lerp(double a, double b, double t) { return a + (b - a) * t; }
 
-/** The integral from 0 to t of what goes linearly from a at 0 to b at 1. */
+/** Integral from 0 to t of the linear function that is a at 0 and b at 1. */
 double linearIntegral(double a, double b, double t) { return t * (a + 0.5 * (b - a) * t); }
 
-/** Where the integral of that is `wanted`. */
+/** Upper bound t for which linearIntegral(a, b, t) is `wanted`. */
 double invertLinear(double wanted, double a, double b) {
   return a + b > 0 ? sampleLinear(std::clamp(2 * wanted / (a + b), 0.0, 1.0), a, b) : 0;
 }

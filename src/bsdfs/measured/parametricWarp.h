@@ -1,7 +1,7 @@
 /** @file
- * Tables over the unit square for each of a grid of two parameters, linear between all nodes, and the warps
- * of the square whose densities they are (Dupuy and Jakob 2018, "An Adaptive Parameterization for Efficient
- * Material Acquisition and Rendering", supplement).
+ * Tables over the unit square for each node of a grid of two parameters, linear between all nodes, and the
+ * warps of the square that have these densities (Dupuy and Jakob 2018, "An Adaptive Parameterization for
+ * Efficient Material Acquisition and Rendering", supplement).
  */
 #pragma once
 
@@ -12,27 +12,27 @@
 
 namespace recurse {
 
-/** The slices of a table around a pair of parameters, and their weights. */
+/** Slices of a table around a pair of parameters, and their weights. */
 struct SliceBlend {
   std::array<uint32_t, 4> slices{};
   std::array<float, 4> weights{};
   uint32_t count = 0;
 };
 
-/** Increasing nodes of both parameters: slice first · (number of second) + second. */
+/** Increasing nodes of both parameters; the slice index is first · (number of second) + second. */
 class ParameterGrid {
  public:
   ParameterGrid(std::vector<float> firstNodes, std::vector<float> secondNodes)
       : first(std::move(firstNodes)), second(std::move(secondNodes)) {}
   size_t slices() const { return first.size() * second.size(); }
-  /** Beyond the outer nodes their slices go on. */
+  /** Slices around (a, b); parameters are clamped to the outer nodes. */
   SliceBlend at(float a, float b) const;
 
  private:
   std::vector<float> first, second;
 };
 
-/** The cell of a coordinate in [0, 1] among equidistant nodes, and where in it. */
+/** Cell of a coordinate in [0, 1] among equidistant nodes, and the position t in it. */
 struct GridCell {
   GridCell(double x, size_t nodes) {
     const double scaled = std::clamp(x, 0.0, 1.0) * double(nodes - 1);
@@ -64,7 +64,7 @@ template <class T> class SliceTable {
     }
     return sum;
   }
-  /** Of a table of one slice. */
+  /** Value of a table that has one slice. */
   T at(const Vec2d& p) const { return at({{0}, {1}, 1}, p); }
 
  private:
@@ -73,23 +73,23 @@ template <class T> class SliceTable {
 };
 
 /**
- * A density over the unit square, bilinear between nodes: the rows' integrals are inverted first, and then
- * the row that is found. Each slice is normalized by itself.
+ * Density over the unit square, bilinear between nodes. The marginal density of the rows is inverted first,
+ * then the density within the row. Each slice is normalised separately.
  */
 class ParametricWarp {
  public:
   struct Point {
     Vec2d at;
-    double pdf; ///< of the warped point
+    double pdf; ///< density at the warped point
   };
 
   ParametricWarp() = default;
-  /** At least 2 columns and rows of values of at least 0. A slice of nothing but 0 is even. */
+  /** Needs at least 2 columns and rows, and values of at least 0. A slice of zeros becomes uniform. */
   ParametricWarp(size_t columns, size_t rows, std::vector<float> values);
 
-  /** Where uniform numbers in [0, 1) are warped to. */
+  /** Warps uniform numbers in [0, 1). */
   Point sample(const SliceBlend& blend, const Vec2d& u) const;
-  /** The uniform numbers that are warped to p, with the density at p. */
+  /** Uniform numbers that sample() warps to p, with the density at p. */
   Point invert(const SliceBlend& blend, const Vec2d& p) const;
   double pdf(const SliceBlend& blend, const Vec2d& p) const;
 
@@ -103,9 +103,9 @@ class ParametricWarp {
   void normalize(size_t slice);
 
   size_t columns = 0, rows = 0;
-  std::vector<float> values;    ///< the density at the nodes
-  std::vector<float> alongRows; ///< its integral along a row, up to each node
-  std::vector<float> rowSums;   ///< the integral of whole rows, up to each
+  std::vector<float> values;    ///< density at the nodes
+  std::vector<float> alongRows; ///< integral of the density along a row, up to each node
+  std::vector<float> rowSums;   ///< integral over whole rows, up to each row
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * Reads the table of fields of a tensor file: for each its name, type, place in the file and extents.
+ * Reader of the field table of a tensor file: name, type, offset in the file and extents of each field.
  */
 #include "bsdfs/measured/tensorFile.h"
 
@@ -9,11 +9,11 @@ namespace recurse {
 
 namespace {
 
-constexpr std::string_view MAGIC("tensor_file", 12); ///< with the zero byte
+constexpr std::string_view MAGIC("tensor_file", 12); ///< includes the zero byte
 constexpr uint64_t HEADER = 18;                      ///< magic, version, number of fields
 enum Type : uint8_t { UINT8 = 1, FLOAT32 = 10, LAST_TYPE = 11 };
 
-/** The names of the format's types, and their bytes. */
+/** Names of the types of the format, and their sizes [bytes]. */
 constexpr std::array<const char*, LAST_TYPE + 1> TYPE_NAMES = {"",      "uint8",   "int8",    "uint16",
                                                                "int16", "uint32",  "int32",   "uint64",
                                                                "int64", "float16", "float32", "float64"};

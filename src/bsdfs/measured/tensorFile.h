@@ -1,5 +1,5 @@
 /** @file
- * Tensor files: named arrays of numbers in one file, as the material database of EPFL's RGL has them.
+ * Tensor files: named arrays of numbers in one file, the format of the material database of EPFL's RGL.
  */
 #pragma once
 
@@ -36,11 +36,11 @@ class TensorFile {
   static constexpr uint64_t ANY = 0;
 
   static bool isTensorFile(std::string_view bytes);
-  /** The bytes must outlive the object. Throws Error for what is no such file. */
+  /** Throws Error for bytes that are not a tensor file. The bytes must outlive the object. */
   TensorFile(const std::string& name, std::string_view bytes);
 
   bool has(const std::string& field) const { return fields.contains(field); }
-  /** A field of floats with the given extents. Throws Error where it is missing, or something else. */
+  /** Field of floats with the given extents. Throws Error where it is missing or of wrong type or shape. */
   FloatTensor floats(const std::string& field, const std::vector<uint64_t>& shape) const;
   /** A field of one byte. */
   uint8_t byte(const std::string& field) const;

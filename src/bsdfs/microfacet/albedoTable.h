@@ -1,6 +1,6 @@
 /** @file
- * How much a lobe scatters of the light from each direction, tabulated over the cosine and the roughness: for
- * the energy that models of single scattering lose, and for layers that share what arrives.
+ * Directional albedo of a lobe, tabulated over the cosine and the roughness. It serves the energy
+ * compensation of single-scattering models, and layers that divide the incident energy.
  */
 #pragma once
 
@@ -13,8 +13,8 @@ namespace recurse {
 class AlbedoTable {
  public:
   AlbedoTable() = default;
-  /** albedo(wi, alpha, u) is one sample's weight for a direction with wi.y = 0, wi.z > 0, and is
-   * averaged over u. Roughness goes from `least` to `most`; equal ones need one row. */
+  /** `albedo(wi, alpha, u)` is the weight of one sample for a direction with wi.y = 0, wi.z > 0; it is
+   * averaged over u. Roughness is in [least, most]; equal bounds need one row. */
   template <class F>
   AlbedoTable(float least, float most, const F& albedo, int rowsBetween = 20)
       : least(least), most(most), rows(most > least ? rowsBetween : 1) {
@@ -51,7 +51,7 @@ class AlbedoTable {
   }
 
   bool empty() const { return values.empty(); }
-  /** Of light from a direction with this |cosine|. */
+  /** Albedo for light from a direction with this |cosine|. */
   float at(float cosine, float alpha) const {
     const float x = std::sqrt(std::clamp(cosine, 0.0f, 1.0f)) * (COLUMNS - 1);
     const int column = std::min(static_cast<int>(x), COLUMNS - 2);
@@ -62,7 +62,7 @@ class AlbedoTable {
     };
     return overRows(alpha, inRow);
   }
-  /** Of light that is the same from all directions: the mean weighted by the cosine. */
+  /** Albedo for uniform diffuse light: the cosine-weighted mean. */
   float mean(float alpha) const {
     return overRows(alpha, [&](int row) { return means[static_cast<size_t>(row)]; });
   }

@@ -1,5 +1,5 @@
 /** @file
- * The optical constants of metals, and the parameters that several materials give them by.
+ * Optical constants of metals, and the material parameters that specify them.
  */
 #pragma once
 
@@ -10,16 +10,16 @@
 
 namespace recurse {
 
-/** Complex refractive index eta + i k, a channel at a time. */
+/** Complex refractive index eta + i k of each colour channel. */
 struct ConductorOptics {
   Rgb eta{1}, k{0};
-  /** `cosine` with the (micro)surface's normal, in [0, 1]; rounding above 1 is taken off. */
+  /** Fresnel reflectance; `cosine` with the (micro)surface normal, in [0, 1]; rounding above 1 is clamped. */
   Rgb reflectance(float cosine) const {
     const float c = std::min(cosine, 1.0f);
     return {conductorFresnel(c, eta.r, k.r), conductorFresnel(c, eta.g, k.g),
             conductorFresnel(c, eta.b, k.b)};
   }
-  /** Of light from all directions alike: 2 ∫ R(μ) μ dμ, by Gauss' rule of five points. */
+  /** Reflectance for uniform diffuse light: 2 ∫ R(μ) μ dμ by five-point Gauss quadrature. */
   Rgb meanReflectance() const {
     Rgb sum(0);
     constexpr float X[] = {0.0469101f, 0.2307653f, 0.5f, 0.7692347f, 0.9530899f},
@@ -44,7 +44,7 @@ inline void addConductorParameters(std::vector<ParameterSpec>& parameters, const
           .withTexture());
 }
 
-/** The metal that the parameters describe. */
+/** Metal that the parameters describe. */
 class ConductorParameters {
  public:
   ConductorParameters(const Parameters& p, const TextureLookup& textures, const std::string& prefix = "") {

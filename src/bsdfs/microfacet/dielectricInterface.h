@@ -1,6 +1,6 @@
 /** @file
- * A smooth or rough boundary between two dielectrics, for flux (Walter et al. 2007): what `dielectric` is
- * made of, and what lies on top of the coated materials.
+ * Smooth or rough interface between two dielectrics, for flux (Walter et al. 2007). It is the scattering
+ * model of `dielectric`, and the top layer of the coated materials.
  */
 #pragma once
 
@@ -12,21 +12,21 @@
 
 namespace recurse {
 
-/** The outer side is that of +z. Not for `facets` that are smooth, except for the functions that say so. */
+/** Dielectric interface with outer side +z. Smooth `facets` are only for the functions that say so. */
 struct DielectricInterface {
   float eta = 1.5f; ///< refractive index below over above
   Microfacets facets;
 
-  /** A sampled direction; weight = f cos / pdf of the chosen kind of scattering. */
+  /** Sampled direction; weight = f cos / pdf of the chosen kind of scattering. */
   struct Step {
     Vec3f wo{0, 0, 1};
     float weight = 0;
   };
 
-  /** Index beyond over that on the side of w. */
+  /** Relative index: the index beyond the interface over the index on the side of w. */
   float relative(const Vec3f& w) const { return w.z > 0 ? eta : 1 / eta; }
 
-  /** The scattering of flux from wi to wo: BRDF, or BTDF [1/sr]. */
+  /** BRDF or BTDF for flux from wi to wo [1/sr]. */
   float value(const Vec3f& wi, const Vec3f& wo) const {
     Facet f;
     if (!facet(wi, wo, f)) return 0;
@@ -68,7 +68,7 @@ struct DielectricInterface {
     return glm::normalize(wo);
   }
 
-  /** Transmission or reflection alone; of a smooth boundary too, whose density is a delta. */
+  /** Samples transmission or reflection alone. Smooth facets are allowed; their density is a delta. */
   std::optional<Step> step(const Vec3f& wi, const Vec2f& u, Lobe lobe) const {
     if (facets.smooth()) {
       const float rel = relative(wi);
@@ -84,7 +84,7 @@ struct DielectricInterface {
     return Step{*wo, value(wi, *wo) * std::abs(wo->z) / p};
   }
 
-  /** The delta lobes of a smooth boundary. */
+  /** Adds the delta lobes of a smooth interface. */
   void deltas(const Vec3f& wi, DeltaScatters& out) const {
     const float rel = relative(wi);
     const DielectricFresnel f = dielectricFresnel(std::min(std::abs(wi.z), 1.0f), rel);
@@ -97,14 +97,14 @@ struct DielectricInterface {
   }
 
  private:
-  /** The facet that takes one direction to another. */
+  /** Facet that scatters wi to wo. */
   struct Facet {
     Vec3f m{0, 0, 1};  ///< its normal, on the side of wi
-    float fresnel = 0; ///< the part of the light that goes that way
+    float fresnel = 0; ///< reflectance, or transmittance of a refraction
     float jacobian =
-        0; ///< of refraction: solid angle of normals over that of wo (Walter et al. 2007, eq. 17)
+        0; ///< refraction: solid angle of normals per solid angle of wo (Walter et al. 2007, eq. 17)
   };
-  /** False where no facet can. */
+  /** Finds the facet; false where none scatters wi to wo. */
   bool facet(const Vec3f& wi, const Vec3f& wo, Facet& f) const {
     const float product = wi.z * wo.z;
     if (product > 0) {
@@ -115,7 +115,7 @@ struct DielectricInterface {
       return c > 0;
     }
     if (!(product < 0)) return false;
-    // All from the upper and the lower direction, not from wi and wo, so that the way back finds the same.
+    // The facet is computed from the upper and lower direction, so that the reverse path finds it too.
     const Vec3f& up = wi.z > 0 ? wi : wo;
     const Vec3f& down = wi.z > 0 ? wo : wi;
     Vec3f m = up + down * eta;
@@ -125,7 +125,7 @@ struct DielectricInterface {
     if (m.z < 0) m = -m;
     const float cosUp = glm::dot(up, m), cosDown = -glm::dot(down, m);
     if (!(cosUp > 0 && cosDown > 0)) return false;
-    // From the thinner side there is no critical angle, near which a rounded cosine says little.
+    // On the optically thinner side there is no critical angle, near which a rounded cosine is inaccurate.
     const DielectricFresnel fresnel = eta > 1 ? dielectricFresnel(std::min(cosUp, 1.0f), eta)
                                               : dielectricFresnel(std::min(cosDown, 1.0f), 1 / eta);
     f.fresnel = 1 - fresnel.reflectance;
@@ -135,7 +135,7 @@ struct DielectricInterface {
   }
 };
 
-/** A smooth boundary. */
+/** Smooth dielectric interface, with delta lobes. */
 class DielectricBsdf final : public Bsdf {
  public:
   explicit DielectricBsdf(float eta) : surface{eta, {}} {}
@@ -147,7 +147,7 @@ class DielectricBsdf final : public Bsdf {
   DielectricInterface surface;
 };
 
-/** A rough one. */
+/** Rough dielectric interface. */
 class RoughDielectricBsdf : public Bsdf {
  public:
   explicit RoughDielectricBsdf(const DielectricInterface& surface) : surface(surface) {}
@@ -167,7 +167,7 @@ class RoughDielectricBsdf : public Bsdf {
   DielectricInterface surface;
 };
 
-/** Without the light that meets several facets. */
+/** Rough dielectric interface without light that hits several facets. */
 class SingleScatteringDielectric final : public RoughDielectricBsdf {
  public:
   using RoughDielectricBsdf::RoughDielectricBsdf;

@@ -1,8 +1,8 @@
 /** @file
- * What a rough surface loses when light is followed over one facet only, and how it is given back: as a lobe
- * whose shape is what is missing from each direction (Kelemen and Szirmay-Kalos 2001, "A Microfacet Based
- * Coupled Specular-Matte BRDF Model"; Kulla and Conty 2017, "Revisiting Physically Based Shading at
- * Imageworks"). Such a lobe is reciprocal, and fills the white furnace.
+ * Energy lost by microfacet models with single scattering, and its compensation by a lobe that has the shape
+ * of the loss in each direction (Kelemen and Szirmay-Kalos 2001, "A Microfacet Based Coupled Specular-Matte
+ * BRDF Model"; Kulla and Conty 2017, "Revisiting Physically Based Shading at Imageworks"). The lobe is
+ * reciprocal, and passes the white furnace test.
  */
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace recurse {
 
-/** Of all points of a material. */
+/** Energy losses at all points of a material. */
 class FacetLosses {
  public:
   FacetLosses() = default;
@@ -43,7 +43,7 @@ class FacetLosses {
   }
 
   bool empty() const { return table.empty(); }
-  /** The part of the light from w, on either side, that is missing. */
+  /** Fraction of the light from w, on either side, that single scattering loses. */
   float lost(const Vec3f& w, const Microfacets& facets) const {
     float row = 0;
     if (over == Over::ROUGHNESS) row = facets.meanRoughness();
@@ -53,17 +53,17 @@ class FacetLosses {
     }
     return std::max(1 - table.at(std::abs(w.z), row), MIN_COUNT);
   }
-  /** Its mean over all directions, weighted by the cosine. */
+  /** Cosine-weighted mean of lost() over all directions. */
   float meanLost(const Microfacets& facets) const {
     const float mean = over == Over::AZIMUTH ? meanOverAzimuth : table.mean(facets.meanRoughness());
     return std::max(1 - mean, MIN_COUNT);
   }
 
  private:
-  enum class Over { NOTHING, ROUGHNESS, AZIMUTH }; ///< what the table's rows are, besides the cosine
-  static constexpr float MAX_ROUGH = 3.2f;         ///< the root of the largest roughness that is taken
+  enum class Over { NOTHING, ROUGHNESS, AZIMUTH }; ///< parameter of the table's rows, besides the cosine
+  static constexpr float MAX_ROUGH = 3.2f;         ///< square root of the largest accepted roughness
   static constexpr float MIN_COUNT =
-      1e-6f; ///< so that quotients mean something where all but nothing is lost
+      1e-6f; ///< least loss, so that quotients stay meaningful where almost nothing is lost
 
   Over over = Over::NOTHING;
   AlbedoTable table;
@@ -77,7 +77,7 @@ inline void addMultipleScatteringParameter(std::vector<ParameterSpec>& parameter
                        "give back what is lost when light is followed over one facet only, up to a third of "
                        "it on very rough surfaces; pbrt-v4 does not"));
 }
-/** The roughness of a material that asks for it can be served; else throws SceneError. */
+/** True where `multiscatter` is requested. Throws SceneError for a roughness that it does not support. */
 inline bool wantsMultipleScattering(const Parameters& p, const Roughness& roughness) {
   if (!p.boolean("multiscatter")) return false;
   if (roughness.textured() && roughness.anisotropic())

@@ -8,13 +8,13 @@
 
 namespace recurse {
 
-/** What happens to a ray at a smooth dielectric interface. */
+/** Reflection and refraction of a ray at a smooth dielectric interface. */
 struct DielectricFresnel {
-  float reflectance = 1;    ///< in [0, 1]; 1 at total reflection
-  float cosTransmitted = 0; ///< of the refracted ray with the normal, >= 0
+  float reflectance = 1;    ///< reflectance in [0, 1]; 1 at total reflection
+  float cosTransmitted = 0; ///< cosine of the refracted ray with the normal, >= 0
 };
 
-/** `cosIncident` in [0, 1]; eta: refractive index beyond over that on the incident side, > 0. */
+/** `cosIncident` in [0, 1]; eta: refractive index beyond over the index on the incident side, > 0. */
 inline DielectricFresnel dielectricFresnel(float cosIncident, float eta) {
   if (eta == 1) return {0, cosIncident};
   // 1 - sin²/eta², written so that it is exact where eta is near 1.
@@ -27,7 +27,7 @@ inline DielectricFresnel dielectricFresnel(float cosIncident, float eta) {
   return {0.5f * (square(parallel) + square(perpendicular)), cosT};
 }
 
-/** Reflectance of a conductor of complex index eta + i k, a channel at a time. */
+/** Reflectance of a conductor of complex index eta + i k, for one channel. */
 inline float conductorFresnel(float cosIncident, float eta, float k) {
   const double c = cosIncident, c2 = c * c, s2 = 1 - c2;
   const double eta2 = double(eta) * double(eta), k2 = double(k) * double(k);

@@ -1,6 +1,6 @@
 /** @file
- * The pattern of the classic models: a gloss lobe beside, or on top of, a diffuse one, the same on both sides
- * of the surface.
+ * Base of the classic gloss models: a gloss lobe beside, or on top of, a diffuse lobe, equal on both sides of
+ * the surface.
  */
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace recurse {
 
-/** A `Gloss` has, for directions that point up (z >= 0): `value(a, b)` and `diffuse(a, b)`, its two lobes
- * [1/sr], both reciprocal; `sample(a, u, pick)`, below the surface where it absorbs, and `pdf(a, b)` [1/sr],
- * of the gloss lobe; `albedo(a)` and `diffuseAlbedo(a)`, nearly; `anisotropic()` and `lossless()`. */
+/** A `Gloss` has, for directions with z >= 0: the reciprocal lobes `value(a, b)` and `diffuse(a, b)`
+ * [1/sr]; `sample(a, u, pick)` of the gloss lobe, below the surface where it absorbs, and its density
+ * `pdf(a, b)` [1/sr]; approximate `albedo(a)` and `diffuseAlbedo(a)`; `anisotropic()` and `lossless()`. */
 template <class Gloss> class GlossOverDiffuse final : public Bsdf {
  public:
   explicit GlossOverDiffuse(const Gloss& gloss) : gloss(gloss) {}
@@ -45,7 +45,7 @@ template <class Gloss> class GlossOverDiffuse final : public Bsdf {
 
  private:
   static Vec3f up(const Vec3f& w) { return {w.x, w.y, std::abs(w.z)}; }
-  /** Of the gloss lobe; never so little that what the albedo leaves out would come as bright rare samples. */
+  /** Probability of the gloss lobe, clamped so that errors of the approximate albedo cause no fireflies. */
   float chance(const Vec3f& a) const {
     const float g = maxComponent(gloss.albedo(a)), d = maxComponent(gloss.diffuseAlbedo(a));
     if (!(d > 0)) return 1;
@@ -56,7 +56,7 @@ template <class Gloss> class GlossOverDiffuse final : public Bsdf {
   Gloss gloss;
 };
 
-/** A material that makes GlossOverDiffuse from what `make(point)` returns. */
+/** Material that makes GlossOverDiffuse from the result of `make(point)`. */
 template <class Make> class GlossMaterial final : public Material {
  public:
   GlossMaterial(const Make& make, bool anisotropic)

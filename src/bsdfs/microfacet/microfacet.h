@@ -1,8 +1,8 @@
 /** @file
  * Microfacet distributions (Walter et al. 2007, "Microfacet Models for Refraction through Rough Surfaces";
- * Heitz 2014, "Understanding the Masking-Shadowing Function"), and sampling of the normals that a direction
- * sees (Dupuy and Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps"; Jakob 2014, "An Improved
- * Visible Normal Sampling Routine", for Beckmann). Directions are local, z is the normal; only |z| counts.
+ * Heitz 2014, "Understanding the Masking-Shadowing Function"), and sampling of visible normals (Dupuy and
+ * Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps"; Jakob 2014, "An Improved Visible Normal
+ * Sampling Routine", for Beckmann). Directions are local with normal z; only |z| counts.
  */
 #pragma once
 
@@ -12,23 +12,23 @@ namespace recurse {
 
 enum class MicrofacetKind { TROWBRIDGE_REITZ, BECKMANN };
 
-/** Of one point; alpha along x and y. */
+/** Microfacet distribution at one point, with alpha along x and y. */
 class Microfacets {
  public:
-  /** Where both alphas are below this the surface is a mirror, as in pbrt-v4: the limit, to within what a
-   * float direction can tell. */
+  /** Alpha below which, along both axes, the surface is a mirror, as in pbrt-v4. Float directions cannot
+   * distinguish such a lobe from its limit. */
   static constexpr float SMOOTH_BELOW = 1e-3f;
 
   Microfacets() = default;
   Microfacets(MicrofacetKind kind, const Vec2f& alpha) : kind(kind), alpha(alpha) {
-    // One small alpha beside a large one: pbrt-v4's limit.
+    // Lower bound of pbrt-v4 for a small alpha beside a large one.
     if (!smooth()) this->alpha = glm::max(alpha, Vec2f(1e-4f));
   }
 
   bool smooth() const { return !(std::max(alpha.x, alpha.y) >= SMOOTH_BELOW); }
   bool anisotropic() const { return alpha.x != alpha.y; }
   const Vec2f& roughness() const { return alpha; }
-  /** The isotropic alpha whose lobe covers as much. */
+  /** Isotropic alpha whose lobe has the same extent. */
   float meanRoughness() const { return std::sqrt(alpha.x * alpha.y); }
 
   /** D(m) of a unit normal [1/sr]: the integral of D cos over the hemisphere is 1. */
@@ -48,7 +48,7 @@ class Microfacets {
     const float a = z / spread;
     return z + 0.5f * (spread * std::exp(-square(a)) * INV_SQRT_PI - z * std::erfc(a));
   }
-  /** G1: the part of the facets that face w which w sees. */
+  /** G1: fraction of the facets facing w that are visible from w. */
   float g1(const Vec3f& w) const {
     const float s = shadowed(w);
     return s > 0 ? std::abs(w.z) / s : 0;
@@ -65,7 +65,7 @@ class Microfacets {
     return s > 0 ? density(m) * absDot(w, m) / s : 0;
   }
 
-  /** A unit normal with z > 0 among those that w, z > 0, sees. */
+  /** Samples a visible unit normal with z > 0, for a direction w with z > 0. */
   Vec3f sampleVisible(const Vec3f& w, const Vec2f& u) const {
     const Vec3f stretched = glm::normalize(Vec3f(alpha.x * w.x, alpha.y * w.y, w.z));
     if (kind == MicrofacetKind::TROWBRIDGE_REITZ) {
@@ -90,7 +90,7 @@ class Microfacets {
   float reflection(const Vec3f& a, const Vec3f& b, const Vec3f& m) const {
     return 0.25f * density(m) * shadowedPair(a, b);
   }
-  /** Density of the direction that sampleVisible's m mirrors w into [1/sr]. */
+  /** Density of w mirrored at a normal m of sampleVisible [1/sr]. */
   float reflectionPdf(const Vec3f& w, const Vec3f& m) const {
     const float s = shadowed(w);
     return s > 0 ? 0.25f * density(m) / s : 0;
@@ -147,12 +147,12 @@ class Microfacets {
   Vec2f alpha{0};
 };
 
-/** The unit normal with z > 0 that mirrors a into b, which are on one side. */
+/** Unit half vector with z > 0 of two directions on one side of the surface. */
 inline Vec3f halfVector(const Vec3f& a, const Vec3f& b) {
   Vec3f h = a + b;
   if (std::abs(h.z) < 0.25f) {
-    // Near the plane the rounding of x and y is as large as what they leave when they cancel, but z still
-    // tells how long both together must be for a unit vector.
+    // Near the plane, x and y of both directions almost cancel and rounding dominates the sum. Their length
+    // follows more accurately from z and the unit length.
     const auto horizontal = [](const Vec3f& w) {
       const Vec2d p(w);
       return p * std::sqrt((1 - square(double(w.z))) / glm::dot(p, p));

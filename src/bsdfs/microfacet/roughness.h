@@ -1,5 +1,5 @@
 /** @file
- * The roughness parameters that several materials share, as pbrt-v4 means them.
+ * Roughness parameters that several materials share, with the meaning of pbrt-v4.
  */
 #pragma once
 
@@ -33,7 +33,7 @@ inline void addRoughnessParameters(std::vector<ParameterSpec>& parameters, const
                            .oneOf({"trowbridgereitz", "beckmann"}));
 }
 
-/** The microfacets of a material. */
+/** Microfacets of a material. */
 struct Roughness {
   TexturedRgb u, v;
   bool remap = true;
@@ -57,7 +57,7 @@ struct Roughness {
     return {kind, remap ? glm::sqrt(alpha) : alpha};
   }
   bool textured() const { return u.texture || v.texture; }
-  /** True when no point, or every point, is smooth. */
+  /** True when no point (or every point) is smooth. */
   bool neverSmooth() const { return !textured() && !constant().smooth(); }
   bool alwaysSmooth() const { return !textured() && constant().smooth(); }
   bool anisotropic() const { return textured() ? u.texture != v.texture : constant().anisotropic(); }

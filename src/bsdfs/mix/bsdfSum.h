@@ -1,5 +1,5 @@
 /** @file
- * Weighted sums of BSDFs, delta lobes and others together: what `mix` and `compound` are.
+ * Weighted sums of BSDFs with delta and non-delta lobes: the scattering of `mix` and `compound`.
  */
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace recurse {
 
-/** Lobes of a sum; Lambertian where every part that scatters diffusely is, straight where every part that
- * refracts is. */
+/** Lobes of a sum. It is Lambertian where every component with non-delta lobes is, and straight where
+ * every component that refracts is. */
 inline LobeSet lobesOfSum(LobeSet a, LobeSet b) {
   LobeSet both = a | b;
   const auto constant = [](LobeSet l) { return !(l & NON_DELTA_LOBES) || (l & LAMBERTIAN); };
@@ -21,7 +21,7 @@ inline LobeSet lobesOfSum(LobeSet a, LobeSet b) {
 class BsdfSum final : public Bsdf {
  public:
   static constexpr int MAX_COUNT = 8;
-  /** Weights in [0, 1] that add up to at most 1. Null parts and black weights are left out. */
+  /** Weights are in [0, 1] and add up to at most 1. Null components and black weights are skipped. */
   void add(const Bsdf* part, const Rgb& weight) {
     if (!part || isBlack(weight)) return;
     parts[count] = part;
@@ -45,7 +45,7 @@ class BsdfSum final : public Bsdf {
     return sum;
   }
   std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
-    // A Lambertian sum gets no third number; its parts have the same density, so that any will do.
+    // A Lambertian sum gets no third number; all its components have one density, so that any is valid.
     std::array<float, MAX_COUNT> chances;
     float rest = pick * shares(wi, chances);
     int chosen = -1;
@@ -74,7 +74,7 @@ class BsdfSum final : public Bsdf {
     for (int i = 0; i < count; ++i) sum += parts[i]->albedo(wi) * weights[i];
     return sum;
   }
-  /** Of the first part that transmits. */
+  /** Relative index of the first component that transmits. */
   float eta() const override {
     for (int i = 0; i < count; ++i)
       if (parts[i]->lobes() & TRANSMISSION) return parts[i]->eta();
@@ -90,7 +90,7 @@ class BsdfSum final : public Bsdf {
   }
 
  private:
-  /** Lobes in one direction are one lobe: the mirror direction does not depend on the material. */
+  /** Merges delta lobes of equal direction: the mirror direction does not depend on the material. */
   static void merge(const DeltaScatter& d, DeltaScatters& out) {
     for (DeltaScatter& o : out)
       if (o.lobe == d.lobe && o.eta == d.eta && o.wo == d.wo) {
@@ -99,7 +99,7 @@ class BsdfSum final : public Bsdf {
       }
     out.add(d);
   }
-  /** What each part's non-delta lobes scatter of wi; returns the sum. */
+  /** Weighted albedo of the non-delta lobes of each component for wi; returns the sum. */
   float shares(const Vec3f& wi, std::array<float, MAX_COUNT>& out) const {
     float total = 0;
     for (int i = 0; i < count; ++i) {

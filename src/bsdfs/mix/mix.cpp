@@ -31,7 +31,7 @@ int refractionsOf(const Parts& parts) {
   return n;
 }
 
-/** Lobes and refractions of all kinds of mixes, found once: parts may be mixes, many levels deep. */
+/** Lobes and refractions of any mix, computed once: components may be mixes, many levels deep. */
 class MaterialOfParts : public Material {
  public:
   explicit MaterialOfParts(const Parts& parts)
@@ -47,8 +47,8 @@ class MaterialOfParts : public Material {
   int allRefractions;
 };
 
-/** How much of a surface each part of a mix covers. `interface` covers nothing, and parts that are mixes with
- * it have holes of their own. */
+/** Coverage of a surface by each component of a mix. `interface` covers nothing, and components that are
+ * mixes with it have holes themselves. */
 class Coverage {
  public:
   Coverage(const Parts& parts, const TexturedRgb& amount)
@@ -60,7 +60,7 @@ class Coverage {
     const auto [first, second] = ofParts(point);
     return first + second;
   }
-  /** The second part's share of what is covered. */
+  /** Fraction of the covered area that belongs to the second component. */
   float second(const SurfacePoint& point) const {
     if (!holes) return amount.at(point).r;
     const auto [first, second] = ofParts(point);
@@ -100,8 +100,8 @@ class Mix final : public MaterialOfParts {
   Coverage coverage;
 };
 
-/** One of two materials at each place, by a number that is hashed from it: where they have bumps, each
- * shading frame has its own material, as in pbrt-v4. */
+/** Choice of one of two materials at each point, by a hash of its position. Where they have bumps, each
+ * shading frame belongs to one material, as in pbrt-v4. */
 class Choice {
  public:
   Choice(const Parts& parts, const Coverage& coverage) : parts(parts), coverage(coverage) {}
@@ -141,7 +141,7 @@ class ChosenMaterial final : public MaterialOfParts {
   Choice choice;
 };
 
-/** In the place of alpha. */
+/** Opacity of a mix with holes, used like an alpha texture. */
 class Opacity final : public Texture {
  public:
   explicit Opacity(const Coverage& coverage) : coverage(coverage) {}
@@ -164,7 +164,7 @@ class Compound final : public MaterialOfParts {
   std::vector<Rgb> weights;
 };
 
-/** The materials that the parameter `materials` names. */
+/** Materials that the parameter `materials` names. */
 Parts namedParts(const Parameters& p, const MaterialContext& c, size_t mostInterfaces) {
   Parts parts;
   for (const std::string& name : p.strings("materials")) {
@@ -172,7 +172,7 @@ Parts namedParts(const Parameters& p, const MaterialContext& c, size_t mostInter
     if (size_t(std::count_if(parts.begin(), parts.end(), isInterface)) > mostInterfaces)
       p.fail("materials", "\"" + name + "\" does not scatter and cannot be part of a sum");
   }
-  // One place is for the mirror direction, which all share.
+  // One entry is for the mirror direction, which all components share.
   if (refractionsOf(parts) > DeltaScatters::MAX_COUNT - 1)
     p.fail("materials", "more materials with smooth refraction than a sum can have",
            "at most " + std::to_string(DeltaScatters::MAX_COUNT - 1));

@@ -1,5 +1,5 @@
 /** @file
- * The place of a camera in the scene, and what it does to densities.
+ * Frame of a camera in the scene, and its effect on densities.
  */
 #pragma once
 
@@ -21,7 +21,7 @@ struct CameraFrame {
   Vec3d pointToCamera(const Vec3d& p) const { return transformPoint(cameraFromScene, p); }
   Vec3d vectorToCamera(const Vec3d& v) const { return transformVector(cameraFromScene, v); }
 
-  /** Of a unit direction of camera space: the solid angle there over that in the scene. */
+  /** Solid angle in camera space over solid angle in the scene, at a unit direction of camera space. */
   double solidAngleRatio(const Vec3d& direction) const {
     const double length = glm::length(vectorToScene(direction));
     return length * length * length / volumeScale;
@@ -29,13 +29,13 @@ struct CameraFrame {
 
   Mat4d sceneFromCamera, cameraFromScene;
   Vec3d axis;       ///< unit normal of the lens in the scene, forward
-  double areaScale; ///< area in the scene over that in the plane of the lens in camera space
+  double areaScale; ///< area in the scene over area in the plane of the lens in camera space
 
  private:
   double volumeScale;
 };
 
-/** The frame of a camera that may move. */
+/** Frame of a camera that may move. */
 class CameraTrack {
  public:
   explicit CameraTrack(const AnimatedTransform& sceneFromCamera)

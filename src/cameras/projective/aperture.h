@@ -35,10 +35,10 @@ struct Aperture {
       p.fail("apertureblades", "a polygon has at least three sides", "0 or 3 to 64");
   }
 
-  /** A place on the lens, uniform by area. */
+  /** Point on the lens, uniform by area. */
   Vec2d sample(const Vec2f& u) const {
     if (blades == 0) return Vec2d(uniformDisk(u)) * radius;
-    // One of the triangles around the middle, then uniform in it: the distance from the middle by its root.
+    // Chooses a triangle around the middle, then a uniform point in it, whose distance is the root of u.y.
     const double along = double(u.x) * blades;
     const double side = std::floor(along), across = along - side, out = std::sqrt(double(u.y));
     return glm::mix(corner(side), corner(side + 1), across) * (radius * out);

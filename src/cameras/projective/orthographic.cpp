@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** With a lens it is telecentric: every place of the film has a lens of its own in front of it. */
+/** Orthographic camera. With a lens it is telecentric: every film point has a separate lens before it. */
 class Orthographic final : public Camera {
  public:
   Orthographic(const Parameters& p, const CameraContext& c)
@@ -67,7 +67,7 @@ class Orthographic final : public Camera {
                     .pdf = pdf.direction};
   }
 
-  /** Of a ray of camera space, by a direction of which the lens has one. */
+  /** Densities of a ray by its direction in camera space, which determines the point on the lens. */
   WePdf densities(const CameraFrame& frame, const Vec3d& direction) const {
     const auto position = static_cast<float>(1 / (window.area() * frame.areaScale));
     if (!usesLens()) return {position, 1};

@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** Directions are told by where they meet the image plane, which is at distance 1. */
+/** Perspective camera. Directions are given by their intersection with the image plane at distance 1. */
 class Perspective final : public Camera {
  public:
   Perspective(const Parameters& p, const CameraContext& c)
@@ -22,12 +22,12 @@ class Perspective final : public Camera {
     const Vec2d image = window.at(sample.film) * tangent;
     CameraRay r;
     r.time = sample.time;
-    // Away from the axis a pixel subtends less; the widest is what footprints need.
+    // A pixel subtends less away from the axis; footprints need its widest extent.
     r.spread = static_cast<float>(pixel / std::sqrt(1 + image.x * image.x + image.y * image.y));
     Vec3d lens(0), direction(image, 1);
     if (usesLens()) {
       lens = Vec3d(aperture.sample(sample.lens), 0);
-      direction -= lens / aperture.focalDistance; // to the same point of the plane in focus
+      direction -= lens / aperture.focalDistance; // aims at the same point of the plane in focus
     }
     track.at(sample.time, [&](const CameraFrame& frame) {
       r.origin = Vec3f(frame.pointToScene(lens));
@@ -51,7 +51,7 @@ class Perspective final : public Camera {
   }
 
  private:
-  /** Of a ray of camera space. */
+  /** Densities of a ray by its direction in camera space. */
   WePdf densities(const CameraFrame& frame, const Vec3d& direction) const {
     const Vec3d unit = glm::normalize(direction);
     const double inCamera = 1 / (imageArea * unit.z * unit.z * unit.z);
@@ -79,8 +79,8 @@ class Perspective final : public Camera {
   Aperture aperture;
   CameraTrack track;
   double tangent;
-  double pixel;     ///< the larger side of one, at distance 1
-  double imageArea; ///< of the film, at distance 1
+  double pixel;     ///< larger side of a pixel at distance 1
+  double imageArea; ///< area of the film at distance 1
 };
 
 } // namespace

@@ -1,5 +1,5 @@
 /** @file
- * The part of the image plane that the film shows, as cameras share it.
+ * Part of the image plane that the film covers, shared by the cameras with an image plane.
  */
 #pragma once
 
@@ -18,10 +18,10 @@ inline std::vector<ParameterSpec> screenParameters() {
   return all;
 }
 
-/** Maps film positions to the image plane at distance 1 from the eye. */
+/** Maps film positions to the image plane at distance 1 from the camera. */
 struct ScreenWindow {
   double x0 = -1, x1 = 1, y0 = -1, y1 = 1;
-  double width, height; ///< of the film, in pixels
+  double width, height; ///< size of the film [pixels]
 
   ScreenWindow(const Parameters& p, const CameraContext& c) : width(c.width), height(c.height) {
     const double aspect = p.hasValue("frameaspectratio") ? p.real("frameaspectratio") : width / height;
@@ -44,7 +44,7 @@ struct ScreenWindow {
   Vec2d at(const Vec2f& film) const {
     return {x0 + (x1 - x0) * double(film.x) / width, y1 - (y1 - y0) * double(film.y) / height};
   }
-  /** The place of the film, in pixels, that shows a place of the image plane. */
+  /** Film position [pixels] of a point of the image plane. */
   Vec2d filmAt(const Vec2d& image) const {
     return {(image.x - x0) / (x1 - x0) * width, (y1 - image.y) / (y1 - y0) * height};
   }

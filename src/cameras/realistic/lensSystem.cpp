@@ -9,8 +9,8 @@ namespace recurse {
 
 LensSystem::LensSystem(std::vector<LensSurface> surfaces, double focusDistance, Mask mask)
     : list(std::move(surfaces)), mask(std::move(mask)) {
-  // The matrix of heights and angles of rays near the axis, from the first surface to the last one (Gerrard
-  // and Burch 1975, "Introduction to Matrix Methods in Optics").
+  // Paraxial ray-transfer matrix of heights and angles, from the first surface to the last one (Gerrard and
+  // Burch 1975, "Introduction to Matrix Methods in Optics").
   double a = 1, b = 0, c = 0, d = 1, index = 1, length = 0;
   for (size_t i = 0; i < list.size(); ++i) {
     const LensSurface& s = list[i];
@@ -69,7 +69,7 @@ std::optional<LensRay> LensSystem::trace(const LensRay& fromFilm) const {
     }
     const double eta = s.index / (i > 0 ? list[i - 1].index : 1.0);
     if (eta == 1) continue;
-    const double cosine = -glm::dot(ray.direction, normal); // the normal points to where the ray came from
+    const double cosine = -glm::dot(ray.direction, normal); // the normal faces the incoming ray
     const double k = 1 - eta * eta * (1 - cosine * cosine);
     if (!(k >= 0)) return {}; // total reflection
     ray.direction = glm::normalize(ray.direction * eta + normal * (eta * cosine - std::sqrt(k)));

@@ -2,8 +2,8 @@
  * A camera with a system of lenses, traced from the film to the scene (Kolb, Mitchell and Hanrahan 1995, "A
  * Realistic Camera Model for Computer Graphics").
  *
- * In the space of the lens the film lies in the plane z = 0, and the scene is towards +z. Lengths are in
- * metres, which are the units of camera space.
+ * In lens space the film is the plane z = 0, and the scene is towards +z. Lengths are in metres, which are
+ * the units of camera space.
  */
 #include <charconv>
 #include <fstream>
@@ -62,7 +62,7 @@ std::vector<LensSurface> readLens(const Parameters& p) {
   return surfaces;
 }
 
-/** Whether a point is inside of a polygon, by the number of its sides that a line from there crosses. */
+/** Whether a point is inside a polygon, by the parity of the sides that a ray from it crosses. */
 bool isInside(const std::vector<Vec2d>& polygon, const Vec2d& p) {
   bool inside = false;
   for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
@@ -72,7 +72,7 @@ bool isInside(const std::vector<Vec2d>& polygon, const Vec2d& p) {
   return inside;
 }
 
-/** Corners on a circle around the middle, every second one on another. */
+/** Corners on two concentric circles, alternately. */
 std::vector<Vec2d> corners(int count, double radius, double otherRadius, double turn) {
   std::vector<Vec2d> all;
   for (int i = 0; i < count; ++i) {
@@ -82,7 +82,7 @@ std::vector<Vec2d> corners(int count, double radius, double otherRadius, double 
   return all;
 }
 
-/** Lets through as much of even light as a round stop does: its mean over the square around it is π/4. */
+/** Mask scaled to the transmittance of a round stop for uniform light: mean π/4 over the enclosing square. */
 LensSystem::Mask normalised(const LensSystem::Mask& mask) {
   constexpr int GRID = 512;
   double sum = 0;
@@ -91,7 +91,7 @@ LensSystem::Mask normalised(const LensSystem::Mask& mask) {
   return [=](const Vec2d& p) { return mask(p) * factor; };
 }
 
-/** The stop's mask by "aperture": shapes of pbrt-v4, or a picture. */
+/** Mask of the stop from "aperture": a shape of pbrt-v4, or a picture. */
 LensSystem::Mask maskOf(const Parameters& p) {
   const std::string name = p.hasValue("aperture") ? p.string("aperture") : "";
   const auto polygon = [](const std::vector<Vec2d>& c) {
@@ -132,10 +132,10 @@ class Realistic final : public Camera {
   bool usesLens() const override { return true; }
   bool usesTime() const override { return track.moves(); }
 
-  /** The radiance that comes through the lens to a place of the film, as irradiance there over solid angle
-   * one: cos⁴ / distance² · area of what is sampled, as in pbrt-v4. */
+  /** Radiance through the lens to a film point, weighted to be the irradiance there over solid angle one:
+   * cos⁴ / distance² · sampled area, as in pbrt-v4. */
   std::optional<CameraRay> sampleRay(const CameraSample& sample) const override {
-    // The lens turns the picture around.
+    // The lens inverts the image.
     const Vec2d onFilm((0.5 - double(sample.film.x) / size.x) * film.x,
                        (double(sample.film.y) / size.y - 0.5) * film.y);
     double area = 0;
@@ -170,23 +170,23 @@ class Realistic final : public Camera {
     }
   }
 
-  /** What part of the plane of the rearmost surface light comes from to a place of the film at a distance
-   * from its middle along +x. */
+  /** Finds bounds of the exit pupil in the plane of the rearmost surface, for film points along +x, by
+   * their distance from the middle. */
   void findExitPupils() {
     pupils.resize(PUPILS);
     parallelFor(PUPILS, [&](size_t i) {
       const double width = diagonal / 2 / PUPILS;
       const double margin = 1.5 * lens.rearRadius();
       Bounds<Vec2d> all{Vec2d(-margin), Vec2d(margin)};
-      // First roughly over the whole surface and a margin, finer where nothing is found, then within that.
+      // A coarse search over the surface and a margin, a fine one where that fails, then one in the result.
       Bounds<Vec2d> found = pupilWithin(all, double(i) * width, width, COARSE);
       if (found.lower.x > found.upper.x) found = pupilWithin(all, double(i) * width, width, FINE);
       if (found.lower.x <= found.upper.x) all = pupilWithin(found, double(i) * width, width, COARSE);
       pupils[i] = all;
     });
   }
-  /** The box of all cells of a grid over a box that let light through to film places from x to x + width, and
-   * of the cells around. */
+  /** Bounds of the cells of a grid over a box that pass light to film points from x to x + width, extended
+   * by one cell. */
   Bounds<Vec2d> pupilWithin(const Bounds<Vec2d>& box, double x, double width, int grid) const {
     const Vec2d cell = box.diagonal() / double(grid);
     Bounds<Vec2d> found;
@@ -214,10 +214,10 @@ class Realistic final : public Camera {
   static constexpr int PUPILS = 64, COARSE = 48, FINE = 256;
   CameraTrack track;
   LensSystem lens;
-  Vec2d size;      ///< of the film [pixels]
-  Vec2d film;      ///< the same [m]
-  double diagonal; ///< the same [m]
-  double spread;   ///< of a pixel, near the axis
+  Vec2d size;      ///< size of the film [pixels]
+  Vec2d film;      ///< size of the film [m]
+  double diagonal; ///< diagonal of the film [m]
+  double spread;   ///< angle of a pixel near the axis [rad]
   std::vector<Bounds<Vec2d>> pupils;
 };
 

@@ -1,6 +1,6 @@
 /** @file
- * Pictures through OpenImageIO. Encoders write to memory, and the bytes go to the disk in one place that
- * notices every error; the encoders' own file handling does not always.
+ * Image files by OpenImageIO. Encoders write to memory, and one function writes the bytes to the disk and
+ * checks every error, which the file handling of the encoders does not always do.
  */
 #include "recurse/core/image/image.h"
 
@@ -33,7 +33,7 @@ std::string extensionOf(const std::string& fileName) {
   return lowerCase(std::filesystem::path(fileName).extension().string());
 }
 
-/** What a file of each extension holds. */
+/** Content of a file by its extension. */
 enum class Content { ALL_CHANNELS, LINEAR_RGB, DISPLAY_RGB };
 
 Content contentByExtension(const std::string& fileName) {
@@ -48,12 +48,12 @@ Content contentByExtension(const std::string& fileName) {
               ExitStatus::BAD_USAGE);
 }
 
-/** NaN as well becomes black: there is no colour for it. */
+/** Encoded value in [0, 1] as a byte; NaN becomes 0, black. */
 uint8_t byteOf(float encoded) {
   return encoded > 0 ? static_cast<uint8_t>(std::lround(255 * std::min(encoded, 1.0f))) : 0;
 }
 
-/** R, G, B of each pixel; one channel stands for all three, as two channels stand for nothing. */
+/** R, G, B of each pixel; a single channel gives grey. Throws Error for two channels or none. */
 std::vector<float> rgbPixels(const std::string& fileName, const Image& image) {
   const size_t channels = image.channels.size();
   if (channels == 2 || channels == 0)
@@ -65,7 +65,7 @@ std::vector<float> rgbPixels(const std::string& fileName, const Image& image) {
   return out;
 }
 
-/** Attributes that belong to a file format and mean something else, or nothing, in another file. */
+/** True for attributes that are specific to a file format, and meaningless or misleading in other files. */
 bool isFormatAttribute(const std::string& name) {
   const std::string lower = lowerCase(name);
   for (const char* prefix : {"oiio:", "openexr:", "png:", "jpeg:", "tiff:", "exif:", "gps:", "icc", "iptc:"})
@@ -87,12 +87,12 @@ std::vector<unsigned char> encode(const std::string& fileName, const OIIO::Image
     throw Error(fileName + ": cannot be written: the image library has no memory encoder for this format");
   if (!output->open(fileName, spec) || !output->write_image(type, pixels) || !output->close())
     throw Error(fileName + ": cannot be written: " + output->geterror());
-  output->geterror(); // remarks on metadata; unread ones would be printed
+  output->geterror(); // warnings about metadata; unread ones would be printed
   return memory.buffer();
 }
 
-/** OpenImageIO 2.4 has no writer for PFM: three header lines, rows from the bottom, in the machine's order.
- */
+/** Encodes PFM, for which OpenImageIO 2.4 has no writer: three header lines, then rows from the bottom in the
+ * byte order of the machine. */
 std::vector<unsigned char> encodePfm(const Image& image, const std::vector<float>& rgb) {
   const char* order = std::endian::native == std::endian::little ? "-1.0" : "1.0";
   const std::string header =
@@ -170,7 +170,7 @@ std::vector<int> channelOrder(const std::string& fileName, const std::vector<std
     return !first.empty();
   };
   if (!takeColours(""))
-    for (const std::string& name : names) // the first layer that has colours
+    for (const std::string& name : names) // the first layer with colours
       if (name.size() > 2 && lowerCase(name).ends_with(".r") &&
           takeColours(lowerCase(name.substr(0, name.size() - 1))))
         break;

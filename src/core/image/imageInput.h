@@ -1,5 +1,5 @@
 /** @file
- * Opening of picture files, for readers that keep the pixels in the type that the file has.
+ * Opening of image files, for readers that keep the pixels in the type of the file.
  */
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace recurse::detail {
 
-/** An open picture, with what its reader reads from where that is memory. */
+/** An open image, with its content and the reader of it where the image is in memory. */
 struct OpenImage {
   std::shared_ptr<const std::string> content;
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
@@ -22,11 +22,11 @@ struct OpenImage {
   OIIO::ImageInput* operator->() const { return input.get(); }
 };
 
-/** A picture of two dimensions at the start of its pixels. Throws Error naming the file and the reason. */
+/** Opens a two-dimensional image, at the start of its pixels. Throws Error naming the file and the reason. */
 OpenImage openImage(const FileReference& file);
-/** For std::bad_alloc on the way: headers of damaged pictures ask for any size. */
+/** Error for std::bad_alloc while reading: headers of damaged images may ask for any size. */
 Error lacksMemory(const FileReference& file);
-/** Why a picture could not be read, by what OpenImageIO says of it, which may be nothing. */
+/** Reason for a failure to read an image, from OpenImageIO's message, which may be empty. */
 std::string readFailure(const std::string& said);
 
 } // namespace recurse::detail

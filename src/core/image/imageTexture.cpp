@@ -1,6 +1,6 @@
 /** @file
- * Pictures as textures. A file is read once, and kept in the type that it has; OpenImageIO's cache asks for
- * its rows through an ImageInput of our own, which decodes them, so that filtering is done in linear light.
+ * Image textures. A file is read once and kept in its own type. OpenImageIO's cache requests its rows through
+ * an ImageInput of Recurse, which decodes them, so that filtering is done in linear light.
  */
 #include "recurse/core/image/imageTexture.h"
 
@@ -37,7 +37,7 @@ struct Pixels {
   size_t rowValues() const { return size_t(width) * size_t(channels); }
   size_t rowBytes() const { return rowValues() * type.size(); }
   bool coded() const { return !type.is_floating_point() && encoding.kind != ImageEncoding::Kind::LINEAR; }
-  /** Halves have more digits than eight bits. */
+  /** Type of decoded pixels: half floats have more digits than 8-bit codes; 16-bit codes need floats. */
   OIIO::TypeDesc decodedType() const {
     if (!coded()) return type;
     return type == OIIO::TypeDesc::UINT8 ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT;
@@ -48,7 +48,7 @@ struct Pixels {
   }
 };
 
-/** Which three channels of the file stand for red, green and blue; the same one three times for grey. */
+/** Indices of the red, green and blue channels of the file; the same index three times for grey. */
 std::vector<int> channelsOf(const std::string& fileName, const OIIO::ImageSpec& spec,
                             ImageChannels channels) {
   if (channels == ImageChannels::ALPHA) {
@@ -85,7 +85,7 @@ Pixels readPixels(const FileReference& file, const ImageEncoding& encoding, Imag
   p.type = spec.format;
   const auto kept = {OIIO::TypeDesc::UINT8, OIIO::TypeDesc::UINT16, OIIO::TypeDesc::HALF};
   if (std::none_of(kept.begin(), kept.end(), [&](auto t) { return p.type == t; })) {
-    // Integers of other widths are scaled to [0, 1] on the way, and stay coded.
+    // Integers of other widths are scaled to 16 bits, and stay encoded.
     p.type = p.type.is_floating_point() ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT16;
   }
   const size_t stored = size_t(spec.nchannels), each = p.type.size(),
@@ -109,13 +109,13 @@ Pixels readPixels(const FileReference& file, const ImageEncoding& encoding, Imag
   throw detail::lacksMemory(file);
 }
 
-/** A level of detail: linear light, in Pixels::decodedType(). */
+/** A coarser level of detail: linear light, in Pixels::decodedType(). */
 struct Level {
   int width = 0, height = 0;
   detail::PixelStore bytes;
 };
 
-/** The pixels, decoded when they are asked for, and the coarser levels, made all at once the first time. */
+/** Mipmap of the pixels: level 0 is decoded on request, and the coarser levels are all made at first use. */
 class Pyramid {
  public:
   explicit Pyramid(const Pixels& pixels) : pixels(pixels) {}
@@ -174,7 +174,7 @@ class Pyramid {
                         static_cast<int>(linear.size()));
   }
 
-  /** Each pixel the mean of what it covers in the level before. */
+  /** Makes the coarser levels: each pixel is the mean of the area that it covers in the level before. */
   void make() {
     const auto channels = size_t(pixels.channels);
     std::vector<float> above;
@@ -200,7 +200,7 @@ class Pyramid {
       if (level == 1) pixels.bytes.rest();
     }
   }
-  /** Calls use(to, part) for the one or two of `count` places that place `from` of `all` is a part of. */
+  /** Calls use(to, fraction) for the one or two of `count` pixels that overlap pixel `from` of `all`. */
   template <class Use> static void forShares(int from, int all, int count, const Use& use) {
     if (all == 2 * count) return use(from / 2, 0.5f);
     const double scale = double(count) / double(all), begin = from * scale, end = (from + 1) * scale;
@@ -212,11 +212,11 @@ class Pyramid {
 
   const Pixels& pixels;
   std::once_flag made, tableMade;
-  std::vector<float> table; ///< of codes
+  std::vector<float> table; ///< linear value of each code
   std::vector<Level> levels;
 };
 
-/** What OpenImageIO's cache reads from in the place of a file. */
+/** Input of OpenImageIO's cache that reads from a Pyramid instead of a file. */
 class DecodedInput final : public OIIO::ImageInput {
  public:
   const char* format_name() const override { return "recurse"; }
@@ -247,11 +247,11 @@ class DecodedInput final : public OIIO::ImageInput {
   int level = 0;
 };
 
-/** Of tiles in OpenImageIO's cache. */
+/** Memory of tiles in OpenImageIO's cache [bytes]. */
 double cacheBytes = 0x1p30;
 
-/** OpenImageIO's texture system. It is never destroyed: threads that have used it, and end later, would touch
- * what they knew of it. */
+/** OpenImageIO's texture system. It is never destroyed, since threads that used it and end later still access
+ * their data in it. */
 class TextureCache {
  public:
   TextureCache(const TextureCache&) = delete;
@@ -281,7 +281,7 @@ struct ImageTexture::Source {
   Pyramid pyramid;
   OIIO::ustring name;
   OIIO::TextureSystem::TextureHandle* handle = nullptr;
-  std::shared_ptr<const std::string> content; ///< is a part of the key, so no other may take its address
+  std::shared_ptr<const std::string> content; ///< address is a part of the key, so it must not be reused
 
   Source(const FileReference& file, const ImageEncoding& encoding, ImageChannels channels)
       : pixels(readPixels(file, encoding, channels)), pyramid(pixels) {
@@ -301,7 +301,7 @@ struct ImageTexture::Source {
   Source(const Source&) = delete;
   Source& operator=(const Source&) = delete;
 
-  /** The one of this file and encoding, while anything uses it. */
+  /** Shared source of this file, these channels and this encoding, as long as any texture uses it. */
   static std::shared_ptr<const Source> of(const FileReference& file, const ImageEncoding& encoding,
                                           ImageChannels channels) {
     using Key = std::tuple<std::string, const void*, ImageChannels, ImageEncoding::Kind, float>;
@@ -317,7 +317,7 @@ struct ImageTexture::Source {
 };
 
 void setTextureMemory(double bytes) {
-  cacheBytes = std::max(bytes / 2, 0x1p24); // with less, tiles come and go without end
+  cacheBytes = std::max(bytes / 2, 0x1p24); // with less, tiles would be evicted all the time
   detail::PixelStore::setLimit(bytes - cacheBytes);
 }
 
@@ -347,7 +347,7 @@ Rgb ImageTexture::at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const {
                                   : settings.wrap == Wrap::BLACK ? OIIO::TextureOpt::WrapBlack
                                                                  : OIIO::TextureOpt::WrapClamp;
   if (settings.wrap == Wrap::OCTAHEDRAL) {
-    // Over an edge of the square the sphere goes on at the mirror image of the place on the same edge.
+    // Beyond an edge of the square, the sphere continues at the mirror image of the point on the same edge.
     const auto fold = [](float& x, float& y) {
       x -= 2 * std::floor(x / 2);
       if (x <= 1) return;

@@ -36,7 +36,7 @@ class PcxReader {
         fail("the palette at its end is missing");
       end -= PALETTE_BYTES;
     }
-    // A run of two bytes stands for at most 63.
+    // A run of two bytes encodes at most 63 values.
     if (double(height) * double(lineBytes * planes()) > 63.0 / 2 * double(end - HEADER_BYTES) + 1)
       fail("it is too short for its size");
     requireMemory(fileName, 4.0 * double(width) * double(height));
@@ -73,7 +73,7 @@ class PcxReader {
   size_t planes() const { return byte(65); }
 
   uint8_t nextValue() {
-    while (run == 0) { // runs of no length stand for nothing
+    while (run == 0) { // runs of length 0 encode nothing
       value = take();
       run = 1;
       if (value < 0xc0) break;

@@ -1,5 +1,5 @@
 /** @file
- * The ZSoft PCX picture format, which OpenImageIO has no reader for.
+ * The ZSoft PCX image format, for which OpenImageIO has no reader.
  */
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace recurse::detail {
 
-/** The same picture as an uncompressed TGA file. Takes PCX of eight bits with a palette, and of 24 bits.
- * Throws Error naming the file and the reason. */
+/** Converts a PCX image, 8-bit with a palette or 24-bit, to an uncompressed TGA file in memory. Throws Error
+ * naming the file and the reason. */
 std::string tgaOfPcx(const std::string& fileName, const std::string& pcx);
 
 } // namespace recurse::detail

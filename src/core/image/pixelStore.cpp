@@ -1,5 +1,5 @@
 /** @file
- * Pixels in memory and in files without a name.
+ * Pixels in memory and in nameless files.
  */
 #include "core/image/pixelStore.h"
 
@@ -19,8 +19,8 @@ namespace {
 std::atomic<double> limit{INFINITY};
 std::atomic<size_t> inMemory{0}, inFiles{0};
 
-/** Descriptor of a file that goes with it; negative where there can be none. Not in /tmp, which may be
- * memory. */
+/** Descriptor of an unlinked temporary file, which exists until it is closed; negative on failure. Not in
+ * /tmp, which may be memory. */
 int namelessFile() {
   const char* chosen = std::getenv("TMPDIR");
   std::string name = std::string(chosen && *chosen ? chosen : "/var/tmp") + "/recurse-XXXXXX";
@@ -29,7 +29,7 @@ int namelessFile() {
   return file;
 }
 
-/** Null where it cannot be done. */
+/** Writes the bytes to a nameless file and maps it; null on failure. */
 void* mapInFile(const std::vector<std::byte>& bytes) {
   const int file = namelessFile();
   if (file < 0) return nullptr;

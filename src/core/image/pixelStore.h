@@ -1,5 +1,5 @@
 /** @file
- * Where pixels of textures lie.
+ * Storage of texture pixels.
  */
 #pragma once
 
@@ -10,8 +10,8 @@
 namespace recurse::detail {
 
 /**
- * Bytes that do not change: in memory, or, where all of them together would take more than the limit, in a
- * file without a name, which the system keeps in memory as far as there is room.
+ * Immutable bytes, in memory, or in a nameless temporary file where all stores together would exceed the
+ * limit. The system keeps such a file in memory while there is room.
  */
 class PixelStore {
  public:
@@ -25,12 +25,12 @@ class PixelStore {
   }
   const std::byte* data() const { return mapped ? static_cast<const std::byte*>(mapped) : own.data(); }
   size_t size() const { return mapped ? mappedSize : own.size(); }
-  /** Those in a file need not be in memory for now. */
+  /** Lets the system drop bytes of a file from memory until their next use. */
   void rest() const;
 
-  /** Of all in memory [bytes]; infinite at first. */
+  /** Sets the limit for all stores in memory [bytes]; infinite at first. */
   static void setLimit(double bytes);
-  /** That all of them together have now, in memory and in files [bytes]. */
+  /** Bytes of all stores now: in memory, and in files. */
   static std::pair<size_t, size_t> totals();
 
  private:

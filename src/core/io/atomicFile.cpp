@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/** A signal handler must not take locks or allocate: names lie in fixed places with a flag each. */
+/** Entry of a table in fixed memory, with flags: a signal handler must neither lock nor allocate. */
 struct Slot {
   std::atomic<bool> taken{false}, filled{false};
   char name[PATH_MAX];
@@ -38,7 +38,7 @@ int remember(const std::string& name) {
     slots[i].filled.store(true);
     return static_cast<int>(i);
   }
-  return -1; // a 65th file at once is only not removed at a hard interrupt
+  return -1; // beyond 64 open files, the last ones are not removed by a hard interrupt
 }
 
 void forget(int slot) {
@@ -56,7 +56,7 @@ fs::path folderOf(const std::string& target) {
   return folder.empty() ? fs::path(".") : folder;
 }
 
-/** What the name stands for once links are followed, so that a rename does not replace the link. */
+/** Target of the name once links are followed, so that a rename does not replace the link. */
 std::string resolved(const std::string& name) {
   std::error_code error;
   const fs::path real = fs::canonical(name, error);
@@ -78,7 +78,7 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
     return;
   }
   static std::atomic<unsigned> counter{0};
-  // The same name is only met again when an earlier process of this number was killed: such a file is waste.
+  // Such a file exists only if an earlier process with this id was killed: it can be overwritten.
   temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
                                    std::to_string(counter.fetch_add(1)) + ".tmp"))
                   .string();
@@ -88,7 +88,7 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
     fail(errno);
   }
   slot = remember(temporary);
-  // A file that is there already keeps its permissions; where that is not possible it still is written.
+  // An existing file keeps its permissions; where that is not possible it still is written.
   if (::stat(target.c_str(), &status) == 0 && ::fchmod(descriptor, status.st_mode & 07777) != 0) errno = 0;
 }
 
@@ -112,7 +112,7 @@ void AtomicFile::write(const void* data, size_t size) {
 void AtomicFile::commit() {
   const int closing = descriptor;
   descriptor = -1;
-  if (::close(closing) != 0) fail(errno); // network file systems tell of a full disk only here
+  if (::close(closing) != 0) fail(errno); // network file systems report a full disk only here
   if (temporary.empty()) return;
   if (::rename(temporary.c_str(), target.c_str()) != 0) fail(errno);
   temporary.clear();
@@ -128,9 +128,9 @@ void checkFileWritable(const std::string& fileName) {
   struct stat status {};
   if (::stat(target.c_str(), &status) == 0) {
     if (S_ISDIR(status.st_mode)) failFor(fileName, EISDIR);
-    // A rename could replace a write-protected file, but its owner has said that it shall stay.
+    // A rename could replace a write-protected file, against the intention of its owner.
     if (::access(target.c_str(), W_OK) != 0) failFor(fileName, errno);
-    // Writing to the others may wait for a reader for ever.
+    // Writing to special files other than character devices and open streams may wait for a reader for ever.
     if (!S_ISREG(status.st_mode) && !S_ISCHR(status.st_mode) && !isOpenStream(target))
       throw Error(fileName + ": cannot be written: it is " + specialKind(target) + ", not a file");
     if (!S_ISREG(status.st_mode)) return;

@@ -29,7 +29,7 @@ std::string SourceLocation::lineText() const {
 
 namespace {
 
-/** At most this much of a long line is shown, around the caret. */
+/** Maximum part of a long line that is shown, around the caret [characters]. */
 constexpr size_t SHOWN_COLUMNS = 100;
 
 std::string caretLines(const SourceLocation& where) {
@@ -44,13 +44,13 @@ std::string caretLines(const SourceLocation& where) {
     text = text.substr(begin, SHOWN_COLUMNS) + (cut ? "..." : "");
     caret -= begin;
   }
-  // Control bytes would garble a terminal; tabs become one blank so that the caret stays in its column.
+  // Control bytes would garble a terminal; a tab becomes one blank so that the caret stays in its column.
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
   return "    " + lead + text + "\n    " + std::string(lead.size() + caret, ' ') + "^\n";
 }
 
-/** Letters to insert, leave out, replace or exchange with their neighbour. */
+/** Edit distance: letters to insert, delete, replace, or exchange with their neighbour. */
 size_t editDistance(const std::string& a, const std::string& b) {
   std::vector<size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
   std::iota(row.begin(), row.end(), size_t{0});
@@ -67,16 +67,16 @@ size_t editDistance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/** Names in a scene may be as long as the file; a person reads a few lines [characters]. */
+/** Limits of texts that a person reads, since names in a scene may be as long as the file [characters]. */
 constexpr size_t MAX_MESSAGE = 600, MAX_LIST = 4000;
 
-/** A text without its middle, where it is very long: what is wrong and where stands at its ends. */
+/** Text without its middle where it is too long: its ends contain the error and its location. */
 std::string abbreviated(const std::string& text, size_t most) {
   if (text.size() <= most) return text;
   return text.substr(0, most / 2) + "[...]" + text.substr(text.size() - most / 2);
 }
 
-/** Where the second and those after it are, as far as a person would read on. */
+/** Locations of all but the first of some equal diagnostics, up to a readable number of them. */
 std::string placesOf(const std::vector<const Diagnostic*>& same) {
   constexpr size_t MAX_COUNT = 8;
   std::string out;
@@ -149,7 +149,7 @@ std::vector<std::string> nearestNames(const std::string& wrong, const std::vecto
   for (const std::string& name : names) {
     const auto [shorter, longer] = std::minmax({wrong.size(), name.size()});
     const size_t misspelt = std::max<size_t>(1, shorter / 3);
-    // Bounds the work on a wrong name of any length.
+    // Skips names much shorter than a wrong one, which may be of any length: bounds the work.
     if (wrong.size() > name.size() + misspelt) continue;
     const std::string a = lowerCase(wrong), b = lowerCase(name);
     if (const size_t distance = longer - shorter > misspelt ? longer : editDistance(a, b);

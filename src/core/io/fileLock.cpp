@@ -1,5 +1,5 @@
 /** @file
- * Locks by flock(2), which the system takes back when a process ends in whatever way.
+ * Locks by flock(2), which the system releases when a process ends in any way.
  */
 #include "recurse/core/io/fileLock.h"
 
@@ -17,7 +17,7 @@ namespace recurse {
 
 namespace {
 
-/** False when the name stands for another file by now: the process that had the lock has removed its own. */
+/** False when the name refers to a new file by now: the process with the lock has removed its own one. */
 bool isStillThere(const std::string& name, int descriptor) {
   struct stat byName {
   }, open{};

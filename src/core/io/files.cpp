@@ -1,5 +1,5 @@
 /** @file
- * Identity of files by device and inode, and by canonical paths where there is no file yet.
+ * Identity of files by device and inode, and by canonical paths where no file exists yet.
  */
 #include "recurse/core/io/files.h"
 

@@ -14,7 +14,7 @@ uint8_t byteAt(const std::string& text, size_t i) {
   return i < text.size() ? static_cast<uint8_t>(text[i]) : 0;
 }
 
-/** Bytes of the character of UTF-8 that begins at `i`, 1 to 4; 0 where none does. */
+/** Length of the UTF-8 character that begins at `i`, 1 to 4 [bytes]; 0 where none does. */
 size_t characterBytes(const std::string& text, size_t i) {
   const uint8_t first = byteAt(text, i);
   if (first < 0x80) return 1;

@@ -1,5 +1,5 @@
 /** @file
- * Escapes in text.
+ * Percent escapes.
  */
 #include "recurse/core/io/text.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * Zip archives.
+ * Zip archives by libzip.
  */
 #include "recurse/core/io/zipArchive.h"
 
@@ -20,7 +20,7 @@ struct ZipArchive::Handle {
 
 namespace {
 
-/** More than any file of a game; an archive can claim a thousand times its own size. */
+/** Limit of one file, larger than any file of a game: an archive can claim a thousand times its own size. */
 constexpr zip_uint64_t MAX_ENTRY_BYTES = zip_uint64_t(1) << 30;
 
 } // namespace
@@ -66,7 +66,7 @@ std::string ZipArchive::read(const std::string& name) const {
   const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(zip_fopen(handle->zip, name.c_str(), 0),
                                                                zip_fclose);
   if (!file) fail(std::string("cannot be read: ") + zip_strerror(handle->zip));
-  std::string bytes; // grows with what is there, not with what is claimed
+  std::string bytes; // grows with the data present, not with the size claimed
   char chunk[1 << 16];
   for (;;) {
     const zip_int64_t got = zip_fread(file.get(), chunk, sizeof chunk);

@@ -1,5 +1,5 @@
 /** @file
- * Matrices between two others.
+ * Interpolation of matrices.
  */
 #include "recurse/core/math/animatedTransform.h"
 
@@ -10,16 +10,16 @@ AnimatedTransform::AnimatedTransform(const Mat4d& start, const Mat4d& end)
   if (!animated) return;
   parts[0] = takeApart(start);
   parts[1] = takeApart(end);
-  // q and -q are the same rotation; the nearer one is meant.
+  // q and -q are the same rotation; the nearer one gives the shortest path.
   if (glm::dot(parts[0].rotation, parts[1].rotation) < 0) parts[1].rotation = -parts[1].rotation;
 }
 
 AnimatedTransform::Parts AnimatedTransform::takeApart(const Mat4d& m) {
   const Mat3d linear(m);
-  // The nearest rotation, by Newton's iteration (Higham 1986), of the matrix scaled to determinant 1.
+  // Polar decomposition by Newton's iteration (Higham 1986), of the matrix scaled to determinant 1.
   const double determinant = glm::determinant(linear);
-  Mat3d rotation = linear * (1 / std::cbrt(determinant)); // a mirror is left to the rest
-  constexpr int MAX_STEPS = 60; // one for every two powers of two that scales differ by, and a few
+  Mat3d rotation = linear * (1 / std::cbrt(determinant)); // keeps a mirror in the stretch
+  constexpr int MAX_STEPS = 60; // one for every factor of 4 between scales, and a few more
   for (int i = 0; i < MAX_STEPS; ++i) {
     const Mat3d next = (rotation + glm::transpose(glm::inverse(rotation))) * 0.5;
     double change = 0;
@@ -43,8 +43,8 @@ Mat4d AnimatedTransform::at(double time) const {
 int AnimatedTransform::linearParts() const {
   if (!animated) return 1;
   const double half = std::acos(std::min(1.0, glm::dot(parts[0].rotation, parts[1].rotation)));
-  // A chord of angle a stays within a²/8 of its arc; a² / 4 also covers a rest that changes on the way.
-  constexpr double PART = 0.025; // radians
+  // A chord of angle a stays within a²/8 of its arc; a² / 4 also covers a stretch that changes with time.
+  constexpr double PART = 0.025; // [rad]
   return 1 + static_cast<int>(2 * half / PART);
 }
 

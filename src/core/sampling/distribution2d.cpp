@@ -1,6 +1,6 @@
 /** @file
- * Sampling of tabulated densities by inversion of their sums, which are in double precision: beside a sun,
- * the rest of the sky still counts.
+ * Sampling of tabulated densities by inversion of their cumulative sums, which are in double precision so
+ * that the rest of the sky still counts beside a sun.
  */
 #include "recurse/core/sampling/distribution2d.h"
 
@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** The first of the rising sums that lies above `wanted`; never one that adds nothing. */
+/** Index of the first of the increasing sums above `wanted`; never an entry that adds nothing. */
 size_t find(const double* sums, size_t count, double wanted) {
   const double* found = std::upper_bound(sums, sums + count, wanted);
   if (found == sums + count) found = std::lower_bound(sums, sums + count, sums[count - 1]);
@@ -51,7 +51,7 @@ Distribution2d::Sample Distribution2d::sample(const Vec2d& u) const {
   double rest = wanted - (block > 0 ? sums[block - 1] : 0);
   const size_t end = std::min(width, (block + 1) * BLOCK);
   size_t x = block * BLOCK, last = x;
-  double share = 0; // of the cell that is chosen in the end
+  double share = 0; // of the chosen cell
   for (; x < end; ++x) {
     const double w = weight(above, below, x);
     if (!(w > 0)) continue;
@@ -60,7 +60,7 @@ Distribution2d::Sample Distribution2d::sample(const Vec2d& u) const {
     if (rest < w) break;
     rest -= w;
   }
-  x = last; // where rounding has led beyond all
+  x = last; // the last cell with weight, where rounding has led beyond the end
   share = std::clamp(share, 0.0, 1.0);
 
   const double a = double(above[x]), b = double(above[x + 1]), c = double(below[x]), d = double(below[x + 1]);
@@ -114,14 +114,14 @@ double WindowedDistribution2d::sum(const Window& w) const {
   if (values.empty()) return 0;
   const double inside = sumTo(w.high.x, w.high.y) - sumTo(w.low.x, w.high.y) - sumTo(w.high.x, w.low.y) +
                         sumTo(w.low.x, w.low.y);
-  // What is left of differences that are so small may be rounding alone.
+  // Smaller differences of the sums may be rounding errors alone.
   constexpr double ROUNDING = 1e-12;
   return inside > ROUNDING * sums.back() ? inside : 0;
 }
 
 Vec2d WindowedDistribution2d::sample(const Window& w, const Vec2d& u) const {
-  // The place in [low, high] up to which `upTo` holds the part `share` of the whole; it is linear within
-  // cells.
+  // Finds the coordinate in [low, high] at which the cumulative function `upTo` reaches `share` of its total,
+  // by bisection over the cells; upTo is linear within cells.
   const auto invert = [](double low, double high, size_t cells, double share, const auto& upTo) {
     const auto n = static_cast<double>(cells);
     const double wanted = share * upTo(high);
@@ -142,7 +142,7 @@ Vec2d WindowedDistribution2d::sample(const Window& w, const Vec2d& u) const {
     return sumTo(to, w.high.y) - sumTo(w.low.x, w.high.y) - sumTo(to, w.low.y) + sumTo(w.low.x, w.low.y);
   });
   const auto n = static_cast<double>(width);
-  const double left = std::min(std::floor(x * n), n - 1) / n, right = left + 1 / n; // the column of cells
+  const double left = std::min(std::floor(x * n), n - 1) / n, right = left + 1 / n; // edges of the column
   const double y = invert(w.low.y, w.high.y, height, u.y, [&](double to) {
     return sumTo(right, to) - sumTo(left, to) - sumTo(right, w.low.y) + sumTo(left, w.low.y);
   });

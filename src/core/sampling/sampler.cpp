@@ -1,5 +1,5 @@
 /** @file
- * How samples are made: eight numbers at once.
+ * Generation of samples: eight numbers at once.
  */
 #include "recurse/core/sampling/sampler.h"
 
@@ -11,7 +11,7 @@ namespace recurse {
 
 namespace {
 
-// Vector extensions of GCC and Clang: operators work on each number.
+// Vector extensions of GCC and Clang, whose operators apply to each element.
 using Words = uint32_t __attribute__((vector_size(32)));
 using HalfWords = uint32_t __attribute__((vector_size(16)));
 using Longs = uint64_t __attribute__((vector_size(32)));
@@ -48,11 +48,11 @@ void Sampler::refill() {
   const Words halves = __builtin_shufflevector((Words)hashes, (Words)hashes, 0, 2, 4, 6, 1, 3, 5, 7);
   const auto shuffle = __builtin_shufflevector(halves, halves, 0, 1, 2, 3);
   const auto seeds = __builtin_shufflevector(halves, halves, 4, 5, 6, 7);
-  // The index is shuffled within each pair of dimensions by an Owen scramble of its own.
+  // The index is shuffled by an Owen scramble of its own for each pair of dimensions.
   const HalfWords shuffled = scrambleReversed(reversedIndex + HalfWords{}, shuffle);
   Words bits = both(shuffled, sobolSecondReversed(shuffled));
   bits = scrambleReversed(reverseBits(bits), both(seeds, seeds * 0x9e3779b9u + 0x7f4a7c15u));
-  // As unitFloat().
+  // Conversion to [0, 1) as in unitFloat().
   static_assert(sizeof numbers == sizeof bits);
   const Float8 unit = toFloat(std::bit_cast<Uint32x8>(reverseBits(bits) >> 8)) * Float8(0x1p-24f);
   std::memcpy(numbers, &unit, sizeof numbers);

@@ -1,5 +1,5 @@
 /** @file
- * The flag that work in progress asks.
+ * Error thrown by interrupted work.
  */
 #include "recurse/core/threads/interrupt.h"
 

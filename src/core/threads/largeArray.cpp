@@ -1,5 +1,5 @@
 /** @file
- * Memory on huge pages.
+ * Allocation on huge pages.
  */
 #include "recurse/core/threads/largeArray.h"
 
@@ -13,7 +13,7 @@ void* allocateLarge(size_t& bytes) {
   constexpr size_t LINE = 64, HUGE_PAGE = size_t(1) << 21;
   const size_t alignment = bytes >= HUGE_PAGE ? HUGE_PAGE : LINE;
   const size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-  // Only whole huge pages are worth having, and only if little of the last one is left over.
+  // Rounding up to whole huge pages pays only where it wastes little of the last one.
   const bool huge = alignment == HUGE_PAGE && rounded - bytes <= bytes / 64;
   bytes = huge ? rounded : (bytes + LINE - 1) / LINE * LINE;
   void* p = nullptr;

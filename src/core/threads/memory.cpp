@@ -1,5 +1,5 @@
 /** @file
- * Memory by the word of Linux, of the control group and of the limits that a shell sets.
+ * Available memory according to Linux, the control group, and the limits set in the shell.
  */
 #include "recurse/core/threads/memory.h"
 
@@ -17,9 +17,9 @@ namespace recurse {
 
 namespace {
 
-double memoryLimit = INFINITY; // of the process
+double memoryLimit = INFINITY; // of the process [bytes]
 
-/** The number after a word in a file of "Name: number kB" lines [bytes]; infinite without. */
+/** Number after a word in a file of "Name: number kB" lines [bytes]; infinite where the word is missing. */
 double numberAfter(const char* fileName, const std::string& word) {
   std::ifstream in(fileName);
   for (std::string line; std::getline(in, line);)
@@ -27,7 +27,7 @@ double numberAfter(const char* fileName, const std::string& word) {
   return INFINITY;
 }
 
-/** The limit of a control group [bytes]; infinite without one. */
+/** Memory limit of the control group [bytes]; infinite without one. */
 double groupLimit() {
   std::ifstream in("/sys/fs/cgroup/memory.max");
   double bytes = 0;
@@ -51,7 +51,7 @@ double availableMemory() {
 }
 
 void requireMemory(const std::string& subject, double bytes) {
-  constexpr double SMALL = 0x1p26; // to ask the system takes as long as what needs so little
+  constexpr double SMALL = 0x1p26; // [bytes] below it, the query takes as long as the work itself
   if (bytes <= SMALL) return;
   const double available = availableMemory();
   if (bytes <= available) return;

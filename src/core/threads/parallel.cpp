@@ -1,5 +1,5 @@
 /** @file
- * TBB behind the parallel loops.
+ * Parallel loops by TBB.
  */
 #include "recurse/core/threads/parallel.h"
 

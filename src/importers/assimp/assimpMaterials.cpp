@@ -1,5 +1,5 @@
 /** @file
- * Materials of models that Assimp has read.
+ * Conversion of the materials of models that Assimp has read.
  */
 #include "importers/assimp/assimpMaterials.h"
 
@@ -16,7 +16,7 @@ namespace recurse {
 
 namespace {
 
-double clamp01(double x) { return x > 0 ? std::min(x, 1.0) : 0; } // 0 for what is no number
+double clamp01(double x) { return x > 0 ? std::min(x, 1.0) : 0; } // 0 for NaN
 
 template <class T> bool get(const aiMaterial& m, const char* key, unsigned type, unsigned i, T& value) {
   return m.Get(key, type, i, value) == AI_SUCCESS;
@@ -27,7 +27,7 @@ double number(const aiMaterial& m, const char* key, unsigned type, unsigned i, d
   return get(m, key, type, i, value) && std::isfinite(value) ? double(value) : otherwise;
 }
 
-/** Parameters of an imagemap for the way that a picture lies on the surface. */
+/** Parameters of an imagemap for the placement of a picture on the surface. */
 std::string layout(const aiMaterial& m, aiTextureType type) {
   std::string text;
   aiUVTransform transform;
@@ -90,8 +90,8 @@ const AssimpMaterials::Made& AssimpMaterials::at(unsigned index) {
   return m;
 }
 
-/** The file of a material's picture, kept for the scene; empty where there is none. `wanted` becomes true
- * where the material has one, found or not. */
+/** File of a material's picture, stored for the scene; empty where there is none. `wanted` becomes true
+ * where the material names a picture, found or not. */
 std::string AssimpMaterials::picture(const aiMaterial& m, aiTextureType type, bool& wanted) {
   aiString name;
   if (m.GetTexture(type, 0, &name) != AI_SUCCESS || name.length == 0) return {};
@@ -138,7 +138,7 @@ std::string AssimpMaterials::embedded(const aiTexture& texture) {
   return out.addFile("picture.tga", tga);
 }
 
-/** The colour `factor` times a picture. */
+/** Colour value: `factor` times a picture. */
 AssimpValue AssimpMaterials::spectrumValue(const aiMaterial& m, aiTextureType type, const Rgbd& factor) {
   bool wanted = false;
   const std::string file = picture(m, type, wanted);
@@ -146,7 +146,7 @@ AssimpValue AssimpMaterials::spectrumValue(const aiMaterial& m, aiTextureType ty
   if (!wanted) return v;
   if (file.empty()) return {Rgbd(1), out.missingTexture()};
   v.texture = out.imageTexture("spectrum", file, layout(m, type));
-  // Writers that mean the picture alone leave black beside it.
+  // Exporters that mean the picture alone write a black factor.
   if (factor != Rgbd(1) && factor != Rgbd(0)) {
     const std::string scaled = out.uniqueName(v.texture + "_scaled");
     out.line("Texture " + sceneText(scaled) + " \"spectrum\" \"scale\" \"texture tex\" " +
@@ -156,7 +156,7 @@ AssimpValue AssimpMaterials::spectrumValue(const aiMaterial& m, aiTextureType ty
   return v;
 }
 
-/** One channel of a picture times a number. */
+/** Float value: one channel of a picture times a number. */
 AssimpValue AssimpMaterials::channelValue(const aiMaterial& m, aiTextureType type, const char* channel,
                                           double factor) {
   bool wanted = false;
@@ -170,7 +170,7 @@ AssimpValue AssimpMaterials::channelValue(const aiMaterial& m, aiTextureType typ
   return v;
 }
 
-/** glTF's roughness is the square root of alpha, and so is pbrt's roughness alpha squared. */
+/** Roughness of glTF is the square root of alpha; pbrt's roughness, without remapping, is its square. */
 std::string AssimpMaterials::roughness(const aiMaterial& m, double factor) {
   AssimpValue v = channelValue(m, aiTextureType_DIFFUSE_ROUGHNESS, "green", clamp01(factor));
   if (v.texture.empty()) return "\"float roughness\" " + sceneText(v.factor.r * v.factor.r) + REMAP_OFF;
@@ -208,7 +208,7 @@ void AssimpMaterials::make(const aiMaterial& m, Made& made) {
 
 std::string AssimpMaterials::normalMap(const aiMaterial& m) {
   bool wanted = false;
-  // "bump" of MTL is a height in principle, and comes as such.
+  // Assimp reports "bump" of MTL as a height map, which is not a normal map.
   const std::string file = picture(m, aiTextureType_NORMALS, wanted);
   return file.empty() ? "" : " \"string normalmap\" " + sceneText(file);
 }
@@ -234,7 +234,7 @@ std::string AssimpMaterials::metalAndRoughness(const aiMaterial& m, const std::s
          floatParameter("amount", metal) + bumps;
 }
 
-/** Phong's model and its relatives. */
+/** Material of Phong's model or one of its relatives. */
 std::string AssimpMaterials::classic(const aiMaterial& m, aiTextureType colourType, double eta,
                                      const std::string& bumps, Made& made) {
   aiColor3D diffuse(0.6f, 0.6f, 0.6f), specular(0, 0, 0);
@@ -245,7 +245,7 @@ std::string AssimpMaterials::classic(const aiMaterial& m, aiTextureType colourTy
   get(m, AI_MATKEY_OBJ_ILLUM, illumination);
   const double opacity = clamp01(number(m, AI_MATKEY_OPACITY, 1));
   const double shine = maxComponent(colourOf(specular)), body = maxComponent(colourOf(diffuse));
-  // The width of the lobe of microfacets that a Phong lobe looks like; from 1000 on MTL means a mirror.
+  // Alpha of a microfacet lobe as wide as the Phong lobe; exponents from 1000 on mean a mirror in MTL.
   const double alpha = exponent >= 999 ? 0 : std::sqrt(2 / (std::max(exponent, 0.0) + 2));
   const std::string rough = " \"float roughness\" " + sceneText(clamp01(alpha)) + REMAP_OFF;
   const bool refracts = illumination == 4 || illumination == 6 || illumination == 7 || illumination == 9;
@@ -266,7 +266,7 @@ std::string AssimpMaterials::classic(const aiMaterial& m, aiTextureType colourTy
 void AssimpMaterials::readAlpha(const aiMaterial& m, aiTextureType colourType, Made& made) {
   if (made.directive.find("dielectric\"") != std::string::npos) return;
   double opacity = clamp01(number(m, AI_MATKEY_OPACITY, 1));
-  if (opacity == 0) opacity = 1; // writers disagree on its sense, and nobody models what cannot be seen
+  if (opacity == 0) opacity = 1; // exporters disagree on its sense; nobody intends an invisible model
   aiString mode;
   const bool hasMode = get(m, AI_MATKEY_GLTF_ALPHAMODE, mode);
   bool wanted = false;
@@ -288,12 +288,12 @@ void AssimpMaterials::readAlpha(const aiMaterial& m, aiTextureType colourType, M
   if (opacity < 1) made.shapeParameters = "\"float alpha\" " + sceneText(opacity);
 }
 
-/** A picture without that channel is opaque. */
+/** Whether a picture has an alpha channel; without one it is opaque. */
 bool AssimpMaterials::hasAlpha(const std::string& file) const {
   try {
     return readImage({file, import.files.at(file)}).channel("A") >= 0;
   } catch (const Error&) {
-    return false; // where it is used as a colour the error is told
+    return false; // the error is reported where it is used as a colour
   }
 }
 

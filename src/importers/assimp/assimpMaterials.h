@@ -1,6 +1,6 @@
 /** @file
- * Materials of models that Assimp has read: the metal and roughness of glTF, and the older ones of
- * Wavefront's MTL and its like, with pictures inside of the file or beside it.
+ * Conversion of the materials of models that Assimp has read: the metallic-roughness model of glTF, and the
+ * older models of Wavefront's MTL and similar formats, with pictures inside the file or beside it.
  */
 #pragma once
 
@@ -20,7 +20,7 @@ struct AssimpValue {
   std::string texture; ///< name in the scene; empty: the factor alone
 };
 
-/** What is no number is black. */
+/** Colour of Assimp; components that are not finite become 0. */
 Rgbd colourOf(const aiColor3D& colour);
 
 class AssimpMaterials {
@@ -33,7 +33,7 @@ class AssimpMaterials {
     std::string directive = "Material \"diffuse\"", areaLight, shapeParameters;
     unsigned uvChannel = 0;
   };
-  /** Made when it is asked for. */
+  /** Material at an index, converted on first use. */
   const Made& at(unsigned index);
 
   size_t count() const { return materialCount; }
@@ -64,7 +64,7 @@ class AssimpMaterials {
   std::string path, directory;
   bool lightsWanted;
   std::vector<Made> materials;
-  std::map<std::string, std::string> pictures; ///< by the model's names for them
+  std::map<std::string, std::string> pictures; ///< files by the model's names of pictures
   size_t materialCount = 0, emitters = 0;
 };
 

@@ -1,5 +1,5 @@
 /** @file
- * Scenes of Assimp as pieces of ours.
+ * Conversion of Assimp's scenes to pieces of a scene.
  */
 #include "importers/assimp/assimpScene.h"
 
@@ -16,7 +16,7 @@ namespace recurse {
 namespace {
 
 Vec3d worldVector(const aiVector3D& v) { return {v.x, v.y, v.z}; }
-Mat4d matrixOf(const aiMatrix4x4& m) { // rows there, columns here
+Mat4d matrixOf(const aiMatrix4x4& m) { // stored by rows in Assimp, by columns here
   Mat4d out;
   for (unsigned row = 0; row < 4; ++row)
     for (unsigned column = 0; column < 4; ++column)
@@ -70,8 +70,8 @@ class AssimpSceneImport {
     return scene.mMetaData && scene.mMetaData->Get(key, value) ? value : otherwise;
   }
 
-  /** FBX says in its metadata which of its axes points where, and how many centimetres a unit has; everything
-   * else comes with y up. */
+  /** Axes of the model. FBX has the directions of its axes and the centimetres of a unit in its metadata;
+   * all other formats have y up. */
   Mat4d axes() const {
     if (!scene.mMetaData || !scene.mMetaData->HasKey("UpAxis")) return Mat4d(1);
     const int axis[3] = {metadata("CoordAxis", 0), metadata("UpAxis", 1), metadata("FrontAxis", 2)};
@@ -106,7 +106,7 @@ class AssimpSceneImport {
       ++flat;
       return;
     }
-    if (uses[index] > 1) { // a mesh that stands in several places is one object
+    if (uses[index] > 1) { // a mesh with several placements is one object
       std::string& object = objects[index];
       if (object.empty()) {
         object = out.uniqueName(meshName(mesh, nodeName));
@@ -130,7 +130,7 @@ class AssimpSceneImport {
     return !name.empty() ? name : !nodeName.empty() ? nodeName : "mesh";
   }
 
-  /** The corners of the box around a mesh. */
+  /** Corners of the bounding box of a mesh. */
   static std::vector<Vec3d> corners(const aiMesh& mesh) {
     Bounds3d box;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i) box.add(worldVector(mesh.mVertices[i]));
@@ -211,7 +211,7 @@ class AssimpSceneImport {
         out.line("LightSource \"distant\" \"rgb L\" " + value + " \"point3 from\" " + start +
                  " \"point3 to\" " + end);
       } else if (light.mType == aiLightSource_SPOT) {
-        // Half angles there are whole ones of Assimp.
+        // Cone angles of the scene are half of Assimp's.
         const double outer = std::clamp(glm::degrees(finite(light.mAngleOuterCone)) / 2, 0.5, 180.0);
         const double inner = std::clamp(glm::degrees(finite(light.mAngleInnerCone)) / 2, 0.0, outer);
         out.line("LightSource \"spot\" \"rgb I\" " + value + " \"point3 from\" " + start + " \"point3 to\" " +
@@ -234,7 +234,7 @@ class AssimpSceneImport {
       const Vec3d offset = isGltf ? Vec3d(0) : worldVector(camera.mPosition);
       const Vec3d eye = transformPoint(placeOf(camera.mName), offset);
       const Vec3d forward = place * worldVector(camera.mLookAt), up = place * worldVector(camera.mUp);
-      const Vec3d right = glm::cross(forward, up); // of a world that is right-handed, as Assimp's is
+      const Vec3d right = glm::cross(forward, up); // right-handed, as Assimp's space is
       ImportedCamera made;
       made.name = camera.mName.length > 0 ? camera.mName.C_Str() : "camera " + std::to_string(i + 1);
       made.worldFromCamera[0] = Vec4d(glm::normalize(right), 0);
@@ -278,9 +278,9 @@ class AssimpSceneImport {
   std::string path;
   AssimpMaterials materials;
   bool materialsWanted, lightsWanted, isGltf;
-  std::vector<int> uses;               ///< of each mesh, how many nodes show it
-  std::vector<std::string> objects;    ///< of each mesh that stands in several places, the name
-  std::map<std::string, Mat4d> places; ///< of nodes
+  std::vector<int> uses;               ///< number of nodes that show each mesh
+  std::vector<std::string> objects;    ///< object name of each mesh with several placements
+  std::map<std::string, Mat4d> places; ///< transforms of nodes, by name
   size_t meshes = 0, triangles = 0, instances = 0, lights = 0;
   size_t unknownLights = 0, flat = 0, colouredMeshes = 0, skinnedMeshes = 0;
 };

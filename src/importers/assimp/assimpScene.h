@@ -1,5 +1,5 @@
 /** @file
- * What Assimp has read of a model, written down as a piece of a scene: node transforms, meshes, materials,
+ * Conversion of a model that Assimp has read to a piece of a scene: node transforms, meshes, materials,
  * lights and cameras.
  */
 #pragma once
@@ -12,7 +12,7 @@ struct aiScene;
 
 namespace recurse {
 
-/** `p`: of the importer "mesh". Throws SceneError where the model cannot be used. */
+/** `p`: parameters of the importer "mesh". Throws SceneError where the model cannot be used. */
 void importAssimpScene(const aiScene& scene, const std::string& path, const Parameters& p,
                        const ImportContext& context, SceneImport& import);
 

@@ -1,6 +1,6 @@
 /** @file
- * Models of every kind that Assimp reads. PLY files are read by the reader of our own, which names the place
- * of what is wrong with them.
+ * Import of models in every format that Assimp reads. PLY files have a separate reader, which reports the
+ * position of errors in the file.
  */
 #include <algorithm>
 #include <array>
@@ -32,12 +32,12 @@ namespace recurse {
 
 namespace {
 
-/** Memory for Assimp: numbers of damaged files ask for any size. Text of a triangle has more than 10 bytes,
- * and becomes about 1 kB on the way; it may be compressed. */
+/** Memory limits for Assimp, because numbers in damaged files may request any size. A triangle has more
+ * than 10 bytes of text, which may be compressed, and takes about 1 kB during import. */
 constexpr double MODEL_BYTES = 0x1p30, BYTES_PER_BYTE = 1000;
 
-/** Notes which files are read, and allows for the memory that they may take; those that may not be read, and
- * pipes and devices, are not there. */
+/** Notes the files that are read, and raises the memory limit for each. Files that may not be read, pipes
+ * and devices appear to be missing. */
 class NotingIoSystem : public Assimp::DefaultIOSystem {
  public:
   using MayRead = std::function<bool(const std::string& file)>;
@@ -66,8 +66,8 @@ class NotingIoSystem : public Assimp::DefaultIOSystem {
 };
 
 /**
- * Assimp has faults that damaged files reach. While this lives, one ends the program with an error that names
- * the file. The handler has a stack of its own, because recursion without end is among them.
+ * Ends the program with an error that names the file where a fault of Assimp is reached, as by damaged files.
+ * The signal handler has a separate stack, because endless recursion is among these faults.
  */
 class FaultReport {
  public:
@@ -125,7 +125,7 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   Assimp::Importer importer;
   // Lines and points have no surface.
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_LINE | aiPrimitiveType_POINT);
-  std::map<std::string, bool> answers; // by file, so that each is told of once
+  std::map<std::string, bool> answers; // answers by file, so that each is reported once
   const auto isAllowed = [&](const std::string& file) {
     std::error_code missing;
     if (!std::filesystem::exists(file, missing)) return true;
@@ -133,7 +133,7 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
     if (isNew) found->second = mayRead(file, path, p);
     return found->second;
   };
-  // The importer's own from here.
+  // The importer takes ownership of the handler.
   importer.SetIOHandler(new NotingIoSystem(import.filesRead, *memory, isAllowed));
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
   std::string why = "it is damaged";

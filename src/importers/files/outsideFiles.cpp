@@ -1,6 +1,6 @@
 /** @file
- * The rule for files outside of a model's folder. A model that is passed on as a scene shall not have in it
- * what its author made it fetch from the disk of who converts it.
+ * Rule for files outside of a model's folder. A model that is passed on as a scene shall not contain files
+ * that its author made it fetch from the disk of the person who converts it.
  */
 #include "importers/files/outsideFiles.h"
 

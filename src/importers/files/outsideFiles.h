@@ -9,11 +9,11 @@
 
 namespace recurse {
 
-/** The parameter "outside" of importers: whether such files are read. */
+/** Parameter "outside" of importers: whether files outside of the model's folder are read. */
 ParameterSpec outsideParameter();
 
-/** False where the importer with these parameters may not read the file for the model at `path`. Warns of a
- * file outside, unless such files are read as a matter of course. */
+/** Whether the importer with these parameters may read `file` for the model at `path`. Warns of a file
+ * outside of the model's folder, unless "outside" is "read". */
 bool mayRead(const std::string& file, const std::string& path, const Parameters& p);
 
 } // namespace recurse

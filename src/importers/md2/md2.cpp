@@ -48,7 +48,7 @@ class Md2Import {
     }
     std::vector<std::string> names = model.skins();
     names.push_back(
-        std::filesystem::path(path).stem().string()); // many stand beside their picture, and do not say so
+        std::filesystem::path(path).stem().string()); // many have an unlisted picture of their name
     const std::string directory = std::filesystem::path(path).parent_path().string();
     const auto isThere = [&](const std::string& file) { return !file.empty() && mayRead(file, path, p); };
     for (const std::string& name : names) {

@@ -11,7 +11,7 @@ namespace recurse {
 
 namespace {
 
-// What the game's own loader takes at most, with a margin for tools that go beyond it.
+// Limits of the game's own loader, with a margin for tools that go beyond it.
 constexpr uint64_t MAX_SKIN_SIZE = 65535, MAX_SKINS = 1024, MAX_VERTICES = 65536, MAX_FRAMES = 65536,
                    MAX_TRIANGLES = 1 << 22;
 constexpr uint64_t SKIN_BYTES = 64, FRAME_HEADER_BYTES = 40;
@@ -89,9 +89,9 @@ MeshData Md2Model::pose(double frame) const {
     const std::vector<Vec3d> next = positions(first + 1);
     for (size_t i = 0; i < place.size(); ++i) place[i] = glm::mix(place[i], next[i], part);
   }
-  std::vector<Vec3d> normals(place.size(), Vec3d(0)); // areas of the faces around add up
+  std::vector<Vec3d> normals(place.size(), Vec3d(0)); // sums of the area vectors of adjacent faces
   MeshData mesh;
-  std::map<std::pair<uint32_t, uint32_t>, uint32_t> made; // by position and texture coordinate
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> made; // indices by position and texture coordinate
   for (uint64_t t = 0; t < triangles; ++t) {
     const uint64_t at = trianglesAt + 12 * t;
     uint32_t vertex[3], uv[3];
@@ -99,7 +99,7 @@ MeshData Md2Model::pose(double frame) const {
       vertex[k] = indexAt(at + 2 * k, "vertex", vertices);
       uv[k] = indexAt(at + 6 + 2 * k, "texture coordinate", texCoords);
     }
-    std::swap(vertex[1], vertex[2]); // the front is where they go round clockwise
+    std::swap(vertex[1], vertex[2]); // front faces are clockwise in the file
     std::swap(uv[1], uv[2]);
     const Vec3d& a = place[vertex[0]];
     const Vec3d area = glm::cross(place[vertex[1]] - a, place[vertex[2]] - a);
@@ -129,7 +129,7 @@ uint32_t Md2Model::indexAt(uint64_t offset, const char* what, uint64_t count) co
   return index;
 }
 
-/** In pixels of the skin, from its upper edge. */
+/** Texture coordinates, stored in pixels of the skin from its upper edge. */
 Vec2d Md2Model::texCoord(uint32_t index) const {
   const uint64_t at = texCoordsAt + 4 * uint64_t(index);
   const double width = double(std::max<uint64_t>(skinWidth, 1));

@@ -1,6 +1,6 @@
 /** @file
- * Quake II models (MD2, version 8): triangles between keyframes whose positions are bytes in a box of their
- * own.
+ * Quake II models (MD2, version 8): triangle meshes with keyframes. Positions are stored as bytes, relative
+ * to the box of their keyframe.
  */
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace recurse {
 
-/** A model in memory, which checks what it reads and throws Error with the place. +z is up; it looks along
+/** Model in memory. All reads are checked, and throw Error with the offset. +z is up, and the model faces
  * +x. */
 class Md2Model {
  public:
@@ -21,9 +21,9 @@ class Md2Model {
   Md2Model(const std::string& name, std::string_view bytes);
 
   uint64_t frames() const { return frameCount; }
-  /** Names of pictures. */
+  /** Names of the pictures of skins. */
   std::vector<std::string> skins() const;
-  /** "stand, run, death" of frames named stand01, stand02 and so on. */
+  /** Names of animations: "stand, run, death" for frames named stand01, stand02 and so on. */
   std::string animations() const;
   /** The pose at a frame from 0 to frames() - 1; between two of them positions are interpolated. */
   MeshData pose(double frame) const;

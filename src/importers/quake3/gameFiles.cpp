@@ -21,7 +21,7 @@ GameFiles::GameFiles(const std::vector<std::string>& paths) : given(paths) {
 void GameFiles::addArchive(const std::string& path) {
   const size_t source = archives.size();
   const ZipArchive& archive = *archives.emplace_back(std::make_unique<ZipArchive>(path));
-  // Of names that look alike in one archive the first counts.
+  // The first of several equal normalised names in one archive wins.
   std::map<std::string, Entry> found;
   for (const std::string& name : archive.names())
     found.try_emplace(ZipArchive::normalised(name), Entry{source, name});

@@ -1,5 +1,5 @@
 /** @file
- * The files of a game: several archives one over the other, and maps that lie beside them.
+ * Files of a game: layered archives, and loose maps beside them.
  */
 #pragma once
 
@@ -12,37 +12,37 @@
 
 namespace recurse {
 
-/** Names are those inside of the game, such as maps/one.bsp; case and the kind of slashes do not count. */
+/** Files by their names inside the game, such as maps/one.bsp; case and the kind of slashes are ignored. */
 class GameFiles {
  public:
-  /** Archives (.pk3), of which later ones win, and maps (.bsp). A map in a folder "maps" brings the files in
-   * the folders beside that one. Throws Error. */
+  /** Archives (.pk3), of which later ones win, and maps (.bsp). A map in a folder "maps" adds the files in
+   * the sibling folders. Throws Error. */
   explicit GameFiles(const std::vector<std::string>& paths);
   GameFiles(const GameFiles&) = delete;
   GameFiles& operator=(const GameFiles&) = delete;
 
   bool has(const std::string& name) const { return entries.contains(ZipArchive::normalised(name)); }
   std::string read(const std::string& name) const;
-  /** Archive and name inside of it, or path, for messages. */
+  /** Archive and name inside it, or path of a file, for messages. */
   std::string where(const std::string& name) const;
-  /** Normalised names that begin and end so, those of later archives first. */
+  /** Normalised names with this beginning and end; names from later archives come first. */
   std::vector<std::string> list(const std::string& begin, const std::string& end) const;
-  /** The archive or map of which a file is. */
+  /** Index of the archive or map that contains a file. */
   size_t sourceOf(const std::string& name) const { return entries.at(ZipArchive::normalised(name)).source; }
-  /** As given. */
+  /** Paths as given to the constructor. */
   const std::vector<std::string>& paths() const { return given; }
 
  private:
   struct Entry {
     size_t source = 0;
-    std::string name; ///< in its archive, or the path of a file
+    std::string name; ///< name in the archive, or path of a file
   };
   void addArchive(const std::string& path);
   void addMap(const std::string& path);
 
   std::vector<std::string> given;
   std::vector<std::unique_ptr<ZipArchive>> archives; ///< null for a map
-  std::map<std::string, Entry> entries;              ///< by normalised names
+  std::map<std::string, Entry> entries;              ///< files by normalised names
 };
 
 } // namespace recurse

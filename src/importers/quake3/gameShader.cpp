@@ -19,7 +19,7 @@ struct Line {
   std::vector<std::string> words;
 };
 
-/** Words by lines, without comments; braces are words, and lines, of their own. */
+/** Words by lines, without comments; each brace is a separate word on a separate line. */
 std::vector<Line> linesOf(const std::string& text) {
   std::vector<Line> lines;
   Line line{1, {}};

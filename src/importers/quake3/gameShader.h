@@ -1,6 +1,6 @@
 /** @file
- * Shader scripts of Quake III, as far as light goes: what a surface looks like, whether it can be seen
- * through, and what it emits.
+ * Shader scripts of Quake III, restricted to light: the appearance, the transparency and the emission of
+ * surfaces.
  */
 #pragma once
 
@@ -16,17 +16,17 @@ namespace recurse {
 
 struct GameShader {
   struct Stage {
-    std::string image;                    ///< of an animation the first; empty: none of its own
+    std::string image;                    ///< first one of an animation; empty: none
     std::string blendSource, blendTarget; ///< lower case; empty: opaque
     std::optional<float> alphaThreshold;
-    bool showsLowAlpha = false; ///< what is below the threshold is seen, not what is above
+    bool showsLowAlpha = false; ///< alpha below the threshold is visible, instead of above
     bool isLightmap = false, isEnvironment = false;
     bool isAdditive() const { return blendSource == "gl_one" && blendTarget == "gl_one"; }
     bool isBlended() const { return blendSource == "gl_src_alpha"; }
   };
   struct Sun {
     Vec3d colour;
-    double intensity = 0, azimuth = 0, elevation = 0; ///< azimuth and elevation of where it stands [degrees]
+    double intensity = 0, azimuth = 0, elevation = 0; ///< azimuth and elevation of its position [degrees]
   };
 
   bool isSky = false, isInvisible = false, isLiquid = false, isTwoSided = false;
@@ -35,19 +35,19 @@ struct GameShader {
   std::optional<Sun> sun;
   std::vector<Stage> stages;
 
-  /** The stage that says what the surface looks like; null where none does. */
+  /** Stage that determines the look of the surface; null where none does. */
   const Stage* base() const;
 };
 
-/** By name in lower case, without extension. */
+/** Shaders by name in lower case, without extension. */
 using GameShaders = std::map<std::string, GameShader>;
 
-/** Adds the definitions of a script; of a name that is there already the first one counts. `name` is for
- * warnings, which tell of what is not understood. */
+/** Adds the definitions of a script; the first definition of a name wins. `name` is for warnings, which
+ * report text that is not understood. */
 void readGameShaders(const std::string& name, const std::string& text, GameShaders& shaders,
                      std::vector<std::string>& warnings);
 
-/** A name as GameShaders has it. */
+/** Name in the form of GameShaders' keys. */
 std::string gameShaderName(const std::string& name);
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * Reading of Quake III maps (layouts: the game's source as released in 2005, qfiles.h). Each lump is a file
- * of its own for the reader, so that nothing outside of it can be named.
+ * Reading of Quake III maps (layouts: the game's source as released in 2005, qfiles.h). Each lump is read as
+ * a separate file, so that no offset can point outside of it.
  */
 #include "importers/quake3/quake3Bsp.h"
 
@@ -73,8 +73,8 @@ class BspReader {
                      indices = lump(INDICES, "list of indices");
     const uint64_t vertexCount = recordsOf(vertices, VERTEX_BYTES),
                    indexCount = recordsOf(indices, INDEX_BYTES);
-    // Faces share lists of indices and no vertices; without limits, few bytes could name the same ones again
-    // and again. A surface has at most twice as many triangles as vertices.
+    // Faces share lists of indices but no vertices; without limits, few bytes could reference the same lists
+    // again and again. A surface has at most twice as many triangles as vertices.
     uint64_t verticesLeft = 4 * vertexCount, indicesLeft = 6 * verticesLeft;
     for (uint64_t i = 0, count = recordsOf(in, FACE_BYTES); i < count; ++i) {
       const uint64_t at = i * FACE_BYTES;
@@ -108,7 +108,7 @@ class BspReader {
           return static_cast<uint32_t>(
               indices.count((firstIndex + k) * INDEX_BYTES, "an index of a face", ownVertices - 1));
         };
-        // The front is where they go round clockwise.
+        // Front faces are clockwise in the file.
         for (uint64_t k = 0; k < ownIndices; k += 3)
           face.triangles.emplace_back(index(k), index(k + 2), index(k + 1));
       }
@@ -116,7 +116,7 @@ class BspReader {
     }
   }
 
-  /** { "key" "value" ... } over and over, without escapes or comments. */
+  /** Reads { "key" "value" ... } repeatedly, without escapes or comments. */
   void readEntities() {
     const ByteReader in = lump(ENTITIES, "text of entities");
     const std::string text = in.text(0, in.size(), "the text");
@@ -156,7 +156,7 @@ class BspReader {
 std::array<double, 3> weights(double t) { return {(1 - t) * (1 - t), 2 * t * (1 - t), t * t}; }
 std::array<double, 3> slopes(double t) { return {-2 * (1 - t), 2 - 4 * t, 2 * t}; }
 
-/** The point of a piece whose first control point is (column, row). */
+/** Point of the patch piece whose first control point is (column, row). */
 Quake3Bsp::Vertex patchPoint(const Quake3Bsp::Face& face, uint32_t column, uint32_t row, double s, double t) {
   const std::array<double, 3> across = weights(s), down = weights(t), acrossSlope = slopes(s),
                               downSlope = slopes(t);
@@ -172,7 +172,7 @@ Quake3Bsp::Vertex patchPoint(const Quake3Bsp::Face& face, uint32_t column, uint3
       alongColumns += acrossSlope[i] * down[j] * c.position;
       alongRows += across[i] * downSlope[j] * c.position;
     }
-  // Where control points coincide there is no tangent, and the stored normals have to do.
+  // Where control points coincide there is no tangent; the stored normals are used.
   const Vec3d normal = glm::cross(alongColumns, alongRows);
   const double size = glm::length(alongColumns) * glm::length(alongRows);
   if (glm::length(normal) > 1e-6 * size && size > 0) out.normal = normal;
@@ -186,7 +186,7 @@ Quake3Bsp readQuake3Bsp(const std::string& name, std::string_view bytes) {
 }
 
 int patchSteps(const Quake3Bsp& map, double tolerance, int most) {
-  double bend = 0; // second difference of control points; the arc leaves its chord by a quarter of it
+  double bend = 0; // second difference of control points; the arc deviates from its chord by a quarter of it
   for (const Quake3Bsp::Face& face : map.faces)
     for (uint32_t row = 0; row < face.patchHeight; ++row)
       for (uint32_t column = 0; column < face.patchWidth; ++column) {
@@ -200,7 +200,7 @@ int patchSteps(const Quake3Bsp& map, double tolerance, int most) {
           bend =
               std::max(bend, glm::length(at(column, row - 1) - 2.0 * at(column, row) + at(column, row + 1)));
       }
-  // n parts leave it by a quarter of the bend over n², along each of two directions.
+  // With n parts the deviation is a quarter of the bend over n², along each of two directions.
   const double steps = std::sqrt(2 * bend / 4 / tolerance);
   return std::clamp(static_cast<int>(std::ceil(std::min(steps, double(most)))), 1, most);
 }
@@ -231,7 +231,7 @@ std::string valueOf(const Quake3Bsp::Entity& entity, const std::string& key) {
   return found == entity.end() ? "" : found->second;
 }
 
-/** Numbers between blanks; what is none ends the list. */
+/** Numbers separated by blanks; the first word that is no number ends the list. */
 static std::vector<double> numbersOf(const Quake3Bsp::Entity& entity, const std::string& key) {
   const std::string text = valueOf(entity, key);
   std::vector<double> out;

@@ -1,5 +1,5 @@
 /** @file
- * Compiled maps of Quake III (IBSP version 46): what of their lumps is geometry or light.
+ * Compiled maps of Quake III (IBSP version 46): the lumps with geometry and light.
  */
 #pragma once
 
@@ -14,8 +14,8 @@
 
 namespace recurse {
 
-/** Lengths are in map units, +z is up; triangles go round counter-clockwise seen from their front; v grows
- * upwards. */
+/** Geometry and light of a map. Lengths are in map units and +z is up. Triangles are counter-clockwise
+ * seen from their front; v increases upwards. */
 struct Quake3Bsp {
   struct ShaderReference {
     std::string name;
@@ -28,7 +28,7 @@ struct Quake3Bsp {
   struct Face {
     uint32_t shader = 0;
     std::vector<Vertex> vertices;
-    std::vector<glm::uvec3> triangles; ///< of vertices; of a patch none
+    std::vector<glm::uvec3> triangles; ///< vertex indices; empty for a patch
     uint32_t patchWidth = 0,
              patchHeight = 0; ///< control points of a biquadratic patch, row by row; 0: no patch
   };
@@ -39,18 +39,18 @@ struct Quake3Bsp {
   std::vector<Entity> entities;
 };
 
-/** Values of an entity's keys; empty where there is none. */
+/** Values of an entity's keys; empty, or `otherwise`, where there is none. */
 std::string valueOf(const Quake3Bsp::Entity& entity, const std::string& key);
 std::optional<Vec3d> vectorOf(const Quake3Bsp::Entity& entity, const std::string& key);
 double numberOf(const Quake3Bsp::Entity& entity, const std::string& key, double otherwise);
 
-/** Throws Error naming the file, the place and what is wrong there. */
+/** Throws Error with the file, the offset and the fault. */
 Quake3Bsp readQuake3Bsp(const std::string& name, std::string_view bytes);
 
-/** How many parts each piece of the patches has to be cut into along each side, so that no triangle is
- * further than `tolerance` from the surface. */
+/** Number of parts, at most `most`, into which each patch piece is cut along each side, so that no
+ * triangle is further than `tolerance` from the surface [map units]. */
 int patchSteps(const Quake3Bsp& map, double tolerance, int most);
-/** Cuts a patch into triangles, `steps` along each side of each of its pieces; replaces the control points.
+/** Tessellates a patch with `steps` parts along each side of each piece; replaces the control points.
  */
 void tessellatePatch(Quake3Bsp::Face& face, int steps);
 

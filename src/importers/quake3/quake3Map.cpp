@@ -1,8 +1,8 @@
 /** @file
- * Maps of Quake III out of their archives: surfaces with pictures and shader scripts, lights, sun and sky,
- * and the places where players appear as cameras. Light is in the units of the map compiler (q3map, 2005),
- * turned into physical ones by what the game shows: lightmap value 64 means that a texture is seen in its own
- * colour, and so an irradiance of pi.
+ * Import of Quake III maps from their archives: surfaces with pictures and shader scripts, lights, sun and
+ * sky, and the spawn points of players as cameras. Light in the units of the map compiler (q3map, 2005) is
+ * converted to physical units by the display of the game: lightmap value 64 shows a texture in its own
+ * colour, which corresponds to an irradiance of pi.
  */
 #include <algorithm>
 #include <cmath>
@@ -23,13 +23,13 @@ namespace {
 constexpr double MAP_PI = 3.14159265358979323846;
 /** Irradiance of a lightmap value of 1. */
 constexpr double IRRADIANCE_UNIT = MAP_PI / 64;
-/** Of q3map: what a light entity's value is multiplied with for intensity, and a surfacelight's for radiance.
+/** Factors of q3map from a light entity's value to intensity, and from a surfacelight's value to radiance.
  */
 constexpr double POINT_SCALE = 7500, AREA_SCALE = 0.25;
 constexpr double DEFAULT_LIGHT = 300, DEFAULT_RADIUS = 64, CONE_MARGIN = 16;
-/** Above the origin of the entity, where a player's eyes are [map units]. */
+/** Height of a player's eyes above the origin of the entity [map units]. */
 constexpr double EYE_HEIGHT = 26;
-/** How far a triangle may be from a curved surface [map units]; the game itself takes 4. */
+/** Largest distance of a triangle from a curved surface [map units]; the game itself takes 4. */
 constexpr double PATCH_TOLERANCE = 0.1;
 constexpr int MOST_PATCH_STEPS = 32;
 
@@ -58,7 +58,7 @@ class Quake3Import {
  private:
   // ---- files of the game
 
-  /** Files beside the one that names them. */
+  /** Paths of the archives, relative to the file that names them. */
   static std::vector<std::string> pathsOf(const Parameters& p) {
     const std::vector<std::string> names = p.strings("pak");
     if (names.size() == 1) return {p.filePath("pak")};
@@ -74,7 +74,7 @@ class Quake3Import {
 
   static std::string mapTitle(const std::string& name) { return name.substr(5, name.size() - 9); }
 
-  /** The one that is named, or the only one of the last archive that has any. */
+  /** Name of the requested map, or of the only map in the last archive that has any. */
   std::string chooseMap() const {
     const std::vector<std::string> maps = game.list("maps/", ".bsp");
     if (maps.empty()) p.fail("pak", game.paths().back() + " has no map", "an archive with maps/NAME.bsp");
@@ -144,7 +144,7 @@ class Quake3Import {
       }
       if (face.triangles.empty()) continue;
       triangles += face.triangles.size();
-      if (look.emits) { // a lamp each, so that light is looked for at those nearby
+      if (look.emits) { // one lamp per face, so that nearby ones can be sampled
         MeshData alone;
         append(face, alone);
         emitShape(face.shader, alone);
@@ -152,7 +152,7 @@ class Quake3Import {
       } else {
         append(face, byShader[face.shader]);
       }
-      face = {}; // takes no memory any more
+      face = {}; // releases its memory
     }
     for (const auto& [shader, mesh] : byShader) emitShape(shader, mesh);
   }
@@ -208,7 +208,7 @@ class Quake3Import {
       missing.push_back(reference.name);
       look.directives =
           "Material \"diffuse\" \"texture reflectance\" " + sceneText(out.missingTexture()) + "\n";
-    } else if (additive) { // it adds light to what is behind, and takes none away
+    } else if (additive) { // adds to the light from behind, and absorbs none
       look.directives = "Material \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\n";
       look.shapeParameters =
           "\"texture alpha\" " + sceneText(out.imageTexture("float", file, "\"string encoding\" \"linear\""));
@@ -236,8 +236,8 @@ class Quake3Import {
     look.shapeParameters = "\"texture alpha\" " + sceneText(out.imageTexture("float", file, more));
   }
 
-  /** Light whose mean is what q3map's constant colour would be: in the pattern of the picture, or, where that
-   * is already in the surface's opacity, the same everywhere. */
+  /** Emission whose mean is q3map's constant colour: in the pattern of the picture, or uniform where the
+   * picture is already the opacity of the surface. */
   std::string emission(const GameShader& script, const std::string& file, bool additive, double value) {
     const double radiance = value > 0 ? value * AREA_SCALE * IRRADIANCE_UNIT * lightScale : lightScale;
     std::string light = "AreaLightSource \"diffuse\" ";
@@ -315,7 +315,7 @@ class Quake3Import {
                 const std::map<std::string, Vec3d>& targets) {
     double value = numberOf(e, "light", numberOf(e, "_light", DEFAULT_LIGHT));
     if (value == 0) value = DEFAULT_LIGHT;
-    if (!(value > 0)) { // some darken by them
+    if (!(value > 0)) { // negative ones darken the map
       ++dark;
       return;
     }
@@ -376,12 +376,12 @@ class Quake3Import {
   ImportWriter out;
   GameFiles game;
   Quake3Pictures pictures;
-  double metre;      ///< map units of a metre
+  double metre;      ///< map units per metre
   double lightScale; ///< factor of all light
   Quake3Bsp map;
   GameShaders scripts;
   std::vector<std::string> missing; ///< textures without a picture
-  std::vector<Look> looks;          ///< by shader of the map
+  std::vector<Look> looks;          ///< looks by shader of the map
   const GameShader* sky = nullptr;
   size_t triangles = 0, patches = 0, lamps = 0, lights = 0, dark = 0;
 };

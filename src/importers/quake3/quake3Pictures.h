@@ -1,5 +1,5 @@
 /** @file
- * The pictures of a Quake III map: found by the names of textures, kept for the scene, and averaged.
+ * Pictures of a Quake III map: found by the names of textures, stored for the scene, and averaged.
  */
 #pragma once
 
@@ -16,21 +16,21 @@ namespace recurse {
 
 class Quake3Pictures {
  public:
-  /** Pictures that cannot be read are warned of at parameter "pak" of `p`, the archives' names. */
+  /** Warnings of unreadable pictures refer to the parameter "pak" of `p`, the names of the archives. */
   Quake3Pictures(const Parameters& p, const GameFiles& game, SceneImport& import, ImportWriter& out)
       : p(p), game(game), import(import), out(out) {}
 
-  /** The file of the scene with the picture of a texture name; empty where there is none. */
+  /** File of the scene with the picture of a texture name; empty where there is none. */
   std::string find(const std::string& name);
-  /** As find() returned it. */
+  /** Picture in a file that find() has returned. */
   const Image& image(const std::string& file) const { return decoded.at(file); }
 
-  /** Mean of a picture as it is coded for displays, scaled so that its largest component is 1: so q3map
+  /** Mean of a picture in its display encoding, scaled so that its largest component is 1, as q3map
    * colours light. White where there is no picture. */
   Rgbd lightColour(const std::string& file) const;
-  /** The largest component of the mean of its light. */
+  /** Largest component of the mean of the linear picture. */
   double meanMaximum(const std::string& file) const;
-  /** Of an additive surface: the mean of the picture's coded red, which its opacity is made of. */
+  /** Mean opacity of an additive surface: its opacity is the encoded red of the picture. */
   double meanOpacity(const std::string& file) const;
 
  private:
@@ -38,8 +38,8 @@ class Quake3Pictures {
   const GameFiles& game;
   SceneImport& import;
   ImportWriter& out;
-  std::map<std::string, std::string> files; ///< by texture names
-  std::map<std::string, Image> decoded;     ///< by files of the scene
+  std::map<std::string, std::string> files; ///< files of the scene by texture names
+  std::map<std::string, Image> decoded;     ///< pictures by files of the scene
 };
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
  * Bidirectional path tracing (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo
- * Rendering"): every connection between a path from the camera and one from a light.
+ * Rendering"): all connections between a camera path and a light path.
  */
 #include "integrators/bidirectional/bidirectional.h"
 #include "recurse/model/scene/plugIns.h"

@@ -1,6 +1,6 @@
 /** @file
- * Paths from both ends: light paths of a pass, kept and splatted; camera paths that meet lights, send shadow
- * rays, are connected with a light path, and merged with all of them.
+ * Subpaths from both ends: light paths of a pass, which are stored and splatted; camera paths, with hits,
+ * shadow rays, connections to one light path, and merges with all of them.
  */
 #include "integrators/bidirectional/bidirectional.h"
 
@@ -19,10 +19,10 @@ namespace recurse {
 
 namespace {
 
-/** Tells light paths from others of the same pass. */
+/** Sampler stream of light paths, distinct from other samples of the same pass. */
 constexpr uint64_t LIGHT_STREAM = 0x4c49474854504154ull;
 constexpr uint64_t BATCH = 4096;
-/** Radius of merges in the first pass, in pixels: photons of a few pixels are averaged. */
+/** Default merge radius in the first pass [pixels], which averages the photons of a few pixels. */
 constexpr double MERGE_PIXELS = 1.5;
 
 } // namespace
@@ -40,7 +40,7 @@ double Bidirectional::mergeRadius(double footprint) const {
 }
 
 WeightedPath Bidirectional::weightedPath(double radius, double distance) const {
-  // Within a degree of the first surface photons count as the same (Grittmann et al. 2021).
+  // Photons within one degree of the first surface count as correlated (Grittmann et al. 2021).
   constexpr double ONE_DEGREE = 0.017455;
   WeightedPath path;
   path.splats = splatted ? lightPaths : 0;
@@ -60,7 +60,7 @@ void Bidirectional::completePath(const Scene& scene, WeightedPath& path, const L
   countMerges(path);
 }
 
-/** Light paths of one batch. */
+/** Light paths of one batch, with their splats. */
 class Bidirectional::LightWalk {
  public:
   LightWalk(const Bidirectional& owner, const Scene& scene, const PathClasses& classes,
@@ -106,7 +106,7 @@ class Bidirectional::LightWalk {
     ++path.count;
   }
 
-  /** Techniques beyond y_count-1, by those beyond y_count-2. */
+  /** Extends the sum of the techniques beyond y_count-2 to y_count-1. */
   void sumTechniques(const StoredPath& path) {
     if (path.count < 2 || out.startsAtPane(path)) return;
     x.assign(1, {});
@@ -121,7 +121,7 @@ class Bidirectional::LightWalk {
     beyond = sumBeyond(full);
   }
 
-  /** C_0: what the last vertex sends straight to the camera. */
+  /** Adds technique C_0: splats the last vertex to the camera. */
   void splat(const StoredPath& path, const Nesting& nesting, Sampler sampler) {
     if (classes.join(vertex.afterD, classes.cameraStart()) == 0) return;
     const SurfacePoint& point = vertex.point();
@@ -165,7 +165,7 @@ class Bidirectional::LightWalk {
   Walker<LightState> walker;
   LightVertex vertex;
   std::vector<WeightedVertex> x;
-  double beyond = 0; ///< sumBeyond() of y_count-1, once there are two vertices and where nothing merges
+  double beyond = 0; ///< sumBeyond() of y_count-1, from two vertices on, without merges
 };
 
 ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
@@ -213,7 +213,7 @@ void Bidirectional::buildPhotons() {
   std::vector<Photon> found;
   for (size_t p = 0; p < subpaths.paths.size(); ++p) {
     const StoredPath& path = subpaths.paths[p];
-    // Shadow rays bring what comes straight from a light.
+    // Photons straight from a light are left to shadow rays.
     for (uint32_t t = 2; t <= path.count; ++t) {
       const StoredVertex& v = subpaths.vertices[path.first + t - 1];
       const float geometric = absDot(v.wi, v.point.geometricNormal);

@@ -1,6 +1,6 @@
 /** @file
- * Estimators that make paths from both ends: bidirectional path tracing (Veach and Guibas 1995), light
- * tracing, and vertex connection and merging (Georgiev et al. 2012), as sets of the same techniques.
+ * Estimators with subpaths from both ends: bidirectional path tracing (Veach and Guibas 1995), light tracing,
+ * and vertex connection and merging (Georgiev et al. 2012), as subsets of the same techniques.
  */
 #pragma once
 
@@ -9,17 +9,17 @@
 
 namespace recurse {
 
-/** Which techniques there are; bidirectionalWeights.h says what they do. */
+/** Techniques in use; bidirectionalWeights.h defines them. */
 struct BidirectionalSettings {
-  int maxDepth = -1;       ///< most scattering events of a path; -1: no limit
-  uint64_t lightPaths = 0; ///< in each pass; 0: one for each pixel of the film
+  int maxDepth = -1;       ///< maximum scattering events of a path; -1: no limit
+  uint64_t lightPaths = 0; ///< number in each pass; 0: one for each pixel of the film
   bool hits = true, shadowRays = true, connections = true, splats = true, merges = false;
-  float radius = 0;       ///< of merges in the first pass [scene units]; 0: that of a few pixels
-  double alpha = 2.0 / 3; ///< how fast the radius shrinks, see radiusScale()
-  bool correlated = true; ///< weights know that photons found from many places are not independent
+  float radius = 0;       ///< merge radius in the first pass [scene units]; 0: 1.5 pixels
+  double alpha = 2.0 / 3; ///< alpha of the progressive radius reduction, see radiusScale()
+  bool correlated = true; ///< weights account for the correlation of merged photons
 };
 
-/** Each pass has light paths of its own and serves one sample of each pixel. */
+/** Bidirectional integrator. Each pass has its own light paths and serves one sample of each pixel. */
 class Bidirectional : public Integrator {
  public:
   explicit Bidirectional(const BidirectionalSettings& settings) : settings(settings) {}
@@ -37,19 +37,19 @@ class Bidirectional : public Integrator {
  private:
   class LightWalk;
   class CameraWalk;
-  /** A light vertex among the photons. */
+  /** Light vertex that a photon represents. */
   struct PhotonVertex {
-    uint32_t path, number; ///< number 1 is next to the light
+    uint32_t path, number; ///< number 1 is the vertex next to the light
   };
 
   void buildPhotons();
   bool keepsLightPaths() const { return settings.connections || settings.merges; }
-  /** Radius of merges of paths whose first vertex off mirrors and glass is seen by a pixel so wide. */
+  /** Merge radius of a path whose first non-delta vertex has this pixel footprint [scene units]. */
   double mergeRadius(double footprint) const;
-  /** A path for the weights, as far as it does not depend on its vertices. `distance`: of the first from the
-   * camera. */
+  /** Path for the weights, without the data of its vertices. `distance`: of its first vertex from the camera
+   * [scene units]. */
   WeightedPath weightedPath(double mergeRadius, double distance) const;
-  /** What depends on the vertices: shadow rays and merges. */
+  /** Completes it with the data that depend on the vertices: shadow rays and merges. */
   void completePath(const Scene& scene, WeightedPath& path, const LightEnd& end,
                     const ShadowRayStart& shadowRayStart) const;
   bool isTooLong(size_t events) const {
@@ -58,9 +58,9 @@ class Bidirectional : public Integrator {
 
   BidirectionalSettings settings;
   LightSampler lights;
-  double lightPaths = 0; ///< in each pass
-  bool splatted = false; ///< paths are connected to the camera
-  // Of the pass:
+  double lightPaths = 0; ///< number in each pass
+  bool splatted = false; ///< light paths are connected to the camera
+  // State of the current pass:
   LightSubpaths subpaths;
   PhotonMap photons;
   std::vector<PhotonVertex> photonVertices; ///< by PhotonMap::emissionIndex()

@@ -1,6 +1,6 @@
 /** @file
- * The camera's side of bidirectional estimators: a path that meets lights, sends shadow rays, is connected
- * with a light path and merged with the photons of all.
+ * Camera paths of the bidirectional estimators: hits, shadow rays, connections to one light path, and merges
+ * with the photons of all light paths.
  */
 #include <algorithm>
 #include <bit>
@@ -13,7 +13,7 @@
 
 namespace recurse {
 
-/** One camera path and all that is made with it. Its vertices are x_1 … x_s. */
+/** One camera path and the techniques applied to it. Its vertices are x_1 … x_s. */
 class Bidirectional::CameraWalk {
  public:
   CameraWalk(const Bidirectional& owner, const Scene& scene, const CameraRay& ray, Sampler& sampler,
@@ -60,7 +60,7 @@ class Bidirectional::CameraWalk {
     vertices.push_back({vertex.pdf, 1});
   }
 
-  /** Keeps in mind where the shadow ray started that finds what the walk meets next. */
+  /** Records the start of the shadow ray that competes with the next hit of the walk. */
   void leave(bool straight) {
     last = vertex.point();
     if (straight) {
@@ -76,7 +76,7 @@ class Bidirectional::CameraWalk {
     return {isLit ? &lit : nullptr, towardsBeforeLit, passed, &firstPane, &last};
   }
 
-  /** Light that the ray met, or found outside of the scene. */
+  /** Adds emission that the ray hits, or of the environment lights. */
   void addEmission(const Hit* hit) {
     const Vec3f towardsLight = path.ray.direction;
     if (hit) {
@@ -91,7 +91,7 @@ class Bidirectional::CameraWalk {
              scene.environment()[i]->radiance(towardsLight));
   }
 
-  /** C_k. */
+  /** Adds technique C_k: a hit of the light. */
   void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance) {
     if (!owner.settings.hits || isBlack(radiance)) return;
     double weight = 1;
@@ -105,7 +105,7 @@ class Bidirectional::CameraWalk {
     out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight));
   }
 
-  /** C_k-1. */
+  /** Adds technique C_k-1: a shadow ray. */
   void addShadowRay() {
     if (!lightIsSampled(scene, classes, vertex.afterD)) return;
     const SampledLight choice(scene.lights(), owner.lights,
@@ -141,7 +141,7 @@ class Bidirectional::CameraWalk {
             radiance * free.value * static_cast<float>(connectionWeight(full, full.edges() - 1)));
   }
 
-  /** C_s, with y_t of the light path, t > 0. */
+  /** Adds technique C_s: a connection to y_t of the light path, t > 0. */
   void addConnection(const StoredPath& from, uint32_t t) {
     const StoredVertex& y = vertexOf(from, t);
     if (!y.connectable || owner.isTooLong(vertices.size() - 1 + t) ||
@@ -182,7 +182,7 @@ class Bidirectional::CameraWalk {
     out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(connectionWeight(full, s)));
   }
 
-  /** M_s, with all photons around. */
+  /** Adds technique M_s: merges with all photons within the radius. */
   void addPhotons() {
     const SurfacePoint& point = vertex.point();
     GatherRegion region;
@@ -214,7 +214,7 @@ class Bidirectional::CameraWalk {
     const Rgb f = vertex.scattering->value(vertex.wi, y.wi);
     if (isBlack(f)) return;
     ++out.counts.photonsFound;
-    // Photons are per area of the surface, which shading normals do not know (Veach 1997, equation 5.19).
+    // Photon density is per area of the geometric surface, unlike shading normals (Veach 1997, eq. 5.19).
     const float area = absDot(y.wi, y.point.shadingNormal) / absDot(y.wi, y.point.geometricNormal);
     const Rgb radiance = vertex.throughput * f * y.throughput *
                          static_cast<float>(double(area) / (owner.lightPaths * supportArea));
@@ -231,7 +231,7 @@ class Bidirectional::CameraWalk {
   const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {
     return owner.subpaths.vertex(from, number);
   }
-  /** The path of the vertices `x`, as far as it does not depend on the light. */
+  /** Path with the vertices `x`, without the data that depend on the light. */
   WeightedPath weighted() {
     WeightedPath full = owner.weightedPath(radius, firstDistance);
     full.vertices = x;
@@ -240,26 +240,26 @@ class Bidirectional::CameraWalk {
     full.sumNearCamera = nearCamera;
     return full;
   }
-  /** The path of the vertices `x`. */
+  /** Complete path with the vertices `x` and this light end. */
   WeightedPath weighted(const LightEnd& end, const ShadowRayStart& start) {
     WeightedPath full = weighted();
     owner.completePath(scene, full, end, start);
     return full;
   }
 
-  /** The vertices as a new path `x`. Those before the last two are the same in all later paths. */
+  /** Copies the vertices to a new path `x`. All but the last two are the same in all later paths. */
   void copyVertices() {
     x.resize(vertices.size());
     std::copy(vertices.begin() + std::ptrdiff_t(copied), vertices.end(), x.begin() + std::ptrdiff_t(copied));
     copied = vertices.size() - std::min<size_t>(vertices.size(), 2);
   }
-  /** Up to x_s-1, when the walk leaves x_s. */
+  /** Computes sumNearCamera() up to x_s-1, when the walk leaves x_s. */
   void sumCameraPath() {
     copyVertices();
     nearCamera = sumNearCamera(weighted(), vertices.size() - 2);
     summed = vertices.size() - 2;
   }
-  /** From the light on. */
+  /** Computes sumBeyond() at each vertex of a light path, beginning at the light. */
   void sumLightPath(const StoredPath& from) {
     beyond.resize(from.count + 1);
     if (from.count < 2 || owner.subpaths.startsAtPane(from)) return;
@@ -272,9 +272,9 @@ class Bidirectional::CameraWalk {
     for (uint32_t t = 2; t < from.count; ++t) beyond[t] = sumBeyond(full, from.count + 2 - t, beyond[t - 1]);
   }
 
-  /** Half the height of the search for photons over its radius: they are to lie on the same surface. */
+  /** Half the height of the gather region over its radius: merges stay on one surface. */
   static constexpr float FLATNESS = 0.2f;
-  /** Numbers for rays that look around a vertex are forked from the path's by this. */
+  /** Number of the sampler fork for the rays of boundary correction. */
   static constexpr uint32_t BOUNDARY_FORK = 1;
 
   const Bidirectional& owner;
@@ -286,23 +286,23 @@ class Bidirectional::CameraWalk {
   CameraWalker walker;
   CameraSubpath path;
   CameraVertex vertex;
-  const StoredPath* light = nullptr;    ///< to be connected with
-  std::vector<WeightedVertex> vertices; ///< x_0 … x_s; what the light's walk does is known up to x_s-2
-  std::vector<WeightedVertex> x;        ///< of the full path at hand
-  size_t copied = 0;                    ///< vertices that are in `x` for good
-  // Where nothing merges, the weights' sums:
+  const StoredPath* light = nullptr;    ///< light path for connections
+  std::vector<WeightedVertex> vertices; ///< x_0 … x_s; densities of the light walk are known up to x_s-2
+  std::vector<WeightedVertex> x;        ///< vertices of the current full path
+  size_t copied = 0;                    ///< number of vertices in `x` that no longer change
+  // Partial sums of the weights, without merges:
   size_t summed = 0; ///< WeightedPath::summed
   double nearCamera = 0;
   std::vector<double> beyond; ///< sumBeyond() of y_t, 0 < t < count
-  // Of the way that the walk goes on, see ShadowRayStart:
+  // State of the walk since the last possible shadow ray, see ShadowRayStart:
   SurfacePoint lit, firstPane, last;
   Vec3f towardsBeforeLit{0};
-  size_t passed = 0; ///< panes, since it left `lit`
+  size_t passed = 0; ///< number of panes since `lit`
   bool isLit = false;
-  std::vector<SurfacePoint> panes; ///< that the shadow ray at hand passes
+  std::vector<SurfacePoint> panes; ///< panes that the current shadow ray passes
   double firstDistance = 0, seenAlong = 0, radius = 0;
-  double supportArea = 0;   ///< surface around the vertex whose photons are merged
-  bool radiusKnown = false; ///< by the first vertex off mirrors and glass
+  double supportArea = 0;   ///< area within the kernel support around the vertex
+  bool radiusKnown = false; ///< `radius` is fixed by the first non-delta vertex
   BsdfArena arena;
 };
 

@@ -1,6 +1,6 @@
 /** @file
- * Light tracing (Arvo 1986; Dutré et al. 1993): paths from the lights, connected to the camera wherever they
- * scatter. What is seen directly, or in mirrors and through glass, it cannot find.
+ * Light tracing (Arvo 1986; Dutré et al. 1993): paths from the lights, connected to the camera at each
+ * vertex. It cannot render emission seen directly, nor surfaces seen in mirrors or through glass.
  */
 #include "integrators/bidirectional/bidirectional.h"
 #include "recurse/model/scene/plugIns.h"

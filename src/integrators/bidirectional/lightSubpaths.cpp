@@ -1,5 +1,5 @@
 /** @file
- * Lists of light paths.
+ * Storage of light paths.
  */
 #include "integrators/bidirectional/lightSubpaths.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * Paths from the lights, kept for a pass: what camera paths are connected to and merged with.
+ * Light paths of a pass, stored for connections and merges with camera paths.
  */
 #pragma once
 
@@ -9,44 +9,44 @@
 
 namespace recurse {
 
-/** A vertex of a light path as it is kept. */
+/** Stored vertex of a light path. */
 struct StoredVertex {
   SurfacePoint point;
   const Material* material = nullptr;
-  Vec3f wi;       ///< unit, towards where the light came from
-  Rgb throughput; ///< flux that arrives, as if the path was the only one
+  Vec3f wi;       ///< unit, back along the light path
+  Rgb throughput; ///< flux on arrival, not divided by the number of paths
   double fromCamera = 1, fromLight = 1, toPrevious = 1;
   LightState state, afterD;
   bool connectable = false;
-  bool delta = false;    ///< the path went on by a delta lobe
-  bool straight = false; ///< that of a thin pane, which shadow rays pass too
+  bool delta = false;    ///< the path continued by a delta lobe
+  bool straight = false; ///< the delta lobe of a thin pane, which shadow rays pass too
 };
 
-/** The vertices [first, first + count), in the order from the light. */
+/** Stored light path: the vertices [first, first + count), in order from the light. */
 struct StoredPath {
   LightEnd end;
-  double fromCamera = 1; ///< F_k, once there are two vertices
+  double fromCamera = 1; ///< F_k; set once there are two vertices
   size_t first = 0;
   uint32_t count = 0;
 };
 
-/** Light paths of a pass, those that met nothing included. */
+/** Light paths of a pass, including those without a vertex. */
 struct LightSubpaths {
   std::vector<StoredPath> paths;
   std::vector<StoredVertex> vertices;
 
   void clear();
-  /** Adds those of another list behind these. */
+  /** Appends the paths of another list. */
   void append(const LightSubpaths& more);
   size_t memoryBytes() const;
   const StoredVertex& vertex(const StoredPath& path, uint32_t number) const {
     return vertices[path.first + number - 1];
   }
-  /** Whether the path comes from its light through a thin pane. */
+  /** Whether the first vertex of the path is a thin pane that it passes straight. */
   bool startsAtPane(const StoredPath& path) const { return path.count > 0 && vertex(path, 1).straight; }
-  /** The way to the light of a path whose last vertex is y_count, seen from unit `towardsCamera`. */
+  /** Start of shadow rays to the light of a path that ends at y_count, seen from unit `towardsCamera`. */
   ShadowRayStart shadowRayStart(const StoredPath& path, uint32_t count, const Vec3f& towardsCamera) const;
-  /** Writes y_count … y_1 and the end of the path, as the weights know them; at most `most` of these. */
+  /** Appends densities of y_count … y_1 and the path's end for the weights, at most `most` of these. */
   void appendDensities(const StoredPath& path, uint32_t count, uint32_t most,
                        std::vector<WeightedVertex>& x) const;
 };

@@ -1,7 +1,7 @@
 /** @file
  * Vertex connection and merging (Georgiev, Křivánek, Davidovič, Slusallek 2012, "Light Transport Simulation
- * with Vertex Connection and Merging"): bidirectional path tracing whose light paths are photons as well.
- * What is seen of a caustic in a mirror comes from the photons, all other light mostly without their blur.
+ * with Vertex Connection and Merging"): bidirectional path tracing whose light paths also serve as photons.
+ * Merges render reflected caustics; most other light comes from techniques without their blur.
  */
 #include "integrators/bidirectional/bidirectional.h"
 #include "recurse/model/scene/plugIns.h"

@@ -1,6 +1,6 @@
 /** @file
- * Caustics by another estimator beside a path tracer, whose rays hardly find them: a lamp behind glass is met
- * by chance only. Both find the same paths and share them by the weights of mergeWeights.h.
+ * Caustics by photons in a path tracer, whose rays rarely find them: they hit a lamp behind glass by chance
+ * only. Both estimators share the same paths by the MIS weights of mergeWeights.h.
  */
 #pragma once
 
@@ -9,28 +9,28 @@
 
 namespace recurse {
 
-/** Photons of caustics, as a path tracer uses them. */
+/** Interface of caustic photon maps for a path tracer. */
 class CausticPhotons {
  public:
   virtual ~CausticPhotons() = default;
-  /** Adds the caustics at a vertex with non-delta lobes, seen from unit `wi` with `throughput`; `camera` has
-   * read the D there, `width` is that of a pixel. Returns the photons' weight against the ray that goes on,
-   * see MergeRatio. */
+  /** Adds the caustics at a vertex with non-delta lobes, seen from unit `wi` with `throughput`; `camera`:
+   * state after its D event; `width`: pixel footprint [scene units]. Returns the merging factor of the
+   * photons for the ray that continues, see MergeRatio. */
   virtual float add(const Scene& scene, const SurfacePoint& point, const Vec3f& wi,
                     const ScatteringPoint& scattering, const Rgb& throughput, CameraState camera, float width,
                     const Sampler& sampler, PathRadiance& out) const = 0;
-  /** The weight of a ray that hits an area light behind mirrors and glass. */
+  /** MIS weight of a ray that hits an area light by way of mirrors and glass. */
   virtual float rayWeight(const Scene& scene, const MergeRatio& merge, const Hit& hit,
                           const Vec3f& direction) const = 0;
-  /** The same for a ray that leaves the scene, and one of its environment lights. */
+  /** MIS weight of a ray that leaves the scene, for one of its environment lights. */
   virtual float rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment,
                           const Ray& ray) const = 0;
 };
 
-/** A camera ray's side of these weights, along a path of a path tracer. */
+/** Camera's side of these MIS weights along a path. */
 class CausticRay {
  public:
-  /** At a vertex with non-delta lobes; `merging`: what CausticPhotons::add() returned, 0 in media. */
+  /** Leaves a non-delta vertex; `merging`: result of CausticPhotons::add(), 0 in media. */
   void leaveNonDelta(float merging, float pdf, const Vec3f& direction, const SurfacePoint& from) {
     merge = merging > 0 ? MergeRatio(merging, pdf, direction, from) : MergeRatio();
   }

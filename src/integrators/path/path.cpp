@@ -1,5 +1,5 @@
 /** @file
- * path: the parameters of the path tracer, and of those that pbrt files name and it renders.
+ * Parameters of `path`, and of integrators in pbrt files that `path` renders.
  */
 #include "integrators/path/pathTracing.h"
 #include "recurse/model/scene/plugIns.h"

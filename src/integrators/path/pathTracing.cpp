@@ -1,5 +1,5 @@
 /** @file
- * The path tracer: many paths step by step together.
+ * Path tracer that advances many paths together, one step at a time.
  */
 #include "integrators/path/pathTracing.h"
 
@@ -14,25 +14,25 @@ namespace recurse {
 
 namespace {
 
-/** A camera path under way. */
+/** Camera path between two vertices. */
 struct BatchPath {
   CameraPath* camera;
   Rgb throughput;
-  float etaScale; ///< undoes the 1/η² inside glass, which is no reason to end a path
+  float etaScale; ///< undoes the 1/η² inside glass, for Russian roulette only
   int depth;
   CameraState state;
-  float width, spread; ///< of the ray's footprint
-  float wavelength;    ///< as in Subpath
+  float width, spread; ///< footprint of the ray, see Subpath
+  float wavelength;    ///< see Subpath
   Nesting nesting;
   BsdfRay bsdfRay;
   CausticRay caustic;
-  bool isScattered; ///< by a non-delta lobe
-  int recordedStep; ///< by which the ray left, see PathRecorder
-  /** Whether caustic photons find light that the ray hits now, too: not straight or through panes only. */
+  bool isScattered; ///< has passed a non-delta vertex
+  int recordedStep; ///< step by which the ray left, see PathRecorder
+  /** Whether caustic photons also find light that the ray hits: not straight or through panes only. */
   bool sharesWithCaustics() const { return isScattered && !bsdfRay.weighted; }
 };
 
-/** Where a path scatters. */
+/** Vertex at which a path scatters. */
 struct Vertex {
   BatchPath* path;
   const Hit* hit;
@@ -41,20 +41,20 @@ struct Vertex {
   CameraState cameraD, cameraS;
   LobeSet allowed;
   bool sampleLight;
-  LightSampleContext context; ///< of the lights, where they are sampled
-  float merging;              ///< of caustic photons, see CausticPhotons::add
-  int recorded;               ///< see PathRecorder
+  LightSampleContext context; ///< context of light sampling, if sampleLight
+  float merging;              ///< merging factor of caustic photons, see CausticPhotons::add()
+  int recorded;               ///< index of the vertex, see PathRecorder
 };
 
-/** A shadow ray under way. */
+/** Shadow ray before its occlusion test. */
 struct Shadow {
   const Vertex* vertex;
   const LiSample* light;
-  float probability; ///< with which the light was chosen
+  float probability; ///< selection probability of the light
   Rgb radiance;
 };
 
-/** N of T, in no state at first. */
+/** Uninitialised array of CAMERA_BATCH elements. */
 template <class T> class Raw {
  public:
   T& operator[](size_t i) { return *std::launder(reinterpret_cast<T*>(bytes) + i); }
@@ -70,7 +70,8 @@ class PathTracing final : public Integrator {
   PathTracing(const PlainPathSettings& settings, const CausticPhotons* caustics, const LightSampler* lights,
               bool guided)
       : maxDepth(settings.maxDepth), lightSamples(settings.lightSamples), guided(guided), caustics(caustics),
-        training({settings.maxDepth, settings.lightSamples}), lightSampler(lights ? *lights : ownLights) {}
+        training({settings.maxDepth, settings.lightSamples, !caustics}),
+        lightSampler(lights ? *lights : ownLights) {}
 
   void prepare(const Scene& scene, const PathClasses&) override {
     if (&lightSampler == &ownLights) learned = ownLights.learn(scene);
@@ -98,7 +99,7 @@ class PathTracing final : public Integrator {
   }
 
   void backwardBatch(const Scene& scene, std::span<CameraPath> paths) const override {
-    if (scene.hasMedia()) { // paths wait for so many things that there is nothing to be done for many at once
+    if (scene.hasMedia()) { // in media, steps are too dependent for batches to be of use
       for (CameraPath& p : paths)
         tracePlainPath(scene, p.ray, lightSampler, {maxDepth, lightSamples, activeGuide()}, p.sampler, *p.out,
                        caustics);
@@ -117,8 +118,8 @@ class PathTracing final : public Integrator {
 
  private:
   /**
-   * Paths that go step by step together. One path is a chain of operations that wait for each other; the
-   * loops here run over paths that do not, and the scene gets its rays many at a time.
+   * Paths that advance together, one step at a time. A single path is a chain of dependent operations; the
+   * loops here run over independent paths, and the scene traces many rays at once.
    */
   class Batch {
    public:
@@ -158,7 +159,7 @@ class PathTracing final : public Integrator {
     }
 
    private:
-    /** Emission met, and the surfaces. */
+    /** Adds emission that rays hit, and sets up the vertices. */
     void arrive() {
       arena.reset();
       vertexCount = 0;
@@ -238,7 +239,7 @@ class PathTracing final : public Integrator {
         w.camera->out->addSeen(w.state, w.throughput * radiance);
     }
 
-    /** One shadow ray for each vertex. */
+    /** Traces one shadow ray from each vertex. */
     void sampleLights() {
       const LightTable& table = scene.lights();
       size_t lit = 0;
@@ -261,7 +262,7 @@ class PathTracing final : public Integrator {
         if (isBlack(radiance)) continue;
         ++counts.rays;
         makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
-        if (shadowRays[count].direction == Vec3f(0)) { // no way between, and nothing in it
+        if (shadowRays[count].direction == Vec3f(0)) { // coincident: no occlusion
           addSampled(v, *lights[i], choices[i].chosen.probability, classes.lightStart(), radiance);
           continue;
         }
@@ -287,7 +288,7 @@ class PathTracing final : public Integrator {
       }
     }
 
-    /** Adds what a shadow ray brings; `probability`: of the light. */
+    /** Adds the contribution of a shadow ray. `probability`: selection probability of the light. */
     void addSampled(const Vertex& v, const LiSample& light, float probability, LightState state,
                     const Rgb& radiance) const {
       PathRadiance& out = *v.path->camera->out;
@@ -297,7 +298,7 @@ class PathTracing final : public Integrator {
       out.add(state, v.cameraD, radiance);
     }
 
-    /** What photons bring to each vertex. */
+    /** Adds the caustic photons' contribution at each vertex. */
     void addCaustics() {
       for (size_t i = 0; i < vertexCount; ++i) {
         Vertex& v = vertices[i];
@@ -310,7 +311,7 @@ class PathTracing final : public Integrator {
       }
     }
 
-    /** The next direction of each walk that has one. */
+    /** Samples the next direction of each path, with Russian roulette. */
     void scatter() {
       for (size_t i = 0; i < vertexCount; ++i) {
         const Vertex& v = vertices[i];
@@ -340,7 +341,7 @@ class PathTracing final : public Integrator {
         if (s.specular()) {
           w.caustic.leaveDelta(-v.wi, s.direction, v.hit->point);
         } else {
-          w.width = w.spread = 0; // what a pixel sees from here on is not known
+          w.width = w.spread = 0; // the footprint after a non-delta event is unknown
           w.isScattered = true;
           if (settings.caustics)
             w.caustic.leaveNonDelta(v.merging, v.scattering->pdfNonDelta(v.wi, s.direction), s.direction,
@@ -353,7 +354,7 @@ class PathTracing final : public Integrator {
       }
     }
 
-    /** The record of a step whose throughput the path has already. */
+    /** Record of a step, after the path's throughput has been updated. */
     static RecordedStep stepOf(const Vertex& v, const Scatter& s) {
       return {.vertex = v.recorded,
               .event = s.specular() ? PathEvent::S : PathEvent::D,
@@ -371,7 +372,7 @@ class PathTracing final : public Integrator {
     size_t alive, vertexCount = 0;
     BsdfArena arena;
     Raw<BatchPath> batchPaths;
-    Raw<BatchPath*> active; ///< the paths of `rays` and `hits`
+    Raw<BatchPath*> active; ///< paths that `rays` and `hits` belong to
     Raw<Ray> rays;
     Raw<Hit> hits;
     Raw<Vertex> vertices;
@@ -383,9 +384,9 @@ class PathTracing final : public Integrator {
     Raw<std::optional<Scatter>> scatters;
   };
 
-  /** Russian roulette begins after so many scattering events. */
+  /** Number of scattering events before Russian roulette begins. */
   static constexpr int ROULETTE_FREE_DEPTH = 2;
-  /** Null where nothing was learned. */
+  /** Guide of the current pass; null where nothing was learned. */
   const GuideField* activeGuide() const { return training.guide(); }
 
   int maxDepth;
@@ -395,7 +396,7 @@ class PathTracing final : public Integrator {
   GuideTraining training;
   LightSampler ownLights;
   const LightSampler& lightSampler;
-  TransportCounts learned; ///< what learning took, until it has been told
+  TransportCounts learned; ///< work of learning, until it is reported
 };
 
 } // namespace

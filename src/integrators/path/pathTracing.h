@@ -1,6 +1,6 @@
 /** @file
- * The unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It
- * is the truth that the photon map is compared with.
+ * Unbiased path tracer: shadow rays at every vertex, multiple importance sampling, Russian roulette. It
+ * renders the references for the photon map.
  */
 #pragma once
 
@@ -11,9 +11,9 @@
 
 namespace recurse {
 
-/** A path tracer. With `caustics`, photons of those share with its rays what comes by mirrors and glass alone
- * to a non-delta surface. `lights` has learned the scene; null: the path tracer learns its lights itself.
- * Both must outlive it. `guided`: it learns as it goes on from which directions light arrives. */
+/** Makes a path tracer. `caustics`: photons that share caustic paths, with only delta events between light
+ * and non-delta surface, with its rays. `lights`: has learned the scene; null: the path tracer learns its
+ * own. Both must outlive it. `guided`: learns the directions of incident light during the render. */
 std::unique_ptr<Integrator> makePathTracing(const PlainPathSettings& settings,
                                             const CausticPhotons* caustics = nullptr,
                                             const LightSampler* lights = nullptr, bool guided = false);

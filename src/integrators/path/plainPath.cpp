@@ -1,5 +1,5 @@
 /** @file
- * The path tracer to be read.
+ * Plain path tracer: one path at a time.
  */
 #include "integrators/path/plainPath.h"
 

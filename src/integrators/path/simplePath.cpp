@@ -1,6 +1,6 @@
 /** @file
- * A path tracer to be read (transport/plainPath.cpp): what `path` does, one path after the other. Lights are
- * sampled by power.
+ * Plain path tracer as an integrator (integrators/path/plainPath.cpp): the estimators of `path`, one path at
+ * a time. Lights are sampled by power.
  */
 #include "integrators/path/plainPath.h"
 #include "recurse/model/scene/plugIns.h"
@@ -23,7 +23,7 @@ class SimplePath final : public Integrator {
 
  private:
   int maxDepth;
-  LightSampler byPower; ///< has learned nothing
+  LightSampler byPower; ///< unlearned: chooses by power
 };
 
 } // namespace

@@ -1,5 +1,5 @@
 /** @file
- * Cutting of shapes to patches.
+ * Subdivision of shapes into patches.
  */
 #include "integrators/radiosity/patches.h"
 
@@ -18,16 +18,16 @@ namespace recurse {
 namespace {
 
 constexpr size_t MAX_PATCHES = 100000;
-/** As many are made where the length of edges is not given, or more where they are not as wide as long. */
+/** Approximate default number of patches; more result where they are not as wide as they are long. */
 constexpr double DEFAULT_PATCHES = 10000;
 constexpr double MAX_DIVISIONS = 128;
-/** Of the normals along the edge of a patch [radians]. */
+/** Maximum turn of the normal along the edge of a patch [rad]. */
 constexpr double MAX_TURN = 0.5;
-/** By which the length and the turning of a face's coordinate lines are found. */
+/** Number of lines and of pieces by which the length and turn of a face are measured. */
 constexpr int LINES = 3, PIECES = 16;
-/** Areas are those of so many triangles squared, whose opacity is that of their middles. */
+/** Areas are sums over this number squared of triangles, with opacity taken at their centroids. */
 constexpr int AREA_PIECES = 4;
-/** Points that are tried until one is not transparent. */
+/** Maximum number of points to try until one is opaque. */
 constexpr int MAX_TRIES = 64;
 
 bool isMatt(const Material* material) {
@@ -60,7 +60,7 @@ Vec2d barycentric(const TriangleMesh& mesh, uint32_t triangle, const Vec3f& posi
   const glm::uvec3& index = mesh.indices()[triangle];
   const Vec3d origin = mesh.positions()[index.x], u = Vec3d(mesh.positions()[index.y]) - origin,
               v = Vec3d(mesh.positions()[index.z]) - origin, d = Vec3d(position) - origin;
-  // By the normal equations.
+  // Solved by the normal equations.
   const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), du = glm::dot(d, u),
                dv = glm::dot(d, v), determinant = uu * vv - uv * uv;
   if (!(determinant > 0)) return Vec2d(0);
@@ -236,12 +236,12 @@ float Patches::opaqueArea(uint32_t patch) const {
       add(i, j, 1);
       if (i + j + 2 <= AREA_PIECES) add(i + 1, j + 1, -1);
     }
-  // What is seen of it all the same lies between the points.
+  // Minimum for patches whose opaque parts are between the tested points.
   return static_cast<float>(std::max(sum, whole / (2 * AREA_PIECES * AREA_PIECES)));
 }
 
 void Patches::shareCorners() {
-  constexpr float COPLANAR = 0.9f; // cosine of the angle between their normals
+  constexpr float COPLANAR = 0.9f; // cosine between the normals of shared corners
   struct Shared {
     Vec3f normal;
     uint32_t index;
@@ -252,8 +252,8 @@ void Patches::shareCorners() {
   const auto keyOf = [&](const Vec3d& p) {
     return Key{std::llround(p.x), std::llround(p.y), std::llround(p.z)};
   };
-  /** A corner found before at this place on a surface that faces the same way. Rounding may have put it into
-   * a neighbouring cell, up to a quarter of a grain away. */
+  /** Corner found before at this position on a surface with a similar normal. Rounding may have put it in a
+   * neighbouring cell, up to a quarter of a grain away. */
   const auto sameCorner = [&](const Vec3d& p, const Vec3f& normal) -> std::optional<uint32_t> {
     for (int k = 0; k < 8; ++k) {
       const auto there =

@@ -1,7 +1,7 @@
 /** @file
- * Matt surfaces cut into patches, for radiosity: which patch a hit lies on, what is interpolated there, and
- * points of a patch. Triangles of meshes are cut into equal ones, faces of other shapes along their
- * coordinates.
+ * Subdivision of diffuse surfaces into patches for radiosity: lookup of the patch at a hit, interpolation
+ * between its corners, and sampling of its points. Triangles of meshes are divided into equal triangles,
+ * faces of other shapes along their surface coordinates.
  */
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace recurse {
 
-/** A place on a patch, with the parts that the patch's corners have in it. */
+/** Point on a patch, with the interpolation weights of the patch's corners. */
 struct PatchPoint {
   uint32_t patch = 0;
   std::array<uint32_t, 3> corners{};
@@ -22,41 +22,41 @@ struct PatchPoint {
 
 class Patches {
  public:
-  /** Cuts all that can be cut; edges are no longer than `longestEdge` [scene units; 0: as makes thousands of
-   * patches]. Throws Error where that makes too many. */
+  /** Divides all suitable shapes into patches with edges up to `longestEdge` [scene units; 0: chosen to give
+   * thousands of patches]. Throws Error if there would be too many patches. */
   void dice(const Scene& scene, float longestEdge);
 
   size_t count() const { return faceOfPatch.size(); }
   size_t faceCount() const { return faces.size(); }
   float longestEdge() const { return size; }
-  /** Shapes that are not cut: no matt surface, or none that can be. */
+  /** Number of shapes that are not divided: no diffuse material, or not suitable. */
   size_t ignoredShapes() const { return ignored; }
-  /** Corners of neighbours in nearly the same plane are one. */
+  /** Number of corners, shared by neighbouring patches in nearly the same plane. */
   size_t cornerCount() const { return sharedCornerCount; }
 
-  /** Empty where the surface is not cut. */
+  /** Patch at a hit; nullopt where the surface is not divided. */
   std::optional<PatchPoint> find(const Hit& hit) const;
-  /** Of what is not transparent by alpha. */
+  /** Area of the patch where alpha leaves it opaque [scene units²]. */
   float area(uint32_t patch) const { return areas[patch]; }
   std::array<uint32_t, 3> corners(uint32_t patch) const;
-  /** A point of what is not transparent by alpha, uniform in the surface's coordinates. */
+  /** Samples an opaque point of the patch, uniform in the surface's coordinates. */
   SurfacePoint sample(uint32_t patch, Sampler& sampler) const;
 
  private:
-  /** Part of a cell of a face's grid: below or above its diagonal. */
+  /** Half of a grid cell of a face: below or above the diagonal. */
   struct Cell {
     uint32_t i = 0, j = 0;
     bool upper = false;
-    /** Grid coordinates of its corners. */
+    /** Grid coordinates of its three corners. */
     std::array<glm::uvec2, 3> corners() const {
       if (upper) return {glm::uvec2(i + 1, j), {i, j + 1}, {i + 1, j + 1}};
       return {glm::uvec2(i, j), {i + 1, j}, {i, j + 1}};
     }
   };
-  /** A triangle, or a face by its coordinates, with a grid on it. */
+  /** Face with a grid: a triangle, or a face of another shape by its coordinates. */
   struct Face {
     const Shape* shape = nullptr;
-    uint32_t number = 0; ///< primitive of a mesh, or face of another shape
+    uint32_t number = 0; ///< primitive of the mesh, or face of the shape
     bool isTriangle = false;
     glm::uvec2 divisions{1};
     uint32_t firstPatch = 0, firstCorner = 0;
@@ -71,11 +71,11 @@ class Patches {
     Vec2d coordinates(const Hit& hit) const;
     SurfacePoint pointAt(const Vec2d& uv) const;
     Vec2d atGrid(const glm::uvec2& corner) const { return Vec2d(corner) / Vec2d(divisions); }
-    /** Divisions along each coordinate into pieces that are short enough and nearly flat. */
+    /** Number of divisions along each coordinate that gives short enough and nearly flat pieces. */
     Vec2d pieces(double longestEdge) const;
   };
   std::array<Vec2d, 3> cornerCoordinates(uint32_t patch) const;
-  /** All faces that are cut, not yet divided; `firstFace` becomes known. */
+  /** Faces to divide, not yet divided. Sets `firstFace`. */
   std::vector<Face> facesOf(const Scene& scene);
   void requireFew(double longestEdge) const;
   void cut(double maxDivisions);
@@ -85,10 +85,10 @@ class Patches {
   float size = 0;
   size_t ignored = 0;
   std::vector<Face> faces;
-  std::vector<int> firstFace; ///< of each shape of the scene; -1: it is not cut
+  std::vector<int> firstFace; ///< index by shape of the scene; -1: not divided
   std::vector<uint32_t> faceOfPatch;
   std::vector<float> areas;
-  std::vector<uint32_t> sharedCorner; ///< of each face's corners
+  std::vector<uint32_t> sharedCorner; ///< index of the shared corner, by corner of a face
   uint32_t sharedCornerCount = 0;
 };
 

@@ -1,7 +1,7 @@
 /** @file
- * Progressive refinement radiosity (Cohen, Chen, Wallace, Greenberg 1988) with form factors by rays: matt
- * surfaces are cut into patches, the patch with most unshot power shoots next, and what the patches receive
- * is interpolated between their corners. Direct light is found by shadow rays instead.
+ * Progressive refinement radiosity (Cohen, Chen, Wallace, Greenberg 1988) with form factors by rays: diffuse
+ * surfaces are divided into patches, the patch with the most unshot power shoots next, and received
+ * irradiance is interpolated between corners. Shadow rays sample direct light instead.
  */
 #include <algorithm>
 #include <queue>
@@ -20,9 +20,9 @@ namespace recurse {
 namespace {
 
 constexpr uint64_t LIGHT_RAYS = 0x5241444c49474854ull, PATCH_RAYS = 0x5241445041544348ull;
-/** Of the first unshot power: the shooting ends when so little is left. */
+/** Fraction of the initial unshot power at which the solution has converged. */
 constexpr double CONVERGED = 1e-3;
-/** Rays of one shot at the least: fewer would make single patches bright. */
+/** Minimum number of rays in a shot: fewer would cause bright single patches. */
 constexpr int MIN_RAYS = 32;
 
 class Radiosity final : public Integrator {
@@ -87,7 +87,7 @@ class Radiosity final : public Integrator {
   }
 
  private:
-  /** Place of a patch's or corner's side and state in the arrays. */
+  /** Index of the side and light state of a patch or corner in the arrays. */
   size_t at(size_t item, size_t side, size_t state) const { return (2 * item + side) * states + state; }
   static size_t sideOf(const Vec3f& wi, const SurfacePoint& point) {
     return glm::dot(wi, point.geometricNormal) > 0 ? 0 : 1;
@@ -98,7 +98,7 @@ class Radiosity final : public Integrator {
 
   // --------------------------------------------------------------------------------------------- shooting
 
-  /** Power of light in each state, W. */
+  /** Power in each light state [W]. */
   using Power = std::vector<Rgb>;
 
   void solve(const Scene& scene, const PathClasses& classes, const Pass& pass, const ForwardControl& control,
@@ -127,7 +127,7 @@ class Radiosity final : public Integrator {
       const size_t i = ~index;
       const double now = powerOf(i);
       queued[i] = 0;
-      if (now != value) { // it has got more since
+      if (now != value) { // has received more since
         enqueue(i, now);
         continue;
       }
@@ -144,14 +144,14 @@ class Radiosity final : public Integrator {
     for (size_t s = 0; s < states; ++s) sum += double(luminance(unshot[patchSide * states + s]));
     return sum;
   }
-  /** Of equal power the lower index comes first. */
+  /** Queues a side of a patch; ties go to the lower index. */
   void enqueue(size_t patchSide, double power) {
     if (!(power > 0)) return;
     queued[patchSide] = power;
     queue.push({power, ~patchSide});
   }
 
-  /** Shoots all of a patch's unshot power. Returns how much power has come to be unshot by it. */
+  /** Shoots all unshot power of a patch. Returns the increase of unshot power that this causes. */
   double shoot(const Scene& scene, const PathClasses& classes, const Pass& pass, size_t patchSide,
                double part, uint64_t& shot, Power& power, TransportCounts& counts) {
     const int count = std::max(MIN_RAYS, static_cast<int>(std::ceil(part * rays)));
@@ -171,8 +171,8 @@ class Radiosity final : public Integrator {
     return gained;
   }
 
-  /** Light along a ray to the surface that it meets. Direct light is only reflected: what receives it is seen
-   * by shadow rays. Returns the power that is reflected. */
+  /** Sends power along a ray to its first surface. Direct light is reflected but not received, since shadow
+   * rays sample it. Returns the increase of unshot power. */
   double send(const Scene& scene, const PathClasses& classes, Ray ray, Nesting nesting, const Power& power,
               bool direct, TransportCounts& counts) {
     Hit hit;
@@ -200,13 +200,13 @@ class Radiosity final : public Integrator {
         if (!classes.dead(after)) unshot[this->at(patch, side, after.byte)] += power[s] * albedo;
       }
       const double after = powerOf(2 * patch + side);
-      // Seldom enough for the queue to stay short.
+      // Requeues only when the power has doubled, so that the queue stays short.
       if (after > 2 * queued[2 * patch + side]) enqueue(2 * patch + side, after);
       return after - before;
     }
   }
 
-  /** Means at the corners over the patches around them. */
+  /** Computes the irradiance at the corners: area-weighted means over the patches around them. */
   void reconstruct() {
     cornerIrradiance.assign(2 * patches.cornerCount() * states, BLACK);
     std::vector<float> area(patches.cornerCount(), 0);
@@ -226,15 +226,15 @@ class Radiosity final : public Integrator {
   int rays;
   float patchSize;
   LightSampler lights;
-  EmissionGuide guide; ///< of the rays from the lights
+  EmissionGuide guide; ///< emission density of the rays from the lights
   Patches patches;
-  size_t states = 1;                 ///< that a light path can be in
-  std::vector<Rgb> received;         ///< irradiance, but for direct light [W/area], by patch, side and state
-  std::vector<Rgb> unshot;           ///< reflected power that has not been shot [W], the same
-  std::vector<Rgb> cornerIrradiance; ///< by corner, side and state
+  size_t states = 1;                 ///< number of states of a light path
+  std::vector<Rgb> received;         ///< irradiance without direct light [W/area], by patch, side and state
+  std::vector<Rgb> unshot;           ///< unshot reflected power [W], by patch, side and state
+  std::vector<Rgb> cornerIrradiance; ///< irradiance at corners, by corner, side and state
   std::priority_queue<std::pair<double, size_t>>
-      queue;                  ///< unshot power, and the complement of patch and side
-  std::vector<double> queued; ///< power with which a side is in the queue
+      queue;                  ///< unshot power, and the complement of the index of patch and side
+  std::vector<double> queued; ///< power with which each side is in the queue, by patch and side
   BsdfArena arena;
 };
 

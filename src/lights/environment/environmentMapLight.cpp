@@ -1,6 +1,6 @@
 /** @file
- * Both passes of light from pictures. Directions are computed in double precision: a sun may be a single
- * pixel.
+ * Emission and direct-light sampling of environment maps. Directions are computed in double precision,
+ * because a sun may be a single pixel.
  */
 #include "lights/environment/environmentMapLight.h"
 
@@ -13,13 +13,13 @@ namespace recurse {
 namespace {
 
 using std::numbers::pi;
-/** Parts of samples that do not go through a portal, so that whatever light comes in elsewhere is found. */
+/** Fraction of samples beside a portal, so that light from elsewhere is sampled too. */
 constexpr double BESIDE_PORTAL = 0.1;
-/** Cells of a portal's table along each side; what is finer is for the rest of the samples, and for BSDF
- * sampling. */
+/** Cells of a portal's table along each side. Finer detail is left to the samples beside the portal and to
+ * BSDF sampling. */
 constexpr int PORTAL_RESOLUTION = 512;
 
-/** A number in [0, 1) used up by a choice, and what is left of it. */
+/** Chooses with the given probability, and rescales u to a fresh number in [0, 1). */
 bool choose(float& u, double probability) {
   const auto p = static_cast<float>(probability);
   const bool first = u < p;
@@ -46,7 +46,7 @@ Vec3d EnvironmentMapLight::toLight(const Vec3d& direction, double& stretch) cons
 }
 
 bool EnvironmentMapLight::inSun(const Vec3d& direction) const {
-  const Vec3d away = direction - sun->direction; // its square is twice 1 - the cosine
+  const Vec3d away = direction - sun->direction; // its squared length is 2 (1 - cosine)
   return glm::dot(away, away) <= 2 * sun->opening;
 }
 

@@ -1,5 +1,5 @@
 /** @file
- * Light from infinitely far by a picture of all directions, and a sun.
+ * Environment light: a picture of all directions, and a sun.
  */
 #pragma once
 
@@ -11,19 +11,19 @@
 
 namespace recurse {
 
-/** A disc in the sky of the same radiance everywhere. */
+/** Sun disc of uniform radiance. */
 struct SunDisc {
-  Vec3d direction{0, 0, 1}; ///< unit, towards it, in the scene
-  double opening = 0;       ///< 1 - cosine of half its angle
+  Vec3d direction{0, 0, 1}; ///< unit, towards the sun, in scene space
+  double opening = 0;       ///< 1 - cosine of the angular radius
   Rgb radiance{0};
 };
 
 class EnvironmentMapLight final : public EnvironmentLight {
  public:
-  /** `sceneFromLight` counts as far as it turns and stretches directions. */
+  /** Only the linear part of `sceneFromLight` is used, to transform directions. */
   EnvironmentMapLight(EnvironmentMap map, const Rgb& scale, const Mat4d& sceneFromLight);
   void addSun(const SunDisc& disc) { sun = disc; }
-  /** Has light sampled through an opening; light that comes in elsewhere is not lost. */
+  /** Has light sampled through an opening; light from elsewhere is still included. */
   void addPortal(const std::array<Vec3d, 4>& corners);
 
   void prepare(const SceneBounds& b) override { bounds = b; }
@@ -36,23 +36,23 @@ class EnvironmentMapLight final : public EnvironmentLight {
 
  private:
   using Sampling = EnvironmentMap::Sampling;
-  /** Of directions, by the picture and the sun; `pick` is used up and replaced by a fresh number. */
+  /** Samples a direction from the picture and the sun; `pick` is consumed and replaced by a fresh number. */
   Vec3d sampleSky(float& pick, const Vec2f& u, Sampling sampling) const;
   double pdfSky(const Vec3d& direction, Sampling sampling) const;
   Rgb radianceFrom(const Vec3d& direction) const;
-  /** A direction of the scene in light space, and how much of that is in so much of the scene's. */
+  /** Direction of the scene in light space; `stretch` is the solid angle there over that in the scene. */
   Vec3d toLight(const Vec3d& direction, double& stretch) const;
   bool inSun(const Vec3d& direction) const;
-  /** The part of samples that goes to the sun. */
+  /** Fraction of the samples for the sun. */
   double sunPart() const;
-  /** Of positions on the plane across a direction that light goes in [1/length²]. */
+  /** Density of positions on the plane perpendicular to a direction of travel [1/length²]. */
   double pdfPosition(const Vec3d& origin, const Vec3d& direction) const;
   double pdfTowards(const Vec3d& from, const Vec3d& direction) const;
 
   EnvironmentMap map;
   Rgb scale;
   Mat3d lightFromScene, sceneFromLight;
-  double determinant; ///< of lightFromScene
+  double determinant; ///< absolute value, of lightFromScene
   std::optional<SunDisc> sun;
   std::optional<Portal> portal;
   SceneBounds bounds;

@@ -1,5 +1,5 @@
 /** @file
- * Light from everywhere outside the scene: the same radiance, or a picture of the surroundings.
+ * Environment light: uniform radiance, or a picture of the surroundings.
  */
 #include "lights/environment/environmentMapLight.h"
 #include "lights/maps/lightProbe.h"
@@ -16,7 +16,7 @@ class Uniform final : public EnvironmentLight {
   void prepare(const SceneBounds& b) override { bounds = b; }
   Rgb power() const override { return constant * (4 * square(PI * bounds.radius)); }
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
-    // A disc over the bounding sphere, seen from a direction that is uniform on the sphere.
+    // Uniform point on a disc that covers the bounding sphere, perpendicular to a uniform direction.
     const Frame frame(uniformSphere(sample.direction));
     const Vec2f d = uniformDisk(sample.place) * bounds.radius;
     return LeSample{{bounds.center + frame.z * bounds.radius + frame.x * d.x + frame.y * d.y, -frame.z},

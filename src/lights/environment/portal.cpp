@@ -13,8 +13,8 @@ namespace {
 
 using std::numbers::pi;
 
-// Of directions with z > 0: a square of the angles to the yz plane and to the xz plane, in which lines along
-// x and along y are straight.
+// Coordinates of directions with z > 0: the angles to the yz plane and to the xz plane, scaled to the unit
+// square. Lines along x and along y are straight in them.
 
 Vec2d placeOf(const Vec3d& d) { return {std::atan2(d.x, d.z) / pi + 0.5, std::atan2(d.y, d.z) / pi + 0.5}; }
 
@@ -25,7 +25,7 @@ Vec3d directionOf(const Vec2d& place) {
   return length > 0 ? d / length : Vec3d(0, 0, 1);
 }
 
-/** In so much of the square [sr]. */
+/** Jacobian of the square [sr per unit area]. */
 double solidAngle(const Vec3d& d) {
   return d.z > 0 ? square(pi) * (1 - d.x * d.x) * (1 - d.y * d.y) / d.z : 0;
 }
@@ -36,7 +36,7 @@ Portal::Portal(const std::array<Vec3d, 4>& p, const std::function<Rgb(const Vec3
                int resolution)
     : corner(p[0]), edgeX(p[3] - p[0]), edgeY(p[1] - p[0]), axisX(glm::normalize(edgeX)),
       axisY(glm::normalize(edgeY)), axisZ(glm::cross(axisX, axisY)) {
-  constexpr int PARTS = 2; // of a cell, along each side
+  constexpr int PARTS = 2; // subsamples of a cell along each side
   const auto n = static_cast<size_t>(resolution);
   std::vector<double> cells(n * n);
   parallelFor(n, [&](size_t y) {

@@ -1,5 +1,5 @@
 /** @file
- * Portals: openings through which light from far away comes, as proposals for sampling.
+ * Portals: openings through which environment light enters, as sampling densities.
  */
 #pragma once
 
@@ -13,15 +13,15 @@
 namespace recurse {
 
 /**
- * A rectangle, and the light that comes through it towards points on its inner side, sampled in proportion to
+ * Rectangle through which environment light reaches points on its inner side, sampled in proportion to
  * luminance (Bitterli, Novák, Jarosz, "Portal-Masked Environment Map Sampling", 2015). In coordinates in
- * which its edges are straight lines as seen from anywhere, the visible part of the surroundings is a
+ * which its edges are straight lines from any viewpoint, the visible part of the environment is a
  * rectangle.
  */
 class Portal {
  public:
-  /** The corners in order around it; light comes in against (p3 - p0) × (p1 - p0). `radiance` is of a unit
-   * direction towards the light. `resolution` is that of the table, along each side. */
+  /** Corners are in order around the rectangle; light enters against (p3 - p0) × (p1 - p0). `radiance` takes
+   * a unit direction towards the light. `resolution` is the number of cells of the table along each side. */
   Portal(const std::array<Vec3d, 4>& corners, const std::function<Rgb(const Vec3d&)>& radiance,
          int resolution);
 
@@ -29,15 +29,15 @@ class Portal {
     Vec3d direction;
     double pdf; ///< [1/sr]
   };
-  /** A direction from the point through the portal. Empty: no light comes from there, or the point lies
-   * outside. */
+  /** Samples a direction from the point through the portal. Empty where no light comes through, or where
+   * the point is outside. */
   std::optional<Sample> sample(const Vec3d& from, const Vec2d& u) const;
-  /** Of sample() [1/sr]; empty where that never has any. */
+  /** Density of sample() [1/sr]; empty where sample() is always empty. */
   std::optional<double> pdf(const Vec3d& from, const Vec3d& direction) const;
 
-  /** A point of it, uniformly. */
+  /** Uniform point of the portal. */
   Vec3d point(const Vec2d& u) const { return corner + edgeX * u.x + edgeY * u.y; }
-  /** Its area as light of that direction sees it, or 0 for light that goes outwards. */
+  /** Projected area for light of a unit direction of travel; 0 for light that travels outwards. */
   double projectedArea(const Vec3d& direction) const {
     return std::max(0.0, -glm::dot(direction, axisZ)) * glm::length(edgeX) * glm::length(edgeY);
   }
@@ -47,9 +47,9 @@ class Portal {
  private:
   struct Visible {
     WindowedDistribution2d::Window window;
-    double sum; ///< of the table in the window
+    double sum; ///< sum of the table in the window
   };
-  /** What is seen of it. Empty: no light comes from there, or the point lies outside. */
+  /** Visible part of the table. Empty where no light comes through, or where the point is outside. */
   std::optional<Visible> visibleFrom(const Vec3d& from) const;
   Vec3d toLocal(const Vec3d& d) const { return {glm::dot(d, axisX), glm::dot(d, axisY), glm::dot(d, axisZ)}; }
   Vec3d toScene(const Vec3d& d) const { return axisX * d.x + axisY * d.y + axisZ * d.z; }

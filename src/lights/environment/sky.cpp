@@ -15,7 +15,7 @@ namespace {
 
 using std::numbers::pi;
 constexpr double DEGREE = pi / 180;
-/** Half of the sun's apparent diameter, at its mean distance. */
+/** Angular radius of the sun at its mean distance [rad]. */
 constexpr double SUN_RADIUS = 0.2666 * DEGREE;
 
 /** Perez' distribution of luminance, or of a chromaticity, over the sky. */
@@ -27,7 +27,7 @@ struct Perez {
   }
 };
 
-/** Section A.2 of the paper; luminance in kcd/m². */
+/** Sky radiance of section A.2 of the paper; luminance in kcd/m². */
 class PreethamSky {
  public:
   PreethamSky(double turbidity, double sunTheta) : sunTheta(sunTheta) {
@@ -48,7 +48,7 @@ class PreethamSky {
               (0.15346 * s3 - 0.26756 * s2 + 0.06670 * s + 0.26688);
   }
 
-  /** Above the horizon; linear Rec. 709. */
+  /** Sky radiance above the horizon; linear Rec. 709. */
   Rgbd at(double cosTheta, double gamma) const {
     const double l = relative(luminance, zenithLuminance, cosTheta, gamma);
     const double cx = relative(x, zenithX, cosTheta, gamma), cy = relative(y, zenithY, cosTheta, gamma);
@@ -65,8 +65,8 @@ class PreethamSky {
   double zenithLuminance, zenithX, zenithY;
 };
 
-/** Illuminance of a surface that faces the sun [klx]: section A.1 of the paper, by Rayleigh scattering and
- * aerosol. Ozone, water vapour and mixed gases, which take a few hundredths, are left out. */
+/** Illuminance of a surface that faces the sun [klx], attenuated by Rayleigh scattering and aerosol (section
+ * A.1 of the paper). Ozone, water vapour and mixed gases, which absorb a few per cent, are ignored. */
 Rgbd sunIlluminance(double turbidity, double theta) {
   constexpr double OUTSIDE = 128, TEMPERATURE = 5772; // solar constant [klx], effective temperature [K]
   const double mass = 1 / (std::cos(theta) + 0.15 * std::pow(93.885 - theta / DEGREE, -1.253));
@@ -77,7 +77,7 @@ Rgbd sunIlluminance(double turbidity, double theta) {
   const auto planck = [](double nanometres) {
     return std::pow(nanometres / 560, -5) / std::expm1(1.438776877e7 / (nanometres * TEMPERATURE));
   };
-  // Colours come with luminance 1; how much gets through is asked of the same eye.
+  // Colours have luminance 1; the transmitted fraction is measured with one photopic curve before and after.
   SampledSpectrum before, after;
   double allLuminance = 0, luminance = 0;
   for (int w = 360; w <= 780; w += 5) {
@@ -98,7 +98,7 @@ Vec3d fromAngles(double elevation, double azimuth) {
           std::sin(elevation)};
 }
 
-/** Where the sun stands; section A.6 of the paper. */
+/** Direction towards the sun; section A.6 of the paper. */
 Vec3d sunAt(double latitude, double longitude, int day, double hour, double zone) {
   const double j = day;
   const double solar = hour + 0.170 * std::sin(4 * pi * (j - 80) / 373) -
@@ -125,7 +125,7 @@ Vec3d sunDirection(const Parameters& p) {
 
 std::unique_ptr<Light> makeSky(const Parameters& p, const LightContext& c) {
   const Vec3d towardsSun = sunDirection(p);
-  constexpr double LOWEST = 0.5; // the sun's disc is above the horizon, just
+  constexpr double LOWEST = 0.5; // [degrees]: the sun's disc is just above the horizon
   if (!(towardsSun.z > std::sin(LOWEST * DEGREE)))
     p.fail(p.has("elevation") ? "elevation" : "hour",
            "the sun is " + std::to_string(std::asin(towardsSun.z) / DEGREE) +
@@ -152,7 +152,7 @@ std::unique_ptr<Light> makeSky(const Parameters& p, const LightContext& c) {
     const Vec3d away = d - towardsSun;
     return sky.at(d.z, 2 * std::asin(std::min(1.0, glm::length(away) / 2)));
   });
-  // The ground gives back a part of what comes to it.
+  // The ground reflects a fraction of its irradiance.
   Rgbd upward(0);
   for (int y = 0; y < SIZE; ++y)
     for (int x = 0; x < SIZE; ++x) {

@@ -15,20 +15,20 @@ namespace recurse {
 namespace {
 
 using std::numbers::pi;
-/** Cells of a table are half as wide as pixels, on which the interpolation is bilinear, unless that makes
- * more. */
+/** Limit on table cells. Below it cells are half as wide as pixels, so that the interpolation is bilinear
+ * on each; above it they are whole pixels. */
 constexpr size_t MAX_FINE_CELLS = size_t(1) << 24;
 
-/** Solid angle in so much of the square [sr]. */
+/** Jacobian of the mapping [sr per unit area of the square]. */
 double solidAngle(EnvironmentMapping mapping, double y) {
   return mapping == EnvironmentMapping::EQUAL_AREA ? 4 * pi : 2 * square(pi) * std::sin(pi * y);
 }
 
-/** ∫ of the part that row `row` of `height` has in the interpolation, times sin θ, over θ / π. */
+/** ∫ of the interpolation weight of row `row` of `height`, times sin θ, over θ / π. */
 double rowWeight(int row, int height) {
   const double h = 1.0 / height, centre = (row + 0.5) * h;
-  // Gauss' rule of three points on each half, where the part goes linearly to the neighbour's centre, or is 1
-  // up to the pole.
+  // Three-point Gauss quadrature on each half, where the weight falls linearly towards the centre of the
+  // neighbour, or is 1 up to the pole.
   double sum = 0;
   for (const int side : {-1, 1}) {
     const bool last = side < 0 ? row == 0 : row == height - 1;
@@ -111,15 +111,15 @@ void EnvironmentMap::tabulate() {
   const int columns = part * width, rows = part * height;
   const double mean = double(luminance(Rgb(wholeIntegral))) / (4 * pi);
   std::vector<double> corners(size_t(columns + 1) * size_t(rows + 1));
-  std::vector<double> brighter(corners.size()); // than what the partner finds
+  std::vector<double> brighter(corners.size()); // MIS-compensated integrand
   parallelFor(size_t(rows) + 1, [&](size_t y) {
     const double v = double(y) / rows, stretch = solidAngle(mapping, v);
     for (size_t x = 0; x <= size_t(columns); ++x) {
       const double l = double(luminance(at({double(x) / columns, v})));
       const size_t i = y * size_t(columns + 1) + x;
       corners[i] = std::max(0.0, l * stretch);
-      // Of two techniques with equal numbers of samples, one uniform, the other has the rest of twice the
-      // integrand.
+      // With equal sample counts and one uniform technique, the best second technique samples the remainder
+      // of twice the integrand.
       brighter[i] = std::max(0.0, (l - mean / 2) * stretch);
     }
   });
@@ -143,7 +143,7 @@ double EnvironmentMap::pdf(const Vec3d& direction, Sampling sampling) const {
 }
 
 double EnvironmentMap::upperIrradiance() const {
-  constexpr int SUB = 2; // a pixel is cut by the horizon
+  constexpr int SUB = 2; // subsamples along each side: the horizon cuts pixels
   double sum = 0;
   const int columns = SUB * width, rows = SUB * height;
   for (int y = 0; y < rows; ++y)

@@ -1,5 +1,5 @@
 /** @file
- * Pictures of all directions: radiance that comes from far away, or intensity that goes out from a point.
+ * Pictures of all directions: environment radiance, or the intensity of a light at a point.
  */
 #pragma once
 
@@ -8,36 +8,36 @@
 
 namespace recurse {
 
-/** How directions lie in a picture. Its top left is at (0, 0), its lower right at (1, 1). */
+/** Mapping of directions to a picture. Its top left is at (0, 0), its lower right at (1, 1). */
 enum class EnvironmentMapping {
   EQUAL_AREA,        ///< square: the octahedral map of equal areas (Clarberg 2008); +z in the middle
   LATITUDE_LONGITUDE ///< +z at the top, azimuth atan2(y, x) = 2πu
 };
 
-/** Where a unit direction lies in the picture. */
+/** Position of a unit direction in the picture. */
 Vec2d placeOfDirection(EnvironmentMapping mapping, const Vec3d& direction);
-/** The unit direction at a place of the picture. */
+/** Unit direction at a position of the picture. */
 Vec3d directionOfPlace(EnvironmentMapping mapping, const Vec2d& place);
 
 /** Linear values over all directions, interpolated between pixels, with densities in proportion to their
  * luminance. */
 class EnvironmentMap {
  public:
-  /** Whether every direction of some luminance has a density, or only those that are brighter than what
-   * sampling by BSDFs finds as well (Karlík et al., "MIS Compensation", 2019): for use beside it alone. */
+  /** COMPLETE: all directions of positive luminance have a density. COMPENSATED: only directions brighter
+   * than BSDF sampling accounts for (Karlík et al., "MIS Compensation", 2019), for MIS with it only. */
   enum class Sampling { COMPLETE, COMPENSATED };
 
-  /** The first three channels, which must be finite and at least 0. A picture of EQUAL_AREA is square. */
+  /** Takes the first three channels, which must be finite and >= 0. EQUAL_AREA needs a square picture. */
   EnvironmentMap(const Image& picture, EnvironmentMapping mapping);
 
   Rgb value(const Vec3d& direction) const { return at(placeOfDirection(mapping, direction)); }
   struct Sample {
     Vec3d direction;
-    double pdf; ///< [1/sr]; 0: there is none
+    double pdf; ///< [1/sr]; 0: no sample
   };
   Sample sample(const Vec2f& u, Sampling sampling) const;
   double pdf(const Vec3d& direction, Sampling sampling) const;
-  /** Over the sphere of directions. */
+  /** Integral over the sphere of directions. */
   const Rgbd& integral() const { return wholeIntegral; }
   /** Integral of the luminance times the cosine to +z over the upper hemisphere. */
   double upperIrradiance() const;
@@ -47,7 +47,7 @@ class EnvironmentMap {
     return s == Sampling::COMPLETE || compensated.empty() ? complete : compensated;
   }
   Rgb at(const Vec2d& place) const;
-  /** Beyond the edges what lies there on the sphere. */
+  /** Pixel (x, y); beyond the edges, its neighbour on the sphere. */
   const Rgb& pixel(int x, int y) const;
   void integrate();
   void tabulate();
@@ -56,7 +56,7 @@ class EnvironmentMap {
   int width, height;
   std::vector<Rgb> pixels;
   Rgbd wholeIntegral{0};
-  Distribution2d complete, compensated; ///< the latter empty where it would be the same
+  Distribution2d complete, compensated; ///< compensated is empty where it would omit no direction
 };
 
 } // namespace recurse

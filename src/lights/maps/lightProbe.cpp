@@ -1,6 +1,6 @@
 /** @file
- * Layouts of light probes: told apart, and brought into the square of equal areas where they are none that is
- * sampled as it is. The formulas are those of P. Debevec's and HDRShop's documentation.
+ * Layouts of light probes: detection, and resampling into the equal-area square where a layout is not sampled
+ * directly. The formulas follow the documentation of P. Debevec and of HDRShop.
  */
 #include "lights/maps/lightProbe.h"
 
@@ -78,14 +78,14 @@ class ProbePicture {
       return Rgbd(0);
     }
     const double across = std::hypot(d.x, d.y);
-    // The distance from the middle: of the angle to the front; of half the angle to the back, in a mirror.
+    // Distance from the middle: angle to the front over π; in a mirror, sine of half the angle to the back.
     const double r =
         layout == Layout::ANGULAR ? std::atan2(across, -d.z) / pi : std::sqrt(std::max(0.0, (1 - d.z) / 2));
     const Vec2d way = across > 0 ? Vec2d(d.x, d.y) * (std::min(r, 1.0) / across) : Vec2d(std::min(r, 1.0), 0);
     return at({(way.x + 1) / 2, (1 - way.y) / 2}, 0, 0);
   }
 
-  /** Of the picture over all directions, each pixel in parts. */
+  /** Integral of the picture over all directions, with subsamples of each pixel. */
   Rgbd integral() const {
     constexpr int PARTS = 4;
     Rgbd sum(0);
@@ -110,7 +110,7 @@ class ProbePicture {
  private:
   int columns() const { return layout == Layout::VERTICAL_CROSS ? 3 : 4; }
 
-  /** In so much of a cell, to a factor. */
+  /** Solid angle per area of a cell, up to a factor. */
   double solidAngle(const Vec2d& place) const {
     const Vec2d p = place * 2.0 - 1.0;
     const double r2 = glm::dot(p, p), r = std::sqrt(r2);
@@ -120,7 +120,7 @@ class ProbePicture {
     return r > 0 ? std::sin(pi * r) / (pi * r) : 1;
   }
 
-  /** Between pixels of one cell; `place` is in cells. */
+  /** Bilinear interpolation between pixels of one cell; `place` is in cells. */
   Rgbd at(const Vec2d& place, int column, int row) const {
     const double x = place.x * cell - 0.5, y = place.y * cell - 0.5;
     const double left = std::floor(x), top = std::floor(y), s = x - left, t = y - top;
@@ -133,7 +133,7 @@ class ProbePicture {
            (pixel(0, 1) * (1 - s) + pixel(1, 1) * s) * t;
   }
 
-  /** Outside of the circle the nearest inside, for what is interpolated next to it. */
+  /** Extends the nearest pixels inside the circle into the corners, for the interpolation at its rim. */
   void fillCorners() {
     const Image original = image;
     const auto centre = [&](int i) { return (i + 0.5) * 2 / cell - 1; };
@@ -154,9 +154,9 @@ class ProbePicture {
   int cell; ///< pixels along a side
 };
 
-/** In the square of equal areas, scaled so that the integral is that of the picture. */
+/** Probe in the equal-area square, scaled to the integral of the picture. */
 EnvironmentMap resampled(const ProbePicture& probe) {
-  constexpr int PARTS = 4; // of a pixel, along each side
+  constexpr int PARTS = 4; // subsamples of a pixel along each side
   const int n = probe.resolution();
   Image square(n, n, {"R", "G", "B"});
   parallelFor(size_t(n), [&](size_t y) {
@@ -198,7 +198,7 @@ bool hasEmptyCells(const Image& image, Layout layout) {
   });
 }
 
-/** Nothing outside of the circle. */
+/** Whether the area outside the circle is of one colour. */
 bool hasEmptyCorners(const Image& image) {
   const double rim = square(1 + 2.0 / image.width);
   return isOneColour(image, [&](int x, int y) {
@@ -215,8 +215,8 @@ bool fits(const Image& image, Layout layout) {
   return w == h;
 }
 
-/** A square is a map of equal areas, as pbrt has them, unless it looks like one of Debevec's and is called
- * so. */
+/** Layout by shape and file name. A square is an equal-area map as in pbrt, unless it has empty corners
+ * and a name that ends in _probe, like Debevec's. */
 std::optional<Layout> guess(const Image& image, const std::string& fileName) {
   for (const Layout cross : {Layout::VERTICAL_CROSS, Layout::HORIZONTAL_CROSS})
     if (fits(image, cross) && hasEmptyCells(image, cross)) return cross;

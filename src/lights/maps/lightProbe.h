@@ -1,5 +1,5 @@
 /** @file
- * Files with pictures of all directions, in the layouts that are in use.
+ * Files with pictures of all directions, in the common layouts.
  */
 #pragma once
 
@@ -12,13 +12,13 @@ namespace recurse {
 const std::vector<std::string>& probeLayouts();
 
 /** Reads the picture that the parameter "filename" names; negative values become 0, with a warning. Fails
- * where it cannot be read or has values that are no numbers. */
+ * where the file cannot be read or a value is not finite. */
 Image readLightPicture(const Parameters& p);
 
 /**
- * Reads the picture of "filename" in the layout that "mapping" names, or that its shape tells, with a warning
- * that says which. Light space has +z up; the middle of a picture that shows what is in front lies towards
- * -x, and what is to its right towards -y, as where a latitude-longitude picture has them.
+ * Reads the picture of "filename" in the layout of "mapping", or in the layout that its shape implies, with a
+ * warning that names it. Light space has +z up. In a picture that shows the front, the middle faces -x and
+ * the right faces -y, as in a latitude-longitude picture.
  */
 EnvironmentMap readLightProbe(const Parameters& p);
 

@@ -1,5 +1,5 @@
 /** @file
- * A light at a point with an intensity of its own for each direction: from a picture, or from a photometric
+ * Point light with a separate intensity for each direction, from a picture or from a photometric
  * file.
  */
 #include <numbers>
@@ -24,7 +24,7 @@ class Goniometric final : public PatternLight {
   Rgb power() const override { return factor * Rgb(distribution.integral()); }
 
  private:
-  /** Between light space and the picture, whose middle is light space +y. */
+  /** Converts between light space and the picture, whose middle is light space +y. */
   static Vec3d swapped(const Vec3d& d) { return {d.x, d.z, d.y}; }
 
   Rgb intensity(const Vec3d& direction) const override {
@@ -43,7 +43,7 @@ class Goniometric final : public PatternLight {
   Rgb factor;
 };
 
-/** The profile as a picture of candela values; down is light space -y, C0 is +x, C90 is +z. */
+/** Profile as a picture of candela values; down is light space -y, C0 is +x, C90 is +z. */
 EnvironmentMap pictureOf(const IesProfile& profile) {
   constexpr int SIZE = 512, PARTS = 3; // about the half degree of the finest files
   Image image(SIZE, SIZE, {"R", "G", "B"});

@@ -15,7 +15,7 @@ namespace recurse {
 namespace {
 
 using std::numbers::pi;
-/** No file of a luminaire has so many angles. */
+/** Upper bound on the number of angles, more than any file of a luminaire has. */
 constexpr double MAX_ANGLES = 10000;
 
 /** Numbers after the keywords, separated by blanks, commas or line ends. */
@@ -35,7 +35,7 @@ class Numbers {
     at = static_cast<size_t>(end - text.data());
     return value;
   }
-  /** A number of things, at least 1. */
+  /** Reads a count, at least 1. */
   size_t count(const char* what) {
     const double n = next(what);
     if (!(n >= 1 && n <= MAX_ANGLES) || n != std::floor(n))
@@ -93,7 +93,7 @@ IesProfile IesProfile::parse(const std::string& text) {
   std::string tilt = text.substr(at + 5, end - at - 5);
   while (!tilt.empty() && std::isspace(static_cast<unsigned char>(tilt.back()))) tilt.pop_back();
   Numbers numbers(text, end, line);
-  if (tilt == "INCLUDE") { // of lamps mounted aslant: not the luminaire's own light
+  if (tilt == "INCLUDE") { // factors for tilted lamps, not part of the profile
     numbers.next("the lamp's geometry");
     numbers.list(2 * numbers.count("the number of tilt angles"), "a tilt angle or factor");
   }
@@ -141,7 +141,7 @@ double IesProfile::folded(double c) const {
   }
   if (last == 180) return std::min(c, 360 - c);
   if (last == 270) return c < 90 ? 180 - c : c > 270 ? 540 - c : c;
-  return c; // of 360, and of a single one
+  return c; // full turn, or a single angle
 }
 
 double IesProfile::intensity(double gamma, double c) const {
@@ -158,7 +158,7 @@ double IesProfile::intensity(double gamma, double c) const {
 }
 
 double IesProfile::flux() const {
-  // Midpoints of half a degree by half a degree: angles of files are whole or half ones.
+  // Midpoint rule with cells of half a degree: files have angles of whole or half degrees.
   constexpr int ROWS = 720, COLUMNS = 720;
   double sum = 0;
   for (int i = 0; i < ROWS; ++i) {

@@ -1,5 +1,5 @@
 /** @file
- * Photometric files: what luminaires of the trade send in each direction.
+ * Photometric files: measured intensity distributions of luminaires.
  */
 #pragma once
 
@@ -19,15 +19,15 @@ class IesProfile {
 
   /** Luminous intensity [cd] at a vertical angle (0 is straight down) and a horizontal one [degrees]. */
   double intensity(double vertical, double horizontal) const;
-  /** Over all directions [lm]. */
+  /** Luminous flux over all directions [lm]. */
   double flux() const;
 
  private:
-  /** The horizontal angle in the range that the file tells, by its symmetry. */
+  /** Horizontal angle folded by symmetry into the range of the file [degrees]. */
   double folded(double horizontal) const;
 
   std::vector<double> vertical, horizontal; ///< ascending [degrees]
-  std::vector<double> candela;              ///< for each horizontal angle all vertical ones
+  std::vector<double> candela;              ///< rows of vertical angles, one row for each horizontal angle
 };
 
 } // namespace recurse

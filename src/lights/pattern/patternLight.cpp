@@ -1,5 +1,5 @@
 /** @file
- * Patterns of intensity in both passes.
+ * Emission and direct-light sampling of lights with an intensity pattern.
  */
 #include "lights/pattern/patternLight.h"
 

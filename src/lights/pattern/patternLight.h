@@ -1,5 +1,5 @@
 /** @file
- * A light at a point whose intensity follows a pattern in a space of its own, such as a picture.
+ * Point light whose intensity follows a pattern in light space, such as a picture.
  */
 #pragma once
 
@@ -8,11 +8,11 @@
 
 namespace recurse {
 
-/** Sits at the origin of light space; its transform turns and may stretch the pattern. */
+/** Point light at the origin of light space; its transform turns and may stretch the pattern. */
 class PatternLight : public Light {
  public:
   explicit PatternLight(const Mat4d& sceneFromLight);
-  /** Fails at the plug-in where a transform cannot be inverted. */
+  /** Fails at the plug-in where the transform cannot be inverted. */
   static void requireInvertible(const Mat4d& sceneFromLight, const Parameters& p);
 
   LightKind kind() const override { return LightKind::POINT; }
@@ -21,19 +21,19 @@ class PatternLight : public Light {
   std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const override;
 
  private:
-  // The pattern; directions are of light space, away from the light, and of any length.
+  // Intensity pattern. Directions are in light space, away from the light, and of any length.
 
   virtual Rgb intensity(const Vec3d& direction) const = 0;
   virtual std::optional<Vec3d> sampleDirection(const Vec2f& u) const = 0;
-  /** Of sampleDirection() [1/sr of light space]. */
+  /** Density of sampleDirection() [1/sr of light space]. */
   virtual double pdfDirection(const Vec3d& direction) const = 0;
 
-  /** The density of a unit direction of the scene [1/sr]. */
+  /** Density of a unit direction of the scene [1/sr]. */
   double pdfInScene(const Vec3d& direction) const;
 
   Vec3f position;
   Mat3d lightFromScene, sceneFromLight;
-  double determinant; ///< of lightFromScene, its magnitude
+  double determinant; ///< absolute value, of lightFromScene
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * A slide projector.
+ * Slide projector: a light at a point that projects a picture.
  */
 #include <numbers>
 
@@ -14,8 +14,8 @@ namespace {
 
 using std::numbers::pi;
 
-/** A light at the origin of light space that throws a picture along +z; the intensity is that of the nearest
- * pixel. */
+/** Projector at the origin of light space that projects a picture along +z. The intensity is taken from
+ * the nearest pixel. */
 class Projection final : public PatternLight {
  public:
   Projection(Image slide, double fov, const Rgb& scale, const Mat4d& sceneFromLight)
@@ -32,19 +32,19 @@ class Projection final : public PatternLight {
     table = WindowedDistribution2d(image.width, image.height, cells);
     total = table.sum({});
   }
-  /** Of the picture over the directions that it is thrown to. */
+  /** Integral of the picture over the lit directions. */
   const Rgbd& wholeIntegral() const { return integral; }
   void multiply(double factor) { scale *= static_cast<float>(factor); }
 
   Rgb power() const override { return Rgb(integral) * scale; }
 
  private:
-  /** In so much of the picture [sr]. */
+  /** Jacobian of the picture [sr per unit area]. */
   double solidAngle(const Vec2d& place) const {
     const Vec2d p = (place * 2.0 - 1.0) * size;
     return 4 * size.x * size.y * std::pow(1 + glm::dot(p, p), -1.5);
   }
-  /** Where a direction lies in the picture, from its top left; empty where it is not lit. */
+  /** Position of a direction in the picture, from its top left; empty where it is not lit. */
   std::optional<Vec2d> placeOf(const Vec3d& d) const {
     if (!(d.z > 0)) return {};
     const Vec2d place((d.x / (d.z * size.x) + 1) / 2, (1 - d.y / (d.z * size.y)) / 2);
@@ -69,7 +69,7 @@ class Projection final : public PatternLight {
 
   Image image;
   Rgb scale;
-  Vec2d size; ///< half of the picture's, at distance 1
+  Vec2d size; ///< half the size of the picture at distance 1
   Rgbd integral{0};
   WindowedDistribution2d table;
   double total = 0;

@@ -1,5 +1,5 @@
 /** @file
- * Boxes of grids, and the light of hot media.
+ * Boxes of grid media, and emission of hot media.
  */
 #include "media/grid/gridMedium.h"
 
@@ -37,7 +37,7 @@ GridBox::GridBox(const Parameters& p, const Mat4d& sceneFromUnit) {
   unitFromScene = glm::inverse(sceneFromUnit);
   for (int corner = 0; corner < 8; ++corner)
     sceneBounds.add(Vec3f(transformPoint(sceneFromUnit, Vec3d(corner & 1, corner >> 1 & 1, corner >> 2))));
-  constexpr double LARGEST = 1e18;                                                  // squares fit
+  constexpr double LARGEST = 1e18;                                                  // squares fit a float
   const auto fits = [](const auto& v) { return glm::length(Vec3d(v)) <= LARGEST; }; // false for NaN
   if (!fits(sceneBounds.lower) || !fits(sceneBounds.upper) || !fits(unitFromScene[0]) ||
       !fits(unitFromScene[1]) || !fits(unitFromScene[2]))
@@ -91,7 +91,7 @@ HeatGlow::HeatGlow(const Parameters& p, float highest)
     : offset(
           static_cast<float>(p.real(p.has("temperaturecutoff") ? "temperaturecutoff" : "temperatureoffset"))),
       scale(static_cast<float>(p.real("temperaturescale"))) {
-  // Interpolated towards the zeros outside it may be hotter.
+  // Temperatures that are interpolated towards the zeros outside may be hotter.
   hottest = std::max((highest - offset) * scale, -offset * scale);
   if (!std::isfinite(hottest)) p.fail("temperaturescale", "temperatures that are too high");
   const double strength = emissionScale(p);

@@ -1,6 +1,6 @@
 /** @file
- * Media on regular grids: where the grid lies, what glows by its temperature, and the medium with one density
- * for all coefficients.
+ * Media on regular grids: the box of a grid, emission by temperature, and the medium with one density for all
+ * coefficients.
  */
 #pragma once
 
@@ -11,23 +11,23 @@
 
 namespace recurse {
 
-/** For the reference: what checkSteps() asks for. */
+/** Text for the reference: the limit that checkSteps() enforces. */
 constexpr const char* DENSITY_LIMIT = " Across its box there may be 1e6 mean free paths of its densest part "
                                       "at most, as flights take a step for "
                                       "each.";
 
-/** The box of a grid: its points in the unit cube. */
+/** Box of a grid, which maps to the unit cube. */
 class GridBox {
  public:
   GridBox() = default;
-  /** By the corners p0 and p1 of the parameters. */
+  /** Box with the corners p0 and p1 of the parameters. */
   GridBox(const Parameters& p, const MediumContext& context);
   /** Fails where the transform has no inverse. */
   GridBox(const Parameters& p, const Mat4d& sceneFromUnit);
 
   Bounds3f bounds() const { return sceneBounds; }
-  /** Fails where flights may take millions of steps, which is for ever: they go by the free paths of the
-   * densest place around them in the densest channel, however clear it is where they are. */
+  /** Fails where flights may take millions of steps, which would not end. Their step is the mean free path
+   * at the local majorant of the densest channel, even where the medium is clear. */
   void checkSteps(const Parameters& p, const char* parameter, const MajorantGrid& grid,
                   const Rgb& extinction) const;
   Vec3f point(const Vec3f& scene) const { return Vec3f(transformPoint(unitFromScene, Vec3d(scene))); }
@@ -41,17 +41,17 @@ class GridBox {
   Bounds3f sceneBounds;
 };
 
-/** p0 and p1. */
+/** Parameters p0 and p1. */
 std::vector<ParameterSpec> gridBoxParameters();
 
-/** The radiance of black bodies whose temperatures are given on a grid, as pbrt-v4 has it: relative to the
- * spectrum's maximum, so that brightness does not grow with the temperature, and nothing up to 100 K. */
+/** Black-body radiance for temperatures on a grid, as in pbrt-v4: relative to the maximum of the spectrum,
+ * so that brightness does not grow with the temperature, and zero up to 100 K. */
 class HeatGlow {
  public:
   HeatGlow() = default;
-  /** Goes by temperatureoffset, temperaturescale and Lescale. */
+  /** Reads temperatureoffset, temperaturescale and Lescale. */
   HeatGlow(const Parameters& p, const GridBox& box, SampledGrid<float> temperatures);
-  /** The same for temperatures that are kept elsewhere, `highest` at most. */
+  /** Emission for temperatures that are stored elsewhere, at most `highest`. */
   HeatGlow(const Parameters& p, float highest);
 
   bool empty() const { return table.empty(); }
@@ -66,14 +66,14 @@ class HeatGlow {
   std::vector<Rgb> table; ///< over temperatures from COLD to the hottest
 };
 
-/** temperatureoffset, the old temperaturecutoff, and temperaturescale. */
+/** Parameters temperatureoffset, its old name temperaturecutoff, and temperaturescale. */
 std::vector<ParameterSpec> heatParameters();
 
-/** A medium with coefficients that one density multiplies. */
+/** Medium whose coefficients are multiplied by one density. */
 class DensityGrid final : public Medium {
  public:
-  /** `whole` is the medium of density 1; a grid of `emissionScales`, up to 1, that is
-   * not empty multiplies its light. */
+  /** `whole` is the medium at density 1. A grid of `emissionScales`, at most 1, multiplies the emission
+   * where it is not empty. */
   DensityGrid(const MediumPoint& whole, const GridBox& box, SampledGrid<float> densities, HeatGlow glow,
               SampledGrid<float> emissionScales = {})
       : whole(whole), box(box), density(std::move(densities)), glow(std::move(glow)),

@@ -23,10 +23,10 @@ template <class T> class SampledGrid {
     if (i.x < 0 || i.y < 0 || i.z < 0 || i.x >= count.x || i.y >= count.y || i.z >= count.z) return T(0);
     return values[(size_t(i.z) * size_t(count.y) + size_t(i.y)) * size_t(count.x) + size_t(i.x)];
   }
-  /** At a point of the unit cube. */
+  /** Interpolated value at a point of the unit cube. */
   T at(const Vec3f& p) const {
     const Vec3f q = p * Vec3f(count) - 0.5f, floor = glm::floor(q), part = q - floor;
-    // False for NaN as well, so that what follows fits an integer.
+    // The test is false for NaN as well, so that the coordinates fit an integer.
     if (!(floor.x >= -1 && floor.y >= -1 && floor.z >= -1 && floor.x < float(count.x) &&
           floor.y < float(count.y) && floor.z < float(count.z)))
       return T(0);
@@ -46,17 +46,17 @@ template <class T> class SampledGrid {
   std::vector<T> values;
 };
 
-/** Bounds of an interpolated field by cells: `largest(i)` is the field's bound by the sample i, which may lie
- * outside of the grid by one. */
+/** Majorants of an interpolated field by cells. `largest(i)` is the bound of the field at sample i, which
+ * may be outside of the grid by one. */
 template <class Largest> MajorantGrid majorantsOf(const glm::ivec3& samples, const Largest& largest) {
-  constexpr int MAX_CELLS = 64; // along an axis: a walk costs about as much as what it saves with more
+  constexpr int MAX_CELLS = 64; // cells along an axis; with more, traversal costs about as much as it saves
   const glm::ivec3 cells = glm::min(samples, glm::ivec3(MAX_CELLS));
   std::vector<float> bounds;
   for (int z = 0; z < cells.z; ++z)
     for (int y = 0; y < cells.y; ++y)
       for (int x = 0; x < cells.x; ++x) {
         const glm::ivec3 cell(x, y, z);
-        // Samples whose filter reaches the cell, and one more for points that rounding puts outside of it.
+        // Samples whose filter support reaches the cell, and one more for points rounded out of it.
         const glm::ivec3 first = cell * samples / cells - 1,
                          last = ((cell + 1) * samples + cells - 1) / cells + 1;
         float bound = 0;

@@ -1,5 +1,5 @@
 /** @file
- * Media of sparse grids in NanoVDB files, as simulations of smoke, fire and clouds leave them.
+ * Media of sparse grids in NanoVDB files, the output of simulations of smoke, fire and clouds.
  */
 #include "media/grid/gridMedium.h"
 #include "media/nanovdb/nanoVdbFile.h"
@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** A grid of the file in the space of the scene. */
+/** Grid of the file in the space of the scene. */
 class PlacedGrid {
  public:
   PlacedGrid() = default;
@@ -24,7 +24,7 @@ class PlacedGrid {
 
   const SparseGrid& grid() const { return values; }
   float at(const Vec3f& scene) const { return values.at(transformPoint(indexFromScene, Vec3d(scene))); }
-  /** From the unit cube to what the grid spans. */
+  /** Transform from the unit cube to the box of the grid in the scene. */
   Mat4d sceneFromUnit() const {
     Mat4d indexFromUnit(1);
     for (int i = 0; i < 3; ++i) indexFromUnit[i][i] = values.last()[i] + 1.0 - values.first()[i];
@@ -50,7 +50,7 @@ class NanoVdbMedium final : public Medium {
       p.fail("filename", file + " has no grid \"density\"",
              names.empty() ? "it has no grids at all" : "its grids are " + all);
     }
-    constexpr float DENSEST = 1e18f; // as of other grids; squares of extinctions fit
+    constexpr float DENSEST = 1e18f; // limit of all grids; squares of extinctions fit
     if (density.grid().largest() > DENSEST)
       p.fail("filename", file + ": the densities are too high for single precision", "densities below 1e18");
     if (density.grid().smallest() < 0) p.warn("filename", file + ": negative densities count as none");

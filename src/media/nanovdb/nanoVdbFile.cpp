@@ -22,22 +22,22 @@ constexpr uint64_t GRID_HEADER = 672, ROOT = 64, ROOT_TILE = 32; ///< bytes in a
 constexpr uint64_t LEAF_HEADER = 96;
 
 enum Codec : uint16_t { UNPACKED, ZIP, BLOSC };
-/** Those that are numbers, one for each voxel. FP: of a leaf's range, by so many bits. */
+/** Types with one number for each voxel. FP: quantized over the range of a leaf, with this many bits. */
 enum GridType : uint32_t { FLOAT = 1, FP4 = 13, FP8 = 14, FP16 = 15, FP_ANY = 16 };
 
 /** An inner level of the tree. */
 struct Level {
-  int log2Children; ///< along an axis
-  int log2Width;    ///< of a child, in voxels
+  int log2Children; ///< number of children along an axis
+  int log2Width;    ///< side of a child [voxels]
   uint64_t children() const { return 1ull << (3 * log2Children); }
   uint64_t childMask() const { return 32 + children() / 8; }
   uint64_t table() const { return (childMask() + children() / 8 + 16 + 31) / 32 * 32; }
   uint64_t bytes() const { return table() + 8 * children(); }
 };
 constexpr Level UPPER{5, 7}, LOWER{4, 3};
-constexpr int ROOT_WIDTH_LOG2 = 12; ///< of an upper node
+constexpr int ROOT_WIDTH_LOG2 = 12; ///< side of an upper node [voxels]
 
-/** The grid at byte 0 of its own bytes. */
+/** Reader of a grid that begins at byte 0. */
 class GridReader {
  public:
   GridReader(const std::string& name, std::string_view bytes) : in(name, bytes) {}
@@ -62,7 +62,7 @@ class GridReader {
   }
 
  private:
-  /** Where a node is whose distance from `parent` [bytes] stands at `place`. */
+  /** Offset of a node whose distance from `parent` [bytes] is stored at `place`. */
   uint64_t offsetFrom(uint64_t parent, uint64_t place, const char* what) const {
     const auto distance = in.at<int64_t>(place, what);
     const auto most = static_cast<int64_t>(in.size());
@@ -78,7 +78,7 @@ class GridReader {
       last[axis] = in.at<int32_t>(root + 12 + 4 * uint64_t(axis), "the bounds");
     }
     const auto background = in.at<float>(root + 28, "the background");
-    if (first.x > last.x && first.y > last.y && first.z > last.z) { // as an empty tree has them
+    if (first.x > last.x && first.y > last.y && first.z > last.z) { // bounds of an empty tree
       values = SparseGrid(in.source(), glm::ivec3(0), glm::ivec3(0), background);
       return;
     }
@@ -155,7 +155,7 @@ class GridReader {
     values.setBlock(origin, block);
   }
 
-  /** Nodes that lie in each other, or stand in several places, would take for ever. */
+  /** Fails for nodes that overlap or repeat, which might take for ever to read. */
   void countBytes(uint64_t node, uint64_t bytes) {
     read_ += bytes;
     if (read_ > in.size()) in.fail(node, "nodes of the tree overlap");
@@ -167,10 +167,10 @@ class GridReader {
   SparseGrid values;
 };
 
-/** Bytes that zlib has packed. */
+/** Grid decompressed by zlib. */
 std::string unpacked(const std::string& name, const ByteReader& in, uint64_t offset, uint64_t bytesInFile,
                      uint64_t size) {
-  constexpr uint64_t MAX_RATIO = 1032; // of deflate
+  constexpr uint64_t MAX_RATIO = 1032; // bound on the compression of deflate
   const auto packed = in.at<uint64_t>(offset, "the size of a packed grid");
   if (bytesInFile < 8 || packed > bytesInFile - 8) in.fail(offset, "a packed grid is larger than its place");
   const std::string_view from = in.part(offset + 8, packed, "a packed grid");

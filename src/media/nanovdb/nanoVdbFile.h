@@ -13,11 +13,11 @@ namespace recurse {
 
 struct NanoVdbGrid {
   SparseGrid values;
-  Mat4d worldFromIndex{1}; ///< whole numbers are the places of values
+  Mat4d worldFromIndex{1}; ///< values are at whole numbers of the index space
 };
 
-/** The first grid of that name; empty() where the file has none, and then `others` are the names that it has.
- * Throws Error with the place for what is damaged or of a kind that is not read. `file` is for messages. */
+/** Reads the first grid of this name. Empty where the file has none; `others` then has the names in the
+ * file. Throws Error with the offset for damaged data or an unsupported kind. `file` is for messages. */
 NanoVdbGrid readNanoVdb(const std::string& file, std::string_view bytes, const std::string& name,
                         std::vector<std::string>& others);
 

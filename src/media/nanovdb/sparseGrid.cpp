@@ -42,7 +42,7 @@ void SparseGrid::fill(const glm::ivec3& origin, int64_t width, float value) {
     to[axis] = static_cast<int>(std::clamp<int64_t>(begin + width / WIDTH, 0, blocks[axis]));
   }
   if (from.x >= to.x || from.y >= to.y || from.z >= to.z) return;
-  if (value == singles[0]) return; // as it is already
+  if (value == singles[0]) return; // already the background
   if (singles.back() != value) singles.push_back(value);
   const auto index = static_cast<uint32_t>(singles.size() - 1) | SINGLE;
   for (int x = from.x; x < to.x; ++x)
@@ -59,7 +59,7 @@ float SparseGrid::value(const glm::ivec3& i) const {
 }
 
 float SparseGrid::at(const Vec3d& point) const {
-  // False for NaN as well, so that what follows fits an integer.
+  // The test is false for NaN as well, so that the coordinates fit an integer.
   for (int axis = 0; axis < 3; ++axis)
     if (!(point[axis] >= lowest[axis] && point[axis] <= highest[axis] + 1.0)) return 0;
   const Vec3d floor = glm::floor(point);
@@ -86,7 +86,7 @@ float SparseGrid::largest() const {
 }
 
 MajorantGrid SparseGrid::majorants() const {
-  constexpr int MAX_CELLS = 64; // along an axis: a walk costs about as much as what it saves with more
+  constexpr int MAX_CELLS = 64; // cells along an axis; with more, traversal costs about as much as it saves
   const glm::ivec3 size = highest - lowest + 1;
   const glm::ivec3 cells = glm::min(size, glm::ivec3(MAX_CELLS));
   std::vector<float> bounds(size_t(cells.x) * size_t(cells.y) * size_t(cells.z), 0);
@@ -96,7 +96,7 @@ MajorantGrid SparseGrid::majorants() const {
         const std::span<const float> block = valuesOf(entry({bx, by, bz}));
         const float most = *std::max_element(block.begin(), block.end());
         if (!(most > 0)) continue;
-        // Interpolation reaches one further to either side, and rounding one more.
+        // Interpolation reaches one sample further to either side, and rounding one more.
         const glm::ivec3 at = (glm::ivec3(bx, by, bz) + firstBlock) * WIDTH - lowest;
         glm::ivec3 from, to;
         for (int axis = 0; axis < 3; ++axis) {

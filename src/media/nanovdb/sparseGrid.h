@@ -1,5 +1,5 @@
 /** @file
- * Values at the points of a grid that is empty for the most part: in blocks of 8³, or one value for a block.
+ * Sparse grid of values in blocks of 8³; uniform blocks are stored as one value.
  */
 #pragma once
 
@@ -13,26 +13,26 @@ namespace recurse {
 
 class SparseGrid {
  public:
-  static constexpr int WIDTH = 8;                                ///< of a block
+  static constexpr int WIDTH = 8;                                ///< side of a block
   static constexpr size_t BLOCK = size_t(WIDTH) * WIDTH * WIDTH; ///< values of a block, z fastest
 
   SparseGrid() = default;
-  /** Has values from `first` to `last`; all are `background` at first. Throws Error, which begins with
-   * `name`, where there is no memory for that or for a block. */
+  /** Grid with values from `first` to `last`, all initially `background`. Throws Error, which begins with
+   * `name`, where there is no memory for the grid; setBlock() does for a block. */
   SparseGrid(std::string name, const glm::ivec3& first, const glm::ivec3& last, float background);
 
-  /** Of the block that begins at `origin`, whose coordinates are multiples of WIDTH. Blocks out of the range
-   * are left out. */
+  /** Sets the block that begins at `origin`, whose coordinates are multiples of WIDTH. Blocks out of range
+   * are ignored. */
   void setBlock(const glm::ivec3& origin, std::span<const float> values);
-  /** The same value in all blocks from `origin`, as far as `width`, a multiple of WIDTH. */
+  /** Sets one value in all blocks of the cube at `origin` of side `width`, a multiple of WIDTH. */
   void fill(const glm::ivec3& origin, int64_t width, float value);
 
   bool empty() const { return table.empty(); }
   const glm::ivec3& first() const { return lowest; }
   const glm::ivec3& last() const { return highest; }
-  /** 0 out of the range. */
+  /** Value at index i; 0 out of range. */
   float value(const glm::ivec3& i) const;
-  /** Interpolated, at a point in coordinates of the grid; within `first` and `last` + 1 alone. */
+  /** Interpolated value at a point in index coordinates; 0 outside of `first` to `last` + 1. */
   float at(const Vec3d& point) const;
   float smallest() const;
   float largest() const;
@@ -40,7 +40,7 @@ class SparseGrid {
   MajorantGrid majorants() const;
 
  private:
-  static constexpr uint32_t SINGLE = 1u << 31; ///< the table's entry is the index of one value for the block
+  static constexpr uint32_t SINGLE = 1u << 31; ///< marks an entry as the index of one value for the block
 
   uint32_t entry(const glm::ivec3& block) const {
     return table[(size_t(block.x) * size_t(blocks.y) + size_t(block.y)) * size_t(blocks.z) + size_t(block.z)];

@@ -1,5 +1,5 @@
 /** @file
- * Bumps and normal maps.
+ * Bump maps and normal maps.
  */
 #include "recurse/model/bsdf/surfaceDetail.h"
 
@@ -10,15 +10,15 @@ namespace recurse {
 
 namespace {
 
-/** Sets the shading normal; one that has turned below the surface is turned over, as in pbrt. */
+/** Sets the shading normal, flipped where it is below the surface, as in pbrt. */
 void setShadingNormal(SurfacePoint& point, const Vec3d& wanted) {
   const Vec3f n(glm::normalize(wanted));
   const float height = glm::dot(n, point.geometricNormal);
-  if (height != 0) // at the very horizon there is no such shading
+  if (height != 0) // a normal in the tangent plane is not used
     point.shadingNormal = height < 0 ? -n : n;
 }
 
-/** A tangent of the surface turned as the shading normal is from the geometric one. */
+/** The tangent under the rotation that takes the geometric normal to the shading normal. */
 Vec3d turned(const SurfacePoint& point, const Vec3d& tangent) {
   const Vec3d from = point.geometricNormal, to = point.shadingNormal;
   return tangent - (from + to) * (glm::dot(tangent, to) / (1 + glm::dot(from, to)));
@@ -36,7 +36,7 @@ class Bumps final : public SurfaceDetail {
       v = glm::cross(n, u) * double(point.crossTangent);
     }
     if (!(glm::length(glm::cross(u, v)) > 1e-9 * glm::length(u) * glm::length(v)))
-      return; // no coordinates to go along
+      return; // dpdu and dpdv span no plane
     const auto [du, dv] = steps(point);
     const double h = height.at(point).r;
     const Vec3d raisedU = u + slope(point, du, 0) * n + h * Vec3d(point.dndu),
@@ -46,7 +46,7 @@ class Bumps final : public SurfaceDetail {
   }
 
  private:
-  /** Half a pixel's width in u and v, as in pbrt, which takes the other value where a pixel is not known. */
+  /** Steps in u and v of half a pixel, as in pbrt; UNKNOWN, pbrt's value too, without a footprint. */
   static std::pair<float, float> steps(const SurfacePoint& point) {
     constexpr float UNKNOWN = 0.0005f;
     const FootprintAxes axes(point);
@@ -58,8 +58,8 @@ class Bumps final : public SurfaceDetail {
     return {step(point.dpdu), step(point.dpdv)};
   }
 
-  /** The derivative of the height by u or v: a central difference over the coordinates as they are rounded.
-   */
+  /** Derivative of the height by u or v: a central difference, divided by the step between the coordinates
+   * after rounding. */
   double slope(const SurfacePoint& point, float du, float dv) const {
     SurfacePoint before = point, after = point;
     before.uv -= 0.5f * Vec2f(du, dv);
@@ -67,7 +67,7 @@ class Bumps final : public SurfaceDetail {
     const Vec2d step = Vec2d(after.uv) - Vec2d(before.uv);
     const double size = step.x + step.y;
     if (size == 0)
-      return 0; // coordinates so large that the step is below their rounding: no slope can be seen
+      return 0; // the step is below the rounding of the coordinates, so that no slope can be measured
     const Vec3f shift(0.5 * (Vec3d(point.dpdu) * step.x + Vec3d(point.dpdv) * step.y));
     before.position -= shift;
     after.position += shift;

@@ -1,5 +1,5 @@
 /** @file
- * What the parts of the scene's builder have in common.
+ * Context and helpers shared by the parts of the scene builder.
  */
 #pragma once
 
@@ -20,10 +20,10 @@ struct BuildContext {
   const SceneDescription& description;
   bool lenient; ///< unknown parameters are warnings
   Diagnostics& diagnostics;
-  Vec3d& sceneOrigin; ///< taken off world coordinates
+  Vec3d& sceneOrigin; ///< subtracted from world coordinates
   bool saidEnough = false;
 
-  /** True after so many errors that more would only bury the first ones; says so once. */
+  /** True after MAX_ERRORS errors, so that the first ones stay visible; warns once. */
   bool enoughErrors() {
     constexpr size_t MAX_ERRORS = 50;
     if (diagnostics.errors() < MAX_ERRORS) return false;
@@ -33,11 +33,11 @@ struct BuildContext {
   }
 };
 
-/** The camera for a film, in the space whose origin is at a place of the world. Null after an error. */
+/** The camera for a film, in the space with its origin at the world point `origin`. Null after an error. */
 std::unique_ptr<Camera> makeCamera(const SceneDescription& description, const FilmSettings& film,
                                    const Vec3d& origin, Diagnostics& diagnostics, bool lenient);
 
-/** Squares of coordinates must fit single precision. False for what is no number. */
+/** True where squares of the coordinates fit single precision. False for NaN. */
 inline bool representable(const Vec3f& p) {
   constexpr float LARGEST_COORDINATE = 1e18f;
   return glm::all(glm::lessThanEqual(glm::abs(p), Vec3f(LARGEST_COORDINATE)));
@@ -49,14 +49,14 @@ inline Mat4d translation(const Vec3d& by) {
   return m;
 }
 
-/** The transform to a space whose origin is at a place of the world. */
+/** Transform to the space with its origin at the world point `origin`. */
 inline Mat4d recentred(const Mat4d& worldFromObject, const Vec3d& origin) {
   Mat4d m = worldFromObject;
   m[3] -= Vec4d(origin, 0);
   return m;
 }
 
-/** For messages: "a", "b". */
+/** Names in quotes, for messages: "a", "b". */
 inline std::string quotedList(const std::vector<std::string>& names) {
   std::string list;
   for (const std::string& n : names) list += (list.empty() ? "\"" : ", \"") + n + "\"";

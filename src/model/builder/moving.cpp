@@ -7,7 +7,7 @@ namespace recurse {
 
 namespace {
 
-/** A moment of the motion. Directions without a frame are unit. */
+/** The motion's transform at one time. Directions and normals are normalised, tangents are not. */
 struct Moment {
   explicit Moment(const Mat4d& m)
       : m(m), linear(m), inverse(glm::inverse(m)), volume(std::abs(glm::determinant(linear))) {}
@@ -28,7 +28,7 @@ struct Moment {
     p.dpdv = Vec3f(transformVector(inverse, Vec3d(p.dpdv)));
     return p;
   }
-  /** A point that is displaced from the shape's surface, displaced by what the motion rounds as well. */
+  /** Transforms an offset ray origin to the scene, and offsets it by the motion's rounding error as well. */
   Vec3f displaced(const Vec3f& position, const Vec3f& normal, const Vec3f& direction,
                   Vec3f& sceneNormal) const {
     SurfacePoint p{};
@@ -38,12 +38,12 @@ struct Moment {
     sceneNormal = p.geometricNormal;
     return p.rayOrigin(direction);
   }
-  /** Solid angle around a unit direction in the space of the shape over that in the scene. */
+  /** Ratio of solid angles around a unit direction: space of the shape over scene. */
   float solidAngleRatio(const Vec3f& direction) const {
     const double length = glm::length(linear * Vec3d(direction));
     return static_cast<float>(length * length * length / volume);
   }
-  /** Area across a unit normal in the space of the shape over that in the scene. */
+  /** Ratio of areas across a unit normal: space of the shape over scene. */
   float areaRatio(const Vec3f& normal) const {
     return static_cast<float>(1 / (volume * glm::length(glm::transpose(Mat3d(inverse)) * Vec3d(normal))));
   }
@@ -51,7 +51,7 @@ struct Moment {
   Mat4d m;
   Mat3d linear;
   Mat4d inverse;
-  double volume; ///< in the scene over that in the space of the shape
+  double volume; ///< ratio of volumes: scene over space of the shape
 };
 
 } // namespace
@@ -62,7 +62,7 @@ void placeByMotion(const Mat4d& m, SurfacePoint& p) {
   };
   const Mat3d linear(m), inverse = glm::inverse(linear), normalMatrix = glm::transpose(inverse);
   const Vec3d position = transformPoint(m, Vec3d(p.position));
-  // The inverse takes some 20 operations, whose rounding goes there with the coordinates and comes back.
+  // Rounding error of the inverse's some 20 operations, mapped to the shape's space and back.
   const Mat3d thereAndBack = magnitudes(linear) * magnitudes(inverse);
   const Vec3d rounded = glm::abs(position) + 2.0 * glm::abs(Vec3d(m[3]));
   p.error = Vec3f(magnitudes(linear) * Vec3d(p.error) + double(roundingBound(20)) * (thereAndBack * rounded));
@@ -74,7 +74,7 @@ MovingAreaLight::MovingAreaLight(std::unique_ptr<AreaLight> made, MatrixTrack sc
     : AreaLight(made->shape()), light(std::move(made)), track(std::move(sceneFromShape)) {}
 
 Rgb MovingAreaLight::power() const {
-  // Areas grow by the square of the mean scale; exact where all directions have the same.
+  // Areas scale by the square of the mean scale; exact for uniform scaling.
   double scale2 = 0;
   for (const Mat4d& m : track.steps())
     scale2 += std::pow(std::abs(glm::determinant(Mat3d(m))), 2.0 / 3) / double(track.steps().size());

@@ -1,5 +1,5 @@
 /** @file
- * Surfaces and lamps under motion.
+ * Surfaces and area lights under motion.
  */
 #pragma once
 
@@ -8,11 +8,11 @@
 
 namespace recurse {
 
-/** Places a point of a moving shape, whose ray Embree has brought into the shape's space by the inverse of a
- * matrix of floats. */
+/** Transforms a point of a moving shape to the scene. Its error covers the ray transform of Embree, which
+ * uses the inverse of a matrix of floats. */
 void placeByMotion(const Mat4d& sceneFromShape, SurfacePoint& p);
 
-/** An area light on a moving shape. The light itself, and its shape, stay where they are. */
+/** An area light on a moving shape. The wrapped light and its shape stay in the space of the shape. */
 class MovingAreaLight final : public AreaLight {
  public:
   MovingAreaLight(std::unique_ptr<AreaLight> light, MatrixTrack sceneFromShape);

@@ -1,5 +1,5 @@
 /** @file
- * Which shapes are one object, and what it is called.
+ * Grouping of shapes into named objects.
  */
 #pragma once
 
@@ -13,15 +13,15 @@ namespace recurse {
 class ObjectNamer {
  public:
   explicit ObjectNamer(ObjectNames& names) : names(names) {}
-  /** Of a shape; `instance`: the one that it is a part of, or null. Parts of the top level come first, and
-   * those of one instance one after the other. */
+  /** Object index of a shape. `instance`: the instance that it is a part of, or null. Call after
+   * objectAtTop() for all parts at the top level; the parts of one instance come consecutively. */
   uint32_t objectOf(const ShapeDescription* shape, const InstanceDescription* instance);
-  /** The same for a shape at the top level. */
+  /** Object index of a shape at the top level, where lamps of instances are too. */
   uint32_t objectAtTop(const ShapeDescription* shape, const InstanceDescription* instance);
 
  private:
   ObjectNames& names;
-  std::map<const InstanceDescription*, uint32_t> atTop; ///< instances with parts there: lamps
+  std::map<const InstanceDescription*, uint32_t> atTop; ///< instances with parts at the top level: lamps
   const InstanceDescription* last = nullptr;
   uint32_t lastObject = 0;
 };

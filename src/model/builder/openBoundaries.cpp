@@ -1,6 +1,6 @@
 /** @file
- * Finding the open edges of boundaries: those that two pieces share are none; around each that is left it is
- * looked whether one gets from the one side of the surface to the other.
+ * Search for the open edges of medium boundaries. An edge that two pieces share is closed; around each
+ * remaining one, rays test whether both sides of the surface are connected.
  */
 #include "model/builder/openBoundaries.h"
 
@@ -17,7 +17,7 @@ namespace {
 struct OpenPiece {
   RimPiece piece;
   const ShapeDescription* of;
-  size_t shape; ///< its number
+  size_t shape; ///< number of the shape in scene order
 };
 
 std::array<float, 6> endsOf(const OpenPiece& open) {
@@ -26,12 +26,12 @@ std::array<float, 6> endsOf(const OpenPiece& open) {
   return {a[0], a[1], a[2], b[0], b[1], b[2]};
 }
 
-/** Nothing passes: neither light nor the medium. */
+/** True where neither light nor the medium passes. */
 bool isOpaque(const Material* material) {
   return material && !(material->lobes() & (TRANSMISSION | REFRACTION));
 }
 
-/** Whether a ray goes from the one point to the other and stays in the same medium. */
+/** True where the segment between two points stays in the same medium. */
 bool staysInMedium(const Scene& scene, const Vec3f& from, const Vec3f& to) {
   constexpr int MAX_SURFACES = 16;
   const float distance = glm::distance(from, to);
@@ -47,11 +47,11 @@ bool staysInMedium(const Scene& scene, const Vec3f& from, const Vec3f& to) {
   return true;
 }
 
-/** Whether one gets around the edge from the one side of the surface to the other, close to its middle. */
+/** True where a loop of rays around the middle of the edge connects both sides of the surface. */
 bool isOpen(const Scene& scene, const RimPiece& piece) {
-  constexpr double NEAR = 0.01;        // of the edge's length, and of the surface's beside it
-  constexpr double RESOLVED = 0x1p-20; // of coordinates
-  constexpr double FIRST = 0.2;        // angle off the surface
+  constexpr double NEAR = 0.01;        // loop radius over edge length and over surface width
+  constexpr double RESOLVED = 0x1p-20; // least loop radius over the coordinates
+  constexpr double FIRST = 0.2;        // start angle off the surface [rad]
   constexpr int STEPS = 6;
   const Vec3d from = piece.from, middle = 0.5 * (from + Vec3d(piece.to)), along = Vec3d(piece.to) - from;
   const double length = glm::length(along);
@@ -59,7 +59,7 @@ bool isOpen(const Scene& scene, const RimPiece& piece) {
   const Vec3d axis = along / length, inner = Vec3d(piece.inner) - middle;
   const Vec3d inwards = inner - axis * glm::dot(inner, axis);
   const double width = glm::length(inwards);
-  if (!(width > 0)) return false; // no surface to get around
+  if (!(width > 0)) return false; // no surface to go around
   const double radius = std::max(NEAR * std::min(length, width), RESOLVED * glm::length(middle));
   const Vec3d x = inwards * (radius / width), y = glm::cross(axis, x);
   const auto at = [&](int step) {
@@ -71,14 +71,14 @@ bool isOpen(const Scene& scene, const RimPiece& piece) {
   return true;
 }
 
-/** What was found of a boundary's edges. */
+/** Result of the search for open edges of a boundary. */
 struct OpenEdges {
   size_t count = 0;
-  bool all = true;                  ///< they were looked at; else as many as may be
-  const OpenPiece* first = nullptr; ///< of the shape that comes first in the scene
+  bool all = true;                  ///< every edge was tested; else a selection
+  const OpenPiece* first = nullptr; ///< open edge of the first shape in scene order
 };
 
-/** Looks at no more than so many edges, evenly chosen. */
+/** Tests at most `most` edges, evenly chosen. */
 OpenEdges findOpen(const Scene& scene, const std::vector<OpenPiece>& pieces, size_t most) {
   const size_t looked = std::min(pieces.size(), most), tasks = std::min<size_t>(looked, 64);
   const auto piece = [&](size_t i) -> const OpenPiece& { return pieces[i * pieces.size() / looked]; };
@@ -131,7 +131,7 @@ void warnOfOpenBoundaries(const Scene& scene, const ShapeGroups& shapes, const S
     isPlaced[i.group] = true;
     addGroup(shapes.groups()[i.group], shapes.sceneFromGroup(i).first());
   }
-  constexpr size_t MOST_EDGES = 1 << 16; // some six rays each: a moment, whatever the scene
+  constexpr size_t MOST_EDGES = 1 << 16; // some six rays for each; bounds the time for any scene
   const size_t most = std::max<size_t>(1, MOST_EDGES / std::max<size_t>(1, boundaries.size()));
   for (const auto& [pair, pieces] : boundaries) {
     const OpenEdges open = findOpen(scene, pieces, most);

@@ -1,5 +1,5 @@
 /** @file
- * Boundaries of media that do not close, which rays enter by and do not leave by.
+ * Check for boundaries of media that do not close, which rays enter without leaving.
  */
 #pragma once
 
@@ -8,9 +8,9 @@
 namespace recurse {
 
 /**
- * Warns once of each pair of media whose boundary has an edge that neither the rest of the boundary, nor
- * another one, nor an opaque surface joins. Of very many edges only an even selection is looked at, the same
- * for any number of threads. The scene's trees must have been built.
+ * Warns once for each pair of media whose boundary has an open edge, which joins neither the rest of the
+ * boundary, nor a different boundary, nor an opaque surface. Very many edges are tested by an even selection,
+ * the same for any number of threads. The scene's trees must have been built.
  */
 void warnOfOpenBoundaries(const Scene& scene, const ShapeGroups& shapes, const SceneMedia& media,
                           Diagnostics& diagnostics);

@@ -1,5 +1,5 @@
 /** @file
- * From the description to the scene: every plug-in made, lights tabulated, trees built.
+ * Construction of the scene from its description: plug-ins, light table, trees.
  */
 #include <map>
 
@@ -40,7 +40,7 @@ std::unique_ptr<Camera> makeCamera(const SceneDescription& description, const Fi
   return plugIns().cameras.make(orDefault(description.camera, "perspective"), context, diagnostics, lenient);
 }
 
-/** The work of buildScene, with what it has to remember meanwhile. */
+/** State and steps of buildScene(). */
 class SceneBuilder {
  public:
   SceneBuilder(const SceneDescription& description, const SceneOverrides& overrides, Diagnostics& diagnostics,
@@ -108,7 +108,7 @@ class SceneBuilder {
     const FilmSettings& f = scene->filmSettings;
     for (const Vec2f& corner : {Vec2f(0), Vec2f(f.width, 0), Vec2f(0, f.height), Vec2f(f.width, f.height)}) {
       const std::optional<CameraRay> ray = scene->sceneCamera->sampleRay({corner});
-      // A ray from too far away, or of a direction that has come to nothing, meets anything or nothing.
+      // Rays from too far away, or with a vanishing direction, have no reliable intersections.
       if (!ray || (representable(ray->origin) && isUnit(ray->direction))) continue;
       diagnostics.error(description.camera.location,
                         "the camera's rays cannot be told in single precision: it is "
@@ -117,7 +117,7 @@ class SceneBuilder {
     }
   }
 
-  /** The scene's bounds, and what it contains. */
+  /** Computes the scene's bounds and counts its contents. */
   void measure() {
     const Bounds3d b = shapes.bounds();
     if (!b.empty()) {
@@ -129,8 +129,8 @@ class SceneBuilder {
     materials.numberNested(scene->nestedDielectrics, scene->nestedMedia);
   }
 
-  /** The extinction at which a mean free path is a few times what positions on the medium's boundary are
-   * rounded by, as a power of two: denser matter would keep the light that enters it. */
+  /** Largest extinction of a medium [1/scene units], a power of two: its mean free path is a few times the
+   * rounding error of positions on the boundary. Denser matter would trap the light that enters it. */
   float maxExtinctionOf(uint16_t medium) const {
     constexpr int RESOLVED_BITS = 20;
     const Bounds3d b = shapes.boundsOfMedium(medium);
@@ -140,7 +140,7 @@ class SceneBuilder {
     return static_cast<float>(std::ldexp(1.0, RESOLVED_BITS - std::ilogb(largest)));
   }
 
-  /** Makes the media that were asked for, once it is known where the scene is. */
+  /** Makes the media in use. Call when the scene's origin and bounds are known. */
   void buildMedia() {
     std::multimap<std::string, std::shared_ptr<Medium>> all;
     for (size_t i = 0; i < media.count() && !context.enoughErrors(); ++i) {
@@ -159,9 +159,9 @@ class SceneBuilder {
   void buildLights() {
     std::vector<const Light*> table;
     const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
-      if (diagnostics.hasErrors()) return; // where the scene ends may not be known
+      if (diagnostics.hasErrors()) return; // the scene's bounds may be unknown
       light->prepare(scene->sceneBounds);
-      // A light is where its photons start.
+      // The origin of a photon is checked as the light's position.
       const std::optional<LeSample> emission = light->sampleLe({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
       if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
         diagnostics.error(where, "the light's power is too large for single precision");
@@ -255,7 +255,7 @@ class SceneBuilder {
   const SceneDescription& description;
   const SceneOverrides& overrides;
   Diagnostics& diagnostics;
-  KeptParts* kept; ///< null: nothing is
+  KeptParts* kept; ///< null: nothing is kept
   std::shared_ptr<EmbreeDevice> device;
   std::unique_ptr<EmbreeScene> scene;
   BuildContext context;

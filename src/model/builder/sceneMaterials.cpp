@@ -13,9 +13,9 @@ namespace recurse {
 
 namespace {
 
-/** Levels of textures, and of materials: functions that call themselves go down. */
+/** Levels of nested textures, and of nested materials: bounds the recursion. */
 constexpr int MAX_LEVELS = 256;
-/** Textures or materials that are asked for one value. */
+/** Textures or materials evaluated for one value. */
 constexpr double MAX_PARTS = 100000;
 
 [[noreturn]] void failAsTooDeep(const Parameters& p, const std::string& name) {

@@ -14,7 +14,7 @@ namespace recurse {
 
 class SceneMaterials final : public TextureLookup {
  public:
-  /** What is made is kept in `textures` and `materials`. */
+  /** `textures` and `materials` own the made objects. */
   SceneMaterials(BuildContext& context, std::vector<std::unique_ptr<Texture>>& textures,
                  std::vector<std::unique_ptr<Material>>& materials)
       : c(context), textures(textures), materials(materials) {}
@@ -25,18 +25,18 @@ class SceneMaterials final : public TextureLookup {
   TexturedRgb real(const Parameters& p, const std::string& name) const override {
     return lookUp(p, name, false);
   }
-  /** Null for none, and after an error. */
+  /** The material of a reference. Null for none, and after an error. */
   const Material* material(const MaterialReference& r);
 
-  /** What is inside of a dielectric with priority is told by its material alone. */
+  /** Sets the medium inside a dielectric with priority; an error where one material would have two. */
   void fillNested(const Material& m, const MediumInterface& media, const SourceLocation& where);
-  /** Of those that were made: the name in the file, or the kind with a number. */
+  /** Names of the made materials: the name in the file, or the kind with a number. */
   std::map<const Material*, std::string> names() const;
-  /** Numbers the dielectrics with priority, the strongest first; for each number its index and its medium. */
+  /** Numbers the dielectrics with priority, highest first, with refractive index and medium of each. */
   void numberNested(std::vector<float>& indices, std::vector<uint16_t>& media);
 
  private:
-  /** Parts that a texture or a material is made of, itself included, as often as they are asked for it. */
+  /** Parts of a texture or material, itself included, each counted as often as it is evaluated. */
   struct Extent {
     int levels = 0;
     double count = 0;
@@ -53,15 +53,15 @@ class SceneMaterials final : public TextureLookup {
   };
 
   TexturedRgb lookUp(const Parameters& p, const std::string& name, bool spectrum) const;
-  /** Adds a texture to those that the one under way is made of. Throws SceneError for too many. */
+  /** Counts a texture as a part of the one being made. Throws SceneError for too many. */
   void addPart(const Parameters& p, const std::string& name, const Extent& part) const;
   const Material* makeMaterial(const ParsedDirective& d);
-  /** Of one that is a part of another, too. Null after an error. */
+  /** The material of a name, also as a part of a composite material. Null after an error. */
   const Material* namedMaterial(const std::string& name, const SourceLocation& where);
-  /** Adds a material to those that the one under way is made of. False, after an error, for too many. */
+  /** Counts a material as a part of the one being made. False, after an error, for too many. */
   bool addPart(const Extent& part, const SourceLocation& where);
   uint16_t mediumWithin(const Material* m) const;
-  /** The first of the nested materials that is the same matter: priority and index are; or their number. */
+  /** Index of the first nested material of equal priority, index and medium; if none, their number. */
   size_t sameNested(const Material& material) const;
 
   BuildContext& c;
@@ -69,14 +69,14 @@ class SceneMaterials final : public TextureLookup {
   std::vector<std::unique_ptr<Material>>& materials;
   mutable std::map<std::pair<std::string, bool>, NamedTexture> texturesByName;
   mutable int texturesUnderWay = 0;
-  mutable Extent parts; ///< of the texture under way
+  mutable Extent parts; ///< of the texture being made
   int materialsUnderWay = 0;
-  Extent materialParts; ///< of the material under way
+  Extent materialParts; ///< of the material being made
   std::map<std::string, Named> materialsByName;
   std::map<const Material*, uint16_t> mediumInNested;
   std::vector<std::pair<bool, const Material*>> materialsByIndex;
-  std::vector<Material*> nested; ///< those with a priority, in the order of their use
-  size_t nestedKinds = 0;        ///< of those, the ones that are not the same matter as another
+  std::vector<Material*> nested; ///< materials with a priority, in the order of their use
+  size_t nestedKinds = 0;        ///< distinct combinations of priority, index and medium
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * Media of a scene: numbered when they are first used, made once it is known where the scene is.
+ * Media of a scene: numbered at their first use, made when the scene's origin is known.
  */
 #pragma once
 
@@ -14,29 +14,29 @@ class SceneMedia {
  public:
   explicit SceneMedia(BuildContext& context) : c(context) {}
 
-  /** The number of a medium; 0 for vacuum, and for one that is not there. */
+  /** The number of a medium; 0 for vacuum, and after an error. */
   uint16_t number(const std::string& name, const SourceLocation& usedAt);
   MediumInterface numbers(const MediumReference& names, const SourceLocation& usedAt) {
     return {number(names.inside, usedAt), number(names.outside, usedAt)};
   }
-  /** The number of what a material fills its shapes with; the directive stays where it is. */
+  /** The number of a material's filling. The directive must keep its address. */
   uint16_t number(const ParsedDirective& filling);
   size_t count() const { return used.size(); }
-  /** For messages. */
+  /** The medium's name for messages. */
   std::string title(uint16_t number) const {
     if (!number) return "empty space";
     const std::string& name = used[number - 1u].name;
     return name.empty() ? "the medium of the material" : "medium \"" + name + "\"";
   }
-  /** Medium `index` + 1 and its phase function, each with those of the directive's parameters that it
+  /** Makes medium `index` + 1 and its phase function, each with the parameters of the directive that it
    * declares. Null after an error. */
   std::shared_ptr<Medium> make(size_t index, float maxExtinction) const;
-  /** What tells whether it would be made the same. */
+  /** Cache key of medium `index` + 1: equal for media that are made alike. */
   std::string key(size_t index, float maxExtinction) const;
 
  private:
   struct Used {
-    std::string name; ///< empty: of a material
+    std::string name; ///< empty: filling of a material
     const ParsedDirective* directive;
     Mat4d worldFromMedium;
   };

@@ -1,5 +1,5 @@
 /** @file
- * Shapes with their transforms baked in, and where they are.
+ * Shapes with baked transforms, in groups, and the groups' placements.
  */
 #include "model/builder/shapeGroups.h"
 
@@ -13,7 +13,7 @@ namespace recurse {
 
 namespace {
 
-/** Adds what the description alone tells about a shape's place. */
+/** Adds the positions that the description alone has: "P", else the transform's origin. */
 void addPlace(const ShapeDescription& s, const Mat4d& m, Bounds3d& bounds) {
   for (const ParsedParameter& p : s.shape.parameters)
     if (p.name == "P" && p.numbers.size() >= 3) {
@@ -24,7 +24,7 @@ void addPlace(const ShapeDescription& s, const Mat4d& m, Bounds3d& bounds) {
   bounds.add(Vec3d(m[3]));
 }
 
-/** Positions near the origin keep their digits; a scene that surrounds the origin stays as it is. */
+/** Origin that keeps the digits of positions: the centre of the bounds; 0 where they surround the origin. */
 Vec3d originOf(const Bounds3d& b) {
   if (b.empty()) return Vec3d(0);
   const Vec3d c = b.center();
@@ -39,13 +39,13 @@ AnimatedTransform motionOf(const ShapeDescription& s) {
 AnimatedTransform motionOf(const InstanceDescription& i) {
   return {i.worldFromInstance, i.worldFromInstanceLast.value_or(i.worldFromInstance)};
 }
-/** Whether a shape of an object definition moves otherwise than the rest of it, or is a lamp that moves: it
- * is a group of its own then. */
+/** True for a shape of an object definition that has a motion of its own, or is a moving lamp: it needs a
+ * group of its own. */
 bool movesAlone(const ShapeDescription& s, const InstanceDescription& i) {
   return s.worldFromObjectLast || (s.areaLight >= 0 && i.worldFromInstanceLast);
 }
 
-/** A shape of the registry. Null where anything is wrong; the context's diagnostics say what. */
+/** Makes a shape of the registry. Null after an error, which the context's diagnostics have. */
 std::unique_ptr<Shape> makeRegistered(const ParsedDirective& d, const ShapeContext& context,
                                       BuildContext& c) {
   const PlugIns& all = plugIns();
@@ -76,7 +76,7 @@ std::unique_ptr<Dicing> ShapeGroups::dicingOf(const ShapeDescription& s, const G
     return displaces(shape.shape.parameters) ||
            (shape.shape.attributes && displaces(*shape.shape.attributes));
   };
-  // Others may be made of objects, of which some part is displaced.
+  // CSG may be made of objects with a displaced part.
   const bool mayBe =
       isDisplaced(s) ||
       (s.shape.type == "csg" &&
@@ -102,8 +102,8 @@ std::unique_ptr<Dicing> ShapeGroups::dicingOf(const ShapeDescription& s, const G
 
 namespace {
 
-/** Whether the shape's own transform turns its normal over. In pbrt mirrors do so with quadrics, of which
- * only the light sampling goes by ReverseOrientation alone. */
+/** True where the shape's own transform flips its normal. As in pbrt, mirroring does so for quadrics, except
+ * in light sampling, which uses ReverseOrientation alone. */
 bool isTurnedOverByMirrors(const ShapeDescription& s) {
   static const std::set<std::string> QUADRICS = {"sphere", "cylinder",   "disk",
                                                  "cone",   "paraboloid", "hyperboloid"};
@@ -147,7 +147,7 @@ std::shared_ptr<Shape> ShapeGroups::makeShape(const ShapeDescription& s, const S
 
 namespace {
 
-/** Levels of CSG, which functions that call themselves go down; and solids in all, which take about 1 GB. */
+/** Levels of CSG, which bound the recursion; and the number of solids in all, which take about 1 GB. */
 constexpr int MAX_SOLID_LEVELS = 256;
 constexpr double MAX_SOLIDS = 1e6;
 
@@ -170,7 +170,7 @@ ShapeGroups::SolidCount ShapeGroups::solidsIn(const ShapeDescription& s, int lev
   SolidCount all{0, 1};
   if (level >= MAX_SOLID_LEVELS) return all;
   for (const std::string& name : operands->strings) {
-    const auto [place, isNew] = solidsOf.try_emplace(name); // nothing in one that is made of itself
+    const auto [place, isNew] = solidsOf.try_emplace(name); // an object made of itself counts nothing
     const auto object = c.description.objects.find(name);
     if (isNew && object != c.description.objects.end()) {
       SolidCount inside;
@@ -350,7 +350,7 @@ bool ShapeGroups::build(const FilmSettings& filmSettings) {
   fillGroup(top, [&] {
     for (const ShapeDescription& s : c.description.shapes)
       if (!s.worldFromObjectLast) addShape(s, s.worldFromObject, top);
-    // Emitting shapes of an object are baked, one for each instance: a light has one place.
+    // Emitting shapes of an object are baked, one for each instance: a light has one position.
     for (const InstanceDescription& i : c.description.instances) {
       const auto object = c.description.objects.find(i.object);
       if (object == c.description.objects.end()) continue;
@@ -422,8 +422,8 @@ MatrixTrack ShapeGroups::sceneFromGroup(const Instance& i) const {
     return recentred(i.instance.at(time) * i.shape.at(time), c.sceneOrigin) * fromStart;
   };
   if (!i.instance.moves() && !i.shape.moves()) return at(0);
-  // The product of two motions is curved even where neither turns.
-  constexpr int CURVED = 16, MAX_PARTS = 128; // Embree has no more
+  // The product of two motions is not linear even where neither rotates.
+  constexpr int CURVED = 16, MAX_PARTS = 128; // MAX_PARTS: limit of Embree
   const int parts = i.instance.moves() && i.shape.moves()
                         ? std::min(CURVED + i.instance.linearParts() + i.shape.linearParts(), MAX_PARTS)
                         : std::max(i.instance.linearParts(), i.shape.linearParts());
@@ -448,7 +448,7 @@ template <class Counts> Bounds3d ShapeGroups::boundsOfAll(const Counts& counts) 
     b.add(Vec3d(s.lower));
     b.add(Vec3d(s.upper));
   }
-  std::vector<Bounds3d> ofGroups; // of meshes that stand in many places it is asked for once
+  std::vector<Bounds3d> ofGroups; // once for each group, which may have many instances
   for (const Group& g : all) ofGroups.push_back(boundsOf(g, counts));
   for (const Instance& i : placedInstances) {
     const Bounds3d& local = ofGroups[i.group];

@@ -16,43 +16,43 @@ namespace recurse {
 
 class ShapeGroups final : public ShapeLookup {
  public:
-  /** A shape with its place in a group, before the lights are known. */
+  /** A shape of a group, with its material and media; lights are made later. */
   struct Placed {
     const Shape* shape;
     const Material* material;
     const ShapeDescription* from;
     MediumInterface media;
-    const InstanceDescription* partOf; ///< null: stands by itself
+    const InstanceDescription* partOf; ///< null: not part of an instance
   };
   struct Group {
-    Vec3d origin{0}; ///< taken off the object's positions
+    Vec3d origin{0}; ///< subtracted from the object's positions
     std::vector<Placed> placed;
-    std::string object;     ///< whose instances it stands for; empty: it stands where `start` says
-    Mat4d start = Mat4d(1); ///< world from its space when the motion starts
+    std::string object;     ///< object whose instances place the group; empty: `start` places it
+    Mat4d start = Mat4d(1); ///< world from group space at the start of the motion
   };
-  /** A group in the scene: world from instance space, and that from the space of a shape that moves. */
+  /** A placed group: world from instance space, and instance space from a moving shape's space. */
   struct Instance {
     size_t group;
     AnimatedTransform instance, shape;
-    const ShapeDescription* from;      ///< where it is a shape alone
-    const InstanceDescription* partOf; ///< null: stands by itself
+    const ShapeDescription* from;      ///< of a shape that moves alone; else null
+    const InstanceDescription* partOf; ///< null: not part of an instance
   };
 
-  /** What is made is kept in `shapes`. Guesses the scene's origin. `kept` may be null. */
+  /** `shapes` owns the made shapes. Guesses the scene's origin. `kept` may be null. */
   ShapeGroups(BuildContext& context, SceneMaterials& materials, SceneMedia& media,
               std::vector<std::shared_ptr<Shape>>& shapes, KeptParts* kept);
 
-  /** Makes all shapes, those that are displaced for pixels of a film, and corrects the scene's origin. False
-   * after an error. */
+  /** Makes all shapes and corrects the scene's origin. Displaced shapes are diced for the pixels of `film`.
+   * False after an error. */
   bool build(const FilmSettings& film);
 
-  /** [0] is the top level; addresses stay. */
+  /** Groups; [0] is the top level. Addresses are stable. */
   const std::deque<Group>& groups() const { return all; }
   const std::vector<Instance>& instances() const { return placedInstances; }
   MatrixTrack sceneFromGroup(const Instance& i) const;
-  /** Of all shapes, in the scene. */
+  /** Bounds of all shapes, in the scene. */
   Bounds3d bounds() const;
-  /** Of those that bound a medium. */
+  /** Bounds of the shapes that bound a medium, in the scene. */
   Bounds3d boundsOfMedium(uint16_t medium) const;
   void count(SceneContents& contents) const;
 
@@ -60,33 +60,33 @@ class ShapeGroups final : public ShapeLookup {
                                      const std::string& name, const ShapeContext& context) override;
 
  private:
-  /** Of those shapes that are counted: of a group in its instances' space, or of all in the scene. */
+  /** Bounds of the shapes that `counts` accepts: of a group in instance space, or of all in the scene. */
   template <class Counts> static Bounds3d boundsOf(const Group& g, const Counts& counts);
   template <class Counts> Bounds3d boundsOfAll(const Counts& counts) const;
-  /** A shape of the frame before where nothing has changed, else a new one. `key`: what it is kept by; empty
-   * where it depends on more than its directive. */
+  /** The previous frame's shape where nothing has changed, else a new one. `key`: its cache key; empty where
+   * the shape depends on more than its directive. */
   std::shared_ptr<Shape> makeShape(const ShapeDescription& s, const ShapeContext& context, std::string& key);
-  /** A new one; null after an error, which has its place also where memory is short. */
+  /** A new shape; null after an error, which has a location even where memory runs out. */
   std::unique_ptr<Shape> newShape(const ShapeDescription& s, const ShapeContext& context);
-  /** For a shape of the group, where it may be displaced; null: it is not. */
+  /** Dicing for a shape of the group that may be displaced, else null. */
   std::unique_ptr<Dicing> dicingOf(const ShapeDescription& s, const Group& group);
-  /** Solids that a shape is made of, and at how many levels; 1 and 0 for others than CSG. */
+  /** Number of solids in a shape, and levels of CSG; 1 and 0 for a shape that is no CSG. */
   struct SolidCount {
     double solids = 0;
     int levels = 0;
   };
-  /** `level`: of shapes that are made of this one. */
+  /** Counts the solids in a shape. `level`: its depth in the CSG. */
   SolidCount solidsIn(const ShapeDescription& s, int level);
-  /** False after an error: shapes are made of more solids than there may be, or at too many levels. */
+  /** False after an error: more than MAX_SOLIDS solids, or more than MAX_SOLID_LEVELS levels. */
   bool checkSolids();
-  /** Leaves the shapes to the next frame. */
+  /** Keeps the shapes for the next frame. */
   void keepShapes();
-  /** Makes a shape into `group`, unless it can neither be seen nor stop light. */
+  /** Makes a shape into `group`, unless it neither scatters, nor emits, nor bounds a medium. */
   void addShape(const ShapeDescription& s, const Mat4d& placement, Group& group,
                 const InstanceDescription* partOf = nullptr);
-  /** Fills a group; a second time, better centred, when the first guess of its place was bad. */
+  /** Fills a group; again with a better origin where the first guess was far off. */
   template <class Fill> void fillGroup(Group& group, const Fill& fill);
-  /** A moving shape as a group of its own, as it is at the start. */
+  /** Adds a moving shape as a group of its own, placed as at the start of the motion. */
   void addMoving(const ShapeDescription& s, const AnimatedTransform& instance, const SourceLocation& where,
                  const InstanceDescription* partOf);
 
@@ -95,15 +95,15 @@ class ShapeGroups final : public ShapeLookup {
   SceneMedia& media;
   std::vector<std::shared_ptr<Shape>>& shapes;
   KeptParts* kept;
-  std::vector<std::string> keys; ///< of `shapes`
+  std::vector<std::string> keys; ///< cache keys, parallel to `shapes`
   FilmSettings film;
   Vec3d guessedOrigin{0};
-  std::unique_ptr<PixelWidths> pixels; ///< made when first wanted
-  size_t objectsAsked = 0;             ///< how often shapes have asked for objects
+  std::unique_ptr<PixelWidths> pixels; ///< made at first use
+  size_t objectsAsked = 0;             ///< number of calls of object()
   std::deque<Group> all;
   std::vector<Instance> placedInstances;
-  std::vector<std::string> objectsUnderWay;   ///< whose shapes are being made into others
-  std::map<std::string, SolidCount> solidsOf; ///< objects
+  std::vector<std::string> objectsUnderWay;   ///< objects whose shapes are being made into others
+  std::map<std::string, SolidCount> solidsOf; ///< by name of the object
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * The shutter.
+ * Shutter times, normalised to the scene's motion.
  */
 #include "recurse/model/camera/camera.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * Embree 3 or 4, and the few calls that differ between them.
+ * Embree 3 or 4: wrappers of the calls that differ between them.
  */
 #pragma once
 
@@ -33,7 +33,7 @@ inline void occluded(RTCScene scene, RTCRay& ray) {
 
 constexpr unsigned PACKET = 8;
 
-/** Which rays of a packet there are: the first `count`, or all. */
+/** Active rays of a packet: the first `count`, at most all. */
 struct Lanes {
   explicit Lanes(size_t count) {
     for (size_t i = 0; i < PACKET; ++i) valid[i] = i < count ? -1 : 0;
@@ -41,7 +41,7 @@ struct Lanes {
   alignas(32) int valid[PACKET];
 };
 
-/** `coherent`: the rays have nearly one origin and one direction. */
+/** `coherent`: the rays have nearly the same origin and direction. */
 inline void intersect(RTCScene scene, const Lanes& lanes, RTCRayHit8& rayHits, bool coherent) {
 #if RTC_VERSION_MAJOR >= 4
   RTCIntersectArguments arguments;

@@ -1,5 +1,5 @@
 /** @file
- * What Embree knows of shapes, and the call-backs by which it asks them.
+ * Embree geometries of shapes, and the callbacks that intersect and filter.
  */
 #include <bit>
 
@@ -26,8 +26,8 @@ void setParameters(RTCHitN* hits, unsigned count, unsigned i, const HitParameter
 }
 
 /**
- * Whether a ray passes through a surface with alpha, by a number that is hashed from the ray and the place:
- * the same whoever asks, and independent for each surface along the ray.
+ * True where a ray passes through a surface with alpha. The random number is a hash of the ray and the hit
+ * point: the same for every query of this ray, and independent for each surface along it.
  */
 bool passes(const SceneGeometry& g, unsigned primitive, const HitParameters& parameters, const Vec3f& origin,
             const Vec3f& direction, float time, unsigned instance) {
@@ -43,7 +43,7 @@ bool passes(const SceneGeometry& g, unsigned primitive, const HitParameters& par
   return unitFloat(static_cast<uint32_t>(h >> 32)) >= alpha;
 }
 
-/** For triangles, which Embree intersects: turns down the meetings that alpha does not make. */
+/** Rejects the hits that alpha makes transparent, for triangles, which Embree intersects. */
 void filterCallback(const RTCFilterFunctionNArguments* a) {
   const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
   for (unsigned i = 0; i < a->N; ++i) {
@@ -56,11 +56,11 @@ void filterCallback(const RTCFilterFunctionNArguments* a) {
   }
 }
 
-/** Embree halves flat curves into so many straight pieces. */
+/** Straight segments into which Embree divides a flat curve. */
 constexpr float FLAT_CURVE_PIECES = 16;
 
-/** For curves: Embree's hit does not tell how the curve is turned to the ray, nor from which side it is met.
- */
+/** Completes hits of curves. Embree's hit has neither the curve's orientation to the ray nor the side that
+ * the ray hits. */
 void curveFilterCallback(const RTCFilterFunctionNArguments* a) {
   const auto& g = *static_cast<const SceneGeometry*>(a->geometryUserPtr);
   for (unsigned i = 0; i < a->N; ++i) {
@@ -81,8 +81,8 @@ std::optional<PrimitiveHit> intersectPosition(const SceneGeometry& g, unsigned p
                                               unsigned instance) {
   const Vec3f origin(ray.org_x, ray.org_y, ray.org_z);
   Vec3f direction(ray.dir_x, ray.dir_y, ray.dir_z);
-  // Inside a scaled instance the direction is not of unit length; shapes want it so. A unit vector is left as
-  // it is: dividing by a length that is rounded would turn the ray by a few units in the last place.
+  // Inside a scaled instance the direction is not of unit length, which shapes expect. A unit vector is left
+  // unchanged: dividing by a rounded length would turn the ray by a few units in the last place.
   float length = glm::length(direction);
   if (std::abs(length - 1) <= 4 * std::numeric_limits<float>::epsilon())
     length = 1;
@@ -139,7 +139,7 @@ RTCGeometry GeometryGroup::newTriangles(const TriangleMesh& mesh, SceneGeometry&
   RTCGeometry g = rtcNewGeometry(device->get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   const auto& positions = mesh.positions();
   const auto& indices = mesh.indices();
-  // Embree reads 16 bytes a vertex, so the last one must not end at the end of our array: let it own a copy.
+  // Embree reads 16 bytes for a vertex, beyond the end of the last one in our array: it owns a padded copy.
   void* vertices = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
                                            positions.size());
   std::copy(positions.begin(), positions.end(), static_cast<Vec3f*>(vertices));

@@ -1,5 +1,5 @@
 /** @file
- * Rays against the scene.
+ * Intersection and occlusion queries of the scene.
  */
 #include "model/embree/embreeScene.h"
 
@@ -11,9 +11,9 @@ namespace recurse {
 
 namespace {
 
-/** So many rays are traced faster one by one than as a packet. */
+/** Up to this number of rays, single queries are faster than a packet. */
 constexpr size_t MAX_SINGLE_RAYS = 2;
-/** So many rays are prepared together. */
+/** Number of rays that are prepared together. */
 constexpr size_t GROUP = 64;
 
 void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
@@ -31,7 +31,7 @@ void setRay(RTCRay& r, const Ray& ray, unsigned mask) {
   r.flags = 0;
 }
 
-/** Also for the ray part of an RTCRayHit8. */
+/** Sets ray `i` of an RTCRay8, or of the ray part of an RTCRayHit8. */
 template <class Packet> void setRay(Packet& r, size_t i, const Ray& ray, unsigned mask) {
   r.org_x[i] = ray.origin.x;
   r.org_y[i] = ray.origin.y;
@@ -70,7 +70,7 @@ void transformToScene(const GeometryGroup::Instance& instance, float time, Surfa
   const Vec3d position = transformPoint(m, local);
   const Mat3d linear(m);
   const Mat3d magnitude(glm::abs(linear[0]), glm::abs(linear[1]), glm::abs(linear[2]));
-  // Embree transforms the ray in float, so that the hit is off by the rounding of the ray's coordinates too.
+  // Embree transforms the ray in float, so that the rounding of its coordinates adds to the error.
   const Vec3d error = magnitude * Vec3d(p.error) +
                       double(roundingBound(6)) * (magnitude * glm::abs(local) + glm::abs(Vec3d(m[3])));
   p.position = Vec3f(position);
@@ -154,8 +154,8 @@ void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence,
   size_t done = 0;
   if (packets && rays.size() > MAX_SINGLE_RAYS) {
     RTCRayHit8 packet[GROUP / embree::PACKET];
-    // All packets are filled before the first is traced: what was just written singly is slow to read at
-    // once.
+    // All packets are filled before the first is traced: a wide load soon after narrow stores to the same
+    // memory is slow.
     for (size_t i = 0; i < rays.size(); ++i) {
       RTCRayHit8& p = packet[i / embree::PACKET];
       const size_t lane = i % embree::PACKET;

@@ -15,25 +15,25 @@ namespace recurse {
 class GeometryGroup;
 class CurveShape;
 
-/** Masks of rays: surfaces that emit and do not scatter are met by rays but cast no shadow. */
+/** Ray masks. Surfaces that emit and do not scatter are visible to rays but cast no shadow. */
 constexpr unsigned SEEN = 1, CASTS_SHADOW = 2;
 
-/** One shape in a tree, with what hits on it mean. */
+/** One shape in a tree, with the attributes of hits on it. */
 struct SceneGeometry {
   const Shape* shape = nullptr;
   const Material* material = nullptr;
   const AreaLight* light = nullptr;
   uint32_t lightIndex = 0;
-  const GeometryGroup* top = nullptr; ///< where the instances are that alpha's points are seen through
+  const GeometryGroup* top = nullptr; ///< owner of the instances through which alpha sees its points
   MediumInterface media;
   const TriangleMesh* mesh = nullptr; ///< the shape, if it is one; set by GeometryGroup::add
-  const CurveShape* curve = nullptr;  ///< the same
+  const CurveShape* curve = nullptr;  ///< the shape, if it is a curve; set by GeometryGroup::add
   bool compound = false;              ///< the shape's components have materials of their own
   int shapeIndex = -1;                ///< Hit::shape
-  uint32_t object = 0;                ///< Hit::object, where it is no part of an instance
+  uint32_t object = 0;                ///< Hit::object, unless it is part of an instance
 };
 
-/** Embree, and what it takes in memory. */
+/** Device of Embree, with the memory that it has allocated [bytes]. */
 class EmbreeDevice {
  public:
   EmbreeDevice();
@@ -49,22 +49,22 @@ class EmbreeDevice {
   RTCDevice handle;
 };
 
-/** Whether any ray is stopped by a shape with this material. */
+/** True where the shape stops rays: a material of it has a lobe. */
 bool scatters(const Shape& shape, const Material* material);
 
-/** Shapes with a tree of their own: the top level, or one object definition. */
+/** Shapes with a tree of their own: the top level, one object definition, or a moving shape. */
 class GeometryGroup {
  public:
-  /** `compact`: in less memory, and slower. */
+  /** `compact`: a smaller but slower tree. */
   GeometryGroup(std::shared_ptr<const EmbreeDevice> device, bool compact);
   ~GeometryGroup();
   GeometryGroup(const GeometryGroup&) = delete;
   GeometryGroup& operator=(const GeometryGroup&) = delete;
 
-  /** Reserves the places of `count` geometries; they must not move once they are attached. */
+  /** Reserves memory for `count` geometries; their addresses must not change once they are attached. */
   void reserve(size_t count) { geometries.reserve(count); }
   void add(const SceneGeometry& geometry);
-  /** For a tree that is kept: the same shape with what hits on it mean in another scene. */
+  /** Sets the attributes of hits on geometry `id` of a kept tree; the shape must be the same. */
   void update(size_t id, const SceneGeometry& geometry);
   void addInstance(const GeometryGroup& group, const MatrixTrack& sceneFromGroup, uint32_t object);
   void commit() { rtcCommitScene(tree); }
@@ -82,7 +82,7 @@ class GeometryGroup {
   RTCScene scene() const { return tree; }
 
  private:
-  /** What Embree is to know of the shape. */
+  /** Makes the Embree geometry of a shape. */
   RTCGeometry newTriangles(const TriangleMesh& mesh, SceneGeometry& stored) const;
   RTCGeometry newCurve(const CurveShape& curve, SceneGeometry& stored) const;
   RTCGeometry newUserGeometry(SceneGeometry& stored) const;
@@ -90,10 +90,10 @@ class GeometryGroup {
   std::shared_ptr<const EmbreeDevice> device;
   RTCScene tree;
   std::vector<SceneGeometry> geometries; ///< by Embree's geometry id
-  std::vector<Instance> instances;       ///< by id, after the geometries
+  std::vector<Instance> instances;       ///< by id, which continues after the geometries
 };
 
-/** A point of an object definition, seen from the scene. */
+/** Transforms a point of an object definition to the scene, at a time of the instance's motion. */
 void transformToScene(const GeometryGroup::Instance& instance, float time, SurfacePoint& p);
 
 inline HitParameters parametersOf(const RTCHit& h) { return {{h.u, h.v}, {h.Ng_x, h.Ng_y, h.Ng_z}}; }
@@ -112,22 +112,22 @@ class EmbreeScene final : public Scene {
 
  private:
   friend class SceneBuilder;
-  /** What Embree says of a ray's nearest surface. */
+  /** Nearest hit of a ray, as Embree returns it. */
   struct PositionHit {
     float t;
     HitParameters parameters;
     unsigned geometry, primitive, instance;
   };
   PositionHit nearest(const Ray& ray) const;
-  /** The same for up to GROUP rays. */
+  /** Finds the nearest hits of up to GROUP rays. */
   void nearestOfEach(std::span<const Ray> rays, Coherence coherence, PositionHit* positions) const;
   const TriangleMesh* meshOf(const PositionHit& position) const;
-  /** The surface at a meeting of a ray of that time; or only its place. */
+  /** Parts of a hit to be computed: the whole surface point, or only its position. */
   enum class Wanted { SURFACE, PLACE };
   void complete(const PositionHit& position, float time, Wanted wanted, Hit& hit) const;
 
   std::shared_ptr<const EmbreeDevice> device;
-  bool packets; ///< Embree has packets of rays on this processor
+  bool packets; ///< Embree supports packets of 8 rays on this processor
   std::vector<std::unique_ptr<Texture>> textures;
   std::vector<std::unique_ptr<Material>> materials;
   std::vector<std::shared_ptr<Shape>> shapes;

@@ -1,5 +1,5 @@
 /** @file
- * Shapes of the top level and of its instances.
+ * Visitor of the shapes of the top level and of its instances.
  */
 #include "recurse/model/scene/placedShapes.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * The film's estimate of its own error.
+ * Error estimate of the film.
  */
 #include "recurse/model/film/film.h"
 
@@ -10,13 +10,13 @@ namespace recurse {
 
 namespace {
 
-/** Variances of the same mean, by the spread of samples and by the difference of halves. */
+/** Variances of the same mean: from the spread of samples and from the difference of half buffers. */
 struct VariancePair {
   double ofSamples = 0, ofHalves = 0;
 };
 
-/** At each pixel the sum over those up to `reach` before and after it, in each of so many rows, or columns.
- */
+/** Sums over `reach` pixels before and after each pixel, along `lines` rows of `length` pixels, or with
+ * `down` along columns. */
 std::vector<VariancePair> sumsAlong(const std::vector<VariancePair>& values, int length, int lines, bool down,
                                     int reach) {
   std::vector<VariancePair> sums(values.size());
@@ -69,14 +69,14 @@ std::optional<double> Film::varianceByHalves(size_t pixel) const {
 }
 
 double Film::darkLuminance() const {
-  constexpr double DARK = 0.1; // of the mean
+  constexpr double DARK = 0.1; // fraction of the mean
   double sum = 0;
   for (size_t i = 0; i < pixels.size(); ++i) sum += luminanceOf(i);
   return DARK * sum / double(pixels.size());
 }
 
 std::vector<double> Film::standardErrors() const {
-  constexpr int AROUND = 8; // pixels each way: a half's difference alone is as uncertain as it is large
+  constexpr int AROUND = 8; // reach [pixels]: the difference of a single pixel's halves is too noisy
   const int width = pixelBounds.width(), height = pixelBounds.height();
   const double dark = darkLuminance();
   std::vector<VariancePair> relative(pixels.size());

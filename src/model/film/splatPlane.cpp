@@ -1,5 +1,5 @@
 /** @file
- * Fixed-point sums of splats.
+ * Fixed-point sums of splats, and their moments.
  */
 #include "recurse/model/film/splatPlane.h"
 
@@ -13,14 +13,14 @@ namespace recurse {
 
 namespace {
 
-/** Of one contribution [units]. */
+/** Largest absolute value of one contribution [units]. */
 constexpr double LARGEST = 0x1p88;
-/** Unit of squares [square units]. */
+/** Unit of sums of squares [units squared]. */
 constexpr double SQUARE_SCALE = 0x1p57;
-/** In that unit: the sum of 256 such is the first that does not fit. */
+/** Largest square [SQUARE_SCALE]. The sum of 256 such squares is the first to overflow. */
 constexpr double LARGEST_SQUARE = LARGEST * (LARGEST / SQUARE_SCALE);
 
-/** What a contribution is rounded by. */
+/** Random key for the rounding of a contribution. */
 uint64_t keyOf(uint64_t place, uint64_t index, double value) {
   return hashCombine(hashCombine(place, index), std::bit_cast<uint64_t>(value));
 }
@@ -36,7 +36,7 @@ void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet,
   const auto last = [](float place, float r, int end) {
     return std::min(static_cast<int>(std::floor(place + r - 0.5f)), end - 1);
   };
-  // Far outside a place would not fit an integer.
+  // Positions far outside of the film would overflow an integer.
   if (!(film.x + radius.x >= float(bounds.x0) && film.x - radius.x <= float(bounds.x1) &&
         film.y + radius.y >= float(bounds.y0) && film.y - radius.y <= float(bounds.y1)))
     return;
@@ -55,7 +55,7 @@ void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet,
                   keyOf(place, index + size_t(c), contribution));
           }
       }
-      // What is too large has been counted with the colours.
+      // Saturation is counted at the colours already, so that luminance is only clamped.
       const double units =
           std::clamp(double(recurse::luminance(value)) * double(weight) / unitOfSums, -LARGEST, LARGEST);
       addTo(moments[pixel].luminance, units, LARGEST, keyOf(place, ~pixel, units));
@@ -69,7 +69,7 @@ void SplatPlane::addTo(WideSum& sum, double units, double largest, uint64_t key)
     units = std::copysign(largest, units);
     std::atomic_ref(figures.saturated).fetch_add(1, std::memory_order_relaxed);
   }
-  // Numbers of more digits than a double has are whole already.
+  // A double of at least 2^52 has no fraction.
   if (std::abs(units) < 0x1p52)
     units = std::floor(units + double(unitFloat(static_cast<uint32_t>(key >> 32))));
   addAll(sum, WideSum(static_cast<Int128>(units)));
@@ -93,7 +93,7 @@ void SplatPlane::add(const SplatPlane& other) {
 }
 
 void SplatPlane::addSums(const void* from, void* into, size_t count) {
-  // Contributions are no larger than LARGEST: where a sum wraps around, the picture is lost anyway.
+  // Contributions are at most LARGEST: where a sum wraps around, the picture is useless in any case.
   for (size_t i = 0; i < count; ++i)
     static_cast<WideSum*>(into)[i].addAtomically(static_cast<const WideSum*>(from)[i]);
 }

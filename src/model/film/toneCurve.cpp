@@ -29,14 +29,14 @@ float luminanceQuantile(const Image& picture, double q) {
 
 namespace {
 
-/** Half of a Gaussian, from its middle on, not normalised; it ends at 3.5 standard deviations. */
+/** Right half of a Gaussian, centre included, not normalised; it ends at 3.5 standard deviations. */
 std::vector<float> halfKernel(float sigma) {
   std::vector<float> half(size_t(std::ceil(3.5f * sigma)) + 1);
   for (size_t i = 0; i < half.size(); ++i) half[i] = std::exp(-0.5f * float(i * i) / (sigma * sigma));
   return half;
 }
 
-/** Blurs rows and writes them as columns, so that twice is both axes. */
+/** Blurs rows and transposes, so that two calls blur both axes. */
 std::vector<float> blurredTransposed(const std::vector<float>& field, int width, int height,
                                      const std::vector<float>& half) {
   std::vector<float> out(field.size());
@@ -61,7 +61,7 @@ std::vector<float> blurredDirectly(const std::vector<float>& field, int width, i
   return blurredTransposed(blurredTransposed(field, width, height, half), height, width, half);
 }
 
-/** Means of blocks of `factor` pixels a side. */
+/** Means of blocks of `factor` × `factor` pixels. */
 std::vector<float> reduced(const std::vector<float>& field, int width, int height, int factor) {
   const int w = (width + factor - 1) / factor, h = (height + factor - 1) / factor;
   std::vector<float> out(size_t(w) * size_t(h));
@@ -78,7 +78,7 @@ std::vector<float> reduced(const std::vector<float>& field, int width, int heigh
   return out;
 }
 
-/** Bilinear interpolation between the middles of blocks. */
+/** Bilinear interpolation between the centres of blocks. */
 std::vector<float> enlarged(const std::vector<float>& blocks, int width, int height, int factor) {
   const int w = (width + factor - 1) / factor, h = (height + factor - 1) / factor;
   std::vector<float> out(size_t(width) * size_t(height));
@@ -101,11 +101,11 @@ std::vector<float> enlarged(const std::vector<float>& blocks, int width, int hei
 
 std::vector<float> gaussianBlur(const std::vector<float>& field, int width, int height, float sigma) {
   if (!(sigma > 0)) return field;
-  // A wide blur on a picture so much smaller that there it spans 8 pixels.
+  // A wide blur works on a reduced picture, in which sigma is at least 8 pixels.
   const int factor = int(sigma / 8);
   if (factor < 2) return blurredDirectly(field, width, height, sigma);
   const int w = (width + factor - 1) / factor, h = (height + factor - 1) / factor;
-  // Blocks and interpolation blur as well: variances of 1/12 and 1/6.
+  // Blocks and interpolation add variances of 1/12 and 1/6 [blocks squared].
   const float rest = std::sqrt(square(sigma / float(factor)) - 0.25f);
   return enlarged(blurredDirectly(reduced(field, width, height, factor), w, h, rest), width, height, factor);
 }

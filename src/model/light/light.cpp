@@ -1,5 +1,5 @@
 /** @file
- * Defaults of lights.
+ * Default implementations of lights.
  */
 #include "recurse/model/light/light.h"
 
@@ -10,7 +10,7 @@ Rgb Light::radianceTowards(const LeSample& sample, const Vec3f& direction) const
   ray.direction = direction;
   if (!(pdfLe(ray).direction > 0)) return BLACK;
   if (kind() != LightKind::POINT) return sample.radiance;
-  // By what arrives at a distance where roundoff is small beside it.
+  // Intensity from the radiance at a distance that dominates the origin's rounding error.
   const Vec3f place = magnitude(sample.origin);
   const float distance = std::max({1.0f, place.x, place.y, place.z});
   const std::optional<LiSample> arriving =

@@ -1,5 +1,5 @@
 /** @file
- * The choice of lights by a table.
+ * Selection of lights in proportion to their power.
  */
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 /** @file
- * The walk of a ray through the cells of a grid (Amanatides and Woo 1987, "A Fast Voxel Traversal
+ * Traversal of a grid's cells by a ray (Amanatides and Woo 1987, "A Fast Voxel Traversal
  * Algorithm").
  */
 #include "recurse/model/medium/medium.h"

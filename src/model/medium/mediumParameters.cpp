@@ -1,5 +1,5 @@
 /** @file
- * The numbers of media, and measured ones.
+ * Parameters of media, and presets of measured ones.
  */
 #include "recurse/model/medium/mediumParameters.h"
 
@@ -7,10 +7,10 @@ namespace recurse {
 
 namespace {
 
-/** Reduced scattering and absorption [1/mm]: table 1 of Jensen, Marschner, Levoy and Hanrahan 2001, "A
- * Practical Model for Subsurface Light Transport"; and, from "Lowfat Milk" on, of Narasimhan et al. 2006,
+/** Reduced scattering and absorption [1/mm]. Source: table 1 of Jensen, Marschner, Levoy and Hanrahan 2001,
+ * "A Practical Model for Subsurface Light Transport"; and, from "Lowfat Milk" on, Narasimhan et al. 2006,
  * "Acquiring Scattering Properties of Participating Media by Dilution", at the concentrations that pbrt
- * takes. */
+ * uses. */
 struct Preset {
   const char* name;
   Rgbd scattering, absorption;
@@ -110,7 +110,7 @@ MediumPoint readMediumPoint(const Parameters& p) {
   m.absorption = Rgb(absorption * scale);
   m.scattering = Rgb(scattering * scale);
   m.emission = m.absorption * Rgb(p.spectrum("Le") * emissionScale(p));
-  const auto usable = [](const Rgb& c) { return maxComponent(c) <= 1e18f; }; // squares fit, false for NaN
+  const auto usable = [](const Rgb& c) { return maxComponent(c) <= 1e18f; }; // squares fit; false for NaN
   if (!usable(m.absorption) || !usable(m.scattering) || !usable(m.emission))
     p.fail(p.has("scale") ? "scale" : "sigma_s", "the medium is too dense for single precision",
            "coefficients below 1e18");

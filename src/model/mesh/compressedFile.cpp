@@ -1,5 +1,5 @@
 /** @file
- * Opening and filling of the buffer.
+ * Opening of a file, and filling of its buffer.
  */
 #include "model/mesh/compressedFile.h"
 
@@ -25,7 +25,7 @@ uint64_t CompressedFile::storedBytes() const {
 }
 
 bool CompressedFile::fill() {
-  if (content) { // the whole of it at once
+  if (content) { // content in memory is one buffer
     const bool more = end == 0 && !content->empty();
     end = content->size();
     return more;

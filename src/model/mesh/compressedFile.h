@@ -12,7 +12,7 @@
 
 namespace recurse {
 
-/** The bytes of a file, decompressed where it is gzip, and where we are in them. */
+/** Bytes of a file, decompressed if it is gzip, with the position in them. */
 class CompressedFile {
  public:
   explicit CompressedFile(const FileReference& source);
@@ -22,7 +22,7 @@ class CompressedFile {
   CompressedFile(const CompressedFile&) = delete;
   CompressedFile& operator=(const CompressedFile&) = delete;
 
-  /** The next byte; -1 at the end. */
+  /** Next byte; -1 at the end. */
   int get() {
     if (position == end && !fill()) return -1;
     const auto c = static_cast<unsigned char>(data()[position++]);
@@ -33,9 +33,9 @@ class CompressedFile {
     if (position == end && !fill()) return -1;
     return static_cast<unsigned char>(data()[position]);
   }
-  /** False when the file ends before. */
+  /** Reads `count` bytes. False when the file ends before. */
   bool read(char* to, size_t count) {
-    if (end - position >= count) { // nearly always
+    if (end - position >= count) { // the usual case
       std::memcpy(to, data() + position, count);
       position += count;
       return true;
@@ -59,7 +59,7 @@ class CompressedFile {
   uint64_t lineNumber() const { return line; }
   const std::string& name() const { return path; }
   bool compressed() const { return file && !gzdirect(file); }
-  /** Of the file as it is stored; 0 where that is not known. */
+  /** Size of the file as stored [bytes]; 0 if unknown. */
   uint64_t storedBytes() const;
 
  private:
@@ -67,7 +67,7 @@ class CompressedFile {
   bool fill();
 
   std::string path;
-  std::shared_ptr<const std::string> content; ///< null: the file is read
+  std::shared_ptr<const std::string> content; ///< null: the bytes come from `file`
   gzFile file = nullptr;
   std::vector<char> buffer;
   size_t position = 0, end = 0;

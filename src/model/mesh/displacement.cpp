@@ -15,11 +15,11 @@ namespace recurse {
 
 namespace {
 
-/** Memory of a triangle until it is rendered. */
+/** Memory of a triangle before it is rendered [bytes]. */
 constexpr double TRIANGLE_BYTES = 180;
 constexpr size_t MAX_TRIANGLES = 20'000'000;
 
-/** Corner number k of a triangle, counted on. */
+/** Corner k mod 3 of a triangle. */
 uint32_t cornerAt(const glm::uvec3& t, uint32_t k) { return t[static_cast<int>(k % 3)]; }
 
 class Displacement {
@@ -31,9 +31,9 @@ class Displacement {
     move(0);
   }
 
-  /** False where that takes more triangles than there may be. */
+  /** Divides all long edges. False where that would take more than MAX_TRIANGLES triangles. */
   bool divide() {
-    constexpr int MAX_LEVELS = 64; // no edge is split more often than this in double precision
+    constexpr int MAX_LEVELS = 64; // in double precision no edge is split more often
     for (int level = 0; level < MAX_LEVELS && !active.empty(); ++level) {
       findLongEdges();
       size_t count = done.size();
@@ -70,7 +70,7 @@ class Displacement {
   }
 
  private:
-  /** A place of the surface; where coordinates have a seam, several vertices share it. */
+  /** A point of the surface. Along a seam of texture coordinates, several vertices share it. */
   struct Point {
     Vec3d flat, moved, direction;
   };
@@ -93,16 +93,16 @@ class Displacement {
     std::unordered_map<Vec3d, uint32_t, Hash> known;
     hasUvs = !mesh.uvs.empty();
     for (size_t i = 0; i < mesh.positions.size(); ++i) {
-      const Vec3d position = mesh.positions[i] + Vec3d(0); // there is one zero only
+      const Vec3d position = mesh.positions[i] + Vec3d(0); // -0 becomes 0, so that both hash alike
       const auto [found, isNew] = known.emplace(position, static_cast<uint32_t>(points.size()));
       if (isNew) points.push_back({position, position, Vec3d(0)});
       vertices.push_back({found->second, hasUvs ? mesh.uvs[i] : Vec2d(0)});
     }
   }
 
-  /** The vertices' normals, or those of the faces by their angles. */
+  /** Sets the directions of displacement: vertex normals, or else face normals weighted by angle. */
   void findDirections(const MeshData& mesh) {
-    double agreement = 0; // of winding and normals
+    double agreement = 0; // between winding and normals: sum of their dot products
     for (const glm::uvec3& t : active) {
       Vec3d corner[3];
       for (int k = 0; k < 3; ++k) corner[k] = points[vertices[t[k]].point].flat;
@@ -138,7 +138,7 @@ class Displacement {
     return double(height.at(s).r);
   }
 
-  /** Moves the points of the vertices from `first` on; on a seam by the mean of its sides. */
+  /** Displaces the points of the vertices from `first` on; on a seam, by the mean height of its sides. */
   void move(size_t first) {
     constexpr size_t BLOCK = 4096;
     std::vector<double> heights(vertices.size() - first);
@@ -160,8 +160,8 @@ class Displacement {
     }
   }
 
-  /** Where the displacement is steep, edges are short as it leaves them; but where it jumps it stays steep.
-   */
+  /** True where an edge must be split: it is longer than the limit with or without displacement. At a jump of
+   * the displacement, STEEPEST ends the division. */
   bool isLong(const Point& a, const Point& b) const {
     constexpr double STEEPEST = 2;
     const Mat4d& m = context.sceneFromObject;
@@ -224,7 +224,7 @@ class Displacement {
       }
       for (uint32_t k = 0; k < 3; ++k) {
         const uint32_t a = cornerAt(t, k), b = cornerAt(t, k + 1), c = cornerAt(t, k + 2);
-        if (isSplit(a, b) != (count == 1)) continue; // the edge that is unlike the two others
+        if (isSplit(a, b) != (count == 1)) continue; // the one edge that differs
         if (count == 1) {
           const uint32_t m = middleOf(a, b);
           next.insert(next.end(), {{a, m, c}, {m, b, c}});
@@ -246,18 +246,18 @@ class Displacement {
   }
 
   TexturedRgb height;
-  double fixedLength; ///< of edges [scene units]; 0: by the dicing
+  double fixedLength; ///< length of edges [scene units]; 0: `context.dicing` decides
   const ShapeContext& context;
   std::vector<Point> points;
   std::vector<Vertex> vertices;
-  std::vector<glm::uvec3> active, done; ///< of vertices; what may be divided further, and what is not
-  EdgeMap middlePoints;                 ///< of edges between points; NONE: short enough
+  std::vector<glm::uvec3> active, done; ///< vertex indices of triangles: perhaps divided further, and final
+  EdgeMap middlePoints;                 ///< by edge between points; NONE: the edge is short
   uint32_t firstNewPoint = 0;
   bool hasUvs = false, windsBackwards = false;
 };
 
-/** Least number of triangles of a mesh without edges longer than `edge` [scene units]: none is larger than
- * the equilateral one. */
+/** Lower bound of the number of triangles of a mesh without edges longer than `edge` [scene units]: area of
+ * the mesh over area of the equilateral triangle, the largest. */
 double leastTriangles(const MeshData& mesh, const Mat4d& sceneFromObject, double edge) {
   double area = 0;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -294,7 +294,7 @@ std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters&
   const TexturedRgb height = realOrTexture(context.textures, p, "displacement");
   if (!p.has("edgelength") && !context.dicing)
     p.fail("displacement", "nobody says how finely the surface is to be divided", "\"float edgelength\"");
-  const TriangleMesh checked(mesh, context); // for what may be wrong with it
+  const TriangleMesh checked(mesh, context); // validates the mesh; throws Error
   const double edge = p.has("edgelength") ? p.real("edgelength") : 0;
   if (edge > 0) {
     const double least = leastTriangles(mesh, context.sceneFromObject, edge);

@@ -1,6 +1,6 @@
 /** @file
- * Closed triangle meshes as solids: a check that they are closed, and every crossing of a line, none lost at
- * edges.
+ * Closed triangle meshes as solids: a check that they are closed, and a watertight search for all crossings
+ * of a line.
  */
 #include "recurse/model/mesh/triangleMesh.h"
 
@@ -14,7 +14,7 @@ namespace recurse {
 
 namespace {
 
-/** For each vertex the first one at the same place: seams of texture coordinates do not open a mesh. */
+/** First vertex at the position of each vertex. Seams of texture coordinates do not open a mesh. */
 std::vector<uint32_t> weldedVertices(const std::vector<Vec3f>& positions) {
   std::vector<uint32_t> order(positions.size()), welded(positions.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -30,7 +30,7 @@ std::vector<uint32_t> weldedVertices(const std::vector<Vec3f>& positions) {
   return welded;
 }
 
-/** Each edge must be passed as often in the one direction as in the other. */
+/** Throws Error unless triangles use each edge equally often in both directions. */
 void checkClosed(const std::vector<glm::uvec3>& triangles) {
   struct Use {
     int balance = 0, count = 0;
@@ -59,7 +59,7 @@ void checkClosed(const std::vector<glm::uvec3>& triangles) {
 
 uint64_t edgeKey(uint32_t a, uint32_t b) { return uint64_t(std::min(a, b)) << 32 | std::max(a, b); }
 
-/** The keys of edges that belong to one triangle only, in ascending order. */
+/** Keys of the edges that belong to one triangle only, in ascending order. */
 std::vector<uint64_t> openEdges(const std::vector<glm::uvec3>& triangles) {
   std::vector<uint64_t> edges;
   edges.reserve(3 * triangles.size());
@@ -86,7 +86,7 @@ class MeshSolid final : public Solid {
     checkClosed(triangles);
     windsInwards = volume < 0;
     tree = BoxTree(boxes);
-    // What surfaceAt says counts, which normals at vertices may have turned over.
+    // The normal of surfaceAt() decides: vertex normals may have flipped it against the winding.
     if (!triangles.empty()) {
       const glm::uvec3& t = mesh.indices()[0];
       const Vec3d winding = glm::cross(Vec3d(positions[t.y]) - Vec3d(positions[t.x]),
@@ -97,14 +97,14 @@ class MeshSolid final : public Solid {
   }
 
   void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
-    // The line becomes the z axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013).
+    // Shear of the line to the z axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013)
     const int axis = widestAxis(glm::abs(direction)), xAxis = (axis + 1) % 3, yAxis = (axis + 2) % 3;
     const double shearX = direction[xAxis] / direction[axis], shearY = direction[yAxis] / direction[axis];
     const auto sheared = [&](uint32_t vertex) {
       const Vec3d p = Vec3d(positions[vertex]) - origin;
       return Vec3d(p[xAxis] - shearX * p[axis], p[yAxis] - shearY * p[axis], p[axis] / direction[axis]);
     };
-    // The sign of an edge's determinant: the same for both of its triangles, also where it is zero.
+    // Sign of an edge's determinant: consistent for both of its triangles, also where it is zero.
     const auto edge = [](const Vec3d& a, const Vec3d& b, uint32_t ia, uint32_t ib, bool& positive) {
       const double e = ia < ib ? a.x * b.y - a.y * b.x : -(b.x * a.y - b.y * a.x);
       positive = e > 0 || (e == 0 && ia < ib);
@@ -122,7 +122,7 @@ class MeshSolid final : public Solid {
       const double sum = weightA + weightB + weightC;
       if (sum == 0) return;
       const double u = weightB / sum, v = weightC / sum;
-      // Positive: the winding is seen counterclockwise along +z of the sheared space, that is from behind.
+      // Positive: the winding is counterclockwise along +z of the sheared space, seen from behind.
       const bool fromBehind = positiveA != (direction[axis] < 0);
       found.push_back(
           {a.z * (1 - u - v) + b.z * u + c.z * v, fromBehind == windsInwards, i, HitParameters(Vec2f(u, v))});

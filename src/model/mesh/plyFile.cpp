@@ -1,5 +1,5 @@
 /** @file
- * Reading of what follows the header of a PLY file.
+ * Reading of the elements after the header of a PLY file.
  */
 #include "recurse/model/mesh/plyFile.h"
 
@@ -28,13 +28,13 @@ class PlyReader {
         skipElement(e);
     }
     refuseBrokenCorners();
-    for (const auto& [vertex, what] : broken) // where it does not widen the bounds
+    for (const auto& [vertex, what] : broken) // a position that does not widen the bounds
       mesh.positions[vertex] = mesh.positions[mesh.triangles.at(0).x];
     return {std::move(mesh), badNormals, broken.size()};
   }
 
  private:
-  /** A line of a text, else a byte. */
+  /** Current position, for messages: a line in text files, else a byte offset. */
   uint64_t currentPlace() const {
     const bool isLine = header.encoding == PlyEncoding::TEXT;
     return !isLine ? in.offset() : reportedLine ? reportedLine : in.lineNumber();
@@ -68,7 +68,7 @@ class PlyReader {
     return static_cast<double>(value);
   }
 
-  /** A word of a text file. */
+  /** Reads a word of a text file. */
   void readWord() {
     constexpr size_t MAX_DIGITS = 400; // digits of a number, with a margin
     while (isPlyBlank(in.peek())) in.get();
@@ -88,7 +88,7 @@ class PlyReader {
     double value = 0;
     const auto [stop, error] = std::from_chars(begin, end, value);
     if (error == std::errc::result_out_of_range && stop == end) {
-      // Too small is zero; too large is for the caller to refuse.
+      // Underflow gives zero; overflow is for the caller to reject.
       value = std::strtod(begin, nullptr);
     } else if (error != std::errc() || stop != end) {
       fail("\"" + printable(word) + "\" is no number");
@@ -137,19 +137,19 @@ class PlyReader {
   void skipProperty(const PlyProperty& p) { skipValues(p.type, p.isList ? readListLength(p) : 1); }
 
   void skipElement(const PlyElement& e) {
-    if (e.properties.empty()) return; // takes no bytes, however many
+    if (e.properties.empty()) return; // elements without properties take no bytes
     current = &e;
     for (index = 0; index < e.count; ++index)
       for (const PlyProperty& p : e.properties) skipProperty(p);
   }
 
-  /** How many elements to make room for: what the file says, unless it is too short for that many. */
+  /** Number of elements to reserve memory for: the declared count, less if the file is too short for it. */
   size_t roomFor(const PlyElement& e) const {
     uint64_t bytesEach = 0;
     for (const PlyProperty& p : e.properties)
       bytesEach += header.encoding == PlyEncoding::TEXT ? 2 : sizeOf(p.isList ? p.countType : p.type);
     const uint64_t fileBytes = in.storedBytes();
-    // Meshes hardly ever compress better than this; if one does, the arrays grow on the way.
+    // Few meshes compress better than this; for one that does, the arrays grow while reading.
     constexpr uint64_t USUAL_COMPRESSION = 8;
     return static_cast<size_t>(std::min(
         e.count,
@@ -163,9 +163,9 @@ class PlyReader {
       v[i] = values[size_t(places[size_t(i)])];
       if (!std::isfinite(v[i]) && places == header.normalPlaces) {
         ++badNormals;
-        return V(0); // stands for none: the face's own counts
+        return V(0); // no normal: the face normal is used
       }
-      if (!std::isfinite(v[i])) { // which does no harm where no face uses the vertex
+      if (!std::isfinite(v[i])) { // an error only where a face uses the vertex
         broken.emplace(static_cast<uint32_t>(index), BrokenVertex{currentPlace(), what});
         return V(0);
       }
@@ -237,15 +237,15 @@ class PlyReader {
   CompressedFile in;
   PlyHeader header;
   MeshData mesh;
-  uint64_t badNormals = 0; ///< that are not finite
+  uint64_t badNormals = 0; ///< number of normals that are not finite
   struct BrokenVertex {
     uint64_t place;
     const char* what;
   };
   std::unordered_map<uint32_t, BrokenVertex> broken;
 
-  // Where we are, for messages.
-  uint64_t reportedLine = 0; ///< of the word read last; 0: where the reading has got to
+  // Position in the file, for messages.
+  uint64_t reportedLine = 0; ///< line of the last word; 0: the current line
   const PlyElement* current = nullptr;
   uint64_t index = 0;
   std::string word;

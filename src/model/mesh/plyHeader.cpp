@@ -165,7 +165,7 @@ class HeaderReader {
       fail("there are too many vertices");
   }
 
-  /** The places of properties that make a vector; false when they are not all there. */
+  /** Finds the indices of the properties that make a vector; false unless all exist. */
   bool findVector(std::initializer_list<const char*> names, std::vector<int>& places) const {
     std::vector<int> found;
     for (const char* name : names) {
@@ -180,7 +180,7 @@ class HeaderReader {
   void findVertexProperties() {
     if (!findVector({"x", "y", "z"}, header.positionPlaces)) fail("the vertices have no x, y and z");
     findVector({"nx", "ny", "nz"}, header.normalPlaces);
-    // The names that pbrt knows, in its order.
+    // Names that pbrt accepts, in its order.
     findVector({"u", "v"}, header.uvPlaces) || findVector({"s", "t"}, header.uvPlaces) ||
         findVector({"texture_u", "texture_v"}, header.uvPlaces) ||
         findVector({"texture_s", "texture_t"}, header.uvPlaces);

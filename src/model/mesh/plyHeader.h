@@ -1,5 +1,5 @@
 /** @file
- * The header of a PLY file: which elements follow, and what each is made of.
+ * Header of a PLY file: its elements and their properties.
  */
 #pragma once
 
@@ -11,7 +11,7 @@ enum class PlyType { INT8, UINT8, INT16, UINT16, INT32, UINT32, FLOAT32, FLOAT64
 
 enum class PlyEncoding { TEXT, BINARY_LITTLE, BINARY_BIG };
 
-/** Of an element: a number, or a list of them after their count. */
+/** Property of an element: a number, or a list of numbers after their count. */
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::FLOAT32;
@@ -36,23 +36,23 @@ size_t sizeOf(PlyType t);
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::TEXT;
   std::vector<PlyElement> elements;
-  size_t vertex = 0, face = 0;                             ///< which of the elements
-  std::vector<int> positionPlaces, normalPlaces, uvPlaces; ///< among the vertex's properties
-  int indexPlace = -1;                                     ///< among the face's
+  size_t vertex = 0, face = 0;                             ///< indices into `elements`
+  std::vector<int> positionPlaces, normalPlaces, uvPlaces; ///< indices into the vertex's properties
+  int indexPlace = -1;                                     ///< index into the face's properties
 
   const PlyElement& vertexElement() const { return elements[vertex]; }
   const PlyElement& faceElement() const { return elements[face]; }
 };
 
-/** Reads as far as the first element. A header that no mesh can follow is an error. */
+/** Reads up to the first element. Throws Error for a header that no mesh can follow. */
 PlyHeader readPlyHeader(CompressedFile& in);
 
-/** Between words of a text. */
+/** True for characters that separate the words of a text file. */
 inline bool isPlyBlank(int c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
 }
 
-/** Words of a file, cut short, for messages. */
+/** Text of a file for messages: at most 40 characters, printable ASCII only. */
 std::string printable(const std::string& text);
 
 } // namespace recurse

@@ -8,7 +8,7 @@
 
 namespace recurse {
 
-/** Takes off all items whose key others have as well; those that are left are in ascending order of keys. */
+/** Removes all items whose key occurs more than once; sorts the remaining ones by ascending key. */
 template <class T, class Key> void keepSingles(std::vector<T>& items, const Key& key) {
   std::sort(items.begin(), items.end(), [&](const T& a, const T& b) { return key(a) < key(b); });
   size_t kept = 0;

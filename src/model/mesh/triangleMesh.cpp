@@ -36,7 +36,7 @@ std::vector<To> perVertex(const std::vector<From>& from, size_t vertexCount, con
 
 template <class T> void discard(std::vector<T>& v) { std::vector<T>().swap(v); }
 
-/** A unit vector; zero stays zero, and means that there is none. */
+/** Normalises a vector; zero stays zero, and means that there is none. */
 Vec3f unitOrZero(const Vec3d& v) {
   const double largest = std::max(std::abs(v.x), std::max(std::abs(v.y), std::abs(v.z)));
   if (!(largest > 0)) return Vec3f(0);
@@ -59,8 +59,8 @@ double embreePlaneError(const Vec3d& extent, const Vec3d& unitNormal, double nor
   if (!(normalLength > 0)) return largest;
   const double dotError = 4 * glm::dot(extent, glm::abs(unitNormal));
   const double normalError = 16 * extent.x * extent.y * extent.z / normalLength;
-  // A sliver's plane may be lost altogether: it is not moved by more than its size. In the other direction,
-  // the ray has to start off the plane even where the bound is zero, and by more than a denormal number.
+  // Upper bound: the plane of a sliver may be undefined, but its error is no larger than its size. Lower
+  // bound: rays have to start off the plane even where the error is zero, by more than a denormal number.
   return std::clamp(UNIT * (dotError + normalError), UNIT / 16 * largest, largest);
 }
 
@@ -134,7 +134,7 @@ TriangleMesh::Plane TriangleMesh::planeOf(const glm::uvec3& t) const {
 template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const Vec2f& parameters) const {
   const glm::uvec3& triangle = triangles[primitive];
   const Plane& plane = planes[primitive];
-  // Rounding may put Embree's weights just outside.
+  // Rounding may put Embree's barycentric coordinates just outside of the triangle.
   double b1 = std::clamp(double(parameters.x), 0.0, 1.0), b2 = std::clamp(double(parameters.y), 0.0, 1.0);
   if (b1 + b2 > 1) {
     const double sum = b1 + b2;
@@ -149,21 +149,21 @@ template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const
               e2 = Vec3d(vertices[triangle.z]) - p0;
 
   SurfacePoint s;
-  // From edges, so that a coordinate shared by the vertices comes out exactly.
+  // Interpolation along edges keeps a coordinate that all vertices share exact.
   s.position = Vec3f(p0 + e1 * b1 + e2 * b2);
   Vec3f rounding = magnitude(s.position);
   for (int i = 0; i < 3; ++i)
     rounding[i] *=
-        float(int(e1[i] != 0) | int(e2[i] != 0)); // else it is the vertices' own coordinate, exactly
+        float(int(e1[i] != 0) | int(e2[i] != 0)); // a coordinate that all vertices share has no error
   s.error = positionError(rounding, plane.normal, plane.error);
 
   s.geometricNormal = plane.normal;
   s.shadingNormal = plane.normal;
-  float normalLength = 0; // before it is made unit; 0: the plane's counts
+  float normalLength = 0; // before normalisation; 0: the plane's normal is used
   if (!normals.empty()) {
     const Vec3d shading = interpolated(normals);
     const double length = glm::length(shading);
-    if (length > 1e-6) { // unit normals that nearly cancel leave only rounding behind
+    if (length > 1e-6) { // unit normals that nearly cancel leave rounding errors only
       s.shadingNormal = Vec3f(shading / length);
       normalLength = static_cast<float>(length);
       if (glm::dot(s.shadingNormal, s.geometricNormal) < 0) s.geometricNormal = -s.geometricNormal;
@@ -171,7 +171,7 @@ template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const
   }
 
   if constexpr (!ALL) return s;
-  // Directions for shading: floats are enough, and every hit pays for them.
+  // Shading directions are computed in single precision, which suffices and costs less at each hit.
   const Vec3f& v0 = vertices[triangle.x];
   const Vec3f along1 = vertices[triangle.y] - v0, along2 = vertices[triangle.z] - v0;
   Vec2f d1(1, 0), d2(1, 1); // pbrt's defaults: (0,0), (1,0), (1,1)
@@ -183,7 +183,7 @@ template <bool ALL> SurfacePoint TriangleMesh::pointAt(uint32_t primitive, const
     d2 = uvs[triangle.z] - uvs[triangle.x];
   }
   const float a = d1.x * d2.y, b = d1.y * d2.x, determinant = a - b;
-  // A determinant that is all rounding has no direction to offer.
+  // A determinant of mere rounding errors defines no direction.
   const float scale = std::abs(determinant) > 1e-6f * (std::abs(a) + std::abs(b)) ? 1 / determinant : 0.0f;
   s.dpdu = (along1 * d2.y - along2 * d1.y) * scale;
   s.dpdv = (along2 * d1.x - along1 * d2.x) * scale;
@@ -218,11 +218,11 @@ void TriangleMesh::tabulateAreas() const {
 ShapeSample TriangleMesh::sampleArea(float pick, const Vec2f& u) const {
   if (!tabulated.load(std::memory_order_acquire)) std::call_once(once, [this] { tabulateAreas(); });
   if (!(totalArea > 0)) return {};
-  // A float has too few digits to choose among millions of triangles: u.x adds the lower ones. Where that
-  // matters, the digits are then used up, and the place within the triangle takes what the choice left over.
+  // A float has too few digits to select among millions of triangles: u.x adds the lower ones. In large
+  // meshes the point within the triangle therefore uses the remainder of the selection instead of u.x.
   const double chosen = double(pick) + double(u.x) * 0x1p-24;
   const double wanted = chosen * cumulativeArea.back();
-  // The first sum beyond `wanted`: a triangle without area adds nothing and is never the first.
+  // First sum above `wanted`: a triangle without area adds nothing and is never the first.
   auto found = std::upper_bound(cumulativeArea.begin(), cumulativeArea.end(), wanted);
   if (found == cumulativeArea.end())
     found = std::lower_bound(cumulativeArea.begin(), cumulativeArea.end(), cumulativeArea.back());

@@ -1,5 +1,5 @@
 /** @file
- * Dicing by the camera.
+ * Dicing of surfaces by the camera's pixels.
  */
 #include "model/mesh/viewDicing.h"
 
@@ -7,7 +7,7 @@ namespace recurse {
 
 PixelWidths::PixelWidths(std::unique_ptr<Camera> given, const FilmSettings& film)
     : camera(std::move(given)), size(film.width, film.height) {
-  constexpr int GRID = 5; // angles differ between the middle and the corners
+  constexpr int GRID = 5; // directions each way: pixel angles differ between centre and corners
   double least = std::numeric_limits<double>::infinity(), leastOffset = least;
   const auto ray = [&](const Vec2d& place) {
     return camera->sampleRay({Vec2f(place), Vec2f(0.5f), camera->timeAt(0)});
@@ -34,8 +34,8 @@ PixelWidths::PixelWidths(std::unique_ptr<Camera> given, const FilmSettings& film
 }
 
 double PixelWidths::slack(const Vec3d& place) const {
-  // Mirrors and shadows show what is out of sight. The slack grows slowly, or edges that are split for one
-  // side of the border would leave ones to be split on its other side, for ever.
+  // Mirrors and shadows show surfaces outside of the film. The slack grows slowly: a jump at the border would
+  // let edges that are split on one side of it cause splits on the opposite side without end.
   constexpr double MAX_SLACK = 8, PER_PIXEL = 0.25;
   if (!camera->isConnectable()) return 1;
   const auto wi = camera->sampleWi(Vec3f(place), Vec2f(0.5f), camera->timeAt(0));
@@ -56,7 +56,7 @@ double PixelWidths::alongEdge(const Vec3d& a, const Vec3d& b) const {
 }
 
 double PixelWidths::foreshortening(const Vec3d& along, const Vec3d& view) {
-  // What is raised between the ends of an edge is seen from the side, and must not be passed over.
+  // Displacement between the ends of an edge is visible from the side: MOST bounds the edge length.
   constexpr double MOST = 4;
   const double lengths = glm::length(along) * glm::length(view), seen = glm::length(glm::cross(along, view));
   return lengths < MOST * seen ? lengths / seen : lengths > 0 ? MOST : 1;
@@ -64,7 +64,7 @@ double PixelWidths::foreshortening(const Vec3d& along, const Vec3d& view) {
 
 ViewDicing::ViewDicing(const PixelWidths& pixels, std::vector<Mat4d> given)
     : pixels(pixels), places(std::move(given)) {
-  // By how wide a pixel is there in units of the group.
+  // Sort key: width of a pixel at the placement [units of the group].
   const auto width = [&](const Mat4d& m) {
     const Vec3d middle(m[3]);
     return pixels.alongEdge(middle, middle) / std::cbrt(std::abs(glm::determinant(Mat3d(m))));

@@ -1,5 +1,5 @@
 /** @file
- * How finely surfaces are divided for the camera's pixels.
+ * Dicing of surfaces to the size of the camera's pixels.
  */
 #pragma once
 
@@ -11,30 +11,30 @@
 
 namespace recurse {
 
-/** The camera of a scene at the start of its motion, in world space: how wide a pixel is where. */
+/** Widths of pixels of a scene's camera, at the start of its motion and in world space. */
 class PixelWidths {
  public:
   PixelWidths(std::unique_ptr<Camera> camera, const FilmSettings& film);
-  /** How long a way from a to b is that looks as long as a pixel is wide, at the least [world units]: longer
-   * where it is seen at a grazing angle, and where the film sees neither end nor the middle. */
+  /** Least length along the edge from a to b that spans a pixel [world units]. It is longer at grazing
+   * angles, and for an edge with both ends and its middle outside of the film. */
   double alongEdge(const Vec3d& a, const Vec3d& b) const;
 
  private:
-  /** By how much edges may be longer at a place because it is out of sight. */
+  /** Factor, at least 1, by which edges at a point outside of the film may be longer. */
   double slack(const Vec3d& place) const;
-  /** By how much an edge is longer than it is seen along `view`. */
+  /** Ratio of the length of an edge to its projection across `view`, limited to 4. */
   static double foreshortening(const Vec3d& along, const Vec3d& view);
 
   std::unique_ptr<Camera> camera;
-  Vec2d size; ///< of the film [pixels]
+  Vec2d size; ///< size of the film [pixels]
   Vec3d eye{0}, forward{0, 0, 1};
-  double angle = 0, offset = 0; ///< between the rays of neighbouring pixels, and between their origins
+  double angle = 0, offset = 0; ///< least values between the rays of adjacent pixels: [rad], [world units]
 };
 
-/** Edges of a group of shapes that stands in one place or many. */
+/** Edge lengths for a group of shapes with one placement or many. */
 class ViewDicing final : public Dicing {
  public:
-  /** `places`: world from the space of the group. The nearest of them count. */
+  /** `places`: world from group space. Only those with the narrowest pixels are kept. */
   ViewDicing(const PixelWidths& pixels, std::vector<Mat4d> places);
   double edgeLength(const Vec3d& a, const Vec3d& b) const override;
 

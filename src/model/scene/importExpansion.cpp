@@ -1,5 +1,5 @@
 /** @file
- * Putting the pieces that importers make in their place.
+ * Expansion of imports: the pieces that importers make join the scene.
  */
 #include "recurse/model/scene/importExpansion.h"
 
@@ -34,7 +34,7 @@ void addImportParameters(PlugIns& plugIns) {
 
 namespace {
 
-/** Calls visit(directive) for everything that a plug-in is made from. */
+/** Calls visit(directive) for each directive that a plug-in is made from. */
 template <class Visit> void forEachDirective(SceneDescription& scene, const Visit& visit) {
   for (ParsedDirective* d :
        {&scene.film, &scene.camera, &scene.filter, &scene.sampler, &scene.integrator, &scene.accelerator})
@@ -94,7 +94,7 @@ class ImportExpander {
     attachFiles(piece, std::make_shared<const MemoryFiles>(import.files));
     scene.sources.insert(scene.sources.end(), piece.sources.begin(), piece.sources.end());
     materialOffset =
-        static_cast<int>(scene.materials.size()) - 1; // the piece's first stands for the outer one
+        static_cast<int>(scene.materials.size()) - 1; // the piece's material 0 is the outer material
     areaLightOffset = static_cast<int>(scene.areaLights.size());
     scene.materials.insert(scene.materials.end(), piece.materials.begin() + 1, piece.materials.end());
     scene.areaLights.insert(scene.areaLights.end(), piece.areaLights.begin(), piece.areaLights.end());
@@ -108,7 +108,7 @@ class ImportExpander {
     for (auto& [name, o] : piece.objects)
       for (ShapeDescription& s : o.shapes) adopt(s, at);
     for (InstanceDescription& i : piece.instances) {
-      if (object) { // the parser has dealt with objects in objects
+      if (object) { // the parser has flattened nested objects
         for (ShapeDescription s : piece.objects.at(i.object).shapes) {
           move(s, i.worldFromInstance, std::nullopt);
           move(s, at.worldFromObject, at.worldFromObjectLast);
@@ -147,7 +147,7 @@ class ImportExpander {
     return quoted.substr(1, quoted.size() - 2) + "/";
   }
 
-  /** Makes what is wrong with a piece point at the Shape directive of the whole. */
+  /** Sets the locations in a piece to the Shape directive that imports it, for messages. */
   static void relocate(SceneDescription& piece, const SourceLocation& where) {
     forEachDirective(piece, [&where](ParsedDirective& d) {
       d.location = where;
@@ -163,7 +163,7 @@ class ImportExpander {
     }
   }
 
-  /** Gives a shape of a piece what the Shape directive of the whole stands under. */
+  /** Gives a shape of a piece the graphics state of the Shape directive that imports it. */
   void adopt(ShapeDescription& s, const ShapeDescription& at) const {
     if (s.material.kind == MaterialReference::Kind::INDEX) {
       if (s.material.index == 0)
@@ -194,7 +194,7 @@ class ImportExpander {
   SceneDescription& scene;
   Diagnostics& diagnostics;
   bool lenient;
-  KeptParts* kept; ///< null: nothing is
+  KeptParts* kept; ///< null: nothing is kept
   std::multimap<std::string, std::shared_ptr<SceneImport>> models;
   int count = 0, materialOffset = 0, areaLightOffset = 0;
   std::map<std::string, ObjectDescription> newObjects;

@@ -1,5 +1,5 @@
 /** @file
- * Keys of what is kept.
+ * Cache keys of kept parts.
  */
 #include "recurse/model/scene/keptParts.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * Batches of rays, one after the other.
+ * Default batch queries, one ray at a time.
  */
 #include "recurse/model/scene/scene.h"
 

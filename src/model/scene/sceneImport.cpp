@@ -1,5 +1,5 @@
 /** @file
- * Writing pieces of scenes, and putting them in their place.
+ * Text and files of imported pieces of scenes.
  */
 #include "recurse/model/scene/sceneImport.h"
 
@@ -97,7 +97,7 @@ std::string ImportWriter::uniqueName(const std::string& hint) {
     clean += std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' ? c : '_';
   const int times = used[clean]++;
   if (times == 0) return context.prefix + clean;
-  // A second one gets a number, which another name may end with by chance.
+  // A repeated name gets a number, and is checked too: a different name may end with that number.
   return context.prefix + uniqueName(clean + "_" + std::to_string(times + 1)).substr(context.prefix.size());
 }
 

@@ -1,5 +1,5 @@
 /** @file
- * Builds trees of boxes: halved by number along the widest axis of their centres.
+ * Construction of box trees: median splits along the widest axis of the centres.
  */
 #include "recurse/model/shape/boxTree.h"
 

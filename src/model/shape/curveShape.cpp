@@ -1,5 +1,5 @@
 /** @file
- * Thin curves: what Embree is given, and the surface at its hits.
+ * Thin curves: control points for Embree, and the surface at its hits.
  */
 #include "recurse/model/shape/curveShape.h"
 
@@ -7,7 +7,7 @@ namespace recurse {
 
 namespace {
 
-/** The part of v perpendicular to unit n, of length 1; any perpendicular where there is none. */
+/** Normalised component of v perpendicular to unit n; any perpendicular where it vanishes. */
 Vec3d perpendicular(const Vec3d& v, const Vec3d& n) {
   const Vec3d across = v - n * glm::dot(v, n);
   const double length = glm::length(across);
@@ -21,7 +21,7 @@ CurveShape::CurveShape(const std::vector<Segment>& segments, Kind kind, const Sh
     : curveKind(kind), side(context.reverseOrientation ? -1.0f : 1.0f) {
   const Mat4d& m = context.sceneFromObject;
   const Mat3d normalFromObject = glm::transpose(glm::inverse(Mat3d(m)));
-  // A width has no direction: it grows by the mean of the scales.
+  // A width has no direction: it scales by the geometric mean of the scales.
   const double scale = std::cbrt(std::abs(glm::determinant(Mat3d(m))));
   for (const Segment& s : segments) {
     for (int i = 0; i < 4; ++i) {
@@ -42,7 +42,7 @@ CurveShape::Place CurveShape::placeOn(uint32_t segment, double u) const {
   const double v = 1 - u;
   const glm::dvec4 p = p0 * (v * v * v) + p1 * (3 * u * v * v) + p2 * (3 * u * u * v) + p3 * (u * u * u);
   Vec3d tangent((p1 - p0) * (3 * v * v) + (p2 - p1) * (6 * u * v) + (p3 - p2) * (3 * u * u));
-  if (!(glm::dot(tangent, tangent) > 0)) tangent = Vec3d(p3 - p0); // controls that coincide
+  if (!(glm::dot(tangent, tangent) > 0)) tangent = Vec3d(p3 - p0); // coincident control points
   if (!(glm::dot(tangent, tangent) > 0)) tangent = Vec3d(0, 0, 1);
   return {Vec3d(p), tangent, p.w};
 }
@@ -54,7 +54,7 @@ std::optional<HitParameters> CurveShape::parametersOf(uint32_t segment, float u,
   Vec3d normal = perpendicular(-d, along);
   const Vec3d across = glm::cross(along, normal), met = Vec3d(origin) + d * double(t);
   double v = c.radius > 0 ? std::clamp(glm::dot(met - c.position, across) / c.radius, -1.0, 1.0) : 0;
-  if (curveKind == Kind::RIBBON) { // as pbrt-v4: narrower by the angle between normal and ray
+  if (curveKind == Kind::RIBBON) { // narrowed as in pbrt-v4, by the cosine of normal and ray
     const Vec3d n0 = ends[2 * segment], n1 = ends[2 * segment + 1];
     const double angle = std::acos(std::clamp(glm::dot(n0, n1), -1.0, 1.0)), sine = std::sin(angle);
     const Vec3d turned =
@@ -81,7 +81,7 @@ std::optional<PrimitiveHit> CurveShape::intersect(uint32_t, const Vec3f&, const 
   throw std::logic_error("curves are intersected by Embree");
 }
 
-/** The parameters are u along the segment, v from -1 to 1 across, and the flat normal; after pbrt-v4. */
+/** Surface at the parameters u along the segment, v in [-1, 1] across, flat normal; as in pbrt-v4. */
 SurfacePoint CurveShape::surfaceAt(uint32_t segment, const HitParameters& parameters) const {
   const Place c = placeOn(segment, double(parameters.uv.x));
   const double v = double(parameters.uv.y);
@@ -89,7 +89,7 @@ SurfacePoint CurveShape::surfaceAt(uint32_t segment, const HitParameters& parame
   Vec3d normal = flat, dpdv = across;
   if (curveKind == Kind::CYLINDER) {
     const double theta = 0.5 * double(PI) * v;
-    // pbrt-v4's normals turn inwards, not outwards as those of a tube would.
+    // Normals turn inwards as in pbrt-v4, while a tube's would turn outwards.
     normal = flat * std::cos(theta) - across * std::sin(theta);
     dpdv = across * std::cos(theta) + flat * std::sin(theta);
   }
@@ -97,7 +97,7 @@ SurfacePoint CurveShape::surfaceAt(uint32_t segment, const HitParameters& parame
   SurfacePoint s;
   s.position = Vec3f(c.position + across * (v * c.radius));
   s.geometricNormal = s.shadingNormal = Vec3f(glm::normalize(normal)) * side;
-  // A flat curve turns with the ray: the next one starts beyond its width.
+  // A flat curve faces each ray: the error makes the next ray start beyond its width.
   s.error = Vec3f(static_cast<float>(2 * c.radius)) + magnitude(s.position) * 0x1p-22f;
   s.curve = curveKind == Kind::RIBBON ? SurfacePoint::Curve::FIXED : SurfacePoint::Curve::FACES_RAY;
   s.dpdu = Vec3f(c.tangent * segments);

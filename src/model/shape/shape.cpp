@@ -1,5 +1,5 @@
 /** @file
- * What shapes share: sampling by solid angle by way of area, boxes and error bounds.
+ * Functions that shapes share: sampling of solid angle by area, boxes and error bounds.
  */
 #include "recurse/model/shape/shape.h"
 
@@ -9,14 +9,14 @@ namespace recurse {
 
 namespace {
 
-/** From density per area to density per solid angle as seen from `from`; 0 where the surface is seen edge-on.
- */
+/** Converts a density per area to a density per solid angle, as seen from `from`. Returns 0 where the surface
+ * is seen edge-on. */
 float solidAngleDensity(float areaDensity, const Vec3f& from, const SurfacePoint& point) {
   const Vec3d way = Vec3d(point.position) - Vec3d(from);
   const double distance2 = glm::dot(way, way);
   const double across = std::abs(glm::dot(Vec3d(point.geometricNormal), way)); // distance times cosine
   if (!(across > 0)) return 0;
-  // A quotient that need not wait for the root.
+  // The division does not depend on the square root, so that they overlap.
   const auto density = static_cast<float>(double(areaDensity) * distance2 / across * std::sqrt(distance2));
   return std::isfinite(density) ? density : 0;
 }
@@ -40,7 +40,7 @@ std::vector<RimPiece> rimOfSweep(const std::function<Vec3d(double, double)>& p, 
                                  bool vHigh) {
   constexpr int PIECES = 16;
   constexpr double HALF_LENGTH = 0.0002,
-                   INWARDS = 0.002; // of the unit square: bent by far less than a hundredth
+                   INWARDS = 0.002; // lengths in the unit square, over which curvature is far below 1 %
   std::vector<RimPiece> rim;
   const auto addEdge = [&](const auto& along, double end) {
     const double inner = end > 0.5 ? end - INWARDS : end + INWARDS;
@@ -69,7 +69,7 @@ Bounds3f Shape::bounds() const {
 }
 
 Bounds3f roundedOut(const Bounds3d& box) {
-  // The corners themselves carry the rounding of a few double operations.
+  // The corners carry the rounding error of a few operations in double precision.
   const double slack = 0x1p-48 * glm::length(glm::max(glm::abs(box.lower), glm::abs(box.upper)));
   Bounds3f out;
   for (int i = 0; i < 3; ++i) {

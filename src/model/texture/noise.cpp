@@ -1,5 +1,5 @@
 /** @file
- * Gradient noise and octaves of it.
+ * Gradient noise and sums of its octaves.
  */
 #include "recurse/model/texture/noise.h"
 
@@ -9,7 +9,7 @@ namespace recurse {
 
 namespace {
 
-/** The permutation of the reference implementation that goes with the paper; pbrt has the same. */
+/** Permutation of the reference implementation of "Improving Noise"; pbrt has the same. */
 constexpr std::array<uint8_t, 256> PERMUTATION = {
     151, 160, 137, 91,  90,  15,  131, 13,  201, 95,  96,  53,  194, 233, 7,   225, 140, 36,  103, 30,
     69,  142, 8,   99,  37,  240, 21,  10,  23,  190, 6,   148, 247, 120, 234, 75,  0,   26,  197, 62,
@@ -25,7 +25,7 @@ constexpr std::array<uint8_t, 256> PERMUTATION = {
     181, 199, 106, 157, 184, 84,  204, 176, 115, 121, 50,  45,  127, 4,   150, 254, 138, 236, 205, 93,
     222, 114, 67,  29,  24,  72,  243, 141, 128, 195, 78,  66,  215, 61,  156, 180};
 
-/** The edges of a cube, and four of them again so that there are 16; these four as pbrt has them. */
+/** Directions to the edges of a cube; four of them occur twice, for 16 in all, as in pbrt. */
 constexpr int8_t GRADIENTS[16][3] = {
     {1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
     {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {-1, 1, 0}, {0, 1, -1}, {0, -1, -1}};
@@ -44,7 +44,7 @@ double smoothStep(double low, double high, double x) {
 double perlinNoise(const Vec3d& p) {
   const Vec3d corner = glm::floor(p), d = p - corner;
   uint32_t lattice[3];
-  for (int i = 0; i < 3; ++i) // exact however large p is
+  for (int i = 0; i < 3; ++i) // exact for any magnitude of p
     lattice[i] = static_cast<uint32_t>(corner[i] - PERIOD * std::floor(corner[i] / PERIOD));
   const auto hash = [](uint32_t i, uint32_t before) { return uint32_t(PERMUTATION[(before + i) & 255]); };
   double sum = 0;
@@ -67,7 +67,7 @@ template <class Term, class Rest>
 double NoiseSum::sum(const MappedPoint& m, const Term& term, const Rest& rest) const {
   constexpr double LACUNARITY = 1.99; // not 2, so that the zeros of the lattices do not coincide
   const double length2 = double(std::max(lengthSquared(m.alongX), lengthSquared(m.alongY)));
-  // Octave i has a wavelength of about 2^-i, and one of half the footprint is seen no more.
+  // Octave i has a wavelength of about 2^-i. Octaves finer than twice the footprint are left out.
   const double seen =
       length2 > 0 ? std::clamp(-1 - 0.5 * std::log2(length2), 0.0, double(octaves)) : double(octaves);
   const int whole = static_cast<int>(seen);
@@ -88,7 +88,7 @@ double NoiseSum::fractal(const MappedPoint& m) const {
 }
 
 double NoiseSum::turbulence(const MappedPoint& m) const {
-  // What is too fine to be seen still has its mean.
+  // Octaves too fine to be resolved contribute their mean.
   constexpr double MEAN = 0.2;
   return sum(
       m, [](double n) { return std::abs(n); },

@@ -8,7 +8,7 @@ namespace recurse {
 namespace {
 
 Mat4d inverseOf(const TextureContext& context) {
-  return glm::inverse(context.worldFromTexture); // the reader refuses transforms that have none
+  return glm::inverse(context.worldFromTexture); // the reader rejects singular transforms
 }
 
 Vec3d textureSpacePoint(const Mat4d& textureFromWorld, const Vec3d* origin, const SurfacePoint& point) {
@@ -27,7 +27,7 @@ FootprintAxes::FootprintAxes(const SurfacePoint& point) {
   const Vec3f slope = f.direction - n * cosine;
   const float sine = glm::length(slope);
   if (cosine == 0) return;
-  if (sine < 1e-3f) { // a circle, but for a millionth
+  if (sine < 1e-3f) { // a circle, to within a millionth
     const Frame frame(n);
     x = frame.x * f.width;
     y = frame.y * f.width;
@@ -85,7 +85,7 @@ MappedPlace TextureMapping::at(const SurfacePoint& point) const {
   if (kind == Kind::UV) {
     m.st = Vec2f(Vec2d(point.uv) * scale + delta);
     if (axes.x == Vec3f(0)) return m;
-    // The surface's own coordinates, by least squares: the axes lie in the plane of the derivatives.
+    // Coordinates of the axes along dpdu and dpdv, by least squares: the axes are in their plane.
     const Vec3d u = point.dpdu, v = point.dpdv;
     const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v),
                  determinant = uu * vv - uv * uv;

@@ -1,5 +1,5 @@
 /** @file
- * The error of each class of paths.
+ * Error of each class of paths.
  */
 #include <algorithm>
 #include <optional>
@@ -11,14 +11,14 @@ namespace recurse {
 
 namespace {
 
-/** The number of the layer of this name; -1: there is none. */
+/** Index of the layer with this name; -1: none. */
 int layerNumber(const Stills& stills, const std::string& name) {
   const auto found = std::find_if(stills.layers.begin(), stills.layers.end(),
                                   [&](const StillLayer& layer) { return layer.name == name; });
   return found == stills.layers.end() ? -1 : static_cast<int>(found - stills.layers.begin());
 }
 
-/** Why the layer cannot be compared with that of a reference; empty: it can be. */
+/** Reason why the layer cannot be compared with a reference's layer; empty where it can. */
 std::string mismatch(const StillLayer& layer, const Stills& reference) {
   const int number = layerNumber(reference, layer.name);
   if (number < 0) return layer.name + ": a reference has none";

@@ -1,5 +1,5 @@
 /** @file
- * The check that two pictures can be compared, with an error that says why not.
+ * Check that two pictures can be compared, with an error that gives the reason where they cannot.
  */
 #include "report/compare/comparable.h"
 

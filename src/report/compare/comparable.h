@@ -1,5 +1,5 @@
 /** @file
- * Whether two pictures can be compared at all.
+ * Check that two pictures can be compared.
  */
 #pragma once
 

@@ -1,5 +1,5 @@
 /** @file
- * The error measures: sums in double precision over the pixels in their order.
+ * Error measures: sums in double precision over the pixels in their order.
  */
 #include "recurse/report/compare/compare.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double NOT_A_NUMBER = std::numeric_limits<double>::quiet_NaN();
 
-/** Sums over pixels a channel at a time, then all channels from the three. */
+/** Sums over pixels for each channel; the value of all channels is the mean of the three. */
 struct ChannelSum {
   PerChannel sum{};
   void add(size_t channel, double value) { sum[channel] += value; }
@@ -36,7 +36,7 @@ struct PixelError {
   double mean() const { return (relative[0] + relative[1] + relative[2]) / 3; }
 };
 
-/** Larger first; among equals the order of the picture, so that the choice is always the same. */
+/** Order of errors: the larger first, equal ones by pixel, so that the choice is deterministic. */
 bool worse(const PixelError& a, const PixelError& b) {
   return a.mean() != b.mean() ? a.mean() > b.mean() : a.pixel < b.pixel;
 }
@@ -48,20 +48,20 @@ Rgb pixelOf(const Image& image, size_t pixel) {
 
 struct ComparedTo {
   const Image& r;
-  const Image* a = nullptr; ///< both or none
+  const Image* a = nullptr; ///< a and b: both or none
   const Image* b = nullptr;
 };
 
 constexpr size_t SHOWN_WORST = 5;
 
-/** What is added up over the pixels that are finite. */
+/** Sums over the finite pixels. */
 struct Sums {
   ChannelSum value, reference, squared, relative, mape, smape;
-  ChannelSum squaredFree, relativeFree; ///< free of the noise of two independent references
+  ChannelSum squaredFree, relativeFree; ///< without the noise of two independent references
   PerChannel maximum{}, peak{};
   std::vector<PixelError> errors;
 
-  /** x against r, and against the independent references a and b. */
+  /** Adds the errors of x against r, and against the independent references a and b. */
   void add(size_t pixel, const Rgb& x, const Rgb& r, const Rgb& a, const Rgb& b) {
     PixelError& error = errors.emplace_back(PixelError{pixel, {}});
     for (int i = 0; i < 3; ++i) {
@@ -83,7 +83,7 @@ struct Sums {
   }
 };
 
-/** Sums over all pixels; those that are not finite are counted. */
+/** Sums over all finite pixels; pixels that are not finite are counted. */
 Sums sumUp(const Image& image, const ComparedTo& references, Comparison& counts) {
   Sums sums;
   const size_t count = size_t(image.width) * size_t(image.height);
@@ -136,7 +136,7 @@ void setWorst(Comparison& out, std::vector<PixelError> errors, const Image& imag
                          static_cast<int>(pixel / size_t(image.width)), errors[i].mean(),
                          pixelOf(image, pixel), pixelOf(reference, pixel)});
   }
-  // Added up anew rather than by taking away from the full sum, where the largest errors would cancel.
+  // The trimmed sum is computed anew: subtracting the largest errors from the full sum would cancel digits.
   ChannelSum trimmed;
   for (size_t i = out.trimmedPixels; i < errors.size(); ++i)
     for (size_t c = 0; c < 3; ++c) trimmed.add(c, errors[i].relative[c]);

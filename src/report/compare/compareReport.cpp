@@ -1,5 +1,5 @@
 /** @file
- * Error measures in words, as JSON and by name.
+ * Error measures as a table, as JSON and by name.
  */
 #include <cmath>
 #include <functional>
@@ -63,7 +63,7 @@ const std::vector<WholeMetric>& wholeMetrics() {
   return ALL;
 }
 
-/** A measure after averaging blocks of pixels; with their side appended to its name where one is named. */
+/** A measure after averaging blocks of pixels; nameAt() appends the side of the blocks to its name. */
 struct ScaleMetric {
   const char *name, *title;
   const ByScale Comparison::*values;
@@ -137,7 +137,7 @@ std::string metricDefinition(const std::string& name) {
 
 namespace {
 
-/** A row for each class of paths; empty where there are none. */
+/** Table with a row for each class of paths; empty where there are none. */
 std::string classTable(const Comparison& c) {
   constexpr size_t GAP = 2, SHARE_COLUMN = 9, COLUMN = 11, SHOWN_SCALES = 4;
   if (c.classes.empty()) return {};

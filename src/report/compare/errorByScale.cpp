@@ -1,5 +1,5 @@
 /** @file
- * The error that is left when a picture is seen from further away.
+ * Error of a picture averaged over blocks, as seen from further away.
  */
 #include <algorithm>
 #include <cmath>
@@ -11,10 +11,10 @@ namespace recurse {
 
 namespace {
 
-/** What a block adds up of its pixels. */
+/** Sums over the pixels of a block. */
 struct BlockSum {
   Rgbd toA{0}, toB{0}; ///< x − a, x − b
-  Rgbd smooth{0};      ///< the reference smoothed
+  Rgbd smooth{0};      ///< smoothed reference
   int pixels = 0;
 
   void add(const BlockSum& other) {
@@ -25,7 +25,7 @@ struct BlockSum {
   }
 };
 
-/** The mean over 7x7 pixels, or what of them is inside and finite. */
+/** Mean over the pixels of each 7x7 neighbourhood that are inside and finite. */
 std::vector<Rgbd> smoothed(const Image& r) {
   constexpr int REACH = 3;
   std::vector<Rgbd> out(size_t(r.width) * size_t(r.height));

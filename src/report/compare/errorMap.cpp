@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** Lightness, chroma and hue (in turns) to linear Rec. 709, cut to the gamut by giving up chroma. */
+/** Converts lightness, chroma and hue (in turns) to linear Rec. 709; chroma is reduced to fit the gamut. */
 Rgb rgbFromOklch(float lightness, float chroma, float hue) {
   const auto convert = [&](float c) {
     const float a = c * std::cos(2 * PI * hue), b = c * std::sin(2 * PI * hue);
@@ -32,7 +32,7 @@ Rgb rgbFromOklch(float lightness, float chroma, float hue) {
   return clamp(convert(low), 0, 1);
 }
 
-/** −1 blue, 0 light grey, 1 red. */
+/** Diverging scale: −1 blue, 0 light grey, 1 red. */
 Rgb divergingColour(float t) {
   const float amount = std::abs(t);
   return rgbFromOklch(0.92f - 0.45f * amount, 0.22f * amount, t < 0 ? 0.71f : 0.07f);

@@ -1,5 +1,5 @@
 /** @file
- * The scale of false colours.
+ * Scale of false colours.
  */
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace recurse {
 
-/** Perceptually even colours from dark violet (0) over green to yellow (1), as sRGB made linear. */
+/** Perceptually uniform colours from dark violet (0) over green to yellow (1), in linear Rec. 709. */
 Rgb falseColour(float t);
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * FLIP. All filters are sums of products of one in x and one in y, and are applied as such (as in the
- * authors' note on separated convolutions).
+ * FLIP. All filters are sums of products of a filter in x and a filter in y, and are applied separably (as in
+ * the authors' note on separated convolutions).
  */
 #include "recurse/report/compare/flip.h"
 
@@ -35,7 +35,7 @@ constexpr double TO_XYZ[3][3] = {{10135552.0 / 24577794, 8788810.0 / 24577794, 4
                                  {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
                                  {1425312.0 / 73733382, 8788810.0 / 73733382, 70074185.0 / 73733382}};
 
-/** XYZ over that of white, so that white is (1, 1, 1). */
+/** XYZ relative to white, so that white is (1, 1, 1). */
 struct ColourSpace {
   glm::mat3 toXyz{1}, fromXyz{1};
   ColourSpace() {
@@ -65,7 +65,7 @@ Vec3f linearOf(const Vec3f& opponent) {
   return space().fromXyz * Vec3f(y + opponent.y / 500, y, y - opponent.z / 200);
 }
 
-/** Linear RGB to L*a*b* with the Hunt effect: colours are the weaker the darker they are. */
+/** Linear RGB to L*a*b* with the Hunt effect: chroma decreases with lightness. */
 Vec3f huntLab(const Vec3f& rgb) {
   constexpr float DELTA = 6.0f / 29;
   const auto f = [](float t) {
@@ -76,7 +76,7 @@ Vec3f huntLab(const Vec3f& rgb) {
   return {lightness, 0.01f * lightness * 500 * (fx - fy), 0.01f * lightness * 200 * (fy - fz)};
 }
 
-/** HyAB, the distance for large differences of colour (Abasi et al. 2020). */
+/** HyAB distance, for large colour differences (Abasi et al. 2020). */
 float hyab(const Vec3f& a, const Vec3f& b) {
   return std::abs(a.x - b.x) + std::sqrt((a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z));
 }
@@ -106,7 +106,7 @@ struct Plane {
   const float* row(int y) const { return &values[size_t(y) * size_t(width)]; }
 };
 
-/** Beyond the border stands the last pixel. */
+/** Convolution along x; beyond the border the last pixel is repeated. */
 Plane alongX(const Plane& in, const Kernel& kernel) {
   Plane out(in.width, in.height);
   const int radius = static_cast<int>(kernel.size() / 2);
@@ -174,9 +174,9 @@ struct Filters {
   }
 };
 
-/** What FLIP compares of a picture. */
+/** Features of a picture that FLIP compares. */
 struct Seen {
-  std::vector<Vec3f> colours;       ///< L*a*b* with the Hunt effect, after the eye's filters
+  std::vector<Vec3f> colours;       ///< L*a*b* with the Hunt effect, after the contrast sensitivity filters
   std::vector<float> edges, points; ///< strengths
 };
 
@@ -215,14 +215,14 @@ Seen see(const std::vector<Rgb>& linear, int width, int height, const Filters& f
   return out;
 }
 
-/** The largest difference of colours there is, that of green and blue. */
+/** Largest possible colour difference, between green and blue. */
 float largestColourError() {
   static const float LARGEST =
       std::pow(hyab(huntLab({0, 1, 0}), huntLab({0, 0, 1})), static_cast<float>(COLOUR_EXPONENT));
   return LARGEST;
 }
 
-/** Of linear pictures with values in [0, 1]; `errors` gets the larger of itself and the new error. */
+/** Adds errors of linear pictures in [0, 1]: `errors` keeps the larger of its value and the new error. */
 void addErrors(const std::vector<Rgb>& image, const std::vector<Rgb>& reference, const Filters& filters,
                Flip& out) {
   const Seen a = see(image, out.width, out.height, filters),
@@ -257,7 +257,7 @@ std::vector<Rgb> colours(const Image& image) {
   return out;
 }
 
-/** Throws where the pictures do not fit; empty errors where there is nothing to compare. */
+/** Prepares a comparison. Throws where the pictures do not fit; no errors where a pixel is not finite. */
 Flip begin(const Image& image, const Image& reference) {
   requireComparable(image, reference, "reference has");
   Flip out;
@@ -284,14 +284,14 @@ Rgb toneMapped(const Rgb& colour, double scale) {
   return out;
 }
 
-/** The value that the curve turns into 0.85. */
+/** Value that the curve maps to 0.85. */
 double valueShownBright() {
   constexpr double T = 0.85;
   const double p = (K1 - K4 * T) / (K0 - K3 * T), q = -K5 * T / (K0 - K3 * T);
   return -p / 2 + std::sqrt(p * p / 4 - q);
 }
 
-double medianOf(std::vector<double> values) { // of one value at the least
+double medianOf(std::vector<double> values) { // needs at least one value
   const size_t half = values.size() / 2;
   std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(half), values.end());
   const double upper = values[half];

@@ -1,5 +1,5 @@
 /** @file
- * What the numbers of a study say: variance and bias, power laws, times.
+ * Evaluation of a convergence study: variance and bias, power laws, times.
  */
 #include "recurse/report/converge/converge.h"
 
@@ -18,9 +18,9 @@ namespace {
 
 constexpr double NONE = std::numeric_limits<double>::quiet_NaN();
 
-/** Two-sided 95% of Student's distribution with 60 degrees of freedom or more is within 2% of this. */
+/** Quantile of two-sided 95%; Student's with 60 degrees of freedom or more is within 2% of it. */
 constexpr double QUANTILE_95 = 2;
-/** Blocks that a picture is to have, if it has as many pixels, and their largest side. */
+/** Number of blocks of a picture that has enough pixels, and their largest side [pixels]. */
 constexpr double BLOCKS = 256;
 constexpr int LARGEST_BLOCK = 16;
 
@@ -130,7 +130,7 @@ ErrorSplit splitError(const std::vector<Image>& pictures, const References& refe
         }
         const size_t i = (size_t(y) * size_t(width) + size_t(x)) * 3 + size_t(c);
         variance[i] = squares / double(seeds - 1);
-        // The mean over the seeds still has a part of the variance in it.
+        // The squared mean over the seeds still contains a part of the variance.
         bias2[i] = (mean - double(a[c])) * (mean - double(b[c])) - variance[i] / double(seeds);
         const double weight = relativeWeight(double(r[c]));
         relVariance[i] = variance[i] * weight;
@@ -212,7 +212,7 @@ std::optional<PowerLaw> fitPowerLaw(const Curve& curve) {
       xy += x * y;
       yy += y * y;
     }
-  // Times that are hardly apart, as of budgets below the shortest render there is, have no slope.
+  // Times that barely differ, such as budgets below the shortest possible render, have no slope.
   constexpr double SMALLEST_SPREAD = 0.03; // variance of the logarithm: two points a factor of 1.4 apart
   if (xx / n < SMALLEST_SPREAD) return std::nullopt;
   PowerLaw out;
@@ -232,14 +232,14 @@ TimeToReach timeToReach(const Curve& curve, double error) {
     const auto& [t0, e0] = points[i - 1];
     const auto& [t1, e1] = points[i];
     if (e1 > error) continue;
-    if (e1 <= 0) return {Kind::BETWEEN, t1}; // noise of a noise-free error; there is no line to go along
+    if (e1 <= 0) return {Kind::BETWEEN, t1}; // noise of a noise-free error; no interpolation
     const double part = std::log(e0 / error) / std::log(e0 / e1);
     return {Kind::BETWEEN, t0 * std::pow(t1 / t0, part)};
   }
   const std::optional<PowerLaw> fit = fitPowerLaw(points);
   if (!fit || fit->exponent >= 0) return {};
   constexpr double FARTHEST = 10;
-  // From the last point on with the slope of the fit, so that the result is later than what was measured.
+  // Extrapolates from the last point with the slope of the fit, to a time after the last measurement.
   const double seconds = points.back()[0] * std::pow(error / points.back()[1], 1 / fit->exponent);
   if (seconds > FARTHEST * points.back()[0]) return {};
   return {Kind::BEYOND, seconds};

@@ -1,5 +1,5 @@
 /** @file
- * The report of a study: table, plot and page.
+ * Report of a study: table, plot and page.
  */
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
-/** What theory says of the squared error over time. */
+/** Theoretical slope of the squared error over time. */
 struct ExpectedSlope {
   double exponent;
   const char *label, *why;
@@ -37,7 +37,7 @@ constexpr ExpectedSlope EXPECTED[] = {
 
 std::string rounded(double value, int digits = 3) { return formatted("%.*g", digits, value); }
 
-/** By its width on a terminal; texts may hold bytes of UTF-8. */
+/** Pads a text by its width on a terminal; texts may contain bytes of UTF-8. */
 std::string column(const std::string& text, size_t width) {
   size_t shown = 0;
   for (char c : text) shown += (static_cast<unsigned char>(c) & 0xc0) != 0x80;
@@ -57,7 +57,7 @@ std::vector<Curve> curvesOf(const StudyReport& report, const ErrorMeasure& measu
   return curves;
 }
 
-/** Where the lines of the expected slopes begin: the worst of the curves' first points. Empty without any. */
+/** Start of the lines of the expected slopes: the worst of the curves' first points. Empty without any. */
 std::optional<std::array<double, 2>> slopesFrom(const std::vector<Curve>& curves) {
   std::optional<std::array<double, 2>> start;
   for (const Curve& curve : curves)
@@ -117,7 +117,7 @@ Json measureJson(const StudyReport& report, const ErrorMeasure& measure) {
   return out;
 }
 
-/** 256 colours of the map of errors, as a display needs them. */
+/** 256 colours of the error map, encoded for a display (sRGB). */
 Json falseColours() {
   Json out = Json::array();
   for (int i = 0; i < 256; ++i) {
@@ -158,7 +158,7 @@ bool runGnuplot(const std::string& folder, const std::string& output) {
 
 namespace {
 
-/** The error after averaging blocks of pixels, a line for each point. */
+/** Table of the error after averaging blocks of pixels, a line for each point. */
 std::string scaleTable(const StudyReport& report, size_t width) {
   std::string out = column("averaged", width) + column("budget", 10);
   for (int side : ERROR_SCALES) out += column(std::to_string(side) + "x" + std::to_string(side), 10);
@@ -239,7 +239,7 @@ std::string plotScript(const StudyReport& report) {
     std::string rows;
     for (const ConvergePoint& p : report.points) {
       const double error = measure.of(p);
-      // What is not above zero has no place on a logarithmic axis; the page's table has it.
+      // Errors that are not above zero cannot be on a logarithmic axis; the table of the page has them.
       if (p.run == run && error > 0)
         rows += rounded(p.mean.seconds, 9) + " " + rounded(error, 9) + " " +
                 rounded(p.smallest > 0 ? p.smallest : error, 9) + " " + rounded(p.largest, 9) + "\n";
@@ -339,7 +339,7 @@ std::string writeReport(const StudyReport& report, const std::string& folder) {
   std::error_code ignored;
   try {
     if (!runGnuplot(folder, unfinished)) {
-      fs::remove(file("plot.png"), ignored); // an older one would show something else
+      fs::remove(file("plot.png"), ignored); // an older one would be out of date
       return "plot.png was not made: gnuplot is not installed (Debian package gnuplot-nox); with it, run "
              "'gnuplot plot.gp' in " +
              folder;

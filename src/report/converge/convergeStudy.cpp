@@ -1,5 +1,5 @@
 /** @file
- * The grid of a study, its file, and the pictures of its cells.
+ * Grid of a study, its file, and the pictures of its cells.
  */
 #include <algorithm>
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double UNKNOWN = std::numeric_limits<double>::quiet_NaN();
-constexpr int FORMAT = 1; ///< of converge.json
+constexpr int FORMAT = 1; ///< version of converge.json
 
 const char* const KINDS[] = {"time", "samples", "photons"};
 
@@ -49,13 +49,13 @@ constexpr SplitField SPLIT_FIELDS[] = {{"variance", &ErrorSplit::variance},
                                        {"relvariance", &ErrorSplit::relVariance},
                                        {"relbias2", &ErrorSplit::relBias2}};
 
-/** Infinity and NaN have no place in JSON. */
+/** JSON number; null for infinity and NaN, which JSON does not have. */
 Json numberJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 double numberOf(const Json& json) { return json.is_null() ? UNKNOWN : json.get<double>(); }
 
 std::string csvNumber(double value) { return std::isfinite(value) ? formatted("%.9g", value) : ""; }
 
-/** The errors of points come from the first measure, which plots and tables begin with. */
+/** Error of a cell by the first measure, with which plots and tables begin. */
 double shownError(const ConvergeCell& cell, bool independent) {
   return independent ? cell.relMseNoiseFree : cell.relMse;
 }

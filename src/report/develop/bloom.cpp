@@ -1,6 +1,6 @@
 /** @file
- * The convolution with the glare: cosine transforms, of which the picture's continuation by mirrors comes by
- * itself (FFTW).
+ * Convolution with the glare by cosine transforms (FFTW), which imply that the picture continues mirrored
+ * beyond its borders.
  */
 #include "report/develop/bloom.h"
 
@@ -28,8 +28,8 @@ void transform(double* field, int width, int height, fftw_r2r_kind kind) {
   fftw_destroy_plan(plan);
 }
 
-/** The mean of the glare over a pixel at (x, y) pixels from the light. Near the light it falls off within the
- * pixel. */
+/** Mean of the glare over a pixel at (x, y) pixels from the light. Near the light the glare varies within
+ * a pixel, so that it is subsampled. */
 double glareOfPixel(int x, int y, double degreesPerPixel) {
   const int parts = x + y == 0 ? 128 : std::max(x, y) < 8 ? 16 : 1;
   double sum = 0;
@@ -39,10 +39,10 @@ double glareOfPixel(int x, int y, double degreesPerPixel) {
   return sum / (parts * parts);
 }
 
-/** The glare of a picture's pixels on each other. */
+/** Glare of a picture's pixels on each other. */
 struct Glare {
   Field transfer; ///< factor of each frequency of the picture; (width + 1) × (height + 1), 1 for the mean
-  double ownPart = 1; ///< fraction of a pixel's light that the pixel itself gets
+  double ownPart = 1; ///< fraction of a pixel's light that stays in the pixel
 };
 
 Glare glareOf(int width, int height, double degreesPerPixel) {
@@ -73,7 +73,7 @@ double applyBloom(Image& picture, double amount, double degrees) {
   const size_t stride = picture.channels.size(), count = size_t(width) * size_t(height);
   const Glare glare = glareOf(width, height, degrees / width);
   const Field light = makeField(count);
-  const double scale = 1 / (4.0 * width * height); // of the two transforms
+  const double scale = 1 / (4.0 * width * height); // normalises the two transforms
   for (size_t channel = 0; channel < 3; ++channel) {
     for (size_t i = 0; i < count; ++i) light.get()[i] = double(picture.pixels[i * stride + channel]);
     transform(light.get(), width, height, FFTW_REDFT10);
@@ -82,7 +82,7 @@ double applyBloom(Image& picture, double amount, double degrees) {
       light.get()[i] *= scale * (1 - amount + amount * glare.transfer.get()[frequency]);
     }
     transform(light.get(), width, height, FFTW_REDFT01);
-    for (size_t i = 0; i < count; ++i) // what is below zero is rounding
+    for (size_t i = 0; i < count; ++i) // negative values are rounding
       picture.pixels[i * stride + channel] = static_cast<float>(std::max(light.get()[i], 0.0));
   }
   return 1 - amount + amount * glare.ownPart;

@@ -1,8 +1,8 @@
 /** @file
- * Edges of what is brighter than white. A pixel half covered by a lamp is white like the lamp after tone
- * mapping, so that a smooth edge becomes a staircase. The right picture is tone-mapped first and filtered
- * then; for that a pixel's two sides are looked for in its surroundings, and its colour tells how much of it
- * each one covers. Of a lamp that is too narrow to fill a pixel the brightest pixel stands for its side.
+ * Antialiasing of edges that are brighter than white. A pixel half covered by a lamp is as white as the lamp
+ * after tone mapping, so that a smooth edge becomes a staircase. A correct picture is tone-mapped first and
+ * then filtered: the two sides of a pixel are searched in its neighbourhood, and its colour gives the
+ * coverage of each. For a lamp too narrow to fill a pixel, the brightest pixel represents its side.
  */
 #include <algorithm>
 #include <array>
@@ -32,11 +32,11 @@ std::vector<Offset> offsetsWithin(int radius2) {
   return out;
 }
 
-/** How far an edge reaches: the widest filter's radius and half a pixel, squared. */
+/** Squared reach of an edge [pixels²]: the radius of the widest filter plus half a pixel. */
 constexpr int EDGE_REACH2 = 6;
-/** Either side of the edge is no farther away: its reach on both sides of it, squared. */
+/** Squared distance [pixels²] within which either side of an edge is found: its reach on both sides of it. */
 constexpr int SIDE_REACH2 = 25;
-/** Darkest by brightest of nine pixels that lie on one side of an edge. */
+/** Least ratio of darkest to brightest of nine pixels that are on one side of an edge. */
 constexpr float EVEN = 0.8f;
 
 class BrightEdges {
@@ -66,7 +66,7 @@ class BrightEdges {
   size_t index(int x, int y) const { return size_t(y) * size_t(width) + size_t(x); }
   Rgb shownAt(const Offset& p) const { return min(shown.rgb(p.x, p.y), Rgb(1)); }
 
-  /** Pixels that with all their neighbours are brighter than white and alike. */
+  /** Pixels that, with all their neighbours, are brighter than white and of similar brightness. */
   std::vector<char> evenBright() const {
     std::vector<char> out(size_t(width) * size_t(height));
     parallelFor(size_t(height), [&](size_t row) {
@@ -88,7 +88,7 @@ class BrightEdges {
   }
   bool isInside(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
 
-  /** The nearest even pixel of the brighter side: paper around a lamp may be brighter than white, too. */
+  /** Nearest even pixel of the brighter side: paper around a lamp may be brighter than white, too. */
   std::optional<Offset> evenSide(int x, int y, const std::vector<char>& isBright) const {
     float most = 0;
     const auto isEven = [&](int i, int j) { return isBright[index(i, j)] != 0; };
@@ -100,12 +100,12 @@ class BrightEdges {
     return nearest(x, y, [&](int i, int j) { return isEven(i, j) && brightness(i, j) > 0.5f * most; });
   }
 
-  /** The brightest pixel around one that lies at a bright line. Lines are told from noise by the moments of
-   * brightness: long, thin, and filled. */
+  /** Brightest pixel around a pixel that is at a bright line. The moments of brightness distinguish lines
+   * from noise: lines are long, thin, and filled. */
   std::optional<Offset> narrowLamp(int x, int y) const {
     static const std::vector<Offset> OFFSETS = offsetsWithin(SIDE_REACH2);
     Offset brightest{x, y};
-    float near = 0, low = INFINITE; // of the pixels from which an edge reaches here; of all
+    float near = 0, low = INFINITE; // maximum within the reach of an edge; minimum of all
     for (const Offset& o : OFFSETS) {
       if (!isInside(x + o.x, y + o.y)) continue;
       const float b = brightness(x + o.x, y + o.y);
@@ -129,12 +129,12 @@ class BrightEdges {
     const double a = xx / sum - square(sx / sum), b = xy / sum - sx * sy / square(sum),
                  c = yy / sum - square(sy / sum);
     const double root = std::hypot((a - c) / 2, b), along = (a + c) / 2 + root, across = (a + c) / 2 - root;
-    constexpr double LENGTH = 4; // in pixels as bright as the brightest
+    constexpr double LENGTH = 4; // [pixels as bright as the brightest]
     const bool isLine = sum >= LENGTH && across <= 1.5 && along >= 2 * across;
     return isLine ? std::optional(brightest) : std::nullopt;
   }
 
-  /** An edge of what is so bright reaches the pixel. */
+  /** Whether an edge of this brightness reaches the pixel. */
   bool isReached(int x, int y, float bright) const {
     static const std::vector<Offset> OFFSETS = offsetsWithin(EDGE_REACH2);
     return std::any_of(OFFSETS.begin(), OFFSETS.end(), [&](const Offset& o) {
@@ -151,15 +151,15 @@ class BrightEdges {
     const Vec3f contrast(bright - darkLight), above(light.rgb(x, y) - darkLight);
     const float covered = std::clamp(glm::dot(above, contrast) / lengthSquared(contrast), 0.0f, 1.0f);
     const Rgb mixed = covered * brightShown + (1 - covered) * shownAt(withGlareOf(x, y, *dark));
-    // What is hardly brighter than white hardly bends the edge.
+    // The correction fades in with brightness above white.
     const float part = std::min(top - 1, 1.0f);
-    // A curve that bends down shows a mixture brighter than its parts; what does not is no such edge.
+    // A concave curve shows mixed light brighter than the mixture of shown colours; pixels only darken.
     const Rgb before = shownAt({x, y}), after = before + part * (min(mixed, before) - before);
     std::copy_n(&after.r, 3, out.at(x, y));
   }
 
-  /** A pixel that is as bright as `dark` would be in the glare at (x, y): the brightest around that is not
-   * brighter; `dark` itself where there is no glare. */
+  /** Pixel as bright as `dark` would be in the glare at (x, y): the brightest around that is not brighter;
+   * `dark` itself where there is no glare. */
   Offset withGlareOf(int x, int y, const Offset& dark) const {
     static const std::vector<Offset> OFFSETS = offsetsWithin(SIDE_REACH2);
     if (glaring.rgb(x, y) == light.rgb(x, y)) return dark;
@@ -175,7 +175,7 @@ class BrightEdges {
     return out;
   }
 
-  /** Of the brightness of a pixel and its neighbours. */
+  /** Range of the brightness of a pixel and its neighbours. */
   std::pair<float, float> range(int x, int y) const {
     float least = INFINITE, most = 0;
     for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)

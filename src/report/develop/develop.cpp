@@ -1,5 +1,5 @@
 /** @file
- * The steps of developing a picture.
+ * Steps of developing a picture.
  */
 #include "recurse/report/develop/develop.h"
 
@@ -13,7 +13,7 @@ namespace recurse {
 
 namespace {
 
-/** R, G and B alone, with black for what is not a colour. */
+/** R, G and B alone; pixels that are not finite are black, negative values 0. */
 Image colourOf(const Image& picture) {
   Image out(picture.width, picture.height, {"R", "G", "B"});
   out.metadata = picture.metadata;
@@ -40,7 +40,7 @@ struct Metered {
   double weight;
 };
 
-/** Pixels of the picture, the ends not included. */
+/** Rectangle of pixels; right and bottom are excluded. */
 struct Window {
   int left, top, right, bottom;
   void add(int x, int y) {
@@ -50,19 +50,19 @@ struct Window {
 };
 
 /**
- * What a meter sees: means over small squares, as the logarithm of noise is too low. Black around what is lit
- * does not count, and what is far brighter than everything around it, as lamps are, is no part of the means.
+ * Metering field: means over small squares, because the logarithm of noise is too low. Black around the lit
+ * part is excluded; pixels far brighter than everything around them, such as lamps, are not in the means.
  */
 class MeterField {
  public:
   explicit MeterField(const Image& picture)
       : width(picture.width), height(picture.height), values(luminances(picture)) {
     const Window lit = litPart({0, 0, picture.width, picture.height});
-    constexpr int SQUARES = 24; // along the longer side
+    constexpr int SQUARES = 24; // squares along the longer side
     const int side = std::max(1, std::max(lit.right - lit.left, lit.bottom - lit.top) / SQUARES);
     for (int y = lit.top; y < lit.bottom; y += side)
       for (int x = lit.left; x < lit.right; x += side) {
-        // Black between lit pixels is noise, black beyond them is nothing.
+        // Black between lit pixels is noise; black beyond them is background.
         const Window around =
             litPart({std::max(x - side, lit.left), std::max(y - side, lit.top),
                      std::min(x + 2 * side, lit.right), std::min(y + 2 * side, lit.bottom)});
@@ -71,12 +71,12 @@ class MeterField {
       }
   }
 
-  /** From dark to bright. */
+  /** Metered luminances from dark to bright. */
   std::vector<Metered> metered() const;
 
  private:
   float at(int x, int y) const { return values[size_t(y) * size_t(width) + size_t(x)]; }
-  /** The smallest window in another one with all its pixels above zero. */
+  /** Smallest window within `in` that contains all its pixels above zero. */
   Window litPart(const Window& in) const {
     Window out{in.right, in.bottom, in.left, in.top};
     for (int y = in.top; y < in.bottom; ++y)
@@ -84,7 +84,7 @@ class MeterField {
         if (at(x, y) > 0 && std::isfinite(at(x, y))) out.add(x, y);
     return out;
   }
-  /** True for what is brighter, like two of its neighbours: not one that stands alone, which is noise. */
+  /** Whether a pixel and two or more neighbours are brighter than `lamp`: an isolated one is noise. */
   bool isLamp(int x, int y, float lamp) const {
     if (!(at(x, y) > lamp)) return false;
     int bright = -1; // itself
@@ -92,7 +92,7 @@ class MeterField {
       for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i) bright += at(i, j) > lamp;
     return bright >= 2;
   }
-  /** Means over the squares, without lamps, and these by themselves. */
+  /** Means over the squares without lamps, and the pixels of lamps separately. */
   std::vector<Metered> means(float lamp) const {
     std::vector<Metered> out;
     for (const Window& w : squares) {
@@ -120,7 +120,7 @@ class MeterField {
   std::vector<Window> squares;
 };
 
-/** The luminance below which that part of the weight is. */
+/** Luminance below which the fraction q of the weight is. */
 float quantile(const std::vector<Metered>& sorted, double q) {
   double total = 0;
   for (const Metered& m : sorted) total += m.weight;
@@ -131,7 +131,7 @@ float quantile(const std::vector<Metered>& sorted, double q) {
 }
 
 std::vector<Metered> MeterField::metered() const {
-  constexpr float LAMP = 32; // five stops above what most of the picture is darker than
+  constexpr float LAMP = 32; // five stops above the upper quartile of the picture
   const std::vector<Metered> all = means(INFINITE);
   return all.empty() ? all : means(LAMP * quantile(all, 0.75));
 }
@@ -140,9 +140,9 @@ float quantile(const std::vector<float>& sorted, double q) {
   return sorted[size_t(q * double(sorted.size() - 1))];
 }
 
-/** Shifts each value by less than a step of 8 bits, so that rounding keeps the mean: the additive recurrence
- * of Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences", whose values lie evenly in
- * every neighbourhood. Black and white stay what they are. */
+/** Dithers each value by less than a step of 8 bits, so that rounding keeps the mean: the additive
+ * recurrence of Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences", whose values are
+ * evenly distributed in every neighbourhood. Black and white are not changed. */
 void addDither(Image& picture) {
   const size_t stride = picture.channels.size();
   for (int y = 0; y < picture.height; ++y)
@@ -159,7 +159,7 @@ void addDither(Image& picture) {
 double meteredStops(const Image& picture) {
   const std::vector<Metered> lit = MeterField(picture).metered();
   if (lit.empty()) return 0;
-  // Five stops below the bright parts a picture counts as dark, how dark does not matter.
+  // Luminances more than five stops below the bright parts count as equally dark.
   const float dark = quantile(lit, 0.95) / 32;
   const double low = std::log2(std::max(quantile(lit, 0.05), dark));
   const double high = std::log2(quantile(lit, 0.95));

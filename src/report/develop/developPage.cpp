@@ -1,5 +1,5 @@
 /** @file
- * The page of a developed picture.
+ * Page of a developed picture.
  */
 #include "recurse/report/develop/develop.h"
 #include "report/page/embedded.h"

@@ -1,5 +1,5 @@
 /** @file
- * What a display is sent for a linear value: published transfer functions, and those of OpenColorIO.
+ * Encoding of linear values for a display: published transfer functions, and OpenColorIO.
  */
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,7 @@ struct Encoding {
 
 template <int TENTHS> float gammaEncoded(float x) { return std::pow(x, 10.0f / float(TENTHS)); }
 
-/** ITU-R BT.709-6, item 1.2. */
+/** Transfer function of ITU-R BT.709-6, item 1.2. */
 float rec709Encoded(float x) { return x < 0.018f ? 4.5f * x : 1.099f * std::pow(x, 0.45f) - 0.099f; }
 
 constexpr Encoding ENCODINGS[] = {{"srgb", srgbFromLinear},       {"rec709", rec709Encoded},
@@ -34,7 +34,7 @@ const std::string OCIO = "ocio";
 
 bool isOcio(const std::string& name) { return name == OCIO || name.starts_with(OCIO + ":"); }
 
-/** "ocio:DISPLAY/VIEW": the parts; empty ones are the configuration's defaults. */
+/** Display and view of "ocio:DISPLAY/VIEW"; empty ones are the configuration's defaults. */
 std::pair<std::string, std::string> displayAndView(const std::string& name) {
   const std::string both = name.size() > OCIO.size() ? name.substr(OCIO.size() + 1) : "";
   const size_t slash = both.find('/');
@@ -48,7 +48,7 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 OIIO::ColorConfig& ocioConfiguration() {
-  static OIIO::ColorConfig CONFIG; // of $OCIO
+  static OIIO::ColorConfig CONFIG; // configuration of $OCIO
   return CONFIG;
 }
 

@@ -1,5 +1,5 @@
 /** @file
- * The contact sheet of tone operators.
+ * Contact sheet of tone operators.
  */
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ Developed operatorSheet(const Image& picture, const DevelopSettings& settings) {
   for (const auto& entry : operators)
     width = std::max(width, int(entry.name.size()) * LETTER_STEP * LETTER_SIZE);
   const int cellWidth = width + SPACING, cellHeight = small.height + CAPTION;
-  // Half as wide again as high, as far as whole columns allow.
+  // Columns for an aspect ratio of about 3:2.
   const double count = double(operators.size());
   const int columns =
       std::clamp(int(std::lround(std::sqrt(1.5 * count * cellHeight / cellWidth))), 1, int(count));

@@ -11,8 +11,8 @@ namespace recurse {
 
 namespace {
 
-/** Of the daylight locus (CIE 15:2004, equations 3.3 and 3.4), below 4000 K of the black body (Kim et al.
- * 2002, US patent 7024034); XYZ with Y = 1. */
+/** White point of a temperature [K], as XYZ with Y = 1: on the daylight locus (CIE 15:2004, equations 3.3
+ * and 3.4), below 4000 K on the black-body locus (Kim et al. 2002, US patent 7024034). */
 Vec3d whiteOfTemperature(double kelvin) {
   const double t = 1000 / kelvin;
   double x = 0, y = 0;
@@ -40,7 +40,7 @@ Vec3d coneResponse(const Vec3d& xyz) {
           0.0389 * xyz.x - 0.0685 * xyz.y + 1.0296 * xyz.z};
 }
 
-/** The mean colour of what is neither dark nor bright, as XYZ. */
+/** Mean colour of the pixels that are neither dark nor bright, as XYZ. */
 Vec3d meanWhite(const Image& picture) {
   const float low = luminanceQuantile(picture, 0.1), high = luminanceQuantile(picture, 0.95);
   Rgbd sum{0};
@@ -61,7 +61,7 @@ void applyWhiteBalance(Image& picture, const WhiteBalance& balance) {
       coneResponse(balance.automatic ? meanWhite(picture) : whiteOfTemperature(balance.kelvin));
   const Vec3d to = coneResponse(xyzOfRgb(Rgbd(1)));
   Vec3d scale = to / glm::max(from, Vec3d(1e-6));
-  // As one matrix on Rec. 709, from what it does to the three primaries.
+  // Adaptation as one matrix on Rec. 709, from its effect on the three primaries.
   Mat3d cones;
   for (int i = 0; i < 3; ++i) {
     Rgbd primary{0};
@@ -71,7 +71,7 @@ void applyWhiteBalance(Image& picture, const WhiteBalance& balance) {
   Mat3d scaled = cones;
   for (int i = 0; i < 3; ++i) scaled[i] *= scale;
   Mat3d matrix = glm::inverse(cones) * scaled;
-  if (balance.automatic) { // what the picture's mean was, it keeps in brightness
+  if (balance.automatic) { // preserves the luminance of the mean
     const Rgbd mean = glm::inverse(matrix) * Rgbd(1);
     matrix *= luminance(mean);
   }

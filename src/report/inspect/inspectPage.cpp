@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 constexpr size_t MOST_TRIANGLES = 200000;
 constexpr uint8_t NO_CLASS = 127, CAUSTIC = 128;
 
-/** A number as short as six digits allow; null where it is not finite. */
+/** Number rounded to six digits; null where it is not finite. */
 Json shortened(double x) {
   if (!std::isfinite(x)) return nullptr;
   if (x == 0) return 0;
@@ -65,8 +65,8 @@ Json mediaJson(const Scene& scene) {
   return media;
 }
 
-/** The camera: where the rays of the picture's corners start, and their directions; null for those that there
- * are not. From the upper left corner clockwise, then the middle. */
+/** Rays of the camera: origins and directions at the corners of the picture, clockwise from the upper left
+ * corner, then at its middle; null where there is no ray. */
 Json cameraJson(const Scene& scene) {
   const PixelBounds& crop = scene.film().crop;
   const auto x0 = float(crop.x0), x1 = float(crop.x1), y0 = float(crop.y0), y1 = float(crop.y1);
@@ -80,7 +80,7 @@ Json cameraJson(const Scene& scene) {
   return rays;
 }
 
-/** Names that many entries share. */
+/** Table of names that many entries share. */
 class NameTable {
  public:
   size_t index(const std::string& name) {
@@ -101,8 +101,8 @@ std::string lobeName(LobeSet lobe) {
   return "reflection";
 }
 
-/** The record of one pixel. Indices are those within the pixel; all of a kind is a list of lists, whose
- * columns are those of pathView.js. */
+/** Record of one pixel. Indices refer to entries of the same pixel. Each kind of entry is a list of lists,
+ * whose columns pathView.js defines. */
 class PixelJson {
  public:
   PixelJson(const Scene& scene, NameTable& table) : scene(scene), table(table) {}
@@ -188,7 +188,7 @@ std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, s
   integrator.visitPhotons([&](const StoredPhoton&) { ++inMap; });
   std::vector<StoredPhoton> out;
   if (most == 0) return out;
-  // The map's order is one in space, so that a stride leaves photons everywhere.
+  // The map is in spatial order, so that a stride leaves photons everywhere.
   const size_t stride = (inMap + most - 1) / most;
   size_t i = 0;
   integrator.visitPhotons([&](const StoredPhoton& photon) {

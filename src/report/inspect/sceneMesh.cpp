@@ -1,5 +1,5 @@
 /** @file
- * Dicing of shapes, and a grid that simplifies.
+ * Tessellation of shapes, and simplification by a grid.
  */
 #include "report/inspect/sceneMesh.h"
 
@@ -15,7 +15,7 @@ namespace recurse {
 
 namespace {
 
-/** Pieces along each side of a face of a shape with few faces; the more faces, the fewer pieces. */
+/** Pieces along each side of a face; faces of shapes with more than MANY_FACES faces stay whole. */
 constexpr uint32_t PIECES = 24;
 constexpr uint32_t MANY_FACES = 256;
 constexpr size_t MOST_OBJECTS = 65536;
@@ -26,9 +26,9 @@ uint8_t srgb(float linear) {
       std::lround(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055)));
 }
 
-/** Colour of a surface in the view: what it scatters of light that comes straight. */
+/** Colour of a surface in the view: its albedo at normal incidence. */
 Rgb albedoAt(const PlacedShape& placed, const SurfacePoint& point) {
-  constexpr float CLEAR = 0.85f; // mirrors and glass have no albedo of their own
+  constexpr float CLEAR = 0.85f; // grey of mirrors and glass, which have no albedo
   if (placed.emits) return Rgb(1, 0.9f, 0.6f);
   if (!placed.material) return Rgb(CLEAR);
   BsdfArena arena;
@@ -114,7 +114,7 @@ class MeshMaker {
 
 using Cell = std::array<int64_t, 3>;
 
-/** The mesh with all vertices of a cell of the grid in one of them, without triangles of no area. */
+/** Mesh with all vertices of a grid cell merged into one of them, without degenerate triangles. */
 SceneMesh simplified(const SceneMesh& mesh, float cellSize) {
   std::map<Cell, Vec3f> representatives;
   SceneMesh out{{}, {}, {}, mesh.names, mesh.before, mesh.boxes};
@@ -138,7 +138,7 @@ SceneMesh simplified(const SceneMesh& mesh, float cellSize) {
 } // namespace
 
 SceneMesh meshOf(const Scene& scene, size_t limit) {
-  constexpr float FINEST = 1.0f / 2048, COARSER = 1.5f; // of the scene's radius
+  constexpr float FINEST = 1.0f / 2048, COARSER = 1.5f; // fractions of the scene's radius
   constexpr size_t HELD = 20;                           // times the limit, in memory at once
   MeshMaker maker(scene);
   SceneMesh& mesh = maker.mesh;

@@ -1,5 +1,5 @@
 /** @file
- * A scene as triangles to look at: shapes and their instances, diced and simplified.
+ * Scene as triangles for display: shapes and their instances, tessellated and simplified.
  */
 #pragma once
 
@@ -14,8 +14,8 @@ namespace recurse {
 struct SceneMesh {
   std::vector<float> positions;   ///< nine for each triangle
   std::vector<uint8_t> colours;   ///< three for each triangle: albedo of its middle, as sRGB
-  std::vector<uint16_t> objects;  ///< of each triangle, in `names`
-  std::vector<std::string> names; ///< of objects
+  std::vector<uint16_t> objects;  ///< object of each triangle, an index of `names`
+  std::vector<std::string> names; ///< names of objects
   size_t before = 0;              ///< triangles before the mesh was simplified
   /** Shapes that have no faces, such as curves: boxes around them. */
   std::vector<Bounds3f> boxes;
@@ -23,7 +23,7 @@ struct SceneMesh {
   size_t triangles() const { return objects.size(); }
 };
 
-/** A scene in at most `limit` triangles: vertices are brought together on a grid that is coarser the more
+/** Scene in at most `limit` triangles: vertices are merged on a grid, which is coarser the more triangles
  * there are. */
 SceneMesh meshOf(const Scene& scene, size_t limit);
 

@@ -1,5 +1,5 @@
 /** @file
- * The search for encoding, flip and shift: all of them at a coarse level, the best of them at finer ones.
+ * Search for encoding, flip and shift: all combinations at a coarse level, the best of them at finer levels.
  */
 #include "report/marking/alignment.h"
 
@@ -15,26 +15,26 @@ constexpr float NOTHING = std::numeric_limits<float>::quiet_NaN();
 constexpr ValueEncoding FILE_ENCODINGS[] = {ValueEncoding::LINEAR, ValueEncoding::SRGB,
                                             ValueEncoding::GAMMA_22, ValueEncoding::DECODED};
 
-/** Cells of the longer side at the coarsest level, at least; shifts of up to an eighth of it are looked for.
+/** Least cells of the longer side at the coarsest level; shifts reach an eighth of the shorter side.
  */
 constexpr int COARSE_CELLS = 24;
 constexpr int shiftReach(int cells) { return cells / 8; }
-/** Cells that finer levels look at; a shift shows in as many, and more take longer. */
+/** Cells that finer levels compare: enough to show a shift, and more take longer. */
 constexpr double MOST_CELLS = 6000;
-/** Parts of the picture in which encodings and flips leave residuals independent of each other. */
+/** Parts of a picture whose residuals of encodings and flips are independent of each other. */
 constexpr double PATCHES = 48;
 /** Combinations of encoding and flips that are followed to finer levels. */
 constexpr size_t FOLLOWED = 3;
 /** Prior probability of a wrong encoding, of a flip and of a shift: one exercise in twenty. */
 constexpr double CHANGE_PRIOR = 1 / 20.0;
-/** Darkness at which errors count as at a black pixel, as a part of the mean. */
+/** Light below which errors count as at a black pixel, as a fraction of the mean. */
 constexpr double DARK_PART = 0.1;
 
 /** Means over squares of pixels. */
 struct Level {
   int width = 0, height = 0;
   size_t channels = 0;
-  std::vector<float> values; ///< not finite where a pixel of the cell cannot be used
+  std::vector<float> values; ///< NaN or infinite where a pixel of the cell cannot be used
 
   const float* at(int x, int y) const { return &values[(size_t(y) * size_t(width) + size_t(x)) * channels]; }
 };
@@ -60,7 +60,7 @@ Level averaged(const Image& image, int side) {
   return out;
 }
 
-/** The picture flipped back: as it is in channels 0 to 2, decoded in 3 to 5. */
+/** Picture with flips undone: original values in channels 0 to 2, decoded values in 3 to 5. */
 Image candidatePicture(const Image& picture, const PictureChange& change) {
   const float limit = clippingValue(picture);
   Image out(picture.width, picture.height, {"R", "G", "B", "decoded.R", "decoded.G", "decoded.B"});
@@ -94,8 +94,8 @@ struct Fit {
   double score = std::numeric_limits<double>::infinity(); ///< ln of the mean residual, relative and squared
 };
 
-/** Cells of a reference as they enter least squares. Those at the border are left out, so that the others are
- * the same for all shifts. */
+/** Cells of a reference for least squares. Cells at the border are excluded, so that all shifts use the
+ * same cells. */
 class FitReference {
  public:
   FitReference(const Level& level, int margin) : layers(level.channels / 3 - 1), matrix(layers * layers) {
@@ -118,7 +118,7 @@ class FitReference {
       }
   }
 
-  /** Fits the picture, whose channels 0 to 2 are as they are and 3 to 5 decoded. */
+  /** Fits the picture, which has original values in channels 0 to 2 and decoded values in 3 to 5. */
   Fit fit(const Level& picture, double pictureLight, const PictureChange& change) const {
     std::vector<double> matrixHere = matrix, vector(layers);
     std::vector<const float*> values(cells.size());
@@ -146,7 +146,7 @@ class FitReference {
   struct Cell {
     int x = 0, y = 0;
     double weights[3] = {};
-    std::vector<double> light; ///< channel by channel, that of each layer
+    std::vector<double> light; ///< light of each layer, channel by channel
   };
 
   void addProducts(const Cell& cell, double sign, std::vector<double>& sum) const {
@@ -159,7 +159,7 @@ class FitReference {
     }
   }
 
-  /** Compared as the values are in the picture, relative to the picture: the same for all candidates. */
+  /** Residual in the encoding of the picture, relative to the picture: comparable between candidates. */
   double residual(const std::vector<const float*>& values, const std::vector<double>& factors, double dark,
                   ValueEncoding encoding) const {
     double sum = 0, count = 0;
@@ -171,7 +171,7 @@ class FitReference {
         for (size_t i = 0; i < layers; ++i) y += factors[i] * light[i];
         const double value = double(values[k][c]);
         const double difference = value - double(encoded(static_cast<float>(y), encoding));
-        // As of Geman and McClure: what is far off counts once, however far.
+        // Loss of Geman and McClure: an outlier counts at most 1, however far.
         const double square = difference * difference / (value * value + dark * dark);
         sum += square / (1 + square);
       }
@@ -200,7 +200,7 @@ class Search {
     coarseSide = side;
   }
 
-  /** All candidates at the coarse level, then the best of them at each finer one; the best first. */
+  /** Evaluates all candidates at the coarse level, the best of them at finer levels; the best first. */
   std::vector<Candidate> run() {
     std::vector<Candidate> all;
     for (ValueEncoding encoding : FILE_ENCODINGS)
@@ -220,7 +220,7 @@ class Search {
   }
 
  private:
-  /** Tries all shifts up to `reach` cells away from those of the candidates. */
+  /** Tries all shifts up to `reach` cells away from the shifts of the candidates. */
   void findShifts(std::vector<Candidate>& all, int reach) const {
     const int farthest = shiftReach(std::min(picture.width, picture.height) / coarseSide);
     const int margin = side == coarseSide ? farthest : (farthest + 1) * (coarseSide / side);
@@ -236,7 +236,7 @@ class Search {
           change.shiftX += dx;
           change.shiftY += dy;
           const Fit fit = fitReference.fit(level, light, change);
-          // Edges, which show shifts, are in other places for each cell.
+          // Edges, which show shifts, are at different positions in each cell.
           const double score = COARSE_CELLS * COARSE_CELLS * fit.score + shiftPrior(change);
           if (score < candidate.shiftScore)
             candidate = {change, fit, score, PATCHES * fit.score + shiftPrior(change) + prior(change)};
@@ -258,7 +258,7 @@ class Search {
   }
 
   const Image &picture, &reference;
-  int side = 1, coarseSide = 1; ///< of a cell [pixels], now and at the coarsest level
+  int side = 1, coarseSide = 1; ///< sides of a cell [pixels], now and at the coarsest level
 };
 
 } // namespace
@@ -306,7 +306,7 @@ float encoded(float linear, ValueEncoding encoding) {
 }
 
 std::vector<double> nonNegativeFactors(const std::vector<double>& matrix, const std::vector<double>& vector) {
-  // Coordinate by coordinate; what changes less than that, or after so many sweeps, cannot be told anyway.
+  // Coordinate descent; smaller changes, or changes after this number of sweeps, are not significant.
   constexpr int SWEEPS = 100;
   constexpr double LEAST_CHANGE = 1e-5;
   const size_t n = vector.size();
@@ -351,7 +351,7 @@ Alignment findAlignment(const Image& picture, const Stills& reference) {
   for (const Candidate& c : found) {
     const double probability = std::exp((best.score - c.score) / 2);
     sum += probability;
-    // The two curves of displays are nearly the same, and the same mistake.
+    // Both display curves are nearly the same, and count as one mistake.
     PictureChange change = c.change;
     if (isCurve(change.encoding) && isCurve(best.change.encoding)) change.encoding = best.change.encoding;
     if (change == best.change) same += probability;

@@ -1,5 +1,5 @@
 /** @file
- * Encoding, flip and shift of a picture, found before its light is looked at.
+ * Detection of the encoding, flip and shift of a picture, before its light is compared.
  */
 #pragma once
 
@@ -9,25 +9,25 @@ namespace recurse {
 
 struct Alignment {
   PictureChange change;
-  double certainty = 0;        ///< probability of the change among all that were tried
-  std::vector<double> factors; ///< of the classes, none negative, by least squares over the whole picture
+  double certainty = 0;        ///< probability of the change among all candidates
+  std::vector<double> factors; ///< factors of the classes by least squares over the picture, none negative
 };
 
-/** Finds the change under which the sum of the classes, each by a factor, comes closest to the picture. */
+/** Finds the change under which the sum of the classes, each with a factor, fits the picture best. */
 Alignment findAlignment(const Image& picture, const Stills& reference);
 
-/** The picture as it is, with the factors that come closest. */
+/** Alignment without a change, with the factors that fit best. */
 Alignment unchanged(const Image& picture, const Stills& reference);
 
-/** The picture with the change undone: R, G, B; NaN where there is nothing. */
+/** Picture with the change undone: R, G, B; NaN where it has no pixel. */
 Image undone(const Image& picture, const PictureChange& change);
 
 /** Value at which a picture of a format for displays is clipped; infinite for any other. */
 float clippingValue(const Image& picture);
 
-/** A value that should be linear, decoded. */
+/** Decodes a value that should be linear. */
 float decoded(float value, ValueEncoding encoding);
-/** The reverse. */
+/** Encodes a linear value; the inverse of decoded(). */
 float encoded(float linear, ValueEncoding encoding);
 
 /** Factors of least squares that are not negative: minimises f'Nf - 2b'f. N is symmetric, row by row. */

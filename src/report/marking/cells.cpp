@@ -1,5 +1,5 @@
 /** @file
- * Cells: means over the two halves of a checkerboard, and how far each can be relied on.
+ * Cells: means over the two halves of a checkerboard, with their weights and variances.
  */
 #include "report/marking/cells.h"
 
@@ -10,11 +10,11 @@ namespace recurse {
 
 namespace {
 
-/** Relative error of a cell that a mark does not care for: biases of kernels, of caches, of depth limits. */
+/** Relative error of a cell that marks tolerate: bias of kernels, of caches, of depth limits. */
 constexpr double CELL_TOLERANCE = 0.03;
-/** Distance by which pixels of two renderers may lie apart [pixels]: filters of other widths. */
+/** Distance between corresponding pixels of two renderers [pixels], by filters of different widths. */
 constexpr double PIXEL_TOLERANCE = 0.25;
-/** Darkness below which errors are not seen, as a part of the mean. */
+/** Light below which errors are not visible, as a fraction of the mean. */
 constexpr double UNSEEN_PART = 0.1;
 
 constexpr double square(double x) { return x * x; }
@@ -69,8 +69,8 @@ double Cells::predicted(size_t cell, int half, size_t channel, const std::vector
   return sum;
 }
 
-/** Variance of the mean of a cell, by channel, from the checkerboard in each square of 2 x 2 pixels: no even
- * brightness, slope or straight edge is in it. */
+/** Variance of the mean of a cell, by channel, from the checkerboard difference of each 2 x 2 pixels, in
+ * which constant brightness, slopes and straight edges cancel. */
 std::vector<double> Cells::pixelNoise(const std::vector<double>& factors) const {
   std::vector<double> noise(weights.size());
   const auto residual = [&](int x, int y, size_t c) {
@@ -207,7 +207,7 @@ Misfit Cells::misfit(const CellRange& range, const std::vector<double>& factors)
       }
     }
   light = std::max(light, referenceLight);
-  // The few pixels that a noisy picture has bright by chance are no difference of a region.
+  // A few pixels that are bright by noise are no difference of a region.
   constexpr double DEVIATIONS = 3;
   if (light > 0 && residual > DEVIATIONS * std::sqrt(squares)) out.unexplained = std::sqrt(residual / light);
   return out;

@@ -10,18 +10,18 @@
 namespace recurse {
 
 /**
- * Sums of weighted least squares over the cells of a region. The black and the white pixels of a
- * checkerboard are two pictures a and b with independent noise. Products of one with the other are free of
- * the noise of the reference, which makes factors of ordinary least squares smaller than they are. Matrices
- * are layers x layers, row by row.
+ * Sums of weighted least squares over the cells of a region. The black and the white pixels of a checkerboard
+ * are two pictures a and b with independent noise. Products of a and b have no bias from the noise of the
+ * reference, which makes the factors of ordinary least squares too small. Matrices are layers x layers, row
+ * by row.
  */
 struct ClassSums {
-  std::vector<double> matrix;         ///< of layers: weighted (a b' + b a') / 2
-  std::vector<double> vector;         ///< of layers with the picture, the same
-  std::vector<double> covariance;     ///< of `vector` about matrix x factors
-  std::vector<double> ordinaryMatrix; ///< of layers: weighted (a + b) (a + b)' / 4
-  std::vector<double> ordinaryVector; ///< of layers with the picture, the same
-  size_t cells = 0;                   ///< that can be used
+  std::vector<double> matrix;         ///< products of layers: weighted (a b' + b a') / 2
+  std::vector<double> vector;         ///< products of layers and picture, weighted likewise
+  std::vector<double> covariance;     ///< covariance of `vector` about matrix x factors
+  std::vector<double> ordinaryMatrix; ///< products of layers: weighted (a + b) (a + b)' / 4
+  std::vector<double> ordinaryVector; ///< products of layers and picture, weighted likewise
+  size_t cells = 0;                   ///< number of usable cells
 
   explicit ClassSums(size_t layers = 0)
       : matrix(layers * layers), vector(layers), covariance(layers * layers), ordinaryMatrix(layers * layers),
@@ -31,28 +31,28 @@ struct ClassSums {
 };
 
 struct CellRange {
-  int left = 0, top = 0, right = 0, bottom = 0; ///< in cells; right and bottom excluded
+  int left = 0, top = 0, right = 0, bottom = 0; ///< range of cells; right and bottom excluded
 };
 
 /** Misfit of given factors in a region. */
 struct Misfit {
   double chiSquare = 0;   ///< sum of squared residuals over their variances
-  double count = 0;       ///< residuals
-  double unexplained = 0; ///< root mean square of the residual without its noise, over that of the light
+  double count = 0;       ///< number of residuals
+  double unexplained = 0; ///< RMS of the residual without its noise, over the RMS of the light
 };
 
 /** Squares of pixels of a picture and of a reference with class layers. */
 class Cells {
  public:
-  /** Averages; `reference` has R, G, B and three channels for each class, the picture NaN where it cannot be
-   * used. */
+  /** Averages pixels to cells. `reference` has R, G, B and three channels for each class; the picture is
+   * NaN where it cannot be used. */
   Cells(const Image& picture, const Image& reference, int side);
 
   int width() const { return columns; }
   int height() const { return rows; }
-  /** Weighs every cell by the light around it, and finds the variance that it has under these factors: noise
-   * of picture and reference, and tolerances. Weights do not depend on the cell's own noise: light that comes
-   * in few bright pixels would seem to be missing. */
+  /** Sets the weight of every cell by the light around it, and its variance under these factors: noise of
+   * picture and reference, and tolerances. Weights do not depend on the cell's own noise, or light in few
+   * bright pixels would seem to be missing. */
   void weigh(const std::vector<double>& factors);
   ClassSums sums(const CellRange& range) const;
   Misfit misfit(const CellRange& range, const std::vector<double>& factors) const;
@@ -67,7 +67,7 @@ class Cells {
   const Image &picture, &reference;
   int side, columns, rows;
   size_t layers, stride;
-  std::vector<float> means; ///< cell by cell, black half then white: R, G, B, then those of each layer
+  std::vector<float> means; ///< by cell, black half then white: R, G, B of the picture, then of each layer
   std::vector<char> usable; ///< cell by cell
   std::vector<double> weights, variances; ///< cell by cell, three channels, of the mean
 };

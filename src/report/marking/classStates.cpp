@@ -1,9 +1,9 @@
 /** @file
  * Evidence of states. With the sums N and b of least squares, b is normally distributed about N f with
- * covariance C for factors f. A state stands for a normal distribution of its factor about m with variance T:
- * narrow for right, missing and doubled, wide for scaled. So b is normally distributed about N m with
- * covariance C + N T N, which makes the wide distribution pay for its width, and the factors are m + T N (C +
- * N T N)⁻¹ (b - N m). An exposure s is a factor of m and of the root of T.
+ * covariance C for factors f. Under a state, the factor is normally distributed about m with variance T:
+ * narrow for right, missing and doubled, wide for scaled. Therefore b is normally distributed about N m with
+ * covariance C + N T N, which penalises the wide distribution, and the factors are m + T N (C + N T N)⁻¹ (b -
+ * N m). An exposure s is a factor of m and of the root of T.
  */
 #include "report/marking/classStates.h"
 
@@ -17,15 +17,15 @@ namespace recurse {
 
 namespace {
 
-/** Deviation of a factor that is still said to be right, missing or doubled: bias of a good renderer. */
+/** Standard deviation of the factor of a right, missing or doubled class: bias of a good renderer. */
 constexpr double NARROW = 0.05;
-/** Deviation of the factor of a scaled class, about 1. */
+/** Standard deviation of the factor of a scaled class, about 1. */
 constexpr double WIDE = 1;
 /** Prior probability of a wrong exposure, and the width of its distribution. */
 constexpr double EXPOSURE_PRIOR = 0.05, EXPOSURE_WIDTH = 2;
-/** Standard errors that an exposure must be away from zero. */
+/** Standard errors by which an exposure must differ from zero. */
 constexpr double LEAST_DEVIATIONS = 5;
-/** Changes of states that are tried one after the other; more than that is another scene. */
+/** Most successive changes of states that are tried; more would mean a different scene. */
 constexpr int MOST_CHANGES = 6;
 
 using States = std::vector<ClassState>;
@@ -56,7 +56,7 @@ void solveLower(const std::vector<double>& l, std::vector<double>& x) {
     x[i] /= l[i * n + i];
   }
 }
-/** What a set of states says. */
+/** Evaluation of a set of states. */
 struct Hypothesis {
   bool isPossible = false;
   double score = 0; ///< −2 ln of the posterior probability
@@ -67,7 +67,7 @@ class Evidence {
  public:
   explicit Evidence(const StateProblem& problem) : problem(problem), n(problem.sums.layers()) {
     covariance = problem.sums.covariance;
-    // Layers that are the same but for rounding stay a solvable problem.
+    // Regularises layers that are equal up to rounding.
     constexpr double ROUNDING = 1e-6;
     for (size_t i = 0; i < n; ++i) covariance[i * n + i] *= 1 + ROUNDING;
   }
@@ -80,8 +80,8 @@ class Evidence {
       // An exposure is the factor that most classes share.
       if (2 * std::count(states.begin(), states.end(), ClassState::RIGHT) <= static_cast<std::ptrdiff_t>(n))
         return {};
-      // Ordinary least squares of one factor: weights of the inverse covariance would prefer what has little
-      // noise by chance.
+      // Ordinary least squares of one factor: weights by the inverse covariance would prefer layers that have
+      // little noise by chance.
       const std::vector<double> m = centres(states);
       const double mNm = dot(m, product(problem.sums.matrix, m));
       out.exposure = dot(m, problem.sums.vector) / mNm;
@@ -98,14 +98,14 @@ class Evidence {
     out.score += dot(d, d);
     for (size_t i = 0; i < n; ++i) out.score += 2 * std::log(l[i * n + i]);
     out.isPossible = true;
-    // Light is not negative.
+    // Factors of light are not negative.
     for (size_t i = 0; i < n; ++i)
       if (states[i] == ClassState::SCALED && factorOf(i, states[i], out.exposure, l, d).factor < 0)
         out.isPossible = false;
     return out;
   }
 
-  /** Factors over the exposure, and their standard errors. */
+  /** Sets factors relative to the exposure, and their standard errors. */
   void setFactors(std::vector<ClassFinding>& classes, const States& states, double exposure) const {
     std::vector<double> l = spread(states, exposure), d = residual(states, exposure);
     if (!factorise(l, n)) return;
@@ -122,7 +122,7 @@ class Evidence {
     double factor, standardError;
   };
 
-  /** `l` is the Cholesky factor of the spread, `d` the residual solved by it. */
+  /** Factor of class i. `l` is the Cholesky factor of the spread, `d` the residual solved by it. */
   Factor factorOf(size_t i, ClassState state, double exposure, const std::vector<double>& l,
                   const std::vector<double>& d) const {
     const double width = widthOf(state), variance = width * width;
@@ -148,13 +148,13 @@ class Evidence {
       for (size_t j = 0; j < x.size(); ++j) out[i] += matrix[i * x.size() + j] * x[j];
     return out;
   }
-  /** b − s N m. */
+  /** Residual b − s N m. */
   std::vector<double> residual(const States& states, double exposure) const {
     std::vector<double> out = product(problem.sums.matrix, centres(states));
     for (size_t i = 0; i < n; ++i) out[i] = problem.sums.vector[i] - exposure * out[i];
     return out;
   }
-  /** C + s² N T N. */
+  /** Covariance C + s² N T N. */
   std::vector<double> spread(const States& states, double exposure) const {
     const std::vector<double>& N = problem.sums.matrix;
     std::vector<double> out = covariance;
@@ -171,7 +171,7 @@ class Evidence {
   std::vector<double> covariance; ///< C
 };
 
-/** Sets of states that were looked at, with their scores; climbs from one to the best of its neighbours. */
+/** Evaluated sets of states with their scores; hill climbing goes to the best neighbour of a set. */
 class StateSearch {
  public:
   StateSearch(const StateProblem& problem, bool findsExposure)
@@ -209,7 +209,7 @@ class StateSearch {
   std::map<States, Hypothesis> seen;
 };
 
-/** The most probable states by the prior alone. */
+/** Most probable states by the prior alone. */
 States expectedStates(const StateProblem& problem) {
   States out;
   for (const StatePrior& prior : problem.prior)

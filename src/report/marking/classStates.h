@@ -18,9 +18,9 @@ constexpr StatePrior STATE_PRIOR = {0.95, 0.05 / 3, 0.05 / 3, 0.05 / 3};
 
 struct StateProblem {
   ClassSums sums;
-  std::vector<StatePrior> prior; ///< of each class
+  std::vector<StatePrior> prior; ///< priors of each class
   double exposure = 1;           ///< factor of all classes
-  bool findsExposure = false;    ///< another exposure is tried as well
+  bool findsExposure = false;    ///< a different exposure is tried as well
 };
 
 struct StateFindings {

@@ -1,5 +1,5 @@
 /** @file
- * Marks: the picture aligned, its regions' states found, and all of them put together.
+ * Marking of an exercise: alignment of the picture, states of classes in its regions, their combination.
  */
 #include "recurse/report/marking/marking.h"
 
@@ -16,21 +16,21 @@ namespace recurse {
 
 namespace {
 
-/** Cells along a side of a region: 64 cells tell ten classes apart and are small enough to show where. */
+/** Cells along a side of a region: 64 cells can separate ten classes, and localise mistakes well. */
 constexpr int REGION_CELLS = 8;
 /** Regions along the longer side of the picture, where it has enough pixels. */
 constexpr int REGIONS = 20;
-/** Chi square by which a region must change when a class goes missing, so that it is said to show the class.
+/** Change of chi square by a missing class, above which a region shows the class.
  */
 constexpr double VISIBLE = 16;
-/** Probability of a state that is said to be known, and the odds that the pixels alone must give for it. */
+/** Least probability of a known state, and least odds for it from the pixels alone. */
 constexpr double KNOWN = 0.9, LEAST_ODDS = 20;
-/** Part of the picture that must be wrong in the same way: less than that is an accident of noise or edges.
+/** Least fraction of the picture that must be wrong in the same way; less is an accident of noise or edges.
  */
 constexpr double LEAST_PART = 0.05;
 /** Prior probability of each kind of mistake: one exercise in twenty. */
 constexpr double WRONG_PRIOR = 1 / 20.0;
-/** Difference of the sum of all classes from the picture at which they cannot be its parts. */
+/** Relative difference of the sum of all classes from the picture, above which they cannot be its parts. */
 constexpr double SUM_TOLERANCE = 0.01;
 
 void requireClasses(const Image& picture, const Stills& reference) {
@@ -60,8 +60,8 @@ void requireClasses(const Image& picture, const Stills& reference) {
                 "ones");
 }
 
-/** The picture with NaN where it is clipped and where that much light is expected, and beside such pixels.
- * Pixels that noise alone made white stay, or the light of noisy classes would seem to be missing. */
+/** Picture with NaN at pixels that are clipped and expected to be that bright, and at their neighbours.
+ * Pixels that only noise made white stay, or the light of noisy classes would seem to be missing. */
 Image withoutClipped(const Image& picture, float limit, const Image& reference,
                      const std::vector<double>& factors) {
   Image out = picture;
@@ -94,19 +94,19 @@ double clippedFraction(const Image& picture) {
   return double(clipped) / (double(picture.width) * double(picture.height));
 }
 
-/** Cells of even sides: 2 pixels at least, so that both halves of the checkerboard are in each. */
+/** Even side of the cells, at least 2 pixels, so that both halves of the checkerboard are in each. */
 int cellSide(const Image& picture) {
   const double longer = std::max(picture.width, picture.height);
   return std::max(2, 2 * static_cast<int>(std::lround(longer / (2 * REGIONS * REGION_CELLS))));
 }
 
-/** A range of cells, and the sums of it. */
+/** Range of cells, and its sums. */
 struct Region {
   CellRange range;
   ClassSums sums;
 };
 
-/** Ends of the ranges along one side: the last one takes what is less than half a region. */
+/** Ends of the ranges along one side; a remainder of less than half a region joins the last range. */
 std::vector<int> rangeEnds(int cells) {
   std::vector<int> ends;
   for (int end = REGION_CELLS; end < cells; end += REGION_CELLS) ends.push_back(end);
@@ -129,9 +129,9 @@ std::vector<Region> makeRegions(const Cells& cells) {
   return regions;
 }
 
-/** Sets the sums of all regions, and returns those of the picture. Where no factors bring the residuals down
- * to their variances, the variances are too small by as much: noise of neighbouring pixels is correlated, or
- * the pictures differ in other ways. */
+/** Sets the sums of all regions, and returns the sums of the picture. Where even the best factors leave
+ * residuals above their variances, the covariances are scaled up by this ratio: noise of neighbouring
+ * pixels is correlated, or the pictures differ in other ways. */
 ClassSums sumUp(const Cells& cells, std::vector<Region>& regions, size_t layers) {
   ClassSums all(layers);
   for (Region& region : regions) {
@@ -145,7 +145,7 @@ ClassSums sumUp(const Cells& cells, std::vector<Region>& regions, size_t layers)
   return all;
 }
 
-/** States of the classes that show; those that do not show have the factors given. */
+/** States of the visible classes; invisible classes have the given factors. */
 StateFindings findShown(const ClassSums& sums, const std::vector<double>& hiddenFactors,
                         const std::vector<StatePrior>& prior, double exposure, bool findsExposure) {
   const size_t n = sums.layers();
@@ -181,13 +181,13 @@ StateFindings findShown(const ClassSums& sums, const std::vector<double>& hidden
   return out;
 }
 
-/** Whether the state is known: probable, and by what the pixels say rather than by what was expected. */
+/** Whether the state is known: probable, and supported by the pixels rather than by the prior. */
 bool isKnown(const ClassFinding& finding, const StatePrior& prior) {
   if (finding.state == ClassState::UNKNOWN) return false;
   const size_t state = size_t(finding.state);
   if (finding.probabilities[state] < KNOWN) return false;
   for (size_t other = 0; other < CLASS_STATES; ++other) {
-    // A scaled class may be as near to the state as it likes.
+    // A scaled class may be arbitrarily close to the state.
     if (other == state || ClassState(other) == ClassState::SCALED) continue;
     if (finding.probabilities[state] / prior[state] <
         LEAST_ODDS * finding.probabilities[other] / prior[other])
@@ -196,8 +196,8 @@ bool isKnown(const ClassFinding& finding, const StatePrior& prior) {
   return true;
 }
 
-/** Prior of a class in a region: one half as for any class, one half as in the whole picture. What is scaled
- * there may be missing or doubled in parts. */
+/** Prior of a class in a region: the mean of the general prior and of the probabilities in the whole
+ * picture. A class that is scaled there may be missing or doubled in parts. */
 StatePrior localPrior(const ClassFinding& whole) {
   StatePrior prior = STATE_PRIOR;
   if (whole.state == ClassState::UNKNOWN) return prior;
@@ -209,7 +209,7 @@ StatePrior localPrior(const ClassFinding& whole) {
   return prior;
 }
 
-/** The region's states. */
+/** States of the classes in a region. */
 std::vector<ClassFinding> findLocalStates(const Region& region, const StateFindings& whole) {
   std::vector<double> factors;
   std::vector<StatePrior> priors;
@@ -230,7 +230,7 @@ MarkedRegion markRegion(const Region& region, const Cells& cells, const StateFin
   MarkedRegion out;
   out.x = range.left * side;
   out.y = range.top * side;
-  // The last regions take the pixels that fill no cell.
+  // The last regions include the pixels that fill no cell.
   out.width = (range.right == cells.width() ? picture.width : range.right * side) - out.x;
   out.height = (range.bottom == cells.height() ? picture.height : range.bottom * side) - out.y;
   out.usedFraction =
@@ -277,7 +277,7 @@ ClassMark markClass(size_t i, const StillLayer& layer, const StateFindings& whol
     mark.standardError = global.standardError;
     return mark;
   }
-  // A region or two are wrong by accident more often than by a mistake that the whole picture does not show.
+  // One or two wrong regions are more often an accident than a mistake that the whole picture does not show.
   const bool isSeen =
       (count[wrong] > 1 && area[wrong] > LEAST_PART * all) || global.state == ClassState(wrong);
   const size_t state = isSeen && area[wrong] > LEAST_PART * told ? wrong : 0;
@@ -291,7 +291,7 @@ ClassMark markClass(size_t i, const StillLayer& layer, const StateFindings& whol
   return mark;
 }
 
-/** Classes that may be wrong instead of each other: none of them is known, but that one of them is wrong. */
+/** Finds classes of which one is wrong, while it is not known which one. */
 void findConfusion(Marking& marking, const StateFindings& whole) {
   ClassConfusion confusion;
   for (size_t i = 0; i < marking.classes.size(); ++i) {
@@ -314,8 +314,8 @@ double explanationScore(const PictureChange& change) {
   return -2 * std::log(WRONG_PRIOR) * changes;
 }
 
-/** The same for all that is said to be wrong; each twentieth of the picture that nothing explains is one
- * thing. */
+/** −2 ln of the prior probability of all reported mistakes; each twentieth of the picture that remains
+ * unexplained counts as one mistake. */
 double explanationScore(const Marking& marking) {
   double mistakes = marking.exposureError > 0 ? 1 : 0;
   for (const ClassMark& mark : marking.classes)
@@ -385,7 +385,7 @@ Marking markExercise(const Image& picture, const Stills& reference) {
   Marking marking = markAligned(picture, reference, found);
   if (found.change == PictureChange() || explanationScore(marking) <= explanationScore(found.change))
     return marking;
-  // A change that does not make all else right must explain more than mistakes of the light alone.
+  // A change after which mistakes remain must explain more than mistakes of the light alone.
   Marking plain = markAligned(picture, reference, unchanged(picture, reference));
   const double more = explanationScore(marking) - explanationScore(plain);
   Marking& better = more > 0 ? plain : marking;

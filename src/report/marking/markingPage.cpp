@@ -1,5 +1,5 @@
 /** @file
- * The page of marks: what is wrong, and where.
+ * Page of marks: mistakes, and their positions in the picture.
  */
 #include "recurse/report/marking/marking.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/** Where the picture has nothing, the page shows black. */
+/** Picture with black where it has no value. */
 Image withoutNan(Image image) {
   for (float& value : image.pixels)
     if (!std::isfinite(value)) value = 0;

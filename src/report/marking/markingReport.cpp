@@ -20,10 +20,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string percentText(double part) { return formatted("%.3g %%", std::round(1000 * part) / 10); }
-/** To a thousandth; + 0 takes the sign of a negative zero. */
+/** Factor to a thousandth; + 0 removes the sign of a negative zero. */
 std::string factorText(double factor) { return formatted("%.3g", std::round(1000 * factor) / 1000 + 0.0); }
 
-/** Notation and name: the notation alone is what a lecture has, the name alone where it would fill the line.
+/** Notation, which lectures use, and name of a class; the name alone where the notation would fill the line.
  */
 std::string nameOf(const ClassMark& mark) {
   constexpr size_t LONGEST = 24;
@@ -31,13 +31,13 @@ std::string nameOf(const ClassMark& mark) {
   return mark.expression == mark.name ? mark.name : mark.expression + " (" + mark.name + ")";
 }
 
-/** One of the shortest paths of a class in words; empty where its expression is not known. */
+/** One of the shortest paths of a class in words; empty where its expression is unknown. */
 std::string exampleOf(const ClassMark& mark) {
   if (mark.expression.empty()) return {};
   std::string word;
   try {
     word = PathAutomaton::compile(mark.expression).shortestWord();
-  } catch (const Error&) { // of another program
+  } catch (const Error&) { // expression of a foreign program
     return {};
   }
   std::string out;
@@ -52,7 +52,7 @@ std::string exampleOf(const ClassMark& mark) {
   return out;
 }
 
-/** A factor that a well-known mistake gives; empty where it is none. */
+/** Hint at a well-known mistake that gives this factor; empty where there is none. */
 std::string wellKnownFactor(double factor, double error) {
   struct Known {
     double factor;
@@ -189,7 +189,7 @@ std::string classTable(const Marking& marking) {
   return out;
 }
 
-/** What limits the marks. */
+/** Remarks on the limits of the marks. */
 std::vector<std::string> remarks(const Marking& marking) {
   std::vector<std::string> out;
   std::string unknown;

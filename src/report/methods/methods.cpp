@@ -1,5 +1,5 @@
 /** @file
- * What methods leave out, and how far they are from what they should compute.
+ * Light that methods leave out, and their error against the light that they should compute.
  */
 #include "recurse/report/methods/methods.h"
 
@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/** The layers whose class counts, added up. */
+/** Sum of the layers whose class counts. */
 Image sumOfLayers(const Stills& stills, const std::vector<bool>& counts) {
   Image sum(stills.image.width, stills.image.height, {"R", "G", "B"});
   for (size_t i = 0; i < counts.size(); ++i) {
@@ -34,7 +34,7 @@ Image sumOfLayers(const Stills& stills, const std::vector<bool>& counts) {
 
 double meanLuminance(const StillLayer& layer) { return double(luminance(layer.mean)); }
 
-/** What of the reference is not in the picture. */
+/** Light of the reference that is not in the picture. */
 Image missingLight(const Image& reference, const Image& picture) {
   Image out = reference;
   for (size_t k = 0; k < out.pixels.size(); ++k)
@@ -136,7 +136,7 @@ void measureMethod(MethodResult& m, const MethodsReport& report) {
   m.classMeans.clear();
   for (size_t i = 0; i < report.classes.size(); ++i) {
     const PathAutomaton paths = PathAutomaton::compile(report.classes[i].expression);
-    // Of classes that are not fine enough those count that a method finds anything of.
+    // Where classes are not fine enough, a class counts if the method finds any part of it.
     const bool is = report.isExact ? paths.subsetOf(claimed) : !paths.intersect(claimed).isEmpty();
     m.classIsClaimed.push_back(is);
     light += report.referenceMeans[i];

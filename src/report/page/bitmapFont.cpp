@@ -1,5 +1,5 @@
 /** @file
- * The letters, dot by dot.
+ * Letters of the font, dot by dot.
  */
 #include "report/page/bitmapFont.h"
 
@@ -12,8 +12,8 @@ namespace {
 
 constexpr int FIRST_LETTER = 0x20, DOTS_ACROSS = 5, DOTS_DOWN = 8;
 
-/** From the space on, and last the box for all else. A byte is a row, the uppermost first; its five lowest
- * bits are the dots, the leftmost highest. */
+/** Letters from the space on, and last the box for all other characters. A byte is a row, the uppermost
+ * first; its five lowest bits are the dots, the leftmost highest. */
 constexpr std::array<uint64_t, 96> LETTERS = {
     0x0000000000000000, 0x0404040404000400, 0x0a0a0a0000000000, 0x0a0a1f0a1f0a0a00, 0x040f140e051e0400,
     0x1819020408130300, 0x0c12140815120d00, 0x0404040000000000, 0x0204080808040200, 0x0804020202040800,

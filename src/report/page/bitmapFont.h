@@ -12,8 +12,8 @@ namespace recurse {
 /** Dots from one letter or line to the next. */
 constexpr int LETTER_STEP = 6, LINE_STEP = 10;
 
-/** Draws ASCII text with its upper left corner at (x, y); every dot is `size` pixels wide. What is outside of
- * the picture is left out; other bytes than ASCII are drawn as boxes. */
+/** Draws ASCII text with its upper left corner at (x, y); every dot is `size` pixels wide. Dots outside of
+ * the picture are left out; bytes that are not ASCII are drawn as boxes. */
 void drawText(Image& image, int x, int y, const std::string& text, const Rgb& colour, int size);
 
 } // namespace recurse

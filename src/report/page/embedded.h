@@ -1,5 +1,5 @@
 /** @file
- * The files of the pages as they are beside this one, put into the program by cmake/embed.cmake.
+ * Files of the pages, which are in the folders beside this one, embedded in the program by cmake/embed.cmake.
  */
 #pragma once
 

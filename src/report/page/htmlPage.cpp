@@ -38,8 +38,8 @@ std::vector<unsigned char> deflated(const std::vector<unsigned char>& bytes) {
   return out;
 }
 
-/** The power of two that brings the largest value close below the largest half float, so that all that is up
- * to a billion times smaller keeps its eleven bits. */
+/** Power of two that scales the largest value to just below the largest half float, so that values up to a
+ * billion times smaller keep their eleven bits. */
 int scaleOf(const Image& layer) {
   float largest = 0;
   for (float value : layer.pixels)
@@ -48,8 +48,8 @@ int scaleOf(const Image& layer) {
   return largest > 0 ? LARGEST_EXPONENT - 1 - std::ilogb(largest) : 0;
 }
 
-/** Red, green and blue one after the other, first all upper bytes, then all lower ones: the upper ones, with
- * sign and exponent, compress well among themselves. */
+/** Red, green and blue planes; first all upper bytes, then all lower bytes. Upper bytes, with sign and
+ * exponent, compress well among themselves. */
 std::string encoded(const Image& layer, int scale) {
   const size_t pixels = layer.pixels.size() / 3;
   std::vector<unsigned char> bytes(layer.pixels.size() * 2);
@@ -63,7 +63,7 @@ std::string encoded(const Image& layer, int scale) {
   return base64(deflated(bytes));
 }
 
-/** JSON that may stand in a script element: "</script>" and "<!--" cannot be in it. */
+/** JSON that is safe in a script element: it contains neither "</script>" nor "<!--". */
 std::string forHtml(const nlohmann::ordered_json& json) {
   const std::string text = json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   std::string out;
@@ -128,7 +128,7 @@ std::string htmlPage(const HtmlPage& parts, const nlohmann::ordered_json& data) 
     scripts += "<script>\n" + std::string(library) + "\n</script>\n";
   scripts += "<script>\n\"use strict\";\n(() => {\n" + joined(parts.scripts) + "})();\n</script>";
   std::string page(page::FRAME_HTML);
-  // The marks are replaced from the end on, so that nothing that was put in is searched.
+  // Marks are replaced from the end, so that inserted text is not searched.
   replaceMark(page, "<!--SCRIPT-->", scripts);
   replaceMark(page, "<!--DATA-->",
               "<script type=\"application/json\" id=\"data\">" + forHtml(data) + "</script>");

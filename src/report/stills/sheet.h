@@ -1,5 +1,5 @@
 /** @file
- * Contact sheets: pairs of pictures with words below them.
+ * Contact sheets: pairs of pictures with captions.
  */
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace recurse {
 
-/** Two pictures of the same size beside each other, and what is said of them. */
+/** Two pictures of the same size side by side, with their captions. */
 struct SheetCell {
   Image left, right;
   float leftExposure = 0, rightExposure = 0; ///< stops
@@ -19,7 +19,7 @@ struct SheetCell {
   std::string expression, footer;
 };
 
-/** Linear, to be written without exposure. Texts that are too long are cut. */
+/** Contact sheet in linear values, to be written without exposure. Texts that are too long are cut. */
 Image drawSheet(const std::string& title, const std::string& subtitle, const std::vector<SheetCell>& cells);
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * Stills: which classes to render, their numbers, and the files.
+ * Stills: the classes to render, their figures, and the files.
  */
 #include "recurse/report/stills/stills.h"
 
@@ -28,7 +28,7 @@ bool isLetterOrDigit(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
 }
 
-/** Names become those of channels and of files, also on file systems that do not tell A from a. */
+/** Checks names of classes, which name channels and files, also on case-insensitive file systems. */
 void checkNames(const std::vector<PathClass>& classes) {
   std::set<std::string> names = {"beauty"};
   for (const PathClass& c : classes) {
@@ -58,7 +58,7 @@ std::string restExpression(const PathAutomaton& rest, const std::vector<PathClas
   return "all - (" + others + ")";
 }
 
-/** How a display shows a linear value (IEC 61966-2-1), turned round. */
+/** Linear value of an encoded one above the linear segment of sRGB (IEC 61966-2-1). */
 double linearFromSrgb(double x) { return std::pow((x + 0.055) / 1.055, 2.4); }
 
 void measure(Stills& stills) {
@@ -87,7 +87,7 @@ std::vector<std::string> channelNames(const std::vector<StillLayer>& layers) {
   return names;
 }
 
-/** The parts of a text between separators. */
+/** Parts of a text between separators. */
 std::vector<std::string> parts(const std::string& text, const std::string& separator) {
   std::vector<std::string> out;
   for (size_t start = 0; start < text.size();) {
@@ -207,7 +207,7 @@ Stills stillsOf(const Image& picture, const std::string& fileName) {
     if (picture.channel(name + ".R") >= 0)
       stills.layers.push_back({name, equals == std::string::npos ? name : text.substr(equals + 3)});
   }
-  // Layers of another program's picture have names only.
+  // Layers of pictures by other programs have names only.
   for (const std::string& channel : picture.channels) {
     const std::string name = channel.ends_with(".R") ? channel.substr(0, channel.size() - 2) : "";
     const auto known = [&](const StillLayer& layer) { return layer.name == name; };

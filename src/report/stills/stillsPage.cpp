@@ -1,5 +1,5 @@
 /** @file
- * The page of stills.
+ * Page of stills.
  */
 
 #include "recurse/core/io/error.h"

@@ -1,5 +1,5 @@
 /** @file
- * Contact sheets: pairs of pictures with words below them, and that of stills.
+ * Contact sheets: pairs of pictures with captions, and the sheet of stills.
  */
 #include <algorithm>
 #include <cmath>
@@ -18,9 +18,9 @@ constexpr int LARGEST_PICTURE = 320, SMALLEST_PICTURE = 160;
 constexpr int TEXT_SIZE = 2, SMALL_SIZE = 1;
 constexpr int LINE = LINE_STEP * TEXT_SIZE, SMALL_LINE = LINE_STEP * SMALL_SIZE + 2;
 constexpr int EXPRESSION_LINES = 2;
-constexpr double WIDTH_TO_HEIGHT = 1.5; ///< aimed at
+constexpr double WIDTH_TO_HEIGHT = 1.5; ///< preferred aspect ratio of a sheet
 
-// Linear, so rather dark in numbers.
+// Colours are linear, so that their values are small.
 const Rgb BACKGROUND{0.0086f, 0.0091f, 0.0103f}, CELL{0.0185f, 0.0194f, 0.0222f};
 const Rgb BRIGHT{0.83f}, DIM{0.36f, 0.38f, 0.42f}, ACCENT{0.9f, 0.52f, 0.13f};
 
@@ -38,8 +38,8 @@ std::string cut(const std::string& text, size_t letters) {
   return text.size() <= letters ? text : text.substr(0, letters - 3) + "...";
 }
 
-/** The mean of the pixels that fall together, or a pixel several times over; clipped as a display does, so
- * that a dot of light does not spread. */
+/** Draws a picture reduced by means of pixels, or enlarged by repeating them. Values are clipped as on a
+ * display before averaging, so that a dot of light does not spread. */
 void drawPicture(Image& sheet, int left, int top, const Image& picture, const SheetLayout& layout,
                  float exposure) {
   const float scale = std::exp2(exposure);
@@ -55,13 +55,13 @@ void drawPicture(Image& sheet, int left, int top, const Image& picture, const Sh
     }
 }
 
-/** Large where that fits into the width, otherwise small, and cut in the end. */
+/** Draws a line of text, large where it fits into the width, otherwise small, and finally cut. */
 void drawLine(Image& sheet, int left, int top, int width, const std::string& text) {
   const int size = text.size() <= lettersIn(width, TEXT_SIZE) ? TEXT_SIZE : SMALL_SIZE;
   drawText(sheet, left, top, cut(text, lettersIn(width, size)), DIM, size);
 }
 
-/** Large where that fits into the lines, otherwise small, and cut in the end. */
+/** Draws an expression, large where it fits into the lines, otherwise small, and finally cut. */
 void drawExpression(Image& sheet, int left, int top, int width, const std::string& expression) {
   const bool large = expression.size() <= EXPRESSION_LINES * lettersIn(width, TEXT_SIZE);
   const int size = large ? TEXT_SIZE : SMALL_SIZE, step = large ? LINE : SMALL_LINE;

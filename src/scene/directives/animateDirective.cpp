@@ -1,6 +1,6 @@
 /** @file
- * The directive that makes tracks. Where `$name` stands in a scene, the text of the track's numbers is read
- * instead, so that a frame is the scene with these numbers written into it.
+ * The Animate directive, which defines tracks. `$name` in a scene is replaced by the text of the track's
+ * numbers, so that a frame is the scene with these numbers inserted.
  */
 #include <algorithm>
 #include <cctype>
@@ -14,7 +14,7 @@ namespace recurse::sceneFile {
 
 namespace {
 
-/** Tracks are spliced into the text as often as it names them; a matrix is the most that is of use. */
+/** Maximum of 16, a matrix, since a track is spliced into the text wherever the scene names it. */
 constexpr size_t MAX_COMPONENTS = 16;
 
 bool isTrackName(const std::string& name) {
@@ -36,7 +36,7 @@ void SceneParser::animate(const Token& t) {
   for (const Diagnostic& one : found.all())
     one.severity == Severity::ERROR ? log.error(one.location, one.message, one.accepted)
                                     : log.warning(one.location, one.message, one.accepted);
-  // Known from here on even where it is wrong, so that nothing is said about its uses.
+  // Registered even if it is invalid, so that its uses cause no further errors.
   TrackDescription& known = scene.tracks.emplace_back(TrackDescription{d.type, nameToken.location(), 0, 0});
   std::vector<double> times{0}, values{1};
   Track::Interpolation interpolation = Track::Interpolation::LINEAR;

@@ -1,5 +1,5 @@
 /** @file
- * Entry points of the reader of scene files.
+ * Entry points of the scene-file reader.
  */
 #include "recurse/scene/directives/loader.h"
 

@@ -1,5 +1,5 @@
 /** @file
- * Objects in objects, as instances of the world.
+ * Expansion of nested objects to instances of the world.
  */
 #include "scene/directives/nestedObjects.h"
 
@@ -7,14 +7,14 @@ namespace recurse::sceneFile {
 
 namespace {
 
-/** Takes about 6 GB; a few directives could ask for any number. */
+/** Limit of about 6 GB of memory; a few directives could request any number. */
 constexpr size_t MAX_INSTANCES = size_t(1) << 24;
-/** Levels of objects in objects, which functions that call themselves go down. */
+/** Maximum depth of nested objects, which bounds the recursion. */
 constexpr int MAX_LEVELS = 256;
 
 std::string wholeName(const std::string& name) { return name + " and what stands in it"; }
 
-/** Calls visit(names) for the operands of each solid. */
+/** Calls visit(names) for the operand names of each solid. */
 template <class Visit> void forOperands(SceneDescription& scene, const Visit& visit) {
   const auto look = [&](std::vector<ShapeDescription>& shapes) {
     for (ShapeDescription& s : shapes)
@@ -61,7 +61,7 @@ void NestedObjects::forAllInside(const std::string& outer, const Mat4d& worldFro
 
 void NestedObjects::makeWhole(const std::string& name, SceneDescription& scene, ErrorLog& log) {
   const auto object = scene.objects.find(name);
-  if (object == scene.objects.end()) return; // whoever uses it says so
+  if (object == scene.objects.end()) return; // reported at its use
   ObjectDescription whole = object->second;
   whole.name = wholeName(name);
   forAllInside(name, Mat4d(1), [&](const InstanceDescription& i, const Mat4d& wholeFromInner) {
@@ -111,12 +111,12 @@ void NestedObjects::expand(SceneDescription& scene, ErrorLog& log) {
       if (wholes.contains(name)) name = wholeName(name);
   });
 
-  const auto hasShapes = [&](const std::string& name) { // what is unknown is told where it is used
+  const auto hasShapes = [&](const std::string& name) { // unknown objects are reported at their use
     const auto object = scene.objects.find(name);
     return object == scene.objects.end() || !object->second.shapes.empty() || !inside.contains(name);
   };
   std::vector<InstanceDescription> placed;
-  double count = 0; // of all instances, also those without shapes
+  double count = 0; // number of all instances, including objects without shapes
   for (InstanceDescription& outer : scene.instances) {
     if (outer.worldFromInstanceLast && wholes.contains(outer.object)) {
       outer.object = wholeName(outer.object);

@@ -1,5 +1,5 @@
 /** @file
- * Objects that stand in other objects: ObjectInstance between ObjectBegin and ObjectEnd.
+ * Nested objects: ObjectInstance between ObjectBegin and ObjectEnd.
  */
 #pragma once
 
@@ -15,24 +15,24 @@ namespace recurse::sceneFile {
 
 class NestedObjects {
  public:
-  /** `inner` stands in the space of the object `outer`. */
+  /** Adds an instance in the space of the object `outer`. */
   void add(const std::string& outer, InstanceDescription inner) { inside[outer].push_back(std::move(inner)); }
 
   /**
-   * Gives each inner object the places that the outer one has, so that its shapes are built once. Where the
-   * outer object moves, or is an operand of a solid, it is made whole instead, with copies of the shapes.
+   * Instantiates inner objects at every instance of the outer one, so that their shapes are built once. An
+   * outer object that moves, or is an operand of a solid, becomes one object with copies of the shapes.
    */
   void expand(SceneDescription& scene, ErrorLog& log);
 
  private:
-  /** Instances that stand in an object, however deep. */
+  /** Instances nested in an object at any depth. */
   struct Contents {
     double count = 0;
-    int levels = 0; ///< of instances, one in the other
+    int levels = 0; ///< depth of the nested instances
   };
-  /** An object's contents; an error where it would stand in itself. `level`: of instances around it. */
+  /** Contents of an object; an error where it contains itself. `level`: number of enclosing instances. */
   Contents contentsOf(const std::string& outer, int level, ErrorLog& log);
-  /** Calls visit(instance, worldFromInstance) for each of them. */
+  /** Calls visit(instance, worldFromInstance) for each instance nested in `outer`. */
   template <class Visit>
   void forAllInside(const std::string& outer, const Mat4d& worldFromOuter, const Visit& visit) const;
   void makeWhole(const std::string& name, SceneDescription& scene, ErrorLog& log);

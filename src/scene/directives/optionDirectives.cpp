@@ -1,5 +1,5 @@
 /** @file
- * Directives before WorldBegin: camera, film, samples, options.
+ * Directives before WorldBegin: camera, film, sampler, options.
  */
 #include <algorithm>
 #include <array>
@@ -71,7 +71,7 @@ void SceneParser::option(const Token& t) {
     splitDeclaration(token, p.type, p.name, log);
   else
     p.name = token.value();
-  // pbrt takes Pixel-Stats, pixel_stats and pixelstats alike.
+  // Options are case-insensitive and ignore - and _, as in pbrt: Pixel-Stats, pixel_stats, pixelstats.
   std::string name;
   for (char c : p.name)
     if (c != '-' && c != '_') name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -93,7 +93,7 @@ void SceneParser::option(const Token& t) {
            : spec->type == ParameterType::REAL    ? "float"
                                                   : "string";
   parseValues(*tokens, log, p);
-  // Checks number and range as for any parameter.
+  // Checks count and range like any parameter.
   ParsedDirective alone;
   alone.type = "Option";
   alone.location = p.location;
@@ -112,7 +112,7 @@ void SceneParser::worldBegin(const Token& t) {
   (void)t;
   inWorld = true;
   assumedWorld = false;
-  // Media and attributes stay, as in pbrt-v4.
+  // Media and attributes are kept, as in pbrt-v4.
   state.transforms = {};
   state.active = {true, true};
   coordinateSystems["world"] = state.transforms;

@@ -1,5 +1,5 @@
 /** @file
- * Markdown of the reference page.
+ * Markdown text of the reference page.
  */
 #include "recurse/scene/directives/reference.h"
 
@@ -12,7 +12,7 @@ using sceneFile::SceneParser;
 
 namespace {
 
-/** A table cell: a bar would end it. */
+/** Text of a table cell, with bars escaped. */
 std::string cell(const std::string& text) {
   std::string out;
   for (char c : text) {

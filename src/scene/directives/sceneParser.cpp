@@ -1,5 +1,5 @@
 /** @file
- * The table of directives, the loop over them, and the way back after an error.
+ * Table of directives, the loop over them, and resynchronisation after an error.
  */
 #include "scene/directives/sceneParser.h"
 
@@ -140,11 +140,11 @@ void SceneParser::parse(const Source& top) {
     reportUnusedTracks();
     if (!inWorld) {
       SourceLocation where;
-      where.source = top.text; // no line: it is nowhere
+      where.source = top.text; // no line, since the directive is missing
       log.error(where, "the file has no WorldBegin, which separates the settings from the scene");
     }
   } catch (const TooManyErrors&) {
-    // The diagnostics say so.
+    // reported in the diagnostics
   }
 }
 
@@ -180,7 +180,7 @@ void SceneParser::carryOut(const Directive& directive, const Token& token) {
     return;
   }
   if (directive.place == DirectivePlace::IN_WORLD && !inWorld) {
-    // One error for all that follow: most likely WorldBegin is missing.
+    // Reports one error for all following directives: most likely WorldBegin is missing.
     log.error(token.location(), std::string(directive.name) + " must stand after WorldBegin");
     inWorld = assumedWorld = true;
   }
@@ -216,7 +216,7 @@ void SceneParser::resynchronise() {
       while (tokens->peek().kind != TokenKind::END && !isDirectiveName(tokens->peek())) tokens->take();
       return;
     } catch (const SceneError&) {
-      // A broken string among what is skipped: the lexer has moved past it.
+      // A broken string in the skipped text: the lexer has moved past it.
     }
   }
 }
@@ -275,7 +275,7 @@ ParsedDirective SceneParser::takePlugIn(const Token& directive, AttributeTarget 
 }
 
 void SceneParser::moveTypeOut(ParsedDirective& d, const std::string& what) {
-  // As everywhere the last one counts.
+  // The last of several parameters with the same name counts, as everywhere.
   const ParsedParameter* type = nullptr;
   for (const ParsedParameter& p : d.parameters)
     if (p.name == "type" && p.type == "string" && p.strings.size() == 1) type = &p;

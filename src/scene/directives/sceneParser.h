@@ -1,6 +1,6 @@
 /** @file
- * The parser of scenes: carries out the directives of a file one after the other on a graphics state, and
- * records what they make in a SceneDescription.
+ * Parser of scenes: executes the directives of a file in order on a graphics state, and records the results
+ * in a SceneDescription.
  */
 #pragma once
 
@@ -19,19 +19,19 @@
 
 namespace recurse::sceneFile {
 
-/** The current transform at the start and at the end of the exposure. */
+/** Current transform at the start and at the end of the motion. */
 struct Transforms {
   std::array<Mat4d, 2> at{Mat4d(1), Mat4d(1)};
-  /** Why it cannot place anything, and which directive made it so; null where it can. */
+  /** Reason why the transform is unusable, and the directive that caused it; null where it is usable. */
   std::array<std::shared_ptr<const Diagnostic>, 2> fault;
   bool moving() const { return at[0] != at[1]; }
 };
 
-/** Kinds of directives that an Attribute directive sets defaults for. */
+/** Kinds of directives for which an Attribute directive sets defaults. */
 enum class AttributeTarget { SHAPE, LIGHT, MATERIAL, MEDIUM, TEXTURE };
 constexpr size_t ATTRIBUTE_TARGETS = 5;
 
-/** What AttributeBegin saves and AttributeEnd brings back. */
+/** State that AttributeBegin saves and AttributeEnd restores. */
 struct GraphicsState {
   Transforms transforms;
   std::array<bool, 2> active{true, true};
@@ -39,8 +39,8 @@ struct GraphicsState {
   MaterialReference material;
   int areaLight = -1;
   MediumReference medium;
-  std::string colorSpace; ///< of rgb values that follow; empty: linear Rec. 709
-  /** Shared, because states are copied far more often than they change. */
+  std::string colorSpace; ///< of subsequent rgb values; empty: linear Rec. 709
+  /** Shared pointers, because states are copied far more often than they change. */
   std::array<std::shared_ptr<const std::vector<ParsedParameter>>, ATTRIBUTE_TARGETS> attributes;
 };
 
@@ -48,7 +48,7 @@ class SceneParser {
  public:
   SceneParser(SceneDescription& scene, SourceFiles& files, Diagnostics& diagnostics);
 
-  /** Reads a whole scene. */
+  /** Parses a whole scene. */
   void parse(const Source& top);
 
   struct Directive {
@@ -58,7 +58,7 @@ class SceneParser {
     const char* summary;
     void (SceneParser::*carryOut)(const Token& directive);
   };
-  /** The table that parsing dispatches on, in alphabetical order. */
+  /** Table of all directives, in alphabetical order. */
   static const std::vector<Directive>& directives();
   static const Directive* findDirective(std::string_view name);
 
@@ -71,8 +71,8 @@ class SceneParser {
   void warnOfPbrt3(const SourceLocation& where);
   void checkForPbrt3PlugIn(const char* directive, const ParsedDirective& d);
   Token takeString(const Token& directive, const char* what);
-  /** Parameters of a directive; rgb values come out as linear Rec. 709 from the colour space that holds here.
-   */
+  /** Parameters of a directive; rgb values are converted to linear Rec. 709 from the current colour
+   * space. */
   std::vector<ParsedParameter> takeParameters(const std::string& directory, SpectrumKind kind);
   ParsedDirective takePlugIn(const Token& directive);
   ParsedDirective takePlugIn(const Token& directive, AttributeTarget target);
@@ -84,11 +84,11 @@ class SceneParser {
   Mat4d takeMatrix(const Token& directive);
   void concatenate(const Mat4d& m, const SourceLocation& where);
   void setTransform(size_t i, const Mat4d& m, const SourceLocation& where);
-  /** The current transform at the start; the identity, with an error, where it cannot place anything. */
+  /** Current transform at the start of the motion; the identity, with an error, where it is unusable. */
   Mat4d firstTransform(const SourceLocation& where);
-  /** The same for what cannot move: a warning where it does. */
+  /** Current transform for an item that cannot move, with a warning where it does. */
   Mat4d restingTransform(const SourceLocation& where, const char* what);
-  /** That of the end of the motion, where it differs from the start's. */
+  /** Current transform at the end of the motion, where it differs from the start. */
   std::optional<Mat4d> lastTransform() const {
     const bool usable = state.transforms.moving() && !state.transforms.fault[1];
     return usable ? std::optional(state.transforms.at[1]) : std::nullopt;
@@ -153,15 +153,15 @@ class SceneParser {
   SourceFiles& files;
   ErrorLog log;
   IncludeCount includes;
-  TokenStream* tokens = nullptr; ///< of the file that is being read or imported now
+  TokenStream* tokens = nullptr; ///< of the file that is being read or imported
   GraphicsState state;
   std::vector<OpenBlock> blocks;
-  size_t firstBlock = 0; ///< blocks below belong to the file that imports this one
+  size_t firstBlock = 0; ///< earlier blocks belong to the importing file
   std::map<std::string, Transforms> coordinateSystems;
   std::set<std::shared_ptr<const Diagnostic>> faultsReported;
   std::map<std::pair<bool, std::string>, SourceLocation> textureNames;
-  ObjectDescription* object = nullptr; ///< being defined
-  ObjectDescription discarded;         ///< stands for an object that cannot be defined
+  ObjectDescription* object = nullptr; ///< object being defined
+  ObjectDescription discarded;         ///< replaces an object that cannot be defined
   NestedObjects nested;
   bool inWorld = false, assumedWorld = false, hasWarnedOfPbrt3 = false;
 };

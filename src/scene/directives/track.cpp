@@ -1,6 +1,6 @@
 /** @file
- * Tracks, and the directive that makes them. Where `$name` stands in a scene, the text of the track's numbers
- * is read instead, so that a frame is the scene with these numbers written into it.
+ * Tracks. `$name` in a scene is replaced by the text of the track's numbers, so that a frame is the scene
+ * with these numbers inserted.
  */
 #include "scene/directives/track.h"
 
@@ -43,7 +43,7 @@ std::vector<double> Track::at(double frame) const {
       out[c] = (1 - u) * key(i, c) + u * key(next, c);
       continue;
     }
-    // Hermite's cubic with the slopes of Catmull and Rom.
+    // Cubic Hermite interpolation with Catmull-Rom slopes.
     const double w = u * u * (3 - 2 * u);
     out[c] = (1 - w) * key(i, c) + w * key(next, c) +
              length * u * (1 - u) * ((1 - u) * slope(i, c) - u * slope(next, c));

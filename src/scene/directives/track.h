@@ -1,5 +1,5 @@
 /** @file
- * Numbers that change from frame to frame of an animation.
+ * Animation tracks: numbers as a function of the frame.
  */
 #pragma once
 
@@ -10,22 +10,22 @@
 
 namespace recurse {
 
-/** Values at keyframes, and between them. */
+/** Values at keyframes, with interpolation between them. */
 class Track {
  public:
   enum class Interpolation { STEP, LINEAR, SMOOTH };
 
-  /** `times` rise; `values` holds as many numbers for each of them. */
+  /** `times` increase; `values` has the same count of numbers for each of them. */
   Track(std::vector<double> times, std::vector<double> values, Interpolation interpolation, bool repeats);
 
-  /** The numbers of a frame. Before the first keyframe and after the last those hold, unless it repeats. */
+  /** Values at a frame. Before the first and after the last keyframe they are constant, unless it repeats. */
   std::vector<double> at(double frame) const;
   double firstTime() const { return times.front(); }
   double lastTime() const { return times.back(); }
 
  private:
   double key(size_t i, size_t component) const { return values[i * components + component]; }
-  /** By the neighbours of a keyframe; at the ends, unless it repeats, by the only one. */
+  /** Slope at a keyframe by its neighbours; at the ends, unless it repeats, by the only neighbour. */
   double slope(size_t i, size_t component) const;
 
   std::vector<double> times, values;
@@ -34,7 +34,7 @@ class Track {
   bool repeats;
 };
 
-/** What an Animate directive takes after the name. */
+/** Parameters of an Animate directive. */
 const std::vector<ParameterSpec>& trackSpecs();
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * Directives that change the current transform. They are composed in double, each from the right.
+ * Directives of the current transform, composed in double precision, each by multiplication from the right.
  */
 #include <cmath>
 
@@ -12,8 +12,8 @@ namespace recurse::sceneFile {
 
 namespace {
 
-/** True for a matrix that does more than an affine one. Exporters write the last row with rounding errors of
- * the other numbers. */
+/** True for a matrix that is not affine. A tolerance allows for the rounding errors of exporters in the last
+ * row. */
 bool isProjection(const Mat4d& m) {
   if (glm::row(m, 3) == Vec4d(0, 0, 0, 1)) return false;
   double largest = 0;
@@ -23,7 +23,7 @@ bool isProjection(const Mat4d& m) {
          !(std::abs(m[3][3]) > rounding);
 }
 
-/** An affine matrix without what rounding left in its last row. */
+/** Affine matrix, without rounding errors in the last row. */
 Mat4d withoutProjection(Mat4d m) {
   m /= m[3][3];
   m[0][3] = m[1][3] = m[2][3] = 0;
@@ -31,7 +31,7 @@ Mat4d withoutProjection(Mat4d m) {
   return m;
 }
 
-/** What keeps a transform from placing anything; empty where nothing does. */
+/** Reason why a transform is unusable; empty where it is usable. */
 Diagnostic faultOf(const Mat4d& m, const SourceLocation& where) {
   Diagnostic fault{Severity::ERROR, where, {}, {}};
   if (!isFinite(m)) {
@@ -51,9 +51,9 @@ Mat4d translation(const Vec3d& by) {
   return m;
 }
 
-/** Rodrigues' rotation by an angle in degrees. */
+/** Rodrigues' rotation by an angle [degrees]. */
 Mat4d rotation(double degrees, const Vec3d& axis) {
-  // Quarter turns are exact, so that what is axis-aligned stays so.
+  // Quarter turns are exact, so that axis-aligned objects remain so.
   const double turn = std::remainder(degrees, 360);
   double s = std::sin(turn * (M_PI / 180)), c = std::cos(turn * (M_PI / 180));
   if (std::abs(turn) == 90) c = 0;
@@ -103,7 +103,7 @@ void SceneParser::setTransform(size_t i, const Mat4d& m, const SourceLocation& w
   state.transforms.at[i] = fault.message.empty() ? withoutProjection(m) : m;
   if (fault.message.empty())
     now = nullptr;
-  else if (!now) // else the first directive that did it
+  else if (!now) // the first faulty directive is kept
     now = std::make_shared<const Diagnostic>(std::move(fault));
 }
 
@@ -165,7 +165,7 @@ void SceneParser::lookAt(const Token& t) {
   const Vec3d side = glm::cross(up / upLength, forward);
   if (!(glm::length(side) > 1e-12))
     throw SceneError(t.location(), "LookAt needs an up vector that is not along the viewing direction");
-  // The eye looks along +z with +y up and +x right in a left-handed frame; this is its inverse.
+  // Camera space is left-handed: +z is the view direction, +y up, +x right; this is the inverse.
   const Vec3d right = glm::normalize(side), top = glm::cross(forward, right);
   const Mat4d turn =
       glm::transpose(Mat4d(Vec4d(right, 0), Vec4d(top, 0), Vec4d(forward, 0), Vec4d(0, 0, 0, 1)));

@@ -10,20 +10,20 @@ namespace recurse::sceneFile {
 
 namespace {
 
-/** Blocks inside one another; each keeps a copy of the graphics state. */
+/** Maximum depth of nested blocks; each keeps a copy of the graphics state. */
 constexpr size_t MAX_OPEN_BLOCKS = 4096;
-/** Defaults are copied when an Attribute directive changes them. */
+/** Limits of defaults, which are copied whenever an Attribute directive changes them. */
 constexpr size_t MAX_ATTRIBUTES = 256, MAX_ATTRIBUTE_VALUES = 4096;
 
 constexpr const char* ATTRIBUTE_TARGET_NAMES[ATTRIBUTE_TARGETS] = {"shape", "light", "material", "medium",
                                                                    "texture"};
 
-/** Names that stand for a surface that does not scatter. */
+/** True for names of a surface without scattering. */
 bool isInterface(const std::string& material) {
   return material.empty() || material == "none" || material == "interface";
 }
 
-/** True for light that is the same from all directions, whatever the transform. */
+/** True for light that is isotropic, and hence independent of the transform. */
 bool isTheSameFromEverywhere(const ParsedDirective& light) {
   const auto depends = [](const std::vector<ParsedParameter>& parameters) {
     return std::any_of(parameters.begin(), parameters.end(),

@@ -1,5 +1,5 @@
 /** @file
- * The meeting of what a file wrote with what a plug-in declares.
+ * Checks of a file's parameters against the declarations of a plug-in.
  */
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,7 @@ namespace {
 
 std::string quoted(const std::string& s) { return "\"" + s + "\""; }
 
-/** Everything that is wrong with one given parameter is reported here. */
+/** Checks one given parameter, and reports all its errors. */
 class Checker {
  public:
   Checker(const ParameterSpec& spec, const ParsedParameter& value, Diagnostics& out)
@@ -77,10 +77,10 @@ class Checker {
     return x >= minimum && x <= maximum && !(spec.minimumExcluded && x == minimum) && std::isfinite(x) &&
            !tooLarge(x);
   }
-  /** Plug-ins work in single precision, where this would be infinite. */
+  /** True for numbers that overflow in single precision, in which plug-ins compute. */
   static bool tooLarge(double x) { return std::abs(x) > double(std::numeric_limits<float>::max()); }
 
-  /** The place of the i-th number, found by reading the list once more. */
+  /** Location of the i-th number, found by parsing the list again. */
   SourceLocation placeOf(size_t i) const {
     const SourceLocation& start = value.valueLocation;
     if (i == 0 || !start.source || start.line < 1) return start;
@@ -98,7 +98,7 @@ class Checker {
       lexer.moveTo(offset + static_cast<size_t>(start.column - 1), start.line, start.column);
       for (size_t k = 0;; ++k) {
         const Token token = lexer.next();
-        // An Include among the values sends the count astray.
+        // An Include among the values invalidates the count.
         if (!looksLikeNumber(token)) return start;
         if (k == i) return token.location();
       }
@@ -165,7 +165,7 @@ class Checker {
       for (size_t i = 0; i < temperatures; ++i)
         if (!(v[i] > 0) || !std::isfinite(v[i]))
           return wrong(placeOf(i), "the temperature of " + quoted(spec.name) + " must be positive");
-      // A colour may have a component below zero; but what divides by the parameter needs its least value.
+      // Components may be negative, unless a positive minimum protects divisions by the parameter.
       for (size_t i = 0; i < temperatures && minimum > 0; ++i) {
         const Rgbd c = rgbOfBlackbody(v[i], spec.spectrumKind) * (isScaled ? v[1] : 1.0);
         if (!inRange(c.r) || !inRange(c.g) || !inRange(c.b))
@@ -192,7 +192,7 @@ class Checker {
   double minimum, maximum;
 };
 
-/** The type word that the text of a default stands for; a word in front of it may say so itself. */
+/** Type word of a default text; a word at its beginning may specify the type. */
 std::string defaultTypeWord(const ParameterSpec& spec, std::string& text) {
   if (spec.type != ParameterType::SPECTRUM) return traitsOf(spec.type).word;
   for (const char* word : {"rgb ", "blackbody ", "spectrum ", "float "})
@@ -227,7 +227,7 @@ ParsedParameter parseDefault(const ParameterSpec& spec) {
     p.strings = {text};
     return p;
   }
-  // Straight from the lexer: a scene may have a million shapes, each with its defaults.
+  // Direct use of the lexer, for speed: a scene may have a million shapes, each with its defaults.
   Source source;
   source.text = std::make_shared<const SourceText>(SourceText{"", text});
   Lexer lexer(source);
@@ -276,7 +276,7 @@ Parameters bindParameters(const ParsedDirective& directive, const std::vector<Pa
   result.topDirectory = directive.topDirectory;
   result.files = directive.files;
 
-  // The last of each name counts; an attribute only where the directive itself gives nothing.
+  // The last parameter of each name counts; attributes are used only for names that the directive omits.
   std::vector<const ParsedParameter*> given(specs.size(), nullptr);
   const auto slotOf = [&](const std::string& name) -> const ParsedParameter** {
     for (size_t i = 0; i < specs.size(); ++i)

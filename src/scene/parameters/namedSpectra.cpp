@@ -1,8 +1,8 @@
 /** @file
- * The spectra that pbrt knows by name, as RGB: glasses and metals, and the standard illuminants.
+ * Named spectra of pbrt as RGB: glasses and metals, and the standard illuminants.
  *
- * Refractive indices are those at one wavelength for each component, because an index is no colour: 611, 549
- * and 464 nm, about where the Rec. 709 primaries lie. Illuminants have luminance 1.
+ * Refractive indices are taken at one wavelength for each component, because an index is no colour: 611, 549
+ * and 464 nm, near the Rec. 709 primaries. Illuminants have luminance 1.
  */
 #include <array>
 #include <cmath>
@@ -20,11 +20,11 @@ template <class F> Rgbd atPrimaries(F&& index) {
   return {index(RGB_WAVELENGTHS[0]), index(RGB_WAVELENGTHS[1]), index(RGB_WAVELENGTHS[2])};
 }
 
-/** A glass by Sellmeier's equation: n² = 1 + sum of b λ² / (λ² - c). */
+/** Glass by Sellmeier's equation: n² = 1 + sum of b λ² / (λ² - c). */
 struct Glass {
   const char* name;
   std::vector<double> b, c; ///< c in square micrometres
-  /** `w`: in micrometres. */
+  /** Refractive index at wavelength `w` [µm]. */
   double index(double w) const {
     double n2 = 1;
     for (size_t i = 0; i < b.size(); ++i) n2 += b[i] * w * w / (w * w - c[i]);
@@ -32,8 +32,8 @@ struct Glass {
   }
 };
 
-/** Coefficients of the Schott optical glass data sheets, where no other source is named. pbrt's F5, F10 and
- * F11 are the heavy flints SF5...SF11. */
+/** Coefficients of the Schott optical glass data sheets, unless a source is named. pbrt's F5, F10 and F11 are
+ * the heavy flints SF5...SF11. */
 const std::vector<Glass>& glasses() {
   static const std::vector<Glass> GLASSES = [] {
     std::vector<Glass> g = {
@@ -66,7 +66,7 @@ const std::vector<Glass>& glasses() {
   return GLASSES;
 }
 
-/** An emission by its chromaticity, with luminance 1. */
+/** Emission of a chromaticity, with luminance 1. */
 Rgbd fromChromaticity(double x, double y) { return rgbOfXyz({x / y, 1, (1 - x - y) / y}); }
 
 std::map<std::string, Rgbd> makeTable() {
@@ -87,9 +87,9 @@ std::map<std::string, Rgbd> makeTable() {
   // Brass with 70% copper, as measured for the CRC Handbook of Chemistry and Physics.
   t["metal-CuZn-eta"] = {0.444, 0.527, 1.094};
   t["metal-CuZn-k"] = {3.695, 2.765, 1.829};
-  // Two oxides among the metals; they absorb nothing that can be seen. R. E. Stephens and I. H. Malitson,
-  // "Index of Refraction of Magnesium Oxide", 1952; J. R. DeVore, "Refractive Indices of Rutile and
-  // Sphalerite", 1951 (ordinary ray).
+  // Two oxides among the metals, without visible absorption. R. E. Stephens and I. H. Malitson, "Index of
+  // Refraction of Magnesium Oxide", 1952; J. R. DeVore, "Refractive Indices of Rutile and Sphalerite", 1951
+  // (ordinary ray).
   t["metal-MgO-eta"] = atPrimaries([](double w) {
     const double w2 = w * w;
     return std::sqrt(2.956362 - 0.01062387 * w2 - 0.0000204968 * w2 * w2 + 0.02195770 / (w2 - 0.01428322));
@@ -128,7 +128,7 @@ std::optional<Rgbd> rgbOfNamedSpectrum(const std::string& name) {
 std::optional<SampledSpectrum> indexOfNamedGlass(const std::string& name) {
   for (const Glass& glass : glasses()) {
     if (glass.name != name) continue;
-    constexpr double STEP = 5; // nm; between them the index is straight to six digits
+    constexpr double STEP = 5; // [nm] the index is linear between samples to six digits
     SampledSpectrum spectrum;
     for (double w = SHORTEST_WAVELENGTH; w <= LONGEST_WAVELENGTH; w += STEP) {
       spectrum.wavelengths.push_back(w);

@@ -1,5 +1,5 @@
 /** @file
- * The table of other names.
+ * Table of alternative names.
  */
 #include "recurse/scene/parameters/otherNames.h"
 

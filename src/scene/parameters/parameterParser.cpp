@@ -1,5 +1,5 @@
 /** @file
- * The parser of parameter lists.
+ * Parser of parameter lists.
  */
 #include "scene/parameters/parameterParser.h"
 
@@ -24,7 +24,7 @@ constexpr TypeWord TYPE_WORDS[] = {
     {"texture", ValueKind::STRINGS},
 };
 
-/** Vectors that grew much beyond their need give the rest back when they are larger than this. */
+/** Capacity above which vectors release memory that they do not need [values]. */
 constexpr size_t WORTH_SHRINKING = 1 << 16;
 
 const char* expectedName(ValueKind kind) {
@@ -50,7 +50,7 @@ bool looksLikeDeclaration(const Token& token) {
          valueKindOf(token.text.substr(0, space)) != ValueKind::UNKNOWN;
 }
 
-/** Takes one value. Throws SceneError when it is not of the kind. */
+/** Appends one value. Throws SceneError when it is of a different kind. */
 void addValue(const Token& token, ValueKind kind, ParsedParameter& out) {
   const bool quoted = token.kind == TokenKind::STRING;
   switch (kind) {
@@ -90,7 +90,7 @@ void addValue(const Token& token, ValueKind kind, ParsedParameter& out) {
 }
 
 void skipBadDeclaration(TokenStream& tokens) {
-  // The values that follow belong to the declaration that was not understood.
+  // Skips the values of a declaration that was not understood.
   if (tokens.peek().kind == TokenKind::OPEN) {
     while (tokens.peek().kind != TokenKind::CLOSE && tokens.peek().kind != TokenKind::END &&
            !isDirectiveName(tokens.peek()))
@@ -101,7 +101,7 @@ void skipBadDeclaration(TokenStream& tokens) {
   }
 }
 
-/** A value without brackets. */
+/** Parses a value without brackets. */
 void parseSingleValue(TokenStream& tokens, ValueKind kind, ErrorLog& log, ParsedParameter& out) {
   const bool numeric = kind == ValueKind::NUMBERS;
   const Token first = tokens.peek();
@@ -121,7 +121,7 @@ void parseSingleValue(TokenStream& tokens, ValueKind kind, ErrorLog& log, Parsed
   if (kind != ValueKind::UNKNOWN)
     log.error(tokens.peek().location(),
               "parameter \"" + out.name + "\": several values need brackets around them: [ ... ]");
-  // They are taken as values, so that nothing else is said about them.
+  // Further numbers are taken as values, so that they cause no more errors.
   while (looksLikeNumber(tokens.peek())) {
     const Token more = tokens.take();
     try {
@@ -132,10 +132,10 @@ void parseSingleValue(TokenStream& tokens, ValueKind kind, ErrorLog& log, Parsed
   }
 }
 
-/** The values behind an opening bracket, and the closing one. */
+/** Parses the values behind an opening bracket, and the closing one. */
 void parseList(TokenStream& tokens, ValueKind kind, ErrorLog& log, ParsedParameter& out) {
   const bool numeric = kind == ValueKind::NUMBERS;
-  bool bad = false; // one message for a list is enough
+  bool bad = false; // one message for each list
   for (;;) {
     if (numeric && !bad) {
       try {
@@ -275,7 +275,7 @@ ParsedDirective parseParameterText(const std::string& plugIn, const std::string&
   } catch (const SceneError& e) {
     for (const Diagnostic& d : e.diagnostics()) diagnostics.error(d.location, d.message, d.accepted);
   } catch (const TooManyErrors&) {
-    // they are in the diagnostics
+    // reported in the diagnostics
   }
   diagnostics.throwIfErrors();
   return out;

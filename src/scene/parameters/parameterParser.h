@@ -11,9 +11,9 @@
 
 namespace recurse::sceneFile {
 
-/** The words that may stand before a parameter's name. */
+/** Type words that may precede the name of a parameter. */
 const std::vector<std::string>& parameterTypeWords();
-/** How the values of a parameter with this type word are written; UNKNOWN for a word that is none. */
+/** Notation of the values of a parameter with this type word; UNKNOWN for an unknown word. */
 enum class ValueKind { NUMBERS, STRINGS, BOOLEANS, SPECTRUM, UNKNOWN };
 ValueKind valueKindOf(std::string_view typeWord);
 
@@ -21,13 +21,13 @@ ValueKind valueKindOf(std::string_view typeWord);
 void splitDeclaration(const Token& token, std::string& type, std::string& name, ErrorLog& log);
 
 /**
- * Reads parameters up to the first token that is not a string. Errors are reported, and what could be
- * understood is returned; `directory` is the directive's.
+ * Parses parameters up to the first token that is not a string. Errors are reported, and the valid parameters
+ * are returned; `directory` is the directive's.
  */
 std::vector<ParsedParameter> parseParameters(TokenStream& tokens, ErrorLog& log,
                                              const std::string& directory);
 
-/** Reads the values of one parameter whose type is known into `parameter`. */
+/** Parses the values of one parameter of known type into `parameter`. */
 void parseValues(TokenStream& tokens, ErrorLog& log, ParsedParameter& parameter);
 
 } // namespace recurse::sceneFile

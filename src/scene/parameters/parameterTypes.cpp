@@ -1,5 +1,5 @@
 /** @file
- * The table of parameter types.
+ * Table of parameter types.
  */
 #include "scene/parameters/parameterTypes.h"
 
@@ -8,7 +8,7 @@
 namespace recurse::sceneFile {
 
 const TypeTraits& traitsOf(ParameterType type) {
-  // In the order of the enumeration.
+  // Entries in the order of the enumeration.
   static constexpr std::array<TypeTraits, 10> TABLE = {{
       {"bool", nullptr, 0, "true or false"},
       {"integer", nullptr, 1, "a whole number"},

@@ -1,5 +1,5 @@
 /** @file
- * What there is to know about each type of parameter, in one table.
+ * Properties of all parameter types, in one table.
  */
 #pragma once
 
@@ -10,15 +10,15 @@
 namespace recurse::sceneFile {
 
 struct TypeTraits {
-  const char* word;        ///< that declares it
-  const char* oldWord;     ///< also accepted; may be null
-  size_t numbersEach;      ///< numbers that make one value; 0 for types that are not numbers
+  const char* word;        ///< type word of its declaration
+  const char* oldWord;     ///< older type word, also accepted; may be null
+  size_t numbersEach;      ///< count of numbers in one value; 0 for types that are not numbers
   const char* description; ///< of one value
 };
 
 const TypeTraits& traitsOf(ParameterType type);
 
-/** True when a value declared with `typeWord` may be given for the parameter. */
+/** True when a value declared with `typeWord` is valid for the parameter. */
 bool acceptsType(ParameterType type, bool textured, std::string_view typeWord);
 
 } // namespace recurse::sceneFile

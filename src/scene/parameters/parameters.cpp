@@ -1,5 +1,5 @@
 /** @file
- * Declarations of parameters, and reading their checked values.
+ * Declarations of parameters, and access to their checked values.
  */
 #include "recurse/scene/parameters/parameters.h"
 
@@ -194,7 +194,7 @@ Rgbd Parameters::spectrumOf(const Bound& b, const ParsedParameter& v) const {
   if (v.type == "blackbody")
     return rgbOfBlackbody(v.numbers[0], b.kind) * (v.numbers.size() == 2 ? v.numbers[1] : 1.0);
   if (v.strings.empty()) {
-    const SampledSpectrum spectrum = spectrumFromPairs(v.numbers); // checked when it was bound
+    const SampledSpectrum spectrum = spectrumFromPairs(v.numbers); // checked by bindParameters()
     checked(spectrum.values);
     return rgbOfSpectrum(spectrum, b.kind);
   }
@@ -234,7 +234,7 @@ SampledSpectrum Parameters::sampledSpectrum(const std::string& wanted) const {
   if (v.strings.empty()) return spectrumFromPairs(v.numbers);
   if (const auto glass = indexOfNamedGlass(v.strings[0])) return *glass;
   if (rgbOfNamedSpectrum(v.strings[0])) return {};
-  spectrumOf(b, v); // fails where there is no such file
+  spectrumOf(b, v); // throws where the file does not exist
   std::string tried;
   return readSpectrumFile(sceneFile::findFile(v.strings[0], v.directory.empty() ? baseDirectory : v.directory,
                                               topDirectory, tried));

@@ -1,5 +1,5 @@
 /** @file
- * Reporting of plug-in names that do not exist.
+ * Error messages for unknown plug-in names.
  */
 #include "recurse/scene/parameters/registry.h"
 
@@ -14,7 +14,7 @@ namespace recurse {
 
 namespace {
 
-/** Why a name that pbrt-v4 has is not taken; empty for others. */
+/** Reason why a plug-in of pbrt-v4 is not supported; empty for other names. */
 std::string pbrt4Reason(const std::string& kind, const std::string& name) {
   static const std::map<std::string, std::string> REASONS = {
       {"Film spectral", "is not there: light is red, green and blue here; the film \"rgb\" has the picture"},
@@ -26,8 +26,8 @@ std::string pbrt4Reason(const std::string& kind, const std::string& name) {
   return NOT_YET.count(kind + " " + name) > 0 ? "of pbrt-v4 is not rendered here" : "";
 }
 
-/** '; did you mean "A" or "B"?', or plug-ins of another kind that the word means; empty where nothing is
- * near. */
+/** Suggestion '; did you mean "A" or "B"?', or plug-ins of a different kind with that meaning; empty where no
+ * name is near. */
 std::string suggestion(const std::string& kind, const std::string& wrong,
                        const std::vector<std::string>& names) {
   constexpr size_t MOST = 3;

@@ -1,5 +1,5 @@
 /** @file
- * Integration of spectra.
+ * Integration of spectra to colours.
  */
 #include "recurse/scene/parameters/spectrum.h"
 
@@ -15,17 +15,17 @@ namespace recurse {
 
 namespace {
 
-/** Range of the integrals [nm], in steps of 1 nm; beyond it the eye sees next to nothing. */
+/** Range of the integrals [nm], in steps of 1 nm; the eye is nearly insensitive outside of it. */
 constexpr int FIRST_WAVELENGTH = 360, LAST_WAVELENGTH = 780;
 
-/** A Gaussian lobe with a width of its own on each side, given as inverse widths. */
+/** Gaussian lobe with a separate inverse width on each side. */
 double lobe(double wavelength, double centre, double below, double above) {
   const double t = (wavelength - centre) * (wavelength < centre ? below : above);
   return std::exp(-0.5 * t * t);
 }
 
 /**
- * The CIE 1931 matching functions, in the multi-lobe fit of C. Wyman, P.-P. Sloan and P. Shirley, "Simple
+ * CIE 1931 matching functions, in the multi-lobe fit of C. Wyman, P.-P. Sloan and P. Shirley, "Simple
  * Analytic Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2), 2013.
  */
 Vec3d matchingFunctions(double w) {
@@ -67,7 +67,7 @@ template <class F> Vec3d integrate(F&& spectrum) {
   return xyz;
 }
 
-/** From primaries and white as chromaticities x, y. */
+/** Matrix of a colour space, from the chromaticities x, y of its primaries and white. */
 Mat3d xyzFromRgb(const std::array<Vec2d, 3>& primaries, const Vec2d& whitePoint) {
   const auto column = [](const Vec2d& c) { return Vec3d(c.x / c.y, 1, (1 - c.x - c.y) / c.y); };
   const Mat3d columns(column(primaries[0]), column(primaries[1]), column(primaries[2]));
@@ -75,8 +75,8 @@ Mat3d xyzFromRgb(const std::array<Vec2d, 3>& primaries, const Vec2d& whitePoint)
   return {columns[0] * amounts.x, columns[1] * amounts.y, columns[2] * amounts.z};
 }
 
-/** What daylight comes to in these integrals; results are relative to it, so that the fit's errors cancel in
- * white. */
+/** Integral of daylight. Results are divided by it, so that the errors of the fitted matching functions
+ * cancel for white. */
 const Rgbd& white() {
   static const Rgbd WHITE = rgbOfXyz(integrate(daylight));
   return WHITE;
@@ -134,7 +134,7 @@ Rgbd rgbInColorSpace(const std::string& name, const Rgbd& value, SpectrumKind ki
       TO_REC709({{{0.7347, 0.2653}, {0.0, 1.0}, {0.0001, -0.0770}}}, {0.32168, 0.33767});
   const Mat3d& matrix = name == "rec2020" ? REC2020 : name == "dci-p3" ? DCI_P3 : ACES;
   if (kind == SpectrumKind::ILLUMINANT) return intoGamut(matrix * value);
-  // What absorbs and never amplifies goes on so.
+  // A factor that absorbs in its colour space must not amplify in Rec. 709.
   return min(intoGamut(matrix * value / (matrix * Rgbd(1))),
              Rgbd(std::max({1.0, value.r, value.g, value.b})));
 }
@@ -180,7 +180,7 @@ double SampledSpectrum::at(double wavelength) const {
 
 Rgbd rgbOfSpectrum(const SampledSpectrum& spectrum, SpectrumKind kind) {
   const auto& v = spectrum.values;
-  // A constant is exact, not only up to rounding.
+  // Exact for a constant, without rounding errors.
   if (kind != SpectrumKind::ILLUMINANT && !v.empty() &&
       std::all_of(v.begin(), v.end(), [&](double x) { return x == v[0]; }))
     return Rgbd(v[0]);
@@ -206,8 +206,8 @@ std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths) {
 
 Rgbd rgbOfBlackbody(double kelvin, SpectrumKind kind) {
   if (!(kelvin > 0)) return Rgbd(0);
-  // Relative to the peak, which Wien's law gives: neither end of the temperature scale then over- or
-  // underflows.
+  // Relative to the peak, given by Wien's law, so that no temperature causes over- or
+  // underflow.
   const double peak = 2.897771955e6 / kelvin; // nm
   double largest = planck(peak, kelvin);
   if (kind == SpectrumKind::ILLUMINANT)

@@ -1,5 +1,5 @@
 /** @file
- * Recognition of directives, for finding the way back after an error.
+ * Recognition of directives, for resynchronisation after an error.
  */
 #pragma once
 

@@ -1,5 +1,5 @@
 /** @file
- * Diagnostics with a limit, so that a file which is no scene at all does not fill the screen.
+ * Diagnostics with a limit, so that a file that is not a scene does not fill the screen.
  */
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace recurse::sceneFile {
 
-/** Thrown to end the reading of a scene after too many errors. */
+/** Thrown to stop the parsing of a scene after too many errors. */
 struct TooManyErrors {};
 
 class ErrorLog {
@@ -27,7 +27,7 @@ class ErrorLog {
     if (++warnings < MAX_WARNINGS) out.warning(where, message, accepted);
     if (warnings == MAX_WARNINGS) out.warning({}, "further warnings of the scene file are not shown");
   }
-  /** Set where a parameter has a type that only pbrt-v3 knew. */
+  /** True after a parameter type that only pbrt-v3 knew. */
   bool sawPbrt3Type = false;
 
   void report(const SceneError& e) {
@@ -40,7 +40,7 @@ class ErrorLog {
   int errors = 0, warnings = 0;
 };
 
-/** "file:line" of a place, to mention it inside another message. */
+/** "file:line" of a location, for mention in a message about a different one. */
 inline std::string placeName(const SourceLocation& where) {
   return (where.source ? where.source->name : std::string("?")) + ":" + std::to_string(where.line);
 }

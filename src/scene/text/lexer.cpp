@@ -1,5 +1,5 @@
 /** @file
- * The lexer.
+ * Lexer of scene files.
  */
 #include "scene/text/lexer.h"
 
@@ -19,17 +19,17 @@ constexpr bool isBlank(char c) { return c == ' ' || c == '\n' || c == '\t' || c 
 constexpr bool endsWord(char c) { return isBlank(c) || c == '"' || c == '[' || c == ']' || c == '#'; }
 constexpr bool isDigit(char c) { return c >= '0' && c <= '9'; }
 
-/** Longest piece of a file that is repeated inside a message. */
+/** Maximum length of a file's text quoted in a message [characters]. */
 constexpr size_t SHOWN_LENGTH = 40;
 
 int limited(int64_t n) { return static_cast<int>(std::min<int64_t>(n, std::numeric_limits<int>::max())); }
 
-/** Reads one number at `begin`; null where there is none, or where it is not followed by a delimiter. */
+/** Reads a number at `begin`; null where there is none, or where no delimiter follows it. */
 const char* parseNumber(const char* begin, const char* end, double& value) {
   const char* p = begin;
-  if (p < end && *p == '+') ++p; // std::from_chars knows only the minus
+  if (p < end && *p == '+') ++p; // std::from_chars accepts only a minus sign
   const char* first = p < end && *p == '-' && p == begin ? p + 1 : p;
-  // from_chars would also take words like "inf" and "nan".
+  // from_chars would also accept words like "inf" and "nan".
   if (first >= end || !(isDigit(*first) || *first == '.')) return nullptr;
   const auto [stop, error] = std::from_chars(p, end, value);
   if (error != std::errc() || (stop < end && !endsWord(*stop))) return nullptr;
@@ -42,7 +42,7 @@ std::string printable(std::string_view text) {
     const auto byte = static_cast<unsigned char>(c);
     out += byte < 0x20 || byte == 0x7f ? '?' : c;
   }
-  // A cut must not leave half a UTF-8 character.
+  // The cut must not split a UTF-8 character.
   if (text.size() > SHOWN_LENGTH) {
     while (!out.empty() && (static_cast<unsigned char>(out.back()) & 0x80)) out.pop_back();
     out += "...";
@@ -93,7 +93,7 @@ std::string Token::value() const {
       break;
     default: {
       Token place = *this;
-      place.column += static_cast<int64_t>(i); // the opening quote makes up for the character after '\'
+      place.column += static_cast<int64_t>(i); // - 1 for the backslash, + 1 for the opening quote
       throw SceneError(place.location(), "unknown escape '\\" + printable({&c, 1}) + "' in a string",
                        "\\\" \\\\ \\' \\b \\f \\n \\r \\t; a backslash in a path is written \\\\");
     }
@@ -136,7 +136,7 @@ double numberValue(const Token& token) {
   const char* end = begin + token.text.size();
   if (token.kind == TokenKind::WORD && parseNumber(begin, end, value) == end) return value;
   if (looksLikeNumber(token)) {
-    // Beyond the range of double, or not finite at all, or junk; tiny numbers are zero.
+    // Overflow of double, not finite, or not a number at all; underflow becomes zero.
     const std::string copy(token.text);
     char* stop = nullptr;
     value = std::strtod(copy.c_str(), &stop);

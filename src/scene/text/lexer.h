@@ -1,6 +1,6 @@
 /** @file
- * Tokens of one scene-file text. Strings are cut out without copying, and runs of numbers go straight into a
- * vector, because meshes written as text are most of what a big scene file holds.
+ * Tokens of one scene-file text. Strings are views without a copy, and sequences of numbers are appended
+ * directly to a vector, because most of a large scene file consists of meshes in text form.
  */
 #pragma once
 
@@ -13,32 +13,32 @@
 
 namespace recurse::sceneFile {
 
-/** A text with what its reader needs to know: shared by every token and place in it. */
+/** Text with the context of its reader, shared by all its tokens and locations. */
 struct Source {
   std::shared_ptr<const SourceText> text;
-  std::string directory; ///< that file names inside the text are relative to
-  std::string canonical; ///< path that tells files apart; empty for text that is not a file
+  std::string directory; ///< base of relative file names in the text
+  std::string canonical; ///< identifies a file; empty for text that is not a file
 };
 
 enum class TokenKind { END, WORD, STRING, OPEN, CLOSE };
 
 struct Token {
   TokenKind kind = TokenKind::END;
-  std::string_view text; ///< of a string: what stands between the quotes, escapes not yet decoded
+  std::string_view text; ///< of a string: the text between the quotes, with undecoded escapes
   const Source* source = nullptr;
   int64_t line = 0, column = 0;
 
   SourceLocation location() const;
-  /** The value of a string, with its escapes decoded. Throws SceneError for an escape that does not exist. */
+  /** Value of a string, with its escapes decoded. Throws SceneError for an unknown escape. */
   std::string value() const;
-  /** For messages: the token as it is written, shortened. */
+  /** The token as written, shortened for messages. */
   std::string shown() const;
   bool isWord(std::string_view word) const { return kind == TokenKind::WORD && text == word; }
 };
 
-/** The value of a word that is a number. Throws SceneError where it is none, or not finite. */
+/** Value of a word that is a number. Throws SceneError where it is none, or not finite. */
 double numberValue(const Token& token);
-/** True for words that are meant as a number: they begin like one, or say nan or inf. */
+/** True for words intended as a number: they begin like one, or are nan or inf. */
 bool looksLikeNumber(const Token& token);
 bool looksLikeNumberText(std::string_view text);
 
@@ -47,12 +47,12 @@ class Lexer {
   /** `source` must outlive the lexer and its tokens. */
   explicit Lexer(const Source& source);
 
-  /** The next token; END for ever after the last. Throws SceneError for a string without end. */
+  /** The next token; END after the last one, repeatedly. Throws SceneError for an unterminated string. */
   Token next();
-  /** Appends plain numbers up to the first token that is not one. */
+  /** Appends plain numbers up to the first token that is not a number. */
   void appendNumbers(std::vector<double>& out);
 
-  /** Goes on reading at this byte, which stands in this place. */
+  /** Continues at this byte offset, with the given line and column. */
   void moveTo(size_t offset, int64_t newLine, int64_t column);
 
   const Source& source() const { return *from; }

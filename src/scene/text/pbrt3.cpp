@@ -1,5 +1,5 @@
 /** @file
- * What changed from pbrt-v3 to pbrt-v4.
+ * Differences between pbrt-v3 and pbrt-v4.
  */
 #include "scene/text/pbrt3.h"
 
@@ -11,7 +11,7 @@ const char* const ADVICE = "this looks like a pbrt-v3 file, an older format; con
                            "`pbrt --upgrade old.pbrt > new.pbrt` (pbrt-v4's own program)";
 
 bool isPlugIn(const std::string& directive, const std::string& plugIn) {
-  // Only names that v4 gave up: a name in both formats says nothing.
+  // Only names that v4 abandoned: a name in both formats is no evidence.
   static const std::set<std::string> NAMES = {
       "Film image",
       "Integrator directlighting",

@@ -1,5 +1,5 @@
 /** @file
- * Signs of the older pbrt-v3 format, which looks much the same; people try such files often.
+ * Recognition of the older pbrt-v3 format, which is similar and a common mistake.
  */
 #pragma once
 
@@ -7,14 +7,14 @@
 
 namespace recurse::sceneFile::pbrt3 {
 
-/** True where a plug-in of this name, after this directive, exists in pbrt-v3 and not in pbrt-v4. */
+/** True where the directive has a plug-in of this name in pbrt-v3 and not in pbrt-v4. */
 bool isPlugIn(const std::string& directive, const std::string& plugIn);
-/** True for directives that only pbrt-v3 and older have. */
+/** True for directives that exist only in pbrt-v3 and older. */
 bool isDirective(const std::string& directive);
-/** What to write in place of an old parameter type; null where the word is no such type. */
+/** Replacement of an old parameter type; null where the word is not an old type. */
 const char* parameterTypeHint(const std::string& type);
 
-/** The advice that goes with the first sign. */
+/** Advice shown with the first sign of pbrt-v3. */
 extern const char* const ADVICE;
 
 } // namespace recurse::sceneFile::pbrt3

@@ -14,14 +14,14 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/** A text longer than this after decompression is taken for an accident or an attack. */
+/** Limit of the text after decompression, beyond which it is an accident or an attack. */
 constexpr size_t MAX_TEXT_BYTES = size_t(4) << 30;
-/** Text shrinks to a tenth or so; a thousandth is the most that deflate can do, and an attack. */
+/** Text compresses to about a tenth; ratios near the limit of deflate, a thousandth, are an attack. */
 constexpr size_t LARGE_TEXT_BYTES = size_t(256) << 20, MAX_COMPRESSION = 200;
 
 std::string systemReason(int error) { return error ? std::strerror(error) : "it cannot be read"; }
 
-/** std::filesystem::path and the system calls take a name only up to its first zero byte. */
+/** std::filesystem::path and the system calls read a name only up to its first zero byte. */
 bool isUsableName(const std::string& name) { return !name.empty() && name.find('\0') == std::string::npos; }
 
 } // namespace
@@ -67,7 +67,7 @@ std::string readTextFile(const std::string& path) {
   if (!fs::is_regular_file(status)) throw Error("cannot read " + path + ": it is not a regular file");
   const auto fileBytes = fs::file_size(path, error);
   if (error) throw Error("cannot read " + path + ": " + error.message());
-  // Files of the kernel say that they are empty, and some never end.
+  // Files of the kernel report a size of zero, and some never end.
   if (fileBytes == 0) return {};
   if (fileBytes > MAX_TEXT_BYTES) throw Error("cannot read " + path + ": it is larger than 4 GiB");
   errno = 0;
@@ -93,7 +93,7 @@ std::string readTextFile(const std::string& path) {
       throw Error("cannot read " + path + ": it is compressed more than any scene can be");
     text.append(chunk.data(), static_cast<size_t>(got));
   }
-  // A compressed file that is cut off ends quietly for gzread; gzerror knows.
+  // At the end of truncated compressed data, gzread reports no error, but gzerror does.
   int code = 0;
   const std::string reason = gzerror(file, &code);
   if (code == Z_BUF_ERROR) throw Error("cannot read " + path + ": the compressed data is cut off");

@@ -1,5 +1,5 @@
 /** @file
- * The stack of open files.
+ * Stack of open files.
  */
 #include "scene/text/tokenStream.h"
 
@@ -45,7 +45,7 @@ const Token& TokenStream::peek() {
 
 Token TokenStream::take() {
   const Token token = peek();
-  // The end stays, so that every reader meets it.
+  // END is not consumed, so that every caller sees it.
   if (token.kind != TokenKind::END) ahead.reset();
   return token;
 }
@@ -59,7 +59,7 @@ void TokenStream::appendNumbers(std::vector<double>& out) {
 }
 
 void TokenStream::include(const Token& directive) {
-  // Only the same file can hold the name: an Include at the end of a file is incomplete.
+  // The name must be in the same file: an Include at the end of a file is incomplete.
   const Token name = next();
   if (name.kind != TokenKind::STRING) {
     log.error(name.kind == TokenKind::END ? directive.location() : name.location(),
@@ -91,7 +91,7 @@ void TokenStream::insertTracks(Token& string) {
   const std::string_view text = string.text;
   const auto fail = [&](size_t at, const std::string& message, const std::string& accepted) {
     Token place = string;
-    place.column += static_cast<int64_t>(at) + 1; // the quote
+    place.column += static_cast<int64_t>(at) + 1; // + 1 for the quote
     throw SceneError(place.location(), message, accepted);
   };
   const auto endOf = [&](size_t from, const auto& belongs) {
@@ -124,7 +124,7 @@ void TokenStream::insertTracks(Token& string) {
       end = stop + 1;
     }
     out += text.substr(copied, dollar - copied);
-    // Adding zero takes the sign of a negative zero.
+    // Adding zero removes the sign of a negative zero.
     out += formatted("%0*.0f", digits, std::round(found->second.values[0]) + 0.0);
     copied = end;
     dollar = end - 1;

@@ -1,5 +1,5 @@
 /** @file
- * The tokens of a file with its includes spliced in: an Include may stand anywhere, even between the
+ * Token stream of a file with its includes spliced in: an Include is permitted everywhere, even between the
  * parameters of a directive.
  */
 #pragma once
@@ -12,32 +12,32 @@
 
 namespace recurse::sceneFile {
 
-/** Text that is included in the whole scene: files that include each other twice over grow without bound. */
+/** Total size of included text; files that include each other repeatedly would grow without bound. */
 struct IncludeCount {
   static constexpr size_t MAX_BYTES = size_t(64) << 30;
-  static constexpr size_t MIN_FILE_BYTES = size_t(64) << 10; ///< that each file counts for
+  static constexpr size_t MIN_FILE_BYTES = size_t(64) << 10; ///< minimum counted for each file
   static constexpr size_t MAX_DEPTH = 64;
   size_t bytes = 0;
 };
 
 class TokenStream {
  public:
-  /** `outer` is the stream that imports this one; its open files count for depth and recursion. */
+  /** `outer` is the importing stream, whose open files count for depth and recursion. */
   TokenStream(const Source& source, SourceFiles& files, ErrorLog& log, IncludeCount& includes,
               const TokenStream* outer = nullptr);
 
   const Token& peek();
   Token take();
-  /** Appends the plain numbers that come next. */
+  /** Appends the plain numbers at the current position. */
   void appendNumbers(std::vector<double>& out);
   /**
-   * The source of the file that a directive asks for, or null after reporting why it cannot be had. `name` is
-   * the token with its file name.
+   * Source of the file requested by a directive, or null after an error was reported. `name` is the token of
+   * its file name.
    */
   const Source* resolve(const Token& name, const char* directive);
 
  private:
-  /** An open text, and where `$name` stands in whose place it is read. */
+  /** Open text, with the `$name` token that it replaces, if any. */
   struct Open {
     Lexer lexer;
     std::optional<Token> reference;
@@ -45,9 +45,9 @@ class TokenStream {
 
   Token next();
   void include(const Token& directive);
-  /** Goes on with the numbers of the track that `$name` stands for. Throws SceneError. */
+  /** Continues with the values of the track of a `$name` token. Throws SceneError. */
   void spliceTrack(const Token& reference);
-  /** Writes the numbers of tracks into a string. Throws SceneError. */
+  /** Substitutes the values of tracks in a string. Throws SceneError. */
   void insertTracks(Token& string);
   void collectOpen(std::vector<const Source*>& chain) const;
 

@@ -1,5 +1,5 @@
 /** @file
- * Boxes along the axes; transforms make parallelepipeds of them.
+ * Axis-aligned boxes; transforms make parallelepipeds of them.
  */
 #include "recurse/model/scene/plugIns.h"
 #include "shapes/analytic/mappedShape.h"
@@ -81,7 +81,7 @@ class Box final : public MappedShape {
   std::string whyOpen() const override { return ""; }
 
  private:
-  Vec3d corner; ///< the other one is the own space's origin
+  Vec3d corner; ///< opposite to the corner at the origin of own space
 };
 
 } // namespace

@@ -12,7 +12,7 @@ constexpr double TWO_PI = 6.28318530717958647693;
 
 class Disk final : public Shape {
  public:
-  /** `inner` is the hole's radius over the disc's. */
+  /** `inner` is the ratio of the radii of hole and disc. */
   Disk(double height, double radius, double inner, double phiMax, const ShapeContext& context)
       : center(transformPoint(context.sceneFromObject, {0, 0, height})),
         axisX(Vec3d(context.sceneFromObject[0]) * radius), axisY(Vec3d(context.sceneFromObject[1]) * radius),
@@ -22,7 +22,7 @@ class Disk final : public Shape {
     normal = across / parallelogram;
     coordinateX = glm::cross(axisY, normal) / parallelogram;
     coordinateY = glm::cross(normal, axisX) / parallelogram;
-    // The object's z axis is outside, whatever the transform does.
+    // The outer side is +z of object space, whatever the transform.
     if (swapsHandedness(context.sceneFromObject) != context.reverseOrientation) outside = -1;
     totalArea = static_cast<float>(0.5 * phiMax * (1 - square(inner)) * parallelogram);
   }
@@ -49,11 +49,11 @@ class Disk final : public Shape {
     return PrimitiveHit{rounded, HitParameters(Vec2f(x, y))};
   }
 
-  /** The parameters are the place on the unit disc. */
+  /** Hit parameters are coordinates on the unit disc. */
   SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
     double x = double(parameters.uv.x), y = double(parameters.uv.y);
     double r = std::hypot(x, y);
-    if (r > 1) { // by rounding
+    if (r > 1) { // outside by rounding
       x /= r;
       y /= r;
       r = 1;
@@ -106,7 +106,7 @@ class Disk final : public Shape {
   }
 
  private:
-  /** The place on the unit disc. */
+  /** Point of the unit disc at (u, v). */
   Vec2d unitPointAt(double u, double v) const {
     const double r = 1 - (1 - inner) * v, phi = phiMax * u;
     return {r * std::cos(phi), r * std::sin(phi)};

@@ -1,5 +1,5 @@
 /** @file
- * What shapes with a space of their own share: transforms, error bounds, sampling by area.
+ * Transforms, error bounds and area sampling of shapes that are computed in their own space.
  */
 #include "shapes/analytic/mappedShape.h"
 
@@ -23,7 +23,7 @@ void MappedShape::prepare(const Mat4d& sceneFromOwn, const Bounds3d& ownBounds, 
               middle = center + linear * ownBounds.center();
   const Vec3d largest = glm::max(glm::abs(ownBounds.lower), glm::abs(ownBounds.upper));
   Bounds3d bounds{middle - magnitudes * half, middle + magnitudes * half};
-  if (radius > 0) { // the cylinder around may be narrower
+  if (radius > 0) { // the bounding cylinder may be narrower
     Vec3d reach = magnitudes[2] * half.z;
     for (int i = 0; i < 3; ++i) reach[i] += radius * (1 + 0x1p-20) * std::hypot(linear[0][i], linear[1][i]);
     const Vec3d onAxis = center + linear[2] * ownBounds.center().z;
@@ -32,10 +32,10 @@ void MappedShape::prepare(const Mat4d& sceneFromOwn, const Bounds3d& ownBounds, 
   }
   box = roundedOut(bounds);
   extent = bounds.diagonal();
-  // Rounding of coordinates, and of the polynomials that are solved.
+  // Bound on the rounding of coordinates and of the polynomials that are solved.
   const Vec3d there = inverseMagnitudes * (magnitudes * largest);
   roundingInOwn = 0x1p-40 * std::max(there.x, std::max(there.y, there.z));
-  // A rotation and one scale, but for the rounding of the file's numbers?
+  // Tests for a rotation with uniform scale, up to the rounding of numbers in the file.
   const Mat3d gram = glm::transpose(linear) * linear;
   uniformScale = std::cbrt(determinant);
   for (int i = 0; i < 3; ++i)
@@ -62,7 +62,7 @@ std::optional<PrimitiveHit> MappedShape::intersect(uint32_t, const Vec3f& origin
       const auto t = static_cast<float>(m.t);
       if (t > tMin && t < tMax) return PrimitiveHit{t, HitParameters(Vec3f(m.point), m.part)};
     }
-    if (found.empty()) return {}; // else the nearest may be tMin but for rounding
+    if (found.empty()) return {}; // otherwise the nearest hit may have been rounded to tMin
   }
   return {};
 }
@@ -92,7 +92,7 @@ SurfacePoint MappedShape::surfaceAt(uint32_t, const HitParameters& parameters) c
 }
 
 double MappedShape::stretchedArea() const {
-  // An area with unit normal n grows by the length of the cofactor matrix times n.
+  // Area with unit normal n grows by the length of the cofactor matrix times n.
   const Mat3d cofactor = glm::transpose(inverse) * determinant;
   double sum = 0;
   for (uint32_t part = 0; part < areas.size(); ++part)
@@ -111,7 +111,7 @@ double MappedShape::stretchedArea() const {
 
 float MappedShape::area() const {
   if (uniformScale > 0) return static_cast<float>(ownArea * square(uniformScale));
-  // Takes a while, and only the power of lights wants it.
+  // The area is computed on demand: it is slow, and only the power of lights needs it.
   std::call_once(areaKnown, [this] { sceneArea = stretchedArea(); });
   return static_cast<float>(sceneArea);
 }
@@ -126,7 +126,7 @@ ShapeSample MappedShape::sampleArea(float pick, const Vec2f& u) const {
   return s;
 }
 
-/** Points are uniform in the own space, so that the map's stretch thins them out. */
+/** Points are uniform in own space, so that the area stretch of the map divides their density. */
 float MappedShape::pdfArea(uint32_t, const SurfacePoint& point) const {
   const Vec3d normal = point.geometricNormal;
   return static_cast<float>(glm::length(glm::transpose(linear) * normal) / (ownArea * determinant));

@@ -1,6 +1,6 @@
 /** @file
- * Shapes that are computed in double precision in a space of their own, about as large as 1, which an affine
- * map takes to the scene. A shape consists of parts (a side, its caps), numbered from 0.
+ * Shapes that are computed in double precision in their own space, of about unit size. An affine map takes
+ * this space to the scene. A shape consists of parts (a side, its caps), numbered from 0.
  */
 #pragma once
 
@@ -31,22 +31,22 @@ class MappedShape : public Shape {
   FacePoint facePointOf(uint32_t, const SurfacePoint& point) const override;
 
  protected:
-  /** A line through the own space. What lies outside of tMin to tMax need not be found, nor what lies behind
-   * the first hit where `nearestOnly`. */
+  /** Line through own space. Hits outside [tMin, tMax] may be omitted, and with `nearestOnly` all hits
+   * behind the first. */
   struct Line {
     Vec3d origin, direction;
     double tMin = -std::numeric_limits<double>::infinity(), tMax = std::numeric_limits<double>::infinity();
     bool nearestOnly = false;
     Vec3d at(double t) const { return origin + direction * t; }
   };
-  /** Where a line goes through the surface; `point` need not be accurate. */
+  /** Intersection of a line with the surface; `point` need not be accurate. */
   struct LineHit {
     double t = 0;
     uint32_t part = 0;
-    bool entering = false; ///< of closed shapes only
+    bool entering = false; ///< valid for closed shapes only
     Vec3d point{0};
   };
-  /** The hits of a line in the order of t. */
+  /** Hits of a line, sorted by t. */
   class LineHits {
    public:
     explicit LineHits(std::vector<LineHit>& storage) : list(storage) { list.clear(); }
@@ -62,7 +62,7 @@ class MappedShape : public Shape {
    private:
     std::vector<LineHit>& list;
   };
-  /** The surface in its own space. */
+  /** Surface point in own space. */
   struct OwnPoint {
     Vec3d position;
     Vec3d normal; ///< unit, outwards
@@ -72,23 +72,23 @@ class MappedShape : public Shape {
     double error = 0; ///< bound on the distance from the surface
   };
 
-  /** To be called by constructors once the functions below work. `radius` is that of a cylinder around the z
-   * axis that holds the shape; 0: not known. */
+  /** Must be called by constructors once the functions below work. `radius` is the radius of a cylinder
+   * around the z axis that contains the shape; 0: unknown. */
   void prepare(const Mat4d& sceneFromOwn, const Bounds3d& ownBounds, std::vector<double> partAreas,
                bool reverseOrientation, double radius = 0);
   static constexpr double TWO_PI = 6.28318530717958647693;
-  /** The box around what a point within `radius` of the z axis sweeps from phi = 0 to phiMax. */
+  /** Bounding box of the sector within `radius` of the z axis, phi = 0 to phiMax [rad], zLow to zHigh. */
   static Bounds3d sectorBounds(double radius, double phiMax, double zLow, double zHigh);
 
   virtual void intersectAll(const Line& line, LineHits& found) const = 0;
-  /** The point of a part that is nearest to one on it but for rounding. */
+  /** Surface point of a part nearest to `near`, which is on the part up to rounding. */
   virtual OwnPoint ownPoint(uint32_t part, const Vec3d& near) const = 0;
-  /** From the unit square to a part, uniform by area in the own space. */
+  /** Maps the unit square to a part, uniform by area in own space. */
   virtual Vec3d ownSample(uint32_t part, const Vec2d& u) const = 0;
-  /** The point of a part with these coordinates, where each is covered once by them. */
+  /** Point of a part at (u, v); empty for shapes whose coordinates do not cover each point once. */
   virtual std::optional<Vec3d> pointOfPart(uint32_t /*part*/, const Vec2d& /*uv*/) const { return {}; }
   Vec3d inScene(const Vec3d& own) const { return center + linear * own; }
-  /** What is missing for the shape to be a solid; empty: nothing. */
+  /** Reason why the shape is no solid; empty where it is one. */
   virtual std::string whyOpen() const = 0;
 
  private:
@@ -102,15 +102,15 @@ class MappedShape : public Shape {
   SurfacePoint toScene(const OwnPoint& own) const;
   double stretchedArea() const;
 
-  Mat3d linear{1}, inverse{1}, magnitudes{1}; ///< to the scene, from it, and the absolute values of the first
+  Mat3d linear{1}, inverse{1}, magnitudes{1}; ///< to the scene, its inverse, absolute values of the former
   Vec3d center{0};
   Bounds3f box;
-  Vec3d extent{0};           ///< of the shape in the scene
+  Vec3d extent{0};           ///< extent of the shape in the scene
   double side = 1;           ///< -1 where the inside counts as outside
   double determinant = 1;    ///< absolute
-  double uniformScale = 0;   ///< 0 where the map stretches directions differently
+  double uniformScale = 0;   ///< 0 where the map does not scale uniformly
   double roundingInOwn = 0;  ///< bound on the error of a point of the scene taken to the own space
-  std::vector<double> areas; ///< of the parts, in the own space
+  std::vector<double> areas; ///< areas of the parts in own space
   double ownArea = 0;
   mutable std::once_flag areaKnown;
   mutable double sceneArea = 0;

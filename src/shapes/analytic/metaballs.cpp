@@ -1,6 +1,6 @@
 /** @file
- * Metaballs: the surface where a sum of fields around points reaches a threshold. Between the points where a
- * line enters or leaves a ball's reach the field along it is a polynomial, whose roots are isolated.
+ * Metaballs: the surface where a sum of fields around points reaches a threshold. Along a line the field is a
+ * polynomial between the points where it enters or leaves the support of a ball; its roots are isolated.
  */
 #include "recurse/core/math/polynomialRoots.h"
 #include "recurse/model/scene/plugIns.h"
@@ -17,7 +17,7 @@ struct Ball {
   double radius, strength;
 };
 
-/** The product of two polynomials in Bernstein form over the same interval. */
+/** Product of two polynomials in Bernstein form over the same interval. */
 template <size_t N, size_t M>
 BernsteinForm<N + M> product(const BernsteinForm<N>& a, const BernsteinForm<M>& b) {
   constexpr auto binomial = [](size_t n, size_t k) {
@@ -111,7 +111,7 @@ template <class Field> class Metaballs final : public MappedShape {
     const double speed = glm::length(line.direction);
     if (!(speed > 0)) return;
     const Vec3d d = line.direction / speed;
-    // The part of the line in the bounds, counted from its middle.
+    // Segment of the line inside the bounds, measured from its middle.
     const double tNear = -glm::dot(line.origin, d);
     const Vec3d o = line.origin + d * tNear;
     const double half2 = square(0.5 * (1 + 1e-6)) - glm::dot(o, o);
@@ -157,7 +157,7 @@ template <class Field> class Metaballs final : public MappedShape {
     s.normal = steepness > 0 ? -gradient / steepness : Vec3d(0, 0, 1);
     // Rounding of the field moves the surface.
     s.error = steepness > 0 ? std::min(0x1p-48 * strengths / steepness, MAX_ERROR) : MAX_ERROR;
-    // Coordinates as on a sphere around the middle, and where they lead along the surface.
+    // Spherical coordinates around the middle, and their derivatives along the surface.
     const double rho2 = p.x * p.x + p.y * p.y, rho = std::sqrt(rho2), r2 = rho2 + p.z * p.z;
     const double phi = std::atan2(p.y, p.x);
     s.uv = {(phi < 0 ? phi + TWO_PI : phi) / TWO_PI, std::atan2(rho, p.z) / PI_D};
@@ -178,14 +178,14 @@ template <class Field> class Metaballs final : public MappedShape {
   std::string whyOpen() const override { return ""; }
 
  private:
-  // In the size of the whole:
-  static constexpr double MAX_STEP = 1e-2;  ///< of Newton's method, which flat places would send far away
-  static constexpr double MAX_ERROR = 1e-5; ///< where the field is flat
+  // Lengths relative to the size of the whole shape.
+  static constexpr double MAX_STEP = 1e-2;  ///< step limit of Newton's method, which diverges at flat points
+  static constexpr double MAX_ERROR = 1e-5; ///< error bound where the field is flat
 
-  /** The part of a line in reach of a ball. */
+  /** Segment of a line inside the support of a ball. */
   struct Reach {
     double from, to;
-    double nearest, distance2; ///< along the line, and squared off it, both in units of the radius
+    double nearest, distance2; ///< centre along the line, squared distance off it [radii]
     double scale;              ///< 1 / radius
     double strength;
     double q(double t) const { return square(t * scale - nearest) + distance2; }
@@ -211,7 +211,7 @@ template <class Field> class Metaballs final : public MappedShape {
     return f;
   }
 
-  /** The field less the threshold, and its gradient. */
+  /** Field minus the threshold, and its gradient. */
   double fieldAt(const Vec3d& p, Vec3d& gradient) const {
     double f = -threshold;
     gradient = Vec3d(0);
@@ -236,16 +236,16 @@ template <class Field> class Metaballs final : public MappedShape {
 
   /**
    * Calls visit(t, entering) for the crossings in ascending order while it returns true; false where it did
-   * not. `inside` holds at `low`, then at `high`. The field is `sum`, which is of balls that reach over the
-   * whole piece, and those of reaches[first] to the last, which are taken off the list. A piece in which
-   * balls begin or end is split there, unless the field cannot change its sign in it.
+   * not. `inside` is the state at `low`, and on return at `high`. The field is `sum`, of balls whose support
+   * covers the whole piece, plus the balls of reaches[first] to the last, which are removed from the list. A
+   * piece in which supports begin or end is split there, unless the field cannot change its sign.
    */
   template <class Visit>
   bool intersectPiece(std::vector<Reach>& reaches, size_t first, double low, double high, Sum sum,
                       bool& inside, const Visit& visit) const {
     static thread_local std::vector<double> ends;
     ends.clear();
-    double least = 0, most = 0; // of the fields of balls that begin or end in the piece
+    double least = 0, most = 0; // field bounds of balls that begin or end in the piece
     size_t kept = first;
     for (size_t i = first; i < reaches.size(); ++i) {
       const Reach r = reaches[i];
@@ -268,7 +268,7 @@ template <class Field> class Metaballs final : public MappedShape {
     };
     const bool isSimple = least >= 0 || most < 0;
     if (isSimple || kept == first) {
-      // A crossing that rounding has put between two pieces.
+      // Crossing that rounding has moved between two pieces.
       if ((isSimple ? least >= 0 : sum[0] >= 0) != inside) change(low);
       const auto field = [&](double t) {
         return bernsteinValue<Field::DEGREE>(sum, (t - low) / (high - low));
@@ -301,8 +301,8 @@ template <class Field> class Metaballs final : public MappedShape {
   BoxTree tree;
   Bounds3d ownBounds;
   double threshold;
-  double strengths = 0; ///< the sum of their magnitudes
-  double window = 1;    ///< so much of a ray is looked at at once
+  double strengths = 0; ///< sum of their absolute values
+  double window = 1;    ///< length of the ray pieces that are intersected at a time
 };
 
 std::unique_ptr<Shape> makeMetaballs(const Parameters& p, const ShapeContext& context) {

@@ -10,19 +10,19 @@ namespace recurse {
 
 namespace {
 
-/** x² + y² = a z² + b z + c between two heights. */
+/** Surface x² + y² = a z² + b z + c between two heights. */
 struct Profile {
   double a = 0, b = 0, c = 0, zLow = 0, zHigh = 1;
   double radius2(double z) const { return std::max(0.0, (a * z + b) * z + c); }
   double radius(double z) const { return std::sqrt(radius2(z)); }
-  /** Area between heights for each radian around, by height. */
+  /** Area per unit height and radian of azimuth, at height z. */
   double areaDensity(double z) const { return std::sqrt(radius2(z) + square(a * z + 0.5 * b)); }
 
-  /** The same surface in units of `size`. */
+  /** Surface in units of `size`. */
   Profile scaled(double size) const { return {a, b / size, c / square(size), zLow / size, zHigh / size}; }
 };
 
-/** How pbrt counts v, and what phi is measured from. */
+/** Parameterization of pbrt: v at both ends, and the origin of phi. */
 struct Coordinates {
   double vLow = 0, vHigh = 1;  ///< v at the lower and upper height
   Vec2d line0{1, 0}, line1{0}; ///< phi is measured from line0 + z line1
@@ -47,7 +47,7 @@ class RevolvedQuadric final : public MappedShape {
       for (const double z : {profile.zLow, profile.zHigh}) areas.push_back(0.5 * phiMax * profile.radius2(z));
     perRadian = side / phiMax;
     middle = Vec3d(0, 0, 0.5 * (profile.zLow + profile.zHigh));
-    // The line of a hyperboloid begins anywhere around.
+    // The generating line of a hyperboloid may begin at any azimuth.
     const bool startsAtX = coordinates.line1 == Vec2d(0);
     prepare(m, sectorBounds(r, startsAtX ? phiMax : TWO_PI, profile.zLow, profile.zHigh), areas,
             context.reverseOrientation, r);
@@ -78,7 +78,7 @@ class RevolvedQuadric final : public MappedShape {
   };
 
   void intersectAll(const Line& line, LineHits& found) const override {
-    // From near the shape, so that distance costs no digits.
+    // The origin is moved near the shape, so that distance costs no precision.
     const double speed2 = glm::dot(line.direction, line.direction);
     if (!(speed2 > 0)) return;
     const double tNear = glm::dot(middle - line.origin, line.direction) / speed2;
@@ -100,7 +100,7 @@ class RevolvedQuadric final : public MappedShape {
       }
       return;
     }
-    // What is inside of the quadric and between the caps: in and out by turns, whatever is rounded.
+    // Spans inside the quadric and between the caps: entries and exits alternate whatever is rounded.
     End slab[2] = {{-INFINITE_D, LOW_CAP}, {INFINITE_D, HIGH_CAP}};
     if (d.z != 0) {
       slab[0].t = (profile.zLow - o.z) / d.z;
@@ -149,15 +149,15 @@ class RevolvedQuadric final : public MappedShape {
         p.z = std::clamp(p.z - f * gradient.y / g2, profile.zLow, profile.zHigh);
       }
       rho = std::max(rho, 0.0);
-      const double slope = profile.a * p.z + 0.5 * profile.b; // of rho²/2 by z
+      const double slope = profile.a * p.z + 0.5 * profile.b; // derivative of rho²/2 by z
       const double steepness = std::hypot(rho, slope);
-      // The tip of a cone has no normal: any of those around it.
+      // The tip of a cone has no normal; any of the normals around it is taken.
       s.normal = steepness > 0 ? Vec3d(outwards * rho, -slope) / steepness : Vec3d(outwards, 0);
       const double height = profile.zHigh - profile.zLow, w = (p.z - profile.zLow) / height;
       p = Vec3d(outwards * rho, p.z);
       s.uv.y = coordinates.vLow + (coordinates.vHigh - coordinates.vLow) * w;
       const double dzdv = height / (coordinates.vHigh - coordinates.vLow);
-      // Along v the azimuth of a hyperboloid's line changes.
+      // The azimuth of a hyperboloid's generating line changes along v.
       const Vec2d line = coordinates.line0 + coordinates.line1 * p.z;
       const double length2 = glm::dot(line, line);
       const double turn =
@@ -213,7 +213,7 @@ class RevolvedQuadric final : public MappedShape {
   }
 
  private:
-  /** The roots of a t² + 2 b t + c in ascending order. */
+  /** Roots of a t² + 2 b t + c in ascending order. */
   static int solve(double a, double b, double c, std::array<double, 2>& roots) {
     if (a == 0) {
       if (b == 0) return 0;
@@ -236,14 +236,14 @@ class RevolvedQuadric final : public MappedShape {
     const Vec2d line = coordinates.line0 + coordinates.line1 * z;
     return std::atan2(line.y, line.x);
   }
-  /** From the line that sweeps the surface, 0 to 2π. */
+  /** Azimuth from the generating line of the surface, in [0, 2π]. */
   double azimuth(const Vec3d& p) const {
     double phi = std::atan2(p.y, p.x) - azimuthOfLine(p.z);
     if (phi < 0) phi += TWO_PI;
     return phi < 0 ? phi + TWO_PI : phi;
   }
 
-  /** Where the side's area from below, for each radian around, comes to `wanted`. */
+  /** Height below which the side has area `wanted` per radian of azimuth. */
   double heightAt(double wanted) const {
     double low = profile.zLow, high = profile.zHigh, below = 0;
     const auto density = [&](double z) { return profile.areaDensity(z); };
@@ -264,7 +264,7 @@ class RevolvedQuadric final : public MappedShape {
   Coordinates coordinates;
   double phiMax;
   bool capped;
-  double perRadian = 0; ///< area of the side for each radian around
+  double perRadian = 0; ///< area of the side per radian of azimuth
   Vec3d middle{0};
 };
 

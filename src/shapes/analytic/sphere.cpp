@@ -1,6 +1,6 @@
 /** @file
- * Spheres, and by their transforms ellipsoids, whole or swept in part. All is computed in double precision on
- * the unit sphere, which an affine map takes to the scene.
+ * Spheres, and ellipsoids by their transforms, whole or swept in part. Computations are in double precision
+ * on the unit sphere, which an affine map takes to the scene.
  */
 #include <mutex>
 
@@ -11,7 +11,7 @@ namespace recurse {
 
 namespace {
 
-/** The part of the unit sphere that is there. */
+/** Part of the unit sphere that the shape covers. */
 struct Sweep {
   double zLow = -1, zHigh = 1, phiMax = 2 * PI_D;
   bool whole() const { return zLow <= -1 && zHigh >= 1 && phiMax >= 2 * PI_D; }
@@ -34,10 +34,10 @@ class Sphere final : public Shape {
       magnitude[i] = glm::abs(linear[i]);
       inverseMagnitude[i] = glm::abs(inverse[i]);
     }
-    // What is lost by going to the unit sphere and back, as far as rounding to double is to blame.
+    // Bound on the double-precision rounding error of a transform to the unit sphere and back.
     const Vec3d there = inverseMagnitude * (magnitude * Vec3d(1));
     unitError = 0x1p-50 * std::max(there.x, std::max(there.y, there.z));
-    // A rotation and one scale, but for the rounding of the file's numbers?
+    // Tests for a rotation with uniform scale, up to the rounding of numbers in the file.
     const Mat3d gram = glm::transpose(linear) * linear;
     uniformRadius = std::cbrt(determinant);
     const double r2 = square(uniformRadius);
@@ -56,7 +56,7 @@ class Sphere final : public Shape {
     box.lower = center - extent;
     box.upper = center + extent;
     if (!sweep.whole()) {
-      // The box of the part on the unit sphere; a little more, because points come from rounded parameters.
+      // Bounding box of the part of the unit sphere, with slack because points come from rounded parameters.
       const double lowest = std::min(std::abs(sweep.zLow), std::abs(sweep.zHigh));
       const double r = sweep.zLow <= 0 && sweep.zHigh >= 0 ? 1 : std::sqrt(1 - square(lowest));
       const double c = std::cos(sweep.phiMax), s = std::sin(sweep.phiMax), phi = sweep.phiMax;
@@ -90,7 +90,7 @@ class Sphere final : public Shape {
     return {};
   }
 
-  /** The parameters are the point of the unit sphere. */
+  /** Hit parameters are the point on the unit sphere. */
   SurfacePoint surfaceAt(uint32_t, const HitParameters& parameters) const override {
     return pointAt(glm::normalize(Vec3d(parameters.point())));
   }
@@ -100,7 +100,7 @@ class Sphere final : public Shape {
 
   float area() const override {
     if (uniformRadius > 0) return static_cast<float>(sweep.solidAngle() * square(uniformRadius));
-    // Takes a while, and only the power of lights wants it.
+    // The area is computed on demand: it is slow, and only the power of lights needs it.
     std::call_once(areaKnown, [this] { ellipsoidArea = stretchedArea(); });
     return static_cast<float>(ellipsoidArea);
   }
@@ -130,7 +130,7 @@ class Sphere final : public Shape {
     return s;
   }
 
-  /** Points are uniform on the unit sphere, so that the map's stretch thins them out. */
+  /** Points are uniform on the unit sphere, so that the area stretch of the map divides their density. */
   float pdfArea(uint32_t, const SurfacePoint& point) const override {
     if (uniformRadius > 0) return 1 / area();
     const Vec3d normal = point.geometricNormal;
@@ -151,11 +151,11 @@ class Sphere final : public Shape {
     const Vec3d away = Vec3d(from) - center;
     const double distance2 = glm::dot(away, away);
     if (!coneIsSeen(from, distance2)) return Shape::sampleDirection(from, pick, u);
-    // Uniform in the cone around the sphere, in terms of 1 - cosine, which has digits however far the sphere.
+    // Uniform in the cone around the sphere, in terms of 1 - cosine, which is precise at any distance.
     const double sin2Max = square(uniformRadius) / distance2;
     const double x = double(u.x) * oneMinusCosine(sin2Max);
     const double sin2 = x * (2 - x), cosine = 1 - x;
-    // At the sphere's centre, the angle between the ways to `from` and to the point where that ray arrives.
+    // Angle at the sphere's centre between the directions to `from` and to the point that the ray hits.
     const double cosAlpha = sin2 / std::sqrt(sin2Max) + cosine * std::sqrt(std::max(0.0, 1 - sin2 / sin2Max));
     const double sinAlpha = std::sqrt(std::max(0.0, 1 - square(cosAlpha)));
     const double phi = 2 * PI_D * double(u.y);
@@ -178,12 +178,12 @@ class Sphere final : public Shape {
   }
 
  private:
-  /** Where a line meets the unit sphere, the nearer place first. */
+  /** Intersections of a line with the unit sphere, the nearer one first. */
   static bool intersectLine(const Vec3d& o, const Vec3d& d, double (&t)[2]) {
     const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
     if (!(a > 0)) return false;
-    // The discriminant from the point of the ray that is nearest to the centre, which keeps its digits when
-    // the sphere is small and far (Haines et al., "Precision Improvements for Ray/Sphere Intersection",
+    // Discriminant from the point of the ray nearest to the centre, which keeps its precision when the
+    // sphere is small and far (Haines et al., "Precision Improvements for Ray/Sphere Intersection",
     // 2019).
     const Vec3d nearest = o - d * (b / a);
     double discriminant = 1 - glm::dot(nearest, nearest);
@@ -213,8 +213,8 @@ class Sphere final : public Shape {
     const Sphere& sphere;
   };
 
-  /** From clearly outside. A point of the sphere itself is rounded to either side of it, and is no such
-   * place. */
+  /** Whether `from` is clearly outside. Points of the sphere itself are rounded to either side of it, and
+   * do not count as outside. */
   bool coneIsSeen(const Vec3f& from, double distance2) const {
     const double surface = uniformRadius * (1 + 1e-4) + 1e-6 * glm::length(Vec3d(from));
     return uniformRadius > 0 && sweep.whole() && distance2 > square(surface);
@@ -224,7 +224,7 @@ class Sphere final : public Shape {
     return static_cast<float>(1 / (2 * PI_D * oneMinusCosine(sin2Max)));
   }
 
-  /** Of the unit sphere. */
+  /** Point of the unit sphere at (u, v). */
   Vec3d unitPointAt(double u, double v) const {
     const double theta = thetaLow + (thetaHigh - thetaLow) * v, phi = sweep.phiMax * u;
     return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
@@ -246,7 +246,7 @@ class Sphere final : public Shape {
 
   SurfacePoint pointAt(const Vec3d& unit) const {
     SurfacePoint s = placeAt(unit);
-    // pbrt's coordinates: around in u, from zmin up to zmax in v.
+    // Coordinates of pbrt: around in u, from zmin up to zmax in v.
     const double rho = std::hypot(unit.x, unit.y), theta = std::atan2(rho, unit.z);
     s.uv = {static_cast<float>(std::min(azimuth(unit) / sweep.phiMax, 1.0)),
             static_cast<float>(std::clamp((theta - thetaLow) / (thetaHigh - thetaLow), 0.0, 1.0))};
@@ -262,7 +262,7 @@ class Sphere final : public Shape {
     return s;
   }
 
-  /** The integral of the map's stretch of areas over the part of the unit sphere. */
+  /** Integral of the map's area stretch over the part of the unit sphere. */
   double stretchedArea() const {
     const Mat3d cofactor = glm::transpose(inverse) * determinant;
     return integrate(
@@ -280,7 +280,7 @@ class Sphere final : public Shape {
   Mat3d linear, inverse; ///< between the unit sphere and the scene
   Vec3d center;
   Sweep sweep;
-  double thetaLow, thetaHigh;        ///< of the sweep: angles from the z axis
+  double thetaLow, thetaHigh;        ///< polar angles of the sweep, from the z axis
   Mat3d magnitude, inverseMagnitude; ///< absolute values of the matrices
   double determinant;
   double side;              ///< -1 where the inside counts as outside

@@ -30,7 +30,7 @@ class Torus final : public MappedShape {
   void intersectAll(const Line& line, LineHits& found) const override {
     const double speed = glm::length(line.direction);
     if (!(speed > 0)) return;
-    // From the point nearest to the middle: a quartic without a cubic term.
+    // The origin is the point nearest to the middle, so that the quartic has no cubic term.
     const Vec3d d = line.direction / speed;
     const double tNear = -glm::dot(line.origin, d);
     const Vec3d o = line.origin + d * tNear;
@@ -78,7 +78,7 @@ class Torus final : public MappedShape {
   }
 
   Vec3d ownSample(uint32_t, const Vec2d& u) const override {
-    // The tube's angle: its outer side has more area.
+    // Angle around the tube: its outer side has more area.
     const double wanted = TWO_PI * major * u.x;
     const double theta =
         refineRoot([&](double angle) { return major * angle + minor * std::sin(angle) - wanted; }, 0, TWO_PI);

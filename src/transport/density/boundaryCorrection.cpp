@@ -1,5 +1,5 @@
 /** @file
- * Rays that look at the surface around a point.
+ * Probe rays for the surface geometry around a point.
  */
 #include "transport/density/boundaryCorrection.h"
 
@@ -7,20 +7,20 @@ namespace recurse {
 
 namespace {
 
-/** Walls rise by more than 45° from a surface; what rises less is its curvature. */
+/** Walls have an angle of more than 45° to the surface; smaller angles are due to curvature. */
 constexpr float WALL_COSINE = 0.7f;
 
-/** Rays along a surface start so far above it, over the kernel's radius: below the photons' search region. */
+/** Height of rays along a surface over the kernel radius: below the upper limit of the search region. */
 constexpr float RISE = 0.02f;
 
-/** So far above it, over the kernel's radius, others look for what ends that near to the surface without
- * touching it, as a door below a ceiling does: light on one side of a narrow gap tells little of the other.
+/** Height over the kernel radius at which further rays search for geometry that ends near the surface without
+ * contact, like a door below a ceiling: light differs on the two sides of a narrow gap.
  */
 constexpr float GAP = 0.2f;
 
 bool holdsPhotons(const Hit& hit) { return hit.material && (hit.material->lobes() & NON_DELTA_LOBES); }
 
-/** The first surface that can hold photons along the ray; false when there is none. */
+/** Finds the first surface along the ray that can hold photons; false if there is none. */
 bool intersectNonDelta(const Scene& scene, Ray ray, Hit& hit, TransportCounts& counts) {
   constexpr int MAX_PASSED = 8;
   for (int i = 0; i < MAX_PASSED; ++i) {
@@ -33,7 +33,7 @@ bool intersectNonDelta(const Scene& scene, Ray ray, Hit& hit, TransportCounts& c
   return false;
 }
 
-/** Whether a ray along the surface meets a wall. Glass and water are walls: on either side the light differs.
+/** Whether a ray along the surface hits a wall. Glass and water are walls: light differs on their two sides.
  */
 bool intersectWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit& hit,
                    TransportCounts& counts) {
@@ -41,20 +41,20 @@ bool intersectWall(const Scene& scene, const Ray& ray, const Vec3f& normal, Hit&
          std::abs(glm::dot(hit.point.geometricNormal, normal)) < WALL_COSINE;
 }
 
-/** Rays that look down at a surface start so far above it: nearer than anything else is above its middle. */
+/** Height from which rays are traced down to the surface: below any geometry above its centre. */
 float freeHeight(const Neighbourhood& around, float radius) {
   return std::min(GAP * radius, around.clearance / 2);
 }
 
-/** What is not this far in front of a wall lies on it. */
+/** Distance from a wall below which a point counts as on the wall [scene units]. */
 float wallMargin(const GatherRegion& region, float error) { return 1e-3f * region.radius + 2 * error; }
 
-/** From above a place of the tangent plane down through it, within `height` of it. */
+/** Ray from `height` above a point of the tangent plane to the same distance below it. */
 Ray downThrough(const Vec3f& place, const Vec3f& normal, float height) {
   return {place + normal * height, -normal, 2 * height};
 }
 
-/** Directions of a plane, evenly spread and turned at random. */
+/** Directions in a plane, at equal angles with a random rotation. */
 template <int N> std::array<Vec3f, N> directions(const Vec3f& normal, float turn) {
   const Frame frame(normal);
   std::array<Vec3f, N> all;
@@ -65,18 +65,18 @@ template <int N> std::array<Vec3f, N> directions(const Vec3f& normal, float turn
   return all;
 }
 
-/** The distance to what lies below a place of the surface, as far as `most`; infinite where nothing does. */
+/** Depth of the next surface below a point, up to `most`; infinite if there is none. */
 float depthBelow(const Scene& scene, const Vec3f& place, const Vec3f& normal, float error, float most,
                  TransportCounts& counts) {
-  const float start = 4 * error; // past the surface itself
+  const float start = 4 * error; // start below the surface itself
   Hit hit;
   if (!intersectNonDelta(scene, {place - normal * start, -normal, most - start}, hit, counts))
     return INFINITE;
   return start + hit.t;
 }
 
-/** The walls that rays along the surface meet within the region's radius, rising from it or ending just above
- * it; `met` gets the distances, infinite where there is none. */
+/** Finds the walls that rays along the surface hit within the region's radius, rising from it or ending just
+ * above it. `met` gets the distances, infinite if there is none. */
 template <size_t N>
 void findWalls(const Scene& scene, float error, const GatherRegion& region,
                const std::array<Vec3f, N>& directions, std::array<float, N>& met, Neighbourhood& found,
@@ -111,7 +111,7 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
   if (const float high = freeHeight(found, region.radius); high > 2 * low) lookAlong(high);
 }
 
-/** Places of a unit disc by a sunflower's spiral, which covers it evenly: unit vectors of its plane. */
+/** Directions of points in a unit disc, uniform by a sunflower spiral: unit vectors in its plane. */
 template <int N> struct Spiral {
   std::array<Vec2f, N> places;
   Spiral() {
@@ -122,7 +122,7 @@ template <int N> struct Spiral {
   }
 };
 
-/** The mean of `weight(offset, q)` over a kernel's support; q is the offset's squared length in radii. */
+/** Mean of `weight(offset, q)` over a kernel's support; q: squared length of the offset in radii. */
 template <int N, class Weight>
 float overSupport(Kernel kernel, const GatherRegion& region, const Vec2f& u, const Weight& weight) {
   static const Spiral<N> spiral;
@@ -143,24 +143,24 @@ float overSupport(Kernel kernel, const GatherRegion& region, const Vec2f& u, con
   });
 }
 
-/** Looks down at the plane of a region for the region's surface. */
+/** Probe that traces rays down to the plane of a region to find its surface. */
 class SurfaceProbe {
  public:
-  /** `height`: where rays start, see freeHeight(). */
+  /** `height`: height from which rays start, see freeHeight(). */
   SurfaceProbe(const Scene& scene, float error, const GatherRegion& region, float height,
                TransportCounts& counts)
       : scene(scene), error(error), region(region), start(std::max(height, 4 * error)), counts(counts) {}
 
-  /** Whether the plane goes on at one of its places. */
+  /** Whether the surface continues in the plane at a point of it. */
   bool flat(const Vec3f& place) {
     constexpr float SAME_PLANE = 0.9998f;
     return cosine(place) >= SAME_PLANE && !isStep(place);
   }
-  /** Of the place last looked at, from the plane. */
+  /** Height of the last probe above the tangent plane [scene units]. */
   float height() const { return lastHeight; }
 
-  /** The straight line at which the surface ends, or turns off, between the places `in` and `out`; none where
-   * it is not straight, or where the surface bends little by little. */
+  /** Straight line at which the surface ends or folds between the points `in` and `out`; nullopt if it is not
+   * straight, or if the surface bends gradually. */
   std::optional<BoundaryPlane> edge(Vec3f in, Vec3f out, float distance) {
     constexpr float CREASE = 0.99f;
     const float tolerance = 1e-4f * distance + 2 * error;
@@ -171,7 +171,7 @@ class SurfaceProbe {
       (flat(middle) ? in : out) = middle;
     }
     if (cosine(out) > CREASE && !isStep(out)) return {};
-    // Where the edge leaves a small circle on either side.
+    // Intersects the edge with a small circle on both sides.
     const float circle = 0.2f * distance;
     std::array<Vec3f, 2> ends;
     for (const float side : {-1.0f, 1.0f}) {
@@ -196,13 +196,13 @@ class SurfaceProbe {
   }
 
  private:
-  /** Whether the place last looked at is higher or lower than the slope of the same plane makes it, as on a
-   * board that lies on a table. */
+  /** Whether the last probe is higher or lower than the slope within one plane allows, as on a board on a
+   * table. */
   bool isStep(const Vec3f& place) const {
-    constexpr float SLOPE = 0.02f; // of SAME_PLANE
+    constexpr float SLOPE = 0.02f; // slope that SAME_PLANE allows
     return lastHeight > SLOPE * glm::distance(place, region.center) + 4 * error;
   }
-  /** Between the surface's normal and the plane's; 0 where there is none. */
+  /** Cosine between the normals of surface and plane; 0 if there is no surface. */
   float cosine(const Vec3f& place) {
     Hit hit;
     if (!intersectNonDelta(scene, downThrough(place, region.normal, start), hit, counts)) return 0;
@@ -218,8 +218,8 @@ class SurfaceProbe {
   float lastHeight = 0;
 };
 
-/** The part of the kernel's weight that the region's half-spaces leave. What they leave is seen
- * from the centre, up to the nearest of the planes in each direction. */
+/** Fraction of the kernel's weight inside of the region's half-spaces. It is star-shaped about the centre,
+ * bounded by the nearest plane in each direction. */
 float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
   constexpr int ANGLES = 64;
   struct Circle {
@@ -238,7 +238,7 @@ float unclippedPart(Kernel kernel, const GatherRegion& region, float turn) {
   return withKernel(kernel, [&](auto k) {
     Float8 part(0);
     for (int i = 0; i < ANGLES; i += 8) {
-      Float8 inverse(1); // of the distance in radii that is left
+      Float8 inverse(1); // reciprocal of the remaining distance in radii
       for (size_t j = 0; j < region.clipCount; ++j) {
         const auto& clip = region.clips[j];
         const float scale = region.radius / clip.limit;
@@ -288,7 +288,7 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
       if (!edge || found.planeCount == Neighbourhood::MAX_PLANES) return found;
       found.add(*edge);
     }
-    found.flat = distance * std::cos(PI / DIRECTIONS); // an edge may lie between two directions
+    found.flat = distance * std::cos(PI / DIRECTIONS); // an edge may be between two directions
     before = distance;
   }
   return found;
@@ -296,13 +296,13 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
 
 namespace {
 
-/** What of a kernel's support is surface. */
+/** Surface within a kernel support. */
 struct SurfaceInSupport {
-  float fraction = 1; ///< of the kernel's weight
+  float fraction = 1; ///< fraction of the kernel's weight
   float cosine = 1;   ///< mean cosine between the surface's normals and the region's
 };
 
-/** Measures the unclipped support at N places. */
+/** Measures the unclipped support at N points. */
 template <int N>
 SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kernel, const GatherRegion& region,
                          TransportCounts& counts) {
@@ -312,7 +312,7 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
   int met = 0;
   const float fraction = overSupport<N>(kernel, region, u, [&](const Vec3f& offset, float q, auto shape) {
     const float height = std::max(region.radius * region.flatness * std::sqrt(1 - q), 4 * error);
-    const float start = std::max(height, free); // what lies above the support hides what is below
+    const float start = std::max(height, free); // geometry above the support hides the surface below
     Hit hit;
     if (!intersectNonDelta(boundary.scene,
                            {region.center + offset + region.normal * start, -region.normal, start + height},
@@ -320,7 +320,7 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
       return 0.0f;
     if (!region.unclipped(hit.point.position - region.center)) return 0.0f;
     const float cosine = std::abs(glm::dot(hit.point.geometricNormal, region.normal));
-    // The error of a plane's place is not to count.
+    // Ignores differences within the position error of a plane.
     if (std::abs(hit.t - start) > 4 * error)
       q = region.distance2(hit.point.position - region.center) / square(region.radius);
     if (cosine <= GatherRegion::MIN_COSINE || q > 1) return 0.0f;
@@ -345,9 +345,9 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
     boundary.known = &boundary.own;
     boundary.away = 0;
   }
-  constexpr float MAX_CLEARANCES = 2; // in a gap light changes within its height
+  constexpr float MAX_CLEARANCES = 2; // light varies within the height of a gap
   region.radius = std::min(region.radius, MAX_CLEARANCES * boundary.known->clearance + boundary.away);
-  // Half as far as the next layer: it may be nearer elsewhere.
+  // Half the distance to the next layer, which may be closer elsewhere.
   const float lowest = std::max(boundary.known->depth / 2, 8 * error) / region.radius;
   region.flatness = std::min(region.flatness, std::max(lowest, FLATTEST));
   const auto clip = [&] {
@@ -361,7 +361,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
       region.clips[region.clipCount++] = {plane.normal, std::min(margin - distance, -error)};
     }
   };
-  // A few rays cannot tell a small part from a tiny one, and what is divided by that is far too bright.
+  // Few rays cannot distinguish small fractions, and dividing by one that is too small gives bright spots.
   constexpr float MIN_FRACTION = 0.2f, MIN_COSINE = 0.95f, STEP = 0.7f, MIN_WEDGE = 1.0f / 16;
   constexpr int MAX_STEPS = 40, FEW_PLACES = 8, MANY_PLACES = 32;
   SurfaceInSupport surface;
@@ -371,7 +371,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
     if (region.radius <= boundary.flat()) {
       if (region.clipCount == 0) return 1;
       const float part = unclippedPart(kernel, region, boundary.sampler.next1D());
-      // What a smaller support does not help, as in the tip of a wedge, stays as it is.
+      // Reduction is of no help where the fraction stays the same, as in the tip of a wedge.
       if (part >= MIN_FRACTION || part < 1.05f * before) return std::max(MIN_WEDGE, part);
       before = part;
       region.radius *= STEP;
@@ -384,10 +384,10 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
     }
     region.radius *= STEP;
   }
-  // Once more, for what has stopped the search is likely to be too much.
+  // Measured again with more points, since the fraction that ended the loop is biased upwards.
   surface = measure<MANY_PLACES>(boundary, error, kernel, region, counts);
   return surface.fraction > 0 ? std::max(surface.fraction, MIN_FRACTION / 2)
-                              : 1; // 0: it cannot be seen, nothing is known of it
+                              : 1; // 0: not visible, nothing is known
 }
 
 } // namespace recurse

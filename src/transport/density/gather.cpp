@@ -1,5 +1,5 @@
 /** @file
- * Photons times BSDF times kernel, eight at a time where the BSDF is one constant.
+ * Density estimation: photons times BSDF times kernel, eight at once for a Lambertian BSDF.
  */
 #include "transport/density/gather.h"
 
@@ -15,17 +15,17 @@ namespace {
 Float8 dot(const Vec3f8& a, const Vec3f8& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 Float8 dot(const Vec3f8& a, const Vec3f& b) { return dot(a, Vec3f8{Float8(b.x), Float8(b.y), Float8(b.z)}); }
 
-/** Cosines of photons' directions by the two normals of a point (Veach 1997, section 5.3): the flux of
- * photons has that of their surface, the reflection equation has that of the shading normal. Directions are
- * turned with the normal of the photon's surface into the geometric normal of the point. */
+/** Cosines of photon directions to both normals of a point (Veach 1997, section 5.3): photon flux has the
+ * cosine to its own surface, the reflection equation the cosine to the shading normal. Directions are rotated
+ * by the rotation from the normal of the photon's surface to the geometric normal of the point. */
 class PhotonCosines {
  public:
-  /** Unit normals of the point, towards the eye. */
+  /** Unit normals of the point, on the side of the viewer. */
   PhotonCosines(const Vec3f& geometric, const Vec3f& shading) : geometric(geometric), shading(shading) {}
 
   struct Pair {
     Float8 geometric, shading;
-    /** 0 for light in the plane of the surface: packing has turned it. */
+    /** Ratio of the cosines; 0 for light parallel to the surface, whose direction packing has changed. */
     Float8 quotient() const {
       return select(less(Float8(0), abs(geometric)), shading / geometric, Float8(0));
     }
@@ -33,7 +33,7 @@ class PhotonCosines {
   Pair of(const PhotonBlock& block) const {
     const Vec3f8 direction = block.directions();
     Vec3f8 normal = unpackDirections(block.normals);
-    const Float8 side = copysign(Float8(1), dot(normal, geometric)); // photons may arrive from the other side
+    const Float8 side = copysign(Float8(1), dot(normal, geometric)); // photons may be from the far side
     normal = {normal.x * side, normal.y * side, normal.z * side};
     const Float8 cosine = dot(direction, normal);
     const Float8 along = (cosine + dot(direction, geometric)) / (Float8(1) + dot(normal, geometric));
@@ -45,7 +45,7 @@ class PhotonCosines {
   Vec3f geometric, shading;
 };
 
-/** Sums of photon power, one for each light-side state. */
+/** Sums of photon power, one for each state of the light path. */
 class Estimate {
  public:
   Estimate(const ScatteringPoint& scattering, const SurfacePoint& point, const Vec3f& eye,
@@ -69,21 +69,21 @@ class Estimate {
   }
 
   bool isLambertian() const { return lambertian; }
-  /** The most common case, quick: a Lambertian BSDF, and paths of all classes alike. */
+  /** Fast path for the most common case: a Lambertian BSDF without distinction of path classes. */
   bool oneSum() const { return lambertian && states == 1 && listed == 1; }
   void set(const Vec3f8& power) { lanes[0] = power; }
   auto arrives() const {
     return [this](Float8 weight, const PhotonBlock& block) { return counted(weight, block); };
   }
 
-  /** Adds the found photons of a block, with kernel shape values in `shape`. */
+  /** Adds the photons found in a block, with kernel shape values in `shape`. */
   void add(const PhotonBlock& block, Float8 shape) {
     Float8 weight = block.found(shape);
     if (lambertian) {
       weight = counted(weight, block);
       if (states <= MAX_LISTED) {
         const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
-        // Every state's turn for every block: cheaper than a branch that depends on the photons.
+        // Loops over all states for each block: cheaper than a branch that depends on the photons.
         const Uint32x8 pathStates = Uint32x8::fromBytes(block.pathStates);
         for (size_t i = 0; i < listed; ++i) {
           const Float8 same = equal(pathStates, Uint32x8(list[i]));
@@ -106,7 +106,7 @@ class Estimate {
   }
 
   void addTo(PathRadiance& out, const Rgb& scale) {
-    // A Lambertian BSDF is the same for all photons. Light from the eye leaks by neither normal.
+    // A Lambertian BSDF is constant. Its value for light from the viewer avoids leaks at either normal.
     const Rgb factor = lambertian ? scale * scattering.value(eye, eye) : scale;
     const auto addState = [&](size_t state, const Rgb& power) {
       if (!isBlack(power)) out.add(LightState(static_cast<uint8_t>(state)), cameraState, power * factor);
@@ -120,10 +120,10 @@ class Estimate {
   }
 
  private:
-  /** More states than this are added up photon by photon. */
+  /** Maximum number of states that are summed in lanes; beyond, photons are added one by one. */
   static constexpr size_t MAX_LISTED = 12;
 
-  /** The BSDF for light from a photon's direction, as far as no ray follows it. */
+  /** BSDF times the photon's weight against rays and MIS weight. */
   Rgb value(const Vec3f& light, float reverseRatio) const {
     const Rgb f = scattering.value(eye, light);
     if (isBlack(f) || !(weighed || weighting.ever())) return f;
@@ -131,7 +131,7 @@ class Estimate {
     return f * (weighting.gathered(pdf) * (weighed ? photonWeight(reverseRatio, merging, pdf, rest) : 1));
   }
 
-  /** Weights of photons that come to a Lambertian surface; 0 where they come from behind the shading normal.
+  /** Weights of photons at a Lambertian surface; 0 for those from behind the shading normal.
    */
   Float8 counted(Float8 weight, const PhotonBlock& block) const {
     if (!bent && !weighed) return weight;
@@ -168,24 +168,24 @@ class Estimate {
   float merging, rest;
   bool lambertian;
   Vec3f shadingSide;
-  bool bent; ///< the shading normal is not the geometric one
+  bool bent; ///< the shading normal differs from the geometric normal
   PhotonCosines cosines;
   std::array<Rgb, 256> sums;
-  size_t listed = 0; ///< states that make an accepted path here
+  size_t listed = 0; ///< number of states that complete a path of some class
   std::array<uint8_t, MAX_LISTED> list;
-  std::array<Vec3f8, MAX_LISTED> lanes; ///< sums for the listed states, spread over eight
+  std::array<Vec3f8, MAX_LISTED> lanes; ///< sums of the listed states, in eight lanes
 };
 
-/** Where photons are added up, and what divides them. */
+/** Kernel support: the region of the photons and the area to divide by. */
 struct Support {
   GatherRegion region;
   float radius2 = 0;
-  bool empty = false;     ///< there are no photons, and what is surface was not looked at
-  float fraction = 1;     ///< of the kernel's weight that is surface
-  bool byNearest = false; ///< the photons are in the scratch
+  bool empty = false;     ///< no photons; the surface fraction is unknown
+  float fraction = 1;     ///< fraction of the kernel's weight that is on the surface
+  bool byNearest = false; ///< photons are in the scratch memory
 };
 
-/** `region`: the place. A support smaller than `least` is widened to it. `error` bounds that of the centre.
+/** Finds the support around `region`, at least as wide as `least`. `error`: bound of the centre's error.
  */
 Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, const GatherRegion& region,
                           float error, float least, BoundaryCorrection* boundary, PhotonScratch& scratch,
@@ -197,7 +197,7 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
     support.radius2 = square(support.region.radius);
     if (settings.nearest > 0) {
       const NearestPhotons nearest = map.nearest(support.region, settings.nearest, scratch);
-      // As many photons in one point have no density of their own.
+      // Photons that all coincide with the centre define no density.
       if (nearest.count == settings.nearest && (nearest.radius2 > 0 || least > 0)) {
         support.radius2 = nearest.radius2;
         support.byNearest = true;
@@ -214,12 +214,12 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
       flat > 0 ? flatnessOfFlat(*boundary, settings.flatness, error, std::min(settings.radius, flat))
                : settings.flatness;
   search();
-  if (flat > 0 && support.region.radius > flat) { // no telling what is flat so far away
+  if (flat > 0 && support.region.radius > flat) { // flatness is unknown at this distance
     support.region.flatness = settings.flatness;
     search();
   }
   if (!boundary) return support;
-  // Rays weigh by the support whether there are photons in it or not.
+  // The weight of rays depends on the support even if it contains no photons.
   if (!settings.leavesRestToRays && !support.byNearest && support.region.radius > flat &&
       !anyWithin(map, support.region)) {
     support.empty = true;
@@ -234,7 +234,7 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   };
   const float flatness = support.region.flatness;
   fit();
-  // The nearest that are not left out now.
+  // Searches again for the nearest photons inside of the clipped region.
   if (support.byNearest && (support.region.clipCount > 0 || support.region.flatness < flatness)) {
     search();
     fit();
@@ -242,14 +242,14 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
   return support;
 }
 
-/** Sums of power times kernel shape over the photons of a support, whatever the BSDF. */
+/** Sum of power times kernel shape over the photons of a support, without BSDF. */
 struct PowerSum {
   Vec3f8 power{0, 0, 0};
   int found = 0;
 };
 
-/** `arrives(weight, block)`: the weight in the lanes whose light counts, 0 in the others. A support by the
- * nearest ends at the k-th photon, which therefore does not count itself: E[(k - 1)/area] is the density. */
+/** `arrives(weight, block)`: weight in the lanes whose light counts, else 0. A support of the k nearest
+ * photons ends at the k-th, which does not count itself: E[(k - 1)/area] is the density. */
 template <class Arrives>
 PowerSum sumPower(const PhotonMap& map, const Support& support, Kernel kernel, const PhotonScratch& scratch,
                   const Arrives& arrives) {

@@ -1,5 +1,5 @@
 /** @file
- * Chooses radius and number of photons by the photons' density and the pixels' width.
+ * Choice of radius and number of photons from the photons' density and the pixels' width.
  */
 #include "transport/density/gatherChoice.h"
 #include "transport/photonmap/photonMapQuery.h"
@@ -13,8 +13,8 @@ namespace recurse {
 
 namespace {
 
-/** How many photons a search looks for: so many that the disc is `width` pixels in radius, if the photons
- * allow. Fewer are noise, and a wider disc is a blur, which many passes take long to sharpen. */
+/** Range of photons for a search with a radius of `width` pixels, if the photon density allows. Fewer photons
+ * are noisy; a wider support is blurred, and takes many passes to sharpen. */
 struct Nearest {
   int least, most;
   double width;
@@ -93,7 +93,7 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
       statistics.notes.push_back("no photon was stored: all light is direct, or there is none");
     return choice;
   }
-  if (progressive) return choice; // more passes mend both
+  if (progressive) return choice; // more passes reduce both artifacts
   if (const double typicalFound = part(found, 0.5); typicalFound < 25)
     statistics.warnings.push_back(
         formatted("the picture will be blotchy: an estimate typically finds %.0f photons; shoot more "

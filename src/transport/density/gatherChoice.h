@@ -1,5 +1,5 @@
 /** @file
- * How far a photon map is searched where the user does not say.
+ * Choice of the gather radius and number of photons where the user specifies none.
  */
 #pragma once
 
@@ -10,15 +10,15 @@
 namespace recurse {
 
 struct GatherChoice {
-  GatherSettings settings; ///< of the first pass
-  float typicalRadius = 0; ///< where the eye looks
+  GatherSettings settings; ///< settings of the first pass
+  float typicalRadius = 0; ///< typical radius at visible points [scene units]
 };
 
 /**
- * Looks at the photons where the eye does, and settles the search: the k nearest photons, within a limit
- * that keeps dark corners from smearing over the whole scene; or all within the radius that was asked for.
- * `requested`: what the user asked for; 0 photons, or a radius of 0, leave it open. What is chosen goes to
- * the notes, and what will be wrong with the picture to the warnings. `allLight`: the map has direct light,
+ * Chooses the search from the photons around visible points: either the k nearest photons, within a
+ * limit that prevents dark corners from averaging over the whole scene, or all within the requested
+ * radius. `requested`: settings of the user; 0 photons, or a radius of 0, are chosen here. Adds the
+ * choice to the notes, and expected artifacts to the warnings. `allLight`: the map contains direct light
  * too.
  */
 GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<const VisiblePoint> seen,

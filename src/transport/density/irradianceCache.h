@@ -1,7 +1,7 @@
 /** @file
- * Irradiance from a photon map at the places of a search field, each found out when it is first asked for.
- * The many rays of a final gather read it instead of adding up photons each time (Christensen 1999, "Faster
- * Photon Map Global Illumination", who finds it at photons beforehand).
+ * Cache of irradiance from a photon map at the records of a radius cache, each computed on first use. The
+ * many rays of a final gather look it up instead of gathering photons each time (Christensen 1999, "Faster
+ * Photon Map Global Illumination", who precomputes it at photons).
  */
 #pragma once
 
@@ -15,13 +15,13 @@ namespace recurse {
 
 class IrradianceCache {
  public:
-  /** Forgets everything, and makes room. */
+  /** Clears the cache and resizes it. */
   void reset(size_t placeCount) {
     if (placeCount != count) places = std::make_unique<Place[]>(count = placeCount);
     for (size_t i = 0; i < count; ++i) places[i].set(Rgb(NAN));
   }
-  /** What find(counts) returns for the place, [W/m²]. From any thread: several may find it at once, and must
-   * then find the same; it is counted once. */
+  /** Irradiance at a record, [W/m²]: result of find(counts) on first use. Thread-safe: several threads may
+   * compute it at once, with equal results; it is counted once. */
   template <class Find> Rgb at(size_t place, TransportCounts& counts, const Find& find) const {
     const Rgb known = places[place].get();
     if (!std::isnan(known.r + known.g + known.b)) return known;
@@ -33,14 +33,14 @@ class IrradianceCache {
   size_t size() const { return count; }
 
  private:
-  /** A thread may see some of the parts before the others: it is known when none is NaN. */
+  /** Cached value, complete when no component is NaN: a thread may see components in any order. */
   struct Place {
     std::atomic<float> r, g, b;
     Rgb get() const {
       constexpr auto order = std::memory_order_relaxed;
       return {r.load(order), g.load(order), b.load(order)};
     }
-    /** Whether nobody had set it before. */
+    /** Stores a value. Returns whether it was the first. */
     bool set(const Rgb& c) {
       constexpr auto order = std::memory_order_relaxed;
       g.store(c.g, order);

@@ -1,5 +1,5 @@
 /** @file
- * Radii and clear distances at places of a first photon map.
+ * Construction and lookup of the radius cache.
  */
 #include "transport/density/radiusCache.h"
 
@@ -9,7 +9,7 @@
 namespace recurse {
 
 float radiusScale(uint32_t index, double alpha) {
-  // The product over i = 1 … index of (i + alpha) / (i + 1), by gamma functions.
+  // Product over i = 1 … index of (i + alpha) / (i + 1), by gamma functions.
   const double n = double(index);
   return static_cast<float>(
       std::exp(0.5 * (std::lgamma(n + 1 + alpha) - std::lgamma(1 + alpha) - std::lgamma(n + 2))));
@@ -17,8 +17,8 @@ float radiusScale(uint32_t index, double alpha) {
 
 namespace {
 
-/** Finds the surface that a photon lies on: photons do not know it. A ray that is short against `near`, from
- * where the photon came from; none when it meets nothing. */
+/** Finds the surface on which a photon was stored, by a ray along the photon's path that is short compared to
+ * `near`; nullopt if the ray hits nothing. */
 std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, float near,
                                       TransportCounts& counts) {
   const Vec3f direction = unpackDirection(photon.direction);
@@ -31,7 +31,7 @@ std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, 
 
 using Place = RadiusCache::Place;
 
-/** The irradiance that one shadow ray finds, its channels added up. */
+/** Irradiance estimate by one shadow ray, summed over channels [W/m²]. */
 double directIrradiance(const Scene& scene, const LightSampler& lights, const Place& place, Sampler& sampler,
                         TransportCounts& counts) {
   Hit hit;
@@ -50,15 +50,15 @@ double directIrradiance(const Scene& scene, const LightSampler& lights, const Pl
                 (light->pdf * choice.chosen.probability));
 }
 
-/** Finds out how far to look at places, by the photons of a first map. */
+/** Computes the radii of cache records from the photons of a first map. */
 class PlaceFinder {
  public:
   PlaceFinder(const Scene& scene, const PhotonMap& first, const GatherSettings& search,
               const RayAlternative& rays, TransportCounts& counts)
       : scene(scene), first(first), search(search), rays(rays), counts(counts) {}
 
-  /** Places at every `every`-th photon and at all points seen, with the distance to the k-th photon. Those of
-   * photons come first; their number goes to `ofPhotons`. */
+  /** Creates records at every `every`-th photon and at all visible points, with the distance to the k-th
+   * photon. Records at photons come first; their number is stored in `ofPhotons`. */
   std::vector<Place> find(size_t every, std::span<const VisiblePoint> seen, size_t& ofPhotons) {
     std::vector<Place> places((first.size() + every - 1) / every);
     const size_t tried = places.size();
@@ -73,7 +73,7 @@ class PlaceFinder {
         region.center = photon.position;
         region.bothSides = true;
         found = surfaceOf(scene, photon, kthDistance(region, scratch), partCounts);
-        // What transmits light is looked at from either side, wherever the light is.
+        // Transmitting surfaces are seen from both sides, whichever side the light is on.
         if (found && found->transmits && i % 2 == 1) found->point.geometricNormal *= -1.0f;
       } else {
         found = seen[i - tried];
@@ -95,12 +95,12 @@ class PlaceFinder {
     return places;
   }
 
-  /** Finds the errors, and takes discs of other areas where those promise less, if it `choosesAreas`. */
+  /** Computes the errors, and if `choosesAreas` replaces supports where a different area has less error. */
   void judge(std::vector<Place>& places, size_t ofPhotons, double alpha, LightDetail detail,
              bool choosesAreas) {
     const Measured measured = measure(places, ofPhotons);
-    // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011) the mean has P^(alpha-1) /
-    // alpha of the first one's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
+    // Over P passes whose areas shrink as i^(alpha-1) (Knaus and Zwicker 2011), the mean has P^(alpha-1) /
+    // alpha of the first pass's bias and P^-alpha / (2 - alpha) of its variance; for alpha = 2/3 both errors
     // have the same order.
     const double biasWeight = (2 - alpha) / square(alpha);
     forAll(places.size(), [&](size_t i, PhotonScratch& scratch, TransportCounts& partCounts) {
@@ -124,18 +124,18 @@ class PlaceFinder {
   }
 
  private:
-  /** Places at which the errors of discs are measured, by their own numbers. */
+  /** Records at which the errors of supports are measured, by index of measurement. */
   struct Measured {
     std::vector<size_t> places;
     std::vector<SupportErrors> errors;
-    std::vector<float> radii; ///< before any is chosen anew
+    std::vector<float> radii; ///< before any choice of area
     PhotonMap positions;
-    double dark2 = 0; ///< square of the irradiance that counts as dark
+    double dark2 = 0; ///< squared irradiance that counts as dark
   };
 
   Measured measure(const std::vector<Place>& places, size_t ofPhotons) {
-    constexpr size_t MAX_MEASURED = 4096; // of either kind
-    constexpr double DARK = 0.3;          // of the mean irradiance
+    constexpr size_t MAX_MEASURED = 4096; // records of each kind
+    constexpr double DARK = 0.3;          // over the mean irradiance
     Measured measured;
     const auto measureSome = [&](size_t from, size_t end) {
       const size_t stride = (end - from + MAX_MEASURED - 1) / MAX_MEASURED;
@@ -165,14 +165,14 @@ class PlaceFinder {
     return measured;
   }
 
-  /** What places near by tell. One place has hardly any evidence, and many see the same photons: the more
-   * unequal those are in power, the farther it is looked, for as much evidence as so many equal ones give. */
+  /** Evidence of neighbouring records. A single record has too little, and neighbours share photons. The more
+   * unequal the powers of these, the larger the neighbourhood, up to the evidence of PHOTONS equal ones. */
   static Evidence evidenceAt(const std::vector<Place>& places, const Measured& measured, const Place& place,
                              PhotonScratch& scratch) {
     constexpr int NEAREST = 16;
     constexpr float PHOTONS = 8;
     constexpr float COHERENT = 0.7f;
-    constexpr float MAX_RATIO = 4; // of radii: places in a small pool of light tell nothing of wide discs
+    constexpr float MAX_RATIO = 4; // ratio of radii: small pools of light say nothing on wide supports
     const PhotonMap& positions = measured.positions;
     GatherRegion region;
     region.center = place.position;
@@ -200,7 +200,7 @@ class PlaceFinder {
     return evidence.places < nearest.places ? nearest : evidence;
   }
 
-  /** Calls f(i, scratch, counts) for 0 <= i < count, side by side. */
+  /** Calls f(i, scratch, counts) in parallel for 0 <= i < count. */
   template <class F> void forAll(size_t count, const F& f) {
     constexpr size_t AT_ONCE = 64;
     const size_t parts = (count + AT_ONCE - 1) / AT_ONCE;
@@ -220,7 +220,7 @@ class PlaceFinder {
       e.direct += directIrradiance(scene, *rays.lights, place, sampler, partCounts) / SAMPLES;
   }
 
-  /** What a gather is worth by sums over `evidence` places. */
+  /** Worth of a gather from sums over `evidence` records. */
   static GatherWorth worth(const SupportErrors& sum, size_t best, double bias2, int evidence) {
     const double n = evidence, irradiance2 = square(sum.irradiance / n);
     const double all2 = square((sum.irradiance + sum.direct) / n);
@@ -255,15 +255,15 @@ class PlaceFinder {
                                      : search.flatness;
   }
 
-  /** Finds how far to look at a place that photons alone would have looked at as far as `radius(region)`.
-   * Where that is 0, as many photons as are searched for lie in one point, which has no density: the place
-   * gets no radius. */
+  /** Fits the radius of a record whose radius from photons alone is `radius(region)`. If this is 0, the
+   * photons searched for coincide in one point, which has no density: the record gets no radius, and find()
+   * drops it. */
   template <class Radius>
   void settle(Place& place, size_t key, const Radius& radius, TransportCounts& partCounts) const {
     GatherRegion region = regionAt(place);
     BoundaryCorrection boundary = surroundingsOf(place, key);
-    // What is known of the surface changes the radius, and with the radius what has to be known.
-    constexpr float BEYOND = 2.5f, ENOUGH = 1.5f; // searches near the place may need more than itself
+    // The surface geometry changes the radius, and the radius determines how much geometry is needed.
+    constexpr float BEYOND = 2.5f, ENOUGH = 1.5f; // gathers near the record may reach farther
     constexpr int ROUNDS = 4;
     const auto fit = [&] { coveredFraction(boundary, place.error, search.kernel, region, partCounts); };
     region.radius = radius(region);
@@ -302,7 +302,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   limit = search.radius;
   lift = 2 * scene.bounds().radius;
   places.clear();
-  // A small picture does not look long enough at the places to be worth many.
+  // The number of records is limited by the pixels, since a small image has less use for each.
   constexpr size_t EVERY = 4, MIN_COUNT = 1024, MAX_COUNT = 65536;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   PlaceFinder finder(scene, first, search, rays, counts);
@@ -323,19 +323,19 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   places = std::move(inOrder);
   parallelFor(places.size(), [&](size_t i) {
     thread_local PhotonScratch scratch;
-    constexpr int AROUND = 4; // itself and three others
+    constexpr int AROUND = 4; // the record itself and three neighbours
     const GatherRegion region = regionInIndex(places[i].position, places[i].normal);
     places[i].spacing = std::sqrt(index.nearest(region, AROUND, scratch).radius2);
   });
 }
 
 CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
-  constexpr int MAX_COUNT = 32; // there may be many on the next layer
+  constexpr int MAX_COUNT = 32; // many may be on the next layer
   thread_local PhotonScratch scratch;
   CachedRadius best{limit, nullptr, INFINITE, 0};
   if (index.empty()) return best;
-  /** Whether the place lies on the surface of the point: one on another side, on the next layer or behind a
-   * wall tells hardly anything. */
+  /** Whether a record is on the surface of the point: on a different side, on the next layer or behind a wall
+   * it has little relevance. */
   const auto isSameSurface = [&](const Place& place) {
     constexpr float COHERENT = 0.9f;
     const float above = glm::dot(position - place.position, place.normal);
@@ -352,7 +352,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   };
   const GatherRegion region = regionInIndex(position, normal);
   if (take(index.nearestSlot(region.center, scratch))) {
-    // One of those around by chance, so that no borders between places are seen.
+    // Chooses a random neighbour by a hash, which hides borders between records.
     uint64_t hash = 0;
     Vec3f offset;
     for (int i = 0; i < 3; ++i) {
@@ -363,7 +363,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
     const size_t slot = index.nearestSlot(region.center + offset, scratch);
     const Place& place = places[slot];
     if (isSameSurface(place)) {
-      // Of a surface that is whole as far as that the nearest place knows most.
+      // The nearest record has the best knowledge of a surface that is whole within this distance.
       if (best.known->isWholeWithin(place.radius + best.away))
         best = {place.radius, best.known, best.away, slot};
       else
@@ -376,7 +376,7 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
         take(block.first + static_cast<size_t>(std::countr_zero(rest)));
     });
   }
-  // Where the place is far, there is no telling how far the k-th photon is; as far as the place, at least.
+  // Far from the record, the distance to the k-th photon is unknown: the radius is at least `away`.
   best.radius = std::min(limit, std::max(best.radius, best.away));
   return best;
 }

@@ -1,7 +1,7 @@
 /** @file
- * What is known of a place before photons are searched there: how far a progressive density estimate looks,
- * before any shrinking, and how far the surface has no edge. It is independent of the photons of the pass
- * that uses it, so that those are counted without bias.
+ * Cache of gather radii and surface geometry by position: the radius of a progressive density estimate in its
+ * first pass, and how far the surface has no edge. It is independent of the photons of the pass that uses it,
+ * so that their density estimate is unbiased.
  */
 #pragma once
 
@@ -15,49 +15,49 @@
 namespace recurse {
 
 /**
- * The radius of a progressive estimate in pass `index` (0, 1, …) over that of the first pass, after Knaus and
- * Zwicker, "Progressive Photon Mapping: A Probabilistic Approach" (2011), equation 15: the squares of
- * successive radii are as (i + alpha) : (i + 1). A pass depends on no other, so any machine may do it. alpha
- * in (0, 1]: 1 never shrinks.
+ * Radius of a progressive estimate in pass `index` (0, 1, …) over the radius of the first pass (Knaus and
+ * Zwicker 2011, "Progressive Photon Mapping: A Probabilistic Approach", equation 15): the squares of
+ * successive radii are as (i + alpha) : (i + 1). A pass depends on no other pass, so any machine may render
+ * it. alpha is in (0, 1]: 1 never shrinks.
  */
 float radiusScale(uint32_t index, double alpha);
 
-/** Known before a search at a point. */
+/** Result of a lookup, known before photons are searched. */
 struct CachedRadius {
-  float radius = 0;                     ///< of the first pass
-  const Neighbourhood* known = nullptr; ///< of a place near by that looks the same way and is seen, if any
-  float away = 0;                       ///< the distance to that place
-  size_t index = 0;                     ///< of the place whose radius it is
+  float radius = 0;                     ///< radius of the first pass [scene units]
+  const Neighbourhood* known = nullptr; ///< at a visible record near by with a similar normal; or null
+  float away = 0;                       ///< distance to the record of `known`
+  size_t index = 0;                     ///< index of the record that the radius is from
 };
 
 class RadiusCache {
  public:
-  /** Takes at places all over a first photon map, and at places that are seen, the distance to the k-th
-   * photon, and at most search.radius, and what the surface is like around them. k = search.nearest; 0:
-   * search.radius everywhere. With alpha > 0, that of radiusScale(), the distance is a first guess: where
-   * discs of another area promise less error over many passes, they are taken; and what a search is worth is
-   * found out by `rays`; without `choosesAreas` the errors are found and the first guess stays. The geometric
-   * normals of `seen` point to where they are seen from. The map is not
-   * needed afterwards. */
+  /** Creates records at photons of a first map and at visible points. Each has the distance to the k-th
+   * photon, at most search.radius, and the geometry of the surface around it. k = search.nearest; 0:
+   * search.radius everywhere. With alpha > 0, see radiusScale(), this distance is only a first guess:
+   * supports of a different area replace it where they have less expected error over many passes, and
+   * the worth of a gather is estimated by `rays`. Without `choosesAreas` errors are computed, but the
+   * first guess remains. Geometric normals of `seen` point to the viewer. The map is not used
+   * afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
              const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
              TransportCounts& counts, bool choosesAreas = true);
-  /** How far to look at a point with this geometric normal: the radius of one of the places around, which the
-   * point's coordinates choose like a random number so that no borders between places are seen, and no less
-   * than the way to it. */
+  /** Looks up the radius at a point with this geometric normal. The record is chosen among its neighbours by
+   * a hash of the position, which hides borders between records. The radius is at least the distance to the
+   * record. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
 
   size_t size() const { return places.size(); }
   struct Place {
     Vec3f position{0}, normal{0};
-    float error = 0;        ///< of the position
-    bool bothSides = false; ///< as of GatherRegion
+    float error = 0;        ///< bound of the position error
+    bool bothSides = false; ///< see GatherRegion
     float radius = 0;
-    float spacing = 0;   ///< distance to the third nearest of the other places
-    float footprint = 0; ///< how wide a pixel is there [scene units]; 0: not known to be seen
-    /** Of the irradiance, its channels added up, in the first pass: its value [W/m²], variance, and what the
-     * square of the bias weighs beside it over many passes [W²/m⁴]. The variance is infinite where no photon
-     * tells. */
+    float spacing = 0;   ///< distance to the third nearest neighbouring record
+    float footprint = 0; ///< pixel width there [scene units]; 0: not known to be visible
+    /** Statistics of irradiance in the first pass, summed over channels: value [W/m²], variance, and squared
+     * bias with its weight relative to the variance over many passes [W²/m⁴]. The variance is infinite if no
+     * photon is near. */
     float irradiance = 0, variance = INFINITE, bias2 = 0;
     GatherWorth worth;
     Neighbourhood around;
@@ -65,12 +65,12 @@ class RadiusCache {
   const Place& place(size_t i) const { return places[i]; }
 
  private:
-  std::vector<Place> places; ///< in the order of the index's slots
-  /** The places, lifted off their surfaces by far more than the scene's width: so the nearest is one whose
-   * surface faces the same way, and the two sides of a thin wall are far apart. */
+  std::vector<Place> places; ///< in the order of the slots of `index`
+  /** Positions of the records, displaced along their normals by far more than the scene's width. The nearest
+   * is therefore one with a similar normal, and the two sides of a thin wall are far apart. */
   PhotonMap index;
   float limit = 0, lift = 0;
-  /** Around where a place at the point would be in the index. */
+  /** Region around the displaced position of a record at the point. */
   GatherRegion regionInIndex(const Vec3f& position, const Vec3f& normal) const {
     GatherRegion region;
     region.center = position + lift * normal;

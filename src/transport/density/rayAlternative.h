@@ -1,5 +1,5 @@
 /** @file
- * Camera rays as the alternative to photons at a place: what they cost and what they err by.
+ * Camera rays as the alternative to photons at a point: their cost and their error.
  */
 #pragma once
 
@@ -7,21 +7,21 @@
 
 namespace recurse {
 
-/** What photons save. */
+/** Gain of a density estimate over rays. */
 struct GatherWorth {
-  /** What an estimate by photons may take at most [camera paths], to pay in the place of a ray that goes on,
-   * by the variance that it saves (efficiency as in Grittmann et al. 2022, "Efficiency-Aware Multiple
-   * Importance Sampling for Bidirectional Rendering Algorithms"). Infinite where nothing is known. */
+  /** Maximum cost [camera paths] at which a photon estimate is more efficient than a ray that continues,
+   * given the variance that it saves (efficiency as in Grittmann et al. 2022, "Efficiency-Aware Multiple
+   * Importance Sampling for Bidirectional Rendering Algorithms"). Infinite if unknown. */
   float instead = INFINITE;
-  float raysVariance = 0; ///< of what one such ray estimates [W²/m⁴]
-  float irradiance = 0;   ///< of the layer's photons and the direct light together [W/m²]
+  float raysVariance = 0; ///< variance of the estimate by one such ray [W²/m⁴]
+  float irradiance = 0;   ///< irradiance by the layer's photons and direct light [W/m²]
 };
 
-/** What camera rays would do in the place of photons. */
+/** Model of camera rays that replace photons. */
 struct RayAlternative {
-  float emitted = 0;                    ///< photons, as PhotonQuery's `merging` counts them
+  float emitted = 0;                    ///< photons emitted, as in PhotonQuery's `merging`
   const LightSampler* lights = nullptr; ///< for shadow rays; null: rays do not share light with photons
-  /** What a ray finds, over all light of the place, is not weighed by more: it is found too rarely. */
+  /** Maximum of a ray's estimate over the irradiance at the point: larger ones are too rare to count. */
   float maxBrightness = 100;
 };
 

@@ -1,5 +1,5 @@
 /** @file
- * Photons of a map, one by one, for whoever shows them.
+ * Visit of all photons of a map, for display.
  */
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace recurse {
 
-/** Calls visit(photon) for each photon of a map; `caustic`: it is one of caustics. */
+/** Calls visit(photon) for each photon of a map; `caustic`: flag of photons in a caustic map. */
 inline void visitMap(const PhotonMap& map, bool caustic,
                      const std::function<void(const StoredPhoton&)>& visit) {
   for (size_t slot = 0; slot < map.size(); ++slot)

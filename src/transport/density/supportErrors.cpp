@@ -1,5 +1,5 @@
 /** @file
- * Sums over the photons of eight supports at once.
+ * Sums over photons for eight supports at once.
  */
 #include "transport/density/supportErrors.h"
 
@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace {
 
-/** Irradiance within `radius`, its channels added up, as if the disc were all surface. */
+/** Irradiance within `radius`, summed over channels, as if the disc were all surface [W/m²]. */
 float meanPower(const PhotonMap& photons, GatherRegion region, float radius) {
   region.radius = radius;
   float sum = 0;
@@ -29,7 +29,7 @@ SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kerne
   constexpr size_t AREAS = SupportErrors::AREAS;
   const float own = region.radius;
   alignas(32) float inverse[AREAS], norm[AREAS];
-  for (size_t j = 0; j < AREAS; ++j) { // the largest comes last: its half-spaces stay
+  for (size_t j = 0; j < AREAS; ++j) { // the largest is last: its clips remain
     region.radius = own * ofArea(j);
     const float part = coveredFraction(boundary, error, kernel, region, counts);
     const float radius2 = square(region.radius);

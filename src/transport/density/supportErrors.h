@@ -1,6 +1,6 @@
 /** @file
- * How estimates of irradiance with kernel supports of several areas err at a place, by the photons of one
- * pass.
+ * Errors of irradiance estimates with kernel supports of several areas at a point, estimated from the photons
+ * of one pass.
  */
 #pragma once
 
@@ -13,28 +13,28 @@
 
 namespace recurse {
 
-/** How fine the light is that a map's photons bring. */
+/** Scale of detail of the light that a map's photons represent. */
 enum class LightDetail {
   SMOOTH,
-  /** Caustics: lines finer than any disc of several photons, which discs that are compared with each other
-   * blur alike, so that they do not tell. */
+  /** Caustics: detail finer than any support of several photons. Supports blur it alike, so that comparing
+   * them reveals no bias. */
   FINE
 };
 
-/**
- * How estimates with discs of several areas err at a place, told by the photons of one pass: their variance
- * is the sum of the squares of what each photon brings, and two discs whose estimates differ by more than
- * chance show bias, as in Lepski's choice of a bandwidth ("On a problem of adaptive estimation in Gaussian
- * white noise", 1990). The areas double from one to the next.
+/** Errors of estimates with supports of several areas at a point, from the photons of one pass.
+ * The variance is the sum of squared contributions of the photons. Two supports whose estimates
+ * differ by more than chance reveal bias, as in Lepski's choice of a bandwidth ("On a problem
+ * of adaptive estimation in Gaussian white noise", 1990). The areas double from one to the
+ * next.
  */
 struct SupportErrors {
-  static constexpr size_t AREAS = 8, OWN = 3; ///< OWN: the area of the place
-  std::array<double, AREAS> variance{};       ///< of the photons' number
-  std::array<double, AREAS> bias2{}; ///< by how much, squared, the next disc differs beyond what is noise
-  std::array<double, AREAS> noise{}; ///< the variance of that difference
-  std::array<double, AREAS> rays2{}; ///< second moment of the same estimate by a ray that goes on
+  static constexpr size_t AREAS = 8, OWN = 3; ///< OWN: index of the record's own area
+  std::array<double, AREAS> variance{};       ///< variance due to the number of photons
+  std::array<double, AREAS> bias2{}; ///< squared difference to the next support's estimate, less its noise
+  std::array<double, AREAS> noise{}; ///< variance of that difference
+  std::array<double, AREAS> rays2{}; ///< second moment of the same estimate by a continuing ray
   double direct = 0;                 ///< irradiance by shadow rays
-  double irradiance = 0;             ///< by the own disc
+  double irradiance = 0;             ///< irradiance by the support OWN
 
   void add(const SupportErrors& e, double scale) {
     for (size_t j = 0; j < AREAS; ++j) {
@@ -46,15 +46,15 @@ struct SupportErrors {
     irradiance += e.irradiance * scale;
     direct += e.direct * scale;
   }
-  /** Bias between a disc and the next that chance does not explain. */
+  /** Squared bias between a support and the next that chance does not explain. */
   double sureBias2(size_t j) const {
-    constexpr double CHANCE = 0.7; // the spread of such a difference, squared, over some neighbouring places
+    constexpr double CHANCE = 0.7; // squared spread of such a difference over a few neighbouring records
     return std::max(0.0, bias2[j] - CHANCE * noise[j]);
   }
-  /** The area with the least variance + biasWeight · bias². The bias of a disc goes with its area, so the
-   * next one's is larger by as much as it is itself. */
+  /** Index of the area with the least variance + biasWeight · bias². The bias of a support grows with its
+   * area, so the bias of the next is larger by as much as it is itself. */
   size_t best(double biasWeight, LightDetail detail) const {
-    constexpr double SURE = 0.5; // to look at fewer photons takes better evidence than to look at more
+    constexpr double SURE = 0.5; // choosing fewer photons requires better evidence than more
     size_t best = OWN;
     double least = double(INFINITE), below = 0;
     const auto error = [&](size_t j) { return variance[j] + biasWeight * below + sureBias2(j); };
@@ -64,7 +64,7 @@ struct SupportErrors {
         least = e;
         best = j;
       }
-      // Where an edge is met, the bias does not grow as it does elsewhere, but it stays.
+      // At an edge the bias grows less than it does elsewhere, but it remains.
       below += sureBias2(j);
     }
     below = 0;
@@ -78,13 +78,13 @@ struct SupportErrors {
   }
 };
 
-/** What several places tell together. */
+/** Errors accumulated over several records. */
 struct Evidence {
-  SupportErrors relative, absolute; ///< relative errors, which the choice goes by, and errors [W²/m⁴]
-  double squared = 0;               ///< irradiances
+  SupportErrors relative, absolute; ///< relative errors, for the choice; absolute [W²/m⁴]
+  double squared = 0;               ///< sum of squared irradiances
   int places = 0;
 
-  /** `dark2`: added to the squared irradiance that an error is relative to. */
+  /** `dark2`: added to the squared irradiance by which errors are divided. */
   void add(const SupportErrors& e, double dark2) {
     if (!(e.irradiance > 0)) return;
     relative.add(e, 1 / (square(e.irradiance) + dark2));
@@ -92,20 +92,20 @@ struct Evidence {
     squared += square(e.irradiance);
     ++places;
   }
-  /** Of one place's own disc. */
+  /** Mean relative variance of a record's own support. */
   double relativeVariance() const { return absolute.variance[SupportErrors::OWN] / squared; }
 };
 
-/** The radius of a disc over that of the place. */
+/** Radius of the support with area index j, over the radius of the record. */
 inline float ofArea(size_t j) {
   return std::exp2(0.5f * (static_cast<float>(j) - static_cast<float>(SupportErrors::OWN)));
 }
 
-/** Of light, which variances go by. */
+/** Scalar measure of light for variances: sum of the channels. */
 inline float channelSum(const Rgb& c) { return c.r + c.g + c.b; }
 
-/** Of the photons in a map, and of shadow rays nothing. `region`: of the place's own radius; `error` bounds
- * that of its centre. */
+/** Errors from the photons in a map, without shadow rays. `region`: with the record's own radius; `error`:
+ * bound of the error of its centre. */
 SupportErrors supportErrors(const PhotonMap& photons, GatherRegion region, Kernel kernel, float error,
                             BoundaryCorrection& boundary, const RayAlternative& byRays,
                             TransportCounts& counts);

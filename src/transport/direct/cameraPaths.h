@@ -1,5 +1,5 @@
 /** @file
- * Camera paths on a grid over the film, for what is learned before a render.
+ * Camera paths on a grid over the film, for learning before a render.
  */
 #pragma once
 
@@ -10,9 +10,9 @@
 
 namespace recurse {
 
-/** Starts a camera path in the middle of each of across x across cells of the film and hands it to
- * follow(row, path, walker, sampler, counts), with what is gathered of its row of cells. Rows are followed
- * side by side; returns them in order. `maxDepth`: events of a path. */
+/** Starts a camera path at the centre of each of across x across cells of the film, and passes it to
+ * follow(row, path, walker, sampler, counts) with the results of its row of cells. Rows are followed in
+ * parallel; their results are returned in order. `maxDepth`: maximum scattering events of a path. */
 template <class Row, class Follow>
 std::vector<Row> followCameraPaths(const Scene& scene, int across, int maxDepth, uint64_t seed,
                                    TransportCounts& counts, const Row& empty, const Follow& follow) {

@@ -1,5 +1,5 @@
 /** @file
- * Shadow rays and their weights.
+ * Shadow rays and their MIS weights.
  */
 #include "transport/direct/directLight.h"
 
@@ -9,15 +9,15 @@ namespace recurse {
 
 namespace {
 
-/** The weight of a light that is met by a ray of density `pdf` and sampled with density `lightPdf`. */
+/** MIS weight of a light that a ray of density `pdf` hits, and light sampling finds with `lightPdf`. */
 float bsdfRayWeight(int lightSamples, float lightPdf, float pdf, const SpectralPath* inMedia) {
   if (!inMedia) return 1 - powerHeuristic(lightSamples, lightPdf, pdf);
   const Rgb sum = inMedia->pathPdf + inMedia->lightPdf * (static_cast<float>(lightSamples) * lightPdf / pdf);
   return 3 / (sum.r + sum.g + sum.b);
 }
 
-/** Carries a shadow ray from a vertex to the light, through media, panes and surfaces that are hidden or do
- * not scatter. Returns the number of panes; the transmittance is black where something is in the way. */
+/** Traces a shadow ray from a vertex to the light, through media, thin panes and surfaces that are hidden or
+ * do not scatter. Returns the number of panes; the transmittance is black if the light is occluded. */
 int transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, Nesting nesting,
                          const LiSample& light, int hero, int maxPanes, Sampler& sampler,
                          SpectralTransmittance& sum, TransportCounts& counts) {
@@ -52,7 +52,7 @@ int transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, N
       if (isBlack(sum.value)) return passed;
     }
     nesting.enterMedium(hit, light.direction);
-    // On in the same direction: a ray aimed at the target again could turn back to a surface that it grazes.
+    // Keeps the direction: if aimed at the target again, a ray could turn back to a surface that it grazes.
     ray.origin = originBehind(ray, hit);
     if (light.distance < INFINITE)
       ray.tMax = MIN_REST * glm::dot(light.target - ray.origin, ray.direction) / lengthSquared(ray.direction);

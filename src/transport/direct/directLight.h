@@ -1,6 +1,6 @@
 /** @file
- * Direct light at a surface point: shadow rays towards sampled lights, and the weights that they share with
- * rays which the BSDF sends and which happen to meet a light (multiple importance sampling, Veach and Guibas
+ * Direct light at a surface point: shadow rays towards sampled lights, and the MIS weights that they
+ * share with BSDF-sampled rays that happen to hit a light (multiple importance sampling, Veach and Guibas
  * 1995).
  */
 #pragma once
@@ -11,31 +11,31 @@
 
 namespace recurse {
 
-/** The power heuristic with exponent 2 (Veach 1997, section 9.2.4) for n samples of density p against one of
- * q > 0. */
+/** Power heuristic with exponent 2 (Veach 1997, section 9.2.4): weight of n samples of density p against one
+ * sample of density q > 0. */
 inline float powerHeuristic(int n, float p, float q) {
-  return 1 / (1 + square(q / (static_cast<float>(n) * p))); // no square that could overflow to a NaN
+  return 1 / (1 + square(q / (static_cast<float>(n) * p))); // no square can overflow to a NaN
 }
 
-/** What a light sampler knows of a surface point, seen from unit `wi`. */
+/** Context for choosing lights at a surface point, seen from unit `wi`. */
 inline LightSampleContext lightSampleContext(const LightSampler& lightSampler, const SurfacePoint& point,
                                              const Vec3f& wi) {
   if (!lightSampler.active()) return {point.position};
   return lightSampler.at(point.position, point.normalTowards(wi));
 }
 
-/** What the light's side of a path has read behind so many thin panes. */
+/** State of a light subpath after this number of thin panes. */
 inline LightState afterPanes(const PathClasses& classes, int panes) {
   LightState state = classes.lightStart();
   for (; panes > 0; --panes) state = classes.step(state, PathEvent::S);
   return state;
 }
 
-/** Whether there are lights to be sampled, and paths from them in demand, at a vertex whose D `cameraState`
- * has read. */
+/** Whether the scene has lights to sample, and some path class contains paths from them to a vertex with
+ * `cameraState`, the state after its D event. */
 inline bool lightIsSampled(const Scene& scene, const PathClasses& classes, CameraState cameraState) {
   if (scene.lights().size() == 0) return false;
-  // After as many steps as there are states nothing new comes.
+  // More panes than there are states lead to no new state.
   const int panes = hasPanes(scene) ? static_cast<int>(classes.lightStateCount()) : 0;
   LightState state = classes.lightStart();
   for (int i = 0; i <= panes; ++i, state = classes.step(state, PathEvent::S))
@@ -43,11 +43,11 @@ inline bool lightIsSampled(const Scene& scene, const PathClasses& classes, Camer
   return false;
 }
 
-/** The numbers of one shadow ray, and the light that they choose. */
+/** Random numbers of one shadow ray, and the light that they select. */
 struct SampledLight {
   const LightSampler* sampler;
   ChosenLight chosen;
-  float pick; ///< what the choice left over
+  float pick; ///< uniform number left over by the choice of the light
   Vec2f u;
 
   SampledLight(const LightTable& lights, const LightSampler& lightSampler, const LightSampleContext& context,
@@ -61,8 +61,8 @@ struct SampledLight {
   }
 };
 
-/** What one of `samples` shadow rays brings along unit `wi`, times `throughput`, if nothing is in its way.
- * Black: it need not be traced. */
+/** Contribution of one of `samples` shadow rays along unit `wi`, visibility aside, with MIS weight and
+ * `throughput`. If it is black, the shadow ray need not be traced. */
 inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& throughput,
                               const LiSample& light, float probability, int samples, LobeSet allowed) {
   if (!(light.pdf > 0)) return BLACK;
@@ -75,53 +75,53 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi
 }
 
 /**
- * Adds the light that `samples` shadow rays bring to a point with non-delta lobes, past at most `maxPanes`
- * thin panes, seen from unit `wi` with `throughput`. `cameraState` has read the D at the point. `allowed`
- * are the lobes that the BSDF's own ray is chosen from, `nesting` is what the walk is inside of that came
- * there. `context` is the point as `lightSampler` knows it. Media on the way have to be homogeneous; the
- * light that a BSDF ray meets is to be weighed without them.
+ * Adds the light of `samples` shadow rays at a point with non-delta lobes, through at most `maxPanes` thin
+ * panes, seen from unit `wi` with `throughput`. `cameraState`: state after the D event at the point.
+ * `allowed`: lobes from which the BSDF ray is sampled. `nesting`: state of the walk that arrived. `context`:
+ * the point's context in `lightSampler`. Media on the way must be homogeneous, and the weights of BSDF rays
+ * that hit lights must not include them.
  */
 void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
                      const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
                      LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out);
 
-/** What a BSDF ray carries to find the weight of the light that it may meet, at once or straight through thin
+/** BSDF ray, as needed for the MIS weight of a light that it hits, directly or straight through thin
  * panes. */
 struct BsdfRay {
   LightSampleContext from;
-  float pdf = 0;         ///< per solid angle; of a non-delta lobe
-  bool weighted = false; ///< false after the camera and after delta lobes other than panes: no shadow ray
-                         ///< could find this light
+  float pdf = 0;         ///< density of the direction by a non-delta lobe [1/sr]
+  bool weighted = false; ///< false after the camera and after delta lobes other than panes, where no shadow
+                         ///< ray samples this light
 };
 
-/** The radiance of an emitting surface that a ray of unit `direction` met, times its weight; black when it
- * emits nothing there. `inMedia`, in scenes with media: the densities of the path. */
+/** Radiance of an emitting surface hit by a ray of unit `direction`, times its MIS weight; black where it
+ * does not emit. `inMedia`: spectral densities of the path, in scenes with media. */
 Rgb emittedRadiance(const Scene& scene, const LightSampler& lightSampler, const Hit& hit,
                     const Vec3f& direction, const BsdfRay& ray, int lightSamples,
                     const SpectralPath* inMedia = nullptr);
-/** The same for a ray that left the scene, of one of its lights. */
+/** Weighted radiance of environment light number `which`, for a ray that left the scene. */
 Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, size_t which,
                         const Vec3f& direction, const BsdfRay& ray, int lightSamples,
                         const SpectralPath* inMedia = nullptr);
-/** Of all of them. */
+/** Weighted radiance of all environment lights. */
 Rgb environmentRadiance(const Scene& scene, const LightSampler& lightSampler, const Vec3f& direction,
                         const BsdfRay& ray, int lightSamples, const SpectralPath* inMedia = nullptr);
 
-/** Where shadow rays start in a scene with media: on a surface or in a medium. */
+/** Vertex at which shadow rays start in a scene with media: on a surface or in a medium. */
 struct LitVertex {
   const Hit& hit;
   const ScatteringPoint* scattering; ///< null in a medium
   const Medium* medium;              ///< null at a surface
-  Vec3f wi;                          ///< unit, towards where the walk came from
-  LobeSet allowed;                   ///< as for addSampledLight
+  Vec3f wi;                          ///< unit, back along the walk
+  LobeSet allowed;                   ///< lobes of the BSDF ray, see addSampledLight()
   const Nesting& nesting;
-  const SpectralPath& path; ///< that arrived
+  const SpectralPath& path; ///< spectral state on arrival
   int hero;
-  CameraState state;      ///< which has read the event
-  bool hasBsdfRay = true; ///< false: nothing but shadow rays finds light from here
+  CameraState state;      ///< state after the event
+  bool hasBsdfRay = true; ///< false: only shadow rays find light from here
 
-  /** What it sends along the walk of light from unit `light`, the cosine included. */
+  /** Phase function, or BSDF times the cosine, for light from unit `light`. */
   Rgb value(const Vec3f& light) const {
     return medium ? Rgb(medium->phase->value(glm::dot(-wi, light))) : scattering->evaluate(wi, light);
   }
@@ -130,13 +130,13 @@ struct LitVertex {
   }
 };
 
-/** Adds the light of one sample, if nothing but media and at most `maxPanes` thin panes is in its way. `pdf`
- * is that of all samples together, of what was chosen to find it. */
+/** Adds the light of one sample, through media and at most `maxPanes` thin panes. `pdf`: density of all
+ * samples together, including the choice of the light. */
 void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, float pdf,
                      int maxPanes, Sampler& sampler, PathRadiance& out);
 
-/** addSampledLight in a scene with media, for a walk that goes on by the BSDF or the phase function and
- * weighs the lights that it meets with emittedRadiance and environmentRadiance. */
+/** Variant of addSampledLight() for scenes with media, for a walk that continues by the BSDF or the phase
+ * function and weights the lights it hits by emittedRadiance() and environmentRadiance(). */
 void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler,
                             const LightSampleContext& context, const LitVertex& vertex, int samples,
                             int maxPanes, Sampler& sampler, PathRadiance& out);

@@ -7,8 +7,8 @@ namespace recurse {
 
 namespace {
 
-/** Of the distances one is chosen from by what light there is, shadows aside. Most of a ray may lie outside
- * of the cone of a spot, or behind an area; of light from far away only shadows are not the same all along.
+/** Number of pairs of candidate distances, resampled by unoccluded light. Most of a ray may be outside of the
+ * cone of a spot light, or behind an area light; for infinite lights only visibility varies along it.
  */
 int candidatePairs(const Light& light) {
   if (light.isInfinite()) return 1;
@@ -23,15 +23,15 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
   const MediumPoint point = medium.at(ray.origin);
   const Rgb extinction = point.extinction();
   const TransmittanceDistance open(extinction, end);
-  // The lamp is chosen from a place that does not depend on the distances.
+  // The choice of the lamp uses a point that is independent of the candidate distances.
   const SurfacePoint from = pointInMedium(ray, open.sample(sampler.next1D(), sampler.next1D()));
   const SampledLight choice(scene.lights(), lightSampler, {from.position}, sampler);
   const ChosenLight& chosen = choice.chosen;
   if (!(chosen.probability > 0)) return {};
   const int count = rays.to(*chosen.light);
   if (which >= count) return {};
-  /** About the lamp's point by `u`. Where light is sampled by area, that is the shadow ray's, and the density
-   * of distances has the 1/r² of the light. */
+  /** Equiangular distances about the lamp's point for `u`. Where light is sampled by area, the shadow ray
+   * ends at this point too, so that the density of distances contains the 1/r² of the light. */
   const auto nearnessTo = [&](const Vec2f& u) {
     std::optional<EquiangularDistance> near;
     if (const std::optional<LeSample> start = chosen.light->sampleLe({choice.pick, u, choice.u, ray.time}))
@@ -52,7 +52,7 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
     const std::optional<LiSample> light =
         lightSampler.sampleLi(*chosen.light, place.time, place.position, choice.pick, u);
     if (!light || !(light->pdf > 0)) return;
-    // Of colours that a medium scatters unequally, each is brought by its own distances.
+    // The scattering coefficient is included, so that each channel is sampled at its own distances.
     const float worth = luminance(light->radiance * point.scattering * flight::transmittance(extinction, t)) *
                         medium.phase->value(glm::dot(light->direction, ray.direction));
     const float pdf = near ? (open.pdf(t) + near->pdf(t)) / 2 : open.pdf(t);

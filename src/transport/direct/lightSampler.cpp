@@ -1,5 +1,5 @@
 /** @file
- * Learning which lights reach which places.
+ * Learning of the light selection from photons and camera rays.
  */
 #include "transport/direct/lightSampler.h"
 
@@ -15,18 +15,18 @@ namespace recurse {
 
 namespace {
 
-/** Tell these samples from all others. */
+/** Sampler streams of the learning, distinct from all others. */
 constexpr uint64_t FIRST_LIGHT_STREAM = 0x4c4947485453ull, LOOK_STREAM = 0x4c4f4f4b53ull,
                    PLACE_STREAM = 0x504c41434553ull;
-/** Most photons of a cell, and how many the guess by power and distance is worth. */
+/** Maximum photons in a cell, and photons that the prior by power and distance is equivalent to. */
 constexpr size_t MAX_ARRIVALS = 64;
 constexpr double PRIOR = 64;
-/** Levels of the tree that are tabulated. */
+/** Number of levels of the tree that are tabulated. */
 constexpr int TABLE_DEPTH = 6;
-/** The part that all clusters share, so that rounding of sums does not make anyone's part 0. */
+/** Fraction spread evenly over all clusters, so that rounding leaves none with probability 0. */
 constexpr double EVEN_PART = 1e-3;
 
-/** What light brings to a surface, in its strongest colour; 0 where that cannot be told. */
+/** Irradiance from a light sample, in its strongest channel; 0 behind the surface or if not finite. */
 double irradiance(const LiSample& light, const Vec3f& normal, bool bothSides) {
   const float cosine = glm::dot(light.direction, normal);
   if (!(light.pdf > 0) || (!bothSides && cosine < 0)) return 0;
@@ -36,10 +36,10 @@ double irradiance(const LiSample& light, const Vec3f& normal, bool bothSides) {
 
 } // namespace
 
-/** A node on a way down the tree. */
+/** Descent of the tree from a node to a light. */
 class LightSampler::Descent {
  public:
-  /** `near2`: lights nearer than its root are not told apart by distance. */
+  /** `near2`: squared distance below which lights are not distinguished by distance. */
   Descent(const LightSampler& guide, const Vec3f& position, float near2, const Cluster& from)
       : guide(guide), position(position), near2(near2), at(from) {}
 
@@ -47,10 +47,10 @@ class LightSampler::Descent {
   const Cluster& where() const { return at; }
   uint32_t middle() const { return at.first + (at.end - at.first) / 2; }
   uint32_t right() const { return at.node + 2 * (middle() - at.first); }
-  /** The left child's part by power over distance². */
+  /** Probability of the left child, by power over distance². */
   double left() const {
     const Node &whole = guide.nodes[at.node], &l = guide.nodes[at.node + 1], &r = guide.nodes[right()];
-    // Next to one of two lights, or inside its box, the other one still counts for something.
+    // Bounds the distance from below: next to a light, or in its box, its sibling keeps some probability.
     const float least = std::max(whole.radius2 / 16, near2);
     const auto distance2 = [&](const Node& n) {
       return double(std::max(lengthSquared(n.center - position), std::max(n.radius2, least)));
@@ -85,7 +85,7 @@ LightSampleContext LightSampler::at(const Vec3f& position, const Vec3f& normal) 
   LightSampleContext place{position};
   const std::vector<Cell>& side = cells[sideOf(normal)];
   if (side.empty()) return place;
-  // Ways down the tree with the shares that go there; both ways where a border is near.
+  // Pending descents and their weights; near a border both children are followed.
   struct Way {
     size_t cell;
     float weight;
@@ -144,7 +144,7 @@ LightSampler::Chosen LightSampler::chooseBelow(const Cluster& cluster, const Vec
 
 float LightSampler::probabilityLearned(const LightSampleContext& place, uint32_t light) const {
   const uint32_t wanted = rank[light];
-  if (order[wanted] != light) return 0; // it has no power
+  if (order[wanted] != light) return 0; // the light has no power
   const uint32_t c = clusterOf[wanted];
   double probability = upTo(place, c) - (c > 0 ? upTo(place, c - 1) : 0);
   Descent way(*this, place.position, 0, clusters[c]);
@@ -158,7 +158,7 @@ float LightSampler::probabilityLearned(const LightSampleContext& place, uint32_t
 }
 
 void LightSampler::buildTree(const LightTable& lights) {
-  // Where photons start is all that is asked of a light; a box that is too small costs no more than noise.
+  // Only emission positions of a light are needed. A box that is too small costs only noise.
   constexpr int STARTS = 4;
   std::vector<Bounds3f> boxes(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) {
@@ -217,23 +217,23 @@ void LightSampler::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::
     const auto half = arrivals.begin() + static_cast<std::ptrdiff_t>(arrivals.size() / 2);
     std::nth_element(arrivals.begin(), half, arrivals.end(),
                      [&](const Arrival& a, const Arrival& b) { return a.position[axis] < b.position[axis]; });
-    // The border lies between two places, so that of walls none lies on it.
+    // The border is placed between two positions, so that no wall coincides with it.
     float beyond = half->position[axis], before = box.lower[axis];
-    if (beyond == before) { // more than half lie in one plane: the others go elsewhere
+    if (beyond == before) { // more than half are in one plane: separates the remaining ones
       beyond = box.upper[axis];
       for (const Arrival& a : arrivals)
         if (a.position[axis] > before) beyond = std::min(beyond, a.position[axis]);
     }
     for (const Arrival& a : arrivals)
       if (a.position[axis] < beyond) before = std::max(before, a.position[axis]);
-    if (beyond > before) { // else all are at the same place
+    if (beyond > before) { // else all positions coincide
       const float at = before + (beyond - before) / 2;
       const auto below =
           static_cast<size_t>(std::partition(arrivals.begin(), arrivals.end(),
                                              [&](const Arrival& a) { return a.position[axis] < beyond; }) -
                               arrivals.begin());
       buildCells(arrivals.first(below), cells, leaves);
-      // Half as wide as a leaf, of which a surface has so many in this extent.
+      // Half the width of a leaf, since a surface of this extent has `leaves1d` leaves along it.
       const double leaves1d = std::sqrt(double(arrivals.size()) / double(MAX_ARRIVALS / 2));
       const auto band = static_cast<float>(0.5 * double(box.diagonal()[axis]) / leaves1d);
       cells[cell] = {static_cast<uint32_t>(axis), at, band, static_cast<uint32_t>(cells.size())};
@@ -242,7 +242,7 @@ void LightSampler::buildCells(Arrivals arrivals, std::vector<Cell>& cells, std::
     }
   }
   leaves.push_back(arrivals);
-  cells[cell].other = static_cast<uint32_t>(leaves.size()); // table 0 is not a cell's
+  cells[cell].other = static_cast<uint32_t>(leaves.size()); // table 0 belongs to no cell
 }
 
 std::vector<double> LightSampler::irradiances(const LightTable& lights, Arrivals arrivals,
@@ -266,7 +266,7 @@ void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampl
   const size_t count = clusters.size();
   Bounds3f box;
   for (const Arrival& a : arrivals) box.add(a.position);
-  // Deals out a part of 1 to each cluster from the root down.
+  // Distributes probability 1 over the clusters from the root down.
   const auto dealOut = [&](const auto& left, const auto& deal) {
     const auto visit = [&](const auto& self, Descent way, double part) -> void {
       const size_t c = clusterOf[way.where().first];
@@ -283,8 +283,8 @@ void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampl
                   {0, 0, static_cast<uint32_t>(order.size())}),
           1);
   };
-  // The guess is what the lights would bring if nothing was in their way; of this, a few samples may show
-  // nothing at all.
+  // The prior is the unoccluded irradiance from the clusters. Its few samples may all be zero, so a fraction
+  // is by distance alone.
   std::vector<double> guess = irradiances(lights, arrivals, sampler);
   const double all = std::accumulate(guess.begin(), guess.end(), 0.0);
   constexpr double BY_DISTANCE = 0.1;
@@ -292,7 +292,7 @@ void LightSampler::buildTable(const LightTable& lights, Arrivals arrivals, Sampl
           [&](size_t c, double part) {
             guess[c] = all > 0 ? BY_DISTANCE * part + (1 - BY_DISTANCE) * guess[c] / all : part;
           });
-  std::vector<double> guesses(count + 1, 0), photons(count + 1, 0); // of all clusters before
+  std::vector<double> guesses(count + 1, 0), photons(count + 1, 0); // sums over all clusters before
   for (const Arrival& a : arrivals) photons[clusterOf[a.light] + 1] += 1;
   for (size_t c = 0; c < count; ++c) {
     guesses[c + 1] = guesses[c] + guess[c];
@@ -338,7 +338,7 @@ void LightSampler::shoot(const Scene& scene, uint32_t index, Found& found) const
     arena.reset();
     const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), nesting, arena);
     const LobeSet lobes = bsdf ? bsdf->lobes() : LobeSet(STRAIGHT);
-    if (!(lobes & STRAIGHT) || (lobes & NON_DELTA_LOBES)) // else shadow rays pass
+    if (!(lobes & STRAIGHT) || (lobes & NON_DELTA_LOBES)) // a pane alone lets shadow rays pass
       return keep(hit, ray.direction, rank[light], found);
   }
 }
@@ -379,8 +379,8 @@ void LightSampler::lookForLight(const Scene& scene, const Hit& hit, const Vec3f&
   const Vec3f normal = glm::dot(n, direction) < 0 ? n : -n;
   const bool both = hit.material->lobes() & TRANSMISSION;
   const Cluster all{0, 0, static_cast<uint32_t>(order.size())};
-  // One of the trials, in proportion to what it brings. By power alone the sky, which may be hidden, would
-  // take nearly all of them.
+  // Reservoir sampling of one trial by its irradiance. If trials were by power alone, the sky, which may be
+  // hidden, would take nearly all of them.
   std::optional<uint32_t> kept;
   double sum = 0;
   for (int i = 0; i < TRIALS; ++i) {
@@ -405,7 +405,7 @@ void LightSampler::lookForLight(const Scene& scene, const Hit& hit, const Vec3f&
   if (kept) keep(hit, direction, *kept, found);
 }
 
-/** An interrupted one has learned nothing: lights are chosen by power. */
+/** Interruption leaves nothing learned: lights are then chosen by power. */
 TransportCounts LightSampler::learn(const Scene& scene, bool withPortals) try {
   *this = {};
   TransportCounts counts;
@@ -414,7 +414,7 @@ TransportCounts LightSampler::learn(const Scene& scene, bool withPortals) try {
   if (lights.size() < 2) return counts;
   buildTree(lights);
   if (!active()) return counts;
-  // More than what a picture of so many pixels takes a small part of the time for is not worth it.
+  // Limited by the number of pixels, so that learning takes a small fraction of the render time.
   constexpr size_t MIN_COUNT = 4096, MAX_COUNT = 131072, BATCH = 1024, LOOKS = 4;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   const size_t batches = std::clamp(2 * pixels, MIN_COUNT, MAX_COUNT) / BATCH;
@@ -436,7 +436,7 @@ TransportCounts LightSampler::learn(const Scene& scene, bool withPortals) try {
     if (i > 0)
       return buildTable(lights, leaves[i - 1], Sampler(0, PLACE_STREAM, static_cast<uint32_t>(i)),
                         &tables[i * clusters.size()]);
-    // Of places in media nothing else is known: a sun that does not reach one must leave something to a lamp.
+    // Only this table serves points in media: a sun that does not reach them must leave some to lamps.
     constexpr double EVENLY = 0.25;
     double sum = 0;
     for (size_t c = 0; c < clusters.size(); ++c) {

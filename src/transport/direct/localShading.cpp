@@ -1,5 +1,5 @@
 /** @file
- * Light straight from the lights, by a shadow ray and a BSDF ray.
+ * Direct light of a vertex, by a shadow ray and a BSDF ray.
  */
 #include "transport/direct/localShading.h"
 
@@ -9,9 +9,9 @@ namespace recurse {
 
 namespace {
 
-constexpr int SHADOW_RAYS = 1; ///< at each vertex
+constexpr int SHADOW_RAYS = 1; ///< number of shadow rays at each vertex
 
-/** What a ray of the BSDF's choice finds before anything scatters it. */
+/** Adds the emission that a BSDF-sampled ray finds before its next scattering event. */
 void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampleContext& place,
                 const CameraVertex& vertex, const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
   const std::optional<Scatter> s =

@@ -1,6 +1,6 @@
 /** @file
- * Local shading: the light that comes to a vertex straight from the lights, as ray casters and Whitted's
- * recursion need it.
+ * Local shading: direct illumination of a vertex without further bounces, for ray casting and Whitted ray
+ * tracing.
  */
 #pragma once
 
@@ -10,14 +10,14 @@
 namespace recurse {
 
 /**
- * Adds the light that arrives at a vertex without scattering on its way, thin panes included: one shadow ray
- * and one BSDF ray that share it by weights. `nesting` is what the walk is inside of that came to the vertex.
+ * Adds the direct light of a vertex, thin panes included: one shadow ray and one BSDF ray, combined by MIS
+ * weights. `nesting` is the state of the walk that arrived at the vertex.
  */
 void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out);
 
-/** Adds what the path's ray sees of a light that no shadow ray shares with it: `hit` emits, or is null where
- * the ray left the scene. */
+/** Adds emission that the path's ray sees and no shadow ray samples, with weight 1. `hit` is the emitting
+ * surface, or null where the ray left the scene. */
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
                      const Hit* hit, PathRadiance& out);
 

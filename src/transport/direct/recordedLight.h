@@ -1,5 +1,5 @@
 /** @file
- * Hits of lights and shadow rays, as a PathRecorder is told of them.
+ * Recording of light hits and shadow rays by a PathRecorder.
  */
 #pragma once
 
@@ -9,8 +9,8 @@
 
 namespace recurse {
 
-/** Sets the source of a contribution: a ray that left by `step` met an area light. `weighted`: its radiance
- * times the weight. */
+/** Sets the source of a contribution: a ray that left by `step` hit an area light. `weighted`: its radiance
+ * times the MIS weight. */
 inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, const LightSampler& lights,
                       const Hit& hit, const Vec3f& direction, const BsdfRay& ray, const Rgb& weighted) {
   RecordedSource& s = recorder.source;
@@ -22,7 +22,7 @@ inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, cons
                hit.areaLight->pdfLi(ray.from.position, hit.primitive, hit.point);
 }
 
-/** The same for a ray of unit `direction` that left the scene, and one of its environment lights. */
+/** Sets the source for a ray of unit `direction` that left the scene, and one of its environment lights. */
 inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, const LightSampler& lights,
                       size_t which, const Vec3f& direction, const BsdfRay& ray, const Rgb& weighted) {
   RecordedSource& s = recorder.source;
@@ -36,7 +36,7 @@ inline void recordHit(PathRecorder& recorder, int step, const Scene& scene, cons
                lights.pdfLi(light, ray.from.position, direction);
 }
 
-/** recordLightSample() with the weights of unshadowedRadiance(), whose arguments these are. */
+/** Calls recordLightSample() with the MIS weight of unshadowedRadiance(), whose arguments these are. */
 inline void recordLightSample(PathRecorder& recorder, int vertex, const ScatteringPoint& scattering,
                               const Vec3f& wi, const LiSample& light, float probability, int samples,
                               LobeSet allowed) {

@@ -1,5 +1,5 @@
 /** @file
- * What trial photons teach.
+ * Learning of the emission guide, the DXTRAN spheres and the splitting power from trial photons.
  */
 #include "transport/forward/photonGuidance.h"
 
@@ -15,15 +15,15 @@ namespace recurse {
 
 namespace {
 
-/** Tells trial samples from those of photons and pixels. */
+/** Sampler stream of trial photons, distinct from those of photons and pixels. */
 constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 
-/** Spheres that cover what is seen, but for what would need wide ones or is hardly anything. */
+/** DXTRAN spheres that cover the visible points, except groups that are too wide or have too few points. */
 std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Vec3f> seen,
                                               std::span<const Vec3f> landed) {
-  constexpr float MAX_RADIUS = 0.2f; // of the scene
-  constexpr double MIN_COUNT = 0.02; // of what is seen
-  constexpr float SPARED = 8;        // as many photons as that are not needed
+  constexpr float MAX_RADIUS = 0.2f; // maximum radius over that of the scene
+  constexpr double MIN_COUNT = 0.02; // minimum fraction of the visible points
+  constexpr float SPARED = 8;        // factor on the power of photons sent to a sphere: divides their number
   constexpr size_t MAX_COUNT = 8;
   struct Part {
     std::span<Vec3f> places;
@@ -37,7 +37,7 @@ std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Ve
   };
   std::vector<Part> parts{partOf(seen)};
   while (parts.size() < MAX_COUNT) {
-    // The one is cut whose places would gain most.
+    // Cuts the part whose points would gain most: the one with the largest radius² times number of points.
     const auto cut = std::max_element(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
       return square(a.radius()) * static_cast<float>(a.places.size()) <
              square(b.radius()) * static_cast<float>(b.places.size());
@@ -58,7 +58,7 @@ std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Ve
     const double share = double(part.places.size()) / double(seen.size());
     if (share < MIN_COUNT || !(radius > 0 && radius < MAX_RADIUS * scene.bounds().radius)) continue;
     const Vec3f center = part.box.center();
-    // What a grey surface sends there, typically.
+    // Median fraction of the flux scattered by a grey surface that reaches the sphere.
     std::vector<float> typical;
     for (const Vec3f& p : landed)
       if (const float q = square(radius) / lengthSquared(p - center); q < 1 / square(NEAR_TARGET))
@@ -72,20 +72,20 @@ std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Ve
   return targets;
 }
 
-/** Trial photons, added up. */
+/** Sums over trial photons. */
 struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
-  /** Of those in the region. */
+  /** Trial photons that were stored in the visible region. */
   struct Arrived {
-    float power;                   ///< in all that one photon emitted carries
+    float power;                   ///< power, relative to the emission of one photon
     float startDensity, fullPower; ///< see PhotonWalk
   };
   std::vector<Arrived> powers;
-  std::vector<Vec3f> landed; ///< a few of the places where photons were stored
+  std::vector<Vec3f> landed; ///< positions of a sample of the stored photons
   uint64_t stored = 0, inRegion = 0, sent = 0, arrived = 0;
-  double squares = 0, guided = 0; ///< of what photons bring: without a guide, and with the one they had
+  double squares = 0, guided = 0; ///< second moments of contributions: unguided, and with the guide in use
   TransportCounts counts;
-  /** Whether targets are worth the photons that are sent there. */
+  /** Whether enough of the photons sent to the targets arrive there for targets to be useful. */
   bool arrive() const {
     constexpr double MIN_ARRIVED = 0.2;
     return double(arrived) >= MIN_ARRIVED * double(sent);
@@ -104,7 +104,7 @@ struct Trials {
   }
 };
 
-/** What no photon should carry more than; not so little that splitting makes more photons than are emitted.
+/** Power above which photons are split; large enough that splitting adds no more photons than are emitted.
  */
 float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
   constexpr float OVER_TYPICAL = 2;
@@ -115,10 +115,10 @@ float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
   return std::max(OVER_TYPICAL * *middle, static_cast<float>(sum / double(emitted)));
 }
 
-/** Finds out which light starts too sparsely for photons. */
+/** Sets the emission density below which rays replace photons of infinite lights after the first surface. */
 void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
-  constexpr float MAX_POWER = 32; // over that of most: each is a stain on its own
-  constexpr double WORTH_IT = 4;  // times less variance of what photons bring, for grain of rays
+  constexpr float MAX_POWER = 32; // in splitting powers: a stronger photon is visible as a blotch
+  constexpr double WORTH_IT = 4;  // minimum reduction of the photons' variance that outweighs noise of rays
   double starts = 0, far = 0;
   for (const Trials::Arrived& a : trials.powers) {
     if (!(a.startDensity < INFINITE)) continue;
@@ -126,7 +126,7 @@ void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
     ++far;
   }
   if (!(starts > 0)) return;
-  // Light infinitely far is chosen by power, so that the product is nearly the same for all.
+  // Infinite lights are chosen by power, so density times power is nearly the same for all starts.
   const auto least = static_cast<float>(starts / far / double(MAX_POWER * guidance.splitPower));
   double all = 0, sparse = 0, squares = 0, sparseSquares = 0;
   for (const Trials::Arrived& a : trials.powers) {
@@ -155,9 +155,9 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
       stored.clear();
       Sampler sampler(seed, TRIAL_STREAM, static_cast<uint32_t>(i));
       const float time =
-          scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0; // the guide is for all times
+          scene.moves() ? scene.camera().timeAt(sampler.next1D()) : 0; // one guide serves all times
       EmissionGuide::TrainingSample start = walk.shoot(sampler, time);
-      // What is at full power in a target is a lot there, wherever it goes from now on.
+      // A photon that enters a target at full power counts with that power there, whatever its later path.
       const double perPhoton = double(settings.photons) / double(start.weight);
       auto squares =
           double(walk.enteredImportance()) * square(double(walk.fullPower()) * double(settings.photons));
@@ -169,7 +169,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
                                walk.startDensity(), walk.fullPower() * static_cast<float>(settings.photons)});
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
-      // What is scattered evenly is seen by 1/4π of it, on a white surface by 1/π; errors go by the square.
+      // Isotropic scattering reflects 1/(4π) per sr, a white surface 1/π. Second moments have the square.
       constexpr double BY_MEDIUM = 1.0 / 16;
       for (const VolumePhoton& p : stored.inMedia) {
         const auto importance = BY_MEDIUM * double(region.importanceInMedium(p.position));
@@ -200,17 +200,17 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   constexpr uint64_t TRIALS = 8 * PHOTON_BATCH;
   constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
   constexpr double MIN_RISE = 1.1, MIN_GAIN = 1.5;
-  constexpr double MAX_IN_REGION = 0.05; // of photons; else no targets are needed
+  constexpr double MAX_IN_REGION = 0.05; // fraction of the stored photons above which no targets are needed
   PhotonGuidance guidance;
   if (scene.lights().size() == 0 || region.empty()) return guidance;
   EmissionGuide& guide = guidance.emission;
   ShootSettings trial = settings;
   trial.guide = &guide;
-  // No more than a pass has: learning must not cost many times what it serves.
+  // At most the photons of one pass, so that learning never costs many times as much as its use.
   trial.photons = std::min(TRIALS, settings.photons);
   uint64_t shot = 0;
-  double squares = 0, guided = 0; // of all rounds with a guide, each learned from those before
-  // Returns the last round.
+  double squares = 0, guided = 0; // sums over all rounds with a guide, each learned from earlier rounds
+  // Shoots rounds of trials until the guide stops improving. Returns the last round.
   const auto learn = [&] {
     guide = {};
     std::vector<EmissionGuide::TrainingSample> useful;
@@ -225,7 +225,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
       const double before = guide.gain();
       if (choice.emission)
         guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
-      // Few hits say little yet; many of a density that is good already, that there is no more to gain.
+      // Few hits are unreliable; many hits of an already good density mean that there is no more to gain.
       double weight = 0, squared = 0;
       for (const EmissionGuide::TrainingSample& u : useful) {
         weight += double(u.weight);
@@ -250,7 +250,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
       }
     }
   }
-  // What a few photons leave behind that media scatter hundreds of times tells less than it seems to.
+  // A few photons that scatter hundreds of times in media overestimate the gain of a guide.
   if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.secondMoment = (guide.active() ? last.guided : last.squares) / double(trial.photons);
   guidance.targets = trial.targets;
@@ -262,10 +262,9 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
 }
 
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
-                                 const ForwardControl& control, TransportCounts& counts) {
-  constexpr uint64_t TRIALS = 32768; // a round
+                                 const ForwardControl& control, TransportCounts& counts, uint64_t trials) {
   ShootSettings trial;
-  trial.photons = TRIALS;
+  trial.photons = trials;
   trial.maxDepth = maxDepth;
   const VisibleRegion region = probeRegion(scene, {}, counts);
   return learnGuidance(scene, classes, seed, trial, region, control, counts, {.targets = false}).emission;

@@ -1,5 +1,5 @@
 /** @file
- * Where photons are worth most, learned from trial photons before the first pass.
+ * Guidance of photons to the visible region, learned from trial photons before the first pass.
  */
 #pragma once
 
@@ -11,36 +11,38 @@
 
 namespace recurse {
 
-/** How photons are sent where they are wanted. */
+/** Guidance of photons: their starts, targets and splitting. */
 struct PhotonGuidance {
   EmissionGuide emission;
   std::vector<DxtranSphere> targets;
-  float splitPower = INFINITE; ///< see ShootSettings, of one photon emitted
+  float splitPower = INFINITE; ///< see ShootSettings; relative to the emission of one photon
   float minStartDensity = 0;   ///< see ShootSettings
-  float sparsePart = 0;        ///< of the power where the eye looks, that starts less densely
-  uint64_t useful = 0;         ///< unguided trial photons that came down where the eye looks
-  double secondMoment = 0;     ///< of what a photon brings to what is seen, about; by which guidances compare
+  float sparsePart = 0;        ///< fraction of the power in the visible region from starts below that density
+  uint64_t useful = 0;         ///< number of unguided trial photons stored in the visible region
+  double secondMoment = 0;     ///< approximate second moment of a photon's visible contribution
 };
 
-/** What learnGuidance() may use. */
+/** Mechanisms that learnGuidance() may use. */
 struct GuidanceChoice {
-  bool emission = true; ///< photons start where useful ones did
-  bool targets = true;  ///< the region may become a target
+  bool emission = true; ///< photons start by the density of useful trial photons
+  bool targets = true;  ///< the visible region may become a target
 };
 
 /**
- * Learns from trial photons where those start that come down in the region: as few as will do, where most do
- * so anyway, and the guide is then not active. The region becomes a target where few photons come down in it
- * and many do that are sent there, as far as `choice` allows. `counts` gets what the trials cost.
+ * Learns from trial photons which starts reach the visible region. The trials are few, and the guide is
+ * inactive, where most photons reach it anyway. The region becomes a target where few photons reach it but
+ * many of those sent to it do, if `choice` allows. Adds the work of the trials to `counts`.
  */
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts,
                              GuidanceChoice choice = {});
 
-/** For light paths of which no photon map is made: where those start that come to where the eye looks. Of a
- * sun or sky outside hardly any other comes into a room. `maxDepth` as of ShootSettings. */
+/** Learns an emission guide for light paths without a photon map: the starts of paths that reach the visible
+ * region. Few other paths from an outdoor sun or sky enter a room. `maxDepth` is that of ShootSettings;
+ * `trials`: photons in a round. */
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
-                                 const ForwardControl& control, TransportCounts& counts);
+                                 const ForwardControl& control, TransportCounts& counts,
+                                 uint64_t trials = 32768);
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * How photons start: from lights, chosen by power, and from media that emit.
+ * Emission of photons: from lights, chosen by power, and from emissive media.
  */
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace recurse {
 
-/** A photon under way. */
+/** Photon between two scattering events. */
 struct PhotonState {
   Ray ray;
   Rgb flux;
@@ -21,31 +21,31 @@ struct PhotonState {
   ReverseRatio ratio;
   int depth = 0;
   bool caustic = true;
-  bool straight = true;    ///< from the light: nothing but thin panes so far
-  float relativePower = 1; ///< to that of the photon that it branched off; below 1 until it leaves its target
-  float wavelength = 0;    ///< as in Subpath
-  // In media:
+  bool straight = true;    ///< only thin panes so far between the light and the photon
+  float relativePower = 1; ///< power over that of its parent photon; below 1 until it leaves its target
+  float wavelength = 0;    ///< see Subpath
+  // Spectral state in media:
   Rgb pathPdf{1}; ///< see SpectralPath
-  int hero = 0;   ///< the channel that draws distances
+  int hero = 0;   ///< colour channel that draws distances
 };
 
-/** Where a photon comes from. */
+/** Emission of a photon: its light, position and densities. */
 struct PhotonOrigin {
   LightKind kind = LightKind::POINT;
   LePdf pdf;
   Vec3f position{0};
   uint32_t light = 0;
-  float probability = 0; ///< of the light
+  float probability = 0; ///< selection probability of the light
 };
 
-/** Starts photons, one after the other. */
+/** Samples the starts of photons, each with its own random numbers. */
 class PhotonStart {
  public:
   PhotonStart(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
               TransportCounts& counts)
       : scene(scene), classes(classes), settings(settings), counts(counts), mediaPart(partOfMedia()) {}
 
-  /** A photon of an emissive medium. */
+  /** Starts a photon in an emissive medium. */
   std::optional<PhotonState> fromMedium(const EmissionGuide::TrainingSample& start, float time,
                                         Sampler& sampler) {
     const auto& n = start.numbers;
@@ -58,7 +58,7 @@ class PhotonStart {
     return photon;
   }
 
-  /** A photon of a light, which is chosen by power. */
+  /** Starts a photon at a light, which is chosen by power. */
   std::optional<PhotonState> fromLight(const EmissionGuide::TrainingSample& start, float time,
                                        Sampler& sampler) {
     const auto& n = start.numbers;
@@ -97,17 +97,17 @@ class PhotonStart {
     return photon;
   }
 
-  /** The part of the photons that emissive media emit. */
+  /** Fraction of the photons that emissive media emit. */
   float byMedia() const { return mediaPart; }
 
-  PhotonOrigin origin; ///< of the last photon that a light emitted
-  float fullPower = 0; ///< that of the last photon if it started with weight 1
+  PhotonOrigin origin; ///< origin of the last photon that a light emitted
+  float fullPower = 0; ///< power of the last photon if it had started with weight 1 [W]
 
  private:
   const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }
 
-  /** The part of the photons that emissive media emit: in proportion to power, but between a tenth and nine
-   * tenths where there are lights too. */
+  /** Fraction of the photons that emissive media emit: proportional to power, but between a tenth and nine
+   * tenths if the scene has lights, too. */
   float partOfMedia() const {
     constexpr double MAX_PART = 0.9;
     if (!settings.media || settings.media->empty()) return 0;
@@ -118,7 +118,7 @@ class PhotonStart {
     return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
   }
 
-  /** True where a photon of such a start is worth following; counts those that are not finite. */
+  /** Whether a photon with this initial flux is followed. Counts those that are not finite. */
   bool isUseful(const Rgb& flux) {
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;

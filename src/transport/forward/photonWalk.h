@@ -1,5 +1,5 @@
 /** @file
- * The walk of one photon from its light, through surfaces and media, until it is killed.
+ * Photon tracing: the walk of one photon from its light through surfaces and media, until it ends.
  */
 #pragma once
 
@@ -14,10 +14,10 @@
 
 namespace recurse {
 
-/** Photons are shot in batches of so many. */
+/** Number of photons in a batch, the unit of parallel work. */
 constexpr uint64_t PHOTON_BATCH = 4096;
 
-/** Photons that walks have stored. */
+/** Photons that walks have stored, by kind. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;
   std::vector<VolumePhoton> inMedia;
@@ -31,7 +31,7 @@ struct StoredPhotons {
   }
 };
 
-/** Shoots photons, one after the other, and stores them where they may be found. */
+/** Traces photons and stores them at non-delta surfaces and in media. */
 class PhotonWalk {
  public:
   PhotonWalk(const Scene& scene, const PathClasses& classes, const ShootSettings& settings,
@@ -39,7 +39,7 @@ class PhotonWalk {
       : scene(scene), classes(classes), settings(settings), counts(counts), out(out),
         starts(scene, classes, settings, counts) {}
 
-  /** Returns what the photon started by, and one over its density. */
+  /** Shoots one photon. Returns the random numbers of its start and the inverse of their density. */
   EmissionGuide::TrainingSample shoot(Sampler sampler, float time) {
     const float light = sampler.next1D(), part = sampler.next1D();
     const Vec2f place = sampler.next2D(), direction = sampler.next2D();
@@ -61,21 +61,21 @@ class PhotonWalk {
     }
     return start;
   }
-  /** Power of a photon that starts with weight 1, of the last one that was shot. */
+  /** Power of the last photon if it had started with weight 1 [W]. */
   float fullPower() const { return starts.fullPower; }
-  /** Of its start, if it came from infinitely far [1/length²]; else infinite. */
+  /** Emission density of the last photon's position if its light is infinite [1/length²]; else infinite. */
   float startDensity() const {
     return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
   }
-  /** How much of what is seen, in so much of a surface, lies where it came into a target straight from the
-   * light. */
+  /** Visible-point density [1/area] of the targets that the last photon entered straight from the light,
+   * summed over targets. */
   float enteredImportance() const { return enteredTargets; }
 
-  const VisibleRegion* region = nullptr; ///< of trial photons
-  uint64_t sent = 0, arrived = 0;        ///< photons to targets, and those that came down in the region
+  const VisibleRegion* region = nullptr; ///< visible region, for trial photons only
+  uint64_t sent = 0, arrived = 0;        ///< photons sent to targets; number of these that hit the region
 
  private:
-  /** A short beam: its length is sampled by the channel of least extinction, so that no channel is amplified.
+  /** Stores a short beam. The thinnest channel samples its length, so that no channel is amplified.
    */
   void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
                  Sampler& sampler) {
@@ -88,7 +88,7 @@ class PhotonWalk {
   }
 
   enum class MediumEvent { NONE, SCATTERED, ENDED };
-  /** Samples where the medium on the way to `end` scatters: there the photon is stored, and sent on. */
+  /** Samples the scattering event in the medium up to `end`. The photon is stored there, and scattered. */
   MediumEvent sampleMedium(PhotonState& photon, float end, Sampler& sampler) {
     const uint16_t number = photon.nesting.medium(scene);
     const Medium* medium = scene.medium(number);
@@ -101,8 +101,8 @@ class PhotonWalk {
     SpectralPath spectral{photon.flux, photon.pathPdf, Rgb(1)};
     const Collision c = sampleCollision(*medium, photon.ray, end, photon.hero, Absorption::SAMPLED, sampler,
                                         spectral, [](const Rgb&) {});
-    // Single channels go up and down with their densities; their mean does not, and roulette by it keeps
-    // powers alike.
+    // Roulette by the mean of the channels, which keeps powers nearly equal: the mean is constant where
+    // single channels fluctuate with their densities.
     const float before = photon.flux.r + photon.flux.g + photon.flux.b;
     photon.flux = spectral.throughput;
     photon.pathPdf = spectral.pathPdf;
@@ -130,7 +130,7 @@ class PhotonWalk {
     return MediumEvent::SCATTERED;
   }
 
-  /** The BSDF of the next surface that scatters; null when the photon ends before. */
+  /** BSDF of the next surface that scatters; null if the photon ends before it. */
   const Bsdf* nextSurface(PhotonState& photon, Hit& hit, Sampler& sampler) {
     Ray& ray = photon.ray;
     for (;;) {
@@ -154,14 +154,14 @@ class PhotonWalk {
     }
   }
 
-  /** A surface where a photon has arrived. */
+  /** Arrival of a photon at a surface. */
   struct Arrival {
     const Hit& hit;
     ScatteringPoint scattering;
-    Vec3f wi; ///< unit, towards where the photon came from
+    Vec3f wi; ///< unit, back along the photon's path
     LightState afterD, afterS;
-    LobeSet allowed = NO_LOBE; ///< lobes that the photon may leave by
-    bool sends = false;        ///< photons to the targets, which BSDF sampling then leaves out
+    LobeSet allowed = NO_LOBE; ///< lobes by which the photon may leave
+    bool sends = false;        ///< photons are sent to targets; BSDF sampling leaves those directions out
   };
 
   Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
@@ -175,8 +175,8 @@ class PhotonWalk {
     return at;
   }
 
-  /** Sends a photon on from a surface by its BSDF, and by roulette where it is then weaker than `power`.
-   * False when it ends there. */
+  /** Scatters a photon by the BSDF of a surface, with Russian roulette if its new flux is below `power`.
+   * Returns false if the photon ends. */
   bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;
     const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
@@ -198,10 +198,10 @@ class PhotonWalk {
     return true;
   }
 
-  /** Splits a strong photon into several by non-delta lobes, all but one of which wait. By delta lobes one
-   * photon carries the flux of all: they would follow the same path. */
+  /** Splits a strong photon into several at non-delta lobes; all but one are put on hold. At delta lobes one
+   * photon carries the flux of all, since they would follow the same path. */
   void split(PhotonState& photon, Arrival& at, Sampler& sampler) {
-    constexpr uint32_t SPLIT = 2000; // not to be confused with others of the same sampler
+    constexpr uint32_t SPLIT = 2000; // number of the fork, unused by other forks of the sampler
     const int count = splitCount(photon.flux, at.hit.point.position);
     if (count == 1) return;
     const float power = maxComponent(photon.flux) / static_cast<float>(count);
@@ -217,16 +217,16 @@ class PhotonWalk {
     for (int i = 1; i < count; ++i) branch(photon, i);
   }
 
-  /** Of trial photons: notes where one comes into a target straight from the light. */
+  /** Records for a trial photon the targets that it enters straight from the light. */
   void noteTargetsEntered(const Vec3f& position) {
     for (const DxtranSphere& t : settings.targets)
       if (glm::distance(position, t.center) < t.radius) enteredTargets += t.importance;
   }
 
-  /** Follows a photon until it is killed. */
+  /** Follows a photon until it ends. */
   void walk(PhotonState photon, Sampler& sampler) {
     Hit hit;
-    bool toTarget = photon.relativePower < 1; // and has not come down yet
+    bool toTarget = photon.relativePower < 1; // until its first hit
     while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
       if (photon.depth == settings.maxDepth) {
         counts.truncatedThroughput += double(maxComponent(photon.flux));
@@ -251,8 +251,8 @@ class PhotonWalk {
     }
   }
 
-  /** How many a photon becomes. Those that carry far more than most where it is seen, because few started
-   * there, would each light a whole room in a direction of their own. */
+  /** Number of photons that a photon is split into. Without a split, the few photons far stronger than most
+   * in the visible region would each light a whole room from one direction. */
   int splitCount(const Rgb& flux, const Vec3f& position) const {
     constexpr float MAX_COUNT = 256;
     const float count = maxComponent(flux) / settings.splitPower;
@@ -260,10 +260,10 @@ class PhotonWalk {
     return static_cast<int>(std::min(count, MAX_COUNT));
   }
 
-  /** Of a photon that leaves a surface by a non-delta lobe: known for what came straight from the light. */
+  /** Reverse ratio after a non-delta event: from the light's densities at depth 0, else by furtherOn(). */
   ReverseRatio ratioAfter(const ReverseRatio& before, int depth, const Hit& hit,
                           const ScatteringPoint& scattering, const Vec3f& wi, const Vec3f& direction) const {
-    // Both ends would have to agree on the normal of a curve.
+    // Not for fibres: both techniques would have to agree on the normal of a curve.
     if (!settings.shadowRays || !scattering.keepsPhotons()) return {};
     if (depth > 0)
       return before.furtherOn(scattering.pdfNonDelta(direction, wi), scattering.pdfNonDelta(wi, direction),
@@ -278,10 +278,10 @@ class PhotonWalk {
     return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
   }
 
-  /** Photons to the targets from where `from` has scattered. */
+  /** Sends photons to the targets from the surface at which `from` has arrived. */
   void sendToTargets(const PhotonState& from, const Arrival& at, const Sampler& sampler) {
     constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
-    constexpr uint32_t BRANCH = 1000; // not to be confused with others of the same sampler
+    constexpr uint32_t BRANCH = 1000; // number of the fork, unused by other forks of the sampler
     const ScatteringPoint& scattering = at.scattering;
     const Vec3f& wi = at.wi;
     const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
@@ -289,7 +289,7 @@ class PhotonWalk {
     Sampler branch = sampler.fork(BRANCH);
     for (const auto& [cone, part] : cones) {
       const float lifted = glm::dot(normal, cone.axis);
-      // Below the surface altogether: the sine of half the angle is the root of opening · (2 - opening).
+      // Sphere entirely below the tangent plane. The sine of the half angle is sqrt(opening · (2 - opening)).
       if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
       const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
       const float wanted =
@@ -316,11 +316,11 @@ class PhotonWalk {
     }
   }
 
-  /** Rounding must not send a photon that only grazes the surface below it, where no search would find it. */
+  /** Packs a direction without a change of side: rounding could hide a grazing photon from all queries. */
   static PackedDirection packOnSide(const Vec3f& wi, const Vec3f& normal) {
     PackedDirection packed = packDirection(wi);
     const float cosine = glm::dot(wi, normal);
-    if (std::abs(cosine) > 1e-4f) return packed; // packing turns it by less
+    if (std::abs(cosine) > 1e-4f) return packed; // larger than the packing error
     const Vec3f up = normal * std::copysign(1.0f, cosine);
     for (float lift = 4e-5f; glm::dot(unpackDirection(packed), up) < 1e-6f; lift *= 2)
       packed = packDirection(glm::normalize(wi + up * lift));
@@ -329,7 +329,7 @@ class PhotonWalk {
 
   void store(const PhotonState& photon, const Arrival& at) {
     const SurfacePoint& point = at.hit.point;
-    if (glm::dot(at.wi, point.geometricNormal) == 0) return; // in the plane of the surface: brings no flux
+    if (glm::dot(at.wi, point.geometricNormal) == 0) return; // parallel to the surface: no flux
     Photon p;
     p.position = point.position;
     p.direction = packOnSide(at.wi, point.geometricNormal);
@@ -348,7 +348,7 @@ class PhotonWalk {
   StoredPhotons& out;
   std::vector<std::pair<PhotonState, Sampler>> waiting;
   PhotonStart starts;
-  TargetCones cones; ///< of the last surface
+  TargetCones cones; ///< cones from the last surface
   float enteredTargets = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
   BsdfArena arena;

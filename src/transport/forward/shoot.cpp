@@ -1,5 +1,5 @@
 /** @file
- * Photons in batches, and what processes tell each other of them.
+ * Photon tracing in batches, and the exchange of photons between processes.
  */
 #include "transport/forward/shoot.h"
 
@@ -18,9 +18,9 @@ namespace recurse {
 
 namespace {
 
-/** Tells photon samples from those of pixels. */
+/** Sampler stream of photons, distinct from those of pixels. */
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
-/** Enough of them to keep threads busy and to count what is stored. */
+/** Number of initial batches: enough to occupy all threads and to predict the number of stored photons. */
 constexpr size_t FIRST_BATCHES = 64;
 
 template <class T> void appendBytes(const std::vector<T>& values, std::vector<std::byte>& out) {
@@ -39,7 +39,7 @@ template <class T> void readBytes(std::span<const std::byte>& bytes, std::vector
   bytes = bytes.subspan(sizeof count + own.size());
 }
 
-/** Photons of a batch for another process. */
+/** Serialises the photons of a batch for another process. */
 std::vector<std::byte> packed(const StoredPhotons& stored) {
   std::vector<std::byte> out;
   appendBytes(stored.onSurfaces, out);
@@ -105,7 +105,7 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
         [&](size_t b, std::span<const std::byte> bytes) { unpack(bytes, stored[b]); });
     if (!isComplete) return shot;
   } else {
-    // The first batches tell how many photons will be stored.
+    // The first batches predict the number of photons stored in total, which must fit into memory.
     const size_t first = std::min(batches, FIRST_BATCHES);
     shootBatches(0, first);
     if (first < batches) shootBatches(first, batches);

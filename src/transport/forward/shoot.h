@@ -1,5 +1,5 @@
 /** @file
- * The forward pass: photons from the lights into a list, in the order of emission.
+ * Forward pass: photon tracing from the lights into a list, in the order of emission.
  */
 #pragma once
 
@@ -14,18 +14,18 @@
 namespace recurse {
 
 struct ShotPhotons {
-  std::vector<Photon> stored;        ///< powers are divided by the number emitted
-  std::vector<VolumePhoton> inMedia; ///< the same
-  std::vector<PhotonBeam> beams;     ///< the same
+  std::vector<Photon> stored;        ///< powers are divided by the number of photons emitted
+  std::vector<VolumePhoton> inMedia; ///< normalised like `stored`
+  std::vector<PhotonBeam> beams;     ///< normalised like `stored`
   uint64_t emitted = 0;
-  uint64_t emittedHere = 0; ///< of them by this process, see PhotonSharing
-  uint64_t storedHere = 0;  ///< the same, in media too
-  TransportCounts counts;   ///< here
+  uint64_t emittedHere = 0; ///< emitted by this process, see PhotonSharing
+  uint64_t storedHere = 0;  ///< stored by this process, media included
+  TransportCounts counts;   ///< work of this process
 };
 
 /**
- * Lights are chosen by power; at each surface a photon is stored where there is a diffuse lobe, and goes on
- * by roulette on what the surface scatters, so that powers stay nearly equal. The list is the same for any
+ * Traces photons from lights chosen by power. Surfaces with a diffuse lobe store a photon; it continues by
+ * Russian roulette on the scattered flux, which keeps powers nearly equal. The list does not depend on the
  * number of threads. Photons that no path class can use are not followed.
  */
 ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const Pass& pass,

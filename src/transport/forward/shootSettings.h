@@ -1,5 +1,5 @@
 /** @file
- * Settings of the forward pass: how many photons, where they start, where they are sent, what is stored.
+ * Settings of the forward pass: the number, starts, targets and storage of photons.
  */
 #pragma once
 
@@ -14,52 +14,52 @@
 namespace recurse {
 
 /**
- * A sphere that photons are sent to from every matt surface outside, by directions of their own: those that
- * the surface's BSDF would send there are left out in return, so that nothing is counted twice (the DXTRAN
- * spheres of neutron transport; X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9). They carry
- * little each and are many; when they leave the sphere, roulette makes them few.
+ * DXTRAN sphere (X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9): all diffuse surfaces
+ * outside send additional photons to it. BSDF sampling leaves out the directions towards it in return, so
+ * that nothing is counted twice. The additional photons are many and weak. When they leave the sphere,
+ * Russian roulette reduces their number.
  */
 struct DxtranSphere {
   Vec3f center{0};
   float radius = 0;
-  float part = 1;       ///< of a photon's power that one sent to the sphere should carry
-  float importance = 0; ///< how much of what is seen lies in so much of a surface
+  float part = 1;       ///< intended power of a photon sent to the sphere, over full emission power
+  float importance = 0; ///< visible-point density [1/area]
 };
 
-/** What walks leave behind in media. Each medium keeps either points or beams, so that nothing is counted
+/** Photons that walks store in media. Each medium stores either points or beams, so that nothing is counted
  * twice. */
 struct KeptInMedia {
-  std::vector<bool> byBeams;         ///< by medium; empty: none
-  float pointPart = 1, beamPart = 1; ///< of all, with so much more power
+  std::vector<bool> byBeams;         ///< by index of the medium; empty: no beams
+  float pointPart = 1, beamPart = 1; ///< fractions that are stored, at a power divided by the fraction
 
   bool isByBeams(uint16_t medium) const { return medium < byBeams.size() && byBeams[medium]; }
 };
 
 struct ShootSettings {
-  uint64_t photons = 0; ///< emitted
+  uint64_t photons = 0; ///< number emitted in the pass
   int maxDepth =
-      -1; ///< most scattering events of a photon, the one where it is stored included; -1: no limit
-  /** Store photons that come straight from a light, thin panes included, as well. Those of media always are:
-   * nothing else finds their light. */
+      -1; ///< maximum number of scattering events, including that of the stored photon; -1: no limit
+  /** Whether photons straight from a light, thin panes included, are stored as well. Photons of emissive
+   * media always are: no other technique samples their light. */
   bool direct = true;
   bool causticsOnly = false;             ///< photons end at the first non-delta surface, and in media
-  const EmissiveMedia* media = nullptr;  ///< that emit as well as the lights; null: none
-  uint16_t outside = 0;                  ///< medium that light from infinitely far starts in
-  Rgb outsideTransmittance{1};           ///< what it has come through before: transmittance
-  const EmissionGuide* guide = nullptr;  ///< where photons are worth most; null: everywhere
-  const LightPortals* portals = nullptr; ///< where light from infinitely far comes in; null: everywhere
-  const PhotonAim* aim = nullptr;        ///< where far lamps send photons; null: everywhere
-  const LightTable* lights = nullptr;    ///< by which lights are chosen; null: the scene's
-  /** By which shadow rays choose lights, for Photon::reverseRatio; null: no light is sampled by shadow rays.
+  const EmissiveMedia* media = nullptr;  ///< emissive media besides the lights; null: none
+  uint16_t outside = 0;                  ///< index of the medium where photons of infinite lights start
+  Rgb outsideTransmittance{1};           ///< transmittance from the infinite lights to those starts
+  const EmissionGuide* guide = nullptr;  ///< density of useful starts; null: unguided
+  const LightPortals* portals = nullptr; ///< openings that admit infinite lights; null: none known
+  const PhotonAim* aim = nullptr;        ///< aim of distant lamps; null: their own emission
+  const LightTable* lights = nullptr;    ///< table from which lights are chosen; null: the scene's
+  /** Light sampler of shadow rays, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */
   const LightSampler* shadowRays = nullptr;
-  /** Photons from infinitely far that start less densely [1/length²] are so strong that each would be seen:
-   * what they bring to the first matt surface straight from the light, rays find from there on. */
+  /** Emission density [1/length²] below which photons of infinite lights end at the first non-delta surface,
+   * as each would be visible as a blotch. Rays sample the light beyond that surface. */
   float minStartDensity = 0;
   std::vector<DxtranSphere> targets;
   KeptInMedia inMedia;
-  const VisibleRegion* region = nullptr; ///< where strong photons are split; null: nowhere
-  float splitPower = INFINITE;           ///< about what each part of a strong one carries; at most 256 parts
+  const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
+  float splitPower = INFINITE;           ///< approximate power of each photon after a split into at most 256
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * The spheres that photons are sent to, as they are seen from where a photon scatters.
+ * Cones to the DXTRAN spheres from the point where a photon scatters.
  */
 #pragma once
 
@@ -10,10 +10,10 @@
 
 namespace recurse {
 
-/** Nearer than so many radii a target is too wide for a cone. */
+/** Distance in radii below which a sphere is too wide for a cone. */
 constexpr float NEAR_TARGET = 1.5f;
 
-/** Cones to the DXTRAN spheres from one place. */
+/** Cones to the DXTRAN spheres from one point. */
 class TargetCones {
  public:
   struct Target {
@@ -21,7 +21,7 @@ class TargetCones {
     float part;
   };
 
-  /** True when the place is outside of all; only then they are complete. */
+  /** Computes the cones from a point. Returns false, with an incomplete list, if it is not outside of all. */
   bool find(const std::vector<DxtranSphere>& targets, const Vec3f& from) {
     cones.clear();
     for (const DxtranSphere& t : targets) {
@@ -30,7 +30,7 @@ class TargetCones {
     }
     return true;
   }
-  /** How many a direction lies in. */
+  /** Number of cones that contain a direction. */
   std::ptrdiff_t around(const Vec3f& direction) const {
     return std::count_if(cones.begin(), cones.end(),
                          [&](const Target& t) { return t.cone.contains(direction); });

@@ -1,5 +1,5 @@
 /** @file
- * Building of the guide: places divided at medians, and for each cell a density and how often to follow it.
+ * Building of the guide: kd-trees with median splits; a density and an on/off decision for each cell.
  */
 #include "transport/guiding/guideField.h"
 
@@ -17,7 +17,7 @@ namespace {
 constexpr size_t BUCKETS = 6;
 constexpr int MAX_CELL_DEPTH = 24;
 
-/** The signed axis that a normal is nearest to. */
+/** Index of the signed axis nearest to a normal: 2 axis, plus 1 for negative. */
 size_t bucketOf(const Vec3f& normal) {
   const Vec3f n = glm::abs(normal);
   const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
@@ -27,24 +27,26 @@ size_t bucketOf(const Vec3f& normal) {
 /** Learns one cell from its records. */
 class CellFit {
  public:
-  explicit CellFit(std::vector<GuideRecord> records) : records(std::move(records)) {
-    clip();
+  explicit CellFit(std::span<const GuideRecord> local) {
+    records.assign(local.begin(), local.end());
+    const auto firstOfCamera = std::stable_partition(records.begin(), records.end(),
+                                                     [](const GuideRecord& r) { return r.fromPhoton; });
+    const std::span photons(records.begin(), firstOfCamera), cameraPaths(firstOfCamera, records.end());
+    clip(photons);
+    clip(cameraPaths);
+    const double fromPhotons = std::min(Weights(photons).effectiveCount(), GuideField::MAX_PHOTONS);
+    scaleTo(fromPhotons, photons);
+    scaleTo(Weights(cameraPaths).effectiveCount(), cameraPaths);
+    count = Weights(records).effectiveCount();
     Vec3f sum(0);
-    for (const GuideRecord& r : this->records) sum += r.normal;
-    frame = Frame(glm::normalize(sum)); // all are within 55 degrees of an axis
+    for (const GuideRecord& r : records) sum += r.normal;
+    frame = Frame(glm::normalize(sum)); // each normal is within 55 degrees of the bucket's axis
   }
 
-  /** (sum x)² / sum x²: by how many equal records as much would be known (Kish 1965, "Survey Sampling"). */
-  double effectiveCount() const {
-    double sum = 0, squares = 0;
-    for (const GuideRecord& r : records) {
-      sum += double(r.value);
-      squares += square(double(r.value));
-    }
-    return squares > 0 ? square(sum) / squares : 0;
-  }
+  /** Effective number of records. */
+  double effectiveCount() const { return count; }
 
-  /** The tree of records whose number leaves `remainder` by 2; of all where it is negative. */
+  /** Tree of the records whose index modulo 2 is `remainder`; of all records if it is negative. */
   SquareTree tree(int remainder) const {
     std::vector<WeightedPoint> chosen;
     for (size_t i = 0; i < records.size(); ++i) {
@@ -55,9 +57,9 @@ class CellFit {
     return SquareTree(chosen);
   }
 
-  /** Mean logarithm of the density of the mixture over that of BSDF sampling, for the records with odd
-   * numbers by a guide from those with even ones (Müller 2019, "Practical Path Guiding in Production",
-   * section 10.5). */
+  /** Mean logarithm of the density of the mixture over that of BSDF sampling (Müller 2019, "Practical Path
+   * Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
+   * index, and scored on those with odd index. */
   double gain() const {
     const GuideCell half(tree(0), frame);
     double sum = 0, total = 0;
@@ -73,19 +75,41 @@ class CellFit {
   Frame frame{Vec3f(0, 0, 1)};
 
  private:
-  /** Cuts values to their 99.9 % quantile, so that one record does not own the cell. Fitting may be biased;
-   * estimates are not. */
-  void clip() {
+  /** Sums of the values of records. */
+  struct Weights {
+    double sum = 0, squares = 0;
+    explicit Weights(std::span<const GuideRecord> records) {
+      for (const GuideRecord& r : records) {
+        sum += double(r.value);
+        squares += square(double(r.value));
+      }
+    }
+    /** Effective number of records, (Σ value)² / Σ value² (Kish 1965, "Survey Sampling"). */
+    double effectiveCount() const { return squares > 0 ? square(sum) / squares : 0; }
+  };
+
+  /** Scales the values so that `sum` is their sum. */
+  static void scaleTo(double sum, std::span<GuideRecord> scaled) {
+    const double before = Weights(scaled).sum;
+    if (!(before > 0)) return;
+    for (GuideRecord& r : scaled) r.value = static_cast<float>(double(r.value) * sum / before);
+  }
+
+  /** Clips values to their 99.9 % quantile, so that no single record dominates the cell. Clipping biases the
+   * guide only, not the estimates. */
+  static void clip(std::span<GuideRecord> clipped) {
     constexpr double QUANTILE = 0.999;
+    if (clipped.empty()) return;
     std::vector<float> values;
-    for (const GuideRecord& r : records) values.push_back(r.value);
+    for (const GuideRecord& r : clipped) values.push_back(r.value);
     const auto rank = static_cast<ptrdiff_t>(QUANTILE * double(values.size() - 1));
     std::nth_element(values.begin(), values.begin() + rank, values.end());
     const float limit = values[static_cast<size_t>(rank)];
-    for (GuideRecord& r : records) r.value = std::min(r.value, limit);
+    for (GuideRecord& r : clipped) r.value = std::min(r.value, limit);
   }
 
   std::vector<GuideRecord> records;
+  double count = 0;
 };
 
 } // namespace
@@ -150,13 +174,13 @@ void GuideField::build(std::span<const GuideRecord> records, float smallest) {
     std::sort(leaves[i].begin(), leaves[i].end());
     std::vector<GuideRecord> local;
     for (const uint32_t k : leaves[i]) local.push_back(records[k]);
-    const CellFit fit(std::move(local));
+    const CellFit fit(local);
     if (fit.effectiveCount() < MIN_EFFECTIVE) return;
     gains[i] = fit.gain();
     counts[i] = fit.effectiveCount();
     cells[i] = GuideCell(fit.tree(-1), fit.frame);
   });
-  // What few records say of a cell is corrected by what all say (empirical Bayes).
+  // Shrinks the gains of cells with few records towards the mean of all cells (empirical Bayes).
   const double all = std::accumulate(counts.begin(), counts.end(), 0.0);
   const double mean =
       std::inner_product(gains.begin(), gains.end(), counts.begin(), 0.0) / std::max(all, 1.0);

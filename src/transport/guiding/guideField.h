@@ -1,8 +1,8 @@
 /** @file
- * The guide: for each place and side of a surface a density over directions in which light arrives that no
+ * Guiding field: for each position and surface side, a density over directions of incident light that no
  * other technique samples well (Jensen 1995, "Importance Driven Path Tracing using the Photon Map"; Vorba et
- * al. 2014; Müller et al. 2017). It is rebuilt from records, never updated, so that it depends on the records
- * alone.
+ * al. 2014; Müller et al. 2017). Always rebuilt from records, never updated, so that it depends on the
+ * current records alone.
  */
 #pragma once
 
@@ -16,24 +16,27 @@
 
 namespace recurse {
 
-/** One estimate of light that arrives at a vertex of a camera path. */
+/** Estimate of the light that arrives at one vertex of a camera path. */
 struct GuideRecord {
   Vec3f position{0};
   Vec3f normal{0};    ///< unit, geometric, on the side that the vertex is seen from
   Vec3f direction{0}; ///< unit, away from the vertex
-  float value = 0;    ///< f L cos times the MIS weight of the ray over the density of the direction; positive
-  float pdfBsdf = 0;  ///< of BSDF sampling for the direction [1/sr]; positive
+  /** f L cos θ times the MIS weight of the ray, over the pdf of the direction; of a photon its flux, in any
+   * unit, since each cell scales both kinds of records. Positive. */
+  float value = 0;
+  float pdfBsdf = 0;       ///< density of BSDF sampling for the direction [1/sr]; positive
+  bool fromPhoton = false; ///< a photon, not a camera path, made the record
 };
 
-/** Places that share a density: a cosine lobe around their mean normal, times a quadtree over the square that
- * the lobe is sampled by. */
+/** Directional density shared by neighbouring positions: cosine lobe around the mean normal of the records,
+ * times a quadtree density over the unit square that the lobe is sampled from. */
 class GuideCell final : public DirectionGuide {
  public:
-  /** Off. */
+  /** A cell that is off: BSDF sampling alone. */
   GuideCell() = default;
   GuideCell(SquareTree tree, const Frame& frame) : tree(std::move(tree)), frame(frame), on(true) {}
 
-  /** A wrong tree then makes the weight of a path at most twice as large at each vertex. */
+  /** Probability of BSDF sampling: with it a wrong tree at most doubles a path's weight at each vertex. */
   static constexpr float BSDF_PROBABILITY = 0.5f;
   float bsdfProbability() const override { return BSDF_PROBABILITY; }
   bool isOn() const { return on; }
@@ -47,40 +50,43 @@ class GuideCell final : public DirectionGuide {
   bool on = false;
 };
 
-/** The densities of all places. */
+/** Directional densities of all cells, found by position and normal. */
 class GuideField {
  public:
-  /** Learns from records. `smallest`: no cell is divided below this extent [scene units]. The same for any
-   * number of threads. */
+  /** Learns the cells from records. No cell smaller than `smallest` [scene units] is divided. The result does
+   * not depend on the number of threads. */
   void build(std::span<const GuideRecord> records, float smallest);
 
-  /** The cell for a point with unit `normal` on the side that it is seen from. Null: BSDF
-   * sampling. */
+  /** Cell for a point with unit `normal` on the side that it is seen from. Null where only BSDF sampling is
+   * used. */
   const GuideCell* find(const Vec3f& position, const Vec3f& normal) const;
 
   size_t cellCount() const { return cells.size(); }
-  /** Cells that guide. */
+  /** Number of cells that guide. */
   size_t cellsOn() const { return on; }
   size_t nodeCount() const;
 
-  static constexpr size_t MAX_RECORDS = 500;  ///< of a cell
-  static constexpr double MIN_EFFECTIVE = 32; ///< effective records, below which a cell is off
-  /** Effective records that the mean of all cells counts for in the gain of one. */
+  static constexpr size_t MAX_RECORDS = 500;  ///< records in a cell before it is divided
+  static constexpr double MIN_EFFECTIVE = 32; ///< effective records (Kish 1965) below which a cell is off
+  /** Upper bound of the weight of a cell's photons [effective records]. Camera paths outweigh them in the
+   * end: their records include the BSDF and the MIS weight of the whole ray. */
+  static constexpr double MAX_PHOTONS = 256;
+  /** Weight of the mean gain of all cells in the gain of one [effective records]. */
   static constexpr double PRIOR_COUNT = 256;
-  /** A cell is off where its mixture gains less log-likelihood over BSDF sampling. */
+  /** Minimum gain in mean log-likelihood over BSDF sampling; cells below it are off. */
   static constexpr double MIN_GAIN = 0.02;
 
  private:
   struct Node {
     int axis = -1; ///< -1: a leaf
     float split = 0;
-    uint32_t next = 0; ///< first of two children; of a leaf its cell
+    uint32_t next = 0; ///< index of the first of two children; in a leaf, index of its cell
   };
   void divide(std::span<uint32_t> order, std::span<const GuideRecord> records, uint32_t node, float smallest,
               int depth, std::vector<std::span<uint32_t>>& leaves);
 
   std::vector<Node>
-      nodes; ///< the first are the roots, by the axis that the normal is nearest to and its sign
+      nodes; ///< the first are the roots, one for each signed axis that a normal can be nearest to
   std::vector<GuideCell> cells;
   size_t on = 0;
 };

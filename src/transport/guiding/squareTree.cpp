@@ -1,5 +1,5 @@
 /** @file
- * Building of quadtrees from weighted points, their sampling and density.
+ * Construction of quadtrees from weighted points; sampling and density.
  */
 #include "transport/guiding/squareTree.h"
 
@@ -9,7 +9,7 @@ namespace recurse {
 
 namespace {
 
-/** Quarter of the unit square that a point lies in; the point becomes that of the quarter's own coordinates.
+/** Index of the quarter of the unit square that contains a point. Changes the point to the quarter's frame.
  */
 size_t descend(Vec2f& point) {
   const size_t x = point.x >= 0.5f, y = point.y >= 0.5f;
@@ -17,8 +17,8 @@ size_t descend(Vec2f& point) {
   return x + 2 * y;
 }
 
-/** True with probability `second` over the sum of both, by a uniform number, which is uniform again
- * afterwards. */
+/** Returns true with probability second / (first + second), decided by the uniform number u. Rescales u to be
+ * uniform in [0, 1) again. */
 bool choose(float first, float second, float& u) {
   const float bound = first / (first + second);
   const bool isSecond = u >= bound;
@@ -32,9 +32,9 @@ bool choose(float first, float second, float& u) {
 struct SquareTree::Builder {
   std::vector<Node>& nodes;
   double total = 0;
-  std::vector<double> mass{}; ///< of leaf `quarter` of node i: [4 i + quarter]
+  std::vector<double> mass{}; ///< weight of leaf `quarter` of node i: [4 i + quarter]
 
-  /** Divides node `index`, in whose coordinates its points are. */
+  /** Divides node `index`. The points are in the coordinates of that node. */
   void divide(uint32_t index, std::span<WeightedPoint> points, int depth) {
     const auto byY = std::stable_partition(points.begin(), points.end(),
                                            [](const WeightedPoint& p) { return p.point.y < 0.5f; });
@@ -61,7 +61,7 @@ struct SquareTree::Builder {
     }
   }
 
-  /** Side of the leaf at a point. */
+  /** Side length of the leaf that contains a point. */
   float leafSide(Vec2f point) const {
     float side = 0.5f;
     for (uint32_t node = 0;; side *= 0.5f) {
@@ -71,8 +71,8 @@ struct SquareTree::Builder {
     }
   }
 
-  /** Adds weight to the leaves below a node in proportion to their overlap with a box, both in the node's
-   * coordinates. */
+  /** Distributes the weight of a box of constant density to the leaves below a node by overlap. The box is in
+   * the node's coordinates. */
   void spread(uint32_t node, const Vec2f& lower, const Vec2f& upper, double density) {
     for (uint32_t quarter = 0; quarter < 4; ++quarter) {
       const Vec2f corner = 0.5f * Vec2f(quarter % 2, quarter / 2);
@@ -85,7 +85,7 @@ struct SquareTree::Builder {
     }
   }
 
-  /** Spreads each point over a box as large as its leaf, which smooths the density. */
+  /** Spreads the weight of each point over a box as large as its leaf, which smooths the density. */
   void spreadAll(std::span<const WeightedPoint> points) {
     mass.assign(4 * nodes.size(), 0);
     for (const WeightedPoint& p : points) {
@@ -95,7 +95,7 @@ struct SquareTree::Builder {
     }
   }
 
-  /** Mass of a node; sets the fractions of its children. */
+  /** Weight below a node. Sets the fractions of its children. */
   double sumUp(uint32_t node) {
     std::array<double, 4> parts{};
     double sum = 0;
@@ -150,7 +150,7 @@ double SquareTree::leafSum() const {
   std::vector<double> probability(nodes.size());
   probability[0] = 1;
   double sum = 0;
-  for (size_t node = 0; node < nodes.size(); ++node) // children come after their parents
+  for (size_t node = 0; node < nodes.size(); ++node) // children follow their parents
     for (size_t quarter = 0; quarter < 4; ++quarter) {
       const double p = probability[node] * double(nodes[node].fraction[quarter]);
       if (const uint32_t child = nodes[node].child[quarter])

@@ -24,14 +24,14 @@ class SquareTree {
   /** The uniform density. */
   SquareTree() : nodes(1) {}
 
-  /** The density of the points' weights. A quarter is divided while it has more than MAX_MASS of all, known
-   * by MIN_EFFECTIVE effective points, down to MAX_DEPTH. The order of `points` changes. */
+  /** Density of the weighted points. A quarter is divided while it has more than MAX_MASS of the total weight
+   * and at least MIN_EFFECTIVE effective points, down to MAX_DEPTH. Changes the order of `points`. */
   explicit SquareTree(std::span<WeightedPoint> points);
 
-  /** Density at a point; 1 of the uniform one. */
+  /** Density at a point [1/area]; 1 everywhere for the uniform density. */
   float pdf(Vec2f point) const;
-  /** Point with that density, by a monotone warp of each of the two uniform numbers in turn; its density goes
-   * to `density`. */
+  /** Samples a point from the density by a monotone warp of each of the two uniform numbers in turn. Stores
+   * its density in `density`. */
   Vec2f sample(Vec2f u, float& density) const;
 
   size_t nodeCount() const { return nodes.size(); }
@@ -43,10 +43,10 @@ class SquareTree {
   static constexpr int MAX_DEPTH = 10;
 
  private:
-  /** Children in the order (x, y) = (0, 0), (1, 0), (0, 1), (1, 1). */
+  /** Inner node. Children in the order (x, y) = (0, 0), (1, 0), (0, 1), (1, 1). */
   struct Node {
-    std::array<float, 4> fraction{0.25f, 0.25f, 0.25f, 0.25f}; ///< of this node's probability
-    std::array<uint32_t, 4> child{};                           ///< 0: a leaf
+    std::array<float, 4> fraction{0.25f, 0.25f, 0.25f, 0.25f}; ///< each quarter's fraction of the probability
+    std::array<uint32_t, 4> child{};                           ///< indices of nodes; 0: a leaf
   };
   struct Builder;
 

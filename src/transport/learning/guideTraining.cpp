@@ -1,5 +1,5 @@
 /** @file
- * Records of camera paths, from which the guide is built.
+ * Records of training camera paths, from which the guide is built.
  */
 #include "transport/learning/guideTraining.h"
 
@@ -7,6 +7,8 @@
 
 #include "transport/direct/cameraPaths.h"
 #include "transport/direct/directLight.h"
+#include "transport/forward/photonGuidance.h"
+#include "transport/learning/photonRecords.h"
 
 namespace recurse {
 
@@ -14,18 +16,18 @@ namespace {
 
 using Records = std::vector<GuideRecord>;
 
-/** Turns a camera path into records: for each vertex that it left by a non-delta lobe, the light that was
- * found behind it, times the weights by which the render would have added it. */
+/** Converts a camera path to records, one for each vertex left by a non-delta lobe: the light that the path
+ * finds beyond the vertex, times the MIS weights with which the render would add it. */
 class PathRecorder {
  public:
   explicit PathRecorder(Records& records) : records(records) {}
 
-  /** The path found radiance, times its throughput. */
+  /** Adds radiance that the path has found, multiplied by its throughput. */
   void add(const Rgb& radiance) {
     const float found = luminance(radiance);
     for (Vertex& v : vertices) v.found += found;
   }
-  /** The path leaves a vertex at which it arrived with `throughput`. */
+  /** Begins a record at a vertex that the path leaves. Its throughput is the one on arrival. */
   void leave(const CameraVertex& vertex, const Scatter& s) {
     constexpr size_t MAX_VERTICES = 32;
     const float before = luminance(vertex.throughput);
@@ -47,8 +49,8 @@ class PathRecorder {
  private:
   struct Vertex {
     GuideRecord record;
-    float throughput; ///< luminance before the vertex
-    float found = 0;  ///< luminance at the camera
+    float throughput; ///< luminance of the throughput before the vertex
+    float found = 0;  ///< luminance at the camera of the light found beyond
   };
   Records& records;
   std::vector<Vertex> vertices;
@@ -99,22 +101,52 @@ Records cameraRecords(const Scene& scene, const LightSampler& lights, const Guid
 
 } // namespace
 
+std::vector<GuideRecord> GuideTraining::photonsOfStage(const Scene& scene, const LightSampler& lights,
+                                                       const Pass& pass, double count,
+                                                       const ForwardControl& control,
+                                                       TransportCounts& counts) {
+  constexpr uint64_t TRIALS = 8192; // photons of a round that learn where to start
+  const PathClasses allPaths;
+  if (stage < 0)
+    emission = learnEmissionGuide(scene, allPaths, pass.seed, settings.maxDepth, control, counts, TRIALS);
+  ShootSettings shoot;
+  shoot.photons = static_cast<uint64_t>(count);
+  shoot.maxDepth = settings.maxDepth;
+  shoot.direct = false;
+  shoot.guide = &emission;
+  if (!scene.hasMedia()) shoot.shadowRays = &lights;
+  return photonRecords(scene, pass, shoot, settings.caustics, control, counts);
+}
+
 void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, const Pass& pass,
                             const ForwardControl& control, TransportCounts& counts) {
   constexpr uint64_t STREAM = 0x6775696465ull;
-  constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // of those of the passes before
+  constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // fraction of the paths in all passes before
+  constexpr double PHOTONS = 1;                        // photons for each camera path
   constexpr size_t MAX_RECORDS = 1 << 20;              // 48 MB
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
+  if (pass.index == 0) {
+    stage = -1;
+    records.clear();
+    field = {};
+  }
   const PixelBounds film = scene.film().whole();
   const float smallest =
       FOOTPRINTS * scene.bounds().radius / static_cast<float>(std::max(film.width(), film.height()));
   const int last = static_cast<int>(pass.index) - 1;
   while (stage < last && records.size() < MAX_RECORDS) {
-    const uint64_t seed = hashCombine(pass.seed, STREAM + static_cast<uint64_t>(stage + 1));
+    Pass training = pass;
+    training.index = static_cast<uint32_t>(stage + 1);
+    training.seed = hashCombine(pass.seed, STREAM + training.index);
     const double paths = std::max(MIN_PATHS, PATHS * double(film.area()) * std::exp2(stage + 1));
+    const Records photons = photonsOfStage(scene, lights, training, PHOTONS * paths, control, counts);
+    GuideField byPhotons;
+    if (stage < 0) byPhotons.build(photons, smallest);
     const auto across = static_cast<int>(std::sqrt(paths));
-    const Records more = cameraRecords(scene, lights, field, settings, across, seed, control, counts);
+    const Records more = cameraRecords(scene, lights, stage < 0 ? byPhotons : field, settings, across,
+                                       training.seed, control, counts);
     if (control.stopped()) return;
+    records.insert(records.end(), photons.begin(), photons.end());
     records.insert(records.end(), more.begin(), more.end());
     field.build(records, smallest);
     ++stage;

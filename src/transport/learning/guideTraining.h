@@ -1,45 +1,52 @@
 /** @file
- * Training of the guide by camera paths. Its size and random numbers do not depend on the crop window, the
- * threads or the processes.
+ * Training of the guide by photons and camera paths. Their numbers and random numbers are independent of the
+ * crop window, the threads and the processes.
  */
 #pragma once
 
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/lightSampler.h"
+#include "transport/emission/emissionGuide.h"
 #include "transport/guiding/guideField.h"
 
 namespace recurse {
 
 struct GuideTrainingSettings {
-  int maxDepth = -1;    ///< most scattering events of a path; -1: no limit
+  int maxDepth = -1;    ///< maximum scattering events of a path; -1: no limit
   int lightSamples = 1; ///< shadow rays at each vertex
+  bool caustics = true; ///< caustics are left to rays: no photon map estimates them
 };
 
-/**
- * The guide of a render and what it learns from. Stage k precedes pass k + 1 of Passes::doubling(); its
- * camera paths are a fraction of those of the passes before, and follow the guide of stage k - 1. The guide
- * of a pass depends on the scene, the seed and the pass alone.
+/** Guide of a render, with its training. Stage k precedes pass k + 1 of
+ * Passes::doubling(). Its camera paths are a fraction of the number in all passes before,
+ * and follow the guide of stage k - 1. The guide of a pass depends only on the scene, the
+ * seed and the pass.
  */
 class GuideTraining {
  public:
   explicit GuideTraining(const GuideTrainingSettings& settings) : settings(settings) {}
 
-  /** Learns what the guide of a pass has to know, for camera paths whose direct light is sampled by `lights`.
-   * Nothing before pass 1, so that the first picture does not wait. Nothing changes when it is stopped. */
+  /** Trains the guide up to the stage of a pass, for camera paths whose direct light is sampled by `lights`.
+   * Does nothing before pass 1, so that the first image is not delayed. A stopped stage has no effect. */
   void prepare(const Scene& scene, const LightSampler& lights, const Pass& pass,
                const ForwardControl& control, TransportCounts& counts);
 
-  /** Null: BSDF sampling everywhere. */
+  /** Current guide; null: BSDF sampling everywhere. */
   const GuideField* guide() const { return field.cellsOn() > 0 ? &field : nullptr; }
 
  private:
+  std::vector<GuideRecord> photonsOfStage(const Scene& scene, const LightSampler& lights, const Pass& pass,
+                                          double count, const ForwardControl& control,
+                                          TransportCounts& counts);
+
   GuideTrainingSettings settings;
-  int stage = -1; ///< the last one
+  int stage = -1;         ///< last completed stage; -1: none
+  EmissionGuide emission; ///< learned before the first stage, for its photons and those of later stages
   std::vector<GuideRecord> records;
   GuideField field;
 };
 
-/** The guide's cell for a surface point that is seen from unit `wi`; null: BSDF sampling alone. */
+/** Guide cell at a surface point that is seen from unit `wi`; null: BSDF sampling only. */
 inline const GuideCell* guideAt(const GuideField& guide, const SurfacePoint& point, const Vec3f& wi) {
   return guide.find(point.position, point.normalTowards(wi));
 }

@@ -1,5 +1,5 @@
 /** @file
- * A complete binary tree of boxes over items that it puts in order; the same for any number of threads.
+ * Complete binary tree of boxes over items, which it sorts. Independent of the number of threads.
  */
 #pragma once
 
@@ -12,8 +12,8 @@
 
 namespace recurse {
 
-/** A box's sides. One that is flat, as that of a beam's cross-section, counts as a tenth as thick as it is
- * wide. */
+/** Side lengths of a box. A flat box, such as the cross-section of a beam, counts as a tenth as thick as it
+ * is wide. */
 inline Vec3f thickSides(const Bounds3f& box) {
   constexpr float FLAT = 0.1f;
   const Vec3f sides = box.diagonal();
@@ -22,7 +22,7 @@ inline Vec3f thickSides(const Bounds3f& box) {
 
 class BoxPyramid {
  public:
-  /** Orders the items so that each node's are halved by number along the widest axis of position(item). */
+  /** Sorts the items so that each node halves them by number along the widest axis of position(item). */
   template <class Item, class Position> void sort(std::vector<Item>& items, const Position& position) {
     count = items.size();
     levels = 0;
@@ -41,13 +41,13 @@ class BoxPyramid {
       });
   }
 
-  /** Calls part(first, end) for the items of nodes of some 64. */
+  /** Calls part(first, end) for the item ranges of nodes with about 64 items, in parallel. */
   template <class Part> void forParts(const Part& part) const {
     const uint32_t level = levels - std::min(levels, LEVELS_OF_PART);
     parallelFor(size_t(1) << level, [&](size_t i) { part(firstOf(level, i), firstOf(level, i + 1)); });
   }
 
-  /** Makes the boxes: add(box, i) adds item i to one. */
+  /** Computes the boxes: add(box, i) extends a box by item i. */
   template <class Add> void enclose(const Add& add) {
     boxes.assign((size_t(2) << levels) - 1, Bounds3f());
     const size_t leaves = (size_t(1) << levels) - 1;
@@ -88,10 +88,10 @@ class BoxPyramid {
   static constexpr uint32_t MAX_LEVELS = 28, LEVELS_OF_PART = 3;
   static constexpr size_t LEAF = 8;
 
-  /** Node `index` of a level has the items from here to where the next one begins. */
+  /** Index of the first item of a node; the items end where the next node begins. */
   size_t firstOf(uint32_t level, size_t index) const { return count * index >> level; }
   static bool intersects(const Bounds3f& box, const Vec3f& origin, const Vec3f& inverse, float end) {
-    // Of a ray in the plane of a side 0 · infinity is NaN, which min and max of this order pass over.
+    // For a ray in the plane of a side 0 · infinity is NaN, which min and max in this order ignore.
     float enter = 0, leave = end;
     for (int a = 0; a < 3; ++a) {
       const float t0 = (box.lower[a] - origin[a]) * inverse[a], t1 = (box.upper[a] - origin[a]) * inverse[a];
@@ -101,7 +101,7 @@ class BoxPyramid {
     return enter <= leave;
   }
 
-  uint32_t levels = 0; ///< that of the leaves
+  uint32_t levels = 0; ///< level of the leaves
   size_t count = 0;
   std::vector<Bounds3f> boxes; ///< level by level
 };

@@ -1,5 +1,5 @@
 /** @file
- * The tree of boxes over photon beams.
+ * Construction of the tree of boxes over photon beams.
  */
 #include "transport/media/photonBeams.h"
 
@@ -10,8 +10,8 @@ namespace recurse {
 
 namespace {
 
-/** Side of a square that in the mean one of parallel beams goes through, where so much length of them lies in
- * the box. */
+/** Mean spacing of beams of this total length in the box: the side of a square that on average one of
+ * parallel beams crosses. */
 float spacingIn(const Bounds3f& box, double length) {
   const Vec3d sides(thickSides(box));
   return static_cast<float>(std::sqrt(sides.x * sides.y * sides.z / length));
@@ -20,9 +20,9 @@ float spacingIn(const Bounds3f& box, double length) {
 } // namespace
 
 void PhotonBeamMap::build(std::vector<PhotonBeam> all, float scale, float widest) {
-  constexpr float RADIUS = 0.25f;       // over the spacing
-  constexpr float PIECE = 4;            // its length over the spacing
-  constexpr double MAX_MEAN_PIECES = 8; // of a beam
+  constexpr float RADIUS = 0.25f;       // radius over the spacing
+  constexpr float PIECE = 4;            // length of a piece over the spacing
+  constexpr double MAX_MEAN_PIECES = 8; // maximum mean number of pieces of a beam
   beams = std::move(all);
   Bounds3f box;
   double length = 0;

@@ -1,7 +1,7 @@
 /** @file
- * Flights of photons through media, and their estimate along a ray from the camera where the two lines pass
- * each other closely: beams × beams with a blur in one dimension (Jarosz, Nowrouzezahrai, Sadeghi and Jensen
- * 2011, "A Comprehensive Theory of Volumetric Radiance Estimation Using Photon Points and Beams").
+ * Photon beams: flights of photons through media, and their radiance estimate along a camera ray where both
+ * lines pass close to each other: beams × beams with a one-dimensional blur (Jarosz, Nowrouzezahrai, Sadeghi
+ * and Jensen 2011, "A Comprehensive Theory of Volumetric Radiance Estimation Using Photon Points and Beams").
  */
 #pragma once
 
@@ -12,35 +12,35 @@
 
 namespace recurse {
 
-/** A flight in a homogeneous medium, as far as a distance drawn by its thinnest channel: light that may
+/** Flight of a photon in a homogeneous medium, up to a distance drawn by its thinnest channel: light that may
  * scatter anywhere on it. */
 struct PhotonBeam {
-  Vec3f origin{0}, direction{0}; ///< unit
+  Vec3f origin{0}, direction{0}; ///< `direction` is unit
   float length = 0;
-  Rgb power{0};          ///< at the origin [W]
-  uint16_t medium = 0;   ///< its number in the scene
+  Rgb power{0};          ///< flux at the origin [W]
+  uint16_t medium = 0;   ///< index of the medium in the scene
   uint8_t pathState = 0; ///< LightState of the flight
 };
 
-/** The extinction of the channel that draws how long a beam is. */
+/** Extinction of the thinnest channel, which draws the length of a beam [1/length]. */
 inline float thinnest(const Rgb& extinction) {
   return std::min(extinction.r, std::min(extinction.g, extinction.b));
 }
 
-/** The beams of a pass, in pieces, in a tree of boxes; immutable once built. */
+/** Beams of a pass, divided into pieces, in a tree of boxes; immutable once built. */
 class PhotonBeamMap {
  public:
-  /** `scale`: of the radii over those that the beams' density calls for; `widest`: none is above. The same
-   * for any number of threads. */
+  /** Builds the map. `scale`: factor on the radii that the beams' density calls for; `widest`: their maximum
+   * before scaling [scene units]. Independent of the number of threads. */
   void build(std::vector<PhotonBeam> beams, float scale, float widest);
   size_t size() const { return beams.size(); }
   size_t memoryBytes() const {
     return beams.capacity() * sizeof(PhotonBeam) + pieces.capacity() * sizeof(Piece) + tree.memoryBytes();
   }
 
-  /** Calls visit(beam, s, t, kernel) for each beam that the ray of unit direction passes within its radius,
-   * where they are closest: at `s` along the beam and 0 < t < end along the ray. `kernel` is 1/length across
-   * both, over the sine of the angle in between. */
+  /** Calls visit(beam, s, t, kernel) for each beam within whose radius the ray of unit direction passes, at
+   * the closest approach of both: at `s` along the beam and 0 < t < end along the ray. `kernel` [1/length] is
+   * across both lines, over the sine of the angle between them. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     tree.visitAlong(ray, end, [&](size_t i) {
       const Piece& piece = pieces[i];
@@ -53,12 +53,12 @@ class PhotonBeamMap {
       const float t = glm::dot(glm::cross(between, beam.direction), across) / sine2;
       if (!(t > 0 && t < end)) return;
       const float u2 = square(projected) / (square(piece.radius) * sine2);
-      visit(beam, s, t, 0.75f * (1 - u2) / (piece.radius * std::sqrt(sine2))); // Epanechnikov's
+      visit(beam, s, t, 0.75f * (1 - u2) / (piece.radius * std::sqrt(sine2))); // Epanechnikov
     });
   }
 
  private:
-  /** Of the angle between ray and beam: below, single precision does not tell where they are closest. */
+  /** Minimum sine between ray and beam, below which the closest approach exceeds single precision. */
   static constexpr float MIN_SINE = 1e-3f;
   struct Piece {
     uint32_t beam;

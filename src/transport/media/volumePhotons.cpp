@@ -1,5 +1,5 @@
 /** @file
- * The tree of boxes over volume photons.
+ * Construction of the tree of boxes over volume photons.
  */
 #include "transport/media/volumePhotons.h"
 
@@ -11,7 +11,7 @@ namespace recurse {
 
 namespace {
 
-/** The radius at which about PHOTONS of so many in the box are within a cube of that side. */
+/** Radius of discs: side of a cube that contains about PHOTONS of the `count` photons in the box. */
 float radiusIn(const Bounds3f& box, size_t count) {
   constexpr float PHOTONS = 2;
   const Vec3f sides = thickSides(box);
@@ -40,7 +40,7 @@ KernelPoints kernelPointsAcross(const Vec3f& direction) {
 }
 
 void DiscBounds::add(const Vec3f& normal, float distance) {
-  constexpr float ALIKE = 0.9f; // the same surface, or one with a soft bend
+  constexpr float ALIKE = 0.9f; // minimum cosine for one surface, flat or gently curved
   for (size_t i = 0; i < count; ++i)
     if (glm::dot(planes[i].normal, normal) > ALIKE) {
       if (distance < planes[i].distance) planes[i] = {normal, distance};
@@ -121,7 +121,7 @@ void VolumePhotonMap::build(std::vector<VolumePhoton> all, float scale, float wi
     }
     float radius = end > first ? radiusIn(box, end - first) : 0;
     if (!(radius > 0)) radius = widest; // all in one point
-    // Discs of strong ones among many weak ones are wider, so that they are no spots.
+    // Strong photons among many weak ones have wider discs, so that they are not visible as spots.
     for (size_t k = first; k < end; ++k)
       radii[k] = scale *
                  std::min(radius * std::sqrt(std::max(1.0f, maxComponent(photons[k].power) / power)), widest);

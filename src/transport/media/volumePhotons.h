@@ -1,7 +1,7 @@
 /** @file
- * Photons where media scatter, and their estimate along a ray from the camera (Jarosz, Zwicker and Jensen
- * 2008, "The Beam Radiance Estimate for Volumetric Photon Mapping"): each photon is a disc across the ray, of
- * a radius of its own.
+ * Volume photons at scattering events in media, and their estimate along a camera ray (Jarosz, Zwicker and
+ * Jensen 2008, "The Beam Radiance Estimate for Volumetric Photon Mapping"): each photon is a disc
+ * perpendicular to the ray, with a radius of its own.
  */
 #pragma once
 
@@ -16,32 +16,32 @@
 
 namespace recurse {
 
-/** Light that a medium is about to send on. */
+/** Photon at a scattering event in a medium. */
 struct VolumePhoton {
   Vec3f position;
-  PackedDirection direction; ///< unit, of the photon's flight
-  Rgb power;                 ///< that is scattered: what is absorbed has been taken off [W]
-  uint16_t medium = 0;       ///< its number in the scene
+  PackedDirection direction; ///< unit, direction of flight
+  Rgb power;                 ///< flux that is scattered, without the absorbed part [W]
+  uint16_t medium = 0;       ///< index of the medium in the scene
   uint8_t pathState = 0;     ///< LightState after the events before this one
 };
 
-/** Points of a unit disc, each of which stands for the same part of Epanechnikov's kernel. */
+/** Points of a unit disc, each with the same fraction of the Epanechnikov kernel's integral. */
 using KernelPoints = std::array<Vec3f, 32>;
 KernelPoints kernelPointsAcross(const Vec3f& direction);
 
-/** Where a photon's disc ends: planes of the surfaces around it. */
+/** Bounds of a photon's disc: the planes of the surfaces around it. */
 class DiscBounds {
  public:
-  /** The surface in a distance [scene units]; `normal` is unit and points away from the photon. */
+  /** Adds the surface at a distance [scene units]; `normal` is unit and points away from the photon. */
   void add(const Vec3f& normal, float distance);
   bool full() const { return count == MAX_COUNT; }
   bool empty() const { return count == 0; }
-  /** Whether a point, seen from the photon, lies beyond a surface. */
+  /** Whether a point, relative to the photon, is beyond a surface. */
   bool cuts(const Vec3f& away) const;
-  /** The part of the kernel's integral over the disc that is left; never 0. */
+  /** Fraction of the kernel's integral over the disc that is within the bounds; never 0. */
   float fraction(const KernelPoints& points, float radius) const;
-  /** Distance along `direction` from the bounding surface on which a ray starts, up to `tolerance`, to the
-   * photon; `t` where it starts on none. `origin`: of the ray, relative to the photon. */
+  /** Distance along `direction` from the bounding surface on which a ray starts, within `tolerance`, to the
+   * photon; `t` if it starts on none. `origin`: origin of the ray, relative to the photon. */
   float distanceFromSurface(const Vec3f& origin, const Vec3f& direction, float t, float tolerance) const;
 
  private:
@@ -54,14 +54,14 @@ class DiscBounds {
   size_t count = 0;
 };
 
-/** The photons of a pass in a complete binary tree of boxes; immutable once built. */
+/** Photons of a pass in a complete binary tree of boxes; immutable once built. */
 class VolumePhotonMap {
  public:
-  /** `scale`: of the radii over those that the photons' density calls for; `widest`: none is above. The same
-   * for any number of threads. */
+  /** Builds the map. `scale`: factor on the radii that the photons' density calls for; `widest`: their
+   * maximum before scaling [scene units]. Independent of the number of threads. */
   void build(std::vector<VolumePhoton> photons, float scale, float widest);
-  /** Finds surfaces within the radii: what of a disc lies beyond them counts no more, and the rest as much
-   * more. */
+  /** Finds surfaces within the radii. The part of a disc beyond them is cut off, and the kernel is
+   * renormalised on the remaining part. */
   void findBounds(const Scene& scene, float time, TransportCounts& counts);
   size_t size() const { return photons.size(); }
   size_t memoryBytes() const {
@@ -69,9 +69,9 @@ class VolumePhotonMap {
            boundsOf.capacity() * sizeof(uint32_t) + bounds.capacity() * sizeof(DiscBounds);
   }
 
-  /** Calls visit(photon, depth, kernel) for each photon near the ray of unit direction that it passes within
-   * 0 and `end`: `depth` is there, or where the ray comes from a surface the photon's own way from that;
-   * `kernel` is 1/area across the ray, and its integral over the photon's disc 1. */
+  /** Calls visit(photon, depth, kernel) for each photon whose disc the ray of unit direction crosses between
+   * 0 and `end`. `depth`: distance to there or, from a surface that bounds the disc, the photon's own
+   * distance from it. `kernel` [1/area]: across the ray, with integral 1 over the disc. */
   template <class Visit> void visitAlong(const Ray& ray, float end, const Visit& visit) const {
     const KernelPoints points = boundsOf.empty() ? KernelPoints() : kernelPointsAcross(ray.direction);
     tree.visitAlong(ray, end, [&](size_t i) {
@@ -79,7 +79,7 @@ class VolumePhotonMap {
       const float t = glm::dot(offset, ray.direction), radius2 = square(radii[i]);
       const float distance2 = lengthSquared(offset - ray.direction * t);
       if (!(t > 0 && t < end && distance2 < radius2)) return;
-      float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov's
+      float kernel = 2 * INV_PI / radius2 * (1 - distance2 / radius2); // Epanechnikov
       float depth = t;
       if (!boundsOf.empty() && boundsOf[i] != NO_BOUNDS) {
         const DiscBounds& b = bounds[boundsOf[i]];
@@ -92,11 +92,11 @@ class VolumePhotonMap {
   }
 
  private:
-  BoxPyramid tree; ///< of the discs
+  BoxPyramid tree; ///< tree of the discs
   std::vector<VolumePhoton> photons;
   std::vector<float> radii;
   static constexpr uint32_t NO_BOUNDS = UINT32_MAX;
-  std::vector<uint32_t> boundsOf; ///< by photon: its place in `bounds`; empty if they are not asked for
+  std::vector<uint32_t> boundsOf; ///< index into `bounds` by photon; empty if bounds are unused
   std::vector<DiscBounds> bounds;
 };
 

@@ -1,8 +1,8 @@
 /** @file
- * Flights through media: where light scatters next, and what of it arrives. One colour channel, the hero,
+ * Free flight in media: sampling of the next collision, and transmittance. One colour channel, the hero,
  * draws all events of a path, weighted by the one-sample balance heuristic over channels and techniques
- * (Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light transport");
- * doc-files/notes/media.md says more.
+ * (Miller, Georgiev and Jarosz 2019, "A null-scattering path integral formulation of light transport").
+ * Derivations are in doc-files/notes/media.md.
  */
 #pragma once
 
@@ -16,13 +16,13 @@
 
 namespace recurse {
 
-/** What a path carries through media. */
+/** Spectral state of a path in media, by colour channel. */
 struct SpectralPath {
-  Rgb throughput{1}; ///< over the mean density of the channels
-  Rgb pathPdf{1};    ///< densities by channel with which the path came here, relative to their mean
-  Rgb lightPdf{1};   ///< the same of a shadow ray from the last vertex to here, per density of its direction
+  Rgb throughput{1}; ///< path throughput over the mean of pathPdf
+  Rgb pathPdf{1};    ///< densities of the path so far by channel, relative to their mean
+  Rgb lightPdf{1};   ///< densities of a shadow ray from the last vertex, over its direction's density
 
-  /** Makes the mean of `pathPdf` 1, which changes no quotient. */
+  /** Scales all three so that the mean of `pathPdf` is 1. Their ratios do not change. */
   void normalize() {
     const float mean = (pathPdf.r + pathPdf.g + pathPdf.b) * (1.0f / 3);
     if (!(mean > 0)) return;
@@ -32,15 +32,15 @@ struct SpectralPath {
   }
 };
 
-/** What arrives along a shadow ray: of radiance, and densities by channel of a path that goes on (pathPdf)
- * and of the shadow ray (light), relative to what was before. */
+/** Transmittance of a shadow ray, and by channel the factors of both techniques' densities along it: of the
+ * path that continues (pathPdf) and of the shadow ray (lightPdf). */
 struct SpectralTransmittance {
   Rgb value{1}, pathPdf{1}, lightPdf{1};
 };
 
 namespace flight {
 
-/** exp(-extinction · distance), also where one is 0 and the other infinite. */
+/** Transmittance exp(-extinction · distance), also where one factor is 0 and the other infinite. */
 inline Rgb transmittance(const Rgb& extinction, float distance) {
   Rgb t;
   for (int c = 0; c < 3; ++c) t[c] = extinction[c] == 0 ? 1 : std::exp(-extinction[c] * distance);
@@ -51,8 +51,8 @@ inline float sampleDistance(float extinction, Sampler& sampler) {
   return extinction > 0 ? -std::log1p(-sampler.next1D()) / extinction : INFINITE;
 }
 
-/** Roulette of a flight that has lost nearly all: true to go on, with a larger `value`. `density`: the mean
- * of the densities that the value is to be divided by. */
+/** Russian roulette of a nearly absorbed flight. Returns true if it survives, with an increased `value`.
+ * `density`: mean of the densities that the value will be divided by. */
 inline bool survives(Rgb& value, float density, Sampler& sampler) {
   constexpr float LOW = 0.05f, LOST = 0.75f;
   if (maxComponent(value) >= LOW * density) return true;
@@ -63,19 +63,19 @@ inline bool survives(Rgb& value, float density, Sampler& sampler) {
 
 } // namespace flight
 
-/** What becomes of light that a medium absorbs. */
+/** Treatment of absorption along a flight. */
 enum class Absorption {
-  SAMPLED, ///< flights end where light is absorbed or scatters; only there it is taken off the throughput
-  EXPECTED ///< the same, but in matter that does not scatter at all flights lose what it absorbs, and go on
+  SAMPLED, ///< flights end where light is absorbed or scatters; the albedo is applied there
+  EXPECTED ///< like SAMPLED, but in media without scattering flights never end and the throughput decays
 };
 
-/** Coefficients by which flights end [1/length]. */
+/** Coefficient of the events that end a flight [1/length]. */
 inline Rgb stoppingCoefficient(const MediumPoint& medium, Absorption absorption) {
   return absorption == Absorption::EXPECTED && isBlack(medium.scattering) ? BLACK : medium.extinction();
 }
 
 /**
- * Density of where a flight over `end` in a homogeneous medium scatters, by channel. Where
+ * Density of the distance to the next collision on a flight of length `end` in a homogeneous medium. Where
  * absorption is expected all flights arrive, with the same throughput (doc-files/notes/media.md, equation 1).
  */
 class FlightDensity {
@@ -92,7 +92,7 @@ class FlightDensity {
     }
   }
 
-  /** Where light scatters by a channel; empty: it arrives. */
+  /** Samples the distance to the collision by a channel [scene units]; nullopt: the flight arrives. */
   std::optional<float> sample(int channel, Sampler& sampler) const {
     if (!(stop[channel] > 0)) return {};
     const float u = sampler.next1D() / stop[channel];
@@ -100,9 +100,9 @@ class FlightDensity {
     const float sigma = extinction[channel];
     return std::min(end, -std::log1p(u * std::expm1(-sigma * end)) / sigma);
   }
-  /** Probability of arriving. */
+  /** Probability of arriving without a collision, by channel. */
   const Rgb& arrivalProbability() const { return arrival; }
-  /** [1/length] */
+  /** Density of a collision at distance t, by channel [1/length]. */
   Rgb pdf(float t) const {
     Rgb pdf(0);
     for (int c = 0; c < 3; ++c)
@@ -115,7 +115,7 @@ class FlightDensity {
   float end;
 };
 
-/** What a homogeneous medium emits along a flight, as radiance. */
+/** Radiance that a homogeneous medium emits along a flight of length `end`. */
 inline Rgb emittedAlong(const MediumPoint& medium, float end) {
   const Rgb extinction = medium.extinction();
   Rgb emitted(0);
@@ -125,11 +125,11 @@ inline Rgb emittedAlong(const MediumPoint& medium, float end) {
   return emitted;
 }
 
-/** A tentative collision in a heterogeneous medium: light scatters there, or goes on through what is missing
- * to the bound. */
+/** Tentative collision in a heterogeneous medium: a real one, by which the flight ends, or a null collision,
+ * whose coefficient is the difference between majorant and extinction. */
 struct NullCollision {
-  Rgb coefficient; ///< of going on [1/length]
-  Rgb stop, pass;  ///< probabilities by channel
+  Rgb coefficient; ///< null-collision coefficient [1/length]
+  Rgb stop, pass;  ///< probabilities of a real and of a null collision, by channel
 
   NullCollision(const MediumPoint& medium, const Rgb& majorant, Absorption absorption)
       : coefficient(max(majorant - medium.extinction(), 0)) {
@@ -142,13 +142,13 @@ struct NullCollision {
   }
 };
 
-/** Whether a flight found a place to scatter at. */
+/** Outcome of a flight: a scattering event at distance t, or none. */
 struct Collision {
   bool scatters = false;
   float t = 0;
 };
 
-/** sampleCollision() in a homogeneous medium. */
+/** Version of sampleCollision() for homogeneous media. */
 template <class Emission>
 Collision sampleHomogeneousCollision(const MediumPoint& medium, float end, int hero, Absorption absorption,
                                      Sampler& sampler, SpectralPath& path, Emission&& emission) {
@@ -167,9 +167,9 @@ Collision sampleHomogeneousCollision(const MediumPoint& medium, float end, int h
 }
 
 /**
- * Flies along a ray of unit direction as far as the surface at `end`, or to where the medium scatters by the
- * hero channel. `emission(radiance)` is called with what the medium emits on the way, times the throughput,
- * which is black afterwards where nothing is left.
+ * Samples a flight along a ray of unit direction, to a collision drawn by the hero channel or to the surface
+ * at `end`. Calls `emission(radiance)` with the emission of the medium on the way times the throughput. The
+ * throughput is black afterwards if nothing is left of it.
  */
 template <class Emission>
 Collision sampleCollision(const Medium& medium, const Ray& ray, float end, int hero, Absorption absorption,
@@ -218,12 +218,12 @@ Collision sampleCollision(const Medium& medium, const Ray& ray, float end, int h
   return {};
 }
 
-/** The hero of what carries no densities: ratio tracking by the densest channel's bound, where no weight is
- * above 1. */
+/** Hero index of rays that carry no densities: ratio tracking with the majorant of the densest channel, which
+ * bounds all weights by 1. */
 constexpr int NO_HERO = -1;
 
-/** Carries a shadow ray through as far as `end`: by closed form where there is one, by ratio tracking else.
- * The path that goes on expects absorption. Without a hero only `value` has a meaning. */
+/** Transmits a shadow ray up to `end`: in closed form for homogeneous media, else by ratio tracking. The
+ * density `pathPdf` is for a path with expected absorption. Without a hero only `value` is valid. */
 inline void trackTransmittance(const Medium& medium, const Ray& ray, float end, int hero, Sampler& sampler,
                                SpectralTransmittance& s) {
   if (medium.isHomogeneous()) {
@@ -257,9 +257,9 @@ inline void trackTransmittance(const Medium& medium, const Ray& ray, float end, 
   }
 }
 
-/** Transmittance from the origin of a ray of unit direction to every place on it before `end`, and what the
- * medium emits up to there: closed forms, or in heterogeneous media one run of ratio tracking, whose steps
- * have the right mean at each place. */
+/** Transmittance from the origin of a ray of unit direction to every point on it before `end`, and the
+ * emission of the medium up to `end`: in closed form for homogeneous media, else by one run of ratio
+ * tracking, whose piecewise constant estimate is unbiased at each point. */
 class RayTransmittance {
  public:
   RayTransmittance(const Medium& medium, const Ray& ray, float end, Sampler& sampler)
@@ -279,17 +279,17 @@ class RayTransmittance {
                                         [](float at, const Step& step) { return at < step.t; });
     return after == steps.begin() ? Rgb(1) : std::prev(after)->value;
   }
-  /** Radiance of the medium on the whole way. */
+  /** Radiance emitted by the medium along the whole ray. */
   const Rgb& emitted() const { return emission; }
 
  private:
   struct Step {
     float t;
-    Rgb value; ///< from t on
+    Rgb value; ///< transmittance from t on
   };
 
   void track(const Medium& medium, const Ray& ray, float end, Sampler& sampler) {
-    constexpr float LOW = 0.01f; // is followed by roulette
+    constexpr float LOW = 0.01f; // lower bound of the weight; below it, Russian roulette
     Rgb value(1);
     MajorantSegments segments = medium.segments(ray, end);
     for (MajorantSegment part; segments.next(part);) {

@@ -1,7 +1,7 @@
 /** @file
- * Dielectrics that overlap, by priority (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
- * Images"): where several are, the strongest is there, and the surfaces of the others count for nothing. So
- * water may reach into the glass around it, and leaves no gap.
+ * Nested dielectrics with priorities (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced
+ * Images"): where several overlap, the one of highest priority fills the overlap, and rays pass the surfaces
+ * of the lower ones. Water may therefore overlap the glass around it, which leaves no gap.
  */
 #pragma once
 
@@ -12,13 +12,13 @@
 
 namespace recurse {
 
-/** True for a surface of a solid with priority. */
+/** True for the surface of a dielectric with a priority. */
 inline bool isNested(const Hit& hit) { return hit.material && hit.material->nesting >= 0; }
 
-/** What a walk is inside of. Dielectrics are known by their places, the strongest first. */
+/** Media and dielectrics that contain the current point; dielectrics by priority, the highest first. */
 class Nesting {
  public:
-  /** The number of the medium that the walk is in. */
+  /** Index of the medium that contains the current point. */
   uint16_t medium(const Scene& scene) const {
     for (size_t i = 0; i < scene.nestedIndices().size(); ++i)
       if (depth[i] > 0) {
@@ -27,16 +27,16 @@ class Nesting {
       }
     return around;
   }
-  /** For a walk that begins in a medium. */
+  /** Sets the medium outside of all nested dielectrics, where a walk begins. */
   void startIn(uint16_t medium) { around = medium; }
-  /** The walk is about to meet a boundary: the medium on the way is the one on this side of it. Another one
-   * was known where the walk began on a boundary, or where two lie in one plane, of which rays meet one. */
+  /** Corrects the medium before a hit to the one on this side of the boundary. The tracked medium is wrong if
+   * the walk began on a boundary, or if two boundaries are coplanar and rays hit only one of them. */
   void approach(const Hit& hit, const Vec3f& direction) {
     if (!hit.media.isBoundary() || isNested(hit) || depth != decltype(depth){}) return;
     around = glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside : hit.media.inside;
   }
-  /** The walk leaves a surface, or what looks like none, in `direction`: on that side it is in the medium
-   * there. */
+  /** Updates the medium when the walk leaves a surface in `direction`, reflected, transmitted or passed: it
+   * is in the medium on that side. */
   void enterMedium(const Hit& hit, const Vec3f& direction) {
     if (!hit.media.isBoundary()) return;
     const bool outside = glm::dot(direction, hit.point.geometricNormal) > 0;
@@ -47,12 +47,12 @@ class Nesting {
   }
 
   /** Whether a ray of unit `direction` that has hit a nested dielectric interacts with its surface. False
-   * where a solid of higher priority hides it: the ray passes, and is inside or outside of it from now on.
-   * Else sets the refractive index outside of the point. */
+   * where a dielectric of higher priority hides it: the ray passes, and the state is updated to the new side.
+   * If true, sets the refractive index outside of the point. */
   bool isTrueIntersection(const Scene& scene, Hit& hit, const Vec3f& direction) {
     const auto own = static_cast<size_t>(hit.material->nesting);
     const bool entering = glm::dot(direction, hit.point.geometricNormal) < 0;
-    bool hidden = depth[own] > (entering ? 0 : 1); // within another shape of the same
+    bool hidden = depth[own] > (entering ? 0 : 1); // inside of a second shape of the same material
     for (size_t i = 0; i < own; ++i) hidden = hidden || depth[i] > 0;
     if (hidden) {
       cross(*hit.material, entering);
@@ -68,8 +68,8 @@ class Nesting {
     return true;
   }
 
-  /** For a walk that begins at a point, by all that a ray from there meets: solids are closed, so it leaves
-   * once more than it enters what the point is inside of. `surfaces(f)` calls f(hit, direction) for each. */
+  /** State for a walk that begins at a point, from all hits of one ray: solids are closed, so it leaves those
+   * that contain the point once more than it enters them. `surfaces(f)` calls f(hit, direction) for each. */
   template <class Surfaces> static Nesting within(const Surfaces& surfaces) {
     std::array<int, Scene::MAX_NESTED> left{};
     surfaces([&](const Hit& hit, const Vec3f& direction) {
@@ -82,7 +82,7 @@ class Nesting {
     return nesting;
   }
 
-  /** The walk came from `wi` and goes on to `direction`, which may be through the surface. */
+  /** Updates the state at a scattering event from `wi` to `direction`, which may be a transmission. */
   void scatters(const Hit& hit, const Vec3f& wi, const Vec3f& direction) {
     if (isNested(hit)) {
       const float before = glm::dot(wi, hit.point.geometricNormal);
@@ -100,8 +100,8 @@ class Nesting {
       --d;
   }
 
-  std::array<uint8_t, Scene::MAX_NESTED> depth{}; ///< how many shapes of each it is inside of
-  uint16_t around = 0;                            ///< the medium outside of all of them
+  std::array<uint8_t, Scene::MAX_NESTED> depth{}; ///< number of shapes of each that contain the point
+  uint16_t around = 0;                            ///< index of the medium outside of all nested dielectrics
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * Shadow rays as a PathRecorder is told of them.
+ * Recording of shadow rays for a PathRecorder.
  */
 #pragma once
 
@@ -10,7 +10,7 @@ namespace recurse {
 
 namespace recorded {
 
-/** The weight that a technique gave: what it made of the radiance. */
+/** MIS weight of a technique: the ratio of the weighted to the unweighted radiance. */
 inline float weightOf(const Rgb& weighted, const Rgb& whole) {
   const float largest = maxComponent(whole);
   return largest > 0 ? maxComponent(weighted) / largest : 0;
@@ -18,8 +18,8 @@ inline float weightOf(const Rgb& weighted, const Rgb& whole) {
 
 } // namespace recorded
 
-/** Sets the source of a contribution: a shadow ray from `vertex` to a light. `pdf`: of all samples together,
- * `otherPdf` of the BSDF's ray. */
+/** Sets the source of the next contribution to a shadow ray from `vertex` to a light. `pdf`: density of all
+ * light samples together; `otherPdf`: density of the BSDF-sampled ray. */
 inline void recordLightSample(PathRecorder& recorder, int vertex, const LiSample& light, float pdf,
                               float otherPdf, float weight) {
   const bool isInfinite = !(light.distance < INFINITE);

@@ -1,6 +1,6 @@
 /** @file
- * What walks from the camera and from lights share: counted intersection queries, Russian roulette,
- * visibility.
+ * Functions shared by walks from the camera and from the lights: counted intersection queries, Russian
+ * roulette, visibility.
  */
 #pragma once
 
@@ -17,15 +17,15 @@
 
 namespace recurse {
 
-/** A camera path of more scattering events does not branch. */
+/** Maximum number of scattering events up to which a camera path branches. */
 constexpr int MAX_BRANCHING_DEPTH = 64;
-/** Paths that lose no energy, as between perfect mirrors, play roulette beyond so many scattering events. */
+/** Number of scattering events after which lossless paths, as between perfect mirrors, undergo roulette. */
 constexpr int LOSSLESS_ROULETTE_DEPTH = 512;
 
 /**
- * Russian roulette: true to go on, with the weight divided by the chance. Paths that lose no energy survive n
- * events with probability (512/n)²: a chance that stays below the squared albedo would give infinite
- * variance.
+ * Russian roulette with survival probability `chance`: returns true to continue, with the weight divided by
+ * it. Lossless paths survive n events with probability (512/n)², since a probability below the squared albedo
+ * would give infinite variance.
  */
 inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& weight) {
   constexpr float NOTHING_LOST = 0.99999f;
@@ -37,7 +37,7 @@ inline bool russianRoulette(float chance, int length, Sampler& sampler, Rgb& wei
   return true;
 }
 
-/** Where a ray is at distance t, as a point that no surface goes through. */
+/** Point at distance t on a ray inside a medium, without a surface. */
 inline SurfacePoint pointInMedium(const Ray& ray, float t) {
   SurfacePoint point{};
   point.position = ray.at(t);
@@ -46,17 +46,17 @@ inline SurfacePoint pointInMedium(const Ray& ray, float t) {
   return point;
 }
 
-/** A ray from a surface point. */
+/** Ray that starts at a surface point. */
 inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
   return {from.rayOrigin(direction), direction, INFINITE, from.time};
 }
 
 /**
- * Origin of a ray that goes on straight behind a surface. At an edge it lies behind every surface there:
- * displaced from one surface only, the ray would hit the others again and again.
+ * Origin of a ray that continues straight behind a surface. At an edge it is behind all surfaces there: if it
+ * were displaced from one surface only, the ray would hit the others again and again.
  */
 inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
-  constexpr float AT_ONCE = 2; // distance to the next surface over its error
+  constexpr float AT_ONCE = 2; // minimum distance to the next surface, over its position error
   const Vec3f behind = hit.point.rayOrigin(ray.direction);
   if (hit.t * glm::length(ray.direction) > AT_ONCE * glm::length(hit.point.error)) return behind;
   const Vec3f normal = hit.point.normalTowards(ray.direction);
@@ -66,22 +66,22 @@ inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
 }
 
 /**
- * The nearest surface that scatters or emits. Surfaces that do neither are not in the scene; one that emits
- * and does not scatter is returned, and the caller goes on behind it.
+ * Finds the nearest surface that scatters or emits. Surfaces that do neither are not part of the scene. For a
+ * surface that emits without scattering, the caller continues the ray behind it.
  */
 inline bool intersect(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
   ++counts.rays;
   return scene.intersect(ray, hit);
 }
 
-/** The same for rays that only ask where it is: see Scene::intersectPosition(). */
+/** Finds only the position of the nearest surface: see Scene::intersectPosition(). */
 inline bool intersectPosition(const Scene& scene, const Ray& ray, Hit& hit, TransportCounts& counts) {
   ++counts.rays;
   return scene.intersectPosition(ray, hit);
 }
 
-/** Before bsdfAt(): a dispersive surface refracts by the wavelength of the walk, or of white light by one
- * that is drawn. */
+/** Sets the wavelength at which a dispersive surface refracts, before bsdfAt(): that of the walk, or for
+ * white light a sampled one. */
 inline void drawWavelength(const Scene& scene, float wavelength, Sampler& sampler, Hit& hit) {
   if (!(scene.contents().lobes & DISPERSIVE) || !hit.material || !(hit.material->lobes() & DISPERSIVE))
     return;
@@ -89,45 +89,45 @@ inline void drawWavelength(const Scene& scene, float wavelength, Sampler& sample
   hit.point.wavelength = wavelength > 0 ? wavelength : sampleWavelength(sampler.next1D());
 }
 
-/** After a step: light that has been refracted by a wavelength keeps it. Returns the colour that white light
- * takes on by this, in the mean white. */
+/** Updates the wavelength of the walk after a scattering event: refraction at a sampled wavelength fixes it.
+ * Returns the colour factor of formerly white light, whose mean over wavelengths is white. */
 inline Rgb dispersedColour(const SurfacePoint& point, const Scatter& s, float& wavelength) {
   if (!(point.wavelength > 0) || !point.isWhite || s.lobe != REFRACTION) return Rgb(1);
   wavelength = point.wavelength;
   return wavelengthColour(wavelength);
 }
 
-/** What a sample stands for where a camera ray has arrived, its width included. */
+/** Footprint of a pixel sample where its camera ray has arrived: direction and width. */
 inline Footprint footprint(const CameraRay& ray) { return {ray.direction, ray.width * ray.sampleSpacing}; }
 
-/** The BSDF of what a ray met, once the material has shaped the surface; null where rays pass through. */
+/** BSDF at a hit, after the material's surface detail has been applied; null where rays pass through. */
 inline const Bsdf* bsdfAt(Hit& hit, const Footprint& footprint, BsdfArena& arena) {
   if (!hit.material) return nullptr;
-  // One by one: to read at once what has just been written in parts takes long.
+  // Set member by member: a wide load right after narrow stores would stall.
   hit.point.footprint.direction = footprint.direction;
   hit.point.footprint.width = footprint.width;
   if (hit.material->detail) hit.material->detail->apply(hit.point);
   return hit.material->bsdfAt(hit.point, arena);
 }
 
-/** The same, but that solids which are there by priority hide the others. */
+/** BSDF at a hit, with nested dielectrics resolved: null as well for surfaces hidden by a higher priority. */
 inline const Bsdf* bsdfAt(const Scene& scene, Hit& hit, const Vec3f& direction, const Footprint& footprint,
                           Nesting& nesting, BsdfArena& arena) {
   if (isNested(hit) && !nesting.isTrueIntersection(scene, hit, direction)) return nullptr;
   return bsdfAt(hit, footprint, arena);
 }
 
-/** The ray that must be free for light from `target`, or from infinitely far in that direction, to reach the
- * point. Its direction is zero where there is no way between. */
+/** Shadow ray from the point to `target`, or to infinity in that direction, which is unoccluded if the light
+ * is visible. Its direction is zero where both points coincide. */
 inline Ray shadowRay(const SurfacePoint& from, const LiSample& light) {
   const Vec3f origin = from.rayOrigin(light.direction);
   const bool endless = light.distance == INFINITE;
-  // The target is displaced from its own surface; the limit covers the rounding of the way.
+  // The target is displaced from its own surface; the shortened limit covers rounding along the ray.
   return {origin, endless ? light.direction : light.target - origin,
           endless ? INFINITE : 1 - 16 * std::numeric_limits<float>::epsilon(), from.time};
 }
 
-/** What a walk that begins with this ray is inside of. */
+/** Dielectrics that contain the origin of this ray. */
 inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
   if (scene.nestedIndices().empty()) return {};
   return Nesting::within([&](const auto& crosses) {
@@ -138,13 +138,13 @@ inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
 
 inline bool hasPanes(const Scene& scene) { return (scene.contents().lobes & STRAIGHT) != 0; }
 
-/** Whether a step went straight through a thin pane, where shadow rays go too. */
+/** Whether the event passed straight through a thin pane, as shadow rays also do. */
 inline bool passesPane(const Scene& scene, const ScatteringPoint& scattering, const Scatter& s) {
   return s.lobe == REFRACTION && (scattering.lobes() & STRAIGHT) && hasPanes(scene);
 }
 
-/** The part of the radiance that goes straight on where `scattering` is met from unit `wi`; black without a
- * thin pane. */
+/** Fraction of the radiance transmitted straight through thin panes at `scattering`, seen from unit `wi`;
+ * black without a pane. */
 inline Rgb paneTransmittance(const ScatteringPoint& scattering, const Vec3f& wi) {
   Rgb sum = BLACK;
   if (!(scattering.lobes() & STRAIGHT)) return sum;
@@ -155,29 +155,29 @@ inline Rgb paneTransmittance(const ScatteringPoint& scattering, const Vec3f& wi)
   return sum;
 }
 
-/** What of a light's radiance comes straight to a point. Each pane on its way is an S of the path. */
+/** Transmittance between a light and a point. Each pane along the shadow ray is an S event of the path. */
 struct Transmittance {
   Rgb value{0};
   int panes = 0;
 };
 
-/** For estimators that find light behind panes by other ways. */
+/** Value of maxPanes for estimators with other techniques for light behind panes. */
 constexpr int NO_PANES = 0;
 
-/** How many panes a shadow ray may pass from a surface that is event number `depth` of its path; maxDepth -1:
- * any number. */
+/** Number of panes that a shadow ray may pass from the surface that is event number `depth` of its path. A
+ * maxDepth of -1 means any number. */
 inline int panesLeft(int maxDepth, int depth) {
   return maxDepth < 0 ? std::numeric_limits<int>::max() : std::max(0, maxDepth - depth);
 }
 
-/** For those who do not ask which panes a shadow ray passed. */
+/** Callback for callers that need no information on the panes a shadow ray passed. */
 struct IgnorePane {
   void operator()(const SurfacePoint&) const {}
 };
 
-/** The transmittance along a shadow ray that meets something: up to `maxPanes` thin panes, and surfaces that
- * solids with priority hide, let light through. `nesting` is what the walk is inside of that came to the
- * point from `wi`. Calls passed(const SurfacePoint&) for each pane on the way. */
+/** Transmittance along an occluded shadow ray: up to `maxPanes` thin panes, and the surfaces hidden by nested
+ * dielectrics, transmit light. `nesting` is the state of the walk that arrived at the point from `wi`. Calls
+ * passed(const SurfacePoint&) for each pane on the ray. */
 template <class Passed = IgnorePane>
 Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi,
                            const LiSample& light, Nesting nesting, int maxPanes, TransportCounts& counts,
@@ -204,8 +204,8 @@ Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const V
   return sum;
 }
 
-/** What of the light comes straight to the point, to which a walk came from `wi`. Calls passed(const
- * SurfacePoint&) for each pane on the way. */
+/** Transmittance from the light to the point, at which a walk arrived from `wi`. Calls passed(const
+ * SurfacePoint&) for each pane on the ray. */
 template <class Passed = IgnorePane>
 Transmittance transmittance(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
                             const Nesting& nesting, int maxPanes, TransportCounts& counts,
@@ -216,7 +216,7 @@ Transmittance transmittance(const Scene& scene, const Hit& from, const Vec3f& wi
   return throughPanes(scene, ray, from, wi, light, nesting, maxPanes, counts, passed);
 }
 
-/** True when nothing that scatters, panes included, is between the light and the point. */
+/** True if no scattering surface, not even a thin pane, is between the light and the point. */
 inline bool visible(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
                     const Nesting& nesting, TransportCounts& counts) {
   return !isBlack(transmittance(scene, from, wi, light, nesting, 0, counts).value);

@@ -1,6 +1,6 @@
 /** @file
- * The walk: one loop follows paths from either end through surfaces and media, and hands its caller a vertex
- * at a time, until next() or scatter() returns false.
+ * The walk: one loop that follows paths from either end through surfaces and media. Its caller gets one
+ * vertex at a time, until next() or scatter() returns false.
  */
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace recurse {
 
-/** A camera subpath before its first step. */
+/** Camera subpath before its first intersection. */
 inline CameraSubpath startCameraSubpath(const Scene& scene, const PathClasses& classes, const CameraRay& ray,
                                         TransportCounts& counts) {
   CameraSubpath path;
@@ -21,7 +21,7 @@ inline CameraSubpath startCameraSubpath(const Scene& scene, const PathClasses& c
   path.width = ray.width;
   path.spread = ray.spread;
   path.sampleSpacing = ray.sampleSpacing;
-  path.delta = true; // nothing else finds what is seen directly
+  path.delta = true; // emission seen directly has no other technique
   return path;
 }
 
@@ -30,17 +30,17 @@ template <class State> class Walker {
   using Path = Subpath<State>;
   using Vertex = PathVertex<State>;
 
-  /** `maxDepth`: most scattering events of a path; -1: no limit. `throughMedia` false: they are not there. */
+  /** `maxDepth`: maximum scattering events; -1: no limit. `throughMedia` false: media are ignored. */
   Walker(const Scene& scene, const PathClasses& classes, TransportCounts& counts, int maxDepth,
          bool throughMedia = true)
       : scene(scene), classes(classes), counts(counts), maxDepth(maxDepth),
         media(throughMedia && scene.hasMedia()) {}
 
   /**
-   * Follows the ray to the next surface that scatters, or to where a medium does. Calls emission(const Hit*)
-   * for each surface on the way that emits, the vertex itself included, and with null when the ray leaves the
-   * scene; mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput. False: the
-   * path ends.
+   * Follows the ray to the next scattering event, at a surface or in a medium. Calls emission(const Hit*) for
+   * each emitting surface on the way, the vertex itself included, and with null when the ray leaves the
+   * scene; calls mediumEmission(Rgb) with the radiance of a medium on the way, times the throughput. Returns
+   * false if the path ends.
    */
   template <class Emission, class MediumEmission>
   bool next(Path& path, Vertex& vertex, Sampler& sampler, Emission&& emission,
@@ -88,8 +88,8 @@ template <class State> class Walker {
     return next(path, vertex, sampler, [](const Hit*) {});
   }
 
-  /** Goes on by a direction that the BSDF or the phase function chooses, and by roulette. Empty: the path
-   * ends. */
+  /** Samples the next direction from the BSDF or the phase function, then applies Russian roulette. Returns
+   * nullopt if the path ends. */
   std::optional<Scatter> scatter(Path& path, const Vertex& vertex, Sampler& sampler) const {
     if (vertex.medium) return scatterInMedium(path, vertex, sampler);
     constexpr Transport TRANSPORT = WalkSide<State>::TRANSPORT;
@@ -99,7 +99,7 @@ template <class State> class Walker {
     applyWeight(path, vertex, *s);
     if (isBlack(path.throughput)) return {};
     const float chance = TRANSPORT == Transport::FLUX
-                             ? maxComponent(path.throughput) / before // keeps photons alike
+                             ? maxComponent(path.throughput) / before // keeps the flux of photons equal
                              : maxComponent(path.throughput) * path.etaScale;
     const bool roulette = TRANSPORT == Transport::FLUX || path.depth > ROULETTE_FREE_DEPTH;
     if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
@@ -107,7 +107,7 @@ template <class State> class Walker {
     return s;
   }
 
-  /** Goes on by a step that the caller has chosen. */
+  /** Continues with a scattering event that the caller has chosen. */
   void follow(Path& path, const Vertex& vertex, const Scatter& s) const {
     applyWeight(path, vertex, s);
     spawnRay(path, vertex, s);
@@ -123,7 +123,7 @@ template <class State> class Walker {
     return false;
   }
 
-  /** True where the medium on the way to `end` scatters, at vertex.hit.point. */
+  /** True if the medium scatters before `end`. The event is at vertex.hit.point. */
   template <class MediumEmission>
   bool sampleMedium(Path& path, Vertex& vertex, float end, Sampler& sampler,
                     MediumEmission&& emission) const {
@@ -161,7 +161,7 @@ template <class State> class Walker {
     s.weight = Rgb(1);
     s.lobe = REFLECTION;
     if (!(s.pdf > 0)) return {};
-    // What was absorbed has been taken off already, so that paths end in proportion to it.
+    // Survival in proportion to the throughput, which already includes the absorption so far.
     const float chance = maxComponent(path.throughput) * path.etaScale;
     if (path.depth > ROULETTE_FREE_DEPTH &&
         !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput))
@@ -178,7 +178,7 @@ template <class State> class Walker {
     return s;
   }
 
-  /** Short camera walks are not gambled with: most of the light is there. */
+  /** Scattering events of a camera walk without roulette, since short paths carry most of the light. */
   static constexpr int ROULETTE_FREE_DEPTH = 2;
 
   void arrive(const Path& path, Vertex& vertex, const Bsdf& bsdf) const {
@@ -214,7 +214,7 @@ template <class State> class Walker {
     path.cosine = absDot(s.direction, vertex.hit.point.geometricNormal);
     path.nesting.scatters(vertex.hit, vertex.wi, s.direction);
     if (media && !passesPane(scene, *vertex.scattering, s)) path.lightPdf = path.pathPdf;
-    if (!path.delta) path.width = path.spread = 0; // what a pixel sees from here on is not known
+    if (!path.delta) path.width = path.spread = 0; // the footprint after a non-delta event is unknown
     path.ray = spawn(vertex.hit.point, s.direction);
   }
 

@@ -1,7 +1,7 @@
 /** @file
- * FLANN's kd-tree behind the photon map's queries. The photons keep their order of emission; only what FLANN
- * needs is added. All that counts is decided by the same arithmetic as in the eight-wide tree, so the found
- * sets are the same.
+ * FLANN's kd-tree as an alternative index of the photon map. The photons keep their order of emission; only
+ * FLANN's own data is added. All acceptance tests use the same arithmetic as the eight-wide tree, so both
+ * indices find the same sets of photons.
  */
 #include "transport/photonmap/photonMapQuery.h"
 
@@ -17,8 +17,8 @@ namespace {
 constexpr int FLANN_LEAF = 16;
 
 /**
- * FLANN updates the distance to a box step by step, and rounding may push it over the true one. It is told
- * to look a little farther; photons are accepted by their own exact distance.
+ * Upper bound [scene units²] with slack for FLANN, which updates the distance to a box incrementally, so that
+ * rounding may exceed the exact one. Photons are accepted by their own exact distance.
  */
 float slackened(float distance2) { return distance2 * 1.0001f + std::numeric_limits<float>::min(); }
 
@@ -30,7 +30,7 @@ struct FlannHit {
   }
 };
 
-/** Gathers hits into blocks in order of slots. */
+/** Groups hits into blocks of eight slots, in increasing order of slots. */
 void makeBlocks(std::vector<FlannHit>& hits, FoundPhotons& found) {
   std::sort(hits.begin(), hits.end(), [](const FlannHit& a, const FlannHit& b) { return a.slot < b.slot; });
   found.clear();
@@ -47,7 +47,7 @@ void makeBlocks(std::vector<FlannHit>& hits, FoundPhotons& found) {
   }
 }
 
-/** Accepts what the region accepts: all of it, or the k nearest in a heap. */
+/** Result set that accepts the photons of the region: all of them, or the k nearest by a heap. */
 template <class Map, class Query> class RegionResult : public flann::ResultSet<float> {
  public:
   RegionResult(const Map& map, const Query& query, size_t most) : map(map), query(query), most(most) {}
@@ -84,11 +84,11 @@ template <class Map, class Query> class RegionResult : public flann::ResultSet<f
 
 struct PhotonMap::Flann {
   using Index = flann::KDTreeSingleIndex<flann::L2_3D<float>>;
-  std::vector<float> points; ///< FLANN keeps pointers into it
+  std::vector<float> points; ///< referenced by the index
   std::unique_ptr<Index> index;
 };
 
-// Here, where Flann is complete.
+// Defined here, where Flann is a complete type.
 PhotonMap::PhotonMap() = default;
 PhotonMap::~PhotonMap() = default;
 PhotonMap::PhotonMap(PhotonMap&&) noexcept = default;
@@ -104,7 +104,7 @@ void PhotonMap::buildFlann() {
     const Vec3f p = position(i);
     std::copy_n(&p.x, 3, &flann->points[3 * i]);
   }
-  if (photonCount == 0) return; // FLANN crashes on that
+  if (photonCount == 0) return; // FLANN crashes on an empty set
   const flann::Matrix<float> matrix(flann->points.data(), photonCount, 3);
   flann->index = std::make_unique<Flann::Index>(matrix, flann::KDTreeSingleIndexParams(FLANN_LEAF),
                                                 flann::L2_3D<float>());
@@ -113,7 +113,7 @@ void PhotonMap::buildFlann() {
 
 size_t PhotonMap::flannBytes() const {
   if (!flann) return 0;
-  // The tree, our points, FLANN's reordered copy and its pointer to every point.
+  // Memory of the tree, of our points, and of FLANN's reordered copy with a pointer to each point.
   const size_t tree = flann->index ? static_cast<size_t>(flann->index->usedMemory()) : 0;
   return tree + flann->points.capacity() * sizeof(float) + photonCount * (3 * sizeof(float) + sizeof(float*));
 }

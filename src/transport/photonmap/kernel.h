@@ -1,9 +1,9 @@
 /** @file
- * Kernels of density estimation: how much a photon counts by its distance from the point of interest.
+ * Kernels of density estimation: weight of a photon as a function of its distance from the query point.
  *
- * Each kernel K(d) lives on a disc of radius r and is normalised there: ∫ K(d) 2πd dd = 1 over [0, r]. So a
- * uniform irradiance field is estimated without bias wherever the disc lies within the surface. Kernels are
- * given by their shape π r² K as a function of q = d²/r², because d² and r² are what a photon map knows.
+ * Kernel K(d) [1/area] with a disc of radius r as its support, normalised there: ∫ K(d) 2πd dd = 1 over [0,
+ * r]. A uniform irradiance field is estimated without bias wherever the disc is within the surface. Kernels
+ * are defined by their shape π r² K over q = d²/r², since photon-map queries yield squared distances.
  */
 #pragma once
 
@@ -25,8 +25,8 @@ enum class Kernel {
 constexpr Kernel ALL_KERNELS[] = {Kernel::CONSTANT, Kernel::CONE, Kernel::EPANECHNIKOV};
 
 /**
- * π r² K at q = d²/r², for 0 <= q <= 1 (negative or undefined beyond). T is float, double or Float8. The
- * kernel is a template argument so that an inner loop pays nothing for the choice.
+ * Kernel shape π r² K at q = d²/r², for 0 <= q <= 1 (negative or undefined beyond). T is float, double or
+ * Float8. The kernel is a template argument, so that inner loops have no branch on it.
  */
 template <Kernel KERNEL, class T> T kernelShape(const T& q) {
   using std::sqrt;
@@ -39,7 +39,7 @@ template <Kernel KERNEL, class T> T kernelShape(const T& q) {
   }
 }
 
-/** The kernel's part on a narrow sector that ends at q = d²/r²: ∫ from 0 to q of π r² K dq. */
+/** Integral of the kernel over a narrow sector up to q = d²/r²: ∫ π r² K dq from 0 to q. */
 template <Kernel KERNEL, class T> T kernelPart(const T& q) {
   using std::sqrt;
   if constexpr (KERNEL == Kernel::CONSTANT) {
@@ -51,7 +51,7 @@ template <Kernel KERNEL, class T> T kernelPart(const T& q) {
   }
 }
 
-/** Calls f with the kernel as a std::integral_constant: the one switch over kernels. */
+/** Calls f with the kernel as a std::integral_constant. The only switch over kernels. */
 template <class F> decltype(auto) withKernel(Kernel kernel, F&& f) {
   switch (kernel) {
   case Kernel::CONSTANT:
@@ -64,7 +64,7 @@ template <class F> decltype(auto) withKernel(Kernel kernel, F&& f) {
   return f(std::integral_constant<Kernel, Kernel::EPANECHNIKOV>());
 }
 
-/** K(d) itself [1/area] for distance² <= radius²; 0 beyond. */
+/** Kernel K(d) [1/area] for distance² <= radius²; 0 beyond. */
 inline float kernelValue(Kernel kernel, float distance2, float radius2) {
   if (!(distance2 <= radius2)) return 0;
   const float shape = withKernel(kernel, [&](auto k) { return kernelShape<k.value>(distance2 / radius2); });
@@ -83,7 +83,7 @@ constexpr const char* kernelName(Kernel kernel) {
   return "epanechnikov";
 }
 
-/** The kernel of that name; nothing for an unknown one. */
+/** Kernel with that name; nullopt for an unknown name. */
 constexpr std::optional<Kernel> parseKernel(std::string_view name) {
   for (const Kernel kernel : ALL_KERNELS)
     if (name == kernelName(kernel)) return kernel;

@@ -1,5 +1,5 @@
 /** @file
- * A photon as it is shot, and as the photon map keeps it: at most 40 bytes.
+ * Photon record: the result of photon tracing and the input of the photon map; at most 40 bytes.
  */
 #pragma once
 
@@ -11,8 +11,8 @@
 namespace recurse {
 
 /**
- * A unit direction in 32 bits: octahedral map (Meyer et al. 2010, "On Floating-Point Normal Vectors"), 16
- * bits an axis; the error is below 4e-5 rad.
+ * Unit direction in 32 bits: octahedral map (Meyer et al. 2010, "On Floating-Point Normal Vectors") with 16
+ * bits for each axis. The error is below 4e-5 rad.
  */
 struct PackedDirection {
   uint32_t bits = 0;
@@ -40,16 +40,16 @@ inline Vec3f unpackDirection(PackedDirection p) {
   return glm::normalize(Vec3f(u - std::copysign(fold, u), v - std::copysign(fold, v), z));
 }
 
-/** One photon at a surface. */
+/** Photon stored at a surface. */
 struct Photon {
   Vec3f position;            ///< scene units, relative to the scene's centre
-  PackedDirection direction; ///< unit, from the surface towards where the photon came from
+  PackedDirection direction; ///< unit, from the surface back along the photon's path
   Rgb power;                 ///< flux [W]
   uint8_t pathState = 0;     ///< LightState after the events before this surface
-  bool caustic = false;      ///< nothing but mirrors and glass, or nothing at all, between light and surface
+  bool caustic = false;      ///< only specular events, or none, between the light and this surface
   PackedDirection normal;    ///< geometric, unit, on the side that the photon came from
-  /** How likely a camera ray finds the same path, see mergeWeights.h; 0 where none does, or it is not known.
-   * Negative: of light that came by several non-delta surfaces; such photons do not weigh by it. */
+  /** Ratio of densities, camera ray to photon, see mergeWeights.h; 0 if no camera ray finds the path, or it
+   * is unknown. Negative after several non-delta surfaces: such photons are not weighted by it. */
   float reverseRatio = 0;
 };
 static_assert(sizeof(Photon) <= 40);

@@ -1,5 +1,5 @@
 /** @file
- * Photons as queries hand them on: eight neighbours at a time.
+ * Blocks of eight neighbouring photons, the form in which queries return their results.
  */
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace recurse {
 
-/** Eight directions, not normalised: points of the octahedron. The arithmetic is that of unpackDirection. */
+/** Eight directions on the octahedron, not normalised. Same arithmetic as unpackDirection(). */
 inline Vec3f8 unpackOctahedron(const uint32_t* packed) {
   const Uint32x8 p = Uint32x8::load(packed);
   const Float8 u = toFloat(p & Uint32x8(0xffff)) * Float8(1 / 32767.0f) - Float8(1);
@@ -18,36 +18,36 @@ inline Vec3f8 unpackOctahedron(const uint32_t* packed) {
   return {u - copysign(fold, u), v - copysign(fold, v), z};
 }
 
-/** Eight unit directions from eight packed ones on a 32-byte boundary; the same floats as unpackDirection. */
+/** Eight unit directions from eight packed ones on a 32-byte boundary. Same floats as unpackDirection(). */
 inline Vec3f8 unpackDirections(const uint32_t* packed) {
   const Vec3f8 d = unpackOctahedron(packed);
   const Float8 scale = Float8(1) / sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
   return {d.x * scale, d.y * scale, d.z * scale};
 }
 
-/** The payload of eight slots: what an estimate needs of a photon beyond its place. */
+/** Payload of eight slots: the data of a photon that an estimate needs, except its position. */
 struct PhotonPayload {
   alignas(32) float red[8];
   alignas(32) float green[8];
   alignas(32) float blue[8];
-  alignas(32) uint32_t direction[8]; ///< packed; towards where the photon came from
+  alignas(32) uint32_t direction[8]; ///< packed; back along the photon's path
 };
 
-/** Eight neighbouring slots, some of which a query found. */
+/** Eight neighbouring slots; the mask marks the photons that the query found. */
 struct PhotonBlock {
   uint32_t first;               ///< slot of lane 0; a multiple of 8
-  uint32_t mask;                ///< bit i: lane i was found; not 0 unless said otherwise
-  Float8 distance2;             ///< D² of GatherRegion; only lanes in the mask have a meaning
+  uint32_t mask;                ///< bit i: lane i was found; not 0 unless the query documents empty blocks
+  Float8 distance2;             ///< D² of GatherRegion; valid only in lanes of the mask
   const PhotonPayload* payload; ///< all eight lanes may be read
-  const uint8_t* pathStates;    ///< eight of them
-  const float* reverseRatios;   ///< eight of them, see Photon; null where all are 0
-  const uint32_t* normals;      ///< eight of them, packed, see Photon
+  const uint8_t* pathStates;    ///< eight values, see Photon
+  const float* reverseRatios;   ///< eight values, see Photon; null where all are 0
+  const uint32_t* normals;      ///< eight values, packed, see Photon
 
   Float8 red() const { return Float8::load(payload->red); }
   Float8 green() const { return Float8::load(payload->green); }
   Float8 blue() const { return Float8::load(payload->blue); }
   Rgb power(int lane) const { return {payload->red[lane], payload->green[lane], payload->blue[lane]}; }
-  /** Unit directions towards where the photons came from. */
+  /** Unit directions back along the photons' paths. */
   Vec3f8 directions() const { return unpackDirections(payload->direction); }
   Vec3f direction(int lane) const { return unpackDirection({payload->direction[lane]}); }
   /** x in the lanes that were found, 0 elsewhere. */

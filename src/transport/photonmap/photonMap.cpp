@@ -1,5 +1,5 @@
 /** @file
- * Building the photon map.
+ * Construction of the photon map.
  */
 #include "transport/photonmap/photonMap.h"
 
@@ -23,13 +23,13 @@ void FoundPhotons::grow() {
 
 namespace {
 
-/** A range of keys is split by two tasks as long as it has at least so many. */
+/** Minimum number of keys for which a range is split by two parallel tasks. */
 constexpr size_t PARALLEL_KEYS = 8192;
 constexpr size_t CHUNK = 16384;
 
 /**
- * What the tree is built from: x, y, z and the bits of the photon's index. They are moved as one register.
- * They lie where the payload will be, of which every photon takes as many bytes.
+ * Sort keys of the tree: x, y, z and the bits of the photon's index, moved as one register. Stored in the
+ * memory of the payload, which takes the same number of bytes for each photon.
  */
 struct Keys {
   float* data;
@@ -64,7 +64,7 @@ struct Keys {
     return box;
   }
 
-  /** Moves the keys that come before the pivot to the front; returns their end. Takes no branches. */
+  /** Moves the keys before the pivot to the front, without branches. Returns their end. */
   template <bool OR_EQUAL> size_t partition(size_t first, size_t last, int axis, float pivot) const {
     size_t end = first;
     for (size_t i = first; i < last; ++i) {
@@ -78,10 +78,10 @@ struct Keys {
   }
 
   /**
-   * Reorders [first, last) so that no key before `middle` lies beyond one from `middle` on. Quickselect
-   * whose pivots come from the order statistics of a sample, just outside of where the wanted rank should
-   * be (Floyd & Rivest 1975): so nearly all keys are moved one and a half times. Equal keys cost nothing
-   * more.
+   * Reorders [first, last) so that no key before `middle` is greater than one from `middle` on. Quickselect
+   * with pivots from the order statistics of a sample, just outside of the expected position of the required
+   * rank (Floyd & Rivest 1975). Most keys are moved only one and a half times. Equal keys have no extra
+   * cost.
    */
   void select(size_t first, size_t middle, size_t last, int axis) const {
     constexpr size_t SMALL = 24, MAX_COUNT = 512;
@@ -93,7 +93,7 @@ struct Keys {
         insertionSort(first, last, axis);
         return;
       }
-      // About n^(2/3), so that the sample's own order statistics cost little.
+      // About n^(2/3) samples, so that selecting the pivot from them costs little.
       const size_t wanted = n >= 32768 ? MAX_COUNT : n >= 4096 ? 191 : n >= 1024 ? 95 : n >= 256 ? 35 : 15;
       const size_t step = n / wanted;
       for (size_t i = 0; i < wanted; ++i) sample[i] = coordinate(first + i * step + step / 2, axis);
@@ -111,7 +111,7 @@ struct Keys {
         last = end;
         continue;
       }
-      // The pivot and its equals may be all that there is: then this is the step that gets on.
+      // If no key is less than the pivot, only moving its equals too makes progress.
       first = end;
       if (end - first == 0 || 8 * (last - end) > n) {
         const size_t equalEnd = partition<true>(end, last, axis, pivot);
@@ -143,7 +143,7 @@ struct PhotonMap::Builder {
   Keys keys;
   size_t count = 0;
 
-  /** Copies the positions of the finite photons into the keys; returns how many. */
+  /** Copies the positions of the finite photons into the keys. Returns their number. */
   size_t takePositions() {
     const size_t chunks = (photons.size() + CHUNK - 1) / CHUNK;
     std::atomic<bool> allFinite{true};
@@ -166,7 +166,7 @@ struct PhotonMap::Builder {
 
   size_t keyAt(size_t leaf) const { return std::min(count, leaf * LEAF_SIZE); }
 
-  /** Distributes keys over the children [first, last) of a node; `box` is tight around them. */
+  /** Distributes the keys to the children [first, last) of a node; `box` is their tight bounding box. */
   void divide(int level, size_t node, size_t first, size_t last, const Bounds3f& box) const {
     const size_t leavesPerChild = size_t(1) << 3 * (map.levelCount - 1 - level);
     const size_t begin = node * 8 * leavesPerChild;
@@ -211,7 +211,7 @@ struct PhotonMap::Builder {
       for (size_t i = 0; i < children; ++i) writeLeaf(begin + i);
   }
 
-  /** Replaces the keys of a leaf, which are in their final order, by the payload. */
+  /** Replaces the keys of a leaf, already in their final order, by the payload. */
   void writeLeaf(size_t leaf) const {
     const size_t first = keyAt(leaf), n = keyAt(leaf + 1) - first;
     Float4 key[LEAF_SIZE];

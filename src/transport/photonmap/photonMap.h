@@ -1,8 +1,8 @@
 /** @file
  * The photon map: a balanced kd-tree whose nodes have eight children, so that a query tests eight boxes or
  * eight photons at once. All leaves but the last are full; the children of node i are 8i+1…8i+8. Build takes
- * O(n log n), a query that finds m photons O(log n + m). Lengths are in scene units; a slot is a photon's
- * place in the map. Who calls its templates includes photonMapQuery.h.
+ * O(n log n), a query that finds m photons O(log n + m). Lengths are in scene units; a slot is the index of a
+ * photon in the map. The templates are defined in photonMapQuery.h, which their callers include.
  */
 #pragma once
 
@@ -22,24 +22,24 @@ namespace recurse {
 
 enum class PhotonIndexKind {
   KDTREE, ///< the eight-wide tree described above
-  FLANN   ///< FLANN's KDTreeSingleIndex: slow, and there to compare with
+  FLANN   ///< FLANN's KDTreeSingleIndex: slow, for comparison
 };
 constexpr const char* photonIndexName(PhotonIndexKind kind) {
   return kind == PhotonIndexKind::KDTREE ? "kdtree" : "flann";
 }
-/** The index of that name; nothing for an unknown one. */
+/** Index with that name; nullopt for an unknown name. */
 constexpr std::optional<PhotonIndexKind> parsePhotonIndex(std::string_view name) {
   if (name == "kdtree") return PhotonIndexKind::KDTREE;
   if (name == "flann") return PhotonIndexKind::FLANN;
   return std::nullopt;
 }
 
-/** What a query found: blocks in increasing order of slots. */
+/** Result of a query: blocks in increasing order of slots. */
 struct FoundPhotons {
   LargeArray<Float8> distance2; ///< infinite in lanes that were not found
   LargeArray<uint32_t> block;   ///< first slot / 8
-  size_t blocks = 0;            ///< how many of the two
-  size_t count = 0;             ///< photons
+  size_t blocks = 0;            ///< length of both arrays in use
+  size_t count = 0;             ///< number of photons found
   void clear() { blocks = count = 0; }
   void add(uint32_t blockIndex, Float8 d2, uint32_t mask) {
     if (blocks == distance2.size()) grow();
@@ -51,8 +51,8 @@ struct FoundPhotons {
 };
 
 /**
- * Working memory for queries and what the last one found; one for each thread. Where the next query begins
- * is guessed from the last one: a coherent order makes queries faster, and never changes what they find.
+ * Working memory of queries and the result of the last one; one for each thread. The last query is the
+ * initial guess of the next: a coherent order makes queries faster, but never changes their results.
  */
 class PhotonScratch {
  public:
@@ -63,16 +63,16 @@ class PhotonScratch {
   FoundPhotons found;
   std::vector<uint64_t> ties;
   Vec3f lastCenter{0};
-  float lastRadius = -1; ///< negative: nothing to go by
+  float lastRadius = -1; ///< negative: no usable previous query
   int lastCount = 0;
-  size_t lastSlot = 0; ///< that nearestSlot() found
+  size_t lastSlot = 0; ///< result of the last nearestSlot()
   float lastNearest = 0;
 };
 
-/** The outcome of a k-nearest query. */
+/** Number and extent of the photons that a k-nearest query found. */
 struct NearestPhotons {
-  int count = 0;     ///< found: k, or fewer if the region has fewer
-  float radius2 = 0; ///< D² of the farthest one found; 0 if none was
+  int count = 0;     ///< photons found: k, or fewer if the region has fewer
+  float radius2 = 0; ///< D² of the farthest photon found; 0 if none was
 };
 
 class PhotonMap {
@@ -83,9 +83,9 @@ class PhotonMap {
   PhotonMap& operator=(PhotonMap&&) noexcept;
 
   /**
-   * Replaces the contents by these photons, in the order of emission. Photons whose position or power is not
-   * finite are refused and counted. The result depends on the photons only, not on the number of threads.
-   * Buffers are reused. Throws Error for 2^32 - 64 photons or more.
+   * Replaces the contents by these photons, given in the order of emission. Photons with a non-finite
+   * position or power are refused and counted. The result does not depend on the number of threads. Buffers
+   * are reused. Throws Error for 2^32 - 64 photons or more.
    */
   void build(std::span<const Photon> photons, PhotonIndexKind kind = PhotonIndexKind::KDTREE);
 
@@ -93,38 +93,38 @@ class PhotonMap {
   /** Photons in the map; their slots are 0 … size() − 1. */
   size_t size() const { return photonCount; }
   bool empty() const { return photonCount == 0; }
-  /** Photons that were given to build() but are not in the map. */
+  /** Number of photons that the last build() refused. */
   size_t refused() const { return refusedCount; }
-  /** All memory that the map holds on to, buffers for the next build included. */
+  /** Memory of the map [bytes], including the buffers that are kept for the next build. */
   size_t memoryBytes() const;
-  /** Tight. */
+  /** Tight bounding box of the photons [scene units]. */
   const Bounds3f& bounds() const { return box; }
 
   /**
-   * Calls visitor(const PhotonBlock&) for all photons in the region, in increasing order of slots. May be
-   * called from any thread. A query without flattening and with bothSides pays for neither.
+   * Calls visitor(const PhotonBlock&) for all photons in the region, in increasing order of slots. Safe to
+   * call from any thread. A query without flattening and with bothSides has no cost for either.
    */
   template <class Visitor> void visitWithin(const GatherRegion& region, Visitor&& visitor) const;
   /**
-   * The same for sums: calls add(state, const PhotonBlock&), which changes the state, and returns the last
-   * state. Faster than a visitor with sums outside, which the compiler must keep in memory: the state is a
-   * copy that nobody else knows, so it lives in registers. For speed again, neighbouring blocks in which
-   * nothing was found may come as well, with an empty mask: `add` should need no branch for them.
+   * Accumulates over all photons in the region: calls add(state, const PhotonBlock&), which changes the
+   * state, and returns the last state. Faster than a visitor that captures its sums, since the state is a
+   * local copy that the compiler can keep in registers. Blocks with an empty mask may be passed too, to save
+   * a branch: `add` should handle them without one.
    */
   template <class State, class Add>
   State accumulateWithin(const GatherRegion& region, State state, Add&& add) const;
 
   /**
-   * Finds the k photons of the region that are nearest to its centre; of equally distant ones, those emitted
-   * first. They stay in the scratch for visitNearest().
+   * Finds the k photons of the region nearest to its centre. Ties are resolved in favour of photons emitted
+   * first. The result is kept in the scratch memory for visitNearest().
    */
   NearestPhotons nearest(const GatherRegion& region, int k, PhotonScratch& scratch) const;
-  /** The slot of the photon nearest to the centre, whatever side it arrived from; among equally distant ones
-   * the lowest. The map must not be empty. Much faster than nearest() for one photon. */
+  /** Slot of the photon nearest to the centre, on either side of its surface; the lowest slot among ties. The
+   * map must not be empty. Much faster than nearest() for one photon. */
   size_t nearestSlot(const Vec3f& center, PhotonScratch& scratch) const;
-  /** Calls visitor(const PhotonBlock&) for what the last nearest() found, in increasing order of slots. */
+  /** Calls visitor(const PhotonBlock&) for the result of the last nearest(), in increasing order of slots. */
   template <class Visitor> void visitNearest(const PhotonScratch& scratch, Visitor&& visitor) const;
-  /** Its counterpart for sums; see accumulateWithin(). */
+  /** Accumulates over the result of the last nearest(); see accumulateWithin(). */
   template <class State, class Add>
   State accumulateNearest(const PhotonScratch& scratch, State state, Add&& add) const;
 
@@ -144,7 +144,7 @@ class PhotonMap {
   Vec3f direction(size_t slot) const { return unpackDirection(packedDirection(slot)); }
   uint8_t pathState(size_t slot) const { return pathStates[slot]; }
   float reverseRatio(size_t slot) const { return hasReverseRatios ? reverseRatios[slot] : 0; }
-  /** Where the photon stood in what was given to build(). */
+  /** Index of the photon in the span that build() was given. */
   uint32_t emissionIndex(size_t slot) const { return emission[slot]; }
 
  private:
@@ -164,7 +164,7 @@ class PhotonMap {
   struct Flann;
   struct RankBracket;
 
-  /** The region, as the tests of eight photons at a time want it. */
+  /** The region in the form that tests of eight photons at once use. */
   template <bool FLAT, bool SIDED, bool CLIPPED> struct Query;
   template <class F> decltype(auto) withQuery(const GatherRegion& region, F&& f) const;
   struct Hits;
@@ -172,7 +172,7 @@ class PhotonMap {
   template <bool EMPTY_TOO, class State, class Add>
   State accumulate(const GatherRegion& region, State state, Add&& add) const;
   template <class Visitor> void visit(const FoundPhotons& found, Visitor&& visitor) const;
-  /** The first node of a level, as if all levels above were full: 1 + 8 + 64 + …. */
+  /** Index of the first node of a level, with all levels above it full: 1 + 8 + 64 + … */
   static constexpr size_t levelBegin(int level) { return ((size_t(1) << 3 * level) - 1) / 7; }
   size_t lastLevelBegin() const { return levelBegin(levelCount - 1); }
   PhotonBlock makeBlock(uint32_t block, uint32_t mask, Float8 d2) const {
@@ -201,13 +201,13 @@ class PhotonMap {
   PhotonIndexKind indexKind = PhotonIndexKind::KDTREE;
   size_t photonCount = 0, refusedCount = 0;
   size_t leafCount = 0;
-  int levelCount = 0; ///< levels of nodes; the children of the last are leaves
+  int levelCount = 0; ///< levels of inner nodes; the children of the last are leaves
   Bounds3f box;
   LargeArray<Node> nodes;
   LargeArray<Leaf> leaves;
   LargeArray<PhotonPayload> payload;
   LargeArray<uint8_t> pathStates;
-  LargeArray<float> reverseRatios; ///< in use where not all are 0
+  LargeArray<float> reverseRatios; ///< in use unless all are 0
   bool hasReverseRatios = false;
   LargeArray<uint32_t> emission;
   std::unique_ptr<Flann> flann;

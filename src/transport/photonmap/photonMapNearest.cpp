@@ -1,5 +1,5 @@
 /** @file
- * The k nearest photons, and the nearest one.
+ * Queries for the k nearest photons and for the single nearest photon.
  */
 #include "transport/photonmap/photonMapQuery.h"
 
@@ -8,8 +8,8 @@
 namespace recurse {
 
 /**
- * A guess at the D² of the k-th nearest photon, on the high side: as if the photons of the smallest node
- * around the centre that has enough of them were spread evenly over the two widest extents of its box.
+ * Estimate of the D² of the k-th nearest photon, on the high side. Assumes that the photons of the smallest
+ * node around the centre with enough photons are spread evenly over the two widest extents of its box.
  */
 float PhotonMap::densityBound(const Vec3f& center, int k) const {
   constexpr float MARGIN = 1.3f;
@@ -31,15 +31,15 @@ float PhotonMap::densityBound(const Vec3f& center, int k) const {
     for (int axis = 0; axis < 3; ++axis) size[axis] = n.upper[axis][child] - n.lower[axis][child];
     std::sort(size, size + 3);
     const float share = MARGIN * static_cast<float>(k) / static_cast<float>(photons);
-    const float flat2 = share * size[2] * size[1] * INV_PI; // spread over an area
-    const float line2 = square(0.5f * share * size[2]);     // or along a line
+    const float flat2 = share * size[2] * size[1] * INV_PI; // photons spread over an area
+    const float line2 = square(0.5f * share * size[2]);     // photons spread along a line
     bound = square(std::sqrt(std::max(flat2, line2)) + std::sqrt(d2[child]));
     node = node * 8 + child;
   }
   return bound;
 }
 
-/** Bounds of the D² of the wanted-th nearest photon:
+/** Bounds of the D² of the wanted-th nearest photon, as an invariant of the search:
  * countLow = #(D² <= low) < wanted <= #(D² <= high) = countHigh. */
 struct PhotonMap::RankBracket {
   float low = -1, high = 0;
@@ -48,7 +48,7 @@ struct PhotonMap::RankBracket {
 
 namespace {
 
-/** How many photons are within D² = bound. */
+/** Number of photons found with D² <= bound. */
 size_t countUpTo(const FoundPhotons& found, float bound) {
   const Float8 b(bound);
   Uint32x8 counts(0);
@@ -62,8 +62,8 @@ size_t countUpTo(const FoundPhotons& found, float bound) {
 
 } // namespace
 
-/** Narrows the bracket until few photons are within it: by interpolation first, because the number of photons
- * on a surface grows with D², then by bisection of the floats that are left. */
+/** Narrows the bracket until it contains few photons: first by interpolation, since the number of photons on
+ * a surface grows linearly with D², then by bisection of the remaining floats. */
 PhotonMap::RankBracket PhotonMap::bracketNearest(const FoundPhotons& found, size_t wanted, float upper) {
   constexpr size_t MAX_LEFT = 8;
   constexpr int INTERPOLATIONS = 6;
@@ -79,7 +79,7 @@ PhotonMap::RankBracket PhotonMap::bracketNearest(const FoundPhotons& found, size
       guess = from + (b.high - from) * share;
       if (!(guess > b.low && guess < b.high)) continue;
     } else {
-      // Floats that are not negative are ordered as their bits.
+      // Non-negative floats have the same order as their bits.
       const uint32_t lowBits = b.low < 0 ? 0 : std::bit_cast<uint32_t>(b.low) + 1;
       const uint32_t highBits = std::bit_cast<uint32_t>(b.high);
       if (lowBits >= highBits) break; // all equal
@@ -92,12 +92,12 @@ PhotonMap::RankBracket PhotonMap::bracketNearest(const FoundPhotons& found, size
   return b;
 }
 
-/** Orders photons by D², and equally distant ones by their emission. */
+/** Sort key of a photon: by D², ties by the order of emission. */
 uint64_t PhotonMap::nearestKey(float d2, size_t slot) const {
   return uint64_t(std::bit_cast<uint32_t>(d2)) << 32 | emission[slot];
 }
 
-/** The key of the wanted-th nearest of the photons that were found. */
+/** Sort key of the wanted-th nearest of the photons found. */
 uint64_t PhotonMap::lastNearestKey(size_t wanted, const RankBracket& bracket, PhotonScratch& scratch) const {
   const FoundPhotons& found = scratch.found;
   scratch.ties.clear();
@@ -118,7 +118,7 @@ uint64_t PhotonMap::lastNearestKey(size_t wanted, const RankBracket& bracket, Ph
   return *last;
 }
 
-/** Keeps the k nearest of at least k candidates, all of them nearer than `upper`. */
+/** Keeps the k nearest of at least k candidates, all with D² below `upper`. */
 void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestPhotons& result) const {
   FoundPhotons& found = scratch.found;
   const auto wanted = static_cast<size_t>(k);
@@ -144,7 +144,7 @@ void PhotonMap::keepNearest(int k, PhotonScratch& scratch, float upper, NearestP
 
 namespace {
 
-/** The largest D² of the photons that were found; 0 without any. */
+/** Largest D² of the photons found; 0 if none were. */
 float farthest2(const FoundPhotons& found) {
   Float8 farthest(0);
   for (size_t i = 0; i < found.blocks; ++i) {
@@ -174,7 +174,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
     float start = INFINITE;
     float step = INFINITE;
     if (scratch.lastRadius > 0 && scratch.lastCount == k) {
-      // As far as the last query's photons count here, too, k of them are within this distance.
+      // Bound by the triangle inequality, if the region accepts the last query's photons, too.
       step = glm::distance(region.center, scratch.lastCenter);
       start = square((scratch.lastRadius + step) * (1 + roundingBound(16)));
     }
@@ -191,7 +191,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
         }
         if (found.count < most) return;
         keepNearest(k, scratch, query.radius2, result);
-        // Equally distant ones may still come first. Denormals would count as zero.
+        // Photons at the same distance may have a smaller key. Denormals would compare as zero.
         const float next = std::nextafter(result.radius2, INFINITE);
         query.setRadius2(std::min(query.radius2, std::max(next, std::numeric_limits<float>::min())));
       });
@@ -208,7 +208,7 @@ NearestPhotons PhotonMap::nearest(const GatherRegion& region, int k, PhotonScrat
   return result;
 }
 
-/** A leaf close to the centre: of each node the nearest child. */
+/** Leaf close to the centre, reached by descending to the nearest child of each node. */
 size_t PhotonMap::leafBeside(const Query<false, false, false>& query) const {
   size_t node = 0;
   for (int level = 0; level < levelCount; ++level) {
@@ -232,8 +232,8 @@ size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const
   }
   Query<false, false, false> query(region);
   float nearest = INFINITE;
-  // Any photon bounds the distance: the one that the last query found, or those of a leaf close by.
-  constexpr float MAX_REUSED_DISTANCE = 2; // over the last query's
+  // Any photon bounds the distance: the last query's result, or the photons of a leaf close to the centre.
+  constexpr float MAX_REUSED_DISTANCE = 2; // times the distance found by the last query
   if (scratch.lastSlot < photonCount) nearest = query.distance2(position(scratch.lastSlot));
   if (!(nearest < square(MAX_REUSED_DISTANCE * scratch.lastNearest))) {
     const Leaf& leaf = leaves[leafBeside(query)];
@@ -242,7 +242,7 @@ size_t PhotonMap::nearestSlot(const Vec3f& center, PhotonScratch& scratch) const
       all = min(all, query.distance2(leaf.x + i, leaf.y + i, leaf.z + i));
     nearest = least(all);
   }
-  // Equally distant ones may come first. Denormals would count as zero.
+  // Photons at the same distance may have a lower slot. Denormals would compare as zero.
   query.setRadius2(std::max(std::nextafter(nearest, INFINITE), std::numeric_limits<float>::min()));
   nearest = INFINITE;
   walk<true>(query, [&](const Hits& hits) {

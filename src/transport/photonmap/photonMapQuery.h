@@ -1,5 +1,5 @@
 /** @file
- * How the tree of a photon map is searched: for those who call the templates of PhotonMap.
+ * Tree traversal of the photon map. Included by callers of the templates of PhotonMap.
  */
 #pragma once
 
@@ -8,16 +8,16 @@
 namespace recurse {
 
 /**
- * Rounding is monotonic, and boxes and photons are compared by the same operations in the same order: a box
- * is never left out that has a photon in the region. So nothing here has a tolerance.
+ * Query with exact bounds and no tolerances. Rounding is monotonic, and boxes and photons are compared by the
+ * same operations in the same order: a box that contains a photon of the region is never culled.
  */
 template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
-  static constexpr bool SELECTIVE = SIDED || CLIPPED; ///< not every photon that is near enough counts
+  static constexpr bool SELECTIVE = SIDED || CLIPPED; ///< photons within the radius may be rejected
   Float8 cx, cy, cz;
   float nx, ny, nz;
   float flattening; ///< w of GatherRegion
-  float radius2;    ///< may shrink during a walk
-  float reach;      ///< at least the radius: whatever is not less has a square that is not less than radius2
+  float radius2;    ///< D², of GatherRegion; may shrink during a walk
+  float reach;      ///< at least the radius: the square of any value not below it is not below radius2
   const GatherRegion& region;
 
   explicit Query(const GatherRegion& r)
@@ -30,7 +30,7 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
     reach = std::sqrt(r2) * (1 + roundingBound(8));
   }
 
-  /** D² of single precision, operation by operation as for eight. */
+  /** Scalar D² of a point, with the same operations in the same order as the eight-wide version. */
   float distance2(const Vec3f& p) const {
     const float x = p.x - first(cx), y = p.y - first(cy), z = p.z - first(cz);
     const float d2 = x * x + y * y + z * z;
@@ -45,7 +45,7 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
     const Float8 h = x * Float8(nx) + y * Float8(ny) + z * Float8(nz);
     return d2 + Float8(flattening) * (h * h);
   }
-  /** Lanes whose photons lie on a surface that faces the same way and are not clipped away. */
+  /** Lanes whose photons pass the half-spaces, and whose surface faces the same way as the region. */
   uint32_t selected(const float* px, const float* py, const float* pz, const uint32_t* normals) const {
     uint32_t mask = 0xff;
     if constexpr (SIDED) {
@@ -77,7 +77,7 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
     return x * x + y * y + z * z;
   }
   uint32_t reaches(const Node& node) const { return bits(less(boxDistance2(node), Float8(radius2))); }
-  /** The same for the cube around the region: sooner known, though not as sharp. */
+  /** Children whose boxes may overlap the cube around the region: cheaper than reaches(), but less tight. */
   uint32_t mayReach(const Node& node) const {
     const auto axis = [&](int i, Float8 c) {
       return max(Float8::load(node.lower[i]) - c, c - Float8::load(node.upper[i]));
@@ -88,14 +88,14 @@ template <bool FLAT, bool SIDED, bool CLIPPED> struct PhotonMap::Query {
 
 template <class F> decltype(auto) PhotonMap::withQuery(const GatherRegion& region, F&& f) const {
   const bool flat = region.flatness < 1;
-  if (region.clipCount > 0) // seldom, and then the flattening costs little
+  if (region.clipCount > 0) // rare, and then the flattening costs little
     return region.bothSides ? f(Query<true, false, true>(region)) : f(Query<true, true, true>(region));
   if (region.bothSides)
     return flat ? f(Query<true, false, false>(region)) : f(Query<false, false, false>(region));
   return flat ? f(Query<true, true, false>(region)) : f(Query<false, true, false>(region));
 }
 
-/** Blocks that a walk has found and not yet handed on. Their number is bounded, so they lie on the stack. */
+/** Blocks that a walk has found but not yet flushed. Bounded in number, so that they fit on the stack. */
 struct PhotonMap::Hits {
   static constexpr size_t MAX_COUNT = 128;
   Float8 distance2[MAX_COUNT];
@@ -105,16 +105,16 @@ struct PhotonMap::Hits {
 
 /**
  * Calls flush(hits) with blocks in increasing order of slots, as often as needed. The flush may shrink
- * query.radius2; hits that were found before then lie within the old one.
+ * query.radius2; hits found before it does are within the old radius.
  *
- * Nodes, leaves and blocks are each put on a list for the next step, by code that always writes and then
- * advances by what counts: a mispredicted branch costs as much as the tests of two leaves. To wait for what
- * counts costs something as well: with EMPTY_TOO blocks may come that have an empty mask.
+ * Nodes, leaves and blocks are compacted into work lists by branchless code, which always writes and advances
+ * only past accepted entries: a mispredicted branch costs as much as the tests of two leaves. Filtering out
+ * empty blocks has a cost, too: with EMPTY_TOO the flush may get blocks with an empty mask.
  */
 template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& query, Flush&& flush) const {
   if (photonCount == 0) return;
   constexpr size_t MAX_LEAVES = 32;
-  uint32_t nodeStack[7 * MAX_LEVELS + 2 * 8]; // eight may be written beyond the last
+  uint32_t nodeStack[7 * MAX_LEVELS + 2 * 8]; // up to eight may be written beyond the end
   uint32_t leafList[MAX_LEAVES + 2 * 8];
   size_t nodesLeft = 0, leavesFound = 0;
   Hits hits;
@@ -160,8 +160,8 @@ template <bool EMPTY_TOO, class Q, class Flush> void PhotonMap::walk(const Q& qu
     if (node < lastLevel) {
       const uint32_t mask = query.mayReach(nodes[node]);
       if (mask != 0) {
-        // The first child comes last on the stack, and is not put there: the chain of nodes on the way down
-        // is what a query waits for.
+        // The first child is visited next without a detour by the stack: latency of the chain of nodes on the
+        // way down bounds the speed of a query.
         LANE_LISTS.descending(mask, 8 * node + 1, nodeStack + nodesLeft);
         nodesLeft += static_cast<size_t>(std::popcount(mask)) - 1;
         node = 8 * node + 1 + static_cast<uint32_t>(std::countr_zero(mask));
@@ -195,7 +195,7 @@ State PhotonMap::accumulate(const GatherRegion& region, State state, Add&& add) 
     visit(found, [&](const PhotonBlock& block) { add(state, block); });
     return state;
   }
-  // One place that calls `add`, whatever the kind of query: so it is worth inlining.
+  // Single call site of `add` for all kinds of queries, so that the compiler inlines it.
   const auto flush = [&](const Hits& hits) {
     State local = state;
     for (size_t i = 0; i < hits.count; ++i)
@@ -226,7 +226,7 @@ State PhotonMap::accumulateNearest(const PhotonScratch& scratch, State state, Ad
   return state;
 }
 
-/** Whether there is a photon in the region. */
+/** Whether the region contains a photon. */
 inline bool anyWithin(const PhotonMap& map, const GatherRegion& region) {
   return map.accumulateWithin(region, 0u, [](uint32_t& any, const PhotonBlock& block) { any |= block.mask; });
 }

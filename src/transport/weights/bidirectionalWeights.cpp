@@ -1,6 +1,6 @@
 /** @file
- * Weights of bidirectional techniques, by ratios of neighbouring ones: products of densities themselves would
- * overflow on long paths.
+ * MIS weights of bidirectional techniques, from ratios of neighbouring ones: products of the densities
+ * themselves would overflow on long paths.
  */
 #include "transport/weights/bidirectionalWeights.h"
 
@@ -10,38 +10,38 @@ namespace recurse {
 
 namespace {
 
-/** The sums over techniques on either side of C_i, over P(C_i). */
+/** Sums over the techniques on either side of C_i, over P(C_i). */
 class Techniques {
  public:
   explicit Techniques(const WeightedPath& path) : path(path), x(path.vertices), k(path.edges()) {}
 
-  /** Samples of C_i, i < k - 1. */
+  /** Number of samples of C_i, i < k - 1. */
   double connections(size_t i) const {
     if (x[i + 1].delta || (i > 0 && x[i].delta)) return 0;
     return i == 0 ? path.splats : path.connections;
   }
-  /** Samples of C_k-1 times B_k. */
+  /** Number of samples of C_k-1, times B_k. */
   double shadowRays() const { return k == 1 ? 0 : path.shadowRays; }
-  /** Samples of C_k. */
+  /** Number of samples of C_k. */
   double hits() const { return path.lightIsIntersectable ? 1 : 0; }
-  /** Of the techniques nearer to the camera than C_i, and M_i; i < k. */
+  /** Sum of the techniques nearer to the camera than C_i, and of M_i; i < k. */
   double nearCamera(size_t i) const {
     double sum = path.sumNearCamera;
     for (size_t j = path.summed + 1; j <= i; ++j)
       sum = x[j].merges * x[j].fromLight + x[j].fromLight / x[j].fromCamera * (connections(j - 1) + sum);
     return sum;
   }
-  /** Of the techniques nearer to the light than C_i; i < k - 1. */
+  /** Sum of the techniques nearer to the light than C_i; i < k - 1. */
   double nearLight(size_t i) const {
     double sum = path.beyond ? *path.beyond : beyondLast();
     for (size_t j = path.beyond ? k : k - 1; j > i + 1; --j) sum = beyondNext(j, sum);
     return across(i + 1, sum);
   }
-  /** C_k-1 and C_k, over P(C_k-1). */
+  /** Sum of C_k-1 and C_k, over P(C_k-1). */
   double beyondLast() const { return (shadowRays() + x[k].fromCamera * hits()) / x[k].fromLight; }
-  /** C_j-1 and all beyond, over P(C_j-1). */
+  /** Sum of C_j-1 and all techniques beyond, over P(C_j-1). */
   double beyondNext(size_t j, double beyond) const { return across(j, beyond) + connections(j - 1); }
-  /** M_j, C_j and all beyond, over P(C_j-1). */
+  /** Sum of M_j, C_j and all techniques beyond, over P(C_j-1). */
   double across(size_t j, double beyond) const {
     return x[j].merges * x[j].fromCamera + x[j].fromCamera / x[j].fromLight * beyond;
   }
@@ -68,7 +68,7 @@ double sumBeyond(const WeightedPath& path, size_t j, double beyond) {
 double connectionWeight(const WeightedPath& path, size_t i) {
   const Techniques t(path);
   if (i + 1 < t.k) return t.connections(i) / (t.connections(i) + t.nearCamera(i) + t.nearLight(i));
-  // Times B_k, which is 0 where photons never start but shadow rays go.
+  // Multiplied by B_k, which is 0 where shadow rays find the light but photons never start.
   const double own = t.shadowRays(), light = t.x[t.k].fromLight;
   return own / (own + light * t.nearCamera(i) + t.x[t.k].fromCamera * t.hits());
 }
@@ -77,7 +77,7 @@ double hitWeight(const WeightedPath& path) {
   const Techniques t(path);
   if (t.k == 1) return 1;
   const double light = t.x[t.k].fromLight;
-  // Without a shadow ray the factor before the rest is 0 / 0 where the light has no photons.
+  // Without shadow rays, the factor of the sum is 0 / 0 where the light has no photons.
   const double others = t.shadowRays() + (light > 0 ? light * t.nearCamera(t.k - 1) : 0);
   return 1 / (1 + others / t.x[t.k].fromCamera);
 }
@@ -95,16 +95,16 @@ void countMerges(const WeightedPath& path) {
   if (path.photons == 0) return;
   for (WeightedVertex& v : x) v.merges = 0;
   if (k < 3) return;
-  // What a delta lobe finds is found again.
-  double light = x[k - 1].fromLight * area; // S of (3), of the place and the direction of emission
+  // Delta lobes contribute a factor of 1: their directions are reproduced.
+  double light = x[k - 1].fromLight * area; // S of (3), from the position and direction of emission
   if (path.light != LightGeometry::DELTA) light *= x[k].fromLight;
   if (path.light == LightGeometry::SURFACE) light *= area;
   light = std::min(1.0, light);
   for (size_t i = k - 2; i > 0; --i) {
     if (!x[i + 1].delta) light *= std::min(1.0, x[i].fromLight * area);
-    x[i].merges = light; // for now
+    x[i].merges = light; // S of (3); m_i follows below
   }
-  double camera = 1; // Q
+  double camera = 1; // Q of (3)
   for (size_t i = 1; i + 1 < k; ++i) {
     if (i == 1 || !x[i - 1].delta) camera *= std::min(1.0, x[i].fromCamera * area);
     const double either = camera + x[i].merges - camera * x[i].merges;

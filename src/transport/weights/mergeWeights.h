@@ -1,9 +1,9 @@
 /** @file
- * Weights between photons that are merged at a surface and camera rays that the surface sends on, where both
- * find the same paths: caustics (LS+D), and direct light of the surface before (LDD). They are those of the
- * balance heuristic (Veach 1997, section 9.2.2), with the density of a merged photon of Georgiev et al. 2012.
- * Densities of delta lobes are taken as equal, so that either side carries one number: the ratio of the two
- * densities as far as it knows them.
+ * MIS weights between photons merged at a surface and camera rays that leave it, where both find the same
+ * paths: caustics (LS+D), and direct light of the next surface (LDD). They are balance-heuristic weights
+ * (Veach 1997, section 9.2.2), with the density of a merged photon of Georgiev et al. 2012. Densities of
+ * delta lobes are taken as equal on both sides, so that each side carries only one number: the ratio of the
+ * two densities over its part of the path.
  */
 #pragma once
 
@@ -14,46 +14,46 @@
 
 namespace recurse {
 
-/** Photons straight from a light to a surface: how densely they arrive for each that is emitted, over how
- * densely shadow rays from there choose their origin on the light [1/length²]. These are taken to choose
- * places on a light evenly, and directions of an environment as photons do. `pdf`: of the emission; `cosine`:
- * at the surface; `emitted`, `chosen`: the probabilities of the light for photons and for shadow rays. */
+/** Density of photons that arrive at a surface straight from a light, for each photon emitted, over the
+ * density of shadow rays from there at their origin on the light [1/length²]. Shadow rays are taken to sample
+ * a light uniformly by area, and an environment as photons do. `pdf`: of the emission; `cosine`: at the
+ * surface; `emitted`, `chosen`: selection probabilities of the light for photons and for shadow rays. */
 inline float arrivalDensity(LightKind kind, const LePdf& pdf, float distance, float cosine, float emitted,
                             float chosen) {
   const float density = isInfinite(kind) ? pdf.position : pdf.direction / square(distance);
   return density * cosine * emitted / chosen;
 }
 
-/** The photon's side of the ratio (camera ray : photon), for a kernel of unit area and a ray of unit density.
+/** Photon's factor of the ratio (camera ray : photon), for a kernel of unit area and a ray of unit density.
  */
 class ReverseRatio {
  public:
-  /** No camera ray finds the path. */
+  /** Ratio 0: no camera ray finds the path. */
   ReverseRatio() = default;
-  /** `probability`: of the choice of the light. 0 for light that no ray can meet. */
+  /** Ratio at the emission. `probability`: of the choice of the light; 0 for lights that no ray can hit. */
   static ReverseRatio atLight(const LeSample& emitted, const LePdf& pdf, float probability) {
     const float density = pdf.position * pdf.direction * probability;
     const float cosine = emitted.normal == Vec3f(0) ? 1 : absDot(emitted.direction, emitted.normal);
     return ReverseRatio(density > 0 ? cosine / density : 0);
   }
-  /** Of a photon that arrived straight from the light with arrivalDensity() and leaves by a non-delta lobe;
-   * `pdf`: of that direction [1/sr]. */
+  /** Ratio of a photon that arrived straight from the light with arrivalDensity() and leaves by a non-delta
+   * lobe. `pdf`: density of its new direction [1/sr]. */
   static ReverseRatio atSurface(float arrivals, float pdf, const Vec3f& direction, const SurfacePoint& from) {
     const float density = arrivals * pdf;
     return ReverseRatio(density > 0 ? absDot(direction, from.geometricNormal) / density : 0);
   }
-  /** Of a photon that has met other non-delta surfaces before and leaves by a non-delta lobe, with `pdf`,
-   * where a ray would be sent back the same way with `pdfBack` [1/sr]. Negative: merged photons do not weigh
-   * by it. */
+  /** Ratio of a photon that other non-delta surfaces have scattered before, and that leaves by a non-delta
+   * lobe with `pdf`, where a ray is sent back the same way with `pdfBack` [1/sr]. Negative: merged photons
+   * are not weighted by it. */
   ReverseRatio furtherOn(float pdfBack, float pdf, const Vec3f& direction, const SurfacePoint& from) const {
     return ReverseRatio(pdf > 0 ? -std::abs(ratio) * pdfBack / pdf * absDot(direction, from.geometricNormal)
                                 : 0);
   }
-  /** The photon arrives at a surface. */
+  /** Updates the ratio when the photon arrives at a surface. */
   void arrive(const Vec3f& direction, const SurfacePoint& at) {
     divideBy(absDot(direction, at.geometricNormal));
   }
-  /** The photon leaves it by a delta lobe. */
+  /** Updates the ratio when the photon leaves a surface by a delta lobe. */
   void leave(const Vec3f& direction, const SurfacePoint& from) {
     ratio *= absDot(direction, from.geometricNormal);
   }
@@ -65,12 +65,12 @@ class ReverseRatio {
   float ratio = 0;
 };
 
-/** The camera's side of the ratio (photon : camera ray), from a non-delta vertex where photons are merged. */
+/** Camera's factor of the ratio (photon : camera ray), from a non-delta vertex where photons are merged. */
 class MergeRatio {
  public:
-  /** There are no photons that could find the path. */
+  /** Ratio 0: no photon could find the path. */
   MergeRatio() = default;
-  /** `merging`: photons emitted · area of the kernel; `pdf`: of the ray [1/sr]. */
+  /** `merging`: photons emitted · kernel area [area]; `pdf`: density of the ray's direction [1/sr]. */
   MergeRatio(float merging, float pdf, const Vec3f& direction, const SurfacePoint& from)
       : ratio(merging * absDot(direction, from.geometricNormal) / pdf) {}
   void arrive(const Vec3f& direction, const SurfacePoint& at) {
@@ -80,25 +80,25 @@ class MergeRatio {
   void leave(const Vec3f& direction, const SurfacePoint& from) {
     ratio *= absDot(direction, from.geometricNormal);
   }
-  /** The weight of the camera ray that has met the light. On a surface `arrive` has been called for it too.
+  /** MIS weight of a camera ray that has hit the light. For area lights, `arrive` is called before as well.
    */
   float cameraWeight(const LePdf& pdf, float probability) const {
     return 1 / (1 + ratio * pdf.position * pdf.direction * probability);
   }
-  /** The same for a surface lit straight by a light, where `arrive` has been called: `pdf` is that of a
-   * photon that it sends to the camera ray's origin [1/sr]. */
+  /** MIS weight of a camera ray at a surface lit straight by a light, after `arrive`. `pdf`: density with
+   * which a photon is scattered from there to the ray's origin [1/sr]. */
   float cameraWeight(float arrivals, float pdf) const { return 1 / (1 + ratio * arrivals * pdf); }
 
  private:
   float ratio = 0;
 };
 
-/** The merging of a kernel's support by that of unit area; finite for any radius, since long before photons
- * have all the weight. */
+/** Merging factor of a kernel's support, from the factor of unit area. Clamped to be finite for any radius;
+ * photons have all the weight long before. */
 inline float mergingWithin(float perArea, float radius2) { return std::min(perArea * PI * radius2, 1e30f); }
 
-/** The weight of a merged photon; `pdf`: with which the BSDF sends a ray its way [1/sr]; `rest`: the weight
- * of photons whose ratio is not above 0. */
+/** MIS weight of a merged photon. `pdf`: density with which the BSDF samples its direction [1/sr]; `rest`:
+ * weight of photons whose ratio is not above 0. */
 inline float photonWeight(float reverseRatio, float merging, float pdf, float rest) {
   return reverseRatio > 0 ? merging / std::max(merging + reverseRatio * pdf, FLT_MIN) : rest;
 }

@@ -1,5 +1,5 @@
 /** @file
- * Pictures in memory and on disk (OpenImageIO): reading, and writing that never leaves half a file behind.
+ * Images in memory and on disk (OpenImageIO): reading, and writing that leaves no incomplete file behind.
  */
 #pragma once
 
@@ -15,7 +15,7 @@ namespace recurse {
 /** Float pixels, row by row from the top, channels interleaved. */
 struct Image {
   int width = 0, height = 0;
-  std::vector<std::string> channels; ///< names: R G B, or with layers: direct.R ...
+  std::vector<std::string> channels; ///< names: R, G, B, or with layers direct.R and so on
   std::vector<float> pixels;
   std::map<std::string, std::string> metadata;
 
@@ -35,29 +35,29 @@ struct Image {
   }
 };
 
-/** A picture with the channels and metadata of another one of the same size after its own. */
+/** `picture` with the channels and metadata of `more`, an image of the same size, after its own. */
 Image withChannels(const Image& picture, const Image& more);
 
-/** Where R, G, B are among a file's channels, then its others; a single channel stands for all three. Throws
- * Error naming the file when there are neither. */
+/** Indices of R, G and B among a file's channels, followed by all remaining channels; a single channel counts
+ * as all three. Throws Error naming the file when it has neither R, G, B nor a single channel. */
 std::vector<int> channelOrder(const std::string& fileName, const std::vector<std::string>& names);
 
 /** Linear light of a value of the sRGB encoding (IEC 61966-2-1), in [0, 1]. */
 float linearFromSrgb(float encoded);
-/** The reverse. */
+/** sRGB encoding of linear light: the inverse of linearFromSrgb(). */
 float srgbFromLinear(float linear);
 
-/** Reads any format that OpenImageIO knows; 8- and 16-bit sRGB pictures become linear. Throws Error naming
+/** Reads any format that OpenImageIO supports; 8- and 16-bit sRGB pictures become linear. Throws Error naming
  * the file and the reason. */
 Image readImage(const FileReference& file);
 
 struct ImageWriteOptions {
-  float exposure = 0;   ///< stops, for the formats of displays
-  bool encoded = false; ///< the values are in [0, 1] and for a display already; only for those formats
+  float exposure = 0;   ///< [stops], applied to display formats only
+  bool encoded = false; ///< true: the values are display-encoded already, in [0, 1]; for display formats only
 };
 
-/** True for the formats of 8 bits for displays: .png .jpg .jpeg .tif .tiff. Throws Error for an unknown one.
- */
+/** True for the 8-bit display formats: .png .jpg .jpeg .tif .tiff. Throws Error (BAD_USAGE) for a name with
+ * an unknown extension or none. */
 bool isDisplayFormat(const std::string& fileName);
 
 /**
@@ -71,7 +71,7 @@ void writeImage(const std::string& fileName, const Image& image, const ImageWrit
  *  Called before a long render. */
 void checkImageWritable(const std::string& fileName);
 
-/** Writes text to a file in the same all-or-nothing way. */
+/** Writes text to a file that appears under its name only when it is complete. Throws Error. */
 void writeFileAtomically(const std::string& fileName, const std::string& text);
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * Pictures as textures, through OpenImageIO's texture system: levels of detail, filtering over a footprint,
- * and a cache of tiles that bounds what filtered pictures take in memory.
+ * Image textures by OpenImageIO's texture system: levels of detail, filtering over a footprint, and a cache
+ * of tiles that bounds the memory of filtered images.
  */
 #pragma once
 
@@ -13,39 +13,39 @@
 
 namespace recurse {
 
-/** How the numbers of integer formats stand for light; floating-point formats are linear. */
+/** Encoding of the values of integer formats; floating-point formats are linear. */
 struct ImageEncoding {
   enum class Kind { SRGB, LINEAR, GAMMA } kind = Kind::SRGB;
-  float gamma = 1; ///< of GAMMA: light = value^gamma
+  float gamma = 1; ///< for GAMMA: light = value^gamma
 };
 
-/** What of a file is looked at: its colours, or one channel alone. */
+/** Channels of a file that a texture uses: its colours, or one channel alone. */
 enum class ImageChannels { COLOURS, RED, GREEN, BLUE, ALPHA };
 
 struct ImageTextureSettings {
   enum class Filter {
     POINT,     ///< the nearest pixel of one level of detail
-    BILINEAR,  ///< between four pixels of one level
-    TRILINEAR, ///< and between two levels
-    EWA,       ///< along the longer axis of the footprint, at the level of the shorter one
+    BILINEAR,  ///< interpolated between four pixels of one level
+    TRILINEAR, ///< bilinear, and interpolated between two levels
+    EWA,       ///< samples along the longer axis of the footprint, at the level of the shorter one
   };
   enum class Wrap { REPEAT, BLACK, CLAMP, OCTAHEDRAL };
   Filter filter = Filter::BILINEAR;
   Wrap wrap = Wrap::REPEAT;
-  float mostAnisotropy = 8; ///< longer over shorter axis, for EWA
+  float mostAnisotropy = 8; ///< ratio of the longer to the shorter axis at most, for EWA
   ImageChannels channels = ImageChannels::COLOURS;
-  bool levels = true; ///< false: the finest level, whatever the footprint
+  bool levels = true; ///< false: always the finest level
 };
 
-/** What textures may take in memory [bytes], before the first is read: half of it for pixels as they are in
- * the files, the rest of which lies in a temporary file, and half for those in use, decoded. Without a call
- * as much as they need, and 1 GiB. */
+/** Sets the memory of all textures [bytes]; to be called before the first is read. Half of it holds pixels as
+ * files store them, which go to a temporary file beyond that; half holds decoded tiles in use. Defaults: no
+ * limit for the former, and 1 GiB of tiles. */
 void setTextureMemory(double bytes);
 
-/** What the pixels of all textures have now, in memory and in temporary files [bytes]. */
+/** Memory that the pixels of all textures take now: in memory, and in temporary files [bytes]. */
 std::pair<size_t, size_t> textureMemory();
 
-/** Pixels of a file, decoded to linear light when they are used. Those of one file are shared. */
+/** Pixels of a file, decoded to linear light when they are used. Textures of the same file share them. */
 class ImageTexture {
  public:
   /** Reads the whole file. Throws Error naming the file and the reason: missing, broken, not finite, no
@@ -55,8 +55,8 @@ class ImageTexture {
   ~ImageTexture();
 
   /**
-   * Linear values at s from the left and t from the top, in parts of the whole; a single channel stands for
-   * all three. alongX and alongY are the changes of (s, t) along the axes of the footprint; zero for a point.
+   * Linear value at `st`: s from the left, t from the top, fractions of the image; one channel gives grey.
+   * alongX and alongY are the changes of (s, t) along the axes of the footprint; zero for a point.
    */
   Rgb at(Vec2f st, const Vec2f& alongX, const Vec2f& alongY) const;
 

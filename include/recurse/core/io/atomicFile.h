@@ -9,10 +9,10 @@
 namespace recurse {
 
 /**
- * A file that is written under a temporary name in the folder of its target, and takes the target's name in
- * commit(). Without a commit the temporary file is removed and an existing target stays as it was. Targets
- * that are not regular files (/dev/stdout, a terminal, /dev/null) are written to directly. Every function
- * throws Error naming the target and the reason.
+ * File that is written under a temporary name in the folder of its target and renamed to the target by
+ * commit(). Without a commit the temporary file is removed and an existing target stays unchanged. Targets
+ * that are not regular files (/dev/stdout, a terminal, /dev/null) are written directly. Every function throws
+ * Error naming the target and the reason.
  */
 class AtomicFile {
  public:
@@ -27,17 +27,17 @@ class AtomicFile {
  private:
   [[noreturn]] void fail(int reason) const;
 
-  std::string givenName, target, temporary; ///< temporary: empty when written to directly
+  std::string givenName, target, temporary; ///< temporary: empty when the target is written directly
   int descriptor = -1;
-  int slot = -1; ///< in the table that removeTemporaryFiles looks at
+  int slot = -1; ///< index in the table of removeTemporaryFiles(); -1: none
 };
 
-/** Throws Error when a file could not be written there: no such folder, not allowed, a folder itself, a named
- * pipe. Leaves no trace. */
+/** Throws Error when a file could not be written there: no such folder, no permission, a folder itself, a
+ * named pipe. Creates nothing. */
 void checkFileWritable(const std::string& fileName);
 
-/** Unlinks the temporary files of every AtomicFile that is not committed. May be called in a signal handler
- * that ends the program. */
+/** Unlinks the temporary files of every AtomicFile that is not committed. Safe in a signal handler that ends
+ * the program. */
 void removeTemporaryFiles() noexcept;
 
 } // namespace recurse

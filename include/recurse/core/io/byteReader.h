@@ -1,6 +1,6 @@
 /** @file
- * Little-endian values in the bytes of a file. Every access is checked, so that nothing that a file says
- * about itself is believed.
+ * Reader of little-endian values in the bytes of a file. Every access is checked against the size of the
+ * file, since its counts and offsets may be wrong.
  */
 #pragma once
 
@@ -26,7 +26,7 @@ class ByteReader {
     throw Error(name + ": at byte " + std::to_string(offset) + ": " + what);
   }
 
-  /** `count` bytes from an offset. */
+  /** View of `count` bytes from an offset. Throws Error naming `what` beyond the end. */
   std::string_view part(uint64_t offset, uint64_t count, const char* what) const {
     if (offset > bytes.size() || count > bytes.size() - offset)
       fail(offset, std::string(what) + " would take " + std::to_string(count) + " bytes, and the file has " +
@@ -43,7 +43,7 @@ class ByteReader {
     return value;
   }
 
-  /** A count or an offset: not negative, at most `highest`. */
+  /** Reads a count or an offset, an int32: not negative, at most `highest`. Throws Error otherwise. */
   uint64_t count(uint64_t offset, const char* what, uint64_t highest) const {
     const auto value = at<int32_t>(offset, what);
     if (value < 0 || static_cast<uint64_t>(value) > highest)
@@ -52,7 +52,7 @@ class ByteReader {
     return static_cast<uint64_t>(value);
   }
 
-  /** A name that ends at a zero byte, or with the field of `length` bytes. */
+  /** Reads a name that ends at a zero byte, or with the field of `length` bytes. */
   std::string text(uint64_t offset, uint64_t length, const char* what) const {
     const std::string_view field = part(offset, length, what);
     return std::string(field.substr(0, field.find('\0')));

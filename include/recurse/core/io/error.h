@@ -1,5 +1,5 @@
 /** @file
- * Errors: where they are in a scene file, several at a time, and the exit status that each kind leads to.
+ * Errors: their location in a scene file, collections of several, and the exit status of each kind.
  */
 #pragma once
 
@@ -12,7 +12,7 @@ namespace recurse {
 
 enum class ExitStatus { DONE = 0, FAILED = 1, BAD_USAGE = 2, BAD_SCENE = 3, INTERRUPTED = 130 };
 
-/** Something that ends the program, or the present task, with a message for a person. */
+/** Error that ends the program, or the present task, with a message for a person. */
 class Error : public std::runtime_error {
  public:
   explicit Error(const std::string& message, ExitStatus status = ExitStatus::FAILED)
@@ -23,18 +23,18 @@ class Error : public std::runtime_error {
   ExitStatus exitStatus;
 };
 
-/** The text of one scene file, kept while places in it may still be pointed at. */
+/** Text of one scene file, kept as long as a SourceLocation refers to it. */
 struct SourceText {
-  std::string name; ///< as a person would write it
+  std::string name; ///< as a person would write it, for messages
   std::string text; ///< after decompression
 };
 
-/** A place in a scene file; without a file, a place that nobody wrote (a default, an option). */
+/** Location in a scene file; without a source, the location of a default or of a command-line option. */
 struct SourceLocation {
   std::shared_ptr<const SourceText> source;
   int line = 0;   ///< from 1
   int column = 0; ///< from 1, in bytes
-  /** The whole line pointed at, without its end; empty where there is none. */
+  /** The whole line of the location, without its end; empty without a source. */
   std::string lineText() const;
 };
 
@@ -43,14 +43,14 @@ enum class Severity { ERROR, WARNING };
 struct Diagnostic {
   Severity severity = Severity::ERROR;
   SourceLocation location;
-  std::string message;  ///< what is wrong
-  std::string accepted; ///< what would be accepted; may be empty
+  std::string message;  ///< the error
+  std::string accepted; ///< accepted values; may be empty
 
-  /** `file:line:column: error: message`, the line with a caret, and what would be accepted. */
+  /** Text `file:line:column: error: message`, the line with a caret, and the accepted values. */
   std::string format() const;
 };
 
-/** Diagnostics are collected, so that one run tells all that is wrong. */
+/** Collection of diagnostics, so that one run reports all errors. */
 class Diagnostics {
  public:
   void error(const SourceLocation& where, const std::string& message, const std::string& accepted = {});
@@ -58,9 +58,9 @@ class Diagnostics {
   bool hasErrors() const { return errorCount > 0; }
   size_t errors() const { return errorCount; }
   const std::vector<Diagnostic>& all() const { return list; }
-  /** Every diagnostic in the order of reporting, each on lines of its own. */
+  /** All diagnostics in the order of reporting, on lines of their own; equal ones appear once, counted. */
   std::string format() const;
-  /** Throws a SceneError with everything collected when there is at least one error. */
+  /** Throws a SceneError with all collected diagnostics when at least one of them is an error. */
   void throwIfErrors() const;
 
  private:
@@ -68,12 +68,12 @@ class Diagnostics {
   size_t errorCount = 0;
 };
 
-/** A scene that cannot be used: what() is the formatted diagnostics. */
+/** Error in a scene that makes it unusable: what() is the formatted diagnostics. */
 class SceneError : public Error {
  public:
   explicit SceneError(const std::string& message) : Error(message, ExitStatus::BAD_SCENE) {}
   SceneError(const SourceLocation& where, const std::string& message, const std::string& accepted = {});
-  /** The places and messages, where the error carries some. */
+  /** Locations and messages; may be empty. */
   const std::vector<Diagnostic>& diagnostics() const { return list; }
 
  private:
@@ -81,7 +81,7 @@ class SceneError : public Error {
   std::vector<Diagnostic> list;
 };
 
-/** Up to `most` of `names`: those that `wrong` misspells, nearest first, then longer ones that contain it. */
+/** Up to `most` of `names`: ones that `wrong` misspells, nearest first, then longer ones that contain it. */
 std::vector<std::string> nearestNames(const std::string& wrong, const std::vector<std::string>& names,
                                       size_t most = 3);
 

@@ -1,5 +1,5 @@
 /** @file
- * A file that one process at a time may work with.
+ * Lock by which only one process at a time works with a file.
  */
 #pragma once
 
@@ -7,11 +7,11 @@
 
 namespace recurse {
 
-/** Keeps other processes from locking the same file, by a file beside it that ends in ".lock" and goes with
+/** Lock of a file against other processes: a file beside it whose name ends in ".lock", which is removed with
  * the lock. A process that is killed leaves no lock behind. */
 class FileLock {
  public:
-  /** Throws Error where another process has the lock, or none can be had. */
+  /** Throws Error where a second process has the lock, or none can be had. */
   explicit FileLock(const std::string& fileName);
   ~FileLock();
   FileLock(const FileLock&) = delete;

@@ -1,5 +1,5 @@
 /** @file
- * Files that a scene names: on the disk, or in memory, where an importer took them out of another one.
+ * References to files of a scene: on the disk, or in memory, extracted by an importer from a larger file.
  */
 #pragma once
 
@@ -18,7 +18,7 @@ struct FileReference {
   FileReference(const char* path) : path(path) {}
 };
 
-/** Contents of files in memory by the names that a scene calls them. */
+/** Contents of files in memory, by the names that a scene uses for them. */
 using MemoryFiles = std::map<std::string, std::shared_ptr<const std::string>>;
 
 } // namespace recurse

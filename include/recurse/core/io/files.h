@@ -1,5 +1,5 @@
 /** @file
- * What names of files stand for, before they are read or written.
+ * Identity and kind of the file behind a name, before it is read or written.
  */
 #pragma once
 
@@ -7,21 +7,21 @@
 
 namespace recurse {
 
-/** True where both names stand for the same file or folder, through links of either kind, or would once they
- * are written. Devices and pipes keep nothing, and are never the same. */
+/** True where both names refer to the same file or folder, through symbolic or hard links, or would once they
+ * are written. False for devices and pipes, which keep no data. */
 bool isSameFile(const std::string& a, const std::string& b);
 
-/** True where the name stands for something in the folder, or in one below it, once links are followed. */
+/** True where the name refers to a file in the folder or below it, once links are followed. */
 bool isInside(const std::string& name, const std::string& folder);
 
 /** True for a pipe, terminal or socket that this process was started with, such as /dev/stdout. */
 bool isOpenStream(const std::string& name);
 
-/** "a folder", "a named pipe" and the like; empty for a regular file and where there is nothing. */
+/** Kind of a special file: "a folder", "a named pipe" and so on; empty for a regular or missing file. */
 std::string specialKind(const std::string& name);
 
-/** Throws Error for what is no regular file, because reading it may never end. Open streams pass, and names
- * that stand for nothing. */
+/** Throws Error unless the name refers to a regular file, since reading of special files may never end. Open
+ * streams and names without a file pass. */
 void requireReadable(const std::string& name);
 
 } // namespace recurse

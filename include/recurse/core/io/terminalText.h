@@ -1,5 +1,5 @@
 /** @file
- * Text from files on a terminal.
+ * Safe display of text from files on a terminal.
  */
 #pragma once
 
@@ -7,8 +7,8 @@
 
 namespace recurse {
 
-/** The text with control characters, other than line ends and tabs, as two hexadecimal digits behind a
- * backslash and an x, and bytes that are not UTF-8 too: so no name or metadata moves the cursor or gives a
+/** Text with control characters, other than line ends and tabs, and with bytes that are not UTF-8 replaced by
+ * backslash, x and two hexadecimal digits. No name and no metadata can thus move the cursor or give a
  * terminal commands. */
 std::string terminalText(const std::string& text);
 

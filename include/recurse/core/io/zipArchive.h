@@ -1,5 +1,5 @@
 /** @file
- * Files out of a zip archive (the .pk3 files of games), through libzip.
+ * Reader of zip archives (the .pk3 files of games), by libzip.
  */
 #pragma once
 
@@ -12,19 +12,19 @@ namespace recurse {
 
 class ZipArchive {
  public:
-  /** Throws Error naming the file and the reason. */
+  /** Opens an archive. Throws Error naming the file and the reason. */
   explicit ZipArchive(const std::string& path);
   ~ZipArchive();
   ZipArchive(const ZipArchive&) = delete;
   ZipArchive& operator=(const ZipArchive&) = delete;
 
-  /** Of all files in it, in the order of the archive. */
+  /** Names of all files in the archive, in its order. */
   const std::vector<std::string>& names() const { return entries; }
-  /** A name in lower case, with '/': names that differ in nothing else stand for the same file. */
+  /** Key of a name: lower case, with '/'. Names with the same key refer to the same file. */
   static std::string normalised(const std::string& name);
-  /** The name in the archive that looks like `name` where case and the kind of slashes do not count. */
+  /** First name in the archive that equals `name` up to case and kind of slashes; empty: none. */
   std::optional<std::string> find(const std::string& name) const;
-  /** The content of a file of `names`. Throws Error where it is damaged, or longer than the archive says. */
+  /** Content of a file of `names`. Throws Error where it is damaged, over 1 GiB or not of the stated size. */
   std::string read(const std::string& name) const;
 
  private:

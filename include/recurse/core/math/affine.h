@@ -1,5 +1,5 @@
 /** @file
- * Whether a matrix can place anything.
+ * Tests whether a matrix can be the transform of a shape.
  */
 #pragma once
 
@@ -16,7 +16,7 @@ inline bool isFinite(const Mat4d& m) {
   return true;
 }
 
-/** Exact in its columns even for matrices whose determinant would underflow. */
+/** True for a non-singular linear part; columns are normalised first, to prevent underflow. */
 inline bool isInvertible(const Mat4d& m) {
   Mat3d linear(m);
   for (int c = 0; c < 3; ++c) {
@@ -24,7 +24,7 @@ inline bool isInvertible(const Mat4d& m) {
     if (!(size > 0)) return false;
     linear[c] /= size;
   }
-  // Below this the columns agree in all digits that a file could have.
+  // Below this threshold the columns are dependent to all digits that a file could have.
   return std::abs(glm::determinant(linear)) > 1e-14;
 }
 

@@ -1,5 +1,5 @@
 /** @file
- * Placements that change between two moments.
+ * Transforms that change between two times.
  */
 #pragma once
 
@@ -12,13 +12,13 @@
 namespace recurse {
 
 /**
- * An affine matrix at every time in [0, 1], from that of the start to that of the end. Each is taken apart
- * into a translation, a rotation and the rest (Shoemake and Duff 1992, "Matrix Animation and Polar
- * Decomposition"); rotations turn evenly on the shortest way, the other two change linearly.
+ * Affine matrix for every time in [0, 1], interpolated between a start and an end matrix. Each is decomposed
+ * into a translation, a rotation and a remaining stretch (Shoemake and Duff 1992, "Matrix Animation and Polar
+ * Decomposition"). Rotations are slerped on the shortest path; translation and stretch change linearly.
  */
 class AnimatedTransform {
  public:
-  /** At rest. */
+  /** A constant transform. */
   AnimatedTransform(const Mat4d& fixed = Mat4d(1)) : first(fixed), last(fixed) {}
   AnimatedTransform(const Mat4d& start, const Mat4d& end);
 
@@ -26,10 +26,10 @@ class AnimatedTransform {
   const Mat4d& start() const { return first; }
   const Mat4d& end() const { return last; }
   Mat4d at(double time) const;
-  /** Into so many equal parts the time is to be cut for matrices to change linearly in each, to 1e-4 of the
-   * size of what they place. */
+  /** Number of equal time intervals within which interpolating matrices linearly is accurate to 1e-4 of the
+   * size of the transformed objects. */
   int linearParts() const;
-  /** The same after another matrix. */
+  /** The transform followed by a constant matrix: m times this. */
   AnimatedTransform after(const Mat4d& m) const {
     return animated ? AnimatedTransform(m * first, m * last) : m * first;
   }
@@ -47,10 +47,10 @@ class AnimatedTransform {
   Parts parts[2];
 };
 
-/** Matrices at equal distances of time from 0 to 1, which change linearly in between, as Embree has them. */
+/** Matrices at equally spaced times from 0 to 1, linearly interpolated in between, as Embree does. */
 class MatrixTrack {
  public:
-  /** At rest. */
+  /** A constant transform. */
   MatrixTrack(const Mat4d& fixed) : start(fixed), matrices{fixed} {}
   explicit MatrixTrack(const std::vector<Mat4d>& steps);
 
@@ -61,7 +61,7 @@ class MatrixTrack {
 
  private:
   Mat4d start;
-  std::vector<Mat4d> matrices; ///< of floats where there are several
+  std::vector<Mat4d> matrices; ///< rounded to float precision where there are several
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * The directions from a point in which a sphere is seen.
+ * Cone of directions that a sphere subtends at a point.
  */
 #pragma once
 
@@ -11,9 +11,9 @@ namespace recurse {
 
 struct Cone {
   Vec3f axis{0, 0, 1}; ///< unit
-  float opening = 2;   ///< 1 - cosine of half the angle, without cancellation; 2: all directions
+  float opening = 2;   ///< 1 − cosine of the half-angle, without cancellation; 2: all directions
 
-  /** All directions from inside of the sphere. */
+  /** Cone from a point to a sphere; all directions where the point is inside of it. */
   static Cone toSphere(const Vec3f& from, const Vec3f& center, float radius) {
     const Vec3f way = center - from;
     const float distance2 = lengthSquared(way), sine2 = square(radius) / distance2;
@@ -21,7 +21,7 @@ struct Cone {
     return {way / std::sqrt(distance2), sine2 / (1 + std::sqrt(1 - sine2))};
   }
   bool contains(const Vec3f& direction) const { return lengthSquared(direction - axis) <= 2 * opening; }
-  /** Of uniform directions within [1/sr]. */
+  /** Density of uniform directions within the cone [1/sr]. */
   float pdf() const { return 1 / (2 * PI * opening); }
   Vec3f sample(const Vec2f& u) const { return Frame(axis).toWorld(uniformCone(u, opening)); }
 };

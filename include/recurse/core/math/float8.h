@@ -1,6 +1,6 @@
 /** @file
- * Eight numbers at a time: by AVX2, or by plain code for any processor, to the same bits. Nothing else in the
- * renderer knows the processor.
+ * SIMD of eight lanes: by AVX2, or by plain code for any processor, with bit-identical results. No other file
+ * of the renderer depends on the processor.
  */
 #pragma once
 
@@ -16,8 +16,8 @@
 namespace recurse {
 
 /**
- * Lane by lane, in loops that compilers may vectorise. This is what the operations mean: those of `avx2` have
- * the same names and give the same bits.
+ * Portable lanes, in loops that compilers may vectorise. These loops define the operations: `avx2` has the
+ * same names and gives the same bits.
  */
 namespace portable {
 
@@ -28,7 +28,7 @@ struct Float4 {
   Float4() = default;
   Float4(float x) : v{x, x, x, x} {}
   Float4(float x, float y, float z, float w) : v{x, y, z, w} {}
-  /** From 4 floats on a 16-byte boundary. */
+  /** Loads 4 floats from a 16-byte boundary. */
   static Float4 load(const float* p) { return {p[0], p[1], p[2], p[3]}; }
   void store(float* p) const { std::copy(v, v + 4, p); }
 
@@ -42,18 +42,18 @@ struct Float4 {
   }
 };
 
-/** Eight floats. A mask of lanes is a Float8 too, with all bits or none of a lane set. */
+/** Eight floats. A mask of lanes is a Float8 too, with all bits of a lane set or none. */
 struct Float8 {
   alignas(32) float v[8];
 
   Float8() = default;
   Float8(float x) { std::fill(v, v + 8, x); }
-  /** From 8 floats on a 32-byte boundary. */
+  /** Loads 8 floats from a 32-byte boundary. */
   static Float8 load(const float* p) {
     return eachLane([&](int i) { return p[i]; });
   }
   void store(float* p) const { std::copy(v, v + 8, p); }
-  /** All bits set in the lanes of the mask, bit i for lane i. */
+  /** Mask of lanes: lane i has all bits set where bit i of `mask` is. */
   static Float8 lanes(uint32_t mask) {
     return eachLane([&](int i) { return allBits(mask >> i & 1); });
   }
@@ -71,12 +71,12 @@ struct Float8 {
   friend Float8 operator/(const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return a.v[i] / b.v[i]; });
   }
-  /** Bit by bit. */
+  /** Bitwise and. */
   friend Float8 operator&(const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return fromBits(toBits(a.v[i]) & toBits(b.v[i])); });
   }
   Float8& operator+=(const Float8& b) { return *this = *this + b; }
-  /** b where one is not a number, or where both are zero. */
+  /** Smaller number of each lane; b where either is NaN, or where both are zero. */
   friend Float8 min(const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
   }
@@ -92,7 +92,7 @@ struct Float8 {
   friend Float8 copysign(const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return std::copysign(a.v[i], b.v[i]); });
   }
-  /** a in the given lanes, b elsewhere. */
+  /** Selects a in the given lanes, b elsewhere. */
   friend Float8 select(const Float8& lanes, const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return toBits(lanes.v[i]) >> 31 ? a.v[i] : b.v[i]; });
   }
@@ -105,14 +105,14 @@ struct Float8 {
   friend Float8 equal(const Float8& a, const Float8& b) {
     return eachLane([&](int i) { return allBits(a.v[i] == b.v[i]); });
   }
-  /** The sign bits, bit i for lane i: of a mask of lanes, which they are. */
+  /** Sign bits, bit i for lane i; inverse of lanes() for a mask of lanes. */
   friend uint32_t bits(const Float8& a) {
     uint32_t mask = 0;
     for (int i = 0; i < 8; ++i) mask |= toBits(a.v[i]) >> 31 << i;
     return mask;
   }
   friend float first(const Float8& a) { return a.v[0]; }
-  /** Each lane takes the number of the next one; the last keeps its own. */
+  /** Shifts lanes down by one: each lane takes the number of its successor, and lane 7 keeps its own. */
   friend Float8 fromNextLane(const Float8& a) {
     return eachLane([&](int i) { return a.v[std::min(i + 1, 7)]; });
   }
@@ -122,7 +122,7 @@ struct Float8 {
     const float odd = four.v[1] < four.v[3] ? four.v[1] : four.v[3];
     return even < odd ? even : odd;
   }
-  /** The sum of the lanes, in a fixed order. */
+  /** Sum of the lanes, in a fixed order. */
   friend float sum(const Float8& a) {
     const auto across = [&](int i) { return a.v[i] + a.v[i + 4]; };
     return across(0) + across(2) + (across(1) + across(3));
@@ -139,21 +139,21 @@ struct Float8 {
   }
 };
 
-/** Eight whole numbers of 32 bits. */
+/** Eight unsigned integers of 32 bits. */
 struct Uint32x8 {
   alignas(32) uint32_t v[8];
 
   Uint32x8() = default;
   Uint32x8(uint32_t x) { std::fill(v, v + 8, x); }
-  /** From 8 numbers on a 32-byte boundary. */
+  /** Loads 8 numbers from a 32-byte boundary. */
   static Uint32x8 load(const uint32_t* p) {
     return eachLane([&](int i) { return p[i]; });
   }
-  /** From 8 numbers of a byte. */
+  /** Widens 8 bytes. */
   static Uint32x8 fromBytes(const uint8_t* p) {
     return eachLane([&](int i) { return p[i]; });
   }
-  /** To anywhere. */
+  /** Stores to any address, aligned or not. */
   void store(uint32_t* p) const { std::copy(v, v + 8, p); }
 
   friend Uint32x8 operator+(const Uint32x8& a, const Uint32x8& b) {
@@ -170,19 +170,19 @@ struct Uint32x8 {
     const uint32_t mask = bits(lanes);
     for (int i = 0; i < 8; ++i) v[i] += mask >> i & 1;
   }
-  /** A mask of lanes. */
+  /** Mask of the lanes in which both numbers are equal. */
   friend Float8 equal(const Uint32x8& a, const Uint32x8& b) {
     uint32_t mask = 0;
     for (int i = 0; i < 8; ++i) mask |= uint32_t(a.v[i] == b.v[i]) << i;
     return Float8::lanes(mask);
   }
-  /** Numbers below 2^31. */
+  /** Conversion of numbers below 2^31. */
   friend Float8 toFloat(const Uint32x8& a) {
     Float8 r;
     for (int i = 0; i < 8; ++i) r.v[i] = static_cast<float>(a.v[i]);
     return r;
   }
-  /** The bits of each number in the opposite order. */
+  /** Reverses the bits of each number. */
   friend Uint32x8 reverseBits(const Uint32x8& a) {
     return eachLane([&](int i) {
       uint32_t x = a.v[i];
@@ -204,7 +204,7 @@ struct Uint32x8 {
 } // namespace portable
 
 #ifdef __AVX2__
-/** The same by vector instructions. */
+/** AVX2 implementation of `portable`. */
 namespace avx2 {
 
 struct Float4 {
@@ -295,9 +295,9 @@ struct Uint32x8 {
   friend Float8 toFloat(Uint32x8 a) { return _mm256_cvtepi32_ps(a.v); }
   friend Uint32x8 reverseBits(Uint32x8 a) {
     const __m256i bytes = _mm256_broadcastsi128_si256(
-        _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3)); // of each word, reversed
+        _mm_set_epi8(12, 13, 14, 15, 8, 9, 10, 11, 4, 5, 6, 7, 0, 1, 2, 3)); // reversed bytes of each word
     const __m256i low = _mm256_broadcastsi128_si256(
-        _mm_set_epi8(15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // reversed in four bits
+        _mm_set_epi8(15, 7, 11, 3, 13, 5, 9, 1, 14, 6, 10, 2, 12, 4, 8, 0)); // 4-bit values, bits reversed
     const __m256i high = _mm256_slli_epi16(low, 4), four = _mm256_set1_epi8(15);
     const __m256i swapped = _mm256_shuffle_epi8(a.v, bytes);
     return _mm256_or_si256(_mm256_shuffle_epi8(high, _mm256_and_si256(swapped, four)),
@@ -311,8 +311,8 @@ using namespace avx2;
 using namespace portable;
 #endif
 
-/** Lets this thread take denormal floats for zero, where the processor can: they are slow, and nothing needs
- * them. */
+/** Makes this thread treat denormal floats as zero, where the processor can: they are slow, and no
+ * computation needs them. */
 inline void flushDenormals() {
 #ifdef __SSE__
   constexpr unsigned FLUSH_ZERO = 0x8000, DENORMALS_ARE_ZERO = 0x0040;
@@ -320,12 +320,12 @@ inline void flushDenormals() {
 #endif
 }
 
-/** Eight vectors. */
+/** Eight vectors, one in each lane. */
 struct Vec3f8 {
   Float8 x, y, z;
 };
 
-/** For each mask of eight lanes the lanes in it, packed; what comes after them is of no account. */
+/** Indices of the set lanes for each of the 256 masks, packed at the front; later entries are unspecified. */
 struct LaneLists {
   alignas(64) uint8_t lanes[256][8] = {};
   alignas(64) uint8_t lanesDown[256][8] = {};
@@ -339,7 +339,7 @@ struct LaneLists {
       }
     }
   }
-  /** Writes base + lane for every lane in the mask, and something up to the eighth place. */
+  /** Writes base + lane for each set lane, ascending; of the 8 entries written, the last are unspecified. */
   void ascending(uint32_t mask, uint32_t base, uint32_t* out) const { write(lanes[mask], base, out); }
   void descending(uint32_t mask, uint32_t base, uint32_t* out) const { write(lanesDown[mask], base, out); }
 

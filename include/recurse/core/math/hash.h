@@ -1,5 +1,5 @@
 /** @file
- * A hash of data, to find out whether it is the same as before; not against anyone who wants to deceive.
+ * Hash of data that detects accidental changes; not secure against forgery.
  */
 #pragma once
 
@@ -17,13 +17,13 @@ class Hash {
     const auto* bytes = static_cast<const unsigned char*>(data);
     for (size_t i = 0; i < size; ++i) state = (state ^ bytes[i]) * 0x100000001b3ull;
   }
-  /** The length goes in as well, so that "ab", "c" is not "a", "bc". */
+  /** Adds the length and the characters, so that "ab", "c" differs from "a", "bc". */
   void add(const std::string& text) {
     const uint64_t size = text.size();
     add(&size, sizeof size);
     add(text.data(), text.size());
   }
-  /** 16 hexadecimal digits. */
+  /** The hash as 16 hexadecimal digits. */
   std::string text() const {
     char digits[17];
     std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(state));

@@ -1,5 +1,5 @@
 /** @file
- * Integrals of smooth functions of one number.
+ * Integrals of smooth functions of one variable.
  */
 #pragma once
 
@@ -7,7 +7,7 @@
 
 namespace recurse {
 
-/** Gauss' rule of seven points on [a, b]. */
+/** Gauss-Legendre quadrature with seven points on [a, b]. */
 template <class F> double gauss7(const F& f, double a, double b) {
   constexpr double NODE[] = {0, 0.4058451513773972, 0.7415311855993945, 0.9491079123427585},
                    WEIGHT[] = {0.4179591836734694, 0.3818300505051189, 0.2797053914892766,
@@ -18,7 +18,7 @@ template <class F> double gauss7(const F& f, double a, double b) {
   return sum * half;
 }
 
-/** Halves the interval until both halves agree with the whole to `tolerance`. */
+/** Adaptive quadrature: halves the interval until both halves agree with the whole to `tolerance`. */
 template <class F>
 double integrate(const F& f, double a, double b, double tolerance, double whole, int depth) {
   const double middle = 0.5 * (a + b);

@@ -1,15 +1,15 @@
 /** @file
- * Sums whose result does not depend on the order of what is added.
+ * Sums whose result does not depend on the order of the terms.
  */
 #pragma once
 
 namespace recurse {
 
 /**
- * A sum as an unevaluated pair of doubles (Dekker 1971; two-sum by Knuth, TAOCP 2, 4.2.2). A pair holds 106
- * bits. Floats, products of two floats and squares of floats have 48 bits at most, so that their sums are
- * exact, and the same for any order and grouping, while n times the largest is less than 2^58 times the
- * smallest. Beyond that they agree to 2^-104.
+ * Sum as an unevaluated pair of doubles (Dekker 1971; two-sum by Knuth, TAOCP 2, 4.2.2), which holds 106
+ * bits. Floats, products of two floats and squares of floats have at most 48 bits. Their sums are exact, and
+ * hence the same for any order and grouping, while n times the largest term is less than 2^58 times the
+ * smallest; beyond that they agree to 2^-104.
  */
 class LongSum {
  public:
@@ -23,13 +23,13 @@ class LongSum {
     return *this = normalized(sum.high, sum.low + lows.error);
   }
   /** The nearest double. */
-  operator double() const { return high; } // NOLINT: a sum is used as the number that it is
+  operator double() const { return high; } // NOLINT: a sum is used as a number
 
  private:
   struct Pair {
     double value, error;
   };
-  /** a + b = value + error. */
+  /** Error-free transformation: a + b = value + error. */
   static Pair twoSum(double a, double b) {
     const double value = a + b, ofB = value - a;
     return {value, (a - (value - ofB)) + (b - ofB)};

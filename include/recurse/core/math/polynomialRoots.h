@@ -1,6 +1,6 @@
 /** @file
- * Roots of polynomials in an interval, none of which is lost: the Bernstein form is halved until Descartes'
- * rule of signs leaves one root (Lane and Riesenfeld, "Bounds on a Polynomial", 1981).
+ * All roots of polynomials in an interval: the Bernstein form is halved until Descartes' rule of signs leaves
+ * one root (Lane and Riesenfeld, "Bounds on a Polynomial", 1981).
  */
 #pragma once
 
@@ -13,7 +13,7 @@ namespace recurse {
 /** Coefficients of Bernstein polynomials over an interval. */
 template <size_t DEGREE> using BernsteinForm = std::array<double, DEGREE + 1>;
 
-/** From powers of x to the Bernstein form over x in [low, high]. */
+/** Converts powers of x to the Bernstein form over x in [low, high]. */
 template <size_t DEGREE>
 BernsteinForm<DEGREE> bernsteinForm(const std::array<double, DEGREE + 1>& powers, double low, double high) {
   // Taylor's expansion at `low` by Horner's scheme, in units of the interval.
@@ -33,7 +33,7 @@ BernsteinForm<DEGREE> bernsteinForm(const std::array<double, DEGREE + 1>& powers
   return c;
 }
 
-/** Splits the interval at a fraction of its length: `b` keeps the left part, the right one is returned. */
+/** Splits the interval at a fraction of its length: `b` keeps the left part, the right part is returned. */
 template <size_t DEGREE>
 BernsteinForm<DEGREE> splitBernstein(BernsteinForm<DEGREE>& b, double fraction = 0.5) {
   BernsteinForm<DEGREE> right;
@@ -44,7 +44,7 @@ BernsteinForm<DEGREE> splitBernstein(BernsteinForm<DEGREE>& b, double fraction =
   return right;
 }
 
-/** Value at a fraction of the interval. */
+/** Value of the polynomial at a fraction of the interval. */
 template <size_t DEGREE> double bernsteinValue(BernsteinForm<DEGREE> b, double fraction) {
   for (size_t i = 0; i < DEGREE; ++i)
     for (size_t k = DEGREE; k > i; --k) b[k] = (1 - fraction) * b[k - 1] + fraction * b[k];
@@ -52,8 +52,8 @@ template <size_t DEGREE> double bernsteinValue(BernsteinForm<DEGREE> b, double f
 }
 
 /**
- * Calls visit(low, high, isRising) in ascending order for intervals with one sign change each. Pairs of roots
- * nearer to each other than `resolution` may be left out, both of them. Zero counts as positive.
+ * Calls visit(low, high, isRising) in ascending order for intervals with one sign change each. Two roots that
+ * are closer to each other than `resolution` may both be omitted. Zero counts as positive.
  */
 template <size_t DEGREE, class Visit>
 void isolateRoots(BernsteinForm<DEGREE> b, double low, double high, double resolution, const Visit& visit) {
@@ -70,13 +70,13 @@ void isolateRoots(BernsteinForm<DEGREE> b, double low, double high, double resol
   isolateRoots<DEGREE>(right, middle, high, resolution, visit);
 }
 
-/** The place in [low, high] where f changes its sign, up to rounding, by the method of Illinois. */
+/** Root of f in [low, high], where f changes its sign, up to rounding; by the Illinois method. */
 template <class F> double refineRoot(const F& f, double low, double high) {
   double fLow = f(low), fHigh = f(high);
-  if ((fLow < 0) == (fHigh < 0)) return std::abs(fLow) < std::abs(fHigh) ? low : high; // by rounding
+  if ((fLow < 0) == (fHigh < 0)) return std::abs(fLow) < std::abs(fHigh) ? low : high; // due to rounding
   int sameSide = 0;
   for (int i = 0; i < 100; ++i) {
-    // Every few steps the middle, where the secant gains little.
+    // Bisects in every fourth step, for functions on which the secant converges slowly.
     double x = i % 4 == 3 ? 0.5 * (low + high) : high - fHigh * (high - low) / (fHigh - fLow);
     if (!(x > low && x < high)) x = 0.5 * (low + high);
     if (!(x > low && x < high)) break;

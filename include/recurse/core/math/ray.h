@@ -1,5 +1,5 @@
 /** @file
- * Rays, with the width of the pixel that they carry along.
+ * Rays, and camera rays with the footprint of their pixel.
  */
 #pragma once
 
@@ -16,12 +16,12 @@ struct Ray {
   Vec3f at(float t) const { return origin + direction * t; }
 };
 
-/** A ray from the eye with its footprint: at distance t the pixel is about width + spread·t across. */
+/** A camera ray with its footprint: at distance t the pixel is about width + spread·t wide. */
 struct CameraRay : Ray {
   float width = 0;
   float spread = 0;
-  float sampleSpacing = 1; ///< distance between the samples of a pixel over that between pixels
-  float weight = 1;        ///< of the radiance that the ray brings: 1 but for lens systems
+  float sampleSpacing = 1; ///< distance between the samples of a pixel over the distance between pixels
+  float weight = 1;        ///< factor of the radiance along the ray; 1 except for lens systems
 };
 
 } // namespace recurse

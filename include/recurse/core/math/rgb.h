@@ -7,7 +7,7 @@
 
 namespace recurse {
 
-/** A type of its own, so that no vector passes for a colour. All operations are by component. */
+/** Colour type, distinct from vectors to prevent mix-ups of both. All operations are by component. */
 template <class T> struct RgbOf {
   T r, g, b;
 
@@ -51,7 +51,7 @@ template <class T> struct RgbOf {
   friend constexpr RgbOf operator*(T s, const RgbOf& a) { return a * s; }
   friend constexpr RgbOf operator/(const RgbOf& a, T s) { return {a.r / s, a.g / s, a.b / s}; }
   friend constexpr RgbOf operator/(T s, const RgbOf& a) { return {s / a.r, s / a.g, s / a.b}; }
-  /** To other primaries, or as light of another white. */
+  /** Converts to other primaries, or adapts to a different white. */
   friend constexpr RgbOf operator*(const glm::mat<3, 3, T>& m, const RgbOf& a) {
     return RgbOf(m * glm::vec<3, T>(a));
   }

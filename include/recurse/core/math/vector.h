@@ -38,13 +38,13 @@ constexpr float roundingBound(int n) {
   return static_cast<float>(n) * UNIT / (1 - static_cast<float>(n) * UNIT);
 }
 
-/** The float next to a finite x, above it where `direction` is positive and below it where that is negative.
- */
+/** The float next to a finite x: above it where `direction` is positive, below it where `direction` is
+ * negative. A zero of either sign has the smallest denormals as its neighbours. */
 inline float nextFloat(float x, float direction) {
   constexpr uint32_t SIGN = 0x80000000u;
   const uint32_t way = std::bit_cast<uint32_t>(direction) & SIGN;
   uint32_t bits = std::bit_cast<uint32_t>(x);
-  if (x == 0) bits = way; // of both zeros the one on that side
+  if (x == 0) bits = way; // takes the zero on that side
   bits += (bits & SIGN) == way ? 1u : ~0u;
   return std::bit_cast<float>(bits);
 }
@@ -52,11 +52,11 @@ inline float nextFloat(float x, float direction) {
 template <class T> constexpr T square(T x) { return x * x; }
 
 inline float lengthSquared(const Vec3f& v) { return glm::dot(v, v); }
-/** As glm::abs, which compares each with zero. */
+/** Absolute value of each component, without the comparisons with zero that glm::abs makes. */
 template <class T> inline glm::vec<3, T> magnitude(const glm::vec<3, T>& v) {
   return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
 }
-/** The axis, 0 to 2, along which a vector without negative components is longest; the first of equal ones. */
+/** Axis, 0 to 2, of the largest component of a vector without negative ones; the first of equal ones. */
 template <class T> constexpr int widestAxis(const glm::vec<3, T>& v) {
   return v.x >= v.y && v.x >= v.z ? 0 : v.y >= v.z ? 1 : 2;
 }
@@ -69,7 +69,7 @@ inline bool isFinite(const Vec3f& v) {
 inline Vec3d transformPoint(const Mat4d& m, const Vec3d& p) { return Vec3d(m * Vec4d(p, 1)); }
 /** A vector (difference of points) transformed by an affine matrix. */
 inline Vec3d transformVector(const Mat4d& m, const Vec3d& v) { return Vec3d(m * Vec4d(v, 0)); }
-/** True where the matrix mirrors, so that the orientation of surfaces turns over. */
+/** True where the matrix mirrors, so that surfaces change their orientation. */
 inline bool swapsHandedness(const Mat4d& m) { return glm::determinant(Mat3d(m)) < 0; }
 
 /** An axis-aligned box; empty until something is added. */
@@ -96,7 +96,7 @@ template <class V> struct Bounds {
 using Bounds3f = Bounds<Vec3f>;
 using Bounds3d = Bounds<Vec3d>;
 
-/** A right-handed orthonormal frame; BSDFs work in one whose z axis is the shading normal. */
+/** A right-handed orthonormal frame; BSDFs use one whose z axis is the shading normal. */
 struct Frame {
   Vec3f x, y, z;
 
@@ -109,8 +109,8 @@ struct Frame {
     x = Vec3f(1 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     y = Vec3f(b, sign + n.y * n.y * a, -n.y);
   }
-  /** The frame around n whose x axis lies as near to `tangent` as can be; any frame where that is degenerate.
-   */
+  /** Frame around n whose x axis is as close to `tangent` as possible; any frame around n where `tangent` is
+   * zero or parallel to n. */
   Frame(const Vec3f& n, const Vec3f& tangent) : Frame(n) {
     const Vec3f t = tangent - n * glm::dot(n, tangent);
     const float length2 = lengthSquared(t);

@@ -1,5 +1,5 @@
 /** @file
- * Wide integers that threads add to.
+ * 128-bit integers that threads add to.
  */
 #pragma once
 
@@ -10,14 +10,14 @@ namespace recurse {
 
 __extension__ using Int128 = __int128;
 
-/** A sum of integers of 128 bits. Threads may add in any order; it is to be read when they have added. */
+/** Sum of 128-bit integers. Threads may add in any order; it may be read once all have added. */
 class WideSum {
  public:
   WideSum() = default;
   explicit WideSum(Int128 value)
       : low(static_cast<uint64_t>(value)), high(static_cast<int64_t>(value >> 64)) {}
 
-  /** Returns whether the sum fits; else it wraps around. Any thread. */
+  /** Adds from any thread. Returns false where the sum overflows; it wraps around then. */
   bool addAtomically(const WideSum& other) {
     const uint64_t before = std::atomic_ref(low).fetch_add(other.low, std::memory_order_relaxed);
     const int64_t carry = before + other.low < before;

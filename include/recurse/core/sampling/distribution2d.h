@@ -1,5 +1,5 @@
 /** @file
- * Densities over the unit square, tabulated: for pictures that emit light.
+ * Tabulated densities over the unit square, for image-based lights.
  */
 #pragma once
 
@@ -9,27 +9,27 @@
 
 namespace recurse {
 
-/** A density over the unit square that is bilinear in each cell of a grid, between values at the corners. */
+/** Density over the unit square that is bilinear in each cell of a grid, with values at the corners. */
 class Distribution2d {
  public:
   /** A point of the square and its density. */
   struct Sample {
     Vec2d at;
-    double pdf; ///< 0: there is none
+    double pdf; ///< 0: no sample
   };
 
-  /** Density 0. */
+  /** Zero density. */
   Distribution2d() = default;
-  /** In proportion to `corners`: (width + 1) · (height + 1) finite values of at least 0, row by row. */
+  /** Density in proportion to `corners`: (width + 1) · (height + 1) finite values >= 0, row by row. */
   Distribution2d(int width, int height, const std::vector<double>& corners);
 
   bool empty() const { return !(total > 0); }
-  /** By inversion: neighbouring numbers in [0, 1) become neighbouring points. */
+  /** Samples by inversion: nearby u in [0, 1)² give nearby points. */
   Sample sample(const Vec2d& u) const;
   double pdf(const Vec2d& at) const;
 
  private:
-  /** Sums along a row are kept for so many cells at a time. */
+  /** Number of cells in each entry of the partial sums along a row. */
   static constexpr size_t BLOCK = 16;
 
   const float* row(size_t y) const { return &values[y * (width + 1)]; }
@@ -39,13 +39,13 @@ class Distribution2d {
   }
 
   size_t width = 0, height = 0, blocks = 0;
-  std::vector<float> values;     ///< the largest is 1
-  std::vector<double> rowSums;   ///< of all rows up to each
-  std::vector<double> blockSums; ///< the same along each row
+  std::vector<float> values;     ///< scaled so that the largest is 1
+  std::vector<double> rowSums;   ///< sums over all rows up to each
+  std::vector<double> blockSums; ///< sums along each row up to the end of each block
   double total = 0;
 };
 
-/** A density over any rectangle of the unit square that is constant in each cell of a grid: a summed-area
+/** Density over any rectangle of the unit square that is constant in each cell of a grid, by a summed-area
  * table. */
 class WindowedDistribution2d {
  public:
@@ -53,24 +53,24 @@ class WindowedDistribution2d {
     Vec2d low{0}, high{1};
   };
 
-  /** Density 0. */
+  /** Zero density. */
   WindowedDistribution2d() = default;
-  /** In proportion to width · height finite values of at least 0, row by row. */
+  /** Density in proportion to width · height finite values of at least 0, row by row. */
   WindowedDistribution2d(int width, int height, const std::vector<double>& cells);
 
-  /** Of the table in a window; 0 where there is nothing. */
+  /** Sum of the table over a window; 0 for an empty or black one. */
   double sum(const Window& window) const;
-  /** A point of a window whose sum is above 0. */
+  /** Samples a point of a window whose sum is above 0. */
   Vec2d sample(const Window& window, const Vec2d& u) const;
-  /** The density of sample() at a point of a window whose sum is `total`. */
+  /** Density of sample() at a point of a window whose sum is `total`. */
   double pdf(double total, const Vec2d& at) const;
 
  private:
   double sumTo(double x, double y) const;
 
   size_t width = 0, height = 0;
-  std::vector<float> values; ///< the largest is 1
-  std::vector<double> sums;  ///< of all cells above and to the left
+  std::vector<float> values; ///< scaled so that the largest is 1
+  std::vector<double> sums;  ///< sums over all cells above and to the left
 };
 
 } // namespace recurse

@@ -1,7 +1,7 @@
 /** @file
  * Samples: Sobol' points with hashed Owen scrambling (Burley, "Practical Hash-based Owen Scrambling", JCGT
  * 9(4), 2020), padded two dimensions at a time. A sample depends only on (seed, stream, index, dimension), so
- * that pictures do not depend on the number of threads or their order.
+ * that images do not depend on the number or the order of threads.
  */
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace recurse {
 
-/** A 64-bit mixing function (the finaliser of splitmix64, Steele et al. 2014), of an unsigned number or of
- * each of a vector's. */
+/** 64-bit mixing function (the finaliser of splitmix64, Steele et al. 2014) of an unsigned number or of each
+ * component of a vector. */
 template <class T>
 requires(sizeof(T) >= sizeof(uint64_t)) constexpr T mixBits(T v) {
   v ^= v >> 30;
@@ -26,7 +26,7 @@ constexpr uint64_t hashCombine(uint64_t a, uint64_t b) { return mixBits(a * 0x9e
 /** A float in [0, 1) from the upper 24 bits. */
 constexpr float unitFloat(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
 
-/** The bits in the opposite order. */
+/** Reverses the bits. */
 constexpr uint32_t reverseBits(uint32_t v) {
   v = __builtin_bswap32(v);
   v = ((v >> 4) & 0x0f0f0f0fu) | ((v & 0x0f0f0f0fu) << 4);
@@ -34,22 +34,22 @@ constexpr uint32_t reverseBits(uint32_t v) {
   return ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
 }
 
-/** The samples of one light or eye path: call next1D and next2D in an order fixed by the path. Cheap to copy.
- */
+/** Samples of one light or camera path: call next1D and next2D in an order that the path determines. Cheap to
+ * copy. */
 class Sampler {
  public:
-  /** `stream` tells pixels, and photon passes, apart; `index` counts samples of that stream. */
+  /** `stream` distinguishes pixels and photon passes; `index` counts the samples of that stream. */
   Sampler(uint64_t seed, uint64_t stream, uint32_t index)
       : key(hashCombine(mixBits(seed), stream)), reversedIndex(reverseBits(index)) {}
 
-  /** In [0, 1). */
+  /** Next sample in [0, 1). */
   float next1D() { return numbers[next()]; }
-  /** In [0, 1)². */
+  /** Next sample in [0, 1)². */
   Vec2f next2D() {
     const unsigned i = next();
     return {numbers[i], numbers[AT_ONCE + i]};
   }
-  /** An independent sampler for a branch of the path. */
+  /** Independent sampler for a branch of the path. */
   Sampler fork(uint32_t branch) const {
     Sampler s = *this;
     s.key = hashCombine(key ^ (uint64_t(dimension) << 32), branch);
@@ -58,7 +58,7 @@ class Sampler {
   }
 
  private:
-  /** Pairs of dimensions that are made together. */
+  /** Number of pairs of dimensions computed together. */
   static constexpr unsigned AT_ONCE = 4;
 
   unsigned next() {
@@ -72,7 +72,7 @@ class Sampler {
   uint64_t key;
   uint32_t reversedIndex;
   uint32_t dimension = 0;
-  float numbers[2 * AT_ONCE]; ///< filled where dimension % AT_ONCE > 0
+  float numbers[2 * AT_ONCE]; ///< valid where dimension % AT_ONCE > 0
 };
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * Warps of uniform numbers onto discs, spheres and cones.
+ * Warps of uniform samples to discs, spheres and cones.
  */
 #pragma once
 
@@ -7,25 +7,25 @@
 
 namespace recurse {
 
-/** (cos x, sin x) for |x| <= pi/4, to float precision: the Taylor series as far as they matter there. */
+/** (cos x, sin x) for |x| <= pi/4, to float precision, by truncated Taylor series. */
 inline Vec2f cosSinSmall(float x) {
   const float x2 = x * x;
   return {1 + x2 * (-1.0f / 2 + x2 * (1.0f / 24 + x2 * (-1.0f / 720 + x2 * (1.0f / 40320)))),
           x * (1 + x2 * (-1.0f / 6 + x2 * (1.0f / 120 + x2 * (-1.0f / 5040 + x2 * (1.0f / 362880)))))};
 }
 
-/** Uniform on the unit disc by the concentric map (Shirley, Chiu 1997), which keeps stratification. */
+/** Uniform point of the unit disc by the concentric map (Shirley, Chiu 1997), which keeps stratification. */
 inline Vec2f uniformDisk(const Vec2f& u) {
   const Vec2f o = u * 2.0f - 1.0f;
   if (o.x == 0 && o.y == 0) return {0, 0};
-  // Selections instead of branches, which would be taken by chance.
+  // Selections instead of branches, which could not be predicted.
   const bool alongX = std::abs(o.x) > std::abs(o.y);
   const float radius = alongX ? o.x : o.y;
   const Vec2f c = cosSinSmall(PI / 4 * ((alongX ? o.y : o.x) / radius)) * radius;
   return {alongX ? c.x : c.y, alongX ? c.y : c.x};
 }
 
-/** arctan x for |x| <= 1, to 2e-7 radians: Chebyshev fit of odd powers. */
+/** arctan x for |x| <= 1, to 2e-7 rad: Chebyshev fit of odd powers. */
 inline float atanSmall(float x) {
   const float x2 = x * x;
   return x *
@@ -38,7 +38,7 @@ inline float atanSmall(float x) {
                                                                                   x2 * (0.002834064f)))))))));
 }
 
-/** Inverse of uniformDisk(), for points of the disc; in [0, 1). */
+/** Inverse of uniformDisk() for points of the disc; result in [0, 1)². */
 inline Vec2f squareOfDisk(const Vec2f& d) {
   const bool alongX = std::abs(d.x) > std::abs(d.y);
   const float along = alongX ? d.x : d.y, across = alongX ? d.y : d.x;
@@ -49,20 +49,20 @@ inline Vec2f squareOfDisk(const Vec2f& d) {
                     ONE_MINUS_EPSILON);
 }
 
-/** Around +z with density cos/π (Malley's method). */
+/** Direction around +z with density cos/π [1/sr] (Malley's method). */
 inline Vec3f cosineHemisphere(const Vec2f& u) {
   const Vec2f d = uniformDisk(u);
   return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - d.x * d.x - d.y * d.y))};
 }
 
-/** Uniform in a cone around +z; `opening` is 1 - the cosine of half its angle. The density is
- * 1 / (2π opening). */
+/** Uniform direction in a cone around +z with density 1 / (2π opening) [1/sr]; `opening` is 1 − the cosine of
+ * the half-angle. */
 inline Vec3f uniformCone(const Vec2f& u, float opening) {
   const float below = u.x * opening, r = std::sqrt(below * (2 - below)), phi = 2 * PI * u.y;
   return {r * std::cos(phi), r * std::sin(phi), 1 - below};
 }
 
-/** With density 1/(4π). */
+/** Uniform direction with density 1/(4π) [1/sr]. */
 inline Vec3f uniformSphere(const Vec2f& u) {
   const float z = 1 - 2 * u.x;
   const float r = std::sqrt(std::max(0.0f, 1 - z * z));

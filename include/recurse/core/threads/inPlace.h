@@ -1,7 +1,7 @@
 /** @file
- * Results of functions made where they are to stay. A structure that was written a number at a time and is
- * copied at once makes the processor wait until every write has reached the cache: about five nanoseconds,
- * which inner loops notice.
+ * Results of functions constructed in their destination. Copying a structure right after it was written
+ * member by member stalls the processor until the writes have reached the cache, about 5 ns, which is
+ * noticeable in inner loops.
  */
 #pragma once
 
@@ -10,14 +10,14 @@
 
 namespace recurse {
 
-/** Replaces `place` by what `make` returns, without a copy. */
+/** Replaces `place` by the result of `make`, without a copy. */
 template <class T, class Make> void makeAt(T& place, const Make& make) {
   static_assert(std::is_trivially_destructible_v<T>);
   static_assert(std::is_same_v<std::invoke_result_t<Make>, T>);
   ::new (static_cast<void*>(std::addressof(place))) T(make());
 }
 
-/** An argument for emplace() that becomes what `make` returns, without a copy. */
+/** Argument for emplace() that converts to the result of `make`, without a copy. */
 template <class Make> class Made {
  public:
   explicit Made(const Make& make) : make(make) {}

@@ -1,5 +1,5 @@
 /** @file
- * Work that is given up in the middle, on all threads: learning and photons, which a render may do without.
+ * Work on all threads that can be abandoned midway: learning and photon passes, which are optional.
  */
 #pragma once
 
@@ -16,8 +16,8 @@ class Interrupted : public Error {
   Interrupted();
 };
 
-/** While one lives, checkInterrupted() asks its flag on this thread, and on others for the iterations of
- * loops of parallelFor() that begin here. Null: it asks nothing. */
+/** Scope in which checkInterrupted() reads the given flag, on this thread and in the iterations of
+ * parallelFor() loops that begin here. Null: no flag. */
 class InterruptibleWork {
  public:
   explicit InterruptibleWork(const std::atomic<bool>* flag) : before(std::exchange(flagOfThread, flag)) {}
@@ -25,7 +25,7 @@ class InterruptibleWork {
   InterruptibleWork(const InterruptibleWork&) = delete;
   InterruptibleWork& operator=(const InterruptibleWork&) = delete;
 
-  /** The flag that this thread asks; null: none. */
+  /** The flag that checkInterrupted() reads on this thread; null: none. */
   static const std::atomic<bool>* flag() { return flagOfThread; }
 
  private:
@@ -33,7 +33,7 @@ class InterruptibleWork {
   const std::atomic<bool>* const before;
 };
 
-/** Throws Interrupted where the flag of an InterruptibleWork is set. Scenes ask before each ray, and
+/** Throws Interrupted where the flag of an InterruptibleWork is set. Scenes call it before each ray,
  * parallelFor() before each iteration. */
 inline void checkInterrupted() {
   const std::atomic<bool>* flag = InterruptibleWork::flag();

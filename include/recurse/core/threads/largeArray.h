@@ -1,5 +1,5 @@
 /** @file
- * Arrays of millions, on huge pages.
+ * Large arrays on huge pages.
  */
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace recurse {
 
-/** Room for n objects that are not constructed, kept for reuse; large ones lie on huge pages. */
+/** Storage for n objects that are not constructed, kept for reuse; large arrays use huge pages. */
 template <class T> class LargeArray {
  public:
   LargeArray() = default;
@@ -26,7 +26,7 @@ template <class T> class LargeArray {
   T& operator[](size_t i) const { return room.get()[i]; }
   size_t bytes() const { return capacity * sizeof(T); }
   size_t size() const { return capacity; }
-  /** Makes room for n objects. What was there is kept only if `keep`. */
+  /** Makes room for n objects. The present content is kept only if `keep`. */
   void reserve(size_t n, bool keep = false);
 
  private:
@@ -36,13 +36,13 @@ template <class T> class LargeArray {
   std::unique_ptr<T, Release> room;
   size_t capacity = 0;
 };
-/** Memory on a 64-byte boundary, on huge pages where it is large. Rounds `bytes` up. */
+/** Allocates memory on a 64-byte boundary, on huge pages where it is large. Rounds `bytes` up. */
 void* allocateLarge(size_t& bytes);
 
 template <class T> void LargeArray<T>::reserve(size_t n, bool keep) {
   static_assert(std::is_trivially_copyable_v<T>);
   if (n <= capacity) return;
-  // The second request is likely to be followed by a third, a little larger.
+  // Second and later requests get 1/16 more: they are likely to be followed by a slightly larger one.
   size_t bytes = (capacity == 0 ? n : n + n / 16) * sizeof(T);
   std::unique_ptr<T, Release> old = std::move(room);
   if (!keep) old.reset();

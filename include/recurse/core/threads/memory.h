@@ -1,6 +1,6 @@
 /** @file
- * How much memory there is, asked before much of it is taken: a process that takes too much is killed
- * without a word.
+ * Available memory, checked before large allocations: a process that takes too much is killed without a
+ * message.
  */
 #pragma once
 
@@ -8,32 +8,32 @@
 
 namespace recurse {
 
-/** The process is to take no more than this [bytes] in all. */
+/** Sets the memory that the process may take in all [bytes]. */
 void setMemoryLimit(double bytes);
 
-/** What the process can take [bytes]: what the limit leaves, or without one what there is without swapping;
- * infinite where the system does not say. */
+/** Memory that the process can still take [bytes]: the remainder of the limit, or without one the memory
+ * available without swapping; infinite where the system does not report it. */
 double availableMemory();
 
-/** Throws Error, which begins with `subject`, when that much memory is not available. */
+/** Throws Error, which begins with `subject`, when that much memory [bytes] is not available. */
 void requireMemory(const std::string& subject, double bytes);
 
-/** While one lives, memory beyond what the process had at its beginning is refused (std::bad_alloc): for
- * work whose needs nobody can tell, such as that of other libraries. They may be nested. */
+/** Scope in which the process gets at most `bytes` more memory, std::bad_alloc beyond: for work of
+ * unpredictable needs, such as calls of other libraries. Scopes may be nested. */
 class MemoryCap {
  public:
   explicit MemoryCap(double bytes);
   ~MemoryCap();
   MemoryCap(const MemoryCap&) = delete;
   MemoryCap& operator=(const MemoryCap&) = delete;
-  /** Allows for more [bytes]. */
+  /** Raises the cap [bytes]. */
   void raise(double bytes);
 
  private:
   void apply() const;
 
-  double limit;             ///< of the process's data [bytes]
-  unsigned long long outer; ///< the limit before
+  double limit;             ///< of the data of the process [bytes]
+  unsigned long long outer; ///< limit before this scope [bytes]
 };
 
 } // namespace recurse

@@ -13,8 +13,8 @@ namespace recurse {
 void setThreadFloatMode();
 
 /**
- * The worker threads, for as long as it lives: at most `threads` of them (0: one for each core that this
- * process may use), each with the float mode above. One at a time.
+ * Worker threads, during the lifetime of the pool: at most `threads` of them (0: one for each core that this
+ * process may use), each with the float mode above. At most one pool exists at a time.
  */
 class ThreadPool {
  public:
@@ -28,13 +28,13 @@ class ThreadPool {
   std::unique_ptr<Parts> parts;
 };
 
-/** Cores that this process may run on. */
+/** Number of cores that this process may run on. */
 int availableCores();
-/** Threads that a parallel loop uses now. */
+/** Number of threads that a parallel loop uses now. */
 int threadCount();
 
-/** Calls body(i) for 0 <= i < count, in any order, on the pool's threads. Each i may write to its own place
- * only. */
+/** Calls body(i) for 0 <= i < count, in any order, on the threads of the pool. Each i may write only to data
+ * of its own. */
 void parallelFor(size_t count, const std::function<void(size_t)>& body);
 
 } // namespace recurse

@@ -16,7 +16,7 @@ inline double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/** Adds the processor time of its own life to a sum [s]. */
+/** Adds the processor time of its lifetime to a sum [s]. */
 class ProcessorTimer {
  public:
   explicit ProcessorTimer(double& sum) : sum(sum) {}

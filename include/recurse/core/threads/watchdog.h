@@ -1,5 +1,5 @@
 /** @file
- * A thread that looks at the clock while others work.
+ * Thread that polls a condition while others work.
  */
 #pragma once
 
@@ -35,7 +35,7 @@ class Watchdog {
   std::jthread thread;
 };
 
-/** The result of work(), in which checkInterrupted() throws soon after isToEnd() becomes true. */
+/** Result of work(), in which checkInterrupted() throws soon after isToEnd() becomes true. */
 template <class Work> auto interruptibly(const std::function<bool()>& isToEnd, const Work& work) {
   std::atomic<bool> isEnding{false};
   const Watchdog watchdog([&] {

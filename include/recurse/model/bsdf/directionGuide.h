@@ -1,5 +1,5 @@
 /** @file
- * A learned density over directions that the sampling of BSDFs is mixed with.
+ * Learned density over directions, which is mixed with BSDF sampling.
  */
 #pragma once
 
@@ -7,14 +7,14 @@
 
 namespace recurse {
 
-/** A density over directions at a place, by which light arrives there, whatever the BSDF. */
+/** Density over directions at a point that approximates the incident radiance, independent of the BSDF. */
 class DirectionGuide {
  public:
   virtual ~DirectionGuide() = default;
 
-  /** Density of a unit direction [1/sr]; may be zero, since the BSDF is sampled too. */
+  /** Density of a unit direction [1/sr]; may be zero anywhere, since the BSDF is sampled too. */
   virtual float pdf(const Vec3f& direction) const = 0;
-  /** Unit direction with that density, which goes to `density`. */
+  /** Samples a unit direction and sets `density` to its density [1/sr]. */
   virtual Vec3f sample(Vec2f u, float& density) const = 0;
   /** Probability of sampling the BSDF, in (0, 1). */
   virtual float bsdfProbability() const = 0;

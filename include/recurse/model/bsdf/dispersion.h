@@ -1,7 +1,7 @@
 /** @file
- * Light of one wavelength among colours: from the first dispersive refraction on a path has a wavelength, and
- * the colour that white light takes on by it (Wilkie et al. 2014 draw it before; what is mirrored before that
- * refraction stays white here, so that all wavelengths are in one sample; doc-files/notes/dispersion.md).
+ * Spectral sampling within RGB transport: from the first dispersive refraction on, a path has one wavelength,
+ * with an RGB weight. Wilkie et al. 2014 draw it at the start of a path; here reflections before that
+ * refraction stay white, so that one sample has all wavelengths (doc-files/notes/dispersion.md).
  */
 #pragma once
 
@@ -13,21 +13,21 @@
 
 namespace recurse {
 
-/** A wavelength [nm] for u in [0, 1), with a density in proportion to its colour's strength. */
+/** Samples a wavelength [nm] from u in [0, 1), with a density in proportion to its colour's magnitude. */
 float sampleWavelength(float u);
-/** What light of a sampled wavelength is to be multiplied by: its colour over the density. In the mean over
- * samples exactly (1, 1, 1); components may be below zero. */
+/** RGB weight of a sampled wavelength [nm]: its colour over its density. Its mean over samples is exactly
+ * (1, 1, 1); components may be negative. */
 Rgb wavelengthColour(float wavelength);
 
-/** A refractive index by wavelength. */
+/** Refractive index as a function of wavelength. */
 class DispersiveIndex {
  public:
-  /** `index`: not empty. */
+  /** `index` must not be empty. */
   explicit DispersiveIndex(const SampledSpectrum& index);
   bool isConstant() const { return constant; }
   float at(float wavelength) const { return static_cast<float>(spectrum.at(double(wavelength))); }
 
-  /** Wavelengths that stand for white light, with the colours of their parts, whose sum is (1, 1, 1). */
+  /** Wavelengths that represent white light, with RGB weights that sum to (1, 1, 1). */
   struct Part {
     float index;
     Rgb colour;
@@ -41,8 +41,8 @@ class DispersiveIndex {
   bool constant = false;
 };
 
-/** The index by Cauchy's formula n = A + B/λ² of a glass with this index n_d at 587.56 nm and this Abbe
- * number (n_d - 1) / (n_F - n_C). */
+/** Refractive index by Cauchy's formula n = A + B/λ² for a glass with index n_d at 587.56 nm and Abbe number
+ * (n_d - 1) / (n_F - n_C). */
 SampledSpectrum cauchyIndex(double indexD, double abbe);
 
 } // namespace recurse

@@ -1,8 +1,8 @@
 /** @file
- * Scattering at a surface point: the one place that turns a BSDF plug-in's local functions into what the
- * forward and the backward pass need. Here, and nowhere else, stand the 1/η² scaling of radiance at
- * refraction, the factor for shading normals in the forward pass (Veach 1997, equation 5.19), and the refusal
- * of light that would leak through the geometric surface.
+ * Scattering at a surface point: the single place that converts the local functions of a BSDF plug-in for the
+ * forward and the backward pass. It alone applies the 1/η² scaling of radiance at refraction, the correction
+ * for shading normals in the forward pass (Veach 1997, equation 5.19), and the test for light leaks through
+ * the geometric surface.
  */
 #pragma once
 
@@ -13,23 +13,23 @@
 
 namespace recurse {
 
-/** What is carried along the walk. */
+/** Quantity transported along the walk. */
 enum class Transport {
-  RADIANCE, ///< backward, from the eye
+  RADIANCE, ///< backward, from the camera
   FLUX,     ///< forward, from the lights
 };
 
-/** A step of a walk. */
+/** Sampled step of a walk. */
 struct Scatter {
   Vec3f direction; ///< unit, world
   Rgb weight{
-      0}; ///< BSDF · cosine / density, with the factors of the transport: multiply the throughput by it
-  float pdf = 0; ///< per solid angle [1/sr], the choice of the lobe included; for a delta lobe, the chance of
-                 ///< the choice
+      0}; ///< factor of the throughput: BSDF · cosine / density, including the factors of the transport mode
+  float pdf = 0; ///< density [1/sr], including the probability of the chosen lobe; for a delta lobe, the
+                 ///< probability of choosing it
   Lobe lobe = NO_LOBE;
-  float eta = 1; ///< refractive index on the new side over that on the old one
-  /** Albedo over the weight: turns a guided weight, which is low where light comes from, into the mean weight
-   * of BSDF sampling, which Russian roulette goes by. 1 without a guide. */
+  float eta = 1; ///< refractive index on the side of the new direction over the index on the previous side
+  /** Albedo over the weight, 1 without a guide. A guided weight is low where radiance is high; times this
+   * factor it is the mean weight of BSDF sampling, on which Russian roulette is based. */
   float rouletteScale = 1;
 
   bool specular() const { return (lobe & DELTA_LOBES) != 0; }
@@ -44,47 +44,47 @@ class ScatteringPoint {
     if (lobeSet & LAMBERTIAN) constant = bsdf.value({0, 0, 1}, {0, 0, 1});
   }
 
-  /** Mixes radiance walks' sampling with a guide, at opaque surfaces; photons are not guided. Null: none. */
+  /** Mixes a guide into the sampling of radiance walks, not of photons, at opaque surfaces. Null: none. */
   void follow(const DirectionGuide* newGuide) { guide = isGuidable() ? newGuide : nullptr; }
-  /** Whether a guide for one side of the surface makes sense. */
+  /** Whether a guide for one side of the surface applies. */
   bool isGuidable() const { return hasNonDelta() && !(lobeSet & (TRANSMISSION | FIBRE)); }
 
   LobeSet lobes() const { return lobeSet; }
   bool hasNonDelta() const { return (lobeSet & NON_DELTA_LOBES) != 0; }
-  /** Whether a density of photons makes sense here; elsewhere rays find what they would tell. */
+  /** Whether photons are stored here for density estimates; otherwise paths account for their light. */
   bool keepsPhotons() const {
     return hasNonDelta() && curve == SurfacePoint::Curve::NONE && !(lobeSet & FIBRE);
   }
   bool hasDelta() const { return (lobeSet & DELTA_LOBES) != 0; }
 
-  /** The non-delta BSDF alone [1/sr] for radiance that arrives from wo and leaves towards wi: what a photon's
-   * power is multiplied by. */
+  /** Non-delta BSDF without cosine [1/sr], for radiance that arrives from wo and leaves towards wi: the
+   * factor of a photon's power in density estimates. */
   Rgb value(const Vec3f& wi, const Vec3f& wo) const {
     if (leaks(wi, wo)) return BLACK;
     if (lobeSet & LAMBERTIAN) return glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0 ? constant : BLACK;
     return bsdf.value(frame.toLocal(wo), frame.toLocal(wi));
   }
 
-  /** Recurse's `evaluate`: the non-delta BSDF times the cosine of `light`, for radiance that arrives from
-   *  `light` and leaves towards `eye`. */
+  /** Recurse's `evaluate`: non-delta BSDF times the cosine of `light`, for radiance that arrives from `light`
+   * and leaves towards `eye`. */
   Rgb evaluate(const Vec3f& eye, const Vec3f& light) const {
     return value(eye, light) * absDot(light, frame.z);
   }
 
-  /** The non-delta BSDF times the cosine of `wo`, for a photon that came from `wi` and goes on to `wo`. */
+  /** Non-delta BSDF times the cosine of `wo`, for a photon that arrives from `wi` and leaves towards `wo`. */
   Rgb evaluateFlux(const Vec3f& wi, const Vec3f& wo) const {
     const Vec3f localI = frame.toLocal(wi), localO = frame.toLocal(wo);
     const Rgb f = lobeSet & LAMBERTIAN ? value(wo, wi) : leaks(wi, wo) ? BLACK : fluxValue(localI, localO);
     return f * (std::abs(localO.z) * shadingNormalFactor(wi, localI, wo, localO));
   }
 
-  /** Density with which scatter chooses wo by a non-delta lobe [1/sr], for the same allowed lobes. */
+  /** Density of wo in scatter() by non-delta lobes [1/sr], for the same allowed lobes. */
   float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
     if (!(lobeSet & allowed & DELTA_LOBES)) return pdfNonDelta(wi, wo);
     const Vec3f local = frame.toLocal(wi);
     return pdfNonDelta(wi, wo) * nonDeltaProbability(local);
   }
-  /** The same when only the non-delta lobes are sampled (scatterNonDelta). */
+  /** Density of wo in scatterNonDelta(), which samples only the non-delta lobes [1/sr]. */
   float pdfNonDelta(const Vec3f& wi, const Vec3f& wo) const {
     const float byBsdf = pdfBsdf(wi, wo);
     if (!guide) return byBsdf;
@@ -100,7 +100,7 @@ class ScatteringPoint {
     return bsdf.pdf(frame.toLocal(wi), frame.toLocal(wo));
   }
 
-  /** One step by any of the allowed lobes, chosen in proportion to what they scatter. Empty: absorbed. */
+  /** Samples one of the allowed lobes, in proportion to their albedos, and a step. Empty: absorbed. */
   std::optional<Scatter> scatter(const Vec3f& wi, Transport transport, Sampler& sampler,
                                  LobeSet allowed = ALL_LOBES) const {
     allowed &= lobeSet;
@@ -141,7 +141,7 @@ class ScatteringPoint {
     return s;
   }
 
-  /** One step by the non-delta lobes only. */
+  /** Samples a step by the non-delta lobes only. */
   std::optional<Scatter> scatterNonDelta(const Vec3f& wi, Transport transport, Sampler& sampler) const {
     const Vec2f u = sampler.next2D();
     if (guide && transport == Transport::RADIANCE) return scatterGuided(wi, u, sampler);
@@ -154,7 +154,7 @@ class ScatteringPoint {
     s.pdf = bsdf.pdf(local, *wo);
     if (!(s.pdf > 0) || leaks(wi, s.direction)) return {};
     s.lobe = local.z * wo->z > 0 ? REFLECTION : TRANSMISSION;
-    // Radiance goes the other way; where it is refracted that is the factor 1/η².
+    // Radiance flows in the opposite direction, which at refraction includes the factor 1/η².
     const Rgb f = transport == Transport::FLUX ? fluxValue(local, *wo) : bsdf.value(*wo, local);
     s.weight = f * (std::abs(wo->z) / s.pdf);
     if (s.lobe == TRANSMISSION) s.eta = local.z > 0 ? bsdf.eta() : 1 / bsdf.eta();
@@ -162,7 +162,7 @@ class ScatteringPoint {
     return s;
   }
 
-  /** Every delta step, to follow all of them; the weights are those of the steps, not divided by a chance. */
+  /** Enumerates all delta steps; the weights are not divided by a selection probability. */
   int deltaScatters(const Vec3f& wi, Transport transport,
                     std::array<Scatter, DeltaScatters::MAX_COUNT>& out) const {
     const Vec3f local = frame.toLocal(wi);
@@ -175,29 +175,29 @@ class ScatteringPoint {
     return n;
   }
 
-  // Recurse's operations by their names.
+  // Operations by the names that Recurse gives them.
 
-  /** A photon's next step by the diffuse lobes: flux towards a random direction. */
+  /** Step of a photon by the non-delta lobes: flux towards a sampled direction. */
   std::optional<Scatter> diffuseForwardScatter(const Vec3f& wi, Sampler& sampler) const {
     return scatterNonDelta(wi, Transport::FLUX, sampler);
   }
-  /** The mirror direction of an eye ray, with all mirror lobes' weights together. */
+  /** Mirror step of a camera path; its weight is the sum of all mirror lobes. */
   std::optional<Scatter> specularReflectionBackwardScatter(const Vec3f& wi) const {
     return firstDelta(wi, MIRROR);
   }
-  /** The refracted direction of an eye ray, radiance scaling included; the first where there are several. */
+  /** Refraction step of a camera path, with radiance scaling; the first one where there are several. */
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi) const {
     return firstDelta(wi, REFRACTION);
   }
-  /** The same, but that of several one is chosen by chance, with the weight of all. */
+  /** Refraction step of a camera path; of several, one is sampled, and its weight represents all. */
   std::optional<Scatter> specularRefractionBackwardScatter(const Vec3f& wi, Sampler& sampler) const;
 
   const Vec3f& normal() const { return frame.z; }
 
  private:
-  /** The BSDF for flux from wi to wo. A hair has turned to the photon, and the eye sees another side of it.
-   * Across the whole width both meet the same, mirrored, if they exchange their inclinations to the hair and
-   * keep their azimuths. */
+  /** BSDF for flux from wi to wo. A curve that faces its ray is turned to the photon, while the camera sees a
+   * different side of it. Averaged over the width, both see mirrored configurations if their inclinations to
+   * the curve are exchanged and their azimuths are kept. */
   Rgb fluxValue(const Vec3f& wi, const Vec3f& wo) const {
     if (!(lobeSet & FIBRE) || curve != SurfacePoint::Curve::FACES_RAY) return bsdf.value(wi, wo);
     const float across = std::sqrt((1 - square(wi.x)) / (1 - square(wo.x)));
@@ -205,8 +205,8 @@ class ScatteringPoint {
     return bsdf.value({wi.x, wo.y * across, wo.z * across}, {wo.x, wi.y / across, wi.z / across});
   }
 
-  /** One step by the BSDF or by the guide, with the density of both (one-sample balance heuristic, Veach
-   * 1997, section 9.2.4). */
+  /** Samples a step by the BSDF or by the guide; its density is the mixture of both (one-sample balance
+   * heuristic, Veach 1997, section 9.2.4). */
   std::optional<Scatter> scatterGuided(const Vec3f& wi, const Vec2f& u, Sampler& sampler) const {
     const float a = guide->bsdfProbability(), choice = sampler.next1D();
     const Vec3f local = frame.toLocal(wi);
@@ -225,13 +225,13 @@ class ScatteringPoint {
     if (!(s.pdf > 0) || isBlack(f)) return {};
     s.weight = f / s.pdf;
     s.lobe = REFLECTION;
-    const float albedo = maxComponent(bsdf.albedo(local)); // 0: not known
+    const float albedo = maxComponent(bsdf.albedo(local)); // 0: unknown
     if (albedo > 0) s.rouletteScale = albedo / maxComponent(s.weight);
     return s;
   }
 
-  /** The quotient of a constant BSDF times the cosine and a density in proportion to the cosine is the
-   * albedo: most surfaces of most scenes, so no virtual function is asked. */
+  /** Samples a Lambertian lobe by cosine, where the weight is the albedo. Most surfaces of most scenes are of
+   * this kind, so that no virtual function is called. */
   std::optional<Scatter> scatterLambertian(const Vec3f& wi, Transport transport, const Vec2f& u) const {
     Vec3f local = cosineHemisphere(u);
     const float cosI = glm::dot(wi, frame.z);
@@ -247,7 +247,7 @@ class ScatteringPoint {
     return s;
   }
 
-  /** True when the directions' sides by the geometric normal are not those by the shading normal. */
+  /** True where both directions are on the same side by one of the two normals but not by the second. */
   bool leaks(const Vec3f& wi, const Vec3f& wo) const {
     const bool sameGeometric = glm::dot(wi, geometricNormal) * glm::dot(wo, geometricNormal) > 0;
     const bool sameShading = glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0;
@@ -266,9 +266,9 @@ class ScatteringPoint {
   float shadingNormalFactor(const Vec3f& wi, const Vec3f& wiLocal, const Vec3f& wo,
                             const Vec3f& woLocal) const {
     if (frame.z == geometricNormal)
-      return 1; // exactly: at grazing angles the quotient would be rounding alone
+      return 1; // exactly 1: at grazing angles the quotient would be rounding error alone
     const float denominator = absDot(wi, geometricNormal) * std::abs(woLocal.z);
-    if (denominator == 0) return 0; // a photon that arrives in the plane of the surface brings no flux
+    if (denominator == 0) return 0; // a photon parallel to the surface carries no flux into it
     return std::abs(wiLocal.z) * absDot(wo, geometricNormal) / denominator;
   }
 
@@ -301,8 +301,8 @@ class ScatteringPoint {
   Vec3f geometricNormal;
   LobeSet lobeSet;
   SurfacePoint::Curve curve;
-  Rgb constant{0};                       ///< the value of a Lambertian BSDF
-  const DirectionGuide* guide = nullptr; ///< of radiance walks; null: BSDF sampling
+  Rgb constant{0};                       ///< value of a Lambertian BSDF
+  const DirectionGuide* guide = nullptr; ///< for radiance walks; null: BSDF sampling only
 };
 
 inline std::optional<Scatter> ScatteringPoint::specularRefractionBackwardScatter(const Vec3f& wi,

@@ -1,5 +1,5 @@
 /** @file
- * Bumps and normal maps of materials: they change the shading normal and nothing else.
+ * Bump and normal maps of materials, which change only the shading frame.
  */
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace recurse {
 
-/** Changes the shading frame of a point before its BSDF is made. */
+/** Modifies the shading frame of a point before its BSDF is made. */
 class SurfaceDetail {
  public:
   virtual ~SurfaceDetail() = default;
@@ -18,13 +18,13 @@ class SurfaceDetail {
 };
 
 /**
- * The shading normal of the surface raised by `height` [scene units] along its normal (Blinn, "Simulation of
- * Wrinkled Surfaces", 1978): that of the derivatives dpdu + (dh/du) n + h dndu, and the same by v, as in
- * pbrt-v4.
+ * Bump map: shading normal of the surface displaced by `height` [scene units] along its normal (Blinn,
+ * "Simulation of Wrinkled Surfaces", 1978), from the derivatives dpdu + (dh/du) n + h dndu, and likewise by
+ * v, as in pbrt-v4.
  */
 std::unique_ptr<SurfaceDetail> bumps(const TexturedRgb& height);
-/** The normal by a picture: 2 (r, g, b) - 1 along dpdu, across it, and along the shading normal. Throws
- * Error. */
+/** Normal map: the normal is 2 (r, g, b) - 1 in the axes along dpdu, across it, and along the shading normal.
+ * Throws Error where the file cannot be read. */
 std::unique_ptr<SurfaceDetail> normalMap(const FileReference& file);
 
 } // namespace recurse

@@ -1,7 +1,7 @@
 /** @file
- * The film: for each pixel and layer the sum of its samples, the same bits for any order of them, and what
- * the error estimate needs; and what light paths have splatted. Integrators do not see it; they fill a
- * PathRadiance, or a Splatter, which know the layers.
+ * The film: for each pixel and layer the sum of its samples, bit-identical for any order of them, the
+ * statistics of the error estimate, and the splats of light paths. Integrators have no access to it; they
+ * fill a PathRadiance or a Splatter, which handle the layers.
  */
 #pragma once
 
@@ -23,7 +23,7 @@ namespace recurse {
 class Film {
   struct Pixel {
     LongSum weight, luminance, luminanceSquared;
-    LongSum halfLuminance; ///< of the samples of every second batch
+    LongSum halfLuminance; ///< of the samples in every second batch
     uint64_t samples = 0, halfSamples = 0;
     void add(const Pixel& o) {
       weight += o.weight;
@@ -42,8 +42,8 @@ class Film {
   const PixelBounds& bounds() const { return pixelBounds; }
   size_t layerCount() const { return layers; }
 
-  /** Adds sample `index` to a pixel: `values` has one colour a layer, `total` their sum without double
-   * counting. Calls for different pixels may run at the same time. */
+  /** Adds sample `index` to a pixel: `values` has one colour for each layer, `total` is their sum without
+   * double counting. Calls for different pixels may run at the same time. */
   void add(size_t pixel, uint32_t index, float weight, const Rgb* values, const Rgb& total) {
     LongSum* sum = &sums[pixel * layers * 3];
     for (size_t i = 0; i < layers; ++i)
@@ -59,25 +59,25 @@ class Film {
     ++p.halfSamples;
   }
 
-  /** Makes room for splats, unless it is there, in fixed-point numbers of this unit, a power of two. */
+  /** Allocates the splat plane at first use; sums are fixed-point, with this unit, a power of two. */
   void enableSplats(double unit) {
     if (!splatPlane) splatPlane.emplace(pixelBounds, layers, unit);
   }
-  /** What was splatted, to be added to the samples' mean; null unless enabled. */
+  /** Plane of splats, whose values are added to the mean of the samples; null unless enabled. */
   SplatPlane* splats() { return splatPlane ? &*splatPlane : nullptr; }
   const SplatPlane* splats() const { return splatPlane ? &*splatPlane : nullptr; }
-  /** Adds a contribution around any place of the film to the layers of a bit set: SplatPlane::add(). */
+  /** Adds a contribution around a point of the film to the layers of a bit set; see SplatPlane::add(). */
   void splat(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value) {
     splatPlane->add(film, filter, layerSet, value);
   }
 
-  /** Adds all samples and splats of another film of the same pixels and layers. */
+  /** Adds all samples and splats of a film with the same pixels and layers. */
   void add(const Film& other);
-  /** What it takes in memory, and of state(), without splats. */
+  /** Memory of the film, which is also the size of state(), without splats [bytes]. */
   static double bytes(double pixels, double layers) {
     return pixels * (layers * 3 * sizeof(LongSum) + sizeof(Pixel));
   }
-  /** The numbers that the film consists of, as they lie in memory, to be kept and put back. */
+  /** Memory blocks with the whole content of the film, to be saved and restored. */
   std::vector<std::span<std::byte>> state() {
     std::vector<std::span<std::byte>> parts{std::as_writable_bytes(std::span(sums)),
                                             std::as_writable_bytes(std::span(pixels))};
@@ -86,18 +86,18 @@ class Film {
     return parts;
   }
 
-  /** A part of state() as numbers that add up. */
+  /** Block of state() as an array of additive elements. */
   struct StatePart {
-    /** Adds so many elements that do not overlap to others. */
+    /** Adds `count` elements at `from` to as many at `into`, which do not overlap. */
     using Add = void (*)(const void* from, void* into, size_t count);
     std::span<std::byte> bytes;
     size_t elementBytes;
     Add add;
   };
-  /** state(), in the same order, for sums that are made elsewhere. */
+  /** Blocks of state(), in the same order, for sums computed elsewhere. */
   std::vector<StatePart> stateParts();
 
-  /** The pixel's value in a layer; black before the first sample. */
+  /** Value of a pixel in a layer; black before the first sample. */
   Rgb value(size_t pixel, size_t layer) const {
     const double weight = pixels[pixel].weight;
     const LongSum* sum = &sums[(pixel * layers + layer) * 3];
@@ -110,13 +110,13 @@ class Film {
     for (const Pixel& p : pixels) n += p.samples;
     return n;
   }
-  /** Luminance of the samples' mean and the splats together. */
+  /** Luminance of a pixel: mean of its samples plus splats. */
   double luminanceOf(size_t pixel) const {
     const Pixel& p = pixels[pixel];
     return (p.samples > 0 ? p.luminance / double(p.samples) : 0) +
            (splatPlane ? splatPlane->luminance(pixel) : 0);
   }
-  /** Variance of the samples' luminance at a pixel, without splats; zero before the second sample. */
+  /** Variance of the luminance of a pixel's samples, without splats; zero before the second sample. */
   double variance(size_t pixel) const {
     const Pixel& p = pixels[pixel];
     if (p.samples < 2) return 0;
@@ -125,26 +125,26 @@ class Film {
   }
 
   /**
-   * Standard error of each pixel's luminance. Samples are stratified and photon passes are shared by many
-   * pixels, so that the spread of samples tells how the error is distributed, but not how large it is: that
-   * is told by the difference of two halves of the samples, of which each has whole batches of consecutive
-   * ones, averaged over the pixels around. What all samples share, such as one photon map, is not in it.
+   * Standard error of each pixel's luminance. Samples are stratified and pixels share photon passes, so the
+   * sample variance gives the distribution of the error, not its scale. The scale is the difference of two
+   * halves of the samples, each of whole batches of consecutive ones, averaged over neighbouring pixels.
+   * Errors common to all samples, such as those from a single photon map, are not included.
    */
   std::vector<double> standardErrors() const;
   /**
-   * One number for the picture: the 95th percentile over pixels of standard error divided by luminance, where
-   * the luminance counts as no less than a tenth of the picture's mean. Infinite while a pixel has fewer than
-   * MIN_SAMPLES samples, from which no spread can be told.
+   * Error of the whole image: 95th percentile over pixels of standard error over luminance, where the
+   * luminance is at least a tenth of the image's mean. Infinite while a pixel has fewer than MIN_SAMPLES
+   * samples, too few for a sample variance.
    */
   double relativeError() const;
   static constexpr uint64_t MIN_SAMPLES = 8;
 
  private:
-  static constexpr uint32_t BATCH = 8; ///< samples, a power of two as are the strata of Sobol' points
+  static constexpr uint32_t BATCH = 8; ///< samples; a power of two, like the strata of Sobol' points
 
-  /** Below it a relative error says nothing that the eye could see. */
+  /** Luminance below which relative errors are not visible. */
   double darkLuminance() const;
-  /** Variance of the mean of a pixel's samples by the difference of its halves; none with one half only. */
+  /** Variance of the mean of a pixel's samples from the difference of its halves; empty with one half. */
   std::optional<double> varianceByHalves(size_t pixel) const;
 
   PixelBounds pixelBounds;

@@ -1,5 +1,5 @@
 /** @file
- * Contributions that fall on any pixel: what light paths bring to the eye.
+ * Plane of splats: contributions of light paths to any pixel.
  */
 #pragma once
 
@@ -17,51 +17,51 @@
 namespace recurse {
 
 /**
- * For each pixel and layer a sum of contributions and the number of light paths that it is the sum of; for
- * each pixel the sums of luminance and of its square, which tell the variance. Sums are 128-bit fixed-point
- * numbers, so that threads may add in any order and the result is the same bits. What is smaller than the
- * unit is rounded at random, by a hash of the contribution, and stays right in the mean.
+ * Sum of contributions for each pixel and layer with the common number of light paths, and for each pixel the
+ * sums of luminance and squared luminance for the variance. Sums are 128-bit fixed-point numbers, so that
+ * threads may add in any order with bit-identical results. Fractions of the unit are rounded at random, by a
+ * hash of the contribution, without bias.
  */
 class SplatPlane {
  public:
-  /** `unit`: of the sums, a power of two. */
+  /** `unit`: resolution of the sums, a power of two. */
   SplatPlane(const PixelBounds& bounds, size_t layers, double unit)
       : bounds(bounds), layers(layers), unitOfSums(unit), sums(bounds.area() * layers * 3),
         moments(bounds.area()) {}
 
-  /** Adds to each layer of the bit set, around a place of the film in pixels of the whole film. `value`:
-   * finite, for one light path of a picture of one pixel's importance (WiSample). Any thread, any time. */
+  /** Adds to each layer of the bit set, around a point [pixels of the whole film]. `value` is finite: the
+   * contribution of one light path by one pixel's importance (WiSample). Any thread, any time. */
   void add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value);
-  /** Counts light paths, whether they brought something or not. Any thread. */
+  /** Counts light paths, with or without contributions. Callable from any thread. */
   void addPaths(uint64_t count);
-  /** Adds what another plane of the same pixels, layers and unit has. */
+  /** Adds the sums of a plane with the same pixels, layers and unit. */
   void add(const SplatPlane& other);
   void clear();
 
-  /** The mean over light paths; black before the first. */
+  /** Mean over light paths; black before the first. */
   Rgb value(size_t pixel, size_t layer) const;
-  /** The mean over light paths of the luminance of all layers together, each contribution counted once. */
+  /** Mean over light paths of the luminance of all layers together, each contribution counted once. */
   double luminance(size_t pixel) const;
-  /** Variance of luminance(), from the spread of the contributions: those of one light path to the same pixel
+  /** Variance of luminance() from the sums of squares. Contributions of one light path to the same pixel
    * count as independent. Zero before the second path. */
   double variance(size_t pixel) const;
   double unit() const { return unitOfSums; }
   uint64_t paths() const { return figures.paths; }
-  /** Contributions that were too large for the unit, and lost light by it. */
+  /** Number of contributions that overflowed the sums, whose light is lost in part. */
   uint64_t saturated() const { return figures.saturated; }
-  /** The pass after the last one whose light paths are in it; to be known when a render goes on. */
+  /** Number of the first pass whose light paths are not included; needed to resume a render. */
   uint64_t nextPass() const { return figures.nextPass; }
   void setNextPass(uint64_t pass) { figures.nextPass = pass; }
 
-  /** The numbers that it consists of, as they lie in memory. */
+  /** Memory blocks with the whole content of the plane. */
   std::array<std::span<std::byte>, 3> state() {
     return {std::as_writable_bytes(std::span(sums)), std::as_writable_bytes(std::span(moments)),
             std::as_writable_bytes(std::span(&figures, 1))};
   }
-  /** Add the sums, and the last part, of other planes' state(); as Film::StatePart has it. */
+  /** Add sums, or the last block of state(), of a second plane; see Film::StatePart. */
   static void addSums(const void* from, void* into, size_t count);
   static void addFigures(const void* from, void* into, size_t count);
-  /** Bytes of state(). */
+  /** Size of state() [bytes]. */
   static double bytes(double pixels, double layers) {
     return pixels * (layers * 3 * sizeof(WideSum) + sizeof(Moments)) + sizeof(Figures);
   }
@@ -75,11 +75,11 @@ class SplatPlane {
       nextPass = std::max(nextPass, o.nextPass);
     }
   };
-  /** Of a pixel, the first in the unit of sums and the second in that unit's square times SQUARE_SCALE. */
+  /** Moments of a pixel: luminance in the unit of sums, square in its square times SQUARE_SCALE. */
   struct Moments {
     WideSum luminance, square;
   };
-  /** `largest`: of the absolute value; beyond, it counts as saturated. */
+  /** `largest`: maximum absolute value, beyond which a contribution is saturated. */
   void addTo(WideSum& sum, double units, double largest, uint64_t key);
   void addAll(WideSum& sum, const WideSum& other);
 

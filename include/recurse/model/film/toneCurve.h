@@ -1,5 +1,5 @@
 /** @file
- * What tone operators share: curves that keep the grey card, colours of a given luminance, blurred pictures.
+ * Tools of tone operators: curves that preserve the grey card, colours of a given luminance, blurred images.
  */
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace recurse {
 
-/** The factor s for which a rising curve(s · GREY_CARD) is GREY_CARD; the curve passes through 0. */
+/** Scale s for which curve(s · GREY_CARD) = GREY_CARD; the curve must increase and pass through 0. */
 template <class Curve> float greyKeepingScale(const Curve& curve) {
   float low = 0, high = 1;
   while (curve(high * GREY_CARD) < GREY_CARD) high *= 2;
@@ -21,7 +21,7 @@ template <class Curve> float greyKeepingScale(const Curve& curve) {
   return 0.5f * (low + high);
 }
 
-/** Replaces each colour of the picture by change(colour). */
+/** Replaces each colour of the image by change(colour). */
 template <class Change> void changeColours(Image& picture, const Change& change) {
   const size_t stride = picture.channels.size();
   for (size_t i = 0; i + 2 < picture.pixels.size(); i += stride) {
@@ -31,8 +31,8 @@ template <class Change> void changeColours(Image& picture, const Change& change)
   }
 }
 
-/** The colour made brighter or darker to luminance y. Where a channel would exceed 1 the colour fades towards
- * grey instead, as far as y is below 1. */
+/** Colour scaled to luminance y. Where a channel would exceed 1, the colour is desaturated instead, keeping y
+ * while it is below 1. */
 inline Rgb withLuminance(const Rgb& colour, float y) {
   const float before = luminance(colour);
   if (!(before > 0)) return BLACK;
@@ -41,14 +41,14 @@ inline Rgb withLuminance(const Rgb& colour, float y) {
   return largest <= 1 ? scaled : y >= 1 ? Rgb(y) : Rgb(y) + (scaled - y) * ((1 - y) / (largest - y));
 }
 
-/** The luminance below which the fraction `q` of the pixels is. */
+/** Luminance quantile: the fraction `q` of the pixels is darker. */
 float luminanceQuantile(const Image& picture, double q);
 
-/** The luminance of each pixel, row by row. */
+/** Luminance of each pixel, row by row. */
 std::vector<float> luminances(const Image& picture);
 
-/** A field of width × height numbers blurred by a Gaussian of standard deviation `sigma` [pixels]. At the
- * border the mean is over what is inside. */
+/** Gaussian blur of a field of width × height numbers, with standard deviation `sigma` [pixels]. At the
+ * border the mean is over the pixels inside. */
 std::vector<float> gaussianBlur(const std::vector<float>& field, int width, int height, float sigma);
 
 } // namespace recurse

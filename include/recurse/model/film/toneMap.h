@@ -1,5 +1,5 @@
 /** @file
- * Tone operators: from light in the scene to what a display can show.
+ * Tone operators: mapping of scene radiance to the range of a display.
  */
 #pragma once
 
@@ -7,23 +7,23 @@
 
 namespace recurse {
 
-/** Reflectance of the photographer's grey card. Exposure puts middle grey there, and every operator leaves a
- * picture of that grey as it is. */
+/** Reflectance of the photographer's grey card. Exposure maps middle grey to it, and every operator leaves an
+ * image of that grey unchanged. */
 constexpr float GREY_CARD = 0.18f;
 
 class ToneMap {
  public:
   virtual ~ToneMap() = default;
   /**
-   * Turns exposed colours into those of a display, which shows [0, 1] and cuts what is over. Both are linear
-   * Rec. 709 in the first three channels; what comes in is finite and not negative.
+   * Maps exposed colours to display colours, of which the display shows [0, 1] and clips larger values. Both
+   * are linear Rec. 709 in the first three channels; the input is finite and not negative.
    */
   virtual void apply(Image& picture) const = 0;
-  /** The result for a pixel depends on its surroundings. Otherwise a brighter pixel never becomes darker. */
+  /** True where the result of a pixel depends on its neighbours. Otherwise the mapping is monotonic. */
   virtual bool isLocal() const { return false; }
-  /** Colours stay what they are, and nothing else is done to the picture either. */
+  /** True where the operator leaves the image unchanged. */
   virtual bool isIdentity() const { return false; }
-  /** How far a pixel beside an edge of 1:100 may be from one far off, relative to the latter. */
+  /** Halo: maximum relative difference between a pixel beside an edge of 1:100 and one far from the edge. */
   virtual float haloBound() const { return 0; }
 };
 

@@ -15,80 +15,80 @@
 
 namespace recurse {
 
-/** Where light comes from: which of its densities are deltas, and in which measure the others are. */
+/** Kind of a light: determines which of its densities are deltas, and the measure of its densities. */
 enum class LightKind {
-  POINT,      ///< one position, which rays cannot meet
-  DISTANT,    ///< one direction, infinitely far, which rays cannot meet
+  POINT,      ///< one position, which rays cannot hit
+  DISTANT,    ///< one direction, infinitely far, which rays cannot hit
   AREA,       ///< a surface
-  ENVIRONMENT ///< all directions, infinitely far: what a ray sees that leaves the scene
+  ENVIRONMENT ///< all directions, infinitely far: seen by rays that leave the scene
 };
 
 inline bool isInfinite(LightKind kind) {
   return kind == LightKind::DISTANT || kind == LightKind::ENVIRONMENT;
 }
 
-/** A ray that a light may have emitted; of a light infinitely far it may start anywhere on its line. */
+/** Ray that a light may have emitted; for infinite lights it may start anywhere on its line. */
 struct LeRay {
-  Vec3f origin;           ///< on the light; on a surface or displaced from it
+  Vec3f origin;           ///< on the light: on its surface, or offset from it
   Vec3f direction;        ///< unit, away from the light
-  Vec3f normal{0};        ///< unit, of an emitting surface; else zero
+  Vec3f normal{0};        ///< unit, of an emitting surface; zero for other lights
   uint32_t primitive = 0; ///< of the emitting shape
   float time = 0;         ///< see Ray::time
 };
 
 /**
- * The density with which sampleLe() emits a ray is the product of two. From finite lights it is that of the
- * position, a unit of area [1/length²], and that of the direction from there [1/sr]. From lights infinitely
- * far it is that of the direction [1/sr], and that of the position on a plane across it [1/length²]. A delta
- * has density 0 here.
+ * Density of a ray in sampleLe(), the product of two densities. Finite lights: the density of the position
+ * [1/length²], and of the direction given the position [1/sr]. Infinite lights: the density of the direction
+ * [1/sr], and of the position on a plane perpendicular to it [1/length²]. A delta distribution has zero
+ * density here.
  */
 struct LePdf {
   float position = 0, direction = 0;
   bool deltaPosition = false, deltaDirection = false;
 };
 
-/** A photon at its start. */
-struct LeSample : LeRay { ///< the origin is displaced already from an emitting surface
-  Rgb radiance; ///< along the ray; of POINT the intensity [W/sr], of DISTANT the irradiance across it
-  float pdfPosition = 1;  ///< as LePdf::position; 1 for a delta
-  float pdfDirection = 1; ///< as LePdf::direction; 1 for a delta
-  /** radiance · cosine / (pdfPosition · pdfDirection) without what cancels; the cosine only where there is a
-   * surface. Its mean over samples is the light's power [W]. */
+/** Emission sample: start of a photon. */
+struct LeSample : LeRay { ///< the origin is already offset from an emitting surface
+  Rgb radiance; ///< along the ray; POINT: intensity [W/sr]; DISTANT: irradiance at perpendicular incidence
+  float pdfPosition = 1;  ///< LePdf::position, but 1 for a delta
+  float pdfDirection = 1; ///< LePdf::direction, but 1 for a delta
+  /** radiance · cosine / (pdfPosition · pdfDirection) with common factors cancelled; the cosine only for
+   * surfaces. The mean over samples is the light's power [W]. */
   Rgb flux;
 };
 
-/** The numbers in [0, 1) that a photon starts by. A light need not use all, but no others: where they come
- * from is the business of whoever shoots. */
+/** Random numbers in [0, 1) of a photon's emission. A light may use some or all of these, and no others: the
+ * caller decides on their source. */
 struct LeRandom {
-  float pick = 0; ///< of the part of the light
+  float pick = 0; ///< chooses a part of the light
   Vec2f place;
   Vec2f direction;
-  float time = 0; ///< of the photon: Ray::time
+  float time = 0; ///< Ray::time of the photon
 };
 
-/** Light that may arrive at a point. */
+/** Light sample: radiance that may arrive at a point. */
 struct LiSample {
   Vec3f direction;    ///< unit, towards the light
-  Vec3f target;       ///< the point on the light that must be seen; the lit point itself where that is far
-  float distance = 0; ///< to the target; infinite for distant and environment light
-  Rgb radiance;       ///< arriving radiance; for a delta light the irradiance at perpendicular incidence
-  float pdf = 0;      ///< per solid angle [1/sr]; 1 for a delta light
-  bool delta = false; ///< the direction cannot be found by chance
-  Vec3f normal{0};    ///< at the target where that is a surface, on either side
+  Vec3f target;       ///< point on the light to be tested for visibility; the lit point for infinite lights
+  float distance = 0; ///< to the target [scene units]; infinite for distant and environment lights
+  Rgb radiance;       ///< incident radiance; for a delta light the irradiance at perpendicular incidence
+  float pdf = 0;      ///< density [1/sr]; 1 for a delta light
+  bool delta = false; ///< a delta direction, which BSDF sampling cannot find
+  Vec3f normal{0};    ///< normal of the surface at the target, on either side; zero for other lights
   uint32_t primitive = 0; ///< of the emitting shape
   float time = 0;         ///< see Ray::time
 
-  /** The light's way from the target, to ask for the density of its emission. */
+  /** Ray from the target along which the light arrives, for pdfLe(). */
   LeRay emitted() const { return {target, -direction, normal, primitive, time}; }
 };
 
-/** The sphere that holds the scene, for lights that come from outside. */
+/** Bounding sphere of the scene, for infinite lights. */
 struct SceneBounds {
   Vec3f center{0};
   float radius = 1;
 
-  /** The density of positions on a disc that covers it, from which the rays of such lights start [1/length²].
-   */
+  /** Density of positions on a disc of the sphere's radius, from which rays of infinite lights start
+   * [1/length²]. */
   float pdfDisc() const { return 1 / (PI * square(radius)); }
 };
 
@@ -99,29 +99,29 @@ class Light {
   /** True for lights at a point or in one direction, which no ray can hit. */
   bool isDelta() const { return kind() == LightKind::POINT || kind() == LightKind::DISTANT; }
   bool isInfinite() const { return recurse::isInfinite(kind()); }
-  /** Whether rays can hit it. */
+  /** Whether rays can hit the light. */
   virtual bool isIntersectable() const { return !isDelta(); }
   /** Called once before any other function. */
   virtual void prepare(const SceneBounds&) {}
-  /** Emitted flux [W]; what enters the scene's bounding sphere for distant and environment lights. */
+  /** Emitted flux [W]; for infinite lights, the flux that enters the scene's bounding sphere. */
   virtual Rgb power() const = 0;
-  /** The forward pass: one photon. Empty: nothing is emitted for this sample. */
+  /** Emission sample for the forward pass: one photon. Empty: no emission for this sample. */
   virtual std::optional<LeSample> sampleLe(const LeRandom& sample) const = 0;
-  /** The densities with which sampleLe() emits the ray. */
+  /** Densities of the ray in sampleLe(). */
   virtual LePdf pdfLe(const LeRay& ray) const = 0;
-  /** LeSample::radiance for another unit direction from the same place, on the same side of a surface. Area
-   * lights are taken to shine evenly wherever they shine: those that do not have to say so. */
+  /** LeSample::radiance for a different unit direction from the same point, on the same side of a surface. By
+   * default constant over the directions of nonzero density for area lights, which may override it. */
   virtual Rgb radianceTowards(const LeSample& sample, const Vec3f& direction) const;
-  /** The backward pass: light towards a point, not tested for visibility. Empty: none. */
+  /** Light sample at a point for the backward pass, without a visibility test. Empty: none. */
   virtual std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const = 0;
-  /** The same at a time (Ray::time), for lights that move. */
+  /** Light sample at a time (Ray::time), for lights that move. */
   virtual std::optional<LiSample> sampleLiAt(float /*time*/, const Vec3f& point, float pick,
                                              const Vec2f& u) const {
     return sampleLi(point, pick, u);
   }
 };
 
-/** A light on a surface. */
+/** Light on a surface. */
 class AreaLight : public Light {
  public:
   explicit AreaLight(const Shape& shape) : shapeOfLight(shape) {
@@ -134,13 +134,13 @@ class AreaLight : public Light {
   const Shape& shape() const { return shapeOfLight; }
   /** Emitted radiance at a point of the shape, towards unit `direction`. */
   virtual Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const = 0;
-  /** The part of the light that leaves at a point of the shape: what alpha cuts out does not shine. */
+  /** Fraction of the radiance that leaves a point of the shape: parts cut out by alpha do not emit. */
   float opacity(const SurfacePoint& point) const {
     return alpha ? std::clamp(alpha->at(point).r, 0.0f, 1.0f) : 1;
   }
-  /** As in pbrt, a light whose alpha is the number 0 shines like any, but no ray hits it. */
+  /** False where alpha is the constant 0: as in pbrt, such a light emits as usual, but no ray hits it. */
   bool isIntersectable() const override { return !unseen; }
-  /** Density with which sampleLi(from) chooses this point [1/sr]. */
+  /** Density of this point in sampleLi(from) [1/sr]. */
   virtual float pdfLi(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const {
     return shapeOfLight.pdfDirection(from, primitive, point);
   }
@@ -151,19 +151,19 @@ class AreaLight : public Light {
   bool unseen = false;
 };
 
-/** A light that rays meet when they leave the scene. */
+/** Infinite light that rays hit when they leave the scene. */
 class EnvironmentLight : public Light {
  public:
   LightKind kind() const override { return LightKind::ENVIRONMENT; }
   virtual Rgb radiance(const Vec3f& direction) const = 0;
-  /** Density with which sampleLi(from) chooses the direction, which points to the light [1/sr]. */
+  /** Density of a direction towards the light in sampleLi(from) [1/sr]. */
   virtual float pdfLi(const Vec3f& from, const Vec3f& direction) const = 0;
 };
 
-/** What makers of lights are given besides parameters. */
+/** Arguments of makers of lights besides parameters. */
 struct LightContext {
   Mat4d sceneFromLight{1};
-  Vec3d sceneOrigin{0}; ///< in world coordinates: to be taken off positions there
+  Vec3d sceneOrigin{0}; ///< world coordinates of the scene's origin, to be subtracted from world positions
 };
 struct AreaLightContext {
   const Shape& shape;

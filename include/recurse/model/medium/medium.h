@@ -1,5 +1,5 @@
 /** @file
- * Participating media: what absorbs, scatters and emits light between surfaces.
+ * Participating media: absorption, scattering and emission between surfaces.
  */
 #pragma once
 
@@ -12,22 +12,22 @@
 
 namespace recurse {
 
-/** A medium at a point. */
+/** Properties of a medium at a point. */
 struct MediumPoint {
   Rgb absorption{0}, scattering{0}; ///< coefficients [1/length]
-  Rgb emission{0};                  ///< radiance that a unit of length adds
+  Rgb emission{0};                  ///< emitted radiance per unit of length
 
   Rgb extinction() const { return absorption + scattering; }
 };
 
-/** The numbers of the media on the two sides of a surface, the geometric normal pointing outside; 0: vacuum.
- */
+/** Indices of the media on the two sides of a surface, whose geometric normal points outside; 0: vacuum. Both
+ * are equal where the surface is no boundary. */
 struct MediumInterface {
   uint16_t inside = 0, outside = 0;
   bool isBoundary() const { return inside != outside; }
 };
 
-/** Upper bounds of a field in the unit cube, by cells. */
+/** Upper bounds of a field in the unit cube, one for each cell of a grid. */
 class MajorantGrid {
  public:
   MajorantGrid() = default;
@@ -45,19 +45,19 @@ class MajorantGrid {
   std::vector<float> bounds;
 };
 
-/** A part of a ray with a bound of the extinction that holds everywhere in it. */
+/** Interval of a ray with a majorant: a bound of the extinction that holds everywhere in it. */
 struct MajorantSegment {
   float begin = 0, end = 0;
   Rgb majorant{0}; ///< [1/length]
 };
 
-/** The segments of a ray in a medium, in order: one in a homogeneous medium, the cells on its way else. */
+/** Majorant segments of a ray in order: one in a homogeneous medium, else one for each cell on its way. */
 class MajorantSegments {
  public:
-  /** The ray's first `end` with the same bound everywhere. */
+  /** The interval [0, end) with one majorant. */
   MajorantSegments(float end, const Rgb& majorant) : whole{0, end, majorant}, one(true) {}
-  /** The cells of a grid, a ray in the unit cube's coordinates meets before `end`; bounds are `extinction`
-   * times those of the grid. The direction is not of unit length: distances are those of the scene's ray. */
+  /** Cells of a grid along a ray in unit-cube coordinates, up to `end`. Majorants are `extinction` times the
+   * grid's bounds. The direction is not of unit length: distances are along the scene's ray. */
   MajorantSegments(const MajorantGrid& grid, const Rgb& extinction, const Vec3f& origin,
                    const Vec3f& direction, float end);
 
@@ -76,22 +76,22 @@ class Medium {
  public:
   virtual ~Medium() = default;
   virtual MediumPoint at(const Vec3f& position) const = 0;
-  /** Bounds of the extinction along a ray of unit direction, as far as `end`. Where there is none, there is
-   * no medium. */
+  /** Majorants along a ray of unit direction, up to `end`. The medium is absent where there is no
+   * segment. */
   virtual MajorantSegments segments(const Ray& ray, float end) const = 0;
-  /** The same everywhere, so that transmittance has a closed form: the bound is the extinction. */
+  /** True where the medium is constant: transmittance is analytic, and the majorant is the extinction. */
   virtual bool isHomogeneous() const { return false; }
   virtual bool isEmissive() const { return false; }
-  /** There is nothing of the medium outside; infinite where that is known of no box. */
+  /** Box outside of which the medium is absent; infinite where no such box is known. */
   virtual Bounds3f bounds() const { return {Vec3f(-INFINITE), Vec3f(INFINITE)}; }
 
   std::unique_ptr<const PhaseFunction> phase; ///< never null in a scene
 };
 
-/** What makers of media are given besides parameters. */
+/** Arguments of makers of media besides parameters. */
 struct MediumContext {
   Mat4d sceneFromMedium{1};
-  /** Beyond it the mean free path is lost in the rounding of positions [1/length]. */
+  /** Above it the mean free path vanishes in the rounding of positions [1/length]. */
   float maxExtinction = INFINITE;
 };
 

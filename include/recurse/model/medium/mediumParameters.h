@@ -1,5 +1,5 @@
 /** @file
- * Parameters that all media share.
+ * Parameters of all media.
  */
 #pragma once
 
@@ -10,17 +10,17 @@
 
 namespace recurse {
 
-/** Lescale, one number for all places. */
+/** Parameter Lescale as one number for the whole medium. */
 ParameterSpec emissionScaleParameter();
-/** sigma_a and sigma_s with these defaults, scale, Le, and what scales that. */
+/** Parameters sigma_a and sigma_s with these defaults, scale, Le, and the scale of Le. */
 std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering,
                                             const ParameterSpec& emissionScale = emissionScaleParameter());
-/** Factor of emitted radiance: Lescale, and the largest where the cells of a grid have one each. */
+/** Factor of emitted radiance: Lescale; the largest one where the cells of a grid have one each. */
 double emissionScale(const Parameters& p);
-/** The medium that they describe; `preset`, where it is declared and given, in the place of the first two.
- * Fails where the numbers do not fit single precision. */
+/** Medium described by the parameters; `preset`, where it is declared and given, replaces sigma_a and
+ * sigma_s. Throws SceneError where the numbers do not fit single precision. */
 MediumPoint readMediumPoint(const Parameters& p);
-/** Measured matter by name [1/mm]; the scattering is reduced, for isotropic phase functions. */
+/** Measured media by name [1/mm]; the scattering coefficient is reduced, for isotropic phase functions. */
 std::vector<std::string> mediumPresetNames();
 std::optional<MediumPoint> mediumPreset(const std::string& name);
 

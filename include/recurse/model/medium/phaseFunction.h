@@ -1,6 +1,6 @@
 /** @file
- * Phase functions: how a medium scatters. A plug-in is three functions of the cosine between the directions
- * of flight before and after; all are symmetric about the direction before.
+ * Phase functions: the distribution of scattering in a medium. A plug-in is three functions of the cosine
+ * between the propagation directions before and after; all are symmetric about the former.
  */
 #pragma once
 
@@ -11,15 +11,15 @@ namespace recurse {
 class PhaseFunction {
  public:
   virtual ~PhaseFunction() = default;
-  /** Density per solid angle [1/sr] of going on at an angle of this cosine in [-1, 1], 1 being straight on.
-   * Its integral over the sphere is 1. */
+  /** Density of scattering at an angle of this cosine in [-1, 1], where 1 is straight on [1/sr]. The integral
+   * over the sphere is 1. */
   virtual float value(float cosine) const = 0;
-  /** A cosine with that density, from u in [0, 1). */
+  /** Samples a cosine in proportion to value(), by u in [0, 1). */
   virtual float sampleCosine(float u) const = 0;
-  /** The mean of the cosine, g. */
+  /** Mean cosine g. */
   virtual float meanCosine() const = 0;
 
-  /** A direction with density value(), for a flight in unit `direction`. */
+  /** Samples a direction with density value(), for a propagation along unit `direction`. */
   Vec3f sample(const Vec3f& direction, const Vec2f& u) const {
     const float z = std::clamp(sampleCosine(u.x), -1.0f, 1.0f);
     const float r = std::sqrt(std::max(0.0f, 1 - z * z)), phi = 2 * PI * u.y;

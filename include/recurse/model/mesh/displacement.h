@@ -1,5 +1,5 @@
 /** @file
- * Displacement: triangle meshes divided finely and moved along their normals by a texture.
+ * Displacement: triangle meshes that are diced finely and moved along their normals by a texture.
  */
 #pragma once
 
@@ -10,21 +10,21 @@
 
 namespace recurse {
 
-/** How finely a surface is to be divided where. */
+/** Resolution at which a surface is diced. */
 class Dicing {
  public:
   virtual ~Dicing() = default;
-  /** The greatest length that an edge between two points of the shape's space may have. */
+  /** Maximum length of an edge between two points in the space of the shape. */
   virtual double edgeLength(const Vec3d& a, const Vec3d& b) const = 0;
 };
 
-/** The parameters of a shape that can be displaced. */
+/** Parameters of a shape that can be displaced: `own` and the parameters of displacement. */
 std::vector<ParameterSpec> withDisplacement(std::vector<ParameterSpec> own);
 
 /**
- * The mesh, displaced where the parameters say so: edges are halved until they are short enough before and
- * after the displacement. Triangles that share an edge share its halves, so that no gaps open. The normals
- * are those of the displaced surface. Throws Error as TriangleMesh does.
+ * The mesh, displaced if the parameters say so: edges are halved until they are short enough before and after
+ * displacement. Triangles with a common edge split it at the same points, so that no cracks appear. Normals
+ * are recomputed from the displaced surface. Throws Error as TriangleMesh does.
  */
 std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters& p,
                                                 const ShapeContext& context);

@@ -11,10 +11,10 @@ namespace recurse {
 
 struct PlyFile {
   MeshData mesh;
-  uint64_t badNormals = 0;   ///< that are not finite; they are zero in the mesh
-  size_t brokenVertices = 0; ///< that are not finite and that no face uses
+  uint64_t badNormals = 0;   ///< normals that are not finite; they are zero in the mesh
+  size_t brokenVertices = 0; ///< vertices that are not finite and not used by any face
 
-  /** Calls warn(text) for what has been left out. */
+  /** Calls warn(text) for each kind of discarded data. */
   template <class Warn> void forWarnings(const Warn& warn) const {
     if (badNormals > 0)
       warn(std::to_string(badNormals) +
@@ -24,7 +24,7 @@ struct PlyFile {
   }
 };
 
-/** Throws Error with the place of what is wrong. */
+/** Throws Error with the location of the fault in the file. */
 PlyFile readPly(const FileReference& file);
 
 } // namespace recurse

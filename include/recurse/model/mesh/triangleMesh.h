@@ -1,5 +1,5 @@
 /** @file
- * Triangle meshes: the shape that the mesh plug-ins make, and that Embree intersects by itself.
+ * Triangle meshes: the shape that mesh plug-ins make, and that Embree intersects natively.
  */
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace recurse {
 
-/** A mesh as files have it, in object space and double precision. */
+/** Mesh as stored in files, in object space and double precision. */
 struct MeshData {
   std::vector<Vec3d> positions;
   std::vector<Vec3d> normals;        ///< one for each position, or none; need not be unit
@@ -22,10 +22,10 @@ struct MeshData {
 
 class TriangleMesh final : public Shape {
  public:
-  /** Bakes the transform. Throws Error for indices out of range, non-finite numbers or arrays of wrong
-   * length. */
+  /** Applies the transform of the context. Throws Error for indices out of range, non-finite numbers or
+   * arrays of wrong length. */
   TriangleMesh(const MeshData& data, const ShapeContext& context);
-  /** The same, and takes the data apart on the way, so that a large mesh is in memory once. */
+  /** Consumes the data during construction, so that a large mesh is in memory only once. */
   TriangleMesh(MeshData&& data, const ShapeContext& context);
 
   const std::vector<Vec3f>& positions() const { return vertices; }
@@ -36,7 +36,7 @@ class TriangleMesh final : public Shape {
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
   SurfacePoint surfaceAt(uint32_t primitive, const HitParameters& parameters) const override;
   SurfacePoint placeAt(uint32_t primitive, const HitParameters& parameters) const override;
-  /** Has what surfaceAt will read of a triangle brought into the cache: first this, then its vertices. */
+  /** Prefetches data of surfaceAt() into the cache: call this first, then prefetchVertices(). */
   void prefetchTriangle(uint32_t primitive) const {
     __builtin_prefetch(&triangles[primitive]);
     __builtin_prefetch(&planes[primitive]);
@@ -51,11 +51,11 @@ class TriangleMesh final : public Shape {
   std::vector<RimPiece> rim() const override;
 
  private:
-  /** The winding rule's normal in double precision, not normalised; zero for a triangle without area. */
+  /** Normal by the winding rule, in double precision, not normalised; zero for a degenerate triangle. */
   Vec3d windingNormal(const glm::uvec3& triangle) const;
   void tabulateAreas() const;
-  /** What a hit needs of its triangle and is slow to find out: a normal on the outer side by the winding
-   * rule, and the distance from the plane within which Embree may find a point. */
+  /** Precomputed data of hits: the normal on the outer side by the winding rule, and the distance from the
+   * plane within which Embree may report a point [scene units]. */
   struct Plane {
     Vec3f normal;
     float error;
@@ -68,12 +68,12 @@ class TriangleMesh final : public Shape {
   std::vector<glm::uvec3> triangles;
   std::vector<Plane> planes;
   float totalArea = 0;
-  bool flipped = false; ///< the winding rule's normal points inside
+  bool flipped = false; ///< true: the normal by the winding rule points inside
 
-  // Only emitting meshes are sampled, so the table is made when it is first wanted.
+  // The table is made at first use, since only emitting meshes are sampled.
   mutable std::once_flag once;
-  mutable std::atomic<bool> tabulated = false; ///< quicker to ask than the flag
-  mutable std::vector<double> cumulativeArea;  ///< of triangles [0, i]
+  mutable std::atomic<bool> tabulated = false; ///< cheaper to test than the flag
+  mutable std::vector<double> cumulativeArea;  ///< sums of areas over triangles [0, i]
 };
 
 } // namespace recurse

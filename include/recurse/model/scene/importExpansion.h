@@ -1,5 +1,5 @@
 /** @file
- * Pieces of scenes that importers make, put in the place of the directives that name them.
+ * Expansion of imports: importers make parts of a scene, which replace the directives that name them.
  */
 #pragma once
 
@@ -12,15 +12,15 @@ namespace recurse {
 struct PlugIns;
 class KeptParts;
 
-/** Sees to the parameter "camera" of every importer. */
+/** Adds the parameter "camera" to every importer. */
 void addImportParameters(PlugIns& plugIns);
 
-/** Makes every directive of a scene find these files. */
+/** Makes the files available to every directive of a scene. */
 void attachFiles(SceneDescription& scene, const std::shared_ptr<const MemoryFiles>& files);
 
 /** True where a Shape directive names an importer. */
 bool hasImports(const SceneDescription& scene);
-/** Puts the pieces that importers make in the place of the Shape directives that name them. */
+/** Replaces Shape directives that name importers by the imported parts of a scene. */
 void expandImports(SceneDescription& scene, Diagnostics& diagnostics, bool lenient,
                    KeptParts* kept = nullptr);
 

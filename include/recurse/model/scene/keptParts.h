@@ -1,5 +1,5 @@
 /** @file
- * What the scenes of an animation's frames have in common.
+ * Cache of the parts that successive frames of an animation have in common.
  */
 #pragma once
 
@@ -18,12 +18,12 @@ namespace recurse {
 class EmbreeDevice;
 class GeometryGroup;
 
-/** Parts of the scene built last, by keys that say all that they were made from. */
+/** Parts of the last scene, by keys that identify all inputs of their construction. */
 template <class Key, class Part> class KeptByKey {
  public:
-  size_t kept = 0, made = 0; ///< of the scene built last
+  size_t kept = 0, made = 0; ///< counts for the last scene
 
-  /** Takes a part out, null where there is none: each stands in one place of the next scene. */
+  /** Removes and returns a part, null where there is none: each is used once in the next scene. */
   std::shared_ptr<Part> take(const Key& key) {
     const auto found = parts.find(key);
     if (found == parts.end()) return nullptr;
@@ -31,7 +31,7 @@ template <class Key, class Part> class KeptByKey {
     parts.erase(found);
     return part;
   }
-  /** Keeps parts of a scene in the place of those before. */
+  /** Replaces all cached parts by parts of a new scene. */
   void replace(std::multimap<Key, std::shared_ptr<Part>> with) { parts = std::move(with); }
 
  private:
@@ -39,26 +39,26 @@ template <class Key, class Part> class KeptByKey {
 };
 
 /**
- * Kept from one frame to the next: shapes (with meshes read, subdivided, displaced) that have the same
- * parameters and place and name neither textures nor objects, trees of objects whose shapes are all kept,
- * media, and models that were read. Only one scene at a time can be rendered with what is kept.
+ * Parts kept from one frame to the next: shapes (with meshes read, subdivided, displaced) of equal parameters
+ * and transform that name neither textures nor objects, trees of objects whose shapes are all kept, media,
+ * and models read from files. Only one scene at a time can be rendered with the kept parts.
  */
 class KeptParts {
  public:
-  /** Of a shape in a tree: the shape, and whether it scatters, by which rays see it. */
+  /** Key of a tree: each shape, and whether it scatters, which determines the rays that it is visible to. */
   using TreeKey = std::vector<std::pair<const Shape*, bool>>;
 
-  std::shared_ptr<EmbreeDevice> device; ///< first, so that it goes last
+  std::shared_ptr<EmbreeDevice> device; ///< first, so that it is destroyed last
   KeptByKey<std::string, Shape> shapes;
   KeptByKey<TreeKey, GeometryGroup> trees;
   KeptByKey<std::string, Medium> media;
   KeptByKey<std::string, SceneImport> models;
 };
 
-/** Tells whether a plug-in would be made the same: all that its directive says, and files in memory that it
- * names. Files on the disk are taken as unchanged. */
+/** Cache key of a plug-in: a hash of its whole directive and of the files in memory that it names. Files on
+ * the disk are assumed not to change. */
 std::string keyOf(const ParsedDirective& directive);
-/** The same with a place. */
+/** Cache key of a plug-in with a transform. */
 std::string keyOf(const ParsedDirective& directive, const Mat4d& place);
 
 } // namespace recurse

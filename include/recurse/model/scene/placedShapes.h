@@ -1,5 +1,5 @@
 /** @file
- * Shapes of a scene where they stand, those of instances included.
+ * Enumeration of the shapes of a scene with their transforms, including shapes of instances.
  */
 #pragma once
 
@@ -11,14 +11,14 @@ namespace recurse {
 
 struct PlacedShape {
   const Shape* shape = nullptr;
-  const Material* material = nullptr; ///< null: it does not scatter
+  const Material* material = nullptr; ///< null: no scattering
   bool emits = false;
   uint32_t object = 0;     ///< see Scene::objectName()
-  Mat4d sceneFromShape{1}; ///< when the shutter opens
+  Mat4d sceneFromShape{1}; ///< at the time when the shutter opens
 };
 
-/** Calls visit(placed) for every shape of a scene that buildScene() made, once for each instance that it is a
- * part of. */
+/** Calls visit(placed) for every shape of a scene made by buildScene(), once for each instance that contains
+ * it. */
 void visitShapes(const Scene& scene, const std::function<void(const PlacedShape&)>& visit);
 
 } // namespace recurse

@@ -1,5 +1,5 @@
 /** @file
- * All registries together. src/plugins/list.h is the one list of plug-ins.
+ * All registries of plug-ins. The complete list of plug-ins is src/plugins/list.h.
  */
 #pragma once
 
@@ -17,7 +17,7 @@ namespace recurse {
 
 class Integrator; // transport/integrator.h
 
-/** The Accelerator directive has no effect: Embree builds the tree. */
+/** Settings of the Accelerator directive, which has no effect: Embree builds the tree. */
 struct AcceleratorSettings {};
 
 struct PlugIns {
@@ -28,17 +28,17 @@ struct PlugIns {
   Registry<Light, LightContext> lights{"LightSource"};
   Registry<AreaLight, AreaLightContext> areaLights{"AreaLightSource"};
   Registry<Medium, MediumContext> media{"MakeNamedMedium"};
-  Registry<PhaseFunction, NoContext> phaseFunctions{"phase"}; ///< of the media's parameter
+  Registry<PhaseFunction, NoContext> phaseFunctions{"phase"}; ///< for a parameter of media
   Registry<Camera, CameraContext> cameras{"Camera"};
   Registry<Filter, NoContext> filters{"PixelFilter"};
   Registry<FilmSettings, NoContext> films{"Film"};
   Registry<SamplerSettings, NoContext> samplers{"Sampler"};
   Registry<AcceleratorSettings, NoContext> accelerators{"Accelerator"};
   Registry<Integrator, NoContext> integrators{"Integrator"};
-  Registry<ToneMap, NoContext> toneMaps{"ToneMap"}; ///< of the option --tonemap
+  Registry<ToneMap, NoContext> toneMaps{"ToneMap"}; ///< for the option --tonemap
 };
 
-/** Every plug-in of this build. */
+/** All plug-ins of this build. */
 const PlugIns& plugIns();
 
 } // namespace recurse

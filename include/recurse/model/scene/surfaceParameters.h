@@ -1,5 +1,5 @@
 /** @file
- * Parameters of every shape and every material besides its own: opacity, bumps, normal maps.
+ * Common parameters of all shapes and all materials: opacity, bumps, normal maps.
  */
 #pragma once
 
@@ -7,7 +7,7 @@ namespace recurse {
 
 struct PlugIns;
 
-/** Gives every shape `alpha`, and every material `displacement` and `normalmap`. */
+/** Adds `alpha` to every shape, `displacement` and `normalmap` to every material. */
 void addSurfaceParameters(PlugIns& plugIns);
 
 } // namespace recurse

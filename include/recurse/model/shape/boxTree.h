@@ -1,5 +1,5 @@
 /** @file
- * A tree of boxes for what a line may meet inside of one shape: operands, balls, triangles.
+ * Bounding volume hierarchy within one shape, over its operands, balls or triangles.
  */
 #pragma once
 
@@ -9,14 +9,14 @@
 
 namespace recurse {
 
-/** Double precision; boxes are found also when a line misses them by rounding only. */
+/** Tree in double precision; also finds boxes that a line misses only by rounding. */
 class BoxTree {
  public:
   BoxTree() = default;
   explicit BoxTree(const std::vector<Bounds3d>& boxes);
 
-  /** Calls visit(index) for each box that the line origin + t·direction meets between tMin and tMax; maybe
-   * for others near by. */
+  /** Calls visit(index) for each box that the line origin + t·direction intersects between tMin and tMax, and
+   * possibly for boxes nearby. */
   template <class Visit>
   void visit(const Vec3d& origin, const Vec3d& direction, double tMin, double tMax,
              const Visit& visit) const {
@@ -38,7 +38,7 @@ class BoxTree {
   }
 
  private:
-  static constexpr int MAX_DEPTH = 64; ///< boxes are halved by number: 32 levels, two nodes for each
+  static constexpr int MAX_DEPTH = 64; ///< boxes are halved by number: 32 levels, two stack entries each
   static constexpr uint32_t LEAF_SIZE = 2;
   struct Node {
     Vec3d lower, upper;

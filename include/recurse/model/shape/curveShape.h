@@ -1,5 +1,5 @@
 /** @file
- * Thin curves: cubic Bézier segments of changing width, which Embree intersects.
+ * Thin curves: cubic Bézier segments of varying width, which Embree intersects.
  */
 #pragma once
 
@@ -9,22 +9,22 @@ namespace recurse {
 
 class CurveShape final : public Shape {
  public:
-  /** FLAT: turned to the ray; CYLINDER: the same with normals that differ across; RIBBON: as narrow as
-   * normals turn it from the ray. */
+  /** FLAT: faces the ray; CYLINDER: likewise, with normals that vary across the width; RIBBON: oriented by
+   * its normals, which determine its apparent width. */
   enum class Kind { FLAT, CYLINDER, RIBBON };
   struct Segment {
     Vec3d controls[4];
     double width0, width1;
-    Vec3d normal0{0}, normal1{0}; ///< of ribbons
+    Vec3d normal0{0}, normal1{0}; ///< for ribbons
   };
 
   CurveShape(const std::vector<Segment>& segments, Kind kind, const ShapeContext& context);
 
   Kind kind() const { return curveKind; }
-  /** Four control points for each segment, with the radius. */
+  /** Control points with radius, four for each segment. */
   const std::vector<glm::vec4>& controls() const { return points; }
-  /** What surfaceAt needs of Embree's hit at u along a segment, by a ray that may be of any length; empty
-   * where a ribbon is narrower than that. */
+  /** Parameters for surfaceAt() of Embree's hit at u on a segment, by a ray of any length; empty where a
+   * ribbon seen at an angle is narrower than the hit. */
   std::optional<HitParameters> parametersOf(uint32_t segment, float u, const Vec3f& origin,
                                             const Vec3f& direction, float t) const;
 
@@ -32,7 +32,7 @@ class CurveShape final : public Shape {
   Bounds3f bounds(uint32_t segment) const override;
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
   SurfacePoint surfaceAt(uint32_t segment, const HitParameters& parameters) const override;
-  /** It has no inside. */
+  /** Rim of a surface that encloses no volume. */
   std::vector<RimPiece> rim() const override {
     const Vec3f start(points.front());
     return {{start, start, start}};
@@ -50,8 +50,8 @@ class CurveShape final : public Shape {
 
   Kind curveKind;
   std::vector<glm::vec4> points;
-  std::vector<Vec3d> ends; ///< of ribbons, the unit normals at both ends of each segment
-  float side = 1;          ///< -1: orientation is reversed
+  std::vector<Vec3d> ends; ///< for ribbons: unit normals at both ends of each segment
+  float side = 1;          ///< -1: reversed orientation
 };
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * Solid noise: K. Perlin, "Improving Noise", SIGGRAPH 2002, and the sums of it that textures are made of
- * (Perlin, "An Image Synthesizer", SIGGRAPH 1985), cut off where the octaves are finer than the footprint.
+ * Solid noise (K. Perlin, "Improving Noise", SIGGRAPH 2002), and fractal sums of it for textures (Perlin, "An
+ * Image Synthesizer", SIGGRAPH 1985), without octaves that are finer than the footprint.
  */
 #pragma once
 
@@ -8,22 +8,22 @@
 
 namespace recurse {
 
-/** In about [-1, 1]; zero at the points of the integer lattice, mean zero; period 256 along each axis. */
+/** Gradient noise in about [-1, 1], zero at integer lattice points, mean zero, period 256 along each axis. */
 double perlinNoise(const Vec3d& p);
 
-/** Octaves of noise: each is 1.99 times finer than the last, and `roughness` times as high. */
+/** Sum of octaves of noise: each is 1.99 times finer than the one before, and scaled by `roughness`. */
 struct NoiseSum {
   int octaves = 8;
   double roughness = 0.5;
-  double fractal(const MappedPoint& m) const;    ///< Brownian: the octaves themselves
-  double turbulence(const MappedPoint& m) const; ///< their absolute values
+  double fractal(const MappedPoint& m) const;    ///< fractional Brownian motion: sum of the octaves
+  double turbulence(const MappedPoint& m) const; ///< sum of their absolute values
 
  private:
   template <class Term, class Rest>
   double sum(const MappedPoint& m, const Term& term, const Rest& rest) const;
 };
 
-/** The parameters of a NoiseSum, and their values. */
+/** Parameters of a NoiseSum, and the sum that given values define. */
 std::vector<ParameterSpec> noiseParameters();
 NoiseSum noiseSum(const Parameters& parameters);
 

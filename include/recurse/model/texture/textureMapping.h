@@ -1,6 +1,6 @@
 /** @file
- * From surfaces to the space that textures are defined in: two coordinates, or the points of texture space.
- * Each comes with its change over the footprint of a sample.
+ * Mappings from surfaces to texture coordinates: two coordinates, or points of texture space, each with its
+ * differentials over the footprint of a sample.
  */
 #pragma once
 
@@ -10,10 +10,10 @@
 
 namespace recurse {
 
-/** Coordinates and how they change along the footprint's two axes; zero where it is not known. */
+/** Texture coordinates and their differentials along the axes of the footprint; zero where unknown. */
 struct MappedPlace {
   Vec2f st{0}, alongX{0}, alongY{0};
-  /** Half the size of the footprint's bounding box. */
+  /** Half the size of the bounding box of the footprint. */
   Vec2f extent() const { return 0.5f * (glm::abs(alongX) + glm::abs(alongY)); }
 };
 struct MappedPoint {
@@ -21,13 +21,13 @@ struct MappedPoint {
   Vec3f alongX{0}, alongY{0};
 };
 
-/** The axes of the ellipse in which the footprint's cone cuts the surface; zero where it is not known. */
+/** Axes of the ellipse in which the footprint's cone intersects the surface; zero where unknown. */
 struct FootprintAxes {
   explicit FootprintAxes(const SurfacePoint& point);
-  Vec3f x{0}, y{0}; ///< whole lengths, not half of them
+  Vec3f x{0}, y{0}; ///< full lengths of the axes
 };
 
-/** pbrt-v4's `mapping` of textures of two dimensions. */
+/** pbrt-v4's `mapping` of two-dimensional textures. */
 class TextureMapping {
  public:
   TextureMapping(const Parameters& parameters, const TextureContext& context);
@@ -44,7 +44,7 @@ class TextureMapping {
   const Vec3d* origin;
 };
 
-/** The point itself, in the space that the current transform made for the texture. */
+/** Identity mapping, in the texture space of the current transform at the texture's directive. */
 class TextureSpace {
  public:
   explicit TextureSpace(const TextureContext& context);

@@ -1,6 +1,6 @@
 /** @file
- * Developing: from a rendered picture, linear and without bounds, to one for a display. In this order: white
- * balance, exposure, bloom, tone operator, display encoding, dither.
+ * Development of a rendered picture, linear and unbounded, for a display. The steps in order: white balance,
+ * exposure, bloom, tone operator, display encoding, dither.
  */
 #pragma once
 
@@ -13,45 +13,45 @@
 
 namespace recurse {
 
-/** How bright the picture becomes. */
+/** Exposure of the picture. */
 struct Exposure {
   enum class Meter {
     NONE,
-    LOG_AVERAGE, ///< what meteredStops() says
-    PERCENTILE   ///< this percentile of the luminance becomes 1
+    LOG_AVERAGE, ///< exposure of meteredStops()
+    PERCENTILE   ///< maps this percentile of the luminance to 1
   };
   Meter meter = Meter::LOG_AVERAGE;
   double percentile = 0; ///< in (0, 100]
-  double stops = 0;      ///< powers of two on top of what is metered
+  double stops = 0;      ///< powers of two in addition to the metered exposure
 };
 
 /**
- * The exposure in stops that a camera would choose: the log average of the luminance becomes middle grey, a
- * little less or more where most of the picture is dark or bright (Reinhard 2002, "Parameter Estimation for
- * Photographic Tone Reproduction"). Black pixels, the darkest and the brightest, such as lamps, do not count.
- * Zero for a black picture.
+ * Exposure of an automatic camera [stops]: maps the log average of the luminance to middle grey, or slightly
+ * less or more where most of the picture is dark or bright (Reinhard 2002, "Parameter Estimation for
+ * Photographic Tone Reproduction"). Black pixels and the darkest and brightest ones, such as lamps, are
+ * ignored. Zero for a black picture.
  */
 double meteredStops(const Image& picture);
-/** The exposure of a picture in stops. */
+/** Exposure of a picture by these settings [stops]. */
 double stopsFor(const Exposure& exposure, const Image& picture);
 
-/** The chromaticity of white in the picture. */
+/** Chromaticity of the white in the picture. */
 struct WhiteBalance {
-  bool automatic = false; ///< the mean of the picture, without its darkest and brightest parts, is white
-  double kelvin = 0;      ///< of daylight, below 4000 of a black body; 0: no white balance
+  bool automatic = false; ///< white is the mean of the picture without its darkest and brightest parts
+  double kelvin = 0;      ///< colour temperature of daylight, below 4000 of a black body; 0: no white balance
 
   static constexpr double MIN_KELVIN = 1667, MAX_KELVIN = 25000;
 };
-/** Adapts the picture's colours to the white of the display, D65 (Bradford's chromatic adaptation). */
+/** Adapts the picture to the white of the display, D65 (Bradford's chromatic adaptation). */
 void applyWhiteBalance(Image& picture, const WhiteBalance& balance);
 
-/** Encodings of displays by name: "srgb", "rec709", "gamma2.2", ...; "ocio", "ocio:DISPLAY" and
- * "ocio:DISPLAY/VIEW" are those of the OpenColorIO configuration that $OCIO names. */
+/** Display encoding by name: "srgb", "rec709", "gamma2.2", ...; "ocio", "ocio:DISPLAY" and
+ * "ocio:DISPLAY/VIEW" refer to the OpenColorIO configuration named by $OCIO. */
 class DisplayEncoding {
  public:
-  /** Throws Error (BAD_USAGE) for a name that does not exist, with those that do. */
+  /** Throws Error (BAD_USAGE), with all valid names, for an unknown one. */
   explicit DisplayEncoding(const std::string& name = "srgb");
-  /** Linear [0, 1] to what the display is sent; more and less is cut. */
+  /** Encodes linear values in [0, 1] for the display; others are clipped. */
   void apply(Image& picture) const;
   static const std::vector<std::string>& names();
 
@@ -62,11 +62,11 @@ class DisplayEncoding {
 struct DevelopSettings {
   Exposure exposure;
   WhiteBalance whiteBalance;
-  double bloom = 0;                       ///< see applyBloom(): part of the light
-  double bloomDegrees = 40;               ///< and how wide the picture is before the eye
+  double bloom = 0;                       ///< amount of applyBloom(): fraction of the light
+  double bloomDegrees = 40;               ///< visual angle of the picture's width, for applyBloom()
   std::shared_ptr<const ToneMap> toneMap; ///< null: none
   DisplayEncoding display;
-  bool dither = false; ///< to 8 bits, where smooth shades would show steps
+  bool dither = false; ///< for 8 bits, to prevent banding in smooth gradients
 };
 
 struct Developed {
@@ -74,35 +74,35 @@ struct Developed {
   double stops = 0;
 };
 
-/** A picture with its glare, and the light in it that is none: the same pixels where there is no bloom. */
+/** Picture with its glare, and the same light without glare: identical without bloom. */
 struct Glaring {
   Image light, direct;
 };
 /** Adds the glare of applyBloom() to a picture of R, G and B. */
 Glaring withGlare(Image picture, double amount, double degrees);
 
-/** The picture as it is before exposure, linear and without bounds, with white balance and bloom. */
+/** Picture before exposure, linear and unbounded, with white balance and bloom. */
 struct Unexposed {
   Glaring picture;
-  double stops = 0; ///< to expose it by
+  double stops = 0; ///< exposure to be applied
 };
 Unexposed beforeExposure(const Image& picture, const DevelopSettings& settings);
 
-/** A page that exposes the picture and shows it by an operator as its sliders say; all of it in one file.
- * Operators have their defaults. */
+/** Self-contained page that exposes the picture and applies a tone operator according to its sliders.
+ * Operators have their default parameters. */
 std::string developPage(const Image& picture, const DevelopSettings& settings, const std::string& title,
                         const std::string& operatorName);
 
-/** Makes edges of what is brighter than white smooth in a picture `shown` by a tone operator: pixels on such
- * an edge become the mixture of its two sides, as shown, that they are in the exposed picture. Edges are
- * those of the direct light, for glare has none. */
+/** Antialiases edges of highlights above white in a picture `shown` by a tone operator: pixels on such an
+ * edge become the mixture of its two sides, as shown, by their mixture in the exposed picture. Edges are
+ * found in the direct light, since glare has none. */
 void mixBrightEdges(const Glaring& exposed, Image& shown);
 
-/** Values that are not finite or negative count as black. */
+/** Develops a picture. Negative values and values that are not finite count as black. */
 Developed develop(const Image& picture, const DevelopSettings& settings);
 
-/** The picture by every tone operator with its defaults, each under its name; encoded as developed pictures
- * are. */
+/** Sheet of the picture by every tone operator with default parameters, each with its name; encoded like
+ * developed pictures. */
 Developed operatorSheet(const Image& picture, const DevelopSettings& settings);
 
 } // namespace recurse

@@ -12,19 +12,19 @@
 
 namespace recurse {
 
-/** What the page shows. */
+/** Content of the page. */
 struct Inspection {
-  std::string title, label;          ///< the scene, and how it was rendered
+  std::string title, label;          ///< scene, and settings of the render
   Image picture;                     ///< R, G, B of the crop window
   std::vector<RecordedPixel> pixels; ///< recorded with the classes of the page
-  std::vector<StoredPhoton> photons; ///< empty: the integrator keeps none
-  size_t photonsInMap = 0;           ///< before some were left out
+  std::vector<StoredPhoton> photons; ///< empty: the integrator has no photon map
+  size_t photonsInMap = 0;           ///< number in the map, before thinning
 };
 
-/** At most `most` photons, evenly from all of the map, with the power of those that are left out. */
+/** At most `most` photons, evenly thinned from the map, with the power of the omitted ones redistributed. */
 std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, size_t& inMap);
 
-/** A page that needs nothing but itself. */
+/** Self-contained page. */
 std::string inspectPage(const Scene& scene, const PathClasses& classes, const Inspection& inspection);
 
 } // namespace recurse

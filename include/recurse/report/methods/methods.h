@@ -1,6 +1,6 @@
 /** @file
- * Methods side by side: the same scene by each, with the paths that it computes, what it leaves out, and its
- * error. The report of it is JSON, a contact sheet and a page.
+ * Comparison of methods: the same scene by each of them, with the paths that it computes, the paths that it
+ * omits, and its error. It is reported as JSON, a contact sheet and a page.
  */
 #pragma once
 
@@ -12,51 +12,51 @@
 
 namespace recurse {
 
-/** A method and what it made of the scene. */
+/** A method with its result for the scene. */
 struct MethodResult {
   std::string name, settings;
-  std::string claims;       ///< expression of the paths that it computes
-  std::string suppositions; ///< what it takes for granted of these paths, in words; empty: nothing
-  std::string failure;      ///< why there is no picture, in words; empty: there is one
+  std::string claims;       ///< expression of the paths that the method computes
+  std::string suppositions; ///< assumptions about these paths, in words; empty: none
+  std::string failure;      ///< reason for a missing picture, in words; empty: there is a picture
   double seconds = 0, samplesPerPixel = 0;
-  Stills stills; ///< of the report's classes
+  Stills stills; ///< by the classes of the report
 
   // Set by measureMethod():
   Image picture;
-  Comparison whole;               ///< with all light
-  Comparison own;                 ///< with the light of the paths that it computes
-  double missing = 0;             ///< the part of all light that comes on other paths
+  Comparison whole;               ///< error with all light
+  Comparison own;                 ///< error with the light of the paths that the method computes
+  double missing = 0;             ///< fraction of all light on paths that the method does not compute
   std::vector<double> classMeans; ///< luminance of each class
   std::vector<bool> classIsClaimed;
 };
 
 struct MethodsReport {
-  std::string title, label, reference; ///< for a person
-  std::vector<PathClass> classes;      ///< disjoint; each claim takes all of a class or nothing, see isExact
-  bool isExact = true;                 ///< false: classes stand for nearly what a method computes
+  std::string title, label, reference; ///< texts for people
+  std::vector<PathClass> classes;      ///< disjoint; each claim contains all of a class or none, see isExact
+  bool isExact = true;                 ///< false: classes approximate the paths that a method computes
   std::vector<double> referenceMeans;  ///< luminance of each class
-  Stills referenceA, referenceB;       ///< independent of each other
-  References references;               ///< of all light
+  Stills referenceA, referenceB;       ///< independent
+  References references;               ///< with all light
   std::vector<MethodResult> methods;
 };
 
-/** Splits the classes until every claim, an expression, takes all of a class or nothing. Disjoint if they
- * were. */
+/** Splits the classes until every claim, an expression, contains all of a class or none of it. Disjointness
+ * is preserved. */
 std::vector<PathClass> refineClasses(const std::vector<PathClass>& classes,
                                      const std::vector<std::string>& claims);
 
-/** Sets references and their means from referenceA and referenceB. */
+/** Sets the references and their means from referenceA and referenceB. */
 void prepareReferences(MethodsReport& report);
 /** Compares a method's stills with the references. */
 void measureMethod(MethodResult& method, const MethodsReport& report);
 
-/** The reference and each method: its picture, and what of the reference is not in it. */
+/** Sheet of the reference and each method: its picture, and the missing part of the reference. */
 Image methodsSheet(const MethodsReport& report);
-/** A page that needs nothing but itself. */
+/** Self-contained page. */
 std::string methodsPage(const MethodsReport& report);
-/** What a person reads on the terminal. */
+/** Table for the terminal. */
 std::string methodsTable(const MethodsReport& report);
-/** All figures. */
+/** All figures as JSON. */
 std::string methodsJson(const MethodsReport& report);
 
 } // namespace recurse

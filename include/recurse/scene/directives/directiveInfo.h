@@ -1,5 +1,5 @@
 /** @file
- * What the directives of a scene file are called, and where they may stand.
+ * Names and permitted positions of the directives of a scene file.
  */
 #pragma once
 
@@ -10,19 +10,19 @@
 
 namespace recurse {
 
-/** Where a directive may stand. */
+/** Part of a scene file in which a directive is permitted. */
 enum class DirectivePlace { ANYWHERE, BEFORE_WORLD, IN_WORLD };
 
 struct DirectiveInfo {
   std::string name;
-  std::string arguments; ///< how they are written
+  std::string arguments; ///< syntax of the arguments
   DirectivePlace place = DirectivePlace::ANYWHERE;
   std::string summary; ///< one line
 };
 
 /** Every directive of a scene file, in alphabetical order. */
 std::vector<DirectiveInfo> directiveInfos();
-/** What `Option "name" value` may set. */
+/** Options that `Option "name" value` may set. */
 const std::vector<ParameterSpec>& optionSpecs();
 
 } // namespace recurse

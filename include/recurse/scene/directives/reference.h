@@ -1,5 +1,5 @@
 /** @file
- * The pieces of the reference page, made from the same tables that the program works with.
+ * Parts of the reference page, generated from the tables that the program itself uses.
  */
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace recurse {
 
-/** Markdown: a table of the directives, and one of the options. */
+/** Table of the directives, and table of the options, in Markdown. */
 std::string directiveReference();
-/** Markdown: for each plug-in a heading, its summary, and a table of its parameters. */
+/** For each plug-in a heading, its summary, and a table of its parameters, in Markdown. */
 std::string plugInReference(const std::vector<const PlugInInfo*>& plugIns);
 std::string plugInReference(const std::vector<PlugInInfo>& plugIns);
-/** The same for everything in a registry, under a heading with its kind. */
+/** Reference of all plug-ins in a registry, under a heading with its kind, in Markdown. */
 template <class I, class Context> std::string registryReference(const Registry<I, Context>& registry) {
   std::vector<const PlugInInfo*> list;
   for (const auto& entry : registry.entries()) list.push_back(&entry);

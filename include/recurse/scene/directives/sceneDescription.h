@@ -1,6 +1,6 @@
 /** @file
- * A scene as it was written: directives with their parameters and transforms, in double precision, before any
- * plug-in has looked at them.
+ * Scene as written in its file: directives with their parameters and transforms, in double precision, before
+ * any plug-in has checked them.
  */
 #pragma once
 
@@ -13,8 +13,8 @@
 
 namespace recurse {
 
-/** What a shape is made of: an index into `materials`, a name into `namedMaterials`, or nothing (interface).
- */
+/** Material of a shape: an index into `materials`, a name in `namedMaterials`, or none
+ * (interface). */
 struct MaterialReference {
   enum class Kind { INDEX, NAME, NONE } kind = Kind::INDEX;
   int index = 0;
@@ -29,7 +29,7 @@ struct MediumReference {
 struct ShapeDescription {
   ParsedDirective shape;
   Mat4d worldFromObject{1};                 ///< inside an object definition: instance space from object
-  std::optional<Mat4d> worldFromObjectLast; ///< of EndTime, where it differs
+  std::optional<Mat4d> worldFromObjectLast; ///< at EndTime, where it differs
   bool reverseOrientation = false;
   MaterialReference material;
   int areaLight = -1; ///< into areaLights; -1: does not emit
@@ -39,7 +39,7 @@ struct ShapeDescription {
 struct LightDescription {
   ParsedDirective light;
   Mat4d worldFromLight{1};
-  std::string medium; ///< that the light stands in
+  std::string medium; ///< medium around the light
 };
 
 struct ObjectDescription {
@@ -51,7 +51,7 @@ struct ObjectDescription {
 struct InstanceDescription {
   std::string object;
   Mat4d worldFromInstance{1};
-  std::optional<Mat4d> worldFromInstanceLast; ///< of EndTime, where it differs
+  std::optional<Mat4d> worldFromInstanceLast; ///< at EndTime, where it differs
   SourceLocation location;
 };
 
@@ -62,22 +62,22 @@ struct TextureDescription {
   Mat4d worldFromTexture{1};
 };
 
-/** An Animate directive. */
+/** Description of an Animate directive. */
 struct TrackDescription {
   std::string name;
   SourceLocation location;
-  double firstTime = 0, lastTime = 0; ///< of its keyframes
+  double firstTime = 0, lastTime = 0; ///< times of the first and the last keyframe
 };
 
 struct SceneDescription {
   std::string fileName;
-  double frame = 0; ///< whose numbers the tracks have
+  double frame = 0; ///< frame at which the tracks are evaluated
   std::vector<TrackDescription> tracks;
-  std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and what it includes
+  std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and its includes
   ParsedDirective film, camera, filter, sampler, integrator, accelerator;
   Mat4d worldFromCamera{1};
-  std::optional<Mat4d> worldFromCameraLast; ///< of EndTime, where it differs
-  double startTime = 0, endTime = 1;        ///< when the transforms of StartTime and EndTime hold
+  std::optional<Mat4d> worldFromCameraLast; ///< at EndTime, where it differs
+  double startTime = 0, endTime = 1;        ///< times of the transforms of StartTime and EndTime
   std::map<std::string, ParsedParameter> options;
   std::vector<ParsedDirective> materials; ///< [0] is the default material, diffuse
   std::map<std::string, ParsedDirective> namedMaterials;
@@ -90,8 +90,8 @@ struct SceneDescription {
   std::map<std::string, ObjectDescription> objects;
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
-  std::vector<std::string> importNotes;   ///< what importers took from their files, and what not
-  std::vector<std::string> importedFiles; ///< paths of what they read
+  std::vector<std::string> importNotes;   ///< features that importers imported or skipped
+  std::vector<std::string> importedFiles; ///< paths of all files that importers read
 };
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * Parameters of a scene-file directive: as written (ParsedDirective), as a plug-in declares them
- * (ParameterSpec), and the checked meeting of the two (Parameters), which is all that a plug-in sees.
+ * Parameters of a scene-file directive: as written (ParsedDirective), as declared by a plug-in
+ * (ParameterSpec), and the checked combination of both (Parameters), which is all that a plug-in sees.
  *
  * A plug-in declares each parameter once, with type, default, range and description. The declaration checks
  * scene files (unknown names, wrong types, ranges, counts), supplies defaults, and is printed in the
@@ -21,7 +21,7 @@ namespace recurse {
 
 struct SampledSpectrum; // spectrum.h
 
-/** The declaration of one parameter. Make them with the functions below. */
+/** Declaration of one parameter. Made by the functions below. */
 struct ParameterSpec {
   ParameterType type = ParameterType::REAL;
   std::string name;
@@ -30,12 +30,12 @@ struct ParameterSpec {
   double minimum = -std::numeric_limits<double>::infinity(); ///< of every number
   double maximum = std::numeric_limits<double>::infinity();
   bool minimumExcluded = false;
-  int count = 1;         ///< values (points, colours) wanted; 0: any number
+  int count = 1;         ///< number of values (points, colours) required; 0: any number
   bool required = false; ///< an error when absent
-  bool textured = false; ///< a texture may stand for the value
-  bool ignored = false;  ///< taken and without effect; the description says why
+  bool textured = false; ///< true: a texture may replace the value
+  bool ignored = false;  ///< true: accepted without effect; the description explains why
   SpectrumKind spectrumKind = SpectrumKind::ALBEDO;
-  std::vector<std::string> choices; ///< of a string; empty: any
+  std::vector<std::string> choices; ///< permitted values of a string; empty: any
 
   ParameterSpec& range(double low, double high) {
     minimum = low;
@@ -61,9 +61,9 @@ struct ParameterSpec {
   }
 };
 
-/** How a parameter is declared in a scene file: `"float radius"`. */
+/** Declaration of a parameter in scene-file syntax: `"float radius"`. */
 std::string declarationText(const ParameterSpec& spec);
-/** What values it takes: range, choices, count; empty where anything goes. */
+/** Accepted values: range, choices, count; empty where all values are accepted. */
 std::string rangeText(const ParameterSpec& spec);
 
 ParameterSpec realParameter(const std::string& name, const std::string& defaultText,
@@ -76,34 +76,34 @@ ParameterSpec stringParameter(const std::string& name, const std::string& defaul
                               const std::string& description);
 ParameterSpec spectrumParameter(const std::string& name, const std::string& defaultText, SpectrumKind kind,
                                 const std::string& description);
-/** Any other type, and arrays (count 0: any number of values). */
+/** Declares a parameter of any type, including arrays (count 0: any number of values). */
 ParameterSpec arrayParameter(ParameterType type, const std::string& name, int count,
                              const std::string& defaultText, const std::string& description);
-/** Accepted for compatibility, without effect on the picture. */
+/** Declares a parameter that is accepted for compatibility, without effect on the picture. */
 ParameterSpec ignoredParameter(ParameterType type, const std::string& name, const std::string& why);
 
 /**
- * The checked parameters of one plug-in use. Reading a name that was not declared is a programming error and
- * throws std::logic_error. All numbers are finite. Every getter throws SceneError, with its place, for what
- * only the plug-in can find wrong; `fail` is for the plug-in's own checks.
+ * Checked parameters of one use of a plug-in. All numbers are finite. Reading an undeclared name is a
+ * programming error and throws std::logic_error. Getters throw SceneError with the location for errors that
+ * can only be found when the value is used; `fail` is for the plug-in's own checks.
  */
 class Parameters {
  public:
   Parameters() = default;
 
-  /** True when the file gave the parameter (defaults do not count). */
+  /** True when the scene file sets the parameter (defaults do not count). */
   bool has(const std::string& name) const;
-  /** True when the value is there: given, or with a default. */
+  /** True when the parameter has a value: from the file, or a default. */
   bool hasValue(const std::string& name) const;
 
   bool boolean(const std::string& name) const;
   int integer(const std::string& name) const;
   double real(const std::string& name) const;
   std::string string(const std::string& name) const;
-  /** A colour, converted by the declared kind: rgb, blackbody, named or sampled spectrum. */
+  /** Colour, converted by the declared kind: rgb, blackbody, named or sampled spectrum. */
   Rgbd spectrum(const std::string& name) const;
-  /** The same by wavelength [nm], where it was given so: samples, a file of them, or a named glass. No
-   * samples otherwise. */
+  /** Spectrum by wavelength [nm], where it was given so: samples, a file of samples, or a named glass.
+   * Otherwise it has no samples. */
   SampledSpectrum sampledSpectrum(const std::string& name) const;
   Vec3d vector3(const std::string& name) const; ///< point3, vector3, normal
 
@@ -112,18 +112,18 @@ class Parameters {
   std::vector<Vec2d> vector2s(const std::string& name) const;
   std::vector<Vec3d> vector3s(const std::string& name) const;
   std::vector<std::string> strings(const std::string& name) const;
-  std::vector<Rgbd> spectra(const std::string& name) const; ///< of an array of colours
+  std::vector<Rgbd> spectra(const std::string& name) const; ///< for an array of colours
 
-  /** The name of the texture that stands for the value; empty when there is none. */
+  /** Name of the texture that replaces the value; empty when there is none. */
   std::string texture(const std::string& name) const;
-  /** The declared range of every number; what a texture gives has to be held to it. */
+  /** Declared range of every number; the caller must clamp texture values to it. */
   std::pair<double, double> range(const std::string& name) const;
-  /** The value as a path to an existing readable file: beside the file that names it, else beside the top
-   * file. */
+  /** Value as the path of an existing readable file, relative to the directory of the file that names it,
+   * else of the top file. */
   std::string filePath(const std::string& name) const;
-  /** The same for readers that take files in memory as well. */
+  /** Like filePath(), for readers that accept files in memory as well. */
   FileReference file(const std::string& name) const;
-  /** A path in the directory of the naming file, which need not exist. */
+  /** Directory of the naming file, for paths that need not exist. */
   const std::string& directory() const { return baseDirectory; }
 
   const std::string& plugInName() const { return name; }
@@ -131,9 +131,9 @@ class Parameters {
   SourceLocation location(const std::string& name) const;
   [[noreturn]] void fail(const std::string& name, const std::string& message,
                          const std::string& accepted = {}) const;
-  /** Tells something about a parameter that does not keep the plug-in from being made. */
+  /** Reports a warning about a parameter, which does not prevent the construction of the plug-in. */
   void warn(const std::string& name, const std::string& message, const std::string& accepted = {}) const;
-  /** What was told so. */
+  /** Warnings reported by warn(). */
   const Diagnostics& warnings() const { return *told; }
 
  private:
@@ -160,15 +160,15 @@ class Parameters {
 };
 
 /**
- * Meets what a file wrote with what a plug-in declares. Reports unknown names (with the nearest declared
- * ones), wrong types, counts, ranges and non-finite numbers; unknown names are warnings when `lenient`.
- * Of a parameter given twice the last counts, as in pbrt-v4, with a warning; what the directive itself gives
- * goes before what an Attribute directive gave, which may also go unused.
+ * Checks a directive of a file against the declarations of a plug-in. Reports unknown names (with the nearest
+ * declared ones), wrong types, counts, ranges and non-finite numbers; unknown names are warnings when
+ * `lenient`. Of a parameter given twice the last one is used, as in pbrt-v4, with a warning. Parameters of
+ * the directive take precedence over an Attribute directive, whose parameters may remain unused.
  */
 Parameters bindParameters(const ParsedDirective& directive, const std::vector<ParameterSpec>& specs,
                           Diagnostics& diagnostics, bool lenient);
 
-/** Parses `"float radius" 2 "rgb L" [1 1 1]` alone, for examples, tests and options. Throws SceneError. */
+/** Parses only `"float radius" 2 "rgb L" [1 1 1]`, for examples, tests and options. Throws SceneError. */
 ParsedDirective parseParameterText(const std::string& plugIn, const std::string& text);
 
 } // namespace recurse

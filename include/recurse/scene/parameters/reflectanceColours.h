@@ -1,5 +1,5 @@
 /** @file
- * Colours of many reflectances that are sampled at the same wavelengths.
+ * Colours of many reflectances sampled at the same wavelengths.
  */
 #pragma once
 
@@ -9,12 +9,12 @@
 
 namespace recurse {
 
-/** What each sample of a reflectance adds to its colour, which is rgbOfSpectrum's before it is moved into the
- * gamut. Wavelengths [nm] increase. */
+/** Contribution of each sample of a reflectance to its colour. The sum is the colour of rgbOfSpectrum()
+ * before it is moved into the gamut. Wavelengths [nm] increase. */
 std::vector<Rgbd> reflectanceColours(const std::vector<double>& wavelengths);
 
-/** A colour with components below zero, moved towards the grey of its luminance; black where that is not
- * above zero. */
+/** Colour without negative components: moved towards the grey of its luminance; black where the luminance is
+ * not above zero. */
 Rgbd intoGamut(const Rgbd& colour);
 
 } // namespace recurse

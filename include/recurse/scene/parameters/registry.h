@@ -1,5 +1,5 @@
 /** @file
- * Registries: plug-ins of one kind by name, with what they declare about themselves.
+ * Registries: plug-ins of one kind by name, with their declarations.
  */
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace recurse {
 
-/** What the reference page prints of a plug-in, and what tests make one from. */
+/** Description of a plug-in, for the reference page and for tests. */
 struct PlugInInfo {
   std::string name;
   std::string summary; ///< one sentence
@@ -22,7 +22,7 @@ struct PlugInInfo {
   std::vector<std::string> examples;
 };
 
-/** A plug-in of interface I, made from parameters and whatever `Context` the interface's makers need. */
+/** Plug-in of interface I, made from parameters and a `Context` that is specific to the interface. */
 template <class I, class Context> struct PlugIn : PlugInInfo {
   std::function<std::unique_ptr<I>(const Parameters&, const Context&)> make;
 };
@@ -31,12 +31,12 @@ template <class I, class Context> class Registry {
  public:
   using Entry = PlugIn<I, Context>;
 
-  /** `kind` is the directive's word, for messages: "Shape". */
+  /** `kind` is the name of the directive, for messages: "Shape". */
   explicit Registry(std::string kind) : kindName(std::move(kind)) {}
 
   void add(Entry entry) { list.push_back(std::move(entry)); }
-  /** Gives every plug-in, but those of the names in `except`, parameters that it need not know of: `finish`
-   * reads them once it is made. */
+  /** Adds common parameters to every plug-in, except those named in `except`. `finish` reads these parameters
+   * after the construction of a plug-in. */
   void addToAll(const std::vector<ParameterSpec>& parameters,
                 const std::function<void(I&, const Parameters&, const Context&)>& finish,
                 const std::vector<std::string>& except = {}) {
@@ -64,8 +64,8 @@ template <class I, class Context> class Registry {
   }
 
   /**
-   * Checks the parameters and makes the plug-in. Null when the name is unknown or anything is wrong; the
-   * diagnostics say what.
+   * Checks the parameters and makes the plug-in. Returns null when the name is unknown or there is any error;
+   * the diagnostics describe it.
    */
   std::unique_ptr<I> make(const ParsedDirective& directive, const Context& context, Diagnostics& diagnostics,
                           bool lenient = false) const;

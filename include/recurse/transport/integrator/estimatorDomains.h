@@ -1,7 +1,7 @@
 /** @file
- * Who estimates which paths. "It is important that different methods of estimating radiance do not take the
- * same paths into account": so every estimator of an integrator declares its paths, and what they leave out
- * or take twice is found by automata.
+ * Domains of estimators: the paths that each one accounts for. "It is important that different methods of
+ * estimating radiance do not take the same paths into account": every estimator of an integrator declares its
+ * paths, and automata find paths that are missing or counted twice.
  */
 #pragma once
 
@@ -10,42 +10,42 @@
 
 namespace recurse {
 
-/** One way to estimate radiance, and the paths it takes into account. */
+/** An estimator of radiance, and its domain. */
 struct EstimatorDomain {
-  std::string estimator;  ///< as an explanation calls it, such as "shadow rays"
-  std::string expression; ///< its paths, as in pathExpression.h
-  std::string cost;       ///< what it does and what that costs, in a few words
+  std::string estimator;  ///< name in explanations, such as "shadow rays"
+  std::string expression; ///< its domain, in the notation of pathExpression.h
+  std::string cost;       ///< its operations and their cost, in a few words
   std::string
-      sharedGroup; ///< estimators of one group may share paths: their weights add up to one. Else empty
-  bool hitsLights = false; ///< finds light by rays that hit its source, which no delta light has
-  bool onlyPanes = false;  ///< finds, of these paths, those that go straight through thin panes
+      sharedGroup; ///< estimators of a group may share paths, with weights that add up to one; empty: none
+  bool hitsLights = false; ///< finds lights by rays that hit their source, which excludes delta lights
+  bool onlyPanes = false;  ///< finds only those paths of the domain that pass straight through thin panes
 };
 
-/** What is wrong with a list of estimators; nothing when `sound()`. */
+/** Faults of a list of estimators; none when `sound()`. */
 struct DomainReport {
   struct Overlap {
     std::string first, second; ///< the estimators
-    std::string example;       ///< a shortest path that both take into account
+    std::string example;       ///< a shortest common path of both domains
   };
-  std::vector<Overlap> overlaps;      ///< only of pairs that do not declare to share
-  std::vector<std::string> uncovered; ///< examples of paths that no estimator takes into account
-  std::string uncoveredExpression;    ///< all of those, where a short expression was found
+  std::vector<Overlap> overlaps;      ///< only between estimators of different groups
+  std::vector<std::string> uncovered; ///< examples of paths in no domain
+  std::string uncoveredExpression;    ///< all paths in no domain, if a short expression was found
 
   bool sound() const { return overlaps.empty() && uncovered.empty(); }
-  /** A line for every finding; empty when sound. */
+  /** Text with a line for every fault; empty when sound. */
   std::string text() const;
 };
 
-/** Compares the estimators with each other and with the paths that they should cover together. Throws Error
- * for an expression that does not compile, with the name of the estimator. */
+/** Compares the domains with each other and with the paths that they should cover. Throws Error naming the
+ * estimator for an expression that does not compile. */
 DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const std::string& covers = "all");
 
-/** The paths from lights at a point or in one direction that no estimator finds, but straight through thin
- * panes, as an expression; empty where there are none. Such lights cannot be seen, at once or in mirrors:
- * LS*E has no light of theirs. */
+/** Expression of the paths from delta lights that no estimator finds, except straight through thin panes;
+ * empty where all are found. Delta lights are not visible, neither directly nor in mirrors: LS*E contains no
+ * light from them. */
 std::string missedOfDeltaLights(const std::vector<EstimatorDomain>& estimators);
 
-/** The estimators as a table for a terminal, a line each. */
+/** Table of the estimators for a terminal, with a line for each. */
 std::string formatDomains(const std::vector<EstimatorDomain>& estimators);
 
 } // namespace recurse

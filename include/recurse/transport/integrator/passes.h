@@ -1,5 +1,5 @@
 /** @file
- * How often the forward pass is made in a render, and for which samples.
+ * Schedule of forward passes in a render: their number, and the samples of each.
  */
 #pragma once
 
@@ -12,7 +12,7 @@ namespace recurse {
 enum class PassSchedule {
   ONE_MAP,   ///< one pass for all samples
   FIXED,     ///< a given number of passes, each for an equal part of the samples
-  DOUBLING,  ///< as many samples as in all passes before; one in the first and the second
+  DOUBLING,  ///< as many samples as in all passes before; one sample in the first and the second
   PER_SAMPLE ///< a pass for each sample of all pixels
 };
 
@@ -20,7 +20,7 @@ enum class PassSchedule {
 class Passes {
  public:
   static Passes oneMap() { return {PassSchedule::ONE_MAP, 1}; }
-  /** `count` > 0. One pass is oneMap(). */
+  /** Schedule of `count` > 0 passes. One pass is oneMap(). */
   static Passes fixed(int64_t count) {
     return {count == 1 ? PassSchedule::ONE_MAP : PassSchedule::FIXED, count};
   }
@@ -28,15 +28,15 @@ class Passes {
   static Passes perSample() { return {PassSchedule::PER_SAMPLE, 1}; }
 
   PassSchedule schedule() const { return kind; }
-  /** A render has at least as many samples of each pixel. */
+  /** Minimum number of samples of each pixel in a render. */
   int64_t minSamples() const { return count; }
-  /** The first sample of a pass, of `samples` of each pixel in all. */
+  /** First sample of a pass, out of `samples` of each pixel. */
   int64_t begin(int64_t pass, int64_t samples) const {
     if (kind == PassSchedule::PER_SAMPLE) return pass;
     if (kind == PassSchedule::DOUBLING) return pass == 0 ? 0 : int64_t(1) << std::min<int64_t>(pass - 1, 62);
     return pass * samples / count;
   }
-  /** The pass that a sample belongs to. */
+  /** Pass of a sample. */
   int64_t of(int64_t sample, int64_t samples) const {
     if (kind == PassSchedule::PER_SAMPLE) return sample;
     if (kind == PassSchedule::DOUBLING) return std::bit_width(static_cast<uint64_t>(sample));
@@ -48,7 +48,7 @@ class Passes {
  private:
   Passes(PassSchedule kind, int64_t count) : kind(kind), count(count) {}
   PassSchedule kind;
-  int64_t count; ///< 1 of DOUBLING and PER_SAMPLE
+  int64_t count; ///< 1 for DOUBLING and PER_SAMPLE
 };
 
 } // namespace recurse

@@ -1,6 +1,6 @@
 /** @file
- * Record of camera paths: vertices, steps between them, density estimates, and each contribution with the
- * technique that found it. Integrators fill it through PathRadiance::recorder.
+ * Record of camera paths: vertices, steps between them, density estimates, and each contribution with its
+ * technique. Integrators fill it through PathRadiance::recorder.
  */
 #pragma once
 
@@ -16,11 +16,11 @@ namespace recurse {
 
 struct Hit;
 
-/** The technique that found a contribution. */
+/** Technique of a contribution. */
 enum class PathTechnique : uint8_t {
   UNKNOWN,      ///< the integrator does not record it
-  HIT,          ///< a ray met light
-  LIGHT_SAMPLE, ///< a shadow ray to a point of a light
+  HIT,          ///< a ray hit a light
+  LIGHT_SAMPLE, ///< a shadow ray to a sampled point of a light
   CONNECTION,   ///< a connection to a vertex of a light path
   MERGE         ///< a density estimate from photons
 };
@@ -28,70 +28,70 @@ enum class PathTechnique : uint8_t {
 /** Name of a technique: "hit", "light sample". */
 const char* techniqueName(PathTechnique technique);
 
-/** Index that stands for the camera. */
+/** Index of the camera. */
 constexpr int CAMERA_STEP = -1;
-/** Index of nothing. */
+/** Index of a missing entry. */
 constexpr int NOT_RECORDED = -1;
 
 /** A point where a camera path scatters. */
 struct RecordedVertex {
-  int step = CAMERA_STEP;             ///< by which the path arrived
+  int step = CAMERA_STEP;             ///< incoming step
   Vec3f position{0};                  ///< [scene units], relative to Scene::origin()
   Vec3f normal{0};                    ///< geometric, unit, towards the camera's side; zero in a medium
   uint32_t object = 0;                ///< see Scene::objectName()
   const Material* material = nullptr; ///< null in a medium
   bool inMedium = false;
   LobeSet lobes = NO_LOBE; ///< of the BSDF
-  Rgb throughput{1};       ///< that arrives
+  Rgb throughput{1};       ///< incoming throughput
 };
 
-/** A direction in which a path left a vertex. */
+/** Direction in which a path leaves a vertex. */
 struct RecordedStep {
   int vertex = NOT_RECORDED;
   PathEvent event = PathEvent::D;
   LobeSet lobe = NO_LOBE;
   Vec3f direction{0};   ///< unit
   Rgb throughput{1};    ///< after the event
-  float pdf = 0;        ///< of the direction [1/sr]; 0: a delta lobe
-  float pdfReverse = 0; ///< of the opposite walk, from the light's side [1/sr]; 0: a delta lobe
+  float pdf = 0;        ///< density of the direction [1/sr]; 0: a delta lobe
+  float pdfReverse = 0; ///< density of the reverse direction, from the light's side [1/sr]; 0: a delta lobe
 };
 
 /** A density estimate at a vertex. */
 struct RecordedEstimate {
   int vertex = NOT_RECORDED;
   bool caustic = false; ///< from photons of caustics
-  float radius = 0;     ///< of the kernel's support [scene units]
-  int photons = 0;      ///< in the support
+  float radius = 0;     ///< of the kernel support [scene units]
+  int photons = 0;      ///< number in the support
 };
 
-/** Where a contribution comes from. */
+/** Origin of a contribution. */
 struct RecordedSource {
   PathTechnique technique = PathTechnique::UNKNOWN;
-  int vertex = NOT_RECORDED;   ///< of shadow rays, connections and merges
-  int step = CAMERA_STEP;      ///< of hits: by which the ray left
-  int estimate = NOT_RECORDED; ///< of merges
+  int vertex = NOT_RECORDED;   ///< for shadow rays, connections and merges
+  int step = CAMERA_STEP;      ///< for hits: the outgoing step of the ray
+  int estimate = NOT_RECORDED; ///< for merges
   Vec3f end{0};                ///< point of the light, or unit direction to it where `isInfinite`
   bool isInfinite = false;
-  float weight = 1;   ///< among all techniques that can make the path
-  float pdf = 0;      ///< of this technique [1/sr]; 0: a delta distribution, or not known
-  float otherPdf = 0; ///< of the other one of a pair, light sample or hit [1/sr]; 0: it cannot make the path
+  float weight = 1;   ///< MIS weight among all techniques that can make the path
+  float pdf = 0;      ///< density of this technique [1/sr]; 0: a delta distribution, or unknown
+  float otherPdf = 0; ///< of a pair's second technique, light sample or hit [1/sr]; 0: cannot make the path
 };
 
 struct RecordedContribution {
   RecordedSource source;
-  LayerMask classes = 0; ///< of the path
-  Rgb radiance{0};       ///< times the weight and the throughput
+  LayerMask classes = 0; ///< classes of the path
+  Rgb radiance{0};       ///< including MIS weight and throughput
 };
 
-/** A camera path with all its branches: its first vertex, step, estimate and contribution of the record; what
- * follows up to those of the next sample is its own. */
+/** Camera path with all its branches. The indices are its first entries in the record; its entries end where
+ * the entries of the next sample begin. */
 struct RecordedSample {
-  uint32_t index = 0; ///< of the pixel's samples
+  uint32_t index = 0; ///< index among the pixel's samples
   Vec2f film{0};      ///< [pixels]
   Vec3f origin{0}, direction{0};
   float filterWeight = 1;
-  float rayWeight = 1; ///< of the camera
-  /** Radiance that the film got: the sum of the contributions times `rayWeight`, unless the film clamps it or
+  float rayWeight = 1; ///< weight of the camera ray
+  /** Radiance added to the film: the sum of the contributions times `rayWeight`, unless the film clamps it or
    * changes its white. */
   Rgb total{0};
   size_t firstVertex = 0, firstStep = 0, firstEstimate = 0, firstContribution = 0;
@@ -102,39 +102,39 @@ class PathRecorder {
  public:
   /** Starts the record of a sample. */
   void beginSample(RecordedSample sample);
-  /** Ends it. */
+  /** Ends the record of the sample. */
   void endSample(const Rgb& total) { recordedSamples.back().total = total; }
 
-  /** Adds a vertex and returns its index; light samples and merges that follow are its own. */
+  /** Adds a vertex and returns its index; light samples and merges that follow belong to it. */
   int addVertex(const RecordedVertex& vertex);
-  /** The same of a surface, met by a ray of unit `direction`. */
+  /** Adds a vertex on a surface, hit by a ray of unit `direction`; returns its index. */
   int addVertex(int step, const Hit& hit, const Vec3f& direction, LobeSet lobes, const Rgb& throughput);
   /** Adds a step and returns its index. */
   int addStep(const RecordedStep& step);
-  /** Starts a density estimate at a vertex, which contributions that follow come from. */
+  /** Starts a density estimate at a vertex; contributions that follow belong to it. */
   void beginEstimate(int vertex, bool caustic);
-  /** Ends it. */
+  /** Ends the density estimate. */
   void endEstimate(float radius, int photons);
   /** Adds a contribution from `source`. */
   void add(LayerMask classes, const Rgb& radiance) {
     recordedContributions.push_back({source, classes, radiance});
   }
 
-  RecordedSource source; ///< of the next contributions
+  RecordedSource source; ///< of the contributions that follow
 
   const std::vector<RecordedSample>& samples() const { return recordedSamples; }
   const std::vector<RecordedVertex>& vertices() const { return recordedVertices; }
   const std::vector<RecordedStep>& steps() const { return recordedSteps; }
   const std::vector<RecordedEstimate>& estimates() const { return recordedEstimates; }
   const std::vector<RecordedContribution>& contributions() const { return recordedContributions; }
-  /** One past the last contribution of a sample. */
+  /** Index one past the last contribution of a sample. */
   size_t endContribution(size_t sample) const {
     return sample + 1 < recordedSamples.size() ? recordedSamples[sample + 1].firstContribution
                                                : recordedContributions.size();
   }
 
-  /** Events up to and including a step, the last one first, as path expressions write them: "DS" where the
-   * camera sees a diffuse surface in a mirror. */
+  /** Events up to and including a step, last event first, as in path expressions: "DS" where the camera sees
+   * a diffuse surface in a mirror. */
   std::string letters(int step) const;
 
  private:

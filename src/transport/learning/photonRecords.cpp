@@ -1,0 +1,37 @@
+/** @file
+ * Records of the guide from photons.
+ */
+#include "transport/learning/photonRecords.h"
+
+#include <cmath>
+
+#include "transport/forward/shoot.h"
+
+namespace recurse {
+
+std::vector<GuideRecord> photonRecords(const Scene& scene, const Pass& pass, const ShootSettings& shoot,
+                                       bool caustics, const ForwardControl& control,
+                                       TransportCounts& counts) {
+  const PathClasses allPaths;
+  ForwardControl local;
+  local.stop = control.stop;
+  const ShotPhotons shot = shootPhotons(scene, allPaths, pass, shoot, local);
+  counts.add(shot.counts);
+  std::vector<GuideRecord> records;
+  for (const Photon& p : shot.stored) {
+    // No ray can hit the light of a caustic photon whose reverse ratio is 0.
+    if (p.caustic && !(caustics && p.reverseRatio > 0)) continue;
+    GuideRecord r;
+    r.position = p.position;
+    r.normal = unpackDirection(p.normal);
+    r.direction = unpackDirection(p.direction);
+    r.value = luminance(p.power);
+    // A diffuse BSDF stands in for the unknown one.
+    r.pdfBsdf = glm::dot(r.direction, r.normal) * INV_PI;
+    r.fromPhoton = true;
+    if (r.value > 0 && std::isfinite(r.value) && r.pdfBsdf > 0) records.push_back(r);
+  }
+  return records;
+}
+
+} // namespace recurse
