@@ -9,6 +9,18 @@ set(RECURSE_PROCESSOR "x86-64-v3" CACHE STRING
     "The x86-64 processor to build for, as for -march=: x86-64-v3 has AVX2, native is this machine, empty is any")
 set(RECURSE_SANITIZE "" CACHE STRING "Sanitizers, as for -fsanitize=")
 
+# Most of the time to compile a source goes into headers, and into templates that its neighbours need too.
+option(CMAKE_UNITY_BUILD "Compile the sources of a folder together" ON)
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 0)
+find_program(RECURSE_GIT git)
+set(RECURSE_UNCOMMITTED)
+if(RECURSE_GIT)
+    execute_process(COMMAND ${RECURSE_GIT} ls-files --others --exclude-standard -- src/*.cpp
+        WORKING_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE RECURSE_UNCOMMITTED ERROR_QUIET)
+    string(REGEX MATCHALL "[^\n]+" RECURSE_UNCOMMITTED "${RECURSE_UNCOMMITTED}")
+    list(TRANSFORM RECURSE_UNCOMMITTED PREPEND ${PROJECT_SOURCE_DIR}/)
+endif()
+
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
     set(CMAKE_BUILD_TYPE Release CACHE STRING "Release, RelWithDebInfo or Debug" FORCE)
@@ -33,6 +45,10 @@ target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-ffp-contract
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # Sees overlaps in "text" + std::string where there are none (GCC bug 105651, mended in 13).
     target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wno-restrict>)
+endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_UNITY_BUILD)
+    # Takes the sources that are included for headers, where a nameless namespace would be a mistake.
+    target_compile_options(recurse_options INTERFACE $<BUILD_INTERFACE:-Wno-subobject-linkage>)
 endif()
 if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
     # Its intrinsics are macros with compound literals.

@@ -92,7 +92,7 @@ std::vector<Way> allWays(double photons, const std::string& more) {
     }
     const std::string base = std::string(parameter("passes") ? "\"integer passes\" 1 " : "") +
                              "\"integer photons\" " +
-                             shown("%.0f", SANITIZED ? std::max(photons / 16, 1.0) : photons) + " " + more;
+                             shown("%.0f", SANITIZED ? std::max(photons / 64, 1.0) : photons) + " " + more;
     const ParameterSpec* direct = parameter("direct");
     if (!direct) {
       ways.push_back({entry.name, base, entry.name, true, true});
@@ -117,7 +117,7 @@ Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, ui
 
 Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, uint64_t seed) {
   const int n = way.usesPhotons ? budget.photonSamples : budget.samples;
-  return renderScene(scene, way, SANITIZED ? std::max(1, n / 32) : thorough ? 4 * n : n, seed);
+  return renderScene(scene, way, SANITIZED ? std::max(1, n / 128) : thorough ? 4 * n : n, seed);
 }
 
 namespace {

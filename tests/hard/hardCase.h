@@ -103,7 +103,7 @@ inline bool fromMap(const Way& way, bool indirect) {
 
 Rendered renderScene(const Scene& scene, const Way& way, int samplesPerPixel, uint64_t seed = 1,
                      const PathClasses& classes = PathClasses());
-/** With the budget's samples; sanitizers slow a render down tenfold, and get a 32nd. */
+/** With the budget's samples; sanitizers, which check no means, get a 128th. */
 Rendered renderScene(const Scene& scene, const Way& way, const Budget& budget, uint64_t seed = 1);
 
 /**

@@ -197,7 +197,7 @@ TEST(Adaptive, EdgesGetTheSamples) {
   Formula formula([](const Vec3f& d, Sampler& sampler) {
     return (square(d.x) + square(d.y) < 0.1f ? 2.0f : 1.0f) + 0.02f * float(happens(0.5f, sampler));
   });
-  const Rendered truth = renderWith(*scene, formula, {.samples = 4096, .adaptive = false});
+  const Rendered truth = renderWith(*scene, formula, {.samples = samples(4096), .adaptive = false});
   double adaptive = 0, even = 0;
   for (uint64_t seed = 2; seed <= 5; ++seed) {
     const Rendered a = renderWith(*scene, formula, {.samples = 32, .seed = seed});
@@ -237,7 +237,7 @@ TEST(Adaptive, NothingToTellMeansTheSameForAll) {
 
 TEST(Adaptive, SameBitsForAnyNumberOfThreads) {
   const auto scene = sceneFrom(litCorner(20));
-  for (const Way& way : ways()) {
+  for (const Way& way : dealt(ways(), 0)) {
     const Rendered one = renderWith(*scene, way, {.samples = 25, .threads = 1});
     EXPECT_GT(one.statistics.most, one.statistics.least);
     EXPECT_TRUE(same(one, renderWith(*scene, way, {.samples = 25, .threads = 3}))) << way.parameters;
@@ -246,7 +246,7 @@ TEST(Adaptive, SameBitsForAnyNumberOfThreads) {
 
 TEST(Adaptive, GoesOnFromWhereverItWas) {
   const auto scene = sceneFrom(litCorner(20));
-  for (const Way& way : ways()) {
+  for (const Way& way : dealt(ways(), 1)) {
     std::vector<State> saved;
     const Settings settings{.samples = 25};
     const Rendered whole = renderWith(*scene, way, settings, &saved);
@@ -260,7 +260,7 @@ TEST(Adaptive, GoesOnFromWhereverItWas) {
 TEST(Adaptive, MeansAgreeWithThoseOfEvenSamples) {
   const auto scene = sceneFrom(litCorner(20));
   const int count = SANITIZED ? 100 : 200;
-  for (const Way& way : ways()) {
+  for (const Way& way : dealt(ways(), 2)) {
     const Rendered a = renderWith(*scene, way, {.samples = count, .seed = 1});
     const Rendered b = renderWith(*scene, way, {.samples = count, .seed = 2, .adaptive = false});
     const double maps = way.integrator == "path" ? 0 : 0.02 * b.mean(); // few photons: their noise is shared

@@ -129,12 +129,12 @@ TEST(ClassAgreement, RoughLobesAgreeWhoeverTakesThem) {
   const BatchMeans truth = classMeans(*scene, {"path", ""}, classes, samples(16), 16);
   const std::string photons =
       "\"integer passes\" 1 \"integer photons\" " + std::to_string(samples(25000)) + " \"float radius\" .03";
-  for (const char* follow : {"0", ".2", "1"})
-    for (const char* direct : {"shadowrays", "photons"})
-      expectAgreement(*scene,
-                      {"photonmap", photons + " \"float followroughness\" " + follow +
-                                        " \"string direct\" \"" + direct + "\""},
-                      classes, truth);
+  std::vector<Way> ways;
+  for (const char* direct : {"shadowrays", "photons"})
+    for (const char* follow : {"0", ".2", "1"})
+      ways.push_back({"photonmap", photons + " \"float followroughness\" " + follow +
+                                       " \"string direct\" \"" + direct + "\""});
+  for (const Way& way : dealt(ways, 1)) expectAgreement(*scene, way, classes, truth);
 }
 
 TEST(ClassAgreement, LayersOfACoverAddUp) {

@@ -49,15 +49,17 @@ TEST(Hair, WhiteHairVanishesInAFurnace) {
 }
 
 TEST(Hair, PhotonsBringTheSameLightAsRays) {
+  const std::string photons = "\"integer passes\" 32 \"integer photons\" 20000";
+  const std::vector<Way> ways = {{"photonmap", photons},
+                                 {"photonmap", photons + " \"string direct\" \"photons\""},
+                                 {"photonmap", photons + " \"integer finalgather\" 1"}};
+  size_t scenes = 1;
   for (const char* material : {HAIR, "Material \"diffuse\" \"rgb reflectance\" [.8 .8 .8]"}) {
     const auto scene = sceneFrom(view(16, VIEW, 40) + HAIR_LAMP + GROUND + tuft(material, "cylinder"));
     const Rendered rays = renderScene(*scene, "path", "", samples(1024));
-    for (const char* parameters :
-         {"\"integer passes\" 32 \"integer photons\" 20000",
-          "\"integer passes\" 32 \"integer photons\" 20000 \"string direct\" \"photons\"",
-          "\"integer passes\" 32 \"integer photons\" 20000 \"integer finalgather\" 1"}) {
-      SCOPED_TRACE(std::string(material) + " " + parameters);
-      expectSameMean(rays, renderScene(*scene, "photonmap", parameters, samples(128)), 0.01);
+    for (const Way& way : dealt(ways, scenes++)) {
+      SCOPED_TRACE(std::string(material) + " " + way.parameters);
+      expectSameMean(rays, renderScene(*scene, way.integrator, way.parameters, samples(128)), 0.01);
     }
   }
 }

@@ -44,11 +44,12 @@ std::string floorUnder(const std::string& light) {
 } // namespace
 
 TEST(Furnace, EveryIntegratorAndDiffuseAlbedo) {
+  size_t scenes = 0;
   for (const double albedo : {0.1, 0.5, 0.9}) {
     const auto scene = sceneFrom(furnace("Material \"diffuse\" \"rgb reflectance\" [" + number(albedo) + " " +
                                              number(albedo) + " " + number(albedo) + "]",
                                          1 - albedo));
-    for (const Way& way : albedo == 0.5 ? allWays(PHOTONS) : quickWays(PHOTONS)) {
+    for (const Way& way : dealt(albedo == 0.5 ? allWays(PHOTONS) : quickWays(PHOTONS), scenes++)) {
       const Rendered r = renderScene(*scene, way.integrator, way.parameters, furnaceSamples(way));
       EXPECT_NEAR(r.mean(), 1, (SANITIZED ? 0.02 : 0.005) + (connects(way) ? 4 * r.standardError() : 0))
           << way.integrator << " " << way.parameters << " albedo " << albedo << " error "
@@ -76,9 +77,10 @@ TEST(Furnace, MirrorsAndMixes) {
        "MakeNamedMaterial \"b\" \"string type\" \"conductor\" \"rgb reflectance\" [.9999 .9999 .9999]\n"
        "Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .4",
        0.7}};
+  size_t scenes = 0;
   for (const Case& c : cases) {
     const auto scene = sceneFrom(furnace(c.material, 1 - c.albedo));
-    for (const Way& way : quickWays(PHOTONS)) {
+    for (const Way& way : dealt(quickWays(PHOTONS), scenes++)) {
       const Rendered r = renderScene(*scene, way.integrator, way.parameters, furnaceSamples(way));
       EXPECT_NEAR(r.mean(), 1, (SANITIZED ? 0.015 : 0.004) + 3 * r.standardError())
           << way.integrator << " " << way.parameters << "\n"
@@ -88,13 +90,14 @@ TEST(Furnace, MirrorsAndMixes) {
 }
 
 TEST(Furnace, GlassInUniformLightIsInvisible) {
+  size_t scenes = 0;
   for (const char* material : {"\"dielectric\" \"float eta\" 1.5", "\"dielectric\" \"float eta\" .7",
                                "\"dielectric\" \"float eta\" 1", "\"thindielectric\" \"float eta\" 1.8",
                                "\"dielectric\" \"float eta\" 2.4"}) {
     const auto scene = sceneFrom(view(16, "0 0 3  0 0 0  0 1 0", 45) +
                                  "LightSource \"infinite\" \"rgb L\" [1 1 1]\nMaterial " + material +
                                  "\nShape \"sphere\" \"float radius\" 1");
-    for (const Way& way : allWays("1000")) {
+    for (const Way& way : dealt(allWays("1000"), scenes++)) {
       const Rendered r = renderScene(*scene, way.integrator, way.parameters, samples(64));
       EXPECT_NEAR(r.mean(), 1, 0.005) << way.integrator << " " << material;
     }
@@ -126,9 +129,10 @@ TEST(DirectLight, IrradianceInClosedForm) {
       {"AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nTranslate 0 0 1.5\nShape \"sphere\" \"float radius\" "
        ".3",
        M_PI * 5 * disk * disk / (height * height)}};
+  size_t scenes = 0;
   for (const Case& c : cases) {
     const auto scene = sceneFrom(floorUnder("Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n" + c.light));
-    for (const Way& way : quickWays(SANITIZED ? "100000" : "200000")) {
+    for (const Way& way : dealt(quickWays(SANITIZED ? "100000" : "200000"), scenes++)) {
       // The disc of the photon search must lie within the part where the light is even.
       const std::string more = readsPhotons(way) ? " \"float radius\" .1" : "";
       const Rendered r = renderScene(*scene, way.integrator, way.parameters + more, samples(64));
@@ -194,7 +198,7 @@ TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
 TEST(Integrators, AgreeOnGlassAndMirror) {
   const auto scene = sceneFrom(glassAndMirrorBox(32));
   const Rendered truth = renderScene(*scene, "path", "", samples(1024));
-  for (const Way& way : allWays(SANITIZED ? "100000" : "400000")) {
+  for (const Way& way : dealt(allWays(SANITIZED ? "100000" : "400000"), 0)) {
     if (way.integrator == "path") continue;
     const Rendered r =
         renderScene(*scene, way.integrator, way.parameters, 16); // for sanitizers too: the lamp's edges
@@ -225,7 +229,7 @@ TEST(Integrators, SameBitsForAnyNumberOfThreads) {
   ways.push_back({"path", "\"integer lightsamples\" 3"});
   ways.push_back({"photonmap", "\"integer passes\" 1 \"integer photons\" " + photons +
                                    " \"string photonindex\" \"flann\""});
-  for (const Way& way : ways) {
+  for (const Way& way : dealt(ways, 1)) {
     const Rendered one = renderScene(*scene, way.integrator, way.parameters, 3, 7, 1);
     for (const int threads : {2, 3}) {
       const Rendered several = renderScene(*scene, way.integrator, way.parameters, 3, 7, threads);
@@ -243,7 +247,7 @@ TEST(Integrators, CropIsAPartOfTheSamePicture) {
   std::string text = glassAndMirrorBox(32);
   text.insert(text.find("\nPixelFilter"), " \"integer pixelbounds\" [ 8 20 4 30 ]");
   const auto part = sceneFrom(text);
-  for (const Way& way : allWays("1000")) {
+  for (const Way& way : dealt(allWays("1000"), 2)) {
     const Rendered a = renderScene(*whole, way.integrator, way.parameters, 2),
                    b = renderScene(*part, way.integrator, way.parameters, 2);
     ASSERT_EQ(b.pixels(), 12u * 26u);

@@ -85,10 +85,13 @@ constexpr double ERRORS_APART = 5;
 
 void expectEqual(const Scene& scene, const Way& way, const Way& other, const PathClasses& classes,
                  const std::string& what) {
+  if (SANITIZED && way.integrator == "vpl") { // too few light paths to know how far they err
+    classMeans(scene, way, classes, 1, 2);
+    return;
+  }
   const BatchMeans means = classMeans(scene, way, classes, samples(way.integrator == "vpl" ? 8 : 16), 12),
                    truth = classMeans(scene, other, classes, samples(40), 12);
   for (size_t i = 0; i < 3 * classes.layerCount(); ++i) {
-    if (SANITIZED && way.integrator == "vpl") break; // too few light paths to know how far they err
     const double error = std::hypot(means.standardError(i), truth.standardError(i));
     EXPECT_NEAR(means.mean(i), truth.mean(i), ERRORS_APART * error + 2e-4 * truth.mean(i))
         << what << " " << classes.classes()[i / 3].name << ", errors " << means.standardError(i) << " and "

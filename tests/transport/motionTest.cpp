@@ -125,6 +125,7 @@ std::string underMovingLamp(double at, const std::string& shape) {
 
 TEST(Motion, ALampThatMovesLightsAsTheMeanOfItsMoments) {
   // The lamp is above the eye, so that only its light is seen.
+  size_t scenes = 1;
   for (const char* shape : {"Shape \"sphere\" \"float radius\" .3",
                             "ReverseOrientation Shape \"trianglemesh\" \"integer indices\" [0 1 2 0 2 3] "
                             "\"point3 P\" [-.3 -.3 0 .3 -.3 0 .3 .3 0 -.3 .3 0]"}) {
@@ -134,10 +135,10 @@ TEST(Motion, ALampThatMovesLightsAsTheMeanOfItsMoments) {
       const Rendered moment = renderText(underMovingLamp((i + 0.5) / MOMENTS, shape), "path", "", 128);
       for (size_t p = 0; p < expected.size(); ++p) expected[p] += double(moment.value(p).g) / MOMENTS;
     }
-    for (const Way& way :
-         {Way{"path", ""}, Way{"photonmap", "\"integer photons\" 10000 \"integer passes\" 256"},
-          Way{"photonmap",
-              "\"integer photons\" 10000 \"integer passes\" 256 \"string direct\" \"photons\""}}) {
+    const std::string photons = "\"integer photons\" 10000 \"integer passes\" 256";
+    const std::vector<Way> ways = {
+        {"path", ""}, {"photonmap", photons}, {"photonmap", photons + " \"string direct\" \"photons\""}};
+    for (const Way& way : dealt(ways, scenes++)) {
       const Rendered moving = renderText(underMovingLamp(-1, shape), way.integrator, way.parameters,
                                          way.integrator == "path" ? 1024 : 256);
       double mean = 0;
