@@ -170,7 +170,7 @@ class Leader {
                         [&](const Dealt& d) { return !d.finished && d.unit.firstSample <= firstSample; });
   }
 
-  /** True if photons are shot here, or any rank has samples. */
+  /** True if photons have been shot here, or any rank has samples. */
   bool hasBegunPicture() const {
     return worker.renderer.hasShot() ||
            std::any_of(ranks.begin(), ranks.end(), [](const Rank& r) { return r.last.tileSamples > 0; });
@@ -364,7 +364,7 @@ class Leader {
   std::vector<Dealt> dealt; ///< units not finished, or not in the film yet
   int64_t lastId = 0, reductionsBegun = 0, reductionsDone = 0;
   bool anythingNew = false;      ///< in the ranks' films since the latest reduction
-  bool stoppedElsewhere = false; ///< a rank was asked to end the render
+  bool stoppedElsewhere = false; ///< a rank apart from the leader was asked to end the render
   bool isPicture = false;        ///< the first sample has begun
   bool isSaveDue = false;
   std::optional<StopReason> reason; ///< why the render ends early: no more work is distributed

@@ -38,7 +38,7 @@ class Worker {
   void shareStage(std::vector<std::byte> plan);
   /** Reports that are due now. */
   std::vector<FullReport> reports(bool stop);
-  /** Advances the reduction. True once it has ended; the leader then has the sum of films in `sum`. */
+  /** Advances the reduction. True when it has just ended; the leader then has the sum of films in `sum`. */
   bool reduced();
   bool isReducing() const { return reduction.isActive() || filmWanted; }
   static void clear(Film& film);

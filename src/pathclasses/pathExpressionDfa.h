@@ -1,6 +1,6 @@
 /** @file
- * Algebra of finite automata for path expressions and path classes. These automata accept arbitrary words
- * over the five letters, and paths are a subset of these words.
+ * Algebra of finite automata, private to path expressions and path classes: these automata accept arbitrary
+ * words over the five letters, of which paths are a subset.
  */
 #pragma once
 

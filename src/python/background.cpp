@@ -3,6 +3,7 @@
  */
 #include "python/background.h"
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -10,6 +11,8 @@
 #include <thread>
 
 #include <pybind11/pybind11.h>
+
+#include "recurse/core/threads/interrupt.h"
 
 namespace recurse::python {
 
@@ -19,6 +22,7 @@ void runInBackground(const std::function<void()>& work, const std::function<void
   std::mutex mutex;
   std::condition_variable ended;
   bool done = false;
+  std::atomic<bool> isInterrupted{false};
   std::exception_ptr failure, interruption;
   const auto attempt = [](const std::function<void()>& part, std::exception_ptr& caught) {
     try {
@@ -30,6 +34,7 @@ void runInBackground(const std::function<void()>& work, const std::function<void
   {
     const pybind11::gil_scoped_release others;
     std::thread worker([&] {
+      const InterruptibleWork interruptible(&isInterrupted);
       attempt(work, failure);
       const std::lock_guard guard(mutex);
       done = true;
@@ -46,7 +51,10 @@ void runInBackground(const std::function<void()>& work, const std::function<void
               look();
             },
             interruption);
-        if (interruption) stop();
+        if (interruption) {
+          isInterrupted = true;
+          stop();
+        }
       }
       lock.lock();
     }

@@ -23,7 +23,7 @@ struct PathVertexRecord {
   std::array<double, 3> position;  ///< in world space
   std::array<float, 3> normal;     ///< geometric, unit, on the side of the path; 0 in a medium
   std::array<float, 3> throughput; ///< throughput of the camera path at the vertex
-  float pdf, pdfReverse; ///< of the direction from `previous`, and of the opposite direction [1/sr]; 0: delta
+  float pdf, pdfReverse; ///< of the direction from `previous`, and of the reverse walk [1/sr]; 0: delta
 };
 
 /** Radiance that reaches the pixel by one technique. */

@@ -8,6 +8,7 @@
 #include "apps/run/console.h"
 #include "python/commandOptions.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/render/featureLayers.h"
 #include "recurse/scene/directives/loader.h"
@@ -60,6 +61,7 @@ PythonScene::PythonScene(const std::string& fileName, const std::shared_ptr<cons
                          const std::string& directory, bool lenient)
     : fileName(fileName), text(text), directory(directory) {
   const Work work(warnings);
+  setWorkLimit(INFINITY); // that of a render before was of its own options
   apps::LoadOverrides overrides;
   overrides.lenient = lenient;
   require(overrides);

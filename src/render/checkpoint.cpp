@@ -150,7 +150,7 @@ Checkpoint Checkpoint::read(const std::string& fileName) {
     for (const Json& k : json.at("classes")) classes.push_back({k.at(0), k.at(1)});
     const Json& f = json.at("film");
     const PixelBounds bounds{f.at(0), f.at(1), f.at(2), f.at(3)};
-    // The remaining size must fit the header, before memory is allocated for it.
+    // The remaining file must be as long as the header says, before memory is allocated for it.
     const uint64_t left = fileBytes - MAGIC.size() - sizeof size - header.size();
     const double pixels = double(bounds.width()) * double(bounds.height());
     const bool adaptive = json.at("adaptive");

@@ -13,15 +13,15 @@
 
 namespace recurse {
 
-/** Progress of the samples of a render; times in seconds. */
+/** Progress of a render's samples; times in seconds. A resumed render had samples before this process. */
 struct PictureState {
   double elapsed = 0;            ///< since the start of the render
   double working = 0;            ///< since the first sample of this process
-  double samplesBefore = 0;      ///< in the film at the start, in any unit
-  double samplesDone = 0;        ///< since the start, in the same unit
+  double samplesBefore = 0;      ///< in the film when this process began, in any unit
+  double samplesDone = 0;        ///< by this process, in the same unit
   double samplesLeft = INFINITY; ///< in the same unit; infinite: no limit
   double samplesPerPixel = 0;    ///< in the film
-  double rays = 0;               ///< traced since the start
+  double rays = 0;               ///< traced by this process
   double error = -1;             ///< Film::relativeError; negative: unknown
   double errorSamples = 0;       ///< in the film at the time of the estimate
 };

@@ -111,7 +111,7 @@ class RenderLoop {
     renderer.shootPass(index, splats, control);
     if (index > 0) schedule.addPass(elapsed() - begin);
   }
-  /** True if the pass has splats already. Of renders that share a pass, one has its splats. */
+  /** True if the pass's splats exist: in this film or, if it has any, in the render that began the pass. */
   bool hasSplats() const {
     return film.splats() && (film.splats()->nextPass() > uint64_t(pass) ||
                              (film.splats()->paths() > 0 && sample != renderer.passBegin(pass)));
@@ -126,7 +126,7 @@ class RenderLoop {
     const int64_t stageEnd = allocation ? std::min(SampleAllocation::stageEnd(sample), last) : last;
     if (allocation) allocation->begin(sample, stageEnd, settings.seed);
     const int64_t end = std::min({renderer.passEnd(pass), sample + length, stageEnd});
-    if (!renderTiles(end)) return true;
+    if (!renderPixels(end)) return true;
     schedule.addRound(end - sample, elapsed() - begin);
     sample = end;
     rule.completeFirstSample();
@@ -135,8 +135,20 @@ class RenderLoop {
     return true;
   }
   /** Takes all samples before `end` that the film does not have. False if the round was abandoned. */
-  bool renderTiles(int64_t end) {
-    const auto samplesOf = [&](size_t pixel) { return missingSamples(pixel, end); };
+  bool renderPixels(int64_t end) {
+    const auto missing = [&](size_t pixel) { return missingSamples(pixel, end); };
+    if (sample > first || !(settings.timeLimit > 0)) return renderTiles(missing);
+    const auto width = size_t(film.bounds().width());
+    for (int stage = 0; stage < CoarseToFine::STAGES; ++stage)
+      if (!renderTiles([&](size_t pixel) {
+            return CoarseToFine::stageOf(int(pixel % width), int(pixel / width)) == stage
+                       ? missing(pixel)
+                       : SampleRenderer::PixelSamples{};
+          }))
+        return false;
+    return true;
+  }
+  bool renderTiles(const std::function<SampleRenderer::PixelSamples(size_t pixel)>& samplesOf) {
     std::atomic<size_t> tilesDone{0};
     parallelFor(tileCounts.size(), [&](size_t number) {
       if (stop || abandon || isPausing) return;
@@ -254,8 +266,8 @@ void countSamples(const Film& film, RenderStatistics& statistics) {
   statistics.most = *most;
   if (const auto without = std::count(counts.begin(), counts.end(), 0u);
       without > 0 && statistics.samples > 0) {
-    statistics.warnings.push_back(
-        formatted("%td of %zu pixels have no sample, and are black", without, counts.size()));
+    statistics.warnings.push_back(formatted(
+        "%td of %zu pixels have no sample, and show one beside them or are black", without, counts.size()));
   }
 }
 

@@ -9,6 +9,8 @@
 #include <cstdint>
 #include <numeric>
 
+#include "recurse/render/renderSettings.h"
+
 namespace recurse {
 
 /** Lengths of rounds, in each of which all pixels get equally many samples, within the remaining time. */
@@ -43,6 +45,18 @@ class RoundSchedule {
   double passSeconds = 0;
   int passes = 0;
 };
+
+/** Stages of the first sample under a time limit: a lattice of pixels, a finer one, the remainder. If the
+ * time ends between two stages, the picture is coarse instead of half black. */
+struct CoarseToFine {
+  static constexpr int STAGES = 3, SPACING = 4;
+  static constexpr int stageOf(int x, int y) {
+    return x % SPACING == 0 && y % SPACING == 0               ? 0
+           : x % (SPACING / 2) == 0 && y % (SPACING / 2) == 0 ? 1
+                                                              : 2;
+  }
+};
+static_assert(FIRST_SAMPLE_REACH == 2 * (CoarseToFine::SPACING - 1)); // in a corner of the picture
 
 /** Order of tiles without rows or columns, so that an abandoned round leaves no visible band. */
 class ScatteredOrder {

@@ -22,9 +22,9 @@ constexpr int INNER_REACH = 1, OUTER_REACH = 2;
 constexpr int PAIRS = 4;
 /** Reach of the square over which rare bright samples are averaged [pixels]. */
 constexpr int WIDE = 12;
-/** Weight of rare samples: it decides only where deviations are equal. */
+/** Weight of rare samples: they decide only where usual deviations are nearly equal. */
 constexpr double RARE_WEIGHT = 0.01;
-/** Step of rounding: differences of area sums keep rounding errors, which depend on the pixel's own value. */
+/** Rounding step of predictions: errors of area sums must not let a pixel's own value influence its class. */
 constexpr double MIN_STEP = 1e-10;
 /** Mean square over squared mean, up to which deviations are not caused by rare samples. */
 constexpr double EVEN_SPREAD = 2;
@@ -325,8 +325,8 @@ void SampleAllocation::tellMapsApart(std::vector<Need>& needs, const std::vector
   double photons = 0;
   for (const Need& need : needs) photons += square(need.all) - square(need.eye);
   photons = std::max(0.0, photons / double(needs.size()));
-  // Camera paths are stratified: after n samples their variance e is below e / n. An error that falls as
-  // n^-1.5, the rate at edges, is assumed: underestimating e costs less than too few photon maps.
+  // Camera paths are stratified: after n samples a variance e becomes less than e / n. A fall as n^-1.5,
+  // the rate at edges, is assumed: underestimating e costs less than too few photon maps.
   const double stratified = 1 / std::sqrt(double(stage.end));
   for (Need& need : needs) {
     need.eye *= std::sqrt(stratified);

@@ -21,10 +21,10 @@ using Clock = std::chrono::steady_clock;
 /** Sampler stream of the times of passes. */
 constexpr uint64_t TIME_STREAM = 0x54494d4553ull;
 
-/** Unit of splats: 2^-28 of the radiance that the lights' flux would give
- * if it left the scene's bounding sphere uniformly. Contributions to a
- * pixel that sees a small part of the scene may be 2^60 times that
- * radiance. */
+/**
+ * Unit of splats: 2^-28 of the radiance that the lights' flux would give if it left the scene's bounding
+ * sphere uniformly. Contributions to a pixel that sees a small part of the scene may be 2^60 times that.
+ */
 double splatUnit(const Scene& scene) {
   double flux = 0;
   for (size_t i = 0; i < scene.lights().size(); ++i) flux += double(maxComponent(scene.lights()[i].power()));
@@ -98,8 +98,7 @@ class EyeBatch {
     if (count == CAMERA_BATCH || recorder) flush();
   }
   void flush() {
-    if (!paths.empty()) integrator.backwardBatch(scene, paths);
-    abandoned = abandoned || radiance[0].abandoned();
+    walk();
     for (size_t i = 0, path = 0; i < count && !abandoned; ++i) {
       const Place& place = places[i];
       PathRadiance& seen = place.seesNothing ? nothing : radiance[path];
@@ -120,6 +119,19 @@ class EyeBatch {
   bool isAbandoned() const { return abandoned; }
 
  private:
+  /** Traces what has been collected, ray by ray until the samples are broken off. */
+  void walk() {
+    if (paths.empty()) return;
+    const std::atomic<bool>* const abandon = radiance[0].abandon;
+    try {
+      const InterruptibleWork rays(abandon ? abandon : InterruptibleWork::flag());
+      integrator.backwardBatch(scene, paths);
+    } catch (const Interrupted&) {
+      if (!abandon) throw;
+    }
+    abandoned = abandoned || radiance[0].abandoned();
+  }
+
   struct Place {
     size_t pixel;
     uint32_t index;

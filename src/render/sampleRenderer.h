@@ -51,7 +51,7 @@ class SampleRenderer {
    * the pass is kept. */
   bool shootPass(int64_t pass, bool splats, ForwardControl& control);
 
-  /** Width of a tile [pixels]; tiles at the border may be smaller. */
+  /** Side of a square tile [pixels]; tiles at the border may be smaller. */
   static constexpr int TILE = 16;
   size_t tiles() const { return size_t(tilesX) * size_t(tilesY); }
   /** Calls use(pixel, x, y) for the pixels of a tile, row by row; x and y count from the film's bounds. */

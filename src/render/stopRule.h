@@ -19,9 +19,9 @@ inline std::chrono::steady_clock::time_point startOf(const RenderSettings& setti
   return Clock::now() - std::chrono::duration_cast<Clock::duration>(before);
 }
 
-/** Time limit, error target and interrupt of a render. Every pixel should get a
- * sample: the limit holds from the second sample on, unless
- * RenderSettings::limitsFirstPass is set, or the first sample takes more than
+/**
+ * Time limit, error target and interrupt of a render. Every pixel should get a sample: the limit holds from
+ * the second sample on, unless RenderSettings::limitsFirstPass is set, or the first sample takes more than
  * RenderSettings::firstSampleTime beyond it.
  */
 class StopRule {
@@ -89,8 +89,8 @@ class ErrorWatch {
   ErrorWatch(double shortest, double costRatio, double now)
       : shortest(shortest), costRatio(costRatio), next(shortest, now) {}
   bool isDue(double now) const { return next.isDue(now); }
-  /** Adds an estimate for a film with `samples`, made from `begin` to `end`. An infinite estimate, of a film
-   * with too few samples, only restarts the interval. */
+  /** Adds an estimate for a film with `samples`, made from `begin` to `end`. One that is not finite, from too
+   * few samples, only restarts the interval. */
   void add(double estimate, double samples, double begin, double end) {
     next.restart(end, std::max(shortest, costRatio * (end - begin)));
     if (!std::isfinite(estimate)) return;

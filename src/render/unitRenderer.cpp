@@ -115,7 +115,7 @@ std::vector<WorkUnit> UnitRenderer::render(const WorkUnit& unit) {
     const int64_t pass = renderer.passOf(rest.firstSample);
     const bool splats = rest.splats && film.splats() && rest.firstSample == renderer.passBegin(pass);
     if (shotPass != pass || splats) {
-      // pass 0 has to be shot before any later one
+      // Pass 0 has to be shot before any later one.
       if (!shotPass && pass > 0 && !renderer.shootPass(0, false, control)) break;
       shotPass.reset();
       if (!renderer.shootPass(pass, splats, control)) break;

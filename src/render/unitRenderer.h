@@ -70,7 +70,7 @@ class UnitRenderer {
 
   /** Luminances of the unit's pilot samples, tile by tile; empty without an allocation. */
   std::vector<float> pilotsOf(const WorkUnit& unit) const;
-  /** Writes the pilots of a unit into the allocation of a different process, at the same stage. */
+  /** Writes the pilots of a unit to their places in `into`, a different allocation at the same stage. */
   void setPilots(const WorkUnit& unit, const std::vector<float>& pilots, SampleAllocation& into) const;
 
  private:

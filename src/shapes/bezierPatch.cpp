@@ -3,6 +3,7 @@
  */
 #include <array>
 
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/triangleMesh.h"
 #include "recurse/model/scene/plugIns.h"
 
@@ -68,10 +69,12 @@ std::unique_ptr<Shape> makeBezierPatch(const Parameters& p, const ShapeContext& 
     p.fail("P", std::to_string(points.size()) + " points do not make patches",
            "16 for each patch, row by row");
   const auto steps = static_cast<uint32_t>(p.integer("steps"));
-  constexpr double MOST_TRIANGLES = 1e8;
-  if (2.0 * steps * steps * double(points.size() / POINTS) > MOST_TRIANGLES)
+  constexpr double MOST_TRIANGLES = 1e8, TRIANGLE_SECONDS = 1e-6;
+  const double triangles = 2.0 * steps * steps * double(points.size() / POINTS);
+  if (triangles > MOST_TRIANGLES)
     p.fail("steps", "that makes more than " + std::to_string(int(MOST_TRIANGLES)) + " triangles",
            "fewer steps");
+  requireWork("cutting sides into " + std::to_string(steps) + " pieces", TRIANGLE_SECONDS * triangles);
   MeshData mesh;
   for (size_t i = 0; i < points.size(); i += POINTS) addPatch(&points[i], steps, mesh);
   try {

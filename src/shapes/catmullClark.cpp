@@ -10,7 +10,7 @@
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/displacement.h"
 #include "recurse/model/scene/plugIns.h"
 
@@ -244,9 +244,11 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
   const double faces = double(mesh.indices.size()) * std::pow(4.0, levels - 1);
   if (faces > MOST_FACES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_FACES)) + " faces", "fewer levels");
-  // Memory per face [bytes] for topology, limits with their tangents, and normals.
-  constexpr double FACE_BYTES = 500;
-  requireMemory("subdivision by " + std::to_string(levels) + " levels", FACE_BYTES * faces);
+  // Memory [bytes] and time [s] per face for topology, limits with their tangents, and normals.
+  constexpr double FACE_BYTES = 500, FACE_SECONDS = 2e-6;
+  const std::string subject = "subdivision by " + std::to_string(levels) + " levels";
+  requireWork(subject, FACE_SECONDS * faces);
+  requireMemory(subject, FACE_BYTES * faces);
   try {
     const std::set<std::pair<int, int>> edges = edgesOf(mesh);
     for (size_t i = 0; i < mesh.creases.size(); i += 2) {

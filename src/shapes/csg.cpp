@@ -55,6 +55,11 @@ class Csg final : public Shape {
   }
 
   uint32_t primitiveCount() const override { return box.empty() ? 0 : 1; }
+  double testsOfRay() const override {
+    double most = 1;
+    for (const Part& p : parts) most = std::max(most, p.shape->testsOfRay());
+    return most;
+  }
   Bounds3f bounds(uint32_t) const override { return box; }
 
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f& origin, const Vec3f& direction, float tMin,

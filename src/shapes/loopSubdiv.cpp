@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "recurse/core/threads/interrupt.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/displacement.h"
 #include "recurse/model/scene/plugIns.h"
 
@@ -201,13 +201,16 @@ std::unique_ptr<Shape> makeLoopSubdivision(const Parameters& p, const ShapeConte
   }
   const int levels = p.integer("levels");
   constexpr double MOST_TRIANGLES = 2e8;
-  if (double(mesh.triangles.size()) * std::pow(4.0, levels) > MOST_TRIANGLES)
+  const double triangles = double(mesh.triangles.size()) * std::pow(4.0, levels);
+  if (triangles > MOST_TRIANGLES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_TRIANGLES)) + " triangles",
            "fewer levels");
   // Memory per triangle [bytes]: one and a half edges, three entries in tables of edges and half a vertex.
   constexpr double TRIANGLE_BYTES = 300;
-  requireMemory("subdivision by " + std::to_string(levels) + " levels",
-                TRIANGLE_BYTES * double(mesh.triangles.size()) * std::pow(4.0, levels));
+  constexpr double TRIANGLE_SECONDS = 5e-6;
+  const std::string subject = "subdivision by " + std::to_string(levels) + " levels";
+  requireWork(subject, TRIANGLE_SECONDS * triangles);
+  requireMemory(subject, TRIANGLE_BYTES * triangles);
   try {
     return makeDisplacedMesh(subdivided(std::move(mesh), levels), p, context);
   } catch (const SceneError&) {

@@ -65,7 +65,7 @@ TEST_F(MethodsProgram, NoMethodTakesMuchLongerThanItsTime) {
            "768x512", "--method", "slow=--integrator vpl --set lightpaths=40000"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_NE(report()["methods"][0]["failure"], "");
-  // The first sample of each pixel may take as long again; the render of a scene takes ten seconds more.
+  // The first sample of each pixel may take a second more.
   const recurse::Image picture = recurse::readImage(file("out/method-slow.exr"));
   EXPECT_LT(std::stod(picture.metadata.at("recurse:seconds")), 60);
 }

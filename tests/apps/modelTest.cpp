@@ -114,6 +114,23 @@ TEST_F(ProgramModel, AMapOfAGameIsChosenWithItsCamera) {
   EXPECT_GT(readImage(file("m.exr")).rgb(16, 20).r, 0);
 }
 
+TEST_F(ProgramModel, MapsOfOpenArenaAreRendered) {
+  const std::string maps = "/usr/share/games/openarena/baseoa/pak1-maps.pk3";
+  if (!std::filesystem::exists(maps))
+    GTEST_SKIP() << "Debian's packages openarena-081-maps, openarena-081-textures and openarena-data are not "
+                    "installed";
+  for (const char* map : {"aggressor", "oa_ctf2", "suspended"}) {
+    const Outcome o = run({"render", maps, "--map", map, "--camera", "spawn:1", "--integrator", "path",
+                           "--spp", "4", "--resolution", "64x48", "-o", "map.exr"});
+    ASSERT_EQ(o.status, 0) << map << o.err;
+    const Image picture = readImage(file("map.exr"));
+    int lit = 0;
+    for (int y = 0; y < 48; ++y)
+      for (int x = 0; x < 64; ++x) lit += recurse::maxComponent(picture.rgb(x, y)) > 0 ? 1 : 0;
+    EXPECT_GT(lit, 48 * 64 / 2) << map;
+  }
+}
+
 TEST_F(ProgramModel, WrongUsageIsExplained) {
   EXPECT_EQ(run({"convert", "scene.pbrt", "-o", "made.pbrt"}).status, 2);
   EXPECT_EQ(run({"convert", "models/box.obj", "-o", "made.txt"}).status, 2);

@@ -17,7 +17,7 @@
 #include "recurse/core/image/image.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/error.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 using namespace recurse;
 namespace fs = std::filesystem;

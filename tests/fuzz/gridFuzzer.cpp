@@ -9,7 +9,7 @@
 #include "fuzz/nanoVdbFuzzing.h"
 #include "media/nanovdb/nanoVdbFile.h"
 #include "recurse/core/io/error.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 
 #include "fuzz/fuzzing.h"
 #include "fuzz/nanoVdbFuzzing.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/model/scene/sceneImport.h"
 #include "recurse/scene/directives/loader.h"

@@ -4,7 +4,7 @@
 #include "model/importTesting.h"
 #include "model/mesh/viewDicing.h"
 #include "model/shapeTesting.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/scene/plugIns.h"
 
 using namespace recurse;

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import time
 import types
 import unittest
 import unittest.mock
@@ -207,6 +208,43 @@ class Renders(InFolder):
             interrupt()
             room().render("path", spp=1 << 24)
         self.assertEqual(counter[0], 5)
+
+    def interrupted(self, work):
+        """Work that would take minutes ends soon after Ctrl-C."""
+        start = time.monotonic()
+        with self.assertRaises(KeyboardInterrupt):
+            work()
+        self.assertLess(time.monotonic() - start, 60)
+
+    def test_interrupts_end_loading(self):
+        surface = ('Shape "loopsubdiv" "integer levels" 10 "point3 P" [0 0 0 1 0 0 1 1 0 0 1 0]'
+                   ' "integer indices" [0 1 2 0 2 3]\n')
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        self.interrupted(lambda: recurse.parse('WorldBegin Material "diffuse"\n' + 40 * surface))
+
+    def test_interrupts_end_photons(self):
+        scene = room()
+        scene.photons(1000)
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        self.interrupted(lambda: scene.photons(300_000_000))
+
+    def test_interrupts_end_feature_layers(self):
+        """Each ray passes 200 surfaces, and a layer takes 64 times as many rays as the picture."""
+        scene = recurse.parse("""Film "rgb" "integer xresolution" 48 "integer yresolution" 48
+LookAt 0 0 -5  0 0 0  0 1 0
+Camera "perspective" "float fov" 10
+WorldBegin
+LightSource "point"
+MakeNamedMedium "m" "string type" "homogeneous" "rgb sigma_a" [ .001 .001 .001 ] "rgb sigma_s" [ 0 0 0 ]
+Material "interface"
+MediumInterface "m" ""
+""" + 200 * 'Shape "sphere"\n')
+
+        def progress(state):
+            if state["fraction"] >= 1:
+                os.kill(os.getpid(), signal.SIGINT)
+
+        self.interrupted(lambda: scene.render("simplepath", spp=1, features=["cryptoobject"], progress=progress))
 
     def test_paths_of_a_pixel_add_up_to_it(self):
         pixel = (12, 14)

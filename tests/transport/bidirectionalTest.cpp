@@ -122,6 +122,25 @@ PathClasses classOf(const std::string& expression) {
 
 } // namespace
 
+// Its own surface is where its light starts, and rounding leaves no distance between the two.
+TEST(BidirectionalEnds, ALampMayBeSmallerThanRounding) {
+  const std::string scene = view(4, "0 -.27 -.04  .6 -.07 -.04  0 0 1", 40) + R"(
+AttributeBegin
+Translate -0.908439248 -0.069043653 0.839460564
+Scale 1e-07 1e-07 1e-07
+AreaLightSource "diffuse" "float power" 10 "bool twosided" true
+Shape "sphere"
+AttributeEnd
+Material "diffuse"
+ReverseOrientation
+Shape "box" "point3 p1" [ -3 -3 -3 ] "point3 p2" [ 3 3 3 ]
+)";
+  for (const auto& [integrator, parameters] :
+       {std::pair("lightpath", "\"integer lightpaths\" 4000"),
+        std::pair("bdpt", "\"integer lightpaths\" 4000"), std::pair("vcm", "\"integer photons\" 4000")})
+    renderText(scene, integrator, std::string(parameters) + " \"integer maxdepth\" 8", 2);
+}
+
 TEST(Bidirectional, EachTechniqueAloneFindsItsPaths) {
   const ThreadPool pool;
   struct Technique {

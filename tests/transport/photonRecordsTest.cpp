@@ -53,7 +53,7 @@ TEST(PhotonRecords, TheirFluxIsTheIntegralOfRadianceTimesCosine) {
           // One square metre each; both cosines are 1 / r.
           (middle(a) > 0 ? right : left) += 5 / square(r2) / (double(N) * N * N * N);
         }
-  const Vec3f middleOfFloor = Vec3f(0) - scene->origin();
+  const Vec3f middleOfFloor(-scene->origin());
   double foundRight = 0, foundLeft = 0;
   for (const GuideRecord& r : recordsOf(*scene, 1 << 19, true)) {
     EXPECT_TRUE(r.fromPhoton);

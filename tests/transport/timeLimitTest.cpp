@@ -6,6 +6,7 @@
 #include <memory>
 #include <thread>
 
+#include "render/roundSchedule.h"
 #include "rendering.h"
 
 using namespace recurse;
@@ -135,6 +136,28 @@ class SlowLearner : public Integrator {
   }
   void backward(const Scene&, const CameraRay&, Sampler&, PathRadiance&) const override {}
   std::vector<EstimatorDomain> domains() const override { return {}; }
+};
+
+/** Its camera paths trace rays without end, of which the first asks for the end of the render. */
+class EndlessRays : public Integrator {
+ public:
+  Passes passes(int) const override { return Passes::oneMap(); }
+  ForwardStatistics forward(const Scene&, const PathClasses&, const Pass&, const ForwardControl&) override {
+    return {};
+  }
+  void backward(const Scene& scene, const CameraRay& ray, Sampler&, PathRadiance&) const override {
+    stop = true;
+    Hit hit;
+    for (int64_t rays = 0; rays < MANY; ++rays) scene.intersect(ray, hit);
+    ++pathsToTheEnd;
+  }
+  std::vector<EstimatorDomain> domains() const override { return {}; }
+
+  mutable std::atomic<bool> stop{false};
+  mutable std::atomic<int> pathsToTheEnd{0};
+
+ private:
+  static constexpr int64_t MANY = 1'000'000'000; // minutes, on any machine
 };
 
 } // namespace
@@ -283,6 +306,56 @@ TEST(TimeLimit, RendersThatWereStoppedGoOnWithTheSamePicture) {
       ASSERT_EQ(once.value(p, 0), pieces.value(p, 0)) << p << adaptive;
     }
   }
+}
+
+TEST(TimeLimit, StopIsKeptBetweenRaysOfOneCameraPath) {
+  const auto scene = sceneFrom(LIT_FLOOR);
+  EndlessRays integrator;
+  RenderSettings settings;
+  settings.samplesPerPixel = 1;
+  Film film(scene->film().crop, 1);
+  const RenderStatistics s =
+      render(*scene, integrator, PathClasses(), settings, film, integrator.stop, {}, {});
+  EXPECT_EQ(integrator.pathsToTheEnd, 0);
+  EXPECT_EQ(s.samples, 0u);
+  EXPECT_EQ(s.stopReason, StopReason::INTERRUPTED);
+}
+
+TEST(TimeLimit, TheFirstSampleGoesFromCoarseToFine) {
+  const auto scene = sceneFrom(LIT_FLOOR);
+  Film film(scene->film().crop, 1);
+  const auto width = size_t(film.bounds().width());
+  const auto stageOf = [&](size_t p) { return CoarseToFine::stageOf(int(p % width), int(p / width)); };
+  int64_t coarse = 0;
+  for (size_t p = 0; p < film.bounds().area(); ++p) coarse += stageOf(p) == 0 ? 1 : 0;
+  StoppingPaths integrator(coarse + 1);
+  RenderSettings settings;
+  settings.samplesPerPixel = 1;
+  settings.timeLimit = 3600;
+  const RenderStatistics s =
+      render(*scene, integrator, PathClasses(), settings, film, integrator.stop, {}, {});
+  EXPECT_EQ(s.stopReason, StopReason::INTERRUPTED);
+  const std::vector<size_t> nearest = film.nearestSampled(FIRST_SAMPLE_REACH);
+  ASSERT_EQ(nearest.size(), film.bounds().area());
+  for (size_t p = 0; p < nearest.size(); ++p) {
+    EXPECT_GT(film.samples(nearest[p]), 0u) << p;
+    if (stageOf(p) == 0) {
+      EXPECT_EQ(film.samples(p), 1u) << p;
+    }
+    if (stageOf(p) == 2) {
+      EXPECT_EQ(film.samples(p), 0u) << p;
+    }
+  }
+}
+
+TEST(TimeLimit, PixelsWithoutASampleShowTheNearestThatHasOne) {
+  Film film({0, 0, 5, 3}, 1);
+  EXPECT_EQ(film.nearestSampled(1)[7], 7u); // none has one
+  const Rgb white(1);
+  film.add(6, 0, 1, &white, white);
+  EXPECT_EQ(film.nearestSampled(2), (std::vector<size_t>{6, 6, 6, 3, 4, 6, 6, 6, 6, 9, 6, 6, 6, 13, 14}));
+  for (size_t p = 0; p < film.bounds().area(); ++p) film.add(p, 1, 1, &white, white);
+  EXPECT_TRUE(film.nearestSampled(2).empty());
 }
 
 TEST(TimeLimit, TexturesAreAsSharpAsWithTheScenesNumberOfSamples) {

@@ -8,7 +8,7 @@
 
 namespace recurse {
 
-/** Events of a path between L and E. */
+/** Events of a path between L and E: specular (delta), diffuse (non-delta) and volume scattering. */
 enum class PathEvent : uint8_t { S, D, V };
 
 /** Path class: the name of its film layer, and its expression. */

@@ -27,7 +27,7 @@ struct Checkpoint {
   /** Inputs of the samples, by name: renders that differ in any of them do not fit together. */
   std::map<std::string, std::string> identity;
   std::map<std::string, std::string> metadata; ///< metadata of the picture
-  float imagingRatio = 1;                      ///< imaging ratio of the picture to the film
+  float imagingRatio = 1;                      ///< factor from the film to the picture
   std::vector<PathClass> classes;              ///< the film's layers
   std::vector<Part> parts;
   RenderPosition position; ///< resume point of a single part

@@ -31,8 +31,8 @@ enum class StopReason { SAMPLES, TIME, ERROR, INTERRUPTED };
 
 struct RenderStatistics {
   double processorSeconds = 0;         ///< of all threads together
-  double learningProcessorSeconds = 0; ///< before the first photon map or sample, serving all of them
-  double photonProcessorSeconds = 0;   ///< for photon maps; the remainder is for camera paths
+  double learningProcessorSeconds = 0; ///< part of processorSeconds before the first photon map or sample
+  double photonProcessorSeconds = 0;   ///< part of processorSeconds for photon maps; the rest: camera paths
   double renderSeconds = 0, photonSeconds = 0, balanceSeconds = 0,
          gatherSeconds = 0; ///< gather: the backward part
   uint64_t photonsEmitted = 0, photonsStored = 0, photonsRefused = 0;
@@ -61,10 +61,14 @@ struct RenderPosition {
   std::optional<std::vector<WorkUnit>> left = {};
 };
 
+/** Largest distance from a pixel without a sample at the time limit to one with a sample, within a tile that
+ * was begun [steps along rows and columns]. */
+constexpr int FIRST_SAMPLE_REACH = 6;
+
 struct RenderSettings {
-  int samplesPerPixel = 16;    ///< 0: until the time limit or the error target
-  double timeLimit = 0;        ///< seconds for the whole render; 0: none
-  double firstSampleTime = 10; ///< additional seconds that the first sample of each pixel may take
+  int samplesPerPixel = 16;   ///< 0: until the time limit or the error target
+  double timeLimit = 0;       ///< seconds for the whole render; 0: none
+  double firstSampleTime = 1; ///< additional seconds that the first sample of each pixel may take
   /** Whether the time limit ends the first forward pass, which leaves a film without samples; else that pass
    * may exceed it. */
   bool limitsFirstPass = false;

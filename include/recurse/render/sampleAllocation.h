@@ -92,7 +92,7 @@ class SampleAllocation {
     return {std::as_writable_bytes(std::span(&stage, 1)), std::as_writable_bytes(std::span(pixels)),
             std::as_writable_bytes(std::span(stagePilots))};
   }
-  /** Data on which due() and pilotsDue() depend, for a second process that renders a part of the stage. */
+  /** Data on which due() and pilotsDue() depend, for processes that render a part of the stage. */
   std::vector<std::byte> plan() const;
   void setPlan(std::span<const std::byte> plan);
 
@@ -114,7 +114,7 @@ class SampleAllocation {
   uint64_t hashOf(size_t pixel) const;
 
   size_t width, height;
-  double dark; ///< luminance of a dark pixel
+  double dark; ///< luminance below which an error counts as absolute rather than relative
   bool mapPerSample = false;
   Stage stage;
   std::vector<Pixel> pixels;

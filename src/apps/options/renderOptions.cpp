@@ -16,7 +16,7 @@
 #include "apps/run/console.h"
 #include "apps/view/progressDisplay.h"
 #include "recurse/core/image/imageTexture.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 namespace recurse::apps {
 
@@ -53,10 +53,10 @@ void RenderOptions::addTo(CLI::App& command) {
       "Samples go where the error is: pixels get between a quarter of --spp and eight times as many, "
       "as the first samples of the pixels around them tell; a crop is a picture of its own then");
   add("--time-limit", timeLimit, "TIME",
-      "Longest time for photons and picture: 30s, 2m, 1h30m; the first sample of each pixel may take 10s "
-      "more. Loading, which is not counted, may not take longer than this either. 'recurse render' takes it "
-      "by "
-      "plain path tracing where photons are not ready in time");
+      "Longest time for photons and picture: 30s, 2m, 1h30m; the first sample of each pixel may take 1s "
+      "more, and pixels without one show another beside them. Loading, which is not counted, may not take "
+      "longer than this either. 'recurse render' takes it by plain path tracing where photons are not ready "
+      "in time");
   add("--error-target", errorTarget, "E",
       "Stop when the picture's relative standard error, the 95th percentile over pixels, is E, such as 0.05; "
       "the bias of a photon map is not in it");
@@ -67,6 +67,10 @@ void RenderOptions::addTo(CLI::App& command) {
   add("--memory", memory, "BYTES",
       "What the program may take, such as 8G: scenes, pictures and photons that would need more are refused "
       "(default: what there is)");
+  add("--work", work, "TIME",
+      "What a scene may take on one core before its first sample is complete, as far as that is foretold, "
+      "such as 1h: one that divides surfaces finer, or has more of them at one place, is refused (default: "
+      "2m)");
   add("--texture-memory", textureMemory, "BYTES",
       "What pictures on surfaces may take in memory, such as 2G; the rest is in a temporary file, in TMPDIR "
       "or "
@@ -91,6 +95,7 @@ RenderPlan RenderOptions::plan() const {
     if (!(plan.errorTarget > 0)) throw Error("--error-target: must be more than 0", ExitStatus::BAD_USAGE);
   }
   if (memory) setMemoryLimit(double(parseCount("--memory", *memory, 1, int64_t(1) << 50)));
+  setWorkLimit(parseDuration("--work", work));
   if (textureMemory)
     setTextureMemory(double(parseCount("--texture-memory", *textureMemory, 1, int64_t(1) << 50)));
   if (threads) plan.threads = static_cast<int>(parseCount("--nthreads", *threads, 1, 4096));
@@ -153,6 +158,9 @@ Film emptyFilm(const Scene& scene, const PathClasses& classes) {
                 Film::bytes(double(crop.area()), double(classes.layerCount())));
   return {crop, classes.layerCount()};
 }
+
+/** Time limit that is over at once; 0 would be none. */
+constexpr double NO_TIME_LEFT = std::numeric_limits<double>::min();
 
 /** A render with its messages, its checkpoint and its first picture. */
 class RenderRun {
@@ -249,15 +257,16 @@ class RenderRun {
     }
   }
 
-  void renderFirst() { first = renderFirstPicture(loaded, *firstClasses, settings, graceful->flag(), show); }
+  void renderFirst(double timeLimit) {
+    first = renderFirstPicture(loaded, *firstClasses, settings.seed, timeLimit, graceful->flag(), show);
+  }
   void beginLooking() {
     settings.look = [this] { return plan.look([this] { return grownPicture(); }, log); };
     if (firstClasses && kept.film.totalSamples() == 0) {
-      renderFirst();
+      renderFirst(settings.timeLimit);
       // The time limit includes the first picture.
       if (settings.timeLimit > 0)
-        settings.timeLimit = std::max(settings.timeLimit - first->statistics.renderSeconds,
-                                      std::numeric_limits<double>::min());
+        settings.timeLimit = std::max(settings.timeLimit - first->statistics.renderSeconds, NO_TIME_LEFT);
     }
     if (first || kept.film.totalSamples() > 0) settings.lookAfter = settings.look();
   }
@@ -303,7 +312,7 @@ class RenderRun {
   void complete(const std::string& missed) {
     if (!missed.empty()) statistics.warnings.push_back(missed);
     if (plan.endsWithFirstPicture && firstClasses && statistics.samples == 0) {
-      if (!first && !isInterrupted()) renderFirst();
+      if (!first && !isInterrupted()) renderFirst(NO_TIME_LEFT);
       if (first && first->statistics.samples > 0) takeFirstPicture();
     }
     if (isInterrupted() && statistics.samples == 0)
@@ -352,7 +361,9 @@ class RenderRun {
 
 void RenderResult::explainBlackness() {
   if (isInterrupted() || statistics.least == 0 || !missedPaths(loaded, classes).empty()) return;
-  const std::string why = blackPictureText(loaded, PathClasses(classes), film, stopFlag());
+  const bool isOvertime = statistics.stopReason == StopReason::TIME;
+  const std::string why = blackPictureText(loaded, PathClasses(classes), film, stopFlag(),
+                                           isOvertime ? PROBE_SECONDS_OVERTIME : PROBE_SECONDS);
   if (why.empty()) return;
   statistics.warnings.push_back(why);
   say("warning: " + why + "\n");

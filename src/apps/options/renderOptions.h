@@ -51,7 +51,7 @@ struct RenderOptions {
   IntegratorOptions integrator;
   std::optional<std::string> samples, timeLimit, errorTarget, threads, seed, resolution, cropWindow,
       textureMemory, memory;
-  std::string statistics, progress = "auto";
+  std::string statistics, progress = "auto", work = "2m";
   bool quiet = false, verbose = false, lenient = false, compact = false, adaptive = false;
 
   /** Declares the scene file, which is the first positional argument, and ModelChoice. */

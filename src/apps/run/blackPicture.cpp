@@ -27,8 +27,6 @@ constexpr int EMISSIONS = 64;
 constexpr size_t MAX_LIGHTS = 256;
 /** Sampler stream of the probes. */
 constexpr uint64_t PROBE_STREAM = 0x4441524bull;
-/** Longest time for all probes [s]. */
-constexpr double PROBE_SECONDS = 5;
 /** A picture is nearly black if its mean is below this fraction of lampRadiance(). */
 constexpr double NEARLY_BLACK_PART = 0.1;
 constexpr const char* TURN_LAMP =
@@ -366,9 +364,10 @@ class DarkScene {
 };
 
 /** Result of the probes; empty if `stop` became true or they took too long. */
-template <class Probe> std::string unlessStopped(const std::atomic<bool>& stop, const Probe& probe) {
+template <class Probe>
+std::string unlessStopped(const std::atomic<bool>& stop, double seconds, const Probe& probe) {
   using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(PROBE_SECONDS);
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   std::atomic<bool> enough{stop.load()};
   const Watchdog watchdog([&] {
     if (stop || Clock::now() > end) enough = true;
@@ -423,16 +422,16 @@ std::string noLightText(const LoadedScene& loaded, const PathClasses& classes, b
 } // namespace
 
 std::string darknessReason(const LoadedScene& loaded) {
-  return unlessStopped(std::atomic<bool>{false}, [&] {
+  return unlessStopped(std::atomic<bool>{false}, PROBE_SECONDS, [&] {
     DarkScene dark(loaded);
     return dark.showsLight(-1) ? "" : dark.reason();
   });
 }
 
 std::string blackPictureText(const LoadedScene& loaded, const PathClasses& classes, const Film& film,
-                             const std::atomic<bool>& stop) {
+                             const std::atomic<bool>& stop, double seconds) {
   const Brightness brightness(film);
-  return unlessStopped(stop, [&]() -> std::string {
+  return unlessStopped(stop, seconds, [&]() -> std::string {
     if (brightness.isNone()) return noLightText(loaded, classes, brightness.lit == 0);
     if (classes.lightStateCount() > 1) return "";
     const std::string reason = DarkScene(loaded).idleLampsReason(brightness.mean, brightness.brightest);

@@ -21,7 +21,7 @@ class Cluster {
   virtual int threads() const = 0;
   /** Broadcasts the leading process's text, at most 1 GB, to all processes. Called by all. */
   virtual std::string tellAll(std::string text) const = 0;
-  /** Compares `identity`, on which samples depend. Called by all. Throws Error if one differs or failed. */
+  /** Called by all: compares what samples depend on. Throws Error that names who differs or has failed. */
   virtual void join(const std::map<std::string, std::string>& identity) = 0;
   /** Renders like recurse::render(), called by all processes with the same scene and settings. Only the film
    * of the leading process is filled, and only its callbacks are called. */

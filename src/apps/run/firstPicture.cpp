@@ -46,14 +46,14 @@ std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, con
   return PathClasses(left);
 }
 
-FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
-                                const RenderSettings& settings, const std::atomic<bool>& stop,
+FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes, uint64_t seed,
+                                double timeLimit, const std::atomic<bool>& stop,
                                 const std::function<void(const RenderProgress&)>& progress) {
   const auto path = pathTracerThatLearnsNothing(maxDepthOf(loaded.integratorDirective));
   RenderSettings once;
   once.samplesPerPixel = 1;
-  once.seed = settings.seed;
-  once.timeLimit = settings.timeLimit;
+  once.seed = seed;
+  once.timeLimit = timeLimit;
   const auto tell = [&](RenderProgress p) {
     p.phase = "first picture";
     if (progress) progress(p);

@@ -28,11 +28,11 @@ struct FirstPicture {
 std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, const PathClasses& classes);
 
 /**
- * Renders one sample of each pixel by path tracing with lights selected by power, which learns nothing. Uses
- * the seed and the time limit of `settings`. Ends early when `stop` becomes true.
+ * Renders one sample of each pixel by path tracing with lights selected by power, which learns nothing. Ends
+ * early when `stop` becomes true, and at `timeLimit` [s; 0: none], see RenderSettings.
  */
-FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes,
-                                const RenderSettings& settings, const std::atomic<bool>& stop,
+FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes, uint64_t seed,
+                                double timeLimit, const std::atomic<bool>& stop,
                                 const std::function<void(const RenderProgress&)>& progress);
 
 } // namespace recurse::apps

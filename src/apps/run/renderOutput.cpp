@@ -71,12 +71,14 @@ Image pictureOf(const Film& film, const std::vector<PathClass>& classes, float i
   Image image(film.bounds().width(), film.bounds().height(), channels);
   std::vector<double> errors;
   if (extra.error) errors = film.standardErrors();
+  const std::vector<size_t> nearest = film.nearestSampled(FIRST_SAMPLE_REACH);
   for (size_t pixel = 0; pixel < film.bounds().area(); ++pixel) {
+    const size_t from = nearest.empty() ? pixel : nearest[pixel];
     float* more = &image.pixels[pixel * channels.size() + colours - 1];
-    if (extra.error) *++more = static_cast<float>(errors[pixel]) * imagingRatio;
+    if (extra.error) *++more = static_cast<float>(errors[from]) * imagingRatio;
     if (extra.samples) *++more = static_cast<float>(film.samples(pixel));
     for (size_t layer = 0; layer < film.layerCount(); ++layer) {
-      const Rgb value = film.value(pixel, layer) * imagingRatio;
+      const Rgb value = film.value(from, layer) * imagingRatio;
       for (int c = 0; c < 3; ++c) image.pixels[pixel * channels.size() + layer * 3 + size_t(c)] = value[c];
     }
   }

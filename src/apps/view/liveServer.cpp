@@ -1,8 +1,8 @@
 /** @file
- * Live page: the page itself, the state as JSON, and the picture developed as the page
- * requests. Anyone with the printed address may watch and stop the render. The address
- * contains a random token, which no other user of the machine and no other page in the browser
- * knows. */
+ * Live page: the page itself, the state as JSON, and the picture developed as the page requests. Anyone with
+ * the printed address may watch and stop the render. The address contains a random token, which no other user
+ * of the machine and no other page in the browser knows.
+ */
 #include "apps/view/liveServer.h"
 
 #include <algorithm>

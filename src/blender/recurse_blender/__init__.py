@@ -13,7 +13,7 @@ bl_info = {
     "category": "Render",
 }
 
-#: Panels of Blender that suit every engine with shader nodes.
+#: Panels of Blender that suit all engines with shader nodes.
 SHARED_PANELS = ("RENDER_PT_", "OUTPUT_PT_", "VIEWLAYER_PT_", "DATA_PT_camera", "DATA_PT_lens", "CAMERA_PT_", "MATERIAL_PT_",
                  "CYCLES_PT_context_material", "CYCLES_MATERIAL_PT_surface", "CYCLES_MATERIAL_PT_volume", "CYCLES_LIGHT_PT_",
                  "CYCLES_WORLD_PT_surface", "WORLD_PT_", "CYCLES_CAMERA_PT_dof", "PARTICLE_PT_", "TEXTURE_PT_")
@@ -21,7 +21,7 @@ HIDDEN = ("RENDER_PT_eevee", "RENDER_PT_simplify", "RENDER_PT_gpencil", "MATERIA
 
 
 class RecursePreferences(bpy.types.AddonPreferences):
-    """Of the add-on."""
+    """Preferences of the add-on."""
 
     bl_idname = __package__
     program: bpy.props.StringProperty(name="Program", subtype="FILE_PATH",

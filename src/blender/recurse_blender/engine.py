@@ -1,4 +1,4 @@
-"""The render engine: writes the scene, runs the program `recurse`, and reads its picture."""
+"""The render engine: writes the scene, runs the program `recurse`, and reads the image."""
 import os
 import queue
 import shutil
@@ -16,11 +16,11 @@ from .exr import read_exr
 from .export import Exporter
 from .progress import read_progress
 
-FAR = 1e10  # depth where nothing is, as Blender has it
+FAR = 1e10  # depth of the background, as in Blender
 
 
 def program():
-    """Path of the program: as the preferences say, beside the add-on, or in PATH."""
+    """Path of the program: from the preferences, RECURSE, the add-on's folder or PATH. Raises FileNotFoundError."""
     addon = bpy.context.preferences.addons.get(__package__)
     own = os.path.join(os.path.dirname(__file__), "bin", "recurse")
     for path in (addon.preferences.program if addon and addon.preferences else "", os.environ.get("RECURSE", ""), own):
@@ -33,7 +33,7 @@ def program():
 
 
 class Frame:
-    """What of the picture is rendered. Blender's result has that part alone, and puts it where it belongs."""
+    """Size and rendered region of the image. Blender's result contains the region only, and places it itself."""
 
     def __init__(self, render):
         scale = render.resolution_percentage / 100
@@ -47,7 +47,7 @@ class Frame:
         x1, y1 = max(x1, x0 + 1), max(y1, y0 + 1)
         self.rendered = x1 - x0, y1 - y0
         edges = ((x0, width), (x1, width), (height - y1, height), (height - y0, height))
-        # The program rounds up.
+        # The program rounds the edges up to whole pixels.
         self.crop = [max(0, (pixel - 0.5) / size) for pixel, size in edges]
 
 
@@ -61,11 +61,11 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
     bl_use_postprocess = True
 
     _folder = None
-    _shines = False  # whether an object of the scene is seen to shine
+    _shines = False  # whether an object of the scene visibly emits light
 
     @classmethod
     def folder(cls):
-        """Of this session, so that meshes that stay are written once."""
+        """Folder of this Blender session, so that unchanged meshes are written once."""
         if not cls._folder or not os.path.isdir(cls._folder):
             cls._folder = tempfile.mkdtemp(prefix="recurse_", dir=bpy.app.tempdir)
         return cls._folder
@@ -74,7 +74,7 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
 
     @staticmethod
     def extra_passes(scene, layer):
-        """Passes beside Blender's own: name, letters, kind, layer of the program's picture."""
+        """Additional passes: name, letters, kind, and layer of the program's image."""
         settings = scene.recurse
         out = []
         if settings.use_albedo:
@@ -100,7 +100,7 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
             self._render(depsgraph)
         except (OSError, ValueError, RuntimeError) as error:
             self._fail(str(error))
-        except Exception as error:  # a mistake of the add-on: with its place on the console
+        except Exception as error:  # a bug of the add-on: its traceback goes to the console
             traceback.print_exc()
             self._fail(f"{type(error).__name__}: {error}")
 
@@ -138,7 +138,7 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
             self._show(read_exr(picture), frame, scene, layer)
 
     def _run(self, command, folder):
-        """True where the program has written a picture."""
+        """Runs the program. Returns whether it ended without an error."""
         lines = queue.Queue()
         with subprocess.Popen(command, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, cwd=folder, text=True,
                               errors="replace") as process:
@@ -160,11 +160,11 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
         return True
 
     def _watch(self, process, reader, lines, told):
-        """Shows what the program says until it has ended."""
+        """Shows the program's progress and messages until it has ended."""
         is_ending = False
         while process.poll() is None or reader.is_alive() or not lines.empty():
             if self.test_break() and not is_ending:
-                process.send_signal(signal.SIGINT)  # it writes what there is
+                process.send_signal(signal.SIGINT)  # the program then writes its image
                 is_ending = True
             try:
                 self._tell(lines.get(timeout=0.1), told)
@@ -183,7 +183,7 @@ class RecurseRenderEngine(bpy.types.RenderEngine):
             told.append(line)
 
     def _show(self, channels, frame, scene, layer):
-        """The passes of Blender's result, whose rows are from the bottom."""
+        """Fills the passes of Blender's result, whose rows begin at the bottom."""
         def stacked(names):
             return np.stack([channels[name] for name in names], axis=-1)[::-1]
 

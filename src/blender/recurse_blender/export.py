@@ -1,4 +1,4 @@
-"""A scene of Blender as a scene file."""
+"""Export of a Blender scene to a scene file."""
 import math
 
 import numpy as np
@@ -10,20 +10,20 @@ from .textures import Textures
 
 #: Camera space of scene files has z forward, Blender's has it backward.
 TURNED = np.diag([1.0, 1.0, -1.0, 1.0])
-CONVERTED = ("CURVE", "SURFACE", "FONT", "META")  # Blender lists them, and their meshes after them
+CONVERTED = ("CURVE", "SURFACE", "FONT", "META")  # types that Blender lists twice: first as they are, then as meshes
 GEOMETRY = ("MESH", "CURVES", *CONVERTED)
 
 
 class Piece:
-    """What an object looks like: a shape for each material."""
+    """Geometry of an object: a shape for each material."""
 
     def __init__(self, name):
         self.name = name
-        self.parts = []  # class and parameters of a shape, Surface
+        self.parts = []  # pairs: class and parameters of a shape; Surface
 
 
 class Exporter:
-    """Writes one frame. `size`: width and height of the picture [pixels]."""
+    """Writes one frame. `size`: width and height of the image [pixels]. `crop`: fractions x0, x1, y0, y1."""
 
     def __init__(self, depsgraph, folder, size, crop=None):
         self.depsgraph, self.scene = depsgraph, depsgraph.scene
@@ -33,13 +33,13 @@ class Exporter:
         self.textures = Textures(self.folder, self.warnings)
         self.materials = Materials(self.textures, self.folder, self.warnings)
         self.pieces = {}
-        self.placed = {}  # of pieces: matrices by the key of the piece
-        self.moves = {}  # what is where at the end of the shutter
-        self.shines = False  # an object is seen to shine
+        self.placed = {}  # matrices of the instances of a piece, by the key of the piece
+        self.moves = {}  # matrices at the end of the shutter, by the key of the instance
+        self.shines = False  # whether an object visibly emits light
         self.lamp_lines, self.curve_lines, self.volume_lines = [], [], []
 
     def write(self, frame_set=None):
-        """Returns the text. `frame_set(frame, part)` goes to another time, for motion blur."""
+        """Returns the text of the scene file. `frame_set(frame, part)` changes the time, for motion blur."""
         scene = self.scene
         camera = scene.camera
         if not camera:
@@ -80,7 +80,7 @@ class Exporter:
                 *self.scene.recurse.directives()]
 
     def _camera_matrix(self):
-        """From the world to camera space of scene files."""
+        """Matrix from the world to the camera space of scene files."""
         place = np.array(self.scene.camera.evaluated_get(self.depsgraph).matrix_world.normalized(), float)
         return TURNED @ np.linalg.inv(place)
 
@@ -92,7 +92,7 @@ class Exporter:
             kind = data.cycles.panorama_type if hasattr(data, "cycles") else getattr(data, "panorama_type", "")
             if kind != "EQUIRECTANGULAR":
                 self.warnings.add(f"{camera.name}: the panorama '{kind.lower()}' is rendered as equirectangular")
-            # What is in front is in the middle of the picture.
+            # The forward direction is at the centre of the image.
             before = np.array([[0, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1]], float)
             self.window = None
             text = '"spherical" "string mapping" "equirectangular"'
@@ -100,7 +100,7 @@ class Exporter:
             projection = np.array(camera.calc_matrix_camera(
                 self.depsgraph, x=self.size[0], y=self.size[1], scale_x=render.pixel_aspect_x,
                 scale_y=render.pixel_aspect_y), float)
-            # Where the edges of the picture are on the plane z = 1, or anywhere for parallel rays.
+            # Edges of the image on the plane z = 1; for parallel rays at any depth.
             self.window = window = []
             for axis in (0, 1):
                 shift = -projection[axis, 3] if data.type == "ORTHO" else projection[axis, 2]
@@ -133,7 +133,7 @@ class Exporter:
     # Objects
 
     def _places(self):
-        """Keys and matrices of all that is to be seen."""
+        """Keys and matrices of all instances."""
         for instance in self.depsgraph.object_instances:
             yield self._place_key(instance), np.array(instance.matrix_world, float)
 
@@ -150,7 +150,7 @@ class Exporter:
                     self._volume(source, np.array(instance.matrix_world, float))
                 continue
             if source.type == "MESH" and source.original.type in CONVERTED:
-                continue  # the mesh of a curve, which is there itself
+                continue  # mesh of a curve, which is exported itself
             place = np.array(instance.matrix_world, float)
             if source.type == "LIGHT":
                 self._lamp(source, place)
@@ -177,14 +177,14 @@ class Exporter:
         self.lamp_lines.append(text)
 
     def _is_in_picture(self, light, place):
-        """Whether the camera may see the lamp's surface."""
+        """Whether the lamp's surface may be visible to the camera."""
         at = self._camera_matrix() @ place[:, 3]
         radius = light.shadow_soft_size if light.type == "POINT" else 0
         if light.type == "AREA":
             radius = np.linalg.norm(lights.size_of(light, place)) / 2
             towards_camera = np.linalg.inv(self._camera_matrix())[:3, 3] - place[:3, 3]
             if towards_camera @ place[:3, 2] > 0:
-                return False  # from behind it is dark
+                return False  # dark on its back
         if self.window is None:
             return True
         depth = at[2] + radius if self.scene.camera.data.type != "ORTHO" else 1
@@ -195,7 +195,7 @@ class Exporter:
 
     @staticmethod
     def _geometry_key(source):
-        """The same for objects that share their mesh as it is."""
+        """Key of an object's geometry, equal for objects that share an unmodified mesh."""
         slots = tuple(slot.material.name_full if slot.material else "" for slot in source.material_slots)
         if source.modifiers or source.type != "MESH" or (source.data.shape_keys if source.data else False):
             return "object", source.original.name_full, slots
@@ -216,7 +216,7 @@ class Exporter:
                 material = slots[min(slot, len(slots) - 1)].material if len(slots) else None
                 surface = self.materials.surface(material)
                 self.shines |= surface.emits
-                balls = None if surface.emits else self._metaballs(source)  # what shines is sampled, as a mesh can be
+                balls = None if surface.emits else self._metaballs(source)  # emitters are sampled, so must be meshes
                 if balls:
                     out.parts.append((balls, surface))
                     break
@@ -227,7 +227,7 @@ class Exporter:
         return out
 
     def _volume(self, source, place):
-        """A box around a medium of a file."""
+        """Writes a box around the medium of a volume file."""
         slots = source.material_slots
         parameters = self.materials.volume(slots[0].material if len(slots) else None)
         if not parameters:
@@ -247,7 +247,7 @@ class Exporter:
             f'Shape "box" "point3 p1" {numbers(lower)} "point3 p2" {numbers(upper)}', "AttributeEnd"]))
 
     def _metaballs(self, source):
-        """Class and parameters of the shape of metaballs; None where they are to be a mesh."""
+        """Class and parameters of a shape of metaballs; None if they must be a mesh."""
         if source.type != "META":
             return None
         family = [other.evaluated_get(self.depsgraph) for other in self.scene.objects if not other.hide_render]
@@ -257,7 +257,7 @@ class Exporter:
         return balls
 
     def _hair(self, source):
-        """Hair of particles as curves, one for each."""
+        """Writes the hair of particle systems, one curve for each hair."""
         for system in getattr(source, "particle_systems", []):
             settings = system.settings
             if settings.type != "HAIR" or settings.render_type != "PATH":
@@ -281,7 +281,7 @@ class Exporter:
 
     @staticmethod
     def _curve(points, root, tip, surface):
-        """A cubic B-spline through the ends, of these widths: what Blender calls a radius of hair is one."""
+        """Cubic B-spline through the ends. `root`, `tip`: widths; Blender calls them radii, but uses them as widths."""
         ends = np.concatenate([[2 * points[0] - points[1]], points, [2 * points[-1] - points[-2]]])
         return "\n".join(["AttributeBegin", f"NamedMaterial {quoted(surface.material)}" if surface.material else 'Material "interface"',
                           f'Shape "curve" "string basis" "bspline" "string type" "cylinder" "point3 P" {numbers(ends)} '
@@ -302,7 +302,7 @@ class Exporter:
 
     @staticmethod
     def _transforms(first, last):
-        """The current transform, of one place or of two where the second differs."""
+        """Directives of the current transform: one matrix, or two for motion if the second differs."""
         if last is None or np.allclose(last, first, rtol=1e-6, atol=1e-9):
             return [f"Transform {matrix(first)}"]
         return ["ActiveTransform StartTime", f"Transform {matrix(first)}", "ActiveTransform EndTime",
@@ -310,7 +310,7 @@ class Exporter:
 
     @staticmethod
     def _is_nothing(surface):
-        """A surface that is neither seen nor bounds anything."""
+        """Whether a surface neither scatters nor emits, and bounds no medium."""
         return not surface.material and not surface.medium and not surface.emits
 
     def _shapes(self):
@@ -318,7 +318,7 @@ class Exporter:
             piece = self.pieces[key]
             parts = [(text, surface) for text, surface in piece.parts if not self._is_nothing(surface)]
             shared = [part for part in parts if not part[1].emits and not part[1].medium] if len(places) > 1 else []
-            if shared:  # lamps and media have a place of their own each
+            if shared:  # emitters and media cannot be instanced
                 name = f"{piece.name} {key[0]}"
                 yield f"ObjectBegin {quoted(name)}"
                 for text, surface in shared:

@@ -1,11 +1,11 @@
-"""Reads the OpenEXR files that Recurse writes: scan lines of floats, with zip compression or without."""
+"""Reader of the OpenEXR files that Recurse writes: scan lines of floats, with or without zip compression."""
 import struct
 import zlib
 
 import numpy as np
 
 MAGIC = 20000630
-ROWS_OF_CHUNKS = {0: 1, 2: 1, 3: 16}  # by compression: none, a line by zip, 16 lines by zip
+ROWS_OF_CHUNKS = {0: 1, 2: 1, 3: 16}  # by compression: none, zip of single lines, zip of 16 lines
 
 
 def _text(data, begin):
@@ -36,7 +36,7 @@ def _unzip(data, size):
 
 
 def read_exr(path):
-    """Channels by name: arrays of height and width, rows from the top."""
+    """Channels by name, as arrays (height, width) with rows from the top. Raises ValueError for other files."""
     with open(path, "rb") as file:
         data = file.read()
     if struct.unpack_from("<i", data)[0] != MAGIC:

@@ -1,15 +1,15 @@
-"""The part of a picture without its background."""
+"""Removal of an image's background, for a transparent film."""
 import numpy as np
 
-EMITTED = "film_emitted"  # the class of light that comes straight from lamps and sky
+EMITTED = "film_emitted"  # path class of light straight from lamps and sky
 LAYER, CLASS = "cryptoobject", f"{EMITTED}=LE"
 COVERAGES = [f"CryptoObject{i:02}.{letter}" for i in range(3) for letter in "GA"]
 
 
 def without_background(channels, shines):
-    """Colours times opacity, and opacity, of channels by name: what objects cover of a pixel, and all light but that of
-    the sky behind them. `shines`: some object is seen to shine, so that at edges the sky's part of what comes straight
-    is an estimate."""
+    """Premultiplied colours, and opacity, from channels by name. Opacity is the coverage of a pixel by objects; colours
+    are all light except directly visible sky. `shines`: some object is visibly emissive, so that at edges the sky's
+    fraction of the directly visible light is an estimate."""
     opacity = np.clip(sum(channels[name] for name in COVERAGES), 0, 1)
     colours = np.stack([channels[name] for name in "RGB"], axis=-1)
     emitted = np.stack([channels[f"{EMITTED}.{letter}"] for letter in "RGB"], axis=-1)

@@ -1,4 +1,4 @@
-"""Lamps and the world, with Blender's meaning of watts."""
+"""Lamps and the world, with Blender's definition of power."""
 import math
 import os
 
@@ -9,19 +9,19 @@ from .nodes import output_node
 from .text import matrix, number, numbers, quoted
 from .textures import image_pixels
 
-LARGE_SUN = math.radians(2)  # from this angle on a sun is a disc
+LARGE_SUN = math.radians(2)  # minimum angle at which a sun is exported as a disc
 SUN_MAP = (1024, 512)
 
 
 def _shape(text, radiance, placement, is_hidden, first=()):
     if is_hidden:
-        text += ' "float alpha" 0'  # it shines and is not seen
+        text += ' "float alpha" 0'  # emits, but is invisible
     return "\n".join(["AttributeBegin", f"Transform {matrix(placement)}", 'Material "interface"',
                       f'AreaLightSource "diffuse" "rgb L" {numbers(radiance)}', *first, text, "AttributeEnd"])
 
 
 def power_of(light, textures):
-    """Of a lamp: red, green and blue [W], or [W/m^2] for suns."""
+    """Power of a lamp: red, green and blue [W], or [W/m^2] for suns."""
     power = np.array(light.color[:]) * light.energy
     output = output_node(light.node_tree) if light.use_nodes and light.node_tree else None
     source = output.inputs["Surface"].source if output else None
@@ -35,7 +35,7 @@ def power_of(light, textures):
 
 
 def lamp(light, placement, is_hidden, textures):
-    """The directives of a lamp; None for a sun that is a picture. Hidden ones are not seen."""
+    """Directives of a lamp; None for a large sun, see sun_map(). `is_hidden`: its surface is invisible."""
     warnings, power = textures.warnings, power_of(light, textures)
     place = np.array(placement, float)
     if light.type == "SUN":
@@ -66,7 +66,7 @@ def lamp(light, placement, is_hidden, textures):
 
 
 def size_of(light, place):
-    """Width and height of an area lamp."""
+    """Width and height of an area lamp [scene units]."""
     height = light.size_y if light.shape in ("RECTANGLE", "ELLIPSE") else light.size
     return np.array([light.size, height]) * np.linalg.norm(place[:3, :2], axis=0)
 
@@ -80,7 +80,7 @@ def _area(light, power, place, is_hidden):
         shape = place @ np.diag([width / 2, height / 2, 1, 1])
         return _shape('Shape "disk"', radiance, shape, is_hidden, ["ReverseOrientation"])
     shape = place @ np.diag([width, height, 1, 1])
-    # Counterclockwise as seen from -z, where the light goes.
+    # Counterclockwise as seen from -z, the direction of emission.
     return _shape('Shape "trianglemesh" "point3 P" [ -.5 -.5 0 -.5 .5 0 .5 .5 0 .5 -.5 0 ] '
                   '"integer indices" [ 0 1 2 0 2 3 ]', radiance, shape, is_hidden)
 
@@ -89,12 +89,12 @@ def _sun(light, power, place):
     away = place[:3, 2] / np.linalg.norm(place[:3, 2])
     if light.angle < LARGE_SUN:
         return f'LightSource "distant" "rgb L" {numbers(power)} "point3 from" {numbers(away)} "point3 to" [ 0 0 0 ]'
-    return None  # as a picture of the sky: sun_map()
+    return None  # exported as an environment map, see sun_map()
 
 
 def sun_map(light, placement, power):
-    """Pixels, rows from the top, of a sky that is black but for a large sun; a level surface that faces the middle of
-    the disc gets the light's strength."""
+    """Pixels of an environment map, rows from the top, that is black except for a large sun. A surface that faces the
+    centre of the disc receives the irradiance `power`."""
     width, height = SUN_MAP
     away = np.array(placement, float)[:3, 2]
     away /= np.linalg.norm(away)
@@ -110,7 +110,7 @@ def sun_map(light, placement, power):
 
 
 def world(scene_world, textures):
-    """The directives of the surroundings."""
+    """Directives of the world's light."""
     folder, warnings = textures.folder, textures.warnings
     if not scene_world:
         return []
@@ -153,7 +153,7 @@ def _environment(node, strength, folder, warnings):
     file = bpy.path.abspath(node.image.filepath, library=node.image.library)
     if node.image.packed_file or not node.image.is_float or not os.path.isfile(file):
         file = folder.picture(node.image.name, image_pixels(node.image)[::-1])
-    # Blender's picture has -x in the middle of its edge, and goes round the other way.
+    # Blender's maps have -x at their left and right edges, and the opposite direction of rotation.
     light_from_world = np.eye(4)
     light_from_world[:3, :3] = np.diag([-1, 1, 1]) @ turn
     return (f'AttributeBegin\nTransform {matrix(np.linalg.inv(light_from_world))}\nLightSource "infinite" '
@@ -169,7 +169,7 @@ def _sky(node, strength, warnings):
         elevation, azimuth = math.asin(min(max(z, -1), 1)), math.atan2(x, y)
         turbidity = node.turbidity
     warnings.add("the sky of the world is that of Preetham, Shirley and Smits: brightness and colours differ")
-    # Recurse's sky has +x to the north, which is Blender's +y, and +y to the east.
+    # Recurse's sky has north at +x, which is Blender's +y, and east at +y.
     north = np.array([[0, 1, 0, 0], [1, 0, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], float)
     return (f'AttributeBegin\nTransform {matrix(north)}\nLightSource "sky" "float turbidity" '
             f'{number(min(max(turbidity, 1.9), 10))} "float elevation" {number(math.degrees(elevation))} '

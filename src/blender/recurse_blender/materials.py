@@ -1,5 +1,5 @@
-"""Materials: a tree of shader nodes becomes a sum of Recurse's materials, what the surface emits, its opacity, and the
-medium inside."""
+"""Materials: converts a tree of shader nodes to a sum of Recurse's materials, the emission of the surface, its opacity,
+and the medium inside."""
 import math
 
 import numpy as np
@@ -11,21 +11,21 @@ from .text import number, numbers, quoted
 from .textures import image_pixels
 from .volumes import coefficients
 
-MOST_PARTS = 8  # of a compound
+MOST_PARTS = 8  # maximum materials of a compound
 
 
 class Surface:
-    """What a shape needs of its material."""
+    """Properties of a material that its shapes use."""
 
     def __init__(self):
         self.material = ""  # name; empty: it does not scatter
         self.emission = None  # radiance
-        self.alpha = None  # a number or the name of a texture
-        self.medium = ""  # name of what is inside
+        self.alpha = None  # opacity: a number or the name of a texture; None: opaque
+        self.medium = ""  # name of the medium inside; empty: none
 
     @property
     def emits(self):
-        """Whether it is a lamp."""
+        """Whether the surface emits light."""
         return self.emission is not None and max(self.emission) > 0
 
 
@@ -38,7 +38,7 @@ class Materials:
         self._surfaces, self._names = {}, {}
 
     def surface(self, material):
-        """Of a material of Blender; None: the grey of faces without one."""
+        """Surface of a Blender material; None: the grey of faces without a material."""
         key = material.name_full if material else None
         if key not in self._surfaces:
             self._surfaces[key] = self._make(material)
@@ -86,7 +86,7 @@ class Materials:
         out.material = self._sum(material.name, materials)
 
     def _sum(self, name, materials):
-        """The name of one material that is the sum."""
+        """Name of a material that is the weighted sum of several."""
         if len(materials) == 1 and np.allclose(materials[0][0], 1):
             return self._name(name, materials[0][1])
         if len(materials) > MOST_PARTS:
@@ -122,22 +122,22 @@ class Materials:
         return self._shader(source[0]) if source else Parts()
 
     def value(self, node, name, is_colour=False, change=None):
-        """Of an input: a number, a colour, or the name of a texture."""
+        """Value of an input: a number, a colour, or the name of a texture."""
         return self.textures.value(node.inputs[name], is_colour, self.owner, change)
 
     def average(self, node, name, is_colour=False):
-        """Of an input: a number or a colour; a texture is named in a warning."""
+        """Average of an input: a number or a colour. A texture is reported by a warning."""
         return self.textures.average(node.inputs[name], is_colour, self.owner)
 
     def parameter(self, name, value, is_colour=False):
-        """The text of a parameter, after a space."""
+        """Text of a parameter, with a leading space."""
         if is_colour and not isinstance(value, str):
             value = np.clip(value, 0, 1)
         return " " + self.textures.parameter(name, value, is_colour)
 
     def roughness(self, node, name="Roughness", prefix=""):
-        """Parameters of a surface's facets, whose names begin with `prefix`. Blender's roughness is the square root of
-        alpha."""
+        """Roughness parameters of a microfacet surface, with names that begin with `prefix`. Blender's roughness is the
+        square root of alpha."""
         distribution = getattr(node, "distribution", "")
         if distribution == "SHARP":
             return f' "float {prefix}roughness" 0'
@@ -149,11 +149,11 @@ class Materials:
 
     @staticmethod
     def multiscatter(node):
-        """What conductors and dielectrics take besides their roughness."""
+        """Parameter of conductors and dielectrics for multiple scattering between facets."""
         return ' "bool multiscatter" true' if getattr(node, "distribution", "") == "MULTI_GGX" else ""
 
     def anisotropic(self, node, name="Roughness", prefix=""):
-        """The same with the node's anisotropy, where that is a number."""
+        """Roughness parameters with the node's anisotropy, of which a texture is averaged."""
         anisotropy = self.average(node, "Anisotropic") if "Anisotropic" in node.inputs else 0
         if anisotropy == 0 or getattr(node, "distribution", "") == "SHARP":
             return self.roughness(node, name, prefix)
@@ -198,7 +198,7 @@ class Materials:
 
     @staticmethod
     def one(text, weight=(1, 1, 1)):
-        """A material alone."""
+        """Parts of a single material."""
         return Parts([(np.asarray(weight, float) * np.ones(3), text)])
 
     def _bsdf_glossy(self, node):
@@ -206,13 +206,13 @@ class Materials:
         if node.inputs["Color"].source:
             colour = self.value(node, "Color", True, lambda c: np.clip(c, 0, 0.9999))
             return self.one(f'"conductor"{self.parameter("reflectance", colour, True)}{rest}')
-        # As bright from all sides: a mirror without Fresnel's effect.
+        # Mirror with the same reflectance at all angles, without a Fresnel effect.
         return self.one(f'"conductor" "float eta" 1 "float k" 1e4{rest}', self.average(node, "Color", True))
 
     _bsdf_anisotropic = _bsdf_glossy
 
     def dielectric(self, node, colour):
-        """Glass with the node's index and roughness."""
+        """Glass with the node's refractive index and roughness."""
         index = self.average(node, "IOR")
         facets = self.roughness(node) + self.multiscatter(node)
         return self.one(f'"dielectric" "float eta" {number(max(index, 1e-3))}{facets}{self.bumps(node)}', colour)
@@ -283,7 +283,7 @@ class Materials:
     # Media
 
     def _medium(self, material, socket):
-        """The name of the medium inside; empty: none."""
+        """Name of the medium inside; empty: none."""
         source = socket.source
         if not source:
             return ""
@@ -295,7 +295,7 @@ class Materials:
         return name
 
     def _medium_parameters(self, node):
-        """Of a volume shader; empty where it has no counterpart."""
+        """Parameters of a volume shader's medium; empty if it has no counterpart."""
         sigma = coefficients(self, node)
         if sigma is None:
             self.warnings.add(f"{self.owner}: the volume '{node.name}' ({node.bl_label}) has no counterpart")
@@ -306,7 +306,7 @@ class Materials:
             absorption = np.maximum(absorption, 1e-6)
         text = (f' "rgb sigma_a" {numbers(absorption)} "rgb sigma_s" {numbers(scattering)} '
                 f'"float g" {number(min(max(g, -0.99), 0.99))}')
-        return text + (f' "rgb Le" {numbers(emission / absorption)}' if is_lamp else "")  # emitted along a unit of length
+        return text + (f' "rgb Le" {numbers(emission / absorption)}' if is_lamp else "")  # emission per unit of length
 
     def volume(self, material):
         """Parameters of the medium that a volume's density multiplies; empty: there is none."""

@@ -1,4 +1,4 @@
-"""Meshes as binary PLY files, by whole arrays."""
+"""Export of meshes to binary PLY files, by array operations."""
 import numpy as np
 
 
@@ -16,7 +16,7 @@ def _corner_normals(mesh):
 
 
 def ply(positions, triangles, normals=None, uvs=None):
-    """The pieces of a PLY file."""
+    """Contents of a PLY file, as a list of bytes."""
     columns = [positions] + [part for part in (normals, uvs) if part is not None]
     names = ["x", "y", "z"] + (["nx", "ny", "nz"] if normals is not None else []) + (["u", "v"] if uvs is not None else [])
     head = ("ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % len(positions)
@@ -28,7 +28,7 @@ def ply(positions, triangles, normals=None, uvs=None):
 
 
 def pieces(mesh):
-    """The triangles of each material: pairs of its slot and the pieces of a PLY file."""
+    """Triangles of each material: pairs of its slot and the contents of a PLY file."""
     mesh.calc_loop_triangles()
     if not mesh.loop_triangles:
         return
@@ -39,7 +39,7 @@ def pieces(mesh):
     normals = uvs = None
     layer = mesh.uv_layers.active
     if is_smooth.any() or layer:
-        # A corner of a face is a vertex of the file: normals and texture coordinates differ from corner to corner.
+        # Each corner of a face becomes a vertex, since corners differ in normals and texture coordinates.
         triangles = _read(mesh.loop_triangles, "loops", (3,), np.int32)
         positions = positions[_read(mesh.loops, "vertex_index", (), np.int32)]
         if is_smooth.any():

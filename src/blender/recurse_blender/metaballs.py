@@ -1,19 +1,19 @@
-"""Metaballs as metaballs: balls of a family of objects, in the space of the one that shows them."""
+"""Export of metaballs: the balls of a family of objects, in the space of the object that shows their surface."""
 import numpy as np
 
 from .text import number, numbers
 
-SAME_SCALE = 1e-4  # relative difference of scales along the axes of what stays a ball
+SAME_SCALE = 1e-4  # maximum relative difference of the scales along the axes of a ball
 
 
 def _family(name):
-    """The name of an object without its number: those that share it share a surface."""
+    """Name of an object without its number. Objects of the same name share a surface."""
     stem, _, digits = name.rpartition(".")
     return stem if stem and digits.isdigit() else name
 
 
 def _balls(object_, place):
-    """Centres, radii and strengths in the space of `place`; None where an element is no ball there."""
+    """Centres, radii and strengths in the space of `place`; None if an element is not a ball there."""
     matrix = np.linalg.inv(place) @ np.array(object_.matrix_world, float)
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     gram = matrix[:3, :3].T @ matrix[:3, :3]
@@ -32,8 +32,8 @@ def _balls(object_, place):
 
 
 def shape(source, objects):
-    """Class and parameters of the shape of a family, of which `source` shows the surface, among the objects of the
-    scene; None where it is to be a mesh."""
+    """Class and parameters of the shape of a family among the scene's objects, whose surface `source` shows; None if it
+    must be a mesh."""
     place = np.array(source.matrix_world, float)
     found = []
     for other in objects:

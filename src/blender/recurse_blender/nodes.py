@@ -1,10 +1,10 @@
-"""Shader nodes and their inputs, with node groups, reroutes and muted nodes looked through."""
+"""Shader nodes and their inputs, with node groups, reroutes and muted nodes resolved."""
 
 
 class Socket:
-    """An input of a node: its own name, but link and value of where its value comes from, which may be an input of a
-    group around it. `source`: the node and its output that feed it; None where none does. `groups`: the group nodes
-    around it, the outermost first."""
+    """Input of a node, with its own name, but with the link and value of the place where its value is set, which may be
+    an input of an enclosing group. `source`: the node and its output that feed it, or None. `groups`: the enclosing
+    group nodes, the outermost first."""
 
     def __init__(self, socket, groups=()):
         self._socket, self.source = socket, None
@@ -12,7 +12,7 @@ class Socket:
         self._follow(socket, groups)
 
     def _follow(self, at, groups):
-        """Finds the node that feeds the input `at`, or the input that has the value."""
+        """Finds the node that feeds the input `at`, or the input with its value."""
         while at.is_linked and at.links and at.links[0].is_valid and not at.links[0].is_muted:
             node, output = at.links[0].from_node, at.links[0].from_socket
             if node.mute:
@@ -33,17 +33,17 @@ class Socket:
 
     @property
     def is_linked(self):
-        """Whether a node feeds it."""
+        """Whether a node feeds the input."""
         return self.source is not None
 
     @property
     def default_value(self):
-        """Its value where no node feeds it."""
+        """Value of the input if no node feeds it."""
         return self._value.default_value if hasattr(self._value, "default_value") else self._socket.default_value
 
     @property
     def description(self):
-        """Its name and its node's, for warnings."""
+        """Names of the input and its node, for warnings."""
         return f"'{self._socket.name}' of '{self._socket.node.name}' ({self._socket.node.bl_label})"
 
     def __getattr__(self, name):
@@ -55,7 +55,7 @@ def _with_identifier(sockets, identifier):
 
 
 def _group_output(tree, identifier):
-    """The input of the group's output node."""
+    """Input of the group's output node; None if there is none."""
     for node in tree.nodes:
         if node.type == "GROUP_OUTPUT" and node.is_active_output:
             return _with_identifier(node.inputs, identifier)
@@ -63,7 +63,7 @@ def _group_output(tree, identifier):
 
 
 class Inputs:
-    """The inputs of a node, by name or number."""
+    """Inputs of a node, by name or number."""
 
     def __init__(self, inputs, groups):
         self._inputs, self._groups = inputs, groups
@@ -78,12 +78,12 @@ class Inputs:
         return (Socket(socket, self._groups) for socket in self._inputs)
 
     def get(self, name):
-        """None where there is none of that name."""
+        """Input of that name, or None."""
         return self[name] if name in self._inputs else None
 
 
 class Node:
-    """A node inside of `groups`: a node of Blender but for its inputs."""
+    """Node inside of `groups`: acts as Blender's node, except for its inputs."""
 
     def __init__(self, node, groups=()):
         self._node = node
@@ -94,6 +94,6 @@ class Node:
 
 
 def output_node(tree):
-    """The output of a material, lamp or world; None where it has none."""
+    """Output node of a material, lamp or world, or None."""
     node = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
     return Node(node) if node else None

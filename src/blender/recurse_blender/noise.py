@@ -1,8 +1,8 @@
-"""The gradient noise of Blender's Noise Texture (Perlin 2002, "Improving Noise", over a hash of Bob Jenkins) in three
-dimensions."""
+"""Gradient noise of Blender's Noise Texture in three dimensions (Perlin 2002, "Improving Noise", with a hash of Bob
+Jenkins)."""
 import numpy as np
 
-SCALE = 0.982  # to [-1, 1]
+SCALE = 0.982  # factor that scales the noise to [-1, 1]
 MOST_OCTAVES = 15
 
 
@@ -11,7 +11,7 @@ def _rotated(x, bits):
 
 
 def _hash(x, y, z, count=3):
-    """Of `count` integers, the rest of which are 0: the end of lookup3."""
+    """Hash of three integers, all 0 after the first `count`: the final mix of lookup3."""
     seed = np.uint32(0xdeadbeef + (count << 2) + 13)
     a, b, c = seed + x, seed + y, seed + z
     c = (c ^ b) - _rotated(b, 14)
@@ -31,7 +31,7 @@ def _gradient(code, x, y, z):
 
 
 def noise(points):
-    """In [0, 1], at points (…, 3)."""
+    """Noise in [0, 1], at points (…, 3)."""
     cell = np.floor(points)
     along = points - cell
     corner = cell.astype(np.int64).astype(np.uint32)
@@ -47,7 +47,7 @@ def noise(points):
 
 
 def offset(seed):
-    """Of the coordinates of an independent noise with this number."""
+    """Offset of the coordinates for independent noise with this number."""
     bits = np.full(3, seed, np.float32).view(np.uint32)
     with np.errstate(over="ignore"):
         codes = _hash(bits, np.arange(3, dtype=np.float32).view(np.uint32), np.uint32(0), 2)
@@ -55,7 +55,7 @@ def offset(seed):
 
 
 def fractal(points, detail, roughness):
-    """A sum of octaves in [0, 1], of which the last may be a part of one."""
+    """Sum of octaves, in [0, 1]; a fractional `detail` weights the last octave."""
     detail, roughness = min(max(detail, 0), MOST_OCTAVES), min(max(roughness, 0), 1)
     total, heights = np.zeros(points.shape[:-1]), 0
     for octave in range(int(detail) + 1):

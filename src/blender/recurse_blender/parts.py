@@ -3,15 +3,15 @@ import numpy as np
 
 
 class Parts:
-    """A sum: materials with colours as weights, emitted radiance, and what is let through."""
+    """Sum of materials with colours as weights, emitted radiance, and transparency."""
 
     def __init__(self, materials=(), emission=(0, 0, 0), clear=(0, 0, 0)):
-        self.materials = list(materials)  # weight, and text after "string type"
+        self.materials = list(materials)  # pairs: weight, and text after "string type"
         self.emission = np.asarray(emission, float)
         self.clear = np.asarray(clear, float)
 
     def scaled(self, factor):
-        """All of it times a number or a colour."""
+        """Sum multiplied by a number or a colour."""
         factor = np.ones(3) * factor
         return Parts([(weight * factor, text) for weight, text in self.materials], self.emission * factor,
                      self.clear * factor)

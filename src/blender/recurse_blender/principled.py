@@ -1,4 +1,4 @@
-"""The Principled BSDF of Blender 3 and 4."""
+"""Principled BSDF of Blender 3 and 4."""
 import math
 
 import numpy as np
@@ -6,20 +6,20 @@ import numpy as np
 from .parts import Parts
 from .text import number
 
-INSIDE_DIFFUSE = 0.596  # part of diffuse light that a smooth surface of index 1.5 reflects back inside
+INSIDE_DIFFUSE = 0.596  # internal reflectance of a smooth surface of index 1.5 for diffuse light
 COAT_INDEX = 1.5
-COAT_OF_BLENDER_3 = 0.25  # of a whole coat, where the input Clearcoat is 1
+COAT_OF_BLENDER_3 = 0.25  # weight of the coat where the input Clearcoat is 1
 LEFT_OUT = ("Subsurface", "Subsurface Weight", "Sheen", "Sheen Weight", "Specular Tint", "Transmission Roughness",
             "Anisotropic Rotation", "Thin Film Thickness", "Clearcoat Normal", "Coat Normal", "Tangent")
 
 
 def below_coat(colour):
-    """The base of a plastic whose diffuse part has this albedo."""
+    """Base colour of a plastic whose diffuse component has this albedo."""
     return np.clip(colour / ((1 - INSIDE_DIFFUSE) * 0.908 + INSIDE_DIFFUSE * colour), 0, 1)
 
 
 def principled(materials, node):
-    """The sum of materials, and the opacity, a number or the name of a texture."""
+    """Sum of materials, and opacity (a number or the name of a texture)."""
     shader = _Principled(materials, node)
     return shader.parts(), materials.value(node, "Alpha")
 
@@ -30,7 +30,7 @@ class _Principled:
         self.bumps = materials.bumps(node)
 
     def _name(self, *names):
-        """The input's name in this version of Blender."""
+        """Name of the input in this version of Blender."""
         return next(name for name in names if name in self.node.inputs)
 
     def _fraction(self, *names):
@@ -41,7 +41,7 @@ class _Principled:
         return self.materials.parameter("reflectance", colour, True)
 
     def parts(self):
-        """Metal, glass and plastic."""
+        """Sum of metal, glass and plastic, and the emission."""
         materials, node = self.materials, self.node
         self._warn()
         metallic, transmission = self._fraction("Metallic"), self._fraction("Transmission", "Transmission Weight")
@@ -66,14 +66,14 @@ class _Principled:
                 self.materials.warnings.add(f"{self.materials.owner}: {socket.description} is left out")
 
     def _has(self, name):
-        """Whether an input does anything."""
+        """Whether an input has an effect."""
         socket = self.node.inputs[name]
         return bool(socket.source) or (socket.type == "VALUE" and socket.default_value > 0)
 
     # The coat
 
     def _with_coat(self, bare, coated):
-        """A mixture of the material without and with a coat."""
+        """Mixture of the material without and with a coat."""
         is_old = "Clearcoat" in self.node.inputs
         weight = self._fraction("Clearcoat", "Coat Weight") * (COAT_OF_BLENDER_3 if is_old else 1)
         out = Parts()
@@ -84,7 +84,7 @@ class _Principled:
         return out
 
     def _coat(self, prefix):
-        """Parameters of the coat, whose surface has its own roughness."""
+        """Parameters of the coat, which has its own roughness."""
         name = self._name("Clearcoat Roughness", "Coat Roughness")
         index = self.materials.average(self.node, "Coat IOR") if "Coat IOR" in self.node.inputs else COAT_INDEX
         alpha = self.materials.average(self.node, name) ** 2
@@ -103,7 +103,7 @@ class _Principled:
                                   f'{self._coat("interface.")}{self.bumps}')
 
     def _plastic(self):
-        """What is no metal and lets nothing through."""
+        """Opaque dielectric: plastic, or diffuse if its refractive index is nearly 1."""
         materials, node = self.materials, self.node
         if "Specular" in node.inputs:
             normal = 0.08 * materials.average(node, "Specular")

@@ -1,17 +1,17 @@
-"""Progress lines of the program `recurse`."""
+"""Parsing of progress lines of the program `recurse`."""
 import json
 import math
 
 
 def _number(values, name):
-    """A finite number, or None where there is none: what is not known yet is null."""
+    """Finite number of that name, or None; unknown values are null."""
     value = values.get(name)
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
     return value if is_number else None
 
 
 def read_progress(line):
-    """Fraction in [0, 1] and text of a line of JSON; None where the line is none, or has no fraction."""
+    """Fraction in [0, 1] and text of a line of JSON; None if it is not JSON or has no fraction."""
     try:
         values = json.loads(line)
     except ValueError:

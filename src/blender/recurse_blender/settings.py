@@ -16,7 +16,7 @@ WITH_DEPTH = ("photonmap", "path", "vcm", "bdpt", "whitted")
 
 
 class RecurseSettings(bpy.types.PropertyGroup):
-    """Of a scene."""
+    """Settings of a scene."""
 
     integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="photonmap", description="How light is computed")
     samples: IntProperty(name="Samples", default=64, min=1, max=1 << 30, description="Samples of each pixel")
@@ -38,7 +38,7 @@ class RecurseSettings(bpy.types.PropertyGroup):
     use_albedo: BoolProperty(name="Albedo", default=False, description="The pass Albedo, for denoisers")
 
     def directives(self):
-        """Integrator and samples as a scene file has them."""
+        """Directives of the integrator and the sampler."""
         line = f'Integrator "{self.integrator}"'
         if self.integrator in WITH_DEPTH and self.max_depth >= 0:
             line += f' "integer maxdepth" {self.max_depth}'
@@ -49,7 +49,7 @@ class RecurseSettings(bpy.types.PropertyGroup):
         return [line, f'Sampler "zsobol" "integer pixelsamples" {self.samples} "integer seed" {self.seed}']
 
     def options(self):
-        """What only the command line has."""
+        """Options that only the command line has."""
         out = []
         if self.time_limit > 0:
             out += ["--time-limit", number(self.time_limit)]
@@ -82,7 +82,7 @@ class _Panel(bpy.types.Panel):
         return context.engine in cls.COMPAT_ENGINES
 
     def column(self, context, *names):
-        """Settings below each other."""
+        """Column of the settings with these names."""
         self.layout.use_property_split = True
         column = self.layout.column()
         for name in names:

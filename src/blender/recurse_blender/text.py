@@ -1,4 +1,4 @@
-"""Pieces of scene files, and the folder that a scene is written to."""
+"""Text of scene files, and the folder that a scene is written to."""
 import hashlib
 import os
 
@@ -9,7 +9,7 @@ MATRIX = "[ " + 16 * "%.9g " + "]"
 
 
 def number(value):
-    """A number with the digits of a float."""
+    """Number with the digits of single precision."""
     return f"{float(value):.9g}"
 
 
@@ -19,19 +19,19 @@ def numbers(values):
 
 
 def quoted(text):
-    """A string."""
+    """String in quotes, with escapes; unprintable characters become underscores."""
     text = "".join(c if c.isprintable() else "_" for c in str(text))
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def matrix(values):
-    """A matrix as Transform and ConcatTransform take it, column by column."""
+    """Matrix in the form of Transform and ConcatTransform, column by column."""
     return MATRIX % tuple(np.asarray(values, float).T.ravel().tolist())
 
 
 class Folder:
-    """A folder for a scene and its files. Files are called by what is in them, so that those that are there already
-    are not written again."""
+    """Folder for a scene and its files. Files are named by a hash of their contents, so that existing ones are not
+    written again."""
 
     def __init__(self, path):
         self.path = path
@@ -39,7 +39,7 @@ class Folder:
         os.makedirs(path, exist_ok=True)
 
     def file(self, name, extension, parts):
-        """Writes a file of these pieces of bytes; returns its name in the scene."""
+        """Writes a file with these contents, a list of bytes; returns its name in the scene."""
         digest = hashlib.blake2b(digest_size=12)
         for part in parts:
             digest.update(part)
@@ -57,19 +57,19 @@ class Folder:
         return relative
 
     def picture(self, name, pixels):
-        """Writes linear pixels, rows from the top, as PFM."""
+        """Writes linear pixels, rows from the top, as PFM; returns the file's name in the scene."""
         pixels = np.ascontiguousarray(np.asarray(pixels, "<f4")[::-1, :, :3])
         head = f"PF\n{pixels.shape[1]} {pixels.shape[0]}\n-1.0\n".encode()
         return self.file(name, ".pfm", [head, pixels.tobytes()])
 
 
 class Warnings:
-    """What is rendered otherwise than Blender shows it; each is said once."""
+    """Warnings about differences from Blender's rendering, without repetition."""
 
     def __init__(self):
         self.texts = []
 
     def add(self, text):
-        """Keeps a sentence."""
+        """Adds a warning unless it is already there."""
         if text not in self.texts:
             self.texts.append(text)

@@ -1,5 +1,5 @@
-"""Colours and numbers of shader nodes: constants, pictures as they are, and everything else baked to a picture over
-the texture coordinates. What cannot be baked is named in a warning, and its average stands for it."""
+"""Colours and numbers of shader nodes: constants, image files, and all other nodes baked to an image over the texture
+coordinates. A node that cannot be baked is replaced by its average, with a warning."""
 import os
 
 import bpy
@@ -8,17 +8,17 @@ import numpy as np
 from . import noise
 from .text import number, numbers, quoted
 
-BAKED_SIZE = 512  # of a picture of what has no pixels of its own
+BAKED_SIZE = 512  # resolution of baked nodes without an image [pixels]
 READABLE = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".tga", ".exr", ".hdr", ".bmp")
 
 
 def linear_from_srgb(x):
-    """IEC 61966-2-1."""
+    """Linear values of sRGB values (IEC 61966-2-1)."""
     return np.where(x <= 0.04045, x / 12.92, ((np.maximum(x, 0) + 0.055) / 1.055) ** 2.4)
 
 
 def image_pixels(image):
-    """Linear pixels of a picture of Blender: height, width, 4, rows from the bottom."""
+    """Linear pixels of a Blender image: (height, width, 4), rows from the bottom."""
     width, height = image.size
     pixels = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
@@ -32,7 +32,7 @@ def image_pixels(image):
 
 
 class CannotBake(Exception):
-    """A node that has no value over texture coordinates."""
+    """Raised for a node that has no value over texture coordinates."""
 
 
 def _luminance(colour):
@@ -40,14 +40,14 @@ def _luminance(colour):
 
 
 class Evaluation:
-    """Values of nodes over points of the texture coordinates."""
+    """Values of nodes at points of the texture coordinates."""
 
     def __init__(self, u, v):
         self.coordinates = np.stack([u, v, np.zeros_like(u)], axis=-1)
         self.pixels = {}
 
     def colour(self, socket):
-        """(…, 4)"""
+        """Colours of a socket, (…, 4)."""
         value = self._value(socket)
         if np.ndim(value) == 0 or np.shape(value)[-1:] not in ((3,), (4,)) or np.shape(value) == self.coordinates.shape[:-1]:
             value = np.asarray(value)[..., None] * np.ones(4)
@@ -56,7 +56,7 @@ class Evaluation:
         return np.broadcast_to(value, (*self.coordinates.shape[:-1], 4))
 
     def number(self, socket):
-        """(…)"""
+        """Numbers of a socket, (…)."""
         value = np.asarray(self._value(socket))
         if value.ndim and value.shape[-1] in (3, 4) and value.shape != self.coordinates.shape[:-1]:
             value = _luminance(value)
@@ -109,7 +109,7 @@ class Evaluation:
         return (vector * size) @ rotation.T + place
 
     def _even_vector(self, socket):
-        """A vector that is everywhere the same."""
+        """Value of a vector socket, which must be constant."""
         value = np.asarray(self._value(socket), float)
         if value.ndim > 1:
             raise CannotBake(f"the texture of {socket.description}")
@@ -212,12 +212,12 @@ MATH = {"ADD": np.add, "SUBTRACT": np.subtract, "MULTIPLY": np.multiply, "DIVIDE
 
 
 def is_even(value, is_colour):
-    """Whether baked colours or numbers are everywhere the same."""
+    """Whether baked colours or numbers are constant."""
     return np.ptp(value.reshape(-1, 3 if is_colour else 1), axis=0).max() < 1e-6
 
 
 def mean(value, is_colour):
-    """Of baked colours or numbers."""
+    """Mean of baked colours or numbers."""
     return value.reshape(-1, 3).mean(axis=0) if is_colour else float(value.mean())
 
 
@@ -240,7 +240,7 @@ class Textures:
         self._known = {}
 
     def _baked(self, socket, is_colour, owner):
-        """The value over the texture coordinates, rows from the bottom; None where it is everywhere the same."""
+        """Value over the texture coordinates, rows from the bottom; None if the socket cannot be baked."""
         images = _images(socket, [])
         sizes = [image.size[:] for image in images if image.size[0]]
         width, height = (max(size[i] for size in sizes) for i in (0, 1)) if sizes else (BAKED_SIZE, BAKED_SIZE)
@@ -254,7 +254,7 @@ class Textures:
         return np.asarray(value)
 
     def average(self, socket, is_colour=True, owner="", is_named=True):
-        """A constant for the socket. Where that is the average of different values, a warning names it."""
+        """Constant for the socket. If it is the average of different values, a warning reports that."""
         if not socket.source:
             return self.constant(socket, is_colour)
         value = self._baked(socket, is_colour, owner)
@@ -266,7 +266,7 @@ class Textures:
 
     @staticmethod
     def _guess(socket, is_colour):
-        """A constant for a socket that cannot be baked."""
+        """Constant for a socket that cannot be baked."""
         node, _ = socket.source
         colours = [np.array(s.default_value[:3]) for s in node.inputs if s.type == "RGBA" and not s.is_linked]
         if not colours and not node.type.startswith("TEX_"):
@@ -276,14 +276,14 @@ class Textures:
 
     @staticmethod
     def constant(socket, is_colour=True):
-        """The value of a socket that nothing feeds."""
+        """Value of a socket without a link."""
         value = np.asarray(socket.default_value, float)
         if is_colour:
             return value[:3] if value.ndim else np.full(3, value)
         return float(_luminance(value) if value.ndim else value)
 
     def _plain_picture(self, socket):
-        """Parameters of an imagemap that reads the picture's own file, where nothing but that is linked."""
+        """Parameters of an imagemap that reads the image's own file; None if other nodes or settings change it."""
         node, output = socket.source
         if node.type != "TEX_IMAGE" or output.name != "Color" or not node.image or node.projection != "FLAT":
             return None
@@ -312,7 +312,7 @@ class Textures:
         return text
 
     def define(self, kind, text):
-        """The name of a texture of this kind ("spectrum" or "float"), class and parameters."""
+        """Name of a texture of this kind ("spectrum" or "float"); `text`: its class and parameters."""
         key = (kind, text)
         if key not in self._known:
             self._known[key] = f"t{len(self._known)}"
@@ -320,7 +320,7 @@ class Textures:
         return self._known[key]
 
     def value(self, socket, is_colour, owner, change=None):
-        """A constant, or the name of a texture. `change` is done to all values."""
+        """Constant, or the name of a texture. `change` is applied to all values."""
         if not socket.source:
             value = self.constant(socket, is_colour)
             return change(value) if change else value
@@ -341,13 +341,13 @@ class Textures:
         return self.define(kind, f'"imagemap" "string filename" {quoted(file)}')
 
     def parameter(self, name, value, is_colour):
-        """The text of a parameter."""
+        """Text of a parameter."""
         if isinstance(value, str):
             return f'"texture {name}" "{value}"'
         return f'"rgb {name}" {numbers(np.clip(value, 0, None))}' if is_colour else f'"float {name}" {number(value)}'
 
     def square(self, value):
-        """The square of a number or of a texture of numbers."""
+        """Square of a number or of a texture of numbers."""
         if isinstance(value, str):
             return self.define("float", f'"scale" "texture tex" "{value}" "texture scale" "{value}"')
         return value * value

@@ -1,4 +1,4 @@
-"""Volumes of files: as the NanoVDB file beside the OpenVDB file that Blender reads, or one that is converted."""
+"""Volume files: the NanoVDB file next to the OpenVDB file that Blender reads, or a converted one."""
 import hashlib
 import os
 import shutil
@@ -9,13 +9,13 @@ import bpy
 import numpy as np
 
 MAGIC = b"NanoVDB0"
-HEADER, GRID_ENTRY, BOX, NAME_SIZE = 16, 176, 40, 136  # bytes, and where in an entry
-MARGIN = 0.02  # of the shape around the grid, as a part of its size
+HEADER, GRID_ENTRY, BOX, NAME_SIZE = 16, 176, 40, 136  # sizes, then offsets in an entry [bytes]
+MARGIN = 0.02  # margin of the shape around the grid, relative to the grid's diagonal
 CONVERTER = "nanovdb_convert"  # a tool of OpenVDB
 
 
 def nano_file(volume, folder):
-    """The NanoVDB file of a volume's data, made in `folder` if need be. Raises ValueError where there is none."""
+    """NanoVDB file of a volume's data, converted to a file in `folder` if necessary. Raises ValueError if impossible."""
     file = bpy.path.abspath(volume.grids.frame_filepath or volume.filepath, library=volume.library)
     beside = os.path.splitext(file)[0] + ".nvdb"
     if os.path.isfile(beside):
@@ -36,8 +36,8 @@ def nano_file(volume, folder):
 
 
 def bounds(file):
-    """The lower and the upper corner of all grids of a file's first segment, in the space of the volume, and a little
-    more."""
+    """Lower and upper corner of the bounds of all grids in a file's first segment, in the space of the volume, with a
+    margin. Raises ValueError."""
     with open(file, "rb") as data:
         head = data.read(HEADER)
         if head[:len(MAGIC)] != MAGIC:

@@ -1,9 +1,9 @@
-"""Volume shaders."""
+"""Coefficients of volume shaders."""
 import numpy as np
 
 
 def coefficients(materials, node):
-    """Absorption, scattering, mean cosine, emission; None where the node is another one."""
+    """Absorption, scattering, mean cosine and emission; None for an unsupported node."""
     none = np.zeros(3)
     if node.type == "ADD_SHADER":
         parts = [coefficients(materials, socket.source[0]) for socket in node.inputs if socket.source]

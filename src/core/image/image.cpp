@@ -23,7 +23,7 @@
 #include "recurse/core/io/error.h"
 #include "recurse/core/io/files.h"
 #include "recurse/core/io/text.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 namespace recurse {
 

@@ -281,7 +281,7 @@ struct ImageTexture::Source {
   Pyramid pyramid;
   OIIO::ustring name;
   OIIO::TextureSystem::TextureHandle* handle = nullptr;
-  std::shared_ptr<const std::string> content; ///< address is a part of the key, so it must not be reused
+  std::shared_ptr<const std::string> content; ///< kept alive, since its address is a part of the key
 
   Source(const FileReference& file, const ImageEncoding& encoding, ImageChannels channels)
       : pixels(readPixels(file, encoding, channels)), pyramid(pixels) {

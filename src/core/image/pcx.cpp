@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "recurse/core/io/error.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 namespace recurse::detail {
 

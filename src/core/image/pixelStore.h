@@ -30,7 +30,7 @@ class PixelStore {
 
   /** Sets the limit for all stores in memory [bytes]; infinite at first. */
   static void setLimit(double bytes);
-  /** Bytes of all stores now: in memory, and in files. */
+  /** Size of all stores now: in memory, and in files [bytes]. */
   static std::pair<size_t, size_t> totals();
 
  private:

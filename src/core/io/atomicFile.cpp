@@ -78,7 +78,7 @@ AtomicFile::AtomicFile(const std::string& name) : givenName(name), target(resolv
     return;
   }
   static std::atomic<unsigned> counter{0};
-  // Such a file exists only if an earlier process with this id was killed: it can be overwritten.
+  // A file of this name exists only if an earlier process with this id was killed: it can be overwritten.
   temporary = (folderOf(target) / (".recurse-" + std::to_string(::getpid()) + "-" +
                                    std::to_string(counter.fetch_add(1)) + ".tmp"))
                   .string();

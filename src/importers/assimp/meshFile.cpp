@@ -24,7 +24,7 @@
 #include "importers/files/outsideFiles.h"
 #include "recurse/core/io/files.h"
 #include "recurse/core/io/terminalText.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/plyFile.h"
 #include "recurse/model/scene/plugIns.h"
 

@@ -1,6 +1,6 @@
 /** @file
- * auto: photon mapping, path tracing, or path tracing with photons of caustics, by a trial on a few blocks of
- * the picture.
+ * auto: photon mapping, path tracing, or path tracing with caustic photons, chosen by a trial on a few blocks
+ * of the image.
  */
 #include "integrators/auto/estimatorTrial.h"
 #include "integrators/path/pathTracing.h"
@@ -58,7 +58,7 @@ class Auto final : public Integrator {
  private:
   Integrator& chosen() const { return instead ? *instead : *mapper; }
 
-  /** Chooses after the first pass of photonmap, and says what. */
+  /** Chooses the estimator after the first pass of photonmap, and notes the choice. */
   void choose(const Scene& scene, const PathClasses& classes, const Pass& pass, const ForwardControl& control,
               ForwardStatistics& statistics) {
     if (const std::string reason = reasonForPhotons(scene, pass); !reason.empty())
@@ -67,9 +67,9 @@ class Auto final : public Integrator {
       tryPaths(scene, classes, pass, control, statistics);
   }
 
-  /** Why there is no trial; empty where it is little work beside the picture and may change something. */
+  /** Reason to skip the trial; empty if it costs little beside the render and may change the choice. */
   std::string reasonForPhotons(const Scene& scene, const Pass& pass) const {
-    constexpr int MAX_LIGHT_SAMPLES = 64; // with more, a trial may take longer than the picture
+    constexpr int MAX_LIGHT_SAMPLES = 64; // with more, a trial may take longer than the render
     if (settings.lightSamples > MAX_LIGHT_SAMPLES)
       return "\"lightsamples\" is above " + std::to_string(MAX_LIGHT_SAMPLES);
     if (settings.finalGather >= 0 || settings.nearest > 0 || settings.radius > 0 || settings.directLight)
@@ -78,7 +78,7 @@ class Auto final : public Integrator {
     if (scene.lights().size() == 0) return "there is no light";
     if (scene.film().whole().area() < EstimatorTrial::PIXELS)
       return formatted("the picture has fewer than %d pixels", EstimatorTrial::PIXELS);
-    // Beside paths photons are kept on surfaces only.
+    // Path tracing with caustic photons stores them on surfaces only.
     if (scene.hasMedia() && !raysFindAll(scene)) return "paths do not find all light of the media";
     return {};
   }
@@ -88,24 +88,24 @@ class Auto final : public Integrator {
     const PhotonPass& photons = mapper->photonPass();
     const bool causticsInMedia = scene.hasMedia() && (scene.contents().lobes & DELTA_LOBES);
     if (photons.caustics().map.empty() && !causticsInMedia) return true;
-    bool met = true; // by rays, as lamps far away hardly are
+    bool met = true; // whether rays can hit all lights; they rarely hit far ones
     for (uint32_t i = 0; i < scene.lights().size(); ++i)
       met = met && scene.lights()[i].isIntersectable() && !photons.isAimed(i);
     return met;
   }
 
-  /** Leaves the picture to path tracing, with caustic photons or without any, where a few blocks of it tell
-   * that other photons are not worth their work. */
+  /** Replaces photonmap by path tracing, with or without caustic photons, if a trial on a few blocks of the
+   * image shows that all other photons do not repay their work. */
   void tryPaths(const Scene& scene, const PathClasses& classes, const Pass& pass,
                 const ForwardControl& control, ForwardStatistics& statistics) {
     constexpr uint64_t STREAM = 0x747269616cull;
-    constexpr double PASS_RAY = 1.6; // to shoot, store and sort, over a ray of a camera path
-    constexpr double CLEARLY = 2;    // a trial misses rare bright samples, of which paths have more
+    constexpr double PASS_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
+    constexpr double CLEARLY = 2;    // trials miss rare bright samples, of which paths have more
     const Pass other{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time};
     const EstimatorTrial trial(scene, classes, other.seed, pass.time);
     const double pixels = double(scene.film().whole().area());
     using Rounds = EstimatorTrial::Rounds;
-    // A round by this pass's photons, and one by another's.
+    // Takes one round with this pass's photons, and one with the photons of a second pass.
     const auto takeBoth = [&](PhotonMapper& photons, double& shotRays) {
       Rounds rounds{trial.take(photons, 0), {}};
       const ForwardStatistics shot =
@@ -143,8 +143,8 @@ class Auto final : public Integrator {
       }
     }
     if (control.stopped()) return;
-    // Behind a door ajar neither finds enough light to be judged; photons find their way sooner.
-    constexpr double FEW = 64; // the scenes that are better left to paths have hundreds and more
+    // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
+    constexpr double FEW = 64; // scenes in which paths are better have hundreds or more
     const char* const rival = withCaustics ? "path with photons of caustics" : "path";
     if (EstimatorTrial::effectiveCount(traced) < FEW) {
       statistics.notes.push_back("auto: photonmap: by a trial, paths hardly find the light");
@@ -160,10 +160,10 @@ class Auto final : public Integrator {
   }
 
   PhotonMappingSettings settings;
-  LightSampler lights;     ///< of all integrators here
-  TransportCounts learned; ///< what that took, until it has been told
+  LightSampler lights;     ///< light sampler of all integrators here
+  TransportCounts learned; ///< counts of light learning, until forward() returns them
   std::unique_ptr<PhotonMapper> mapper;
-  std::unique_ptr<Integrator> instead; ///< renders in the place of `mapper`; null: photons pay
+  std::unique_ptr<Integrator> instead; ///< replaces `mapper`; null: photons pay
 };
 
 } // namespace

@@ -1,5 +1,5 @@
 /** @file
- * Trial samples of blocks.
+ * Trial samples of blocks, and their statistics.
  */
 #include "integrators/auto/estimatorTrial.h"
 
@@ -24,7 +24,7 @@ TrialSamples EstimatorTrial::take(const Integrator& integrator, uint32_t round) 
   samples.luminance.resize(PIXELS);
   std::vector<TransportCounts> counts(ALL_BLOCKS);
   parallelFor(ALL_BLOCKS, [&](size_t block) {
-    Sampler placer(seed, block, 0); // the same in all rounds
+    Sampler placer(seed, block, 0); // block positions are equal in all rounds
     const Vec2f u = placer.next2D();
     const auto corner = [&](float first, int across, size_t number, float shift) {
       return first + std::max(0.0f, static_cast<float>(across) - BLOCK) *
@@ -66,10 +66,10 @@ double EstimatorTrial::Figures::errorOver(const Figures& other) const {
 }
 
 EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds& others) {
-  // Fitted to the times of nineteen scenes, within a fifth for most; nearly all rays beside gathers look for
-  // edges close by.
+  // Work coefficients fitted to the render times of nineteen scenes, for most to within a fifth. RAY is small
+  // because, with gathers, nearly all rays are short searches for edges.
   constexpr double RAY = 0.2, GATHER = 5, PHOTON = 0.02, SCATTERED = 0.09;
-  constexpr double DARK = 0.01; // of the picture's mean square, below which no error is seen
+  constexpr double DARK = 0.01; // fraction of the image's mean square, below which errors are invisible
   std::vector<double> mean(ALL_BLOCKS);
   for (size_t i = 0; i < size_t(PIXELS); ++i)
     for (const Rounds* rounds : {&own, &others})
@@ -80,11 +80,11 @@ EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds&
   Figures f;
   for (size_t block = 0; block < ALL_BLOCKS; ++block) {
     const auto scale = [&](double value) { return 1 / (2 * (square(value) + DARK * all2)); };
-    if (!std::isfinite(scale(mean[block]))) continue; // a black picture
+    if (!std::isfinite(scale(mean[block]))) continue; // black image
     double difference = 0;
     for (size_t i = block * BLOCK_PIXELS; i < (block + 1) * BLOCK_PIXELS; ++i) {
       const double d = double(own[0].luminance[i]) - double(own[1].luminance[i]);
-      // The edge of something bright is bright itself, for all estimators.
+      // Edges of bright objects are bright in all estimators.
       double found = 0;
       for (size_t round = 0; round < 2; ++round)
         found += double(std::min(own[round].luminance[i], others[round].luminance[i])) / 2;
@@ -115,7 +115,7 @@ double EstimatorTrial::effectiveCount(const Rounds& rounds) {
 }
 
 double EstimatorTrial::missedVariance(const Rounds& own, const Rounds& others) {
-  constexpr double SURE = 0.8; // of what the darker round of the others found: both may be too bright
+  constexpr double SURE = 0.8; // fraction of the darker round of `others`, as both may be too bright
   const auto mean = [](const TrialSamples& samples) {
     return std::accumulate(samples.luminance.begin(), samples.luminance.end(), 0.0) / PIXELS;
   };

@@ -1,5 +1,5 @@
 /** @file
- * Which of two estimators errs less for its work, by samples of a few blocks of the picture.
+ * Comparison of the efficiency of two estimators, by samples of a few blocks of the image.
  */
 #pragma once
 
@@ -10,49 +10,49 @@
 
 namespace recurse {
 
-/** Luminances of trial samples, one for each pixel of the blocks, and what they took. Lamps themselves are
- * left out, seen straight or by mirrors and glass: what their edges err by is the same for all, and would
- * hide what other light errs by. */
+/** Luminances of trial samples, one for each pixel of the blocks, and their counts. Light from light sources
+ * that are visible directly or through mirrors and glass is omitted: errors at their edges are equal for all
+ * estimators, and would hide the errors of other light. */
 struct TrialSamples {
   std::vector<float> luminance;
   TransportCounts counts;
 };
 
-/** Blocks of 8 x 8 pixels all over the picture. */
+/** Trial on blocks of 8 x 8 pixels, distributed over the image. */
 class EstimatorTrial {
  public:
-  static constexpr int BLOCK = 8;   ///< pixels, across
-  static constexpr int BLOCKS = 12; ///< of the picture, across
+  static constexpr int BLOCK = 8;   ///< width of a block [pixels]
+  static constexpr int BLOCKS = 12; ///< blocks along each axis of the image
   static constexpr int PIXELS = BLOCK * BLOCK * BLOCKS * BLOCKS;
 
-  /** The scene and the classes must outlive it. `time` is that of all camera rays. */
+  /** The scene and the classes must outlive the trial. All camera rays have the given `time`. */
   EstimatorTrial(const Scene& scene, const PathClasses& classes, uint64_t seed, float time)
       : scene(scene), classes(classes), seed(seed), time(time) {}
 
-  /** One sample of each pixel; of another `round`, independent ones. */
+  /** Takes one sample of each pixel. Samples of different rounds are independent. */
   TrialSamples take(const Integrator& integrator, uint32_t round) const;
 
-  /** What a sample of a pixel errs by and takes. */
+  /** Relative variance and work of one sample for each pixel. */
   struct Figures {
-    double ofPixels = 0; ///< relative variance
+    double ofPixels = 0; ///< relative variance of pixels
     double ofBlocks =
-        0; ///< the same of means of blocks: less by their number of pixels, if those err independently
-    double work = 0; ///< [rays of a camera path], by counts, so that it is the same on any machine
+        0; ///< relative variance of block means; smaller by the number of pixels if they are independent
+    double work = 0; ///< [rays of a camera path], from counts, so that it is equal on all machines
 
-    /** Adds variance that pixels do not share. */
+    /** Adds relative variance that is independent between pixels. */
     void add(double variance);
-    /** How much larger its errors are at equal work: the geometric mean over both scales. */
+    /** Ratio of the variances at equal work: geometric mean over pixels and blocks. */
     double errorOver(const Figures& other) const;
   };
-  /** Of an estimator, by two rounds whose samples have nothing in common, not even photons. `others` tell of
-   * the same picture, by the same camera rays: where both are bright, the picture is. */
+  /** Figures of an estimator from two independent rounds, which do not share photons either. `others`: rounds
+   * of the competing estimator with the same camera rays; pixels that are bright in both count as bright. */
   using Rounds = std::array<TrialSamples, 2>;
   static Figures figures(const Rounds& own, const Rounds& others);
-  /** By how many samples the light comes, (sum x)² / sum x² (Kish 1965, "Survey Sampling"): where they are
-   * few, what they err by is not known. */
+  /** Effective number of samples that carry the light, (sum x)² / sum x² (Kish 1965, "Survey Sampling"). If
+   * it is small, the variance is unknown. */
   static double effectiveCount(const Rounds& rounds);
-  /** The relative variance, at least, of an unbiased estimator's pixels by light that `others` found and none
-   * of its own samples did: it comes in samples rarer than these are many. */
+  /** Lower bound of the relative variance of an unbiased estimator's pixels, from light that `others` found
+   * and its own samples missed: such samples are rarer than one among all of them. */
   static double missedVariance(const Rounds& own, const Rounds& others);
 
  private:

@@ -76,7 +76,7 @@ class Bidirectional::CameraWalk {
     return {isLit ? &lit : nullptr, towardsBeforeLit, passed, &firstPane, &last};
   }
 
-  /** Adds emission that the ray hits, or of the environment lights. */
+  /** Adds the emission of the surface `hit`, or of the environment lights if it is null. */
   void addEmission(const Hit* hit) {
     const Vec3f towardsLight = path.ray.direction;
     if (hit) {

@@ -36,7 +36,7 @@ struct LightSubpaths {
   std::vector<StoredVertex> vertices;
 
   void clear();
-  /** Appends the paths of another list. */
+  /** Appends the paths of a second list. */
   void append(const LightSubpaths& more);
   size_t memoryBytes() const;
   const StoredVertex& vertex(const StoredPath& path, uint32_t number) const {

@@ -1,5 +1,5 @@
 /** @file
- * Path tracing beside photons of caustics alone.
+ * Path tracing with photons of caustics alone.
  */
 #include <utility>
 
@@ -69,7 +69,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   float add(const Scene& scene, const SurfacePoint& point, const Vec3f& wi, const ScatteringPoint& scattering,
             const Rgb& throughput, CameraState camera, float width, const Sampler& sampler,
             PathRadiance& out) const override {
-    constexpr uint32_t FORK = 0x4341; // not to be confused with others of the same sampler
+    constexpr uint32_t FORK = 0x4341; // distinct from other forks of the same sampler
     if (!scattering.keepsPhotons()) return 0;
     const PhotonQuery query = photons.query(photons.caustics(), point, wi, scattering.lobes());
     BoundaryCorrection boundary{scene, sampler.fork(FORK), query.place.known, query.place.away};
@@ -94,7 +94,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   PhotonPass photons;
   LightSampler ownLights;
   const LightSampler& lights;
-  TransportCounts learned; ///< what learning lights took, until it has been told
+  TransportCounts learned; ///< counts of light learning, until forward() returns them
   std::unique_ptr<Integrator> pathTracer;
 };
 

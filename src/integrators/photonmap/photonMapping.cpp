@@ -9,8 +9,8 @@ namespace recurse {
 
 namespace {
 
-/** Rays that look for the rim of a surface start so far from it, and must fit single precision with scenes of
- * any size. */
+/** Maximum search radius [scene units]. Rays that search for the rim of a surface start at this distance,
+ * which must fit single precision in scenes of any size. */
 constexpr double MAX_RADIUS = 1e17;
 
 constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanism::NONE},

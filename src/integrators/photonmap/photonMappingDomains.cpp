@@ -1,5 +1,5 @@
 /** @file
- * Which paths each estimator of photon mapping finds.
+ * Path classes that each estimator of photon mapping finds.
  */
 #include "integrators/photonmap/photonMappingIntegrator.h"
 

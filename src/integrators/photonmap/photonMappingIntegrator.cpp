@@ -26,7 +26,7 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
   ForwardStatistics statistics = photons.run(scene, classes, pass, control, lights);
   statistics.counts.add(std::exchange(learned, {}));
   recordSampler = Sampler(pass.seed, pass.index, 0);
-  const bool oneClass = classes.lightStateCount() == 1; // else some photons count and some do not
+  const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
   const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;
   irradiances.reset(shared ? photons.indirect().cache.size() : 0);
   causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);
@@ -112,7 +112,7 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
   }
   if (!(total > 0)) return false;
   int next = 0;
-  // A branch that is left to chance may be a lamp's image, which no other technique finds behind fog.
+  // A branch under roulette may be the image of a light, which no other technique finds behind fog.
   if (path.nonDelta == 0 && least * path.mediaScale >= settings.weightLimit &&
       path.depth <= MAX_BRANCHING_DEPTH) {
     for (int i = 1; i < count; ++i) {
@@ -127,7 +127,7 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
     while (next + 1 < count && u >= worth[next]) u -= worth[next++];
     if (!(worth[next] > 0)) return false;
     path.throughput *= total / worth[next];
-    // A long walk by its full weight: it may be thousands of events from falling below the limit.
+    // Long walks use their full weight, which may need thousands of events to fall below the limit.
     const float chance = path.depth > MAX_BRANCHING_DEPTH ? total : total / settings.weightLimit;
     if (!russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return false;
   }
@@ -187,11 +187,11 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
     if (!s) continue;
     PathState next = path.after(hit, *s);
     recordStep(scattering, wi, *s, next, out);
-    next.ray.width = next.ray.spread = 0; // what a pixel sees from here on is not known
+    next.ray.width = next.ray.spread = 0; // the footprint is unknown from here on
     next.distance = 0;
     next.delta = next.panes = false;
     next.byRays = false;
-    // Photons around a Lambertian surface are all added up.
+    // Estimates at Lambertian surfaces use photons of all directions.
     next.lightShare = scattering.lobes() & LAMBERTIAN ? 0 : settings.weighting.followed(s->pdf);
     next.share = direct.rest > 0 ? 1 - indirect.settings.rest * (1 - next.lightShare) : 0;
     if (indirect.settings.weighedAgainstRays && !scene.hasMedia())
@@ -254,7 +254,7 @@ void PhotonMapping::visitPhotons(const std::function<void(const StoredPhoton&)>&
 }
 
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
-  constexpr int FREE = 2; // surfaces before which most of the light is found
+  constexpr int FREE = 2; // number of non-delta surfaces that find most of the light
   const float worth = maxComponent(path.throughput) * path.etaScale * partToFind(path);
   const float chance = path.nonDelta >= FREE ? worth : worth / settings.weightLimit;
   return russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput);

@@ -1,5 +1,5 @@
 /** @file
- * The photon mapping estimator, whose parts are in the files photonMapping*.cpp.
+ * Photon mapping estimator, implemented in the files photonMapping*.cpp.
  */
 #pragma once
 
@@ -34,42 +34,42 @@ class PhotonMapping final : public PhotonMapper {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
 
  private:
-  /** Whether paths decide by themselves where to read the map of indirect light. */
+  /** Whether each path chooses where to read the map of indirect light. */
   bool mayGoOn() const { return settings.finalGather < 0 && photons.isProgressive(); }
 
   // ----------------------------------------------------------------------------------------------- the path
-  /** Follows a path to the end: emitted light, and at each surface what its lobes bring. */
+  /** Follows a path to its end: adds emitted light, and at each surface the light of its lobes. */
   void trace(const Scene& scene, PathState path, Sampler& sampler, PathRadiance& out) const;
-  /** Goes on by the delta lobes: every branch of a path from the camera while it is worth it, one by roulette
-   * after. False where the path ends. */
+  /** Continues by the delta lobes: all branches of a path from the camera above the weight limit, otherwise
+   * one by russian roulette. False if the path ends. */
   bool followDelta(const Scene& scene, PathState& path, const Hit& hit, const ScatteringPoint& scattering,
                    Sampler& sampler, PathRadiance& out) const;
-  /** Light that non-delta lobes send along the path: direct, by photons, and by a ray that goes on. */
+  /** Adds light that non-delta lobes scatter along the path: direct light, photons, and rays that go on. */
   void addNonDelta(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
                    Sampler& sampler, PathRadiance& out) const;
-  /** The same where no photons are kept: by shadow rays, and by a ray that finds all other light. */
+  /** Adds light of non-delta lobes where no photons are stored: shadow rays, and a ray for other light. */
   void addByRays(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
                  Sampler& sampler, PathRadiance& out) const;
-  /** Of the light that a whole path would find: what photons left to this one, at the most. What they leave
-   * to rays alone counts in full, and each of fewer paths would be a firefly. */
+  /** Upper bound of the path's weight against photons, for roulette. Light that photons leave to rays alone
+   * has the weight 1, and fewer paths would make it fireflies. */
   float partToFind(const PathState& path) const { return photons.leavesLightToRays() ? 1 : path.part; }
-  /** Tells a recorder, where there is one, of the step to `next` from unit `wi`. */
+  /** Records the step from unit `wi` to `next`, if there is a recorder. */
   static void recordStep(const ScatteringPoint& scattering, const Vec3f& wi, const Scatter& s,
                          PathState& next, PathRadiance& out);
-  /** Roulette at a non-delta surface, with the part of the light that is left to the path. */
+  /** Russian roulette at a non-delta surface, by the weight of the light that is left to the path. */
   bool goesOn(PathState& path, Sampler& sampler) const;
   bool mayHitLight(const Scene& scene) const {
     return !settings.directLight && scene.contents().areaLights + scene.contents().environmentLights > 0;
   }
 
   // -------------------------------------------------------------------------------------------------- media
-  /** Light that the medium on the way to `end` sends along the path, and what it takes off. False where
-   * nothing is left. */
+  /** Adds the medium's light up to the distance `end` [scene units], and attenuates the path. False if the
+   * throughput is black. */
   bool passMedium(const Scene& scene, PathState& path, float end, Sampler& sampler, PathRadiance& out) const;
-  /** Light that the medium scatters once more: direct by a shadow ray, other by photons along the way. */
+  /** Adds light that the medium scatters once more: direct light by shadow rays, other light by photons. */
   void addScattering(const Scene& scene, const PathState& path, uint16_t number, float end,
                      const RayTransmittance& transmittance, Sampler& sampler, PathRadiance& out) const;
-  /** Light that photons in the medium bring along the path. */
+  /** Adds the light of photons in the medium along the ray. */
   void addPhotonsAlong(const PathState& path, uint16_t number, const Medium& medium, float end,
                        const RayTransmittance& transmittance, const Rgb& throughput, CameraState camera,
                        PathRadiance& out) const;
@@ -77,45 +77,45 @@ class PhotonMapping final : public PhotonMapper {
   // ------------------------------------------------------------------------------------------------- lights
   void addEmission(const Scene& scene, const PathState& path, const Hit& hit, PathRadiance& out) const;
   void addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const;
-  /** Shadow rays. Photons may share what comes to the point through no pane. */
+  /** Adds shadow rays. Light that arrives through no pane may be shared with photons. */
   void addDirectLight(const Scene& scene, const PathState& path, const LightSampleContext& context,
                       const PhotonShare& share, const Hit& hit, const ScatteringPoint& scattering,
                       Sampler& sampler, PathRadiance& out) const;
-  /** Whether light that is met at once is shared with photons. */
+  /** Whether directly hit light is shared with photons. */
   static bool isShared(const PathState& path) {
     return path.shared.share.merged > 0 && !path.delta && !path.panes;
   }
   void addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
                  const Rgb& radiance, float distance, PathRadiance& out) const;
-  /** What light that is met shares with shadow rays: nothing from the camera on or after mirrors and glass.
-   */
+  /** MIS weights of hit light against shadow rays: none from the camera or through mirrors and glass, where
+   * no shadow rays find it. */
   BsdfRay directWeights(const PathState& path) const {
     return path.nonDelta == 0 || path.delta ? BsdfRay() : path.bsdfRay;
   }
   void addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const;
 
   // ------------------------------------------------------------------------------------------------ photons
-  /** What part of the indirect light at the end of the path is read from the map. */
+  /** Sets the fraction of the indirect light at the end of the path that is read from the map. */
   void weighIndirect(const PathState& path, PhotonQuery& query) const;
-  /** Adds what photons of a layer bring at a point. Returns their weights against rays that find the same
-   * light. */
+  /** Adds the estimate by the photons of a layer at a point. Returns their weights against rays that find the
+   * same light. */
   GatherResult addPhotons(const Scene& scene, const PhotonLayer& layer, const IrradianceCache& cache,
                           const PhotonQuery& query, const ScatteringPoint& scattering,
                           const SurfacePoint& point, const PathState& path, const Sampler& sampler,
                           PathRadiance& out) const;
-  /** Whether many rays ask for the irradiance at the record near by, and the photons' directions make no
-   * difference. */
+  /** Whether the cached irradiance of a record near by replaces a photon search: many rays use it, and the
+   * photons' directions do not matter. */
   bool hasRecord(const IrradianceCache& cache, const PhotonQuery& query, const ScatteringPoint& scattering,
                  const SurfacePoint& point, const PathState& path) const;
-  /** How photons are searched at the record itself. */
+  /** Settings of the photon search at the record itself. */
   GatherSettings atRecord(const PhotonLayer& layer, const PhotonQuery& query) const;
 
   PhotonMappingSettings settings;
   PhotonPass photons;
   LightSampler ownLights;
   const LightSampler& lights;
-  TransportCounts learned; ///< what learning lights took, until it has been told
-  /** At the records of the layers, of this pass; empty where no rays go on. */
+  TransportCounts learned; ///< counts of light learning, until forward() returns them
+  /** Irradiance at the records of the layers in this pass; empty unless final gathers share it. */
   IrradianceCache irradiances, causticIrradiances;
   Sampler recordSampler{0, 0, 0};
 };

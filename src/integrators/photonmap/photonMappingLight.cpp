@@ -1,5 +1,5 @@
 /** @file
- * Emitted light that a camera path of the photon mapping estimator meets, and shadow rays.
+ * Emitted light that a camera path of the photon mapping estimator hits, and shadow rays.
  */
 #include "integrators/photonmap/photonMappingIntegrator.h"
 #include "transport/direct/recordedLight.h"
@@ -8,7 +8,7 @@ namespace recurse {
 
 namespace {
 
-/** A further weight of what is recorded next. */
+/** Multiplies the weight of the next recorded contribution. */
 void recordWeight(PathRadiance& out, float weight) {
   if (out.recorder) out.recorder->source.weight *= weight;
 }

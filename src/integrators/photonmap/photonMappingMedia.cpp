@@ -9,12 +9,12 @@ namespace recurse {
 
 namespace {
 
-constexpr uint32_t HERO = 64; ///< tells its number from those of branches
+constexpr uint32_t HERO = 64; ///< fork number, distinct from the numbers of branches
 
-/** A shadow ray costs far less than all else of a sample: before the camera path's first surface there are
- * more of them, as the sun through a window, or a spot, is seen from a part of the way only. */
+/** Numbers of shadow rays in media. They are cheap, so there are more before the camera path's first surface,
+ * where only a part of the ray may see the sun through a window, or a spotlight. */
 RaysToLights raysToLights(int lightSamples, bool first) {
-  constexpr int RAYS = 4; // with more, their time is no longer small in a sample's
+  constexpr int RAYS = 4; // more take a considerable part of a sample's time
   return {lightSamples, first ? RAYS * lightSamples : lightSamples};
 }
 
@@ -27,7 +27,7 @@ bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, S
   if (!medium) return true;
   const RayTransmittance transmittance(*medium, path.ray, end, sampler);
   if (out.recorder) out.recorder->source = {.step = path.recordedStep};
-  // Photons bring what media emit to where they are kept.
+  // Where photons are stored, they include the emission of media.
   if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), out);
   if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
   const float before = maxComponent(path.throughput);
@@ -78,7 +78,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   int i = 0;
   for (; i < rays.area && !out.abandoned(); ++i) addRay(i, sampler);
   for (; i < rays.others && !out.abandoned(); ++i) {
-    // Of numbers of their own, so that a path goes on as it would without them.
+    // A forked sampler keeps the random numbers of the path unchanged.
     Sampler own = sampler.fork(HERO + 1 + static_cast<uint32_t>(i));
     addRay(i, own);
   }

@@ -1,5 +1,5 @@
 /** @file
- * A camera path of the photon mapping estimator, and what it shares with photons.
+ * Camera path of the photon mapping estimator, and its weights against photons.
  */
 #pragma once
 
@@ -11,57 +11,57 @@
 
 namespace recurse {
 
-/** Light that comes straight to a surface is shared with photons that are merged at the surface before. */
+/** Weights of light straight to a surface, shared with photons that are merged at the previous surface. */
 struct PhotonShare {
-  float merged = 0; ///< the part of it that the weights of mergeWeights.h apply to
-  MergeRatio ratio; ///< up to the surface
-  float rest = 1;   ///< the camera's part where no weight is known
+  float merged = 0; ///< fraction of the light that the weights of mergeWeights.h apply to
+  MergeRatio ratio; ///< merge ratio up to the surface
+  float rest = 1;   ///< weight of the camera path where the photons' density is unknown
 
-  /** The camera's part; `pdf`: of photons that the surface sends back along the path [1/sr]. */
+  /** Weight of the camera path; `pdf`: of photons scattered by the surface back along the path [1/sr]. */
   float camera(float arrivals, float pdf) const {
     if (merged == 0 || !std::isfinite(arrivals)) return rest;
     return 1 - merged + merged * ratio.cameraWeight(arrivals, pdf);
   }
 };
 
-/** A ray that may meet such light. */
+/** Ray that may hit light shared with photons. */
 struct SharedRay {
   PhotonShare share;
-  Rgb throughput{0}; ///< without the share
-  float pdf = 0;     ///< see PhotonShare::camera
-  float cosine = 0;  ///< at the surface
+  Rgb throughput{0}; ///< throughput without the weight of `share`
+  float pdf = 0;     ///< see PhotonShare::camera()
+  float cosine = 0;  ///< cosine at the surface that the ray leaves
 };
 
-/** A camera path on its way. */
+/** State of a camera path. */
 struct PathState {
   CameraRay ray;
   CameraState camera;
   Nesting nesting;
   Rgb throughput{1};
-  float part = 1;       ///< of what it finds that photons on the way have left to it
-  float etaScale = 1;   ///< undoes the 1/η² inside glass
-  float mediaScale = 1; ///< undoes what media have absorbed and scattered away, no reason to prune a branch
-  int depth = 0;        ///< scattering events so far
-  int nonDelta = 0;     ///< those by non-delta lobes
-  float wavelength = 0; ///< as in Subpath
-  // Since the last of these:
-  float distance = 0;             ///< travelled [scene units]
-  bool delta = false;             ///< by mirrors and glass, thin panes apart
-  bool panes = false;             ///< through thin panes, where shadow rays go too
-  bool byRays = true;             ///< no photons are kept there: it is the camera, or on a curve
-  float share = 1;                ///< of the indirect light there that is for this path to find
-  PhotonShare direct;             ///< the same of the direct light there
-  SharedRay shared;               ///< of light that is met at once
-  BsdfRay bsdfRay;                ///< weighs light that is met at once against shadow rays
-  MergeRatio merge;               ///< weighs light that is met by mirrors and glass against caustic photons
-  float lightShare = 1;           ///< of emission that is met, where photons bring all light
-  int recordedStep = CAMERA_STEP; ///< by which the ray left, see PathRecorder
-  int recordedVertex = NOT_RECORDED; ///< the last one
+  float part = 1;       ///< weight of the path's light that photons at earlier vertices left to it
+  float etaScale = 1;   ///< cancels the factor 1/η² inside glass
+  float mediaScale = 1; ///< cancels the attenuation by media, which must not prune a branch
+  int depth = 0;        ///< number of scattering events
+  int nonDelta = 0;     ///< number of scattering events by non-delta lobes
+  float wavelength = 0; ///< wavelength, see Subpath
+  // State since the last non-delta scattering event, or since the camera:
+  float distance = 0;                ///< length of the path [scene units]
+  bool delta = false;                ///< through mirrors and glass, thin panes excluded
+  bool panes = false;                ///< through thin panes, which shadow rays pass as well
+  bool byRays = true;                ///< no photons are stored there: at the camera, or on a curve
+  float share = 1;                   ///< fraction of the indirect light there that this path finds
+  PhotonShare direct;                ///< fraction of the direct light there that this path finds
+  SharedRay shared;                  ///< weights of directly hit light against photons
+  BsdfRay bsdfRay;                   ///< MIS weights of directly hit light against shadow rays
+  MergeRatio merge;                  ///< MIS weights of light hit through mirrors and glass against photons
+  float lightShare = 1;              ///< weight of hit emission where photons carry all light
+  int recordedStep = CAMERA_STEP;    ///< step by which the ray left, see PathRecorder
+  int recordedVertex = NOT_RECORDED; ///< last recorded vertex
 
-  /** The throughput of light that photons on the way bring as well. */
+  /** Throughput of light that photons at earlier vertices represent as well. */
   Rgb sharedThroughput() const { return throughput * part; }
 
-  /** The path after a scattering event; `pane`: it went straight through a thin pane. */
+  /** Path after a scattering event; `pane`: it went straight through a thin pane. */
   PathState after(const Hit& hit, const Scatter& s, bool pane = false) const {
     PathState next = *this;
     next.nesting.scatters(hit, -ray.direction, s.direction);

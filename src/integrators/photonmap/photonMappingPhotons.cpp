@@ -1,5 +1,5 @@
 /** @file
- * What the photon maps tell a camera path of the photon mapping estimator.
+ * Estimates by photon maps at the vertices of a camera path of the photon mapping estimator.
  */
 #include "integrators/photonmap/photonMappingIntegrator.h"
 
@@ -18,7 +18,7 @@ void PhotonMapping::weighIndirect(const PathState& path, PhotonQuery& query) con
   } else if (path.nonDelta == 0) {
     gather.rest = settings.finalGather > 0 ? 0 : 1;
   } else {
-    // A map that is blurred over more than the distance is not to be seen by a surface close by.
+    // A surface closer than the blur of the map would see it, and needs rays instead.
     const float blur = photons.isProgressive() ? gather.radius : photons.indirect().choice.typicalRadius;
     gather.rest = path.distance < blur || !photons.paysInstead(query) ? 0 : 1;
   }
@@ -63,7 +63,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
 bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& query,
                               const ScatteringPoint& scattering, const SurfacePoint& point,
                               const PathState& path) const {
-  constexpr float MAX_DISTANCE = 0.5f; // of the radius
+  constexpr float MAX_DISTANCE = 0.5f; // relative to the record's radius
   const CachedRadius& near = query.place;
   return cache.size() > 0 && path.nonDelta > 0 && near.known &&
          near.away <= MAX_DISTANCE * photons.scale() * near.radius && (scattering.lobes() & LAMBERTIAN) &&

@@ -1,5 +1,5 @@
 /** @file
- * Shooting, balancing, and learning in the first pass.
+ * Shooting and indexing of photons, and learning in the first pass.
  */
 #include "integrators/photonmap/photonPass.h"
 
@@ -15,7 +15,7 @@ namespace recurse {
 
 namespace {
 
-// One map for the whole picture has to be good by itself; of many maps the mean has to be, and quickly many.
+// A single map must suffice for the whole image. Of progressive maps the mean must, and many must come soon.
 constexpr uint64_t ONE_MAP_PHOTONS = 1000000, MIN_PROGRESSIVE_PHOTONS = 65536,
                    MAX_PROGRESSIVE_PHOTONS = 262144;
 
@@ -42,7 +42,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   shoot.maxDepth = settings.maxDepth;
   shoot.portals = &portals;
   shoot.aim = &aim;
-  // How densely photons arrive that pass media is not known.
+  // The arrival density of photons is unknown behind media.
   if (!settings.directLight && !scene.hasMedia()) shoot.shadowRays = &shadowRays;
   if (settings.guided) shoot.lights = &lights;
   shoot.direct = settings.directLight;
@@ -92,8 +92,8 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
                                                    [](const Photon& p) { return p.caustic; });
   causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
   indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
-  constexpr float WIDEST = 0.05f;       // of the scene: wider would show nothing
-  constexpr float ONE_DIMENSION = 1.2f; // where the blur has one, the error falls fastest by 1/5, not 1/6
+  constexpr float WIDEST = 0.05f;       // maximum radius relative to the scene's; wider hides all detail
+  constexpr float ONE_DIMENSION = 1.2f; // ratio of the optimal rates 1/5 (blur in one dimension) and 1/6
   const float widest = WIDEST * scene.bounds().radius;
   mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest);
   mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest);
@@ -140,10 +140,10 @@ void PhotonPass::learnOutsideMedium(const Scene& scene, ForwardStatistics& stati
 
 namespace {
 
-/** Whether beams are what a medium's light is kept as, where they are asked for: by closed forms only, and
- * not where most of them are nearly parallel to what they light. */
+/** Whether a medium stores beams on request. Beams need the closed forms of homogeneous media, and are
+ * unsuitable if most of them are nearly parallel to the directions that they scatter into. */
 bool keepsBeams(const Medium& medium) {
-  constexpr float NEEDLE = 0.9f; // mean cosine
+  constexpr float NEEDLE = 0.9f; // maximum absolute mean cosine of the phase function
   return medium.isHomogeneous() && thinnest(medium.at(Vec3f(0)).extinction()) > 0 &&
          std::abs(medium.phase->meanCosine()) < NEEDLE;
 }
@@ -154,8 +154,8 @@ void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, cons
                             ShootSettings shoot, const ForwardControl& control,
                             ForwardStatistics& statistics) {
   constexpr uint64_t TRIALS = 4096;
-  // Kept for each photon that is emitted: in thick media they scatter hundreds of times, and a ray passes a
-  // hundred times as many beams as points.
+  // Maximum points and beams stored for each emitted photon. Photons scatter hundreds of times in thick
+  // media, and a ray passes a hundred times as many beams as points.
   constexpr double POINTS = 4, BEAMS = 0.25;
   const auto partOf = [](double wanted, size_t stored) {
     return static_cast<float>(std::min(1.0, wanted * double(TRIALS) / double(std::max<size_t>(1, stored))));
@@ -178,23 +178,23 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
                             ForwardStatistics& statistics) {
   const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
   const LightSampler* sampled = settings.directLight || scene.lights().size() == 0 ? nullptr : &shadowRays;
-  // How densely photons that media scatter arrive is not known; of caustics it is.
+  // Arrival densities are unknown for photons that media scatter, but known for caustics.
   const RayAlternative toIndirect{counted, scene.hasMedia() ? nullptr : sampled};
-  constexpr float FIREFLY = 1e6f; // a picture has about one that is brighter
+  constexpr float FIREFLY = 1e6f; // relative value that about one sample of an image exceeds
   const RayAlternative toCaustics{counted, sampled, FIREFLY};
   const GatherSettings requested{
       settings.kernel, settings.nearest, static_cast<float>(settings.radius), settings.flatness, {}};
   const auto seen = probeCamera(scene, 24, 0, settings.weighting, statistics.counts);
-  // Dark places have hardly any photons that would tell of them.
+  // Records at visible points cover dark regions, which have few photons.
   const double across = std::sqrt(double(scene.film().whole().area())) / 4;
   const auto manySeen = probeCamera(scene, static_cast<int>(std::clamp(across, 4.0, 128.0)), 2,
                                     settings.weighting, statistics.counts);
-  constexpr size_t MIN_CAUSTIC = 16; // fewer are a few strong spots
+  constexpr size_t MIN_CAUSTIC = 16; // minimum number of caustic photons; fewer are strong spots
   const bool judged = progressive && settings.nearest == 0 && settings.radius == 0;
   const size_t stored = causticLayer.map.size() + indirectLayer.map.size();
   tooFew = stored * MIN_STORED < emitted || stored < MIN_MAP;
   inVain = manySeen.empty() && stored + mediaPhotons.size() == 0;
-  const bool areAllWanted = classes.lightStateCount() == 1; // else none may be, as in LDE
+  const bool areAllWanted = classes.lightStateCount() == 1; // else possibly none, e.g. for class LDE
   if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
     statistics.warnings.push_back(formatted(
         "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "
@@ -203,7 +203,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
     ForwardStatistics discarded;
     const bool isCaustic = layer == &causticLayer;
-    // With photons of direct light the layer is of shadows, too.
+    // With photons of direct light the layer also contains shadows.
     const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
                                  detail, isCaustic ? discarded : statistics);
@@ -233,11 +233,11 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
 
 namespace {
 
-/** Processor time of a search, over that of a camera path of a few surfaces. */
+/** Processor time of a search, relative to a camera path with a few surfaces. */
 float searchCost(const PhotonQuery& query, LobeSet lobes) {
-  constexpr float PHOTONS = 0.1f;    ///< eight at a time
-  constexpr float SCATTERING = 0.6f; ///< of one photon after the other by a BSDF that is not Lambertian
-  constexpr float AROUND = 0.8f;     ///< rays that look for the edges of the surface
+  constexpr float PHOTONS = 0.1f;    ///< summation of photons, eight at a time
+  constexpr float SCATTERING = 0.6f; ///< evaluation of each photon by a BSDF that is not Lambertian
+  constexpr float AROUND = 0.8f;     ///< rays that search for the edges of the surface
   const CachedRadius& place = query.place;
   const bool isFlat = place.known && query.settings.radius <= place.known->flat - place.away;
   return PHOTONS + (lobes & LAMBERTIAN ? 0 : SCATTERING) + (isFlat ? 0 : AROUND);
@@ -264,17 +264,17 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
 }
 
 void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
-  // What the map errs by beside the photons' chance, which is shared by all pixels of a kernel's support and
-  // averages out less than so many pixels would: as a stain, if it is strong enough to be seen.
-  constexpr double VISIBLE_STAIN = 0.1; // relative variance in the first pass: five per cent after some fifty
-  /** Squared relative error of a covered fraction that eight rays have found, which no pass makes smaller:
-   * weighed as the variance of one of so many passes. */
+  // All pixels of a kernel support share the error of the map, so it averages out less than independent
+  // errors of pixels: a strong one is visible as a stain, and counts as a larger variance.
+  constexpr double VISIBLE_STAIN = 0.1; // relative variance in the first pass; after about 50, 5 % of error
+  /** Squared relative error of a covered fraction that eight rays estimate, which no pass reduces; scaled to
+   * the variance of one of 32 passes. */
   constexpr double UNSURE_FRACTION = 0.01 * 32;
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = true;
   gather.merging = gather.rest = 0;
   if (tooFew || indirectLayer.cache.size() == 0) return;
-  // Where no place looks the same way, as on strongly curved surfaces, the nearest one tells.
+  // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
   const RadiusCache::Place& place = indirectLayer.cache.place(query.place.index);
   const auto variance = double(place.variance), squared = square(double(place.irradiance));
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
@@ -287,8 +287,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   if (!query.place.known || place.radius > place.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
   gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
                                       (errors.variance + errors.bias2));
-  // Where it is not known what rays err by, as in scenes with media: most indirect light of a room comes from
-  // about a tenth of the directions.
+  // Relative variance of rays where the cache has none, as in scenes with media: most indirect light of a
+  // room comes from about a tenth of the directions.
   constexpr double FEW_DIRECTIONS = 10;
   errors.byRays =
       std::isfinite(place.worth.instead) ? double(place.worth.raysVariance) : FEW_DIRECTIONS * squared;
@@ -357,7 +357,7 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
                                ForwardStatistics& statistics) {
   region = probeRegion(scene, settings.weighting, statistics.counts);
   lights = lightsByPower(scene.lights());
-  // Photons that media scatter know nothing of targets.
+  // Photons that media scatter do not support targets.
   const GuidanceChoice choice{settings.without != Mechanism::GUIDE,
                               !scene.hasMedia() && !settings.causticsOnly &&
                                   settings.without != Mechanism::TARGETS};
@@ -366,8 +366,8 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   };
   guidance = learned();
   const auto adoptIfBetter = [&](LightPortals otherPortals, PhotonAim otherAim) {
-    constexpr double WORTH_IT = 2;                       // of a variance of which trials know little
-    constexpr uint64_t FEW_TRIALS = 256, MANY_TIMES = 4; // of some 32,000 trial photons
+    constexpr double WORTH_IT = 2;                       // ratio of variances, which trials estimate badly
+    constexpr uint64_t FEW_TRIALS = 256, MANY_TIMES = 4; // of about 32,000 trial photons
     if (control.stopped()) return;
     const auto exchange = [&] {
       std::swap(portals, otherPortals);
@@ -376,7 +376,7 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
     };
     exchange();
     PhotonGuidance with = learned();
-    // Where hardly a photon comes down, what it would bring is not known.
+    // With very few useful photons their second moment is unknown, and their number decides.
     const bool areManyMore =
         guidance.useful < FEW_TRIALS && with.useful >= MANY_TIMES * std::max<uint64_t>(1, guidance.useful);
     const bool isBetter = with.secondMoment > 0 && with.secondMoment * WORTH_IT < guidance.secondMoment;
@@ -385,7 +385,7 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
     else
       exchange();
   };
-  // A search for the nearest photons of one map wants them to be of nearly equal power.
+  // A search for the nearest photons of one map needs photons of nearly equal power.
   if (progressive) {
     LightPortals openings;
     if (settings.without != Mechanism::PORTALS) openings.learn(scene, seed, statistics.counts);
@@ -393,7 +393,7 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
     if (settings.without != Mechanism::AIM) farLamps.learn(scene, seed, statistics.counts);
     if (openings.active()) adoptIfBetter(openings, {});
     if (farLamps.active()) adoptIfBetter(portals, farLamps);
-    // While a far lamp of much power shines all around, hardly a photon is left to show what openings bring.
+    // A powerful far light without an aim leaves too few photons to judge the portals, so both are tried.
     if (openings.active() && farLamps.active() && !portals.active()) adoptIfBetter(openings, farLamps);
   }
   if (scene.hasMedia() || settings.causticsOnly || settings.directLight ||

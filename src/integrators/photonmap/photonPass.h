@@ -1,6 +1,6 @@
 /** @file
- * The forward pass and what it finds out once for all passes: photons in two maps, where they start, how far
- * to search.
+ * Forward pass: shoots photons into two maps, and learns once for all passes their emission and the search
+ * radii.
  */
 #pragma once
 
@@ -13,47 +13,47 @@
 
 namespace recurse {
 
-/** What a render can leave out, to measure what it earns. */
+/** Mechanisms that a render can omit, to measure their effect. */
 enum class Mechanism {
   NONE,
-  LIGHT_LEARNING,  ///< lights and openings for shadow rays are chosen by place
+  LIGHT_LEARNING,  ///< lights and openings for shadow rays are sampled by position
   SHADOW_OPENINGS, ///< shadow rays to an environment go through openings
   GUIDE,           ///< emission of photons follows useful trial photons
   TARGETS,         ///< DXTRAN spheres
-  PORTALS,         ///< photons from far away start where camera paths see out
-  AIM,             ///< photons of far lamps
+  PORTALS,         ///< photons of infinite lights start where camera paths leave the scene
+  AIM,             ///< photons of far lights are aimed at the vertices of camera paths
   SPARSE_LIGHT,    ///< light whose photons are few and strong is left to rays
   SPLITTING,       ///< strong photons are stored as several weak ones
   JUDGED_RADII,    ///< radii of least expected error instead of the distance of the k-th photon
-  MERGE_WEIGHTS    ///< photons and rays that find the same paths are weighed by their densities
+  MERGE_WEIGHTS    ///< photons and rays that find the same paths are weighted by their densities
 };
 
 struct PhotonPassSettings {
-  uint64_t photons = 0; ///< in each pass; 0: chosen
-  double alpha = 0;     ///< see radiusScale
-  int nearest = 0;      ///< photons of an estimate in the first pass; 0: chosen, or all within the radius
-  double radius = 0;    ///< 0: found out from the photons' density
+  uint64_t photons = 0; ///< photons emitted in each pass; 0: default number
+  double alpha = 0;     ///< see radiusScale()
+  int nearest = 0;      ///< photons of an estimate in the first pass; 0: default, or all within the radius
+  double radius = 0;    ///< search radius [scene units]; 0: from the photon density
   int maxDepth = -1;
-  bool directLight = false;  ///< photons bring direct light as well
-  bool causticsOnly = false; ///< nothing but what comes by mirrors and glass alone
+  bool directLight = false;  ///< photons carry direct light as well
+  bool causticsOnly = false; ///< photons carry only light through mirrors and glass alone
   bool guided = true;
-  bool edges = true; ///< estimates know where surfaces end
+  bool edges = true; ///< estimates are corrected where surfaces end
   float flatness = 0.2f;
   GatherWeighting weighting;
   Mechanism without = Mechanism::NONE;
-  bool beams = false; ///< light in media is kept as beams where that is possible, not as points
+  bool beams = false; ///< media store beams instead of points where possible
   Kernel kernel = Kernel::EPANECHNIKOV;
   PhotonIndexKind index = PhotonIndexKind::KDTREE;
 };
 
-/** Photons of some kind, and how they are searched. */
+/** Photons of one kind, with the settings and radii of their search. */
 struct PhotonLayer {
   PhotonMap map;
   GatherChoice choice; ///< from the first pass
   RadiusCache cache;   ///< from the first pass
 };
 
-/** Photons in media: of each medium either points or beams. */
+/** Photons in media: each medium has either points or beams. */
 struct MediaPhotons {
   VolumePhotonMap points;
   PhotonBeamMap beams;
@@ -62,119 +62,119 @@ struct MediaPhotons {
   size_t memoryBytes() const { return points.memoryBytes() + beams.memoryBytes(); }
 };
 
-/** How photons are searched at a point. */
+/** Parameters of a photon search at a point. */
 struct PhotonQuery {
   GatherSettings settings;
   CachedRadius place;
-  float cost = 0; ///< of the search, about, over that of a camera path
+  float cost = 0; ///< estimated processor time of the search [camera paths]
 };
 
 class PhotonPass {
  public:
   explicit PhotonPass(const PhotonPassSettings& settings) : settings(settings) {}
 
-  /** Photons that a pass emits. */
+  /** Number of photons that a pass emits. */
   uint64_t photonCount(const Scene& scene, bool progressive) const;
-  /** Shoots and builds the maps; pass 0 learns too. */
+  /** Shoots the photons and builds the maps; pass 0 also learns. */
   ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
                         const ForwardControl& control, const LightSampler& shadowRays);
 
-  /** Calls `use` with the maps of another pass than the first in the place of these. */
+  /** Calls `use` with the maps of `other`, a pass after the first, and then restores the maps. */
   ForwardStatistics with(const Pass& other, const Scene& scene, const PathClasses& classes,
                          const ForwardControl& control, const LightSampler& shadowRays,
                          const std::function<void()>& use);
 
-  /** Photons that nothing but mirrors and glass lies behind, and with `directLight` those straight from
+  /** Photons that came through mirrors and glass only; with `directLight` also photons straight from the
    * lights. */
   const PhotonLayer& caustics() const { return causticLayer; }
-  /** All others. */
+  /** All other photons on surfaces. */
   const PhotonLayer& indirect() const { return indirectLayer; }
-  /** Those in media that have scattered before, and with `directLight` all. */
+  /** Photons in media that have scattered before; with `directLight` all photons in media. */
   const MediaPhotons& inMedia() const { return mediaPhotons; }
-  /** Fewer than one in MIN_STORED photons of the first pass, or than MIN_MAP, came down on surfaces. */
+  /** Whether surfaces store fewer than MIN_MAP photons, or than one in MIN_STORED, in the first pass. */
   bool hasTooFewPhotons() const { return tooFew; }
-  /** Relative variance of what one camera ray from each visible place finds of caustics, the mean over all.
-   */
+  /** Relative variance of the caustics that one camera ray finds from a visible point; mean over all visible
+   * points. */
   double causticVarianceByRays() const { return causticRays; }
   bool isProgressive() const { return progressive; }
   bool hasEdges() const { return settings.edges; }
-  /** Radius of this pass over that of the first. */
+  /** Search radius of this pass relative to the first pass. */
   float scale() const { return radiusOverFirst; }
 
   /** Densities of the emission of photons along a ray that a light emits. */
   LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const;
-  /** A lamp far from what is seen, whose photons are aimed. */
+  /** Whether photons of this light are aimed, because it is far from the visible surfaces. */
   bool isAimed(uint32_t light) const { return aim.isAimed(light); }
-  /** Whether some light starts too sparsely to be for photons. */
+  /** Whether some photons would start too sparsely, so that their light is left to rays. */
   bool leavesLightToRays() const { return guidance.sparsePart > 0; }
-  /** Whether light straight from there to a surface is for rays alone; `pdf` as of pdfLe(). */
+  /** Whether light that arrives straight from there is left to rays; `pdf`: result of pdfLe(). */
   bool isSparse(const Light& light, const LePdf& pdf) const {
     return light.isInfinite() && pdf.position < guidance.minStartDensity;
   }
-  /** With which a photon comes from a light. */
+  /** Probability that a photon starts at a light. */
   float probability(const Scene& scene, uint32_t light) const;
-  /** The weight of a camera ray against caustic photons, where it has met an area light behind mirrors and
-   * glass, or has left the scene and meets one of its environment. */
+  /** MIS weight of a camera ray against caustic photons, where it has hit an area light through mirrors and
+   * glass, or has left the scene towards an environment light. */
   float rayWeight(const Scene& scene, MergeRatio merge, const Hit& hit, const Vec3f& direction) const;
   float rayWeight(const Scene& scene, const MergeRatio& merge, size_t environment, const Ray& ray) const;
-  /** How densely photons straight from a light arrive at a point, see arrivalDensity(): `pdf` as of pdfLe(),
-   * `cosine` at the surface there, `chosen` the light's probability for shadow rays. */
+  /** Density of the photons that arrive at a point straight from a light, see arrivalDensity(). `pdf`: result
+   * of pdfLe(); `cosine`: at the surface there; `chosen`: the light's probability for shadow rays. */
   float arrivals(const Scene& scene, uint32_t light, const LePdf& pdf, float cosine, float distance,
                  float chosen) const;
 
-  /** The only pass looks for the nearest photons, or within the radius it was given. One of many takes the
-   * radius that the first pass found thereabouts, shrunk: its own photons have no say in it. */
+  /** Parameters of the search at a point. A single pass searches the nearest photons, or within a given
+   * radius. One of many shrinks the first pass's radius there, independently of its own photons. */
   PhotonQuery query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
                     LobeSet lobes) const;
-  /** Weighs photons of the indirect layer against the rays that its surface sends on, by what is known of
-   * both errors there; `footprint` is the width of a pixel. */
+  /** Weights photons of the indirect layer against the rays that the surface scatters, by the estimated
+   * errors of both; `footprint`: width of a pixel [scene units]. */
   void weighAgainstRays(PhotonQuery& query, float footprint) const;
-  /** Whether to read the indirect layer takes less than to go on, for the variance that it saves. */
+  /** Whether reading the indirect layer costs less than continuing the path, for the variance it saves. */
   bool paysInstead(const PhotonQuery& query) const {
     return !query.place.known || query.cost < indirectLayer.cache.place(query.place.index).worth.instead;
   }
-  /** The search with such a radius of the first pass. */
+  /** Settings of a search whose radius in the first pass was `firstRadius` [scene units]. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
 
   static constexpr uint64_t MIN_STORED = 1000;
-  /** Fewer photons in a map tell too little as well: an estimate by eight of them would average over a
-   * hundredth of all that is lit, a stain as wide as a wall. */
+  /** Minimum number of photons in a map. With fewer, an estimate by eight photons averages over a hundredth
+   * of the lit area, a stain as wide as a wall. */
   static constexpr size_t MIN_MAP = 800;
 
  private:
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
-  /** Adds what was learned, in words. */
+  /** Adds notes on the learned guidance. */
   void noteGuidance(std::vector<std::string>& notes) const;
-  /** Lights by the power that comes where photons are sent. */
+  /** Table of lights by the power of their photons: what portals admit, or the aimed fraction. */
   LightTable lightsByPower(const LightTable& lights) const;
-  /** What light from infinitely far comes through before it reaches the scene. */
+  /** Learns the medium around the scene, and its transmittance for infinite lights. */
   void learnOutsideMedium(const Scene& scene, ForwardStatistics& statistics);
-  /** Which media keep beams, and how many photons and beams to keep. */
+  /** Selects the media that store beams, and the fractions of photons and beams to store. */
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
   void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                   ForwardStatistics& statistics);
-  /** Relative, of what one camera ray finds of caustics, the mean over visible places. */
+  /** Mean relative variance of the caustics that one camera ray finds, over visible points. */
   double causticVarianceAt(std::span<const VisiblePoint> seen) const;
 
   PhotonPassSettings settings;
   PhotonLayer causticLayer, indirectLayer;
   MediaPhotons mediaPhotons;
   KeptInMedia media;           ///< from the first pass
-  uint16_t outside = 0;        ///< the medium around the scene
-  Rgb outsideTransmittance{1}; ///< its transmittance
+  uint16_t outside = 0;        ///< medium around the scene
+  Rgb outsideTransmittance{1}; ///< transmittance of that medium for infinite lights
   EmissiveMedia emissiveMedia; ///< learned before the first pass, for all
   LightPortals portals;        ///< learned before the first pass, for all
   PhotonAim aim;               ///< learned before the first pass, for all
-  LightTable lights;           ///< by what comes in
+  LightTable lights;           ///< result of lightsByPower()
   PhotonGuidance guidance;     ///< learned before the first pass, for all
-  VisibleRegion region;        ///< the same
+  VisibleRegion region;        ///< learned before the first pass, for all
   uint64_t emitted = 0;
-  double causticRays = 0; ///< see causticVarianceByRays
+  double causticRays = 0; ///< see causticVarianceByRays()
   bool progressive = false, tooFew = false, causticsKnown = false;
-  bool inVain = false; ///< the eye sees no surface that gathers photons, and the first pass kept none
+  bool inVain = false; ///< no photon can contribute: no visible surface gathers, none is stored
   float radiusOverFirst = 1;
 };
 

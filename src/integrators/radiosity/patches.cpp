@@ -23,9 +23,9 @@ constexpr double DEFAULT_PATCHES = 10000;
 constexpr double MAX_DIVISIONS = 128;
 /** Maximum turn of the normal along the edge of a patch [rad]. */
 constexpr double MAX_TURN = 0.5;
-/** Number of lines and of pieces by which the length and turn of a face are measured. */
+/** Number of coordinate lines, and of pieces of each, by which the length and turn of a face are measured. */
 constexpr int LINES = 3, PIECES = 16;
-/** Areas are sums over this number squared of triangles, with opacity taken at their centroids. */
+/** Areas are sums over AREA_PIECES² triangles, with the opacity at their centroids. */
 constexpr int AREA_PIECES = 4;
 /** Maximum number of points to try until one is opaque. */
 constexpr int MAX_TRIES = 64;

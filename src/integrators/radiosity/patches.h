@@ -53,7 +53,7 @@ class Patches {
       return {glm::uvec2(i, j), {i + 1, j}, {i, j + 1}};
     }
   };
-  /** Face with a grid: a triangle, or a face of another shape by its coordinates. */
+  /** Face with a grid: a triangle of a mesh, or a face of other shapes by its coordinates. */
   struct Face {
     const Shape* shape = nullptr;
     uint32_t number = 0; ///< primitive of the mesh, or face of the shape

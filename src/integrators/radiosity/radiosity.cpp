@@ -161,7 +161,8 @@ class Radiosity final : public Integrator {
     }
     double gained = 0;
     for (int i = 0; i < count; ++i, ++shot) {
-      Sampler sampler(hashCombine(pass.seed, pass.index), PATCH_RAYS + patchSide, static_cast<uint32_t>(i));
+      Sampler sampler(hashCombine(pass.seed, pass.index), PATCH_RAYS + patchSide,
+                      static_cast<uint32_t>(shot));
       const SurfacePoint from = patches.sample(static_cast<uint32_t>(patchSide / 2), sampler);
       const Vec3f normal = from.geometricNormal * (patchSide % 2 == 0 ? 1.0f : -1.0f);
       const Ray ray = spawn(from, Frame(normal).toWorld(cosineHemisphere(sampler.next2D())));

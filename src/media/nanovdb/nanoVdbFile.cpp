@@ -9,7 +9,7 @@
 #include <set>
 
 #include "recurse/core/io/byteReader.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 namespace recurse {
 

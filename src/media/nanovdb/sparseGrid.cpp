@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "recurse/core/io/error.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 namespace recurse {
 

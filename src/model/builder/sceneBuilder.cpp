@@ -5,8 +5,10 @@
 
 #include "model/builder/objectNames.h"
 #include "model/builder/openBoundaries.h"
+#include "model/builder/rayWork.h"
 #include "model/builder/shapeGroups.h"
 #include "model/embree/embreeScene.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/triangleMesh.h"
 #include "recurse/model/scene/importExpansion.h"
 #include "recurse/model/scene/keptParts.h"
@@ -59,7 +61,9 @@ class SceneBuilder {
 
   std::unique_ptr<Scene> build() {
     buildFilm();
-    const bool complete = shapes.build(scene->filmSettings);
+    const WorkSum work;
+    const bool complete =
+        shapes.build(scene->filmSettings) && allowsRayWork(shapes, scene->filmSettings, diagnostics);
     if (complete) measure();
     buildCamera();
     buildLights();

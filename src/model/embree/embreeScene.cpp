@@ -150,7 +150,6 @@ bool EmbreeScene::intersectPosition(const Ray& ray, Hit& hit) const {
 
 void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence,
                                 PositionHit* positions) const {
-  checkInterrupted();
   size_t done = 0;
   if (packets && rays.size() > MAX_SINGLE_RAYS) {
     RTCRayHit8 packet[GROUP / embree::PACKET];
@@ -164,6 +163,7 @@ void EmbreeScene::nearestOfEach(std::span<const Ray> rays, Coherence coherence,
       p.hit.instID[0][lane] = RTC_INVALID_GEOMETRY_ID;
     }
     for (RTCRayHit8* p = packet; done < rays.size(); ++p) {
+      checkInterrupted();
       const embree::Lanes lanes(rays.size() - done);
       embree::intersect(groups.front()->scene(), lanes, *p, coherence == Coherence::COHERENT);
       for (size_t i = 0; i < embree::PACKET && done < rays.size(); ++i)
@@ -208,7 +208,6 @@ bool EmbreeScene::occluded(const Ray& ray) const {
 }
 
 void EmbreeScene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> blocked) const {
-  checkInterrupted();
   size_t done = 0;
   while (packets && done + MAX_SINGLE_RAYS < rays.size()) {
     RTCRay8 packet[GROUP / embree::PACKET];
@@ -216,6 +215,7 @@ void EmbreeScene::occludedBatch(std::span<const Ray> rays, std::span<uint8_t> bl
     for (size_t i = done; i < end; ++i)
       setRay(packet[(i - done) / embree::PACKET], (i - done) % embree::PACKET, rays[i], CASTS_SHADOW);
     for (RTCRay8* p = packet; done < end; ++p) {
+      checkInterrupted();
       embree::occluded(groups.front()->scene(), embree::Lanes(end - done), *p);
       for (size_t i = 0; i < embree::PACKET && done < end; ++i) blocked[done++] = p->tfar[i] < 0;
     }

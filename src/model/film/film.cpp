@@ -60,6 +60,32 @@ std::vector<Film::StatePart> Film::stateParts() {
   return out;
 }
 
+std::vector<size_t> Film::nearestSampled(int reach) const {
+  constexpr size_t NONE = std::numeric_limits<size_t>::max();
+  std::vector<size_t> nearest(pixels.size(), NONE), front, next;
+  for (size_t i = 0; i < pixels.size(); ++i)
+    if (pixels[i].samples > 0) front.push_back(nearest[i] = i);
+  if (front.size() == pixels.size()) return {};
+  const auto width = size_t(pixelBounds.width());
+  for (int step = 0; step < reach && !front.empty(); ++step, front.swap(next)) {
+    next.clear();
+    const auto spread = [&](size_t from, size_t to) {
+      if (nearest[to] != NONE) return;
+      nearest[to] = nearest[from];
+      next.push_back(to);
+    };
+    for (const size_t i : front) {
+      if (i % width > 0) spread(i, i - 1);
+      if (i % width + 1 < width) spread(i, i + 1);
+      if (i >= width) spread(i, i - width);
+      if (i + width < pixels.size()) spread(i, i + width);
+    }
+  }
+  for (size_t i = 0; i < nearest.size(); ++i)
+    if (nearest[i] == NONE) nearest[i] = i;
+  return nearest;
+}
+
 std::optional<double> Film::varianceByHalves(size_t pixel) const {
   const Pixel& p = pixels[pixel];
   const double n = double(p.samples), half = double(p.halfSamples), other = n - half;

@@ -7,16 +7,17 @@
 #include <unordered_map>
 
 #include "recurse/core/io/text.h"
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/model/texture/texture.h"
 
 namespace recurse {
 
 namespace {
 
-/** Memory of a triangle before it is rendered [bytes]. */
-constexpr double TRIANGLE_BYTES = 180;
+/** Memory of a triangle before it is rendered [bytes], and time to make it [s]. */
+constexpr double TRIANGLE_BYTES = 180, TRIANGLE_SECONDS = 3e-6;
 constexpr size_t MAX_TRIANGLES = 20'000'000;
 
 /** Corner k mod 3 of a triangle. */
@@ -34,11 +35,15 @@ class Displacement {
   /** Divides all long edges. False where that would take more than MAX_TRIANGLES triangles. */
   bool divide() {
     constexpr int MAX_LEVELS = 64; // in double precision no edge is split more often
+    size_t triangles = 0;
     for (int level = 0; level < MAX_LEVELS && !active.empty(); ++level) {
       findLongEdges();
       size_t count = done.size();
       for (const glm::uvec3& t : active) count += 1 + static_cast<size_t>(longEdgesOf(t));
       if (count > MAX_TRIANGLES) return false;
+      requireWork(formatted("a surface of %zu triangles", count),
+                  TRIANGLE_SECONDS * double(count - triangles));
+      triangles = count;
       const size_t before = vertices.size();
       splitLongEdges();
       move(before);
@@ -173,13 +178,15 @@ class Displacement {
 
   void findLongEdges() {
     middlePoints.clear();
-    for (const glm::uvec3& t : active)
+    for (const glm::uvec3& t : active) {
+      checkInterrupted();
       for (uint32_t k = 0; k < 3; ++k) {
         const uint32_t a = vertices[cornerAt(t, k)].point, b = vertices[cornerAt(t, k + 1)].point;
         const auto [found, isNew] = middlePoints.emplace(edgeKey(a, b), NONE);
         if (isNew && a != b && isLong(points[std::min(a, b)], points[std::max(a, b)]))
           found->second = UNNUMBERED;
       }
+    }
   }
   bool isSplit(uint32_t va, uint32_t vb) const {
     return middlePoints.at(edgeKey(vertices[va].point, vertices[vb].point)) != NONE;
@@ -212,6 +219,7 @@ class Displacement {
     };
     std::vector<glm::uvec3> next;
     for (const glm::uvec3& t : active) {
+      checkInterrupted();
       const int count = longEdgesOf(t);
       if (count == 0) {
         done.push_back(t);

@@ -97,7 +97,7 @@ class MeshSolid final : public Solid {
   }
 
   void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
-    // Shear of the line to the z axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013)
+    // Shear of the line to the z axis (Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", 2013).
     const int axis = widestAxis(glm::abs(direction)), xAxis = (axis + 1) % 3, yAxis = (axis + 2) % 3;
     const double shearX = direction[xAxis] / direction[axis], shearY = direction[yAxis] / direction[axis];
     const auto sheared = [&](uint32_t vertex) {

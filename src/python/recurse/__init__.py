@@ -5,8 +5,8 @@
     picture = scene.render(spp=16, classes={"caustic": "LS+DE"})
     print(picture.layers["caustic"].mean())
 
-Names of parameters are those of `recurse reference`; what the functions of `shapes`, `materials`, `textures`,
-`lights`, `area_lights`, `media`, `cameras`, `filters`, `films`, `samplers` and `integrators` take is in their help().
+Parameters have the names of `recurse reference`. The functions of `shapes`, `materials`, `textures`, `lights`,
+`area_lights`, `media`, `cameras`, `filters`, `films`, `samplers` and `integrators` list their parameters in help().
 """
 from ._core import Error, SceneError
 from .picture import Picture, classes, compare, develop, in_class, named_classes, read

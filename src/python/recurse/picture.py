@@ -1,4 +1,4 @@
-"""Pictures as arrays: what a render returns, and what is done with it."""
+"""Pictures as arrays: the result of a render, and operations on it."""
 from __future__ import annotations
 
 import json
@@ -12,16 +12,16 @@ from . import _core
 
 
 class Picture:
-    """A rendered picture, linear Rec. 709. Its arrays share one piece of memory, which lives as long as they do."""
+    """Rendered picture, linear Rec. 709. Its arrays share one block of memory, which lives as long as they do."""
 
     def __init__(self, image: "_core.Image", statistics: Mapping[str, Any] | None = None):
         self._image = image
         self.statistics = dict(statistics or {})
-        #: Of a file, how it came about.
+        #: Metadata of the file: how the picture was rendered.
         self.metadata: dict[str, str] = image.metadata
         pixels = image.array()
-        #: Arrays by their names, of height, width and channels, or of height and width where there is one channel:
-        #: "all" is the whole picture, then come path classes, features, "error" and "samples".
+        #: Arrays by name, of shape (height, width, channels), or (height, width) for a single channel: "all" is the
+        #: whole picture, followed by path classes, features, "error" and "samples".
         self.layers: dict[str, np.ndarray] = {}
         begin = 0
         names = [name.rpartition(".")[0] or "all" for name in image.channels]
@@ -33,12 +33,12 @@ class Picture:
 
     @classmethod
     def of(cls, pixels: Any) -> "Picture":
-        """A picture of an array of height, width and red, green and blue."""
+        """Picture from an array of shape (height, width, 3)."""
         return cls(_core.Image(np.asarray(pixels, np.float32), ["R", "G", "B"]))
 
     @property
     def array(self) -> np.ndarray:
-        """Height, width, and red, green and blue."""
+        """Whole picture, of shape (height, width, 3): red, green and blue."""
         return self.layers["all"]
 
     def __array__(self, dtype: Any = None) -> np.ndarray:
@@ -53,8 +53,8 @@ class Picture:
         return develop(self, **options)
 
     def save(self, file: Union[str, os.PathLike], **options: Any) -> None:
-        """Writes by extension: .exr all layers, .hdr and .pfm linear colours, .png .jpg .tif for a display, with the
-        options of recurse.develop()."""
+        """Writes a file by its extension: .exr with all layers, .hdr and .pfm with linear colours, .png .jpg .tif for a
+        display, with the options of recurse.develop()."""
         _core.write_image(self._image, os.fspath(file), _develop_options(options))
 
     def _repr_png_(self) -> bytes:
@@ -77,12 +77,12 @@ def _image(picture: PictureLike) -> "_core.Image":
 
 
 def read(file: Union[str, os.PathLike]) -> Picture:
-    """A picture from a file of any usual format, linear."""
+    """Reads a picture, with linear values, from a file of any usual format."""
     return Picture(_core.read_image(os.fspath(file)))
 
 
 def compare(picture: PictureLike, reference: PictureLike, flip: bool = False) -> dict[str, Any]:
-    """Measures of the difference, as `recurse compare --json` has them; with `flip` LDR- and HDR-FLIP too, which
+    """Measures of the difference, the same as from `recurse compare --json`; with `flip` also LDR- and HDR-FLIP, which
     take longer."""
     return json.loads(_core.compare(_image(picture), _image(reference), flip))
 
@@ -101,24 +101,24 @@ def _develop_options(options: Mapping[str, Any]) -> list[str]:
 
 
 def develop(picture: PictureLike, **options: Any) -> np.ndarray:
-    """A picture for a display, of height, width and 3 bytes. Options are those of `recurse develop`: exposure
-    ("auto", stops, "p98"), tonemap, white_balance, bloom, bloom_angle, display, dither."""
+    """Picture for a display, as bytes of shape (height, width, 3). The options are the same as in `recurse develop`:
+    exposure ("auto", stops, "p98"), tonemap, white_balance, bloom, bloom_angle, display, dither."""
     image, _ = _core.develop(_image(picture), _develop_options(options))
     return np.rint(np.clip(image.array()[:, :, :3], 0, 1) * 255).astype(np.uint8)
 
 
 def class_list(classes: Any) -> list[tuple[str, str]]:
-    """Names and expressions of a dictionary, or of expressions that are their own names."""
+    """Pairs of name and expression, from a dictionary, or from expressions that are their own names."""
     return list(classes.items()) if isinstance(classes, Mapping) else [(text, text) for text in classes]
 
 
 def classes(*expressions: str, **named: str) -> str:
-    """What classes of light paths mean, with examples, and how they overlap: classes("LS+DE", direct="LDE")."""
+    """Explanation of classes of light paths, with examples and overlaps: classes("LS+DE", direct="LDE")."""
     return _core.classes(class_list(expressions) + class_list(named))
 
 
 def named_classes() -> dict[str, str]:
-    """Expressions of the classes that have names."""
+    """Expressions of the classes that have names, by name."""
     return {name: expression for name, expression, _ in _core.named_classes()}
 
 

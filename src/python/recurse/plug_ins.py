@@ -1,7 +1,7 @@
-"""Every plug-in as a function, made from the program's own registries.
+"""Functions for all plug-ins, made from the program's own registries.
 
-`shapes.sphere(radius=2)` describes a sphere; nothing is made, or checked beyond names, until a scene is loaded. In
-the names of parameters `_` stands for `.`, and after a name that is a word of Python, such as `from_`, for nothing.
+`shapes.sphere(radius=2)` describes a sphere. Only names are checked until a scene is loaded. In the names of parameters
+`_` replaces `.`, and follows a name that is a keyword of Python, such as `from_`.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _core
 
-#: What the directives of scene files are called here.
+#: Names of the plug-in kinds, by directive of scene files.
 KINDS = {"Shape": "shapes", "Shape (files)": "shapes", "Material": "materials", "Texture": "textures",
          "LightSource": "lights", "AreaLightSource": "area_lights", "MakeNamedMedium": "media", "Camera": "cameras",
          "PixelFilter": "filters", "Film": "films", "Sampler": "samplers", "Integrator": "integrators"}
@@ -22,13 +22,13 @@ _COORDINATES = {"point2": 2, "vector2": 2, "point3": 3, "vector3": 3, "normal": 
 
 
 def python_name(parameter: str) -> str:
-    """The name of a parameter or a plug-in in Python."""
+    """Name of a parameter or a plug-in in Python."""
     name = parameter.replace(".", "_")
     return name + "_" if keyword.iskeyword(name) else name
 
 
 class PlugIn:
-    """A plug-in with its parameters, to be put into a scene."""
+    """Plug-in with its parameters, to be added to a scene."""
 
     def __init__(self, info: dict, parameters: dict[str, Any]):
         self.info = info
@@ -42,12 +42,12 @@ class PlugIn:
 
     @property
     def namespace(self) -> str:
-        """What of KINDS it is one of."""
+        """Kind of the plug-in, see KINDS."""
         return KINDS[self.info["kind"]]
 
     @property
     def name(self) -> str:
-        """As in a scene file."""
+        """Name in scene files."""
         return self.info["name"]
 
     def __repr__(self) -> str:
@@ -56,7 +56,7 @@ class PlugIn:
 
 
 class Namespace:
-    """The plug-ins of a kind, as functions that take their parameters."""
+    """Plug-ins of a kind, as functions that take their parameters."""
 
     def __init__(self, name: str):
         self._name = name
@@ -68,7 +68,7 @@ class Namespace:
         return iter(self._infos)
 
     def make(self, name: str | PlugIn, parameters: dict[str, Any]) -> PlugIn:
-        """The plug-in of that name, or the one that is there already."""
+        """Plug-in of that name; a PlugIn is returned as it is. Raises TypeError or ValueError."""
         if isinstance(name, PlugIn):
             if name.namespace != self._name:
                 raise TypeError(f"{name!r} is none of {self._name}")
@@ -107,23 +107,23 @@ def _maker(namespace: str, name: str, info: dict):
 
 
 def number_text(value: float) -> str:
-    """All digits of a number, as scene files have it."""
+    """Number with all its digits, as in scene files."""
     return repr(int(value)) if float(value).is_integer() and abs(value) < 1e15 else repr(float(value))
 
 
 def numbers_text(values: Any) -> str:
-    """The same of an array, in brackets."""
+    """Numbers of an array with all their digits, in brackets."""
     flat = np.asarray(values, float).ravel()
     return "[ " + " ".join(map(number_text, flat.tolist())) + " ]"
 
 
 def quoted(text: str) -> str:
-    """A string of a scene file."""
+    """String in quotes, as in scene files."""
     return '"' + str(text).replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def value_text(spec: dict, value: Any) -> tuple[str, str]:
-    """Type and value of a parameter in a scene file, but for textures and other plug-ins."""
+    """Type and value of a parameter in a scene file, except for textures and other plug-ins."""
     kind = spec["type"]
     if kind == "string":
         texts = [value] if isinstance(value, str) or not hasattr(value, "__iter__") else list(value)

@@ -1,4 +1,4 @@
-"""A bar for the progress of a render: a line on standard error, or HTML in notebooks."""
+"""Progress bar of a render: a line on standard error, or HTML in notebooks."""
 from __future__ import annotations
 
 import html
@@ -7,7 +7,7 @@ from typing import Any, Mapping
 
 
 def _notebook_display() -> Any:
-    """IPython's function display() where this runs in a notebook."""
+    """Function display() of IPython in a notebook, else None."""
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython else None
     if shell is None or not hasattr(shell, "kernel"):
@@ -17,9 +17,9 @@ def _notebook_display() -> Any:
 
 
 class ProgressBar:
-    """Shows dictionaries of progress, see Scene.render(). Time left that is negative or None is not known."""
+    """Shows dictionaries of progress, see Scene.render(). Negative or None `seconds_left` means unknown."""
 
-    WIDTH = 30  # characters
+    WIDTH = 30  # width of the bar [characters]
 
     def __init__(self) -> None:
         self.fraction, self.phase, self.figures = 0.0, "", ""

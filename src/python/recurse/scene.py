@@ -1,4 +1,4 @@
-"""Scenes: read from files, or built in code, and rendered."""
+"""Scenes, read from files or built in code, and their rendering."""
 from __future__ import annotations
 
 import contextlib
@@ -20,29 +20,29 @@ Medium = Union[str, "tuple[str, str]"]
 
 
 class RecurseWarning(UserWarning):
-    """What Recurse does otherwise than the scene asks for, or what will be seen in the picture."""
+    """Warning that a render differs from the scene's description, or that its picture may look wrong."""
 
 
 class Paths(NamedTuple):
     """Camera paths of a pixel.
 
-    vertices: a record for each point where a path scatters. sample: of the pixel; previous: index of the vertex before,
-    -1 for the camera; event: at that one, S, D or V, E for the camera; position: in the world; normal: unit, 0 in a
-    medium; throughput: that arrives; pdf, pdf_reverse: of the direction that led here and of the opposite walk [1/sr],
-    0 for mirrors and smooth glass.
-    contributions: a record for each that reached the pixel. vertex: index of the last vertex from the camera, -1 where
-    the camera sees the light; technique: "hit", "light sample", "connection", "merge" or "unknown"; path: the letters
-    from that vertex to the camera; weight: of multiple importance sampling; pdf, other_pdf: of the technique and of its
-    rival [1/sr]; radiance: with weight and throughput; class: the name of its class, "" for none.
-    value: of the pixel, red, green and blue, the mean over the samples."""
+    vertices: a record for each point where a path scatters. sample: index of the pixel's sample; previous: index of the
+    previous vertex, -1 for the camera; event: event at the previous vertex, S, D or V, E for the camera; position: in the
+    world; normal: unit, 0 in a medium; throughput: on arrival; pdf, pdf_reverse: densities of the direction to this
+    vertex and of the opposite walk [1/sr], 0 for mirrors and smooth glass.
+    contributions: a record for each contribution to the pixel. vertex: index of the last vertex from the camera, -1 if
+    the camera sees the light; technique: "hit", "light sample", "connection", "merge" or "unknown"; path: letters from
+    that vertex to the camera; weight: MIS weight; pdf, other_pdf: densities of the technique and its competitor [1/sr];
+    radiance: with weight and throughput; class: name of the path class, "" for none.
+    value: red, green and blue of the pixel, the mean over the samples."""
     vertices: np.ndarray
     contributions: np.ndarray
     value: np.ndarray
 
 
 class Scene:
-    """A scene. Scene() is empty, and is built by the functions set_... and add_...; load() and parse() return one
-    that is read."""
+    """Scene. Scene() is empty, and is built by the functions set_... and add_...; load() and parse() read
+    a scene."""
 
     def __init__(self, *, lenient: bool = False):
         self._name, self._directory, self._source = "scene in Python", os.getcwd(), None
@@ -56,7 +56,7 @@ class Scene:
     # Building
 
     def text(self) -> str:
-        """The scene as a scene file; of one that was read, what it was read from."""
+        """Text of the scene file; of a parsed scene, the text it was parsed from. Raises ValueError for a loaded file."""
         if self._source is not None:
             return self._source
         if self._directory is None:
@@ -64,7 +64,7 @@ class Scene:
         return "\n".join([*self._settings.values(), "WorldBegin", *self._world]) + "\n"
 
     def save(self, file: Union[str, os.PathLike]) -> None:
-        """Writes text() to a file. Names of files in it are as they were given."""
+        """Writes text() to a file. Names of files in the text are not changed."""
         with open(file, "w", encoding="utf-8") as out:
             out.write(self.text())
 
@@ -79,8 +79,8 @@ class Scene:
 
     def set_camera(self, name: str | PlugIn = "perspective", *, look_at: Sequence[Sequence[float]] | None = None,
                    transform: Transform = None, **parameters: Any) -> None:
-        """The camera, seen from `look_at`: eye, target and up, or placed by a matrix from camera space, x right, y up
-        and z forward, to the world."""
+        """Sets the camera, placed by `look_at` (eye, target and up), or by a matrix from camera space (x right, y up,
+        z forward) to the world."""
         before = ["Identity"]
         if look_at is not None:
             before.append("LookAt " + numbers_text(look_at)[2:-2])
@@ -89,25 +89,25 @@ class Scene:
         self._setting("Camera", cameras.make(name, parameters), before)
 
     def set_film(self, name: str | PlugIn = "rgb", **parameters: Any) -> None:
-        """Size, crop and exposure of the picture."""
+        """Sets the size, crop and exposure of the picture."""
         self._setting("Film", films.make(name, parameters))
 
     def set_integrator(self, name: str | PlugIn, **parameters: Any) -> None:
-        """How light is computed, unless render() says otherwise."""
+        """Sets the default integrator of render()."""
         self._setting("Integrator", integrators.make(name, parameters))
 
     def set_sampler(self, name: str | PlugIn = "zsobol", **parameters: Any) -> None:
-        """Samples of each pixel, and the seed, unless render() says otherwise."""
+        """Sets the default samples per pixel and seed of render()."""
         self._setting("Sampler", samplers.make(name, parameters))
 
     def set_filter(self, name: str | PlugIn, **parameters: Any) -> None:
-        """The filter of the film's pixels."""
+        """Sets the pixel filter of the film."""
         self._setting("PixelFilter", filters.make(name, parameters))
 
     def add_shape(self, name: str | PlugIn, *, material: PlugIn | str | None = None, light: PlugIn | None = None,
                   transform: Transform = None, medium: Medium | None = None, reverse_orientation: bool = False,
                   **parameters: Any) -> None:
-        """A shape of a material (of `materials`, or the name of one), which emits where it has a light (of
+        """Adds a shape of a material (from `materials`, or the name of one), which emits if it has a light (from
         `area_lights`). `medium`: names of the media inside and outside of it."""
         lines = self._placed(transform, medium)
         if isinstance(material, str):
@@ -123,43 +123,43 @@ class Scene:
 
     def add_light(self, name: str | PlugIn, *, transform: Transform = None, medium: Medium | None = None,
                   **parameters: Any) -> None:
-        """A light that is not a surface."""
+        """Adds a light that is not a surface."""
         self._add(self._placed(transform, medium) + [f"LightSource {self._use(lights.make(name, parameters))}"])
 
     def add_medium(self, medium_name: str, name: str | PlugIn, *, transform: Transform = None,
                    **parameters: Any) -> str:
-        """A medium by which shapes can name it."""
+        """Defines a medium under a name that shapes can refer to. Returns the name."""
         plug_in = media.make(name, parameters)
         self._add(self._placed(transform, None) + [self._definition("MakeNamedMedium", medium_name, plug_in)])
         return medium_name
 
     def add_material(self, material_name: str, name: str | PlugIn, **parameters: Any) -> str:
-        """A material by which shapes and materials can name it."""
+        """Defines a material under a name that shapes and materials can refer to. Returns the name."""
         self._change()
         self._world.append(self._definition("MakeNamedMaterial", material_name, materials.make(name, parameters)))
         return material_name
 
     @contextlib.contextmanager
     def object(self, name: str) -> Iterator[None]:
-        """What is added inside of a `with` becomes an object, which appears where add_instance() places it."""
+        """Context in which additions become an object, which is placed by add_instance()."""
         self._change()
         world, self._world = self._world, []
         try:
             yield
         finally:
             inside, self._world = self._world, world
-        # Definitions hold for the whole scene, and are no part of an object.
+        # Definitions apply to the whole scene, and are not part of an object.
         kinds = ("MakeNamed", "Texture")
         definitions = [text for text in inside if text.startswith(kinds)]
         shapes_inside = [text for text in inside if not text.startswith(kinds)]
         self._world += [*definitions, f"ObjectBegin {quoted(name)}", *shapes_inside, "ObjectEnd"]
 
     def add_instance(self, name: str, transform: Transform = None) -> None:
-        """Places an object."""
+        """Places an instance of an object."""
         self._add(self._placed(transform, None) + [f"ObjectInstance {quoted(name)}"])
 
     def add_text(self, directives: str) -> None:
-        """Directives as they stand in a scene file after WorldBegin."""
+        """Adds directives of a scene file, as after WorldBegin."""
         self._add([directives])
 
     def _add(self, lines: list[str]) -> None:
@@ -180,7 +180,7 @@ class Scene:
         return f'{directive} {quoted(name)} "string type" {self._use(plug_in)}'
 
     def _named(self, plug_in: PlugIn, kind: str) -> str:
-        """The name of a material or, of that kind, a texture; defines it where it has none yet."""
+        """Name of a material, or of a texture of that kind. Defines it on first use."""
         key = (id(plug_in), kind)
         if key not in self._names:
             name = f"{plug_in.name} {len(self._names) + 1}"
@@ -191,11 +191,11 @@ class Scene:
             self._change()
             self._world.append(text)
             self._names[key] = name
-            self._kept.append(plug_in)  # so that nothing else gets its id()
+            self._kept.append(plug_in)  # keeps its id() unique
         return self._names[key]
 
     def _use(self, plug_in: PlugIn, texture_kind: str | None = None) -> str:
-        """Name and parameters of a plug-in, textures and materials by their names."""
+        """Name and parameters of a plug-in, with textures and materials by name."""
         out = [quoted(plug_in.name)]
         for name, (spec, value) in plug_in.parameters.items():
             if isinstance(value, PlugIn) and value.namespace == "textures":
@@ -222,7 +222,7 @@ class Scene:
             python_warnings.warn(text, RecurseWarning, stacklevel=4)
 
     def check(self) -> str:
-        """What the scene contains and needs, in words. Raises SceneError for one that is wrong."""
+        """Report on the scene's contents, memory and settings, as text. Raises SceneError for an invalid scene."""
         return self._loaded().report()
 
     def render(self, integrator: str | PlugIn | None = None, *, spp: int | None = None,
@@ -232,16 +232,16 @@ class Scene:
                classes: Mapping[str, str] | Sequence[str] = (), features: Sequence[str] = (), error: bool = False,
                samples: bool = False, progress: Callable[[dict], Any] | bool | None = None,
                **parameters: Any) -> Picture:
-        """Renders, with the scene's settings where nothing else is said. The picture is bit for bit that of `recurse
+        """Renders the scene; the scene's settings are the defaults. The picture is bit for bit the same as by `recurse
         render` with the same options.
 
-        integrator: its name, or one of `integrators`; **parameters are its own.
-        spp: samples of each pixel. time_limit [s] and error_target alone mean as many as it takes.
+        integrator: its name, or one of `integrators`; **parameters are its parameters.
+        spp: samples per pixel. time_limit [s] and error_target alone take as many samples as necessary.
         resolution: width and height. crop: x0, x1, y0, y1 as fractions.
         classes: classes of light paths, such as {"caustic": "LS+DE"}, which become layers.
-        features: more layers, see `--layers` of `recurse render --help`. error, samples: a layer each.
-        progress: called about ten times a second with a dictionary; what returns False ends the render, which keeps
-        what there is; `seconds_left` is negative while it is not known. True shows a bar.
+        features: additional layers, see `--layers` of `recurse render --help`. error, samples: whether to add this layer.
+        progress: called about ten times a second with a dictionary, whose `seconds_left` is negative while unknown. If it
+        returns False, the render ends and keeps its samples. True shows a bar.
 
         Ctrl-C raises KeyboardInterrupt as soon as the render has stopped.
         """
@@ -264,10 +264,10 @@ class Scene:
     def paths(self, pixel: tuple[int, int], *, samples: int = 16, integrator: str | PlugIn | None = None,
               seed: int | None = None, resolution: tuple[int, int] | None = None,
               classes: Mapping[str, str] | Sequence[str] | None = None, **parameters: Any) -> Paths:
-        """The first `samples` camera paths of a pixel (x, y), as render() with the same settings walks them.
+        """First `samples` camera paths of a pixel (x, y), the same as in render() with the same settings.
 
-        classes: as in render(); without it those of `recurse stills`. `path` and `photonmap` record vertices; other
-        integrators record contributions only, with the technique "unknown".
+        classes: as in render(); by default the classes of `recurse stills`. `path` and `photonmap` record vertices;
+        other integrators record contributions only, with the technique "unknown".
         """
         pairs = _core.default_classes(True) if classes is None else class_list(classes)
         given = {"spp": samples, "seed": seed, "resolution": resolution and "x".join(map(str, resolution))}
@@ -283,18 +283,18 @@ class Scene:
 
     def photons(self, count: int = 100000, *, seed: int = 0, max_depth: int = -1,
                 classes: Mapping[str, str] | Sequence[str] | None = None) -> np.ndarray:
-        """Photons of `count` light paths, a record for each surface on their way that scatters other than a mirror or
-        smooth glass, and for each point in a medium where they are scattered.
+        """Photons of `count` light paths: a record for each surface on the path with a lobe other than a mirror or smooth
+        glass, and for each scattering point in a medium.
 
-        position: in the world. direction: unit, towards where it came from.
-        normal: of a surface, on that side; 0 in a medium.
-        power: red, green and blue [W]; in a medium, the part that is scattered.
-        path: the letters from L up to that point, at most 17; event: the letter of the point, D or V.
-        class: the name of the first of `classes` that has the path which ends here and is seen from here; "" where none
-        has. Without `classes` they are those of `recurse stills`.
+        position: in the world. direction: unit, back along the path.
+        normal: normal of the surface, on the side of `direction`; 0 in a medium.
+        power: red, green and blue [W]; in a medium, the scattered power.
+        path: letters from L up to that point, at most 17; event: letter of the point, D or V.
+        class: name of the first of `classes` that contains this path continued straight to the camera; "" if none does.
+        By default the classes of `recurse stills`.
 
-        The sum of the power near a point of a surface, over the area that it is spread on, is the irradiance there; in
-        a medium, over the volume, it is the fluence times the scattering coefficient.
+        The sum of the power near a point of a surface, divided by the area that it covers, is the irradiance there; in a
+        medium, divided by the volume, it is the fluence times the scattering coefficient.
         """
         pairs = _core.default_classes(True) if classes is None else class_list(classes)
         records = self._loaded().photons(count, seed, max_depth, [expression for _, expression in pairs])
@@ -302,7 +302,7 @@ class Scene:
 
 
 def _options(integrator: str | PlugIn | None, given: Mapping[str, Any], parameters: Mapping[str, Any]) -> list[str]:
-    """Options of the command line."""
+    """Arguments of the command line."""
     if isinstance(integrator, PlugIn):
         parameters = {name: value for name, (_, value) in integrator.parameters.items()} | dict(parameters)
         integrator = integrator.name
@@ -314,7 +314,7 @@ def _options(integrator: str | PlugIn | None, given: Mapping[str, Any], paramete
 
 
 def _named(records: np.ndarray, columns: Mapping[str, Sequence[str]]) -> np.ndarray:
-    """The same records with names in the place of the indices of some columns."""
+    """Records with the indices of some columns replaced by names."""
     names = {column: np.array(texts) for column, texts in columns.items()}
     types = [(column, names[column].dtype if column in names else records.dtype.fields[column][0])
              for column in records.dtype.names]
@@ -325,7 +325,7 @@ def _named(records: np.ndarray, columns: Mapping[str, Sequence[str]]) -> np.ndar
 
 
 def load(file: Union[str, os.PathLike], *, lenient: bool = False) -> Scene:
-    """Reads a scene file, or a model. Raises SceneError for one that is wrong; `lenient` makes unknown parameters
+    """Reads a scene file, or a model. Raises SceneError for an invalid one. `lenient`: unknown parameters are only
     warnings."""
     scene = Scene(lenient=lenient)
     scene._name, scene._directory = os.fspath(file), None
@@ -335,7 +335,7 @@ def load(file: Union[str, os.PathLike], *, lenient: bool = False) -> Scene:
 
 def parse(text: str, *, name: str = "scene in Python", directory: Union[str, os.PathLike] = ".",
           lenient: bool = False) -> Scene:
-    """The same from text; `name` is its name in messages, and files that it names are in `directory`."""
+    """Reads a scene from text. `name`: its name in messages; `directory`: folder of the files that it names."""
     scene = Scene(lenient=lenient)
     scene._name, scene._directory, scene._source = name, os.fspath(directory), text
     scene._loaded()

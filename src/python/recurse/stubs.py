@@ -1,4 +1,4 @@
-"""Writes type stubs of the plug-ins, from the same registries: `python3 -m recurse.stubs plug_ins.pyi`."""
+"""Generator of type stubs of the plug-ins, from the program's registries: `python3 -m recurse.stubs plug_ins.pyi`."""
 import sys
 
 from . import _core
@@ -31,7 +31,7 @@ TYPES = {"bool": "bool", "integer": "int", "float": "float", "string": "str", "s
 
 
 def parameter_type(spec: dict) -> str:
-    """A type's name in Python."""
+    """Type annotation of a parameter."""
     if spec["choices"]:
         one = "Literal[" + ", ".join(map(repr, spec["choices"])) + "]"
     else:
@@ -42,7 +42,7 @@ def parameter_type(spec: dict) -> str:
 
 
 def stubs() -> str:
-    """The text of the stubs."""
+    """Text of the stubs."""
     text = HEAD
     infos = _core.plug_ins()
     for namespace in dict.fromkeys(KINDS.values()):

@@ -1,23 +1,23 @@
-"""Transforms as 4 x 4 matrices of columns vectors: `translate(0, 1, 0) @ rotate(90, (1, 0, 0))` turns first."""
+"""Transforms as 4 x 4 matrices for column vectors: `translate(0, 1, 0) @ rotate(90, (1, 0, 0))` rotates first."""
 from typing import Sequence
 
 import numpy as np
 
 
 def translate(x: float, y: float, z: float) -> np.ndarray:
-    """Moves the origin."""
+    """Translation of the origin to (x, y, z)."""
     matrix = np.eye(4)
     matrix[:3, 3] = x, y, z
     return matrix
 
 
 def scale(x: float, y: float, z: float) -> np.ndarray:
-    """Scales along the axes."""
+    """Scaling along the axes."""
     return np.diag([x, y, z, 1.0])
 
 
 def rotate(degrees: float, axis: Sequence[float]) -> np.ndarray:
-    """Rotates about an axis through the origin (Rodrigues' formula)."""
+    """Rotation about an axis through the origin (Rodrigues' formula)."""
     a = np.asarray(axis, float) / np.linalg.norm(axis)
     cross = np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
     angle = np.radians(degrees)
@@ -27,8 +27,8 @@ def rotate(degrees: float, axis: Sequence[float]) -> np.ndarray:
 
 
 def look_at(eye: Sequence[float], target: Sequence[float], up: Sequence[float] = (0, 1, 0)) -> np.ndarray:
-    """The place of a camera at `eye` that looks at `target`: from camera space, x right, y up, z forward, to the
-    world. The handedness is that of scene files."""
+    """Matrix of a camera at `eye` that looks at `target`: from camera space (x right, y up, z forward) to the
+    world. The handedness is the same as in scene files."""
     eye, target = np.asarray(eye, float), np.asarray(target, float)
     forward = (target - eye) / np.linalg.norm(target - eye)
     right = np.cross(up, forward)

@@ -1,4 +1,4 @@
-// The page of error against time: plot, tables, and pictures to compare.
+// Page of error against time: plot, tables, and comparison of pictures.
 
 const element = (id) => document.getElementById(id);
 const COLOURS = ["#f0b45a", "#5ab0f0", "#7ed07e", "#e07ab8", "#c9a0ff", "#f0806a", "#5fd4c8", "#d0d06a"];
@@ -24,7 +24,7 @@ async function start() {
   document.body.dataset.ready = "yes";
 }
 
-/** Numbers of an axis: whole powers of ten, and 2 and 5 between them where there is room. */
+/** Label of an axis tick: at powers of ten, and at 2 and 5 if the axis has few decades. */
 function tickText(value, decades) {
   const digit = Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9));
   return digit === 1 || (decades < 2.5 && (digit === 2 || digit === 5)) ? Number(value.toPrecision(3)) : "";
@@ -172,7 +172,7 @@ function startPictures(data, reference) {
   element("epsilon").textContent = data.map_epsilon;
 
   const budget = () => data.budgets[element("budget").value];
-  /** Null where that cell was not rendered. */
+  /** Picture selected by the control `id`; null if it was not rendered. */
   const pictureOf = (id) => {
     const name = element(id).value;
     return data.pictures.find((p) => p.run === name && (name === REFERENCE || p.budget === budget())) ?? null;

@@ -1,4 +1,4 @@
-// The page of a developed picture: its linear values, exposed and shown by whichever operator.
+// Page of a developed picture: linear values, with adjustable exposure and tone operator.
 
 const element = (id) => document.getElementById(id);
 

@@ -1,4 +1,4 @@
-// The page of light in a scene: joins the scene, the paths of pixels and the photons.
+// Page of the light in a scene: connects the scene, the paths of pixels and the photons.
 
 async function decodeMesh(mesh) {
   return { ...mesh, positions: await decodeNumbers(mesh.positions, Float32Array),
@@ -11,7 +11,7 @@ async function decodePhotons(photons) {
     directions: await decodeNumbers(photons.directions, Int8Array), kinds: await decodeNumbers(photons.kinds, Uint8Array) };
 }
 
-/** Whether the camera sees the scene's axes as left-handed, as in pbrt files: WebGL's are right-handed. */
+/** Whether the scene's axes are left-handed, as in pbrt files; WebGL's are right-handed. */
 function isLeftHanded(rays) {
   if (rays.some((ray) => !ray)) return true;
   const corner = (i) => vector(rays[i].origin).add(vector(rays[i].direction));
@@ -19,7 +19,7 @@ function isLeftHanded(rays) {
   return right.cross(up).dot(vector(rays[4].direction)) > 0;
 }
 
-/** Turns x around in all that the page shows, where the axes are left-handed; `data.mirror` turns it back. */
+/** Negates x in all data of the page if the axes are left-handed. `data.mirror`: factor that restores x. */
 function mirror(data, mesh, photons) {
   data.mirror = isLeftHanded(data.camera) ? -1 : 1;
   if (data.mirror > 0) return;
@@ -37,7 +37,7 @@ function mirror(data, mesh, photons) {
   }
 }
 
-/** The picture with a mark on each recorded pixel. */
+/** Picture with a mark on each recorded pixel. */
 class Picture {
   constructor(data, values, choose) {
     this.data = data;
@@ -53,7 +53,7 @@ class Picture {
     this.draw(null);
   }
 
-  /** The middle of a pixel on the canvas. */
+  /** Centre of a pixel on the canvas. */
   place(pixel) {
     return [pixel.x - this.data.picture.x0 + 0.5, pixel.y - this.data.picture.y0 + 0.5].map((x) => x * this.scale);
   }
@@ -83,7 +83,7 @@ class Picture {
   }
 }
 
-/** Clicks that are no drags. */
+/** Calls act(event) for clicks that are not drags. */
 function onClick(canvas, act) {
   let down = null;
   canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
@@ -104,7 +104,7 @@ function connect(data, view, photonView) {
   for (const name of ["cutAxis", "cut", "cutTurned"]) element(name).addEventListener("input", cut);
   for (const button of document.querySelectorAll("#views button"))
     button.addEventListener("click", () => {
-      // From above and from the sides a room is seen without its near half.
+      // Views along an axis cut away the near half of a room.
       const { axis, isTurned } = view.look(button.dataset.view);
       element("cutAxis").value = axis;
       element("cut").value = 0;
@@ -140,7 +140,7 @@ async function start() {
     picture.draw(pixel);
   };
   const picture = new Picture(data, values, choose);
-  picture.draw(null, false); // the picture of the frustum has no marks
+  picture.draw(null, false); // no marks in the picture of the frustum
   const view = new SceneView(data, mesh);
   view.renderer.render(view.scene, view.camera);
   paths = new PathView(view, data);

@@ -1,12 +1,12 @@
-// The recorded paths of a pixel: drawn in the scene, listed, filtered by class and by expression. The columns of the
-// lists in the page's data are those of inspectPage.cpp.
+// Recorded paths of a pixel: drawn in the scene, listed, and filtered by class and expression. inspectPage.cpp defines
+// the columns of the lists in the page's data.
 
 const CLASS_COLOURS = ["#ffd166", "#4fa3ff", "#ff6b6b", "#5fd38d", "#c792ea", "#ff9f43", "#54d6d6", "#e75fa9", "#a3c644",
   "#8f9bff", "#d9a066", "#66bb6a", "#b0bec5", "#ef5da8", "#7fdbff", "#c0ca33"];
 const NO_CLASS = 127;
 const classColour = (i) => i === NO_CLASS ? "#9aa2b1" : CLASS_COLOURS[i % CLASS_COLOURS.length];
 
-/** A path expression of letters, ( ) | * + ? and . as a regular expression for whole words; null: it is none. */
+/** Path expression of letters, ( ) | * + ? and . as a regular expression for whole words; null if it has other signs. */
 function expressionOf(text) {
   if (!/^[LSDVE().|*+?{},0-9 ]*$/.test(text)) return null;
   try {
@@ -16,14 +16,14 @@ function expressionOf(text) {
   }
 }
 
-/** What photons may have done before the place where they are merged: up to four events. */
+/** Possible events of photons before they are merged: all sequences of up to four. */
 const PREFIXES = (() => {
   const all = [""];
   for (let i = 0; all[i].length < 4; ++i) all.push(`${all[i]}S`, `${all[i]}D`);
   return all;
 })();
 
-/** The paths of one pixel: objects of what the page has as lists. */
+/** Paths of one pixel, as objects made from the lists of the page. */
 class PixelPaths {
   constructor(pixel, names, classes) {
     Object.assign(this, { pixel, names, classes });
@@ -43,7 +43,7 @@ class PixelPaths {
     return found;
   }
 
-  /** From the camera on. */
+  /** Steps from the camera up to a step. */
   stepsTo(step) {
     const out = [];
     for (; step >= 0; step = this.pixel.vertices[this.pixel.steps[step][0]][0]) out.unshift(this.pixel.steps[step]);
@@ -60,7 +60,7 @@ class PixelPaths {
     return out;
   }
 
-  /** L, the events in the light's order, E; what photons did before is an ellipsis. */
+  /** Word of a path: L, the events from the light on, E; earlier events of photons are an ellipsis. */
   word({ technique, steps, vertices }) {
     const letters = steps.map((s) => s[1]).reverse().join(""), at = vertices.at(-1)?.[5] ? "V" : "D";
     if (technique === "hit") return `L${letters}E`;
@@ -69,10 +69,10 @@ class PixelPaths {
     return "L…E";
   }
 
-  /** Whether some path of this word and class is in an expression. */
+  /** Whether an expression contains a path of this word and class. */
   matches(path, expression) {
     if (!path.word.includes("…")) return expression.test(path.word);
-    // An expression with set operations is no regular one of JavaScript: then what no other class has is its own.
+    // JavaScript has no set operations: a class whose expression uses them gets all words that no other class contains.
     const all = this.classes.map((c) => expressionOf(c.expression)), own = all[path.cls];
     const isOwn = (word) => own ? own.test(word) : !all.some((other) => other?.test(word));
     return PREFIXES.map((p) => path.word.replace("…", p)).some((word) => expression.test(word) && isOwn(word));
@@ -127,7 +127,7 @@ class PathView {
     }));
   }
 
-  /** The paths that the filters leave, the brightest first. */
+  /** Paths that pass the filters, the brightest first. */
   shown() {
     const text = element("filter").value.trim(), expression = text ? expressionOf(text) : null;
     element("filter").classList.toggle("bad", text !== "" && !expression);
@@ -174,7 +174,7 @@ class PathView {
     if (this.chosen) this.fillVertices(this.chosen);
   }
 
-  /** One row for each vertex from the camera on, and one for the end at the light or the photons. */
+  /** Fills one row for each vertex from the camera on, and one for the end at the light or the photons. */
   fillVertices(path) {
     const table = element("vertices"), sample = this.pixel.samples[path.sample];
     const world = (p) => worldText(this.data, p), colour = (c) => c.map(numberText).join(" ");
@@ -196,7 +196,7 @@ class PathView {
       path.otherPdf > 0 ? `other ${numberText(path.otherPdf)}` : "", place]);
   }
 
-  /** The points of a path from the camera on. */
+  /** Points of a path from the camera on. */
   pointsOf(path) {
     const sample = this.pixel.samples[path.sample], points = [vector(sample[2])];
     for (const v of path.vertices) points.push(vector(v[1]));
@@ -218,7 +218,7 @@ class PathView {
     if (segments.length > 0) {
       const geometry = tubes(segments);
       const mesh = (more) => new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({ vertexColors: THREE.VertexColors, ...more }));
-      // What walls hide is seen through them.
+      // Parts behind walls are drawn translucent.
       group.add(mesh({}), mesh({ depthTest: false, transparent: true, opacity: 0.3 }));
       group.add(this.dots(paths));
     }
@@ -226,7 +226,7 @@ class PathView {
     this.view.replace("paths", group);
   }
 
-  /** The support of a density estimate. */
+  /** Circle around the support of a density estimate. */
   ring(path, colour) {
     const [, position, normal] = path.vertices.at(-1), points = [];
     const frame = new THREE.Quaternion().setFromUnitVectors(new THREE.Vector3(0, 0, 1), vector(normal));
@@ -263,12 +263,12 @@ function addRow(table, cells, tag = "td") {
   return row;
 }
 
-/** A point of the view in the coordinates of the scene file. */
+/** Point of the view, as text in the coordinates of the scene file. */
 function worldText(data, p) {
   return p.map((x, k) => numberText((k === 0 ? data.mirror * x : x) + data.origin[k])).join(" ");
 }
 
-/** Three digits. */
+/** Number with three significant digits. */
 function numberText(x) {
   if (x === null || x === undefined || !Number.isFinite(x)) return "–";
   if (x === 0) return "0";

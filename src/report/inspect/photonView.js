@@ -1,8 +1,8 @@
-// The photons of the map: points in the scene, and the density estimate at a place that is clicked, worked out here.
+// Photons of the map: points in the scene, and the density estimate at a clicked point, computed here.
 
 const CAUSTIC = 128;
 
-/** Irradiance and its standard error from photons at distances, nearest first: Epanechnikov kernel over `radius`. */
+/** Irradiance and its standard error, by an Epanechnikov kernel of `radius`. `found`: photons, the nearest first. */
 function irradiance(found, powers, radius) {
   const sum = [0, 0, 0], r2 = radius * radius;
   let squares = 0, count = 0;
@@ -17,7 +17,7 @@ function irradiance(found, powers, radius) {
 }
 
 class PhotonView {
-  /** `photons`: with decoded arrays. */
+  /** Creates the view of `photons`, whose arrays are decoded. */
   constructor(view, data, photons) {
     Object.assign(this, { view, data, photons });
     const { count, inMap } = photons;
@@ -57,7 +57,7 @@ class PhotonView {
     this.view.replace("photons", new THREE.Points(geometry, material));
   }
 
-  /** The power that one photon in a hundred exceeds. */
+  /** Power that one photon in a hundred exceeds: the 99 % quantile. */
   brightPower() {
     const { powers, count } = this.photons, all = new Float32Array(count);
     for (let i = 0; i < count; ++i) all[i] = luminance(powers[3 * i], powers[3 * i + 1], powers[3 * i + 2]);
@@ -119,7 +119,7 @@ class PhotonView {
     this.drawSupport(count);
   }
 
-  /** Irradiance by radius, with one standard error on either side. */
+  /** Draws irradiance against radius, with a band of one standard error on both sides. */
   drawCurve() {
     const canvas = element("curve"), context = canvas.getContext("2d"), { width, height } = canvas, STEPS = 80;
     const points = Array.from({ length: STEPS + 1 }, (_, i) => {
@@ -147,7 +147,7 @@ class PhotonView {
     context.stroke();
   }
 
-  /** The support, its photons, and where they came from. */
+  /** Draws the support, its photons, and the directions that they came from. */
   drawSupport(count) {
     const { positions, directions } = this.photons, group = new THREE.Group(), dots = [], lines = [];
     for (const { index } of this.found.slice(0, Math.min(count, 1000))) {

@@ -1,11 +1,11 @@
-// The scene in 3D: its triangles, the camera with its picture, views, wire frame, a cutting plane.
+// Scene in 3D: triangles, the camera with its picture, views, wire frame, and a cutting plane.
 
 const element = (id) => document.getElementById(id);
 const AXES = ["x", "y", "z"];
 const vector = (v) => new THREE.Vector3(v[0], v[1], v[2]);
 
-/** Prisms along segments [from, to, radius, colour, isPointed], as one mesh: lines of WebGL are all one pixel thick.
- * One that is pointed has no width at its start. */
+/** Prisms along segments [from, to, radius, colour, isPointed], as one mesh, since WebGL's lines are one pixel wide. A
+ * pointed prism has no width at its start. */
 function tubes(segments) {
   const SIDES = 5, positions = [], normals = [], colours = [];
   const along = new THREE.Vector3(), across = new THREE.Vector3(), other = new THREE.Vector3();
@@ -37,7 +37,7 @@ function tubes(segments) {
 }
 
 class SceneView {
-  /** `mesh`: with decoded positions, colours and objects. */
+  /** Creates the view of `mesh`, whose positions, colours and objects are decoded. */
   constructor(data, mesh) {
     this.data = data;
     this.mesh = mesh;
@@ -75,7 +75,7 @@ class SceneView {
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
     geometry.setAttribute("color", new THREE.BufferAttribute(vertexColours, 3));
     geometry.computeVertexNormals();
-    // Behind photons and lines that lie on it.
+    // Offset in depth, so that photons and lines on the surface remain visible.
     this.material = new THREE.MeshLambertMaterial({ vertexColors: THREE.VertexColors, side: THREE.DoubleSide,
       polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 8 });
     this.surface = new THREE.Mesh(geometry, this.material);
@@ -87,7 +87,7 @@ class SceneView {
       this.scene.add(new THREE.Box3Helper(new THREE.Box3().setFromPoints([vector(lower), vector(upper)]), colour));
   }
 
-  /** The frustum, a part of the scene deep, with the picture at its end. */
+  /** Adds the frustum, with a depth of a quarter of the scene's radius, and the picture at its end. */
   addCamera() {
     this.frustum = new THREE.Group();
     this.scene.add(this.frustum);
@@ -111,7 +111,7 @@ class SceneView {
     this.frustum.add(new THREE.Mesh(plate, new THREE.MeshBasicMaterial({ map: this.texture, side: THREE.DoubleSide })));
   }
 
-  /** What is upwards for the camera, as the nearest axis. */
+  /** Signed axis that is nearest to the camera's up direction. */
   upAxis() {
     const rays = this.data.camera;
     if (rays.some((ray) => !ray)) return new THREE.Vector3(0, 0, 1);
@@ -136,8 +136,8 @@ class SceneView {
     this.look("camera");
   }
 
-  /** Looks from the scene's camera, or along an axis: returns the axis and the side that the viewer is on, as arguments
-   * of cut(). */
+  /** Looks from the scene's camera, or along an axis. Returns the axis and the viewer's side of it, as arguments of
+   * cut(). */
   look(name) {
     const rays = this.data.camera, middle = rays[4], r = this.radius;
     const isOrthographic = name !== "camera";
@@ -192,7 +192,7 @@ class SceneView {
     this.draw();
   }
 
-  /** Takes away what lies above `place` on an axis, in [-1, 1] of the scene; an empty axis: nothing. */
+  /** Hides geometry above `place` (below if `isTurned`) on an axis, in scene radii from the centre; empty axis: none. */
   cut(axis, place, isTurned) {
     const normal = new THREE.Vector3(), k = AXES.indexOf(axis), side = isTurned ? 1 : -1;
     if (k >= 0) {
@@ -204,13 +204,13 @@ class SceneView {
     this.draw();
   }
 
-  /** Draws before the next frame. */
+  /** Requests a redraw before the next frame. */
   draw() {
     if (this.waiting) return;
     this.waiting = true;
     requestAnimationFrame(() => {
       this.waiting = false;
-      // From its own place the camera would look at the back of its picture.
+      // Seen from the camera's position, the picture would cover the scene.
       const eye = this.data.camera[4], away = eye ? this.camera.position.distanceTo(vector(eye.origin)) : 0;
       this.frustum.visible = this.camera !== this.perspective || away > 0.3 * this.radius;
       this.headLight.position.copy(this.camera.position);
@@ -220,7 +220,7 @@ class SceneView {
     });
   }
 
-  /** The surface under a place of the window: point, unit normal towards the viewer, name; null: none. */
+  /** Surface at a position of the window: point, unit normal towards the viewer, name; null if there is none. */
   pick(clientX, clientY) {
     const box = this.canvas.getBoundingClientRect(), ray = new THREE.Raycaster();
     ray.setFromCamera({ x: 2 * (clientX - box.left) / box.width - 1, y: 1 - 2 * (clientY - box.top) / box.height },
@@ -233,7 +233,7 @@ class SceneView {
     return { point: hit.point, normal, name: this.mesh.names[this.mesh.objects[hit.faceIndex]] };
   }
 
-  /** Puts an object in the place of the one of that name. */
+  /** Replaces the object of that name; null removes it. */
   replace(name, object) {
     this.parts ??= new Map();
     const before = this.parts.get(name);

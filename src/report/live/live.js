@@ -1,4 +1,4 @@
-// The page of a render under way: asks the program for its state, and for the picture when there is a newer one.
+// Page of a running render: requests the program's state, and the picture when there is a newer one.
 
 const $ = (id) => document.getElementById(id);
 const page = JSON.parse($("data").textContent);
@@ -6,11 +6,11 @@ const POLL_SECONDS = 0.5;
 
 const live = {
   view: null,
-  size: "", // of the picture in the view
-  version: 0, // of the picture that is shown
+  size: "", // size of the picture in the view
+  version: 0, // version of the picture in the view
   state: null,
   errors: [], // [seconds, relative error]
-  asked: "", // what the picture was last asked for with
+  asked: "", // query of the last request for the picture
   ended: false,
 };
 
@@ -32,7 +32,7 @@ function duration(seconds) {
     : `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)} h`;
 }
 
-/** The newest picture as the controls want it; again at once when they changed meanwhile. */
+/** Fetches the newest picture with the settings of the controls; repeats if they change meanwhile. */
 async function fetchPicture() {
   if (live.fetching || !live.state || live.state.version === 0) return;
   live.fetching = true;
@@ -76,7 +76,7 @@ function showPicture(bytes, size) {
   live.view.fitted ? live.view.fit() : live.view.draw();
 }
 
-/** The linear values of the pixel that is pointed at or marked. */
+/** Fetches the linear values of the hovered or marked pixel. */
 async function fetchPixel() {
   const pixel = live.view?.pixel;
   $("pixelPlace").textContent = pixel ? `${pixel[0]}, ${pixel[1]}` : "no pixel";
@@ -88,7 +88,7 @@ async function fetchPixel() {
     const values = await (await fetch(`pixel?x=${pixel[0]}&y=${pixel[1]}`)).json();
     if (live.view.pixel?.join() === pixel.join())
       $("pixelShown").textContent = formatRgb(values.map((v) => v ?? NaN), 0);
-  } catch { /* the next state tells that the render has ended */ }
+  } catch { /* the next poll detects the end of the render */ }
 }
 
 function showState() {
@@ -102,13 +102,13 @@ function showState() {
   $("error").textContent = none(s.error, (e) => e.toPrecision(3));
   $("label").textContent = s.width ? `${s.width}x${s.height} pixels` : "waiting for the first samples";
   $("stop").disabled = s.stopped || s.finished;
-  if (s.elapsed < (live.errors.at(-1)?.[0] ?? 0)) live.errors = []; // another render has begun
+  if (s.elapsed < (live.errors.at(-1)?.[0] ?? 0)) live.errors = []; // a new render has begun
   const last = live.errors.at(-1);
   if (s.error !== null && s.elapsed > 0 && (!last || last[1] !== s.error)) live.errors.push([s.elapsed, s.error]);
   drawErrors();
 }
 
-/** Error against time, both logarithmic. */
+/** Draws error against time, both on logarithmic axes. */
 function drawErrors() {
   const canvas = $("errors"), context = canvas.getContext("2d"), { width, height } = canvas, border = 34;
   context.clearRect(0, 0, width, height);

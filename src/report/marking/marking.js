@@ -1,4 +1,4 @@
-// The page of marks: statements, a map of the regions over the picture, and a table of the classes.
+// Page of the diagnosis: statements, a map of the regions over the picture, and a table of the classes.
 
 const element = (id) => document.getElementById(id);
 const STATES = {
@@ -22,14 +22,14 @@ async function start() {
   document.body.dataset.ready = "yes";
 }
 
-/** The class to begin with: that of the first statement, else the brightest. */
+/** Initial class: the class of the first statement that has one, else the brightest. */
 function firstWrong(data) {
   const shown = data.statements.find((s) => s.class >= 0);
   if (shown) return shown.class;
   return data.classes.reduce((best, c, i) => (c.share > data.classes[best].share ? i : best), 0);
 }
 
-/** Without the sign of a factor that is rounded to zero. */
+/** Text of a factor, without the sign of a rounded zero. */
 const formatFactor = (factor) => (Math.round(factor * 100) / 100 + 0).toFixed(2);
 const sure = (certainty) =>
   certainty > 0.999 ? "more than 99.9 % sure" : `${Number((100 * certainty).toFixed(1))} % sure`;
@@ -117,7 +117,7 @@ function update(page) {
   drawRegions(page);
 }
 
-/** Draws with more pixels than the picture has, for thin lines. */
+/** Draws the regions at a higher resolution than the picture's, for thin lines. */
 function drawRegions(page) {
   const { data } = page, canvas = element("regions"), zoom = Math.max(1, Math.ceil(960 / data.width));
   canvas.width = data.width * zoom;

@@ -1,4 +1,4 @@
-// The page of methods side by side: a card for each, and a table of the light by path class.
+// Page of all methods side by side: a card for each, and a table of the light by path class.
 
 const element = (id) => document.getElementById(id);
 
@@ -40,7 +40,7 @@ function captionOf(method) {
     `(mean ${formatShort(method.own_mean_ratio)}); leaves out ${formatShort(100 * method.missing)} % of the light`;
 }
 
-/** Returns the card's canvas. */
+/** Adds a card. Returns its canvas. */
 function addCard(name, expression, caption, method) {
   const figure = document.createElement("figure"), canvas = document.createElement("canvas");
   const words = document.createElement("figcaption");

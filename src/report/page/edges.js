@@ -1,19 +1,19 @@
-// Edges of what is brighter than white stay smooth under a tone operator: src/report/develop/brightEdges.cpp.
+// Antialiasing of edges that are brighter than white, under a tone operator: src/report/develop/brightEdges.cpp.
 
 function offsetsWithin(radius2) {
   const out = [], r = Math.floor(Math.sqrt(radius2));
   for (let y = -r; y <= r; ++y)
     for (let x = -r; x <= r; ++x) if (x * x + y * y <= radius2) out.push([x, y]);
-  return out.sort((a, b) => a[0] ** 2 + a[1] ** 2 - b[0] ** 2 - b[1] ** 2); // keeps the order of equals
+  return out.sort((a, b) => a[0] ** 2 + a[1] ** 2 - b[0] ** 2 - b[1] ** 2); // stable sort
 }
 const EDGE_REACH2 = 6;
 const EDGE_OFFSETS = offsetsWithin(EDGE_REACH2), SIDE_OFFSETS = offsetsWithin(25), EVEN = 0.8;
 
-/** Changes `shown`, which an operator made of `glaring`, the exposed picture; `light` is what of it is no glare. */
+/** Changes `shown`, the tone-mapped `glaring`, which is the exposed picture; `light`: the same picture without glare. */
 function mixBrightEdges(light, glaring, shown, width, height) {
   const brightness = Float32Array.from({ length: width * height },
     (_, i) => Math.max(light[3 * i], light[3 * i + 1], light[3 * i + 2]));
-  /** The first pixel at one of the offsets of which `is` is true; -1 where there is none. */
+  /** First pixel, in the order of the offsets, for which `is` is true; -1 if there is none. */
   const find = (x, y, offsets, is) => {
     for (const [dx, dy] of offsets) {
       const i = x + dx, j = y + dy;
@@ -21,7 +21,7 @@ function mixBrightEdges(light, glaring, shown, width, height) {
     }
     return -1;
   };
-  /** Least and most of a pixel and its neighbours. */
+  /** Minimum and maximum brightness of a pixel and its neighbours. */
   const range = (x, y) => {
     let least = Infinity, most = 0;
     for (let j = Math.max(y - 1, 0); j <= Math.min(y + 1, height - 1); ++j)
@@ -37,7 +37,7 @@ function mixBrightEdges(light, glaring, shown, width, height) {
     return least > 1 && least >= EVEN * most;
   });
   if (!brightness.some((b) => b > 1)) return;
-  /** The nearest even pixel of the brighter side; -1. */
+  /** Nearest even pixel of the brighter side; -1 if there is none. */
   const evenSide = (x, y) => {
     let most = 0;
     find(x, y, SIDE_OFFSETS, (i) => {
@@ -46,9 +46,9 @@ function mixBrightEdges(light, glaring, shown, width, height) {
     });
     return most > 0 ? find(x, y, SIDE_OFFSETS, (i) => isBright[i] && brightness[i] > 0.5 * most) : -1;
   };
-  /** The brightest pixel around one that lies at a bright line; -1. */
+  /** Brightest pixel around a pixel next to a narrow bright line; -1 if there is no such line. */
   const narrowLamp = (x, y) => {
-    let brightest = y * width + x, near = 0, low = Infinity; // near: of the pixels from which an edge reaches here
+    let brightest = y * width + x, near = 0, low = Infinity; // near: maximum within the reach of an edge
     for (const [dx, dy] of SIDE_OFFSETS) {
       const i = x + dx, j = y + dy;
       if (i < 0 || j < 0 || i >= width || j >= height) continue;
@@ -73,7 +73,7 @@ function mixBrightEdges(light, glaring, shown, width, height) {
     return sum >= 4 && across <= 1.5 && along >= 2 * across ? brightest : -1;
   };
   const most = (values, i) => Math.max(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
-  /** A pixel that is as bright as `dark` would be in the glare of another one. */
+  /** Pixel as bright as `dark` would be in the glare at `here`; without glare `dark` itself. */
   const withGlareOf = (here, dark) => {
     if (light === glaring) return dark;
     const limit = Math.max(...[0, 1, 2].map((c) => glaring[3 * here + c] - (light[3 * here + c] - light[3 * dark + c])));

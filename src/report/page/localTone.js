@@ -1,6 +1,6 @@
-// The tone operators that look at a pixel's surroundings, with their defaults. Formulas and sources: src/tonemaps.
+// Local tone operators, which depend on a pixel's surroundings, with their defaults. Formulas, sources: src/tonemaps.
 
-/** Rows of a field, blurred, as columns: twice is both axes. */
+/** Blurs the rows of a field and transposes it: two calls blur both axes. */
 function blurredTransposed(field, width, height, half) {
   const out = new Float32Array(field.length), reach = half.length - 1;
   for (let y = 0; y < height; ++y)
@@ -16,7 +16,7 @@ function blurredTransposed(field, width, height, half) {
   return out;
 }
 
-/** As gaussianBlur() of src/model/film/toneCurve.cpp: a wide blur is done on a smaller picture. */
+/** Gaussian blur, see gaussianBlur() of src/model/film/toneCurve.cpp: a wide blur uses a smaller picture. */
 function gaussianBlur(field, width, height, sigma) {
   const factor = Math.max(1, Math.floor(sigma / 8)), w = Math.ceil(width / factor), h = Math.ceil(height / factor);
   const rest = factor > 1 ? Math.sqrt((sigma / factor) ** 2 - 0.25) : sigma;
@@ -26,7 +26,7 @@ function gaussianBlur(field, width, height, sigma) {
   return factor > 1 ? enlargedField(blurred, width, height, factor) : blurred;
 }
 
-/** Means of blocks. */
+/** Reduced field: means of blocks of factor x factor pixels. */
 function reducedField(field, width, height, factor) {
   const w = Math.ceil(width / factor), h = Math.ceil(height / factor);
   const out = new Float32Array(w * h), counts = new Float32Array(w * h);
@@ -39,7 +39,7 @@ function reducedField(field, width, height, factor) {
   return out.map((sum, i) => sum / counts[i]);
 }
 
-/** Bilinear interpolation between the middles of blocks. */
+/** Enlarged field, by bilinear interpolation between the centres of blocks. */
 function enlargedField(blocks, width, height, factor) {
   const w = Math.ceil(width / factor), h = Math.ceil(height / factor), out = new Float32Array(width * height);
   const place = (i, n) => Math.min(Math.max((i + 0.5) / factor - 0.5, 0), n - 1);
@@ -57,12 +57,12 @@ function enlargedField(blocks, width, height, factor) {
 const luminances = (values) => Float32Array.from({ length: values.length / 3 },
   (_, i) => luminance(values[3 * i], values[3 * i + 1], values[3 * i + 2]));
 
-/** Gives each pixel i the luminance newLuminance(i). */
+/** Sets the luminance of each pixel i to newLuminance(i). */
 function setLuminances(values, newLuminance) {
   for (let i = 0; 3 * i < values.length; ++i) setLuminance(values.subarray(3 * i, 3 * i + 3), newLuminance(i));
 }
 
-/** Reinhard et al. 2002, equations 5 to 9. */
+/** Dodging and burning of Reinhard et al. 2002, equations 5 to 9. */
 function dodgeBurn(values, width, height) {
   const light = luminances(values).map((y) => y / (1 - GREY_CARD)), unit = 0.001 * Math.max(width, height);
   const blurred = (size) => gaussianBlur(light, width, height, 0.25 * size * unit);
@@ -81,7 +81,7 @@ function dodgeBurn(values, width, height) {
   setLuminances(values, (i) => light[i] / (1 + adaptation[i]));
 }
 
-/** The bilateral filter, piecewise linear in the field's value. */
+/** Bilateral filter, piecewise linear in the field's value. */
 function bilateral(field, width, height, sigmaSpace, sigmaRange) {
   const low = field.reduce((a, b) => Math.min(a, b)), range = field.reduce((a, b) => Math.max(a, b)) - low;
   if (!(range > 0)) return field;
@@ -99,7 +99,7 @@ function bilateral(field, width, height, sigmaSpace, sigmaRange) {
   return out;
 }
 
-/** Durand and Dorsey 2002. */
+/** Operator of Durand and Dorsey 2002. */
 function durand(values, width, height) {
   const light = luminances(values), brightest = light.reduce((a, b) => Math.max(a, b), 0);
   if (!(brightest > 0)) return;
@@ -110,5 +110,5 @@ function durand(values, width, height) {
   setLuminances(values, (i) => light[i] * 10 ** ((contrast - 1) * (base[i] - grey)));
 }
 
-/** Each changes an exposed picture. */
+/** Operators by name; each changes an exposed picture in place. */
 const LOCAL_OPERATORS = { dodgeburn: dodgeBurn, durand };

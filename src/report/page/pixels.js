@@ -1,6 +1,6 @@
-// Pixels of a page: deflated half floats in it, colours on a canvas, numbers in words.
+// Pixels of a page: decoding of deflated half floats, display on a canvas, and text of values.
 
-/** The values of all half floats (IEEE 754 binary16). */
+/** Values of all half floats (IEEE 754 binary16). */
 const HALF_FLOATS = (() => {
   const table = new Float32Array(65536);
   for (let bits = 0; bits < 65536; ++bits) {
@@ -17,7 +17,7 @@ async function inflate(base64) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/** Numbers of a typed array, whose bytes are in the page in planes: all first ones, then all second ones. */
+/** Decodes a typed array, whose bytes are in planes: the first bytes of all numbers, then the second bytes. */
 async function decodeNumbers(base64, Type) {
   const planes = await inflate(base64), stride = Type.BYTES_PER_ELEMENT, count = planes.length / stride;
   const bytes = new Uint8Array(planes.length);
@@ -26,7 +26,7 @@ async function decodeNumbers(base64, Type) {
   return new Type(bytes.buffer);
 }
 
-/** Linear RGB, pixel by pixel. In the page: all upper bytes of red, green, blue, then all lower ones. */
+/** Decodes linear RGB by pixel, from planes: the upper bytes of red, green and blue, then the lower bytes. */
 async function decodeLayer(layer, pixels) {
   const bytes = await inflate(layer.pixels), out = new Float32Array(pixels * 3), unit = 2 ** -layer.scale;
   if (bytes.length !== pixels * 6) throw new Error(`the pixels of ${layer.name} are not complete`);
@@ -38,7 +38,7 @@ async function decodeLayer(layer, pixels) {
 
 const luminance = (r, g, b) => 0.2126 * r + 0.7152 * g + 0.0722 * b;
 
-/** The rule of the program, for sums that only exist here. */
+/** Automatic exposure by the program's rule, for sums that only exist in the page. */
 function automaticExposure(values) {
   const lights = [];
   for (let i = 0; i < values.length; i += 3) {
@@ -51,14 +51,14 @@ function automaticExposure(values) {
   return Math.log2(white / sorted[Math.floor((sorted.length - 1) * 0.98)]);
 }
 
-/** sRGB bytes of linear values in [0, 1], at even steps of the square root, which spares the dark end. */
+/** Table of sRGB bytes of linear values in [0, 1], at equal steps of the square root, which resolves dark values. */
 const SRGB_STEPS = 8191;
 const SRGB = Uint8ClampedArray.from({ length: SRGB_STEPS + 1 }, (_, i) => {
   const x = (i / SRGB_STEPS) ** 2;
   return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
 });
 
-/** A canvas with the values as a display shows them. */
+/** Paints the values for a display on a canvas. `exposure` [stops]. */
 function paint(canvas, values, width, height, exposure) {
   canvas.width = width;
   canvas.height = height;

@@ -1,9 +1,9 @@
-// The program's tone operators that need no more of a picture than its luminances, with their defaults, and a canvas
-// painted by one of them or of localTone.js. Formulas and sources: src/tonemaps.
+// Global tone operators of the program, which need only the luminances of a picture, with their defaults; painting of a
+// canvas by these and the operators of localTone.js. Formulas and sources: src/tonemaps.
 
 const GREY_CARD = 0.18;
 
-/** The factor that keeps the grey card under a rising curve. */
+/** Scale of the input by which a rising curve maps the grey card to itself. */
 function greyKeepingScale(curve) {
   let low = 0, high = 1;
   while (curve(high * GREY_CARD) < GREY_CARD) high *= 2;
@@ -15,7 +15,7 @@ function greyKeepingScale(curve) {
   return (low + high) / 2;
 }
 
-/** An operator that bends each channel by one curve. */
+/** Operator that applies one curve to each channel. */
 function channelCurve(curve) {
   const scale = greyKeepingScale(curve);
   return () => (colour) => { for (let c = 0; c < 3; ++c) colour[c] = curve(scale * colour[c]); };
@@ -27,7 +27,7 @@ function hable(x) {
 }
 const aces = (x) => x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
 
-/** Brighter or darker to luminance y; fades to grey where a channel would exceed 1. */
+/** Scales a colour to luminance y; desaturates it if a channel would exceed 1. */
 function setLuminance(colour, y) {
   const before = luminance(...colour);
   if (!(before > 0)) { colour.fill(0); return; }
@@ -38,7 +38,7 @@ function setLuminance(colour, y) {
   for (let c = 0; c < 3; ++c) colour[c] = y + (colour[c] - y) * part;
 }
 
-/** The luminance below which a fraction of the pixels is. Remembered: sliders ask again and again. */
+/** Quantile q of the luminances of a picture. Sorted luminances are cached, since sliders request them repeatedly. */
 const quantiles = new WeakMap();
 function luminanceQuantile(values, q) {
   let sorted = quantiles.get(values);
@@ -78,7 +78,7 @@ function drago(quantile) {
   return (colour) => setLuminance(colour, curve(luminance(...colour), scale));
 }
 
-/** Each makes, of a function that tells quantiles of the exposed luminance, one that changes an exposed colour. */
+/** Operators by name. Each takes a function for quantiles of exposed luminance, and returns one that changes a colour. */
 const TONE_OPERATORS = {
   none: () => () => {},
   filmic: channelCurve((x) => hable(x) / hable(11.2)),
@@ -87,7 +87,7 @@ const TONE_OPERATORS = {
   drago,
 };
 
-/** As paint() of pixels.js, by an operator; `direct` is what of the values is no glare. */
+/** Paints like paint() of pixels.js, by an operator; `direct`: the values without glare. */
 function paintBy(operator, canvas, values, width, height, exposure, direct = values) {
   if (operator === "none") { paint(canvas, values, width, height, exposure); return; }
   const scale = 2 ** exposure;
@@ -104,7 +104,7 @@ function paintBy(operator, canvas, values, width, height, exposure, direct = val
   paint(canvas, shown, width, height, 0);
 }
 
-/** Fills a <select> with the operators, and calls back when another one is chosen. */
+/** Fills a <select> with the operators, and calls onChange(name) when the user chooses one. */
 function offerOperators(select, chosen, onChange) {
   for (const name of Object.keys({ ...TONE_OPERATORS, ...LOCAL_OPERATORS })) select.append(new Option(name, name));
   select.value = chosen;

@@ -1,16 +1,16 @@
-// The picture on the screen: zoom, pan, the marked pixel, and two pictures that meet at a slider.
+// View of a picture: zoom, pan, a marked pixel, and a second picture behind a slider.
 
 class View {
   constructor(canvas, width, height) {
     this.canvas = canvas;
     this.width = width;
     this.height = height;
-    this.pictures = [document.createElement("canvas"), null]; // shown, compared
+    this.pictures = [document.createElement("canvas"), null]; // the shown one, and the one compared with it
     this.split = 0.5;
-    this.zoom = 1; // CSS pixels of a pixel of the picture
-    this.left = this.top = 0; // of the picture, in CSS pixels
+    this.zoom = 1; // size of a pixel of the picture [CSS pixels]
+    this.left = this.top = 0; // position of the picture [CSS pixels]
     this.fitted = true;
-    this.marked = null; // [x, y]: kept by a click
+    this.marked = null; // [x, y], set by a click
     this.hovered = null;
     this.onPixel = () => {};
     this.onSplit = () => {};
@@ -20,13 +20,13 @@ class View {
   }
 
   get area() { return this.canvas.parentElement.getBoundingClientRect(); }
-  /** The pixel whose values are to be told; null where there is none. */
+  /** Pixel whose values are displayed, or null. */
   get pixel() { return this.marked ?? this.hovered; }
 
   fit() {
     const { width, height } = this.area, border = 24;
     const zoom = Math.min((width - 2 * border) / this.width, (height - 2 * border) / this.height);
-    // Whole numbers where they leave little empty, so that all pixels are of one size.
+    // An integer zoom, if it leaves little empty space, gives all pixels the same size.
     this.zoom = zoom >= 1 && Math.floor(zoom) / zoom > 0.85 ? Math.floor(zoom) : Math.max(zoom, 0.01);
     this.left = Math.round((width - this.width * this.zoom) / 2);
     this.top = Math.round((height - this.height * this.zoom) / 2);
@@ -100,7 +100,7 @@ class View {
     }
   }
 
-  /** The pixel at a place of the canvas; null outside of the picture. */
+  /** Pixel at a position of the canvas; null outside of the picture. */
   pixelAt(x, y) {
     const i = Math.floor((x - this.left) / this.zoom), j = Math.floor((y - this.top) / this.zoom);
     return i >= 0 && j >= 0 && i < this.width && j < this.height ? [i, j] : null;
@@ -112,7 +112,7 @@ class View {
     this.draw();
   }
 
-  /** Moves the marked pixel; begins in the middle. */
+  /** Moves the marked pixel, initially the centre, by (dx, dy). */
   step(dx, dy) {
     const [x, y] = this.marked ?? [Math.floor(this.width / 2) - dx, Math.floor(this.height / 2) - dy];
     const clamp = (value, size) => Math.min(Math.max(value, 0), size - 1);
@@ -126,7 +126,7 @@ class View {
   }
 
   listen() {
-    let drag = null; // what the pressed pointer does
+    let drag = null; // state of a drag of the pointer; null: none
     const place = (event) => {
       const area = this.canvas.getBoundingClientRect();
       return [event.clientX - area.left, event.clientY - area.top];
@@ -166,7 +166,7 @@ class View {
     });
     this.canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
-      const lines = event.deltaMode === 1 ? 24 : 1; // some browsers count in lines
+      const lines = event.deltaMode === 1 ? 24 : 1; // some browsers report lines
       this.zoomBy(2 ** (-event.deltaY * lines / 300), ...place(event));
     }, { passive: false });
   }

@@ -1,8 +1,8 @@
-// The page: what is shown, which classes are in the sum, and the numbers.
+// Page of a render by path class: the shown layer, the classes in the sum, and the numbers.
 
 const element = (id) => document.getElementById(id);
-const BEAUTY = "beauty", SUM = "sum"; // what may be shown besides a class, which is its number
-const SAME = "same"; // compared: of the other set whatever is shown of ours
+const BEAUTY = "beauty", SUM = "sum"; // layers to show besides the classes, which are numbers
+const SAME = "same"; // compared layer: the second set's counterpart of the shown layer
 
 async function start() {
   const data = await loadData(), [set, other] = data.sets;
@@ -15,11 +15,11 @@ async function start() {
   let exposure = set.beauty.exposure, operator = "none";
   const rows = [];
 
-  /** The class of the other set that has the name of ours. */
+  /** Class of set `from` with the same name as class `index` of the first set. */
   const counterpart = (from, index) => from === set ? set.classes[index]
     : from.classes.find((layer) => layer.name === set.classes[index].name);
 
-  const sums = new Map(); // of each set, until the next tick
+  const sums = new Map(); // sum of each set, until a class is ticked
   function sumOf(from) {
     if (!sums.has(from))
       sums.set(from, addUp(ticked.map((on, i) => on && counterpart(from, i)).filter(Boolean), pixels));
@@ -43,7 +43,7 @@ async function start() {
     view.draw();
   }
 
-  /** Small pictures are never smoothed up, and large ones are drawn down. */
+  /** Paints a thumbnail, centred, and scaled with smoothing to fit. */
   function paintThumbnail(row, values, stops) {
     const picture = document.createElement("canvas"), thumbnail = row.querySelector(".thumbnail");
     paint(picture, values, data.width, data.height, stops);
@@ -89,7 +89,7 @@ async function start() {
   function tick(changes) {
     changes.forEach(([c, on]) => { ticked[c] = on; });
     sums.clear();
-    shown = SUM; // the sum is what changes, so it is what one wants to see
+    shown = SUM; // the sum has changed, so it is shown
     paintThumbnail(element("showSum"), sumOf(set), set.beauty.exposure);
     update();
   }

@@ -1,4 +1,4 @@
-// What the page holds: one or two sets of layers.
+// Data of the page: one or two sets of layers.
 
 function addUp(layers, pixels) {
   const out = new Float32Array(pixels * 3);
@@ -7,7 +7,7 @@ function addUp(layers, pixels) {
   return out;
 }
 
-/** The sets with `values` in every layer; `beauty` and `classes` instead of `layers`. */
+/** Loads the sets, decodes `values` of all layers, and splits `layers` into `beauty` and `classes`. */
 async function loadData() {
   const data = JSON.parse(document.getElementById("data").textContent);
   const pixels = data.width * data.height;

@@ -106,6 +106,16 @@ template <class Field> class Metaballs final : public MappedShape {
 
   bool canBeSampled() const override { return false; }
 
+  /** Balls around the centre of a ball, over some of them. */
+  double testsOfRay() const override {
+    constexpr size_t PROBES = 64;
+    const size_t step = (balls.size() + PROBES - 1) / PROBES;
+    double found = 0, probes = 0;
+    for (size_t i = 0; i < balls.size(); i += step, ++probes)
+      tree.visit(balls[i].center, {1, 0, 0}, 0, 0, [&](uint32_t) { ++found; });
+    return found / probes;
+  }
+
  protected:
   void intersectAll(const Line& line, LineHits& found) const override {
     const double speed = glm::length(line.direction);

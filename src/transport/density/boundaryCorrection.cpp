@@ -10,11 +10,11 @@ namespace {
 /** Walls have an angle of more than 45° to the surface; smaller angles are due to curvature. */
 constexpr float WALL_COSINE = 0.7f;
 
-/** Height of rays along a surface over the kernel radius: below the upper limit of the search region. */
+/** Height of rays along a surface, relative to the kernel radius: below the top of the search region. */
 constexpr float RISE = 0.02f;
 
-/** Height over the kernel radius at which further rays search for geometry that ends near the surface without
- * contact, like a door below a ceiling: light differs on the two sides of a narrow gap.
+/** Height, relative to the kernel radius, at which more rays search for geometry that ends near the surface
+ * without contact, like a door below a ceiling: light differs on the two sides of a narrow gap.
  */
 constexpr float GAP = 0.2f;
 
@@ -345,7 +345,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
     boundary.known = &boundary.own;
     boundary.away = 0;
   }
-  constexpr float MAX_CLEARANCES = 2; // light varies within the height of a gap
+  constexpr float MAX_CLEARANCES = 2; // in a gap, light varies over distances of its height
   region.radius = std::min(region.radius, MAX_CLEARANCES * boundary.known->clearance + boundary.away);
   // Half the distance to the next layer, which may be closer elsewhere.
   const float lowest = std::max(boundary.known->depth / 2, 8 * error) / region.radius;

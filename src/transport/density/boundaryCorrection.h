@@ -66,7 +66,7 @@ struct BoundaryCorrection {
   Sampler sampler;                      ///< random numbers of the probe rays
   const Neighbourhood* known = nullptr; ///< at a point near by; null: nothing is known
   float away = 0;                       ///< distance to that point
-  Neighbourhood own = {};               ///< found on demand if `known` is null
+  Neighbourhood own = {};               ///< found on demand if `known` is null or reaches too short
 
   /** Radius around the point in which the surface is known to be flat, see Neighbourhood; else at most 0.
    */
@@ -82,13 +82,13 @@ inline float flatnessOfFlat(const BoundaryCorrection& boundary, float most, floa
   return std::min(most, FLATTEST + (4 * boundary.known->relief + 16 * error) / radius);
 }
 
-/** Clips the region at the planes around it, so that it excludes photons of other surfaces
- * or of a different room. Returns the fraction of the kernel's weight over the whole support
- * that is then on a surface which can hold photons, measured by area on the surface: 1 on a
- * plane, about 1/2 at an edge. A support is reduced first if very little of it is surface,
- * if its surface bends away, or if it is in a gap of less than half its radius. It is
- * flattened if it would reach a different surface below. Where the planes are not known, the
- * fraction is estimated at eight points: exact on a plane, with an error of about .1
+/**
+ * Clips the region at the planes around it, so that it excludes photons of other surfaces or of a different
+ * room. Returns the fraction of the kernel's weight over the whole support that is then on a surface which
+ * can hold photons, measured by area on the surface: 1 on a plane, about 1/2 at an edge. A support is reduced
+ * first if very little of it is surface, if its surface bends away, or if it is in a gap of less than half
+ * its radius. It is flattened if it would reach a different surface below. Where the surface is not known to
+ * be flat, the fraction is estimated at eight points (32 once reduced): exact on a plane, about .1 off
  * elsewhere.
  */
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,

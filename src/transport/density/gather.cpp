@@ -16,8 +16,8 @@ Float8 dot(const Vec3f8& a, const Vec3f8& b) { return a.x * b.x + a.y * b.y + a.
 Float8 dot(const Vec3f8& a, const Vec3f& b) { return dot(a, Vec3f8{Float8(b.x), Float8(b.y), Float8(b.z)}); }
 
 /** Cosines of photon directions to both normals of a point (Veach 1997, section 5.3): photon flux has the
- * cosine to its own surface, the reflection equation the cosine to the shading normal. Directions are rotated
- * by the rotation from the normal of the photon's surface to the geometric normal of the point. */
+ * cosine to its own surface, the reflection equation the cosine to the shading normal. Directions undergo the
+ * rotation that takes the normal of the photon's surface to the geometric normal of the point. */
 class PhotonCosines {
  public:
   /** Unit normals of the point, on the side of the viewer. */

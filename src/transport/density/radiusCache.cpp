@@ -166,7 +166,7 @@ class PlaceFinder {
   }
 
   /** Evidence of neighbouring records. A single record has too little, and neighbours share photons. The more
-   * unequal the powers of these, the larger the neighbourhood, up to the evidence of PHOTONS equal ones. */
+   * unequal their powers, the larger the neighbourhood: it has the evidence of PHOTONS equal photons. */
   static Evidence evidenceAt(const std::vector<Place>& places, const Measured& measured, const Place& place,
                              PhotonScratch& scratch) {
     constexpr int NEAREST = 16;
@@ -220,7 +220,7 @@ class PlaceFinder {
       e.direct += directIrradiance(scene, *rays.lights, place, sampler, partCounts) / SAMPLES;
   }
 
-  /** Worth of a gather from sums over `evidence` records. */
+  /** Gain of a gather over rays, from sums over `evidence` records. */
   static GatherWorth worth(const SupportErrors& sum, size_t best, double bias2, int evidence) {
     const double n = evidence, irradiance2 = square(sum.irradiance / n);
     const double all2 = square((sum.irradiance + sum.direct) / n);

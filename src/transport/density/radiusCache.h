@@ -36,7 +36,7 @@ class RadiusCache {
    * photon, at most search.radius, and the geometry of the surface around it. k = search.nearest; 0:
    * search.radius everywhere. With alpha > 0, see radiusScale(), this distance is only a first guess:
    * supports of a different area replace it where they have less expected error over many passes, and
-   * the worth of a gather is estimated by `rays`. Without `choosesAreas` errors are computed, but the
+   * the gain of a gather is estimated by `rays`. Without `choosesAreas` errors are computed, but the
    * first guess remains. Geometric normals of `seen` point to the viewer. The map is not used
    * afterwards. */
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,

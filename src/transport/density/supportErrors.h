@@ -21,11 +21,11 @@ enum class LightDetail {
   FINE
 };
 
-/** Errors of estimates with supports of several areas at a point, from the photons of one pass.
- * The variance is the sum of squared contributions of the photons. Two supports whose estimates
- * differ by more than chance reveal bias, as in Lepski's choice of a bandwidth ("On a problem
- * of adaptive estimation in Gaussian white noise", 1990). The areas double from one to the
- * next.
+/**
+ * Errors of estimates with supports of several areas at a point, from the photons of one pass. The variance
+ * is the sum of squared contributions of the photons. Two supports whose estimates differ by more than chance
+ * reveal bias, as in Lepski's choice of a bandwidth ("On a problem of adaptive estimation in Gaussian white
+ * noise", 1990). The areas double from one to the next.
  */
 struct SupportErrors {
   static constexpr size_t AREAS = 8, OWN = 3; ///< OWN: index of the record's own area

@@ -52,7 +52,7 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
     const std::optional<LiSample> light =
         lightSampler.sampleLi(*chosen.light, place.time, place.position, choice.pick, u);
     if (!light || !(light->pdf > 0)) return;
-    // The scattering coefficient is included, so that each channel is sampled at its own distances.
+    // With the scattering coefficient, channels that scatter more decide the distances.
     const float worth = luminance(light->radiance * point.scattering * flight::transmittance(extinction, t)) *
                         medium.phase->value(glm::dot(light->direction, ray.direction));
     const float pdf = near ? (open.pdf(t) + near->pdf(t)) / 2 : open.pdf(t);

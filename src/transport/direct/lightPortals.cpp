@@ -13,11 +13,11 @@ namespace recurse {
 
 namespace {
 
-/** The part of photons that start over the whole disc, for what no camera path has found. */
+/** Fraction of photons that start on the whole disc, for openings that no camera path has found. */
 constexpr float DISC_PART = 0.1f;
-/** Fewer tell too little of where the rest comes in. */
+/** Minimum number of exits; fewer do not represent the openings of a scene. */
 constexpr size_t MIN_EXITS = 64;
-/** Square root of the camera paths of a round. */
+/** Square root of the maximum number of camera paths in a round. */
 constexpr int MAX_ACROSS = 128;
 
 /** Areas of a box's three sides, as seen along a direction. */
@@ -26,7 +26,7 @@ Vec3f projectedSides(const Bounds3f& box, const Vec3f& direction) {
   return {w.x * d.y * d.z, w.y * d.z * d.x, w.z * d.x * d.y};
 }
 
-/** The lights infinitely far in one direction. */
+/** Indices of the distant lights (infinitely far, in one direction). */
 std::vector<size_t> distantLights(const Scene& scene) {
   std::vector<size_t> found;
   for (size_t i = 0; i < scene.lights().size(); ++i)
@@ -44,7 +44,7 @@ void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t
   const auto follow = [&](Exits& found, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
                           TransportCounts& pathCounts) {
     CameraVertex vertex;
-    bool seenByCamera = true; // what the camera sees of the sky itself needs no photons
+    bool seenByCamera = true; // directly visible sky needs no photons
     const auto leave = [&](const Hit* hit) {
       if (hit || seenByCamera) return;
       const float weight = maxComponent(path.throughput);
@@ -71,8 +71,8 @@ void LightPortals::findExits(const Scene& sceneToLearn, const std::vector<size_t
 }
 
 void LightPortals::moveToCrossings(std::vector<Exit>& exits, uint64_t seed) {
-  constexpr size_t OTHERS = 64, CLOSEST = 8; // paths by the same hole are the closest, up to some eight holes
-  constexpr float PARALLEL = 0.05f;          // square of the sine of an angle that tells nothing
+  constexpr size_t OTHERS = 64, CLOSEST = 8; // paths through the same hole are closest, for up to eight holes
+  constexpr float PARALLEL = 0.05f;          // maximum squared sine between nearly parallel paths
   struct Approach {
     float distance2, along;
   };
@@ -121,7 +121,7 @@ std::vector<LightPortals::Exit> LightPortals::exitsOf(const Scene& scene, const 
   std::vector<Exit> exits;
   for (int round = 0; round < ROUNDS; ++round) {
     findExits(scene, distant, across, hashCombine(seed, uint64_t(round)), exits, counts);
-    // A hole that hardly any path finds is looked at more closely, but no room that is closed.
+    // Further rounds refine small holes that few paths find; a closed room needs none.
     if (exits.size() >= MANY || exits.size() < MIN_EXITS / ROUNDS) break;
   }
   return exits;
@@ -136,7 +136,7 @@ std::vector<LightPortals::Exit> LightPortals::crossings(const Scene& scene, uint
   std::vector<Exit> crossings = exits;
   moveToCrossings(crossings, seed);
   if (crossings.size() >= MIN_EXITS) return crossings;
-  if (exits.size() < MIN_EXITS) exits.clear(); // else all leave from a pane
+  if (exits.size() < MIN_EXITS) exits.clear(); // otherwise all paths leave from a pane
   return exits;
 }
 
@@ -147,8 +147,8 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
   const std::vector<size_t> distant = distantLights(sceneToLearn);
   if (distant.empty() && sceneToLearn.environment().empty()) return;
   std::vector<Exit> exits = exitsOf(sceneToLearn, distant, MAX_ACROSS, seed, counts);
-  // Paths may leave from everywhere in a room with a wide window, and cross each other far outside of a small
-  // one.
+  // Vertices alone would enclose a whole room with a wide window, and crossings alone may be far outside of a
+  // small one.
   std::vector<Exit> crossings = exits;
   moveToCrossings(crossings, seed);
   exits.insert(exits.end(), crossings.begin(), crossings.end());
@@ -156,8 +156,8 @@ void LightPortals::learn(const Scene& sceneToLearn, uint64_t seed, TransportCoun
 }
 
 void LightPortals::enclose(const std::vector<Exit>& exits) {
-  constexpr int LEVELS = 6;       // 2^LEVELS leaves at the most
-  constexpr float MARGIN = 1e-3f; // of the scene: a pane is flat
+  constexpr int LEVELS = 6;       // at most 2^LEVELS leaves
+  constexpr float MARGIN = 1e-3f; // relative to the scene's radius; a pane is flat
   if (exits.size() < MIN_EXITS) return;
   std::vector<WeightedPlace> places;
   for (const Exit& exit : exits) places.push_back({exit.position, exit.weight});
@@ -184,7 +184,7 @@ void LightPortals::redirect(LeSample& sample, float pick, const Vec2f& u) const 
   if (pick >= DISC_PART) {
     pick = (pick - DISC_PART) / (1 - DISC_PART);
     chosen = &boxes.choose(pick);
-    // The sides towards the light, in proportion to what is seen of them.
+    // Samples a side that faces the light, in proportion to its projected area.
     const Vec3f sides = projectedSides(chosen->bounds, w);
     float rest = pick * (sides.x + sides.y + sides.z);
     int axis = 0;

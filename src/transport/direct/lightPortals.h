@@ -1,8 +1,8 @@
 /** @file
- * Where light from infinitely far comes in: boxes around the places from which camera paths see out of the
- * scene, such as the panes of a window, and around those where such paths cross, such as a hole in a wall.
- * Photons of that light start through these boxes rather than over the whole scene's disc, of which a window
- * is a tiny part. Any ray's density is known, so that nothing becomes biased.
+ * Openings through which infinite lights enter a scene: boxes around vertices where camera paths leave the
+ * scene, such as the panes of a window, and around crossings of such paths, such as a hole in a wall. Photons
+ * of infinite lights start through these boxes rather than on the disc of the whole scene, of which a window
+ * is a tiny part. The density of each ray is known, so that the estimate remains unbiased.
  */
 #pragma once
 
@@ -18,49 +18,49 @@ namespace recurse {
 
 class LightPortals {
  public:
-  /** Follows camera paths until they leave the scene, by chance or towards a light in one direction; without
-   * effect where there is no light from infinitely far. What stands for a path is its last vertex, and where
-   * other such paths come close to its last segment. */
+  /** Follows camera paths until they leave the scene, by scattering or towards a distant light, and encloses
+   * their last vertices and the crossings of their last segments in boxes. Without infinite lights there are
+   * no boxes. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
-  /** A place where a path has left the scene, or where others that have left cross it. */
+  /** Vertex where a camera path has left the scene, or the crossing of its last segment with such paths. */
   struct Exit {
     Vec3f position;
     float weight;
-    Vec3f direction; ///< (0, 0, 0) towards a light in one direction
-    float along = 0; ///< from its last vertex
+    Vec3f direction; ///< unit; (0, 0, 0) towards a distant light
+    float along = 0; ///< distance from the last vertex [scene units]
   };
-  /** Crossings of camera paths that leave the scene, of as many as a picture of so many pixels takes a small
-   * part of the time for; none where too few do. */
+  /** Crossings of camera paths that leave the scene; their last vertices if too few cross; empty if too few
+   * paths leave. The number of paths follows the pixels of the film, so that the time remains small. */
   static std::vector<Exit> crossings(const Scene& scene, uint64_t seed, TransportCounts& counts);
   bool active() const { return !boxes.empty(); }
   size_t size() const { return boxes.size(); }
-  /** Silhouettes of the boxes over the scene's disc: about what part of such light comes in, unless boxes lie
-   * behind each other. */
+  /** Area of the boxes' silhouettes relative to the scene's disc: estimated fraction of infinite lights that
+   * enters, too large if boxes are behind each other. */
   float openPart() const;
 
-  /** Gives the sample of a light infinitely far another origin, from numbers in [0, 1), and the flux that
-   * goes with it. */
+  /** Replaces the origin and flux of an infinite light's sample, by numbers `pick` and `u` in
+   * [0, 1). */
   void redirect(LeSample& sample, float pick, const Vec2f& u) const;
-  /** Density of such origins across unit `direction`, for the ray through `point` [1/length²]. */
+  /** Density of redirect()'s origins across unit `direction`, for the ray through `point` [1/area]. */
   float pdf(const Vec3f& point, const Vec3f& direction) const { return pdf(point, direction, nullptr); }
 
  private:
   /** Exits of `across`² camera paths. */
   static void findExits(const Scene& scene, const std::vector<size_t>& distant, int across, uint64_t seed,
                         std::vector<Exit>& exits, TransportCounts& counts);
-  /** Of as many as it takes to tell. */
+  /** Exits of as many rounds of camera paths as needed to find openings. */
   static std::vector<Exit> exitsOf(const Scene& scene, const std::vector<size_t>& distant, int across,
                                    uint64_t seed, TransportCounts& counts);
   static void moveToCrossings(std::vector<Exit>& exits, uint64_t seed);
-  /** `met`: a box that the ray is known to meet, whatever rounding says. */
+  /** Density of origins [1/area]; `met`: a box that the ray hits even if rounding denies it, or null. */
   float pdf(const Vec3f& point, const Vec3f& direction, const NestedBoxes::Box* met) const;
-  /** Boxes around the exits; none where those are too few. */
+  /** Encloses the exits in boxes; no boxes if there are too few exits. */
   void enclose(const std::vector<Exit>& exits);
 
-  /** Eight boxes side by side. */
+  /** Eight boxes, one in each SIMD lane. */
   struct BoxBlock {
     explicit BoxBlock(std::span<const NestedBoxes::Box> boxes);
-    /** What they add to the density; `met`: the lanes of boxes that the ray is known to meet. */
+    /** Density of the eight boxes [1/area]; `met`: mask of the lanes whose boxes the ray is known to hit. */
     float pdf(const Vec3f& point, const Vec3f& direction, uint32_t met) const;
 
     std::array<Float8, 3> lower, upper, sides; ///< areas of the sides across each axis
@@ -68,7 +68,7 @@ class LightPortals {
   };
 
   NestedBoxes boxes;
-  std::vector<BoxBlock> blocks; ///< the same
+  std::vector<BoxBlock> blocks; ///< `boxes` in groups of eight
   SceneBounds scene;
 };
 

@@ -1,5 +1,5 @@
 /** @file
- * Splitting places into boxes.
+ * Splitting of points into nested boxes.
  */
 #include "transport/direct/nestedBoxes.h"
 
@@ -21,7 +21,7 @@ NestedBoxes::NestedBoxes(std::vector<WeightedPlace> places, int levels, float ma
 void NestedBoxes::split(std::vector<WeightedPlace>::iterator first, std::vector<WeightedPlace>::iterator last,
                         int levels, float margin) {
   constexpr std::ptrdiff_t MIN_PLACES = 32;
-  // What lies where no leaf is would otherwise be found hundreds of times less often.
+  // Enclosing boxes sample the space between leaves hundreds of times as often as without them.
   constexpr float INNER = 0.1f, GROWTH = 0.05f;
   Bounds3f bounds;
   float weight = 0;

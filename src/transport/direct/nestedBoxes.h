@@ -1,5 +1,5 @@
 /** @file
- * A distribution of places as boxes of about as many each, and larger boxes around those.
+ * Distribution of points as nested boxes: leaves with about equal numbers of points, and boxes around leaves.
  */
 #pragma once
 
@@ -18,22 +18,22 @@ class NestedBoxes {
  public:
   struct Box {
     Bounds3f bounds;
-    float chance;   ///< of this box
-    bool leaf;      ///< others enclose leaves, for what lies in between
-    float upToHere; ///< chances of this box and those before it
+    float chance;   ///< probability of this box
+    bool leaf;      ///< false: encloses leaves, for points between them
+    float upToHere; ///< cumulative probability of this box and all before it
   };
 
-  /** None. */
+  /** No boxes. */
   NestedBoxes() = default;
-  /** Chances follow the weights. `levels`: 2^levels leaves at the most; `margin`: around each [scene units].
-   */
+  /** Builds boxes whose probabilities follow the weights. `levels`: there are at most 2^levels leaves;
+   * `margin`: margin around each box [scene units]. */
   NestedBoxes(std::vector<WeightedPlace> places, int levels, float margin);
 
   bool empty() const { return boxes.empty(); }
   size_t size() const { return boxes.size(); }
   std::vector<Box>::const_iterator begin() const { return boxes.begin(); }
   std::vector<Box>::const_iterator end() const { return boxes.end(); }
-  /** By a number in [0, 1), of which what is left over, in [0, 1], takes its place. */
+  /** Samples a box by `pick` in [0, 1), and replaces `pick` by its rescaled remainder in [0, 1]. */
   const Box& choose(float& pick) const;
 
  private:

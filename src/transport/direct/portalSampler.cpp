@@ -1,5 +1,5 @@
 /** @file
- * Shadow rays through learned portals.
+ * Learning and sampling of portals for shadow rays.
  */
 #include "transport/direct/portalSampler.h"
 
@@ -17,9 +17,9 @@ constexpr uint64_t SHADOW_PORTAL_STREAM = 0x574e44575321ull;
 } // namespace
 
 PortalSampler::Opening PortalSampler::fit(std::span<const LightPortals::Exit> exits) {
-  constexpr size_t CANDIDATES = 8; // quantiles of crossings, and of last vertices: panes
+  constexpr size_t CANDIDATES = 8; // quantiles of the crossings, and of the last vertices (panes)
   constexpr int HALVINGS = 6;
-  constexpr float GROWTH = 0.05f; // what is open beyond the outermost paths
+  constexpr float GROWTH = 0.05f; // relative margin for open area beyond the outermost paths
   const size_t outliers = exits.size() / 100;
   Opening best;
   best.area = INFINITE;
@@ -70,7 +70,7 @@ PortalSampler::Opening PortalSampler::fit(std::span<const LightPortals::Exit> ex
 void PortalSampler::divide(std::span<LightPortals::Exit> exits, const Opening& whole, int levels) {
   constexpr size_t MIN_PATHS = 32;
   constexpr int CUTS = 8;
-  constexpr float SMALLER = 0.7f; // two openings are worth it
+  constexpr float SMALLER = 0.7f; // maximum area of two openings, relative to one
   const auto splitAt = [&](int axis, int part) {
     const size_t left = exits.size() * size_t(part) / CUTS;
     std::nth_element(exits.begin(), exits.begin() + std::ptrdiff_t(left), exits.end(),
@@ -172,13 +172,13 @@ float PortalSampler::pdfLi(const EnvironmentLight& light, const Vec3f& from, con
 
 PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, TransportCounts& counts) {
   constexpr int MAX_ACROSS = 32, MAX_DEPTH = 3;
-  constexpr int SAMPLES = 16; // enough for the square of their mean
+  constexpr int SAMPLES = 16; // enough to estimate the square of their mean
   const auto& lights = scene.environment();
   const auto follow = [&](SecondMoments& moments, CameraSubpath& path, CameraWalker& walker, Sampler& sampler,
                           TransportCounts& pathCounts) {
     CameraVertex vertex;
     std::array<double, PARTS.size()> ofPath{};
-    double radiance = 0; // times SAMPLES
+    double radiance = 0; // radiance of the path, times SAMPLES
     while (walker.next(path, vertex, sampler)) {
       for (int i = 0; vertex.isConnectable() && i < SAMPLES; ++i) {
         const EnvironmentLight& light =
@@ -220,21 +220,21 @@ PortalSampler::SecondMoments PortalSampler::secondMoments(const Scene& scene, Tr
 }
 
 TransportCounts PortalSampler::learn(const Scene& scene) {
-  constexpr float WORTH_IT = 1.25f; // second moment without portals over that with them
-  // A part of 1/4 costs the few bright places a third more at the most; where light comes in by no window it
-  // seems to bring others a half or less.
+  constexpr float WORTH_IT = 1.25f; // minimum ratio of second moments without and with portals
+  // A mixture weight of 1/4 raises the second moment by at most a third. Without windows, the seeming
+  // reduction of relative second moments is a half or less.
   constexpr float WORTH_IT_ELSEWHERE = 4;
   *this = {};
   TransportCounts counts;
   if (scene.environment().empty()) return counts;
-  constexpr size_t MAX_EXITS = 512; // tell as much of a few rectangles as all
+  constexpr size_t MAX_EXITS = 512; // more do not improve a few rectangles
   std::vector<LightPortals::Exit> exits = LightPortals::crossings(scene, SHADOW_PORTAL_STREAM, counts);
   for (size_t i = 0; exits.size() > MAX_EXITS && i < MAX_EXITS; ++i)
     exits[i] = exits[i * exits.size() / MAX_EXITS];
   exits.resize(std::min(exits.size(), MAX_EXITS));
   if (!exits.empty()) divide(exits, fit(exits), LEVELS);
   if (openings.empty()) return counts;
-  throughPortals = 0.5f; // of the shadow rays that all parts are judged by
+  throughPortals = 0.5f; // mixture weight of the trial shadow rays
   const auto [absolute, relative] = secondMoments(scene, counts);
   const auto least = size_t(std::min_element(absolute.begin(), absolute.end()) - absolute.begin());
   if (absolute[0] > WORTH_IT * absolute[least])

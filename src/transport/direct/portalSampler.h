@@ -1,7 +1,7 @@
 /** @file
- * Directions of shadow rays towards where light from all around comes in: windows, doors and holes that
- * camera paths have found. Mixed with the light's own directions, as in pbrt-v4's portal lights, so that
- * light by other ways is found too.
+ * Sampling of environment lights through windows, doors and holes that camera paths have found, compare the
+ * portal lights of pbrt-v4. The mixture with the light's own sampling also finds light through other
+ * openings.
  */
 #pragma once
 
@@ -15,43 +15,43 @@ namespace recurse {
 
 class PortalSampler {
  public:
-  /** Finds portals, and takes that part of shadow rays for them that brings the least variance where camera
-   * paths have their vertices; none where that is little less than without. Where only most places have less,
-   * because the sun shines in on a few, it is a small part. Returns what that took. */
+  /** Learns portals and the mixture weight that minimises the second moment of direct light at camera
+   * vertices. The weight is 0 if the gain is small, and small if only most paths gain, because sunlight on a
+   * few dominates the moment. Returns the work it took. */
   TransportCounts learn(const Scene& scene);
-  /** Part of the shadow rays; 0: no portals. */
+  /** Mixture weight of the portals, in [0, 1); 0: no portals. */
   float part() const { return throughPortals; }
   bool active() const { return throughPortals > 0; }
 
-  /** As those of the light; the same at any time. */
+  /** Mixture of portals and the light's own sampling, as in EnvironmentLight; independent of time. */
   std::optional<LiSample> sampleLi(const EnvironmentLight& light, const Vec3f& point, float pick,
                                    const Vec2f& u) const;
   float pdfLi(const EnvironmentLight& light, const Vec3f& from, const Vec3f& direction) const;
 
  private:
-  /** A rectangle across an axis, which light passes either way. */
+  /** Rectangle perpendicular to an axis, which light passes in both directions. */
   struct Opening {
     int axis = 0;
-    float at = 0;       ///< on the axis
-    Vec2f lower, upper; ///< on the next two axes
+    float at = 0;       ///< coordinate on the axis
+    Vec2f lower, upper; ///< corners on the next two axes
     float area = 0;
   };
-  /** An opening that seems the smaller the better, of those that nearly all of the paths leave by. */
+  /** Smallest tested opening that nearly all of the paths leave through. */
   static Opening fit(std::span<const LightPortals::Exit> exits);
   void divide(std::span<LightPortals::Exit> exits, const Opening& whole, int levels);
 
-  /** Estimates of the solid angles that openings are seen in, each with those before it. */
-  static constexpr int LEVELS = 4; // 2^LEVELS openings at the most: each is weighed for each shadow ray
+  /** Cumulative sums of the estimated solid angles of the openings [sr]. */
+  static constexpr int LEVELS = 4; // at most 2^LEVELS openings, as each shadow ray evaluates all
   using SolidAngles = std::array<float, 1 << LEVELS>;
-  /** Returns the sum. */
+  /** Computes the cumulative sums for a point, and returns the total [sr]. */
   float solidAngles(const Vec3f& point, SolidAngles& upToHere) const;
   /** Density of directions through the openings [1/sr]. */
   float pdfThrough(const SolidAngles& upToHere, const Vec3f& point, const Vec3f& direction) const;
   static constexpr std::array<float, 4> PARTS{0, 0.25f, 0.5f, 0.75f};
-  /** Of light by shadow rays at vertices of camera paths, for each of PARTS. */
+  /** Second moments of direct light by shadow rays at camera vertices, for each mixture weight of PARTS. */
   struct SecondMoments {
     std::array<double, PARTS.size()> absolute{};
-    std::array<double, PARTS.size()> relative{}; ///< over the square of what each path brings
+    std::array<double, PARTS.size()> relative{}; ///< divided by the squared radiance of each path
   };
   SecondMoments secondMoments(const Scene& scene, TransportCounts& counts);
 

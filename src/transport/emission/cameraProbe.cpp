@@ -1,5 +1,5 @@
 /** @file
- * Eye rays on a grid, followed to what they read the photon map at.
+ * Camera rays on a grid, followed to the surfaces where the photon map is read.
  */
 #include "transport/emission/cameraProbe.h"
 
@@ -13,7 +13,7 @@ namespace recurse {
 
 namespace {
 
-/** Calls along(ray, end, medium) for each part of the way that lies in a medium. */
+/** First surface of the path that gathers photons. Calls along(ray, end, medium) in each medium before it. */
 template <class Along>
 std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Sampler sampler,
                                          const GatherWeighting& weighting, TransportCounts& counts,
@@ -68,7 +68,7 @@ std::optional<VisiblePoint> firstDiffuse(const Scene& scene, CameraRay ray, Samp
   return {};
 }
 
-/** Calls probe(ray, sampler) for a grid of rays over the picture. */
+/** Calls probe(ray, sampler) for a grid of camera rays over the image. */
 template <class Probe> void forCameraRays(const Scene& scene, int across, uint64_t seed, const Probe& probe) {
   const PixelBounds film = scene.film().whole();
   for (int y = 0; y < across; ++y)
@@ -81,12 +81,12 @@ template <class Probe> void forCameraRays(const Scene& scene, int across, uint64
     }
 }
 
-/** What is seen of media along rays from the camera: less, as light that comes from there is taken off. */
+/** Adds points in media along camera rays, weighted by the squared transmittance to the camera. */
 void addMedia(const Scene& scene, const GatherWeighting& weighting, VisibleRegion& region,
               TransportCounts& counts) {
   constexpr int PROBES = 32;
-  constexpr float MIN_WIDTH = 1.0f / 128;    // of the scene
-  constexpr float MIN_TRANSMITTANCE = 0.03f; // its square is not worth while
+  constexpr float MIN_WIDTH = 1.0f / 128;    // relative to the scene's radius
+  constexpr float MIN_TRANSMITTANCE = 0.03f; // smaller weights (its square) are omitted
   const float spacing = std::sqrt(float(scene.film().whole().area())) / PROBES;
   const float least = MIN_WIDTH * scene.bounds().radius;
   forCameraRays(scene, PROBES, 1, [&](const CameraRay& start, const Sampler& sampler) {

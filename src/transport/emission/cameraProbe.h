@@ -1,5 +1,5 @@
 /** @file
- * What camera rays read the photon map at, before any picture is rendered.
+ * Visible points of a grid of camera rays, found before an image is rendered.
  */
 #pragma once
 
@@ -11,19 +11,19 @@
 
 namespace recurse {
 
-/** A surface that is seen through mirrors and glass only, or at once. */
+/** Surface point that the camera sees directly or through delta surfaces only. */
 struct VisiblePoint {
-  SurfacePoint point;     ///< its geometric normal points to where it is seen from
-  float footprint = 0;    ///< how wide a pixel is there [scene units]
-  bool transmits = false; ///< light from behind it is seen as well
+  SurfacePoint point;     ///< surface point whose geometric normal points to the viewer
+  float footprint = 0;    ///< width of a pixel there [scene units]
+  bool transmits = false; ///< whether its BSDF has a transmission lobe
 };
 
-/** The places that a grid of `across`² camera rays over the picture sees, by the strongest delta lobe at each
- * surface; rays that see none are left out. Rough lobes that `sharing` leaves to rays count as mirrors. */
+/** Visible points of a grid of `across`² camera rays over the image, which follow the strongest delta lobe of
+ * each surface; rays without a point are omitted. Rough lobes that `weighting` leaves to rays are mirrors. */
 std::vector<VisiblePoint> probeCamera(const Scene& scene, int across, uint64_t seed,
                                       const GatherWeighting& weighting, TransportCounts& counts);
 
-/** What is seen at these places, as a region that light is to be sent to. */
+/** Region around the visible points, and around camera rays in media, that photons are guided to. */
 VisibleRegion probeRegion(const Scene& scene, const GatherWeighting& weighting, TransportCounts& counts);
 
 } // namespace recurse

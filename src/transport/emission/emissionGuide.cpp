@@ -1,5 +1,5 @@
 /** @file
- * Learning where photons should start.
+ * Learning and sampling of the emission density.
  */
 #include "transport/emission/emissionGuide.h"
 
@@ -62,12 +62,12 @@ float VisibleRegion::Cells::importance(const Vec3f& position) const {
 
 EmissionGuide::EmissionGuide(std::span<const TrainingSample> useful, double trials, size_t lights)
     : lights(lights) {
-  std::vector<TrainingSample> parts(useful.begin(), useful.end()); // which splits put in order
+  std::vector<TrainingSample> parts(useful.begin(), useful.end()); // split() reorders them
   Numbers low, high;
   low.fill(0);
   high.fill(1);
   split(parts, low, high, trials, 0);
-  // Leaf.density is √p so far.
+  // Until the loop below, Leaf.density is √p.
   double sum = 0, plain = 0, variance = 0;
   for (Leaf& leaf : leaves) {
     const double volume = volumeOf(leaf.low, leaf.high);
@@ -97,13 +97,13 @@ void EmissionGuide::split(std::span<TrainingSample> useful, const Numbers& low, 
     weight += double(u.weight);
     squared += square(double(u.weight));
   }
-  // A likelihood ratio that chance alone would hardly reach, over all the ways to split.
+  // Minimum logarithm of the likelihood ratio of a split, for significance over all possible splits.
   constexpr double SIGNIFICANT = 8;
   constexpr int DEEPEST = 40;
   double best = SIGNIFICANT;
   size_t dimension = DIMENSIONS;
   float at = 0;
-  const double count = squared > 0 ? square(weight) / squared : 0; // as many of equal weight tell as much
+  const double count = squared > 0 ? square(weight) / squared : 0; // effective sample size
   if (depth < DEEPEST && count >= 8)
     for (size_t d = 0; d < DIMENSIONS; ++d) {
       std::array<double, 4> quarters{};
@@ -123,7 +123,7 @@ void EmissionGuide::split(std::span<TrainingSample> useful, const Numbers& low, 
         at = low[d] + width * static_cast<float>(f);
       }
     }
-  // Each light may have a place of its own to shine at, which all together do not tell.
+  // Lights may contribute from different regions, which is not significant for all of them together.
   if (dimension == DIMENSIONS && depth < DEEPEST && count >= 16 &&
       double(high[0] - low[0]) * double(lights) > 1) {
     dimension = 0;

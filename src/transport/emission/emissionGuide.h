@@ -1,6 +1,6 @@
 /** @file
- * Photons sent where the picture needs them: the density of the numbers that photons start by, learned from
- * trial photons that came down where the eye looks. Weights keep the result unbiased.
+ * Importance sampling of photon emission. The density of the random numbers of a photon's start is learned
+ * from trial photons that hit visible surfaces. Division by the density keeps the estimate unbiased.
  */
 #pragma once
 
@@ -13,19 +13,19 @@
 
 namespace recurse {
 
-/** The places that the eye reads the photon map at, as cells of a few sizes. */
+/** Region where the camera reads the photon map, as hashed cells of a few sizes. */
 class VisibleRegion {
  public:
-  /** Everything within `size` > 0 of the position [scene units] belongs to it, and some more. */
+  /** Adds at least all points within `size` > 0 [scene units] of the position. */
   void add(const Vec3f& position, float size);
   bool contains(const Vec3f& position) const { return importance(position) > 0; }
-  /** How many of the added places lie there in so much of a surface; 0 outside. */
+  /** Visible-point density on surfaces [1/area]; 0 outside of the region. */
   float importance(const Vec3f& position) const { return surfaces.importance(position); }
-  /** The same of places in media, in so much of what lies across the rays. */
+  /** Adds a point in a medium with a weight. Its density is per area perpendicular to the camera rays. */
   void addInMedium(const Vec3f& position, float size, float weight);
   float importanceInMedium(const Vec3f& position) const { return media.importance(position); }
   bool empty() const { return surfaces.empty() && media.empty(); }
-  /** What was added on surfaces. */
+  /** Points that were added on surfaces. */
   const std::vector<Vec3f>& all() const { return places; }
 
  private:
@@ -45,47 +45,47 @@ class VisibleRegion {
 };
 
 /**
- * A density over the unit cube of a photon's first numbers, constant in the leaves of a tree that splits
- * where trial photons are spread unevenly. A photon of density q carries 1/q of the flux it would carry
- * without.
+ * Density over the unit cube of the random numbers of a photon's start. It is constant in the leaves of a
+ * tree, which splits where trial photons are unevenly distributed. A photon of density q carries 1/q of its
+ * flux without the guide.
  */
 class EmissionGuide {
  public:
-  /** The light; the part of the light; the place (2); the direction (2). */
+  /** Dimensions: the light (1), the part of the light (1), the position (2), the direction (2). */
   static constexpr size_t DIMENSIONS = 6;
   using Numbers = std::array<float, DIMENSIONS>;
   struct TrainingSample {
     Numbers numbers;
-    float weight; ///< what it brings, squared, over the density that it was drawn with
+    float weight; ///< squared contribution, divided by the density of the sample
   };
 
-  /** No guide: density 1. */
+  /** Guide with the uniform density 1. */
   EmissionGuide() = default;
   /**
-   * From the useful ones of `trials` photons. Where the mean of what is brought, squared, is p, the density
-   * of least variance is in proportion to √p; a tenth is left to the rest of the cube, of which too little is
-   * known to leave it out. `lights` share the first dimension.
+   * Learns the density from the photons with a contribution among `trials`. The density of least variance is
+   * proportional to √p, where p is the mean squared contribution. A tenth of it remains uniform, because
+   * photons may contribute where no trial did. `lights` lights share the first dimension.
    */
   EmissionGuide(std::span<const TrainingSample> useful, double trials, size_t lights = 1);
 
-  /** How many times less variance a photon brings than without; 1 without a guide. */
+  /** Expected variance without the guide over the variance with it; 1 without a guide. */
   double gain() const { return expectedGain; }
   bool active() const { return leaves.size() > 1; }
-  /** Replaces uniform numbers by ones of the density, and returns that density. `choice` is one number more.
-   */
+  /** Transforms uniform numbers to the learned density, and returns that density. `choice` is an additional
+   * number in [0, 1). */
   float warp(Numbers& numbers, float choice) const;
 
  private:
   static constexpr double UNIFORM_PART = 0.1;
-  struct Node { ///< numbers[dimension] < at: the next node, else `other`; of leaves dimension is -1
+  struct Node { ///< numbers[dimension] < at: the next node, else `other`; dimension is -1 in leaves
     int dimension;
     float at;
-    uint32_t other; ///< of leaves the leaf
+    uint32_t other; ///< in leaves: index of the leaf
   };
   struct Leaf {
     Numbers low, high;
-    double density; ///< uniform part included
-    double chance;  ///< of the guided part: this leaf and all before it
+    double density; ///< density with the uniform part
+    double chance;  ///< cumulative probability in the guided part: this leaf and all before it
   };
   void split(std::span<TrainingSample> useful, const Numbers& low, const Numbers& high, double trials,
              int depth);

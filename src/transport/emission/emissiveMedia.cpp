@@ -1,5 +1,5 @@
 /** @file
- * Probes of glowing media, and places by what they have found.
+ * Probes of emissive media, and sampling in proportion to the probed emission.
  */
 #include "transport/emission/emissiveMedia.h"
 
@@ -24,7 +24,7 @@ double volumeOf(const Bounds3f& box) {
   return d.x * d.y * d.z;
 }
 
-/** The cells of a box that are not black, and one more on each side; empty where all are. */
+/** Bounds of the non-black cells of a box, and one cell more on each side; empty if all are black. */
 Bounds3f boxOfCells(const Bounds3f& box, const std::vector<double>& cells, int count) {
   glm::ivec3 first(count), last(0);
   for (int z = 0, i = 0; z < count; ++z)
@@ -55,7 +55,7 @@ template <class Visit> void forLinesThrough(const Bounds3f& box, int across, flo
     }
 }
 
-/** On the side of a boundary that the ray comes from. */
+/** Medium on the side of a boundary that the ray comes from. */
 uint16_t mediumBefore(const Hit& hit, const Vec3f& direction) {
   return isNested(hit) || glm::dot(direction, hit.point.geometricNormal) < 0 ? hit.media.outside
                                                                              : hit.media.inside;
@@ -65,11 +65,11 @@ bool isOpaque(const Material* material) {
   return material && !(material->lobes() & (TRANSMISSION | REFRACTION));
 }
 
-/** A box around the boundaries of a medium: whole shapes, and of objects what lines through the scene hit.
- * Empty where there are none. */
+/** Bounds of the boundaries of a medium: whole shapes, and the points of objects that a grid of rays hits.
+ * Empty if no boundary is hit. */
 Bounds3f boundsOfBoundary(const Scene& scene, uint16_t medium, const Bounds3f& box, float time,
                           TransportCounts& counts) {
-  constexpr int LINES = 128, LINES_OF_SHAPE = 4; // along each side
+  constexpr int LINES = 128, LINES_OF_SHAPE = 4; // rays along each side
   Bounds3f found;
   const auto forBoundaries = [&](Ray ray, const auto& visit) {
     for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit))
@@ -105,7 +105,7 @@ uint16_t mediumAround(const Scene& scene, Ray ray, uint16_t outside, TransportCo
 }
 
 uint16_t mediumOutside(const Scene& scene, TransportCounts& counts) {
-  constexpr int LINES = 64; // along each side
+  constexpr int LINES = 64; // rays along each side
   std::vector<size_t> seen(scene.mediumCount() + 1);
   forLinesThrough(boxAround(scene.bounds()), LINES, 0, [&](Ray ray) {
     for (Hit hit; intersectPosition(scene, ray, hit, counts); ray.origin = originBehind(ray, hit)) {
@@ -129,7 +129,7 @@ Rgb EmissiveMedia::emissionAt(const Scene& scene, uint16_t medium, const Vec3f& 
 
 std::vector<double> EmissiveMedia::probe(const Scene& scene, uint16_t medium, const Bounds3f& box,
                                          uint64_t seed, float time, TransportCounts& counts) const {
-  constexpr uint32_t PROBES = 4; // of a cell
+  constexpr uint32_t PROBES = 4; // probes of a cell
   std::vector<double> cells(CELL_COUNT);
   std::vector<TransportCounts> spent(CELLS);
   parallelFor(CELLS, [&](size_t z) {
@@ -152,13 +152,13 @@ std::vector<double> EmissiveMedia::probe(const Scene& scene, uint16_t medium, co
 std::vector<double> EmissiveMedia::probeCloser(const Scene& scene, Source& source, uint64_t seed, float time,
                                                TransportCounts& counts) const {
   constexpr uint64_t MAX_ROUNDS = 5;
-  constexpr double SMALLER = 0.5; // by this much, else it is not worth another round
+  constexpr double SMALLER = 0.5; // maximum ratio of volumes for a further round
   source.probed = source.whole;
   for (uint64_t round = 1;; ++round) {
     std::vector<double> cells =
         probe(scene, source.medium, source.probed, hashCombine(seed, round), time, counts);
     Bounds3f glows = boxOfCells(source.probed, cells, CELLS);
-    // A flame in a large room, which points miss.
+    // The boundaries find a small medium in a large room that point probes miss.
     if (round == 1) glows.add(boundsOfBoundary(scene, source.medium, source.whole, time, counts));
     const double volume = volumeOf(glows);
     if (round == MAX_ROUNDS || glows.empty() || !(volume > 0) ||

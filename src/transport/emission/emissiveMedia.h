@@ -1,5 +1,5 @@
 /** @file
- * Media that glow: places that photons start from.
+ * Emissive media, and sampling of positions in them where photons start.
  */
 #pragma once
 
@@ -10,56 +10,56 @@
 
 namespace recurse {
 
-/** What is around a ray's origin, by the next boundary of a medium on its way; `outside` where there is
- * none. */
+/** Medium at a ray's origin, found at the next medium boundary along the ray; `outside` if it hits no
+ * boundary. */
 uint16_t mediumAround(const Scene& scene, Ray ray, uint16_t outside, TransportCounts& counts);
 
-/** The medium around the scene: the one before most boundaries that are seen from far away, or the camera's
- * where none is. */
+/** Medium around the scene: the most frequent one in front of boundaries that rays from far outside hit, or
+ * the camera's medium if they hit none. */
 uint16_t mediumOutside(const Scene& scene, TransportCounts& counts);
 
-/** The media of a scene that emit. Places are chosen by cells, in proportion to what probes have found there;
- * a part is spread evenly, so that what they have missed is found too. */
+/** Emissive media of a scene. Positions are sampled by cells, in proportion to their probed emission. A
+ * fraction is sampled uniformly, so that the density is positive where the probes missed emission. */
 class EmissiveMedia {
  public:
-  /** Probes them as they are at `time`; `outside`: the medium around the scene. False where one that is in
-   * use glows nowhere. */
+  /** Probes the media as they are at `time`; `outside`: the medium around the scene. False if the probes of
+   * an emissive medium find no emission. */
   bool learn(const Scene& scene, uint16_t outside, uint64_t seed, float time, TransportCounts& counts);
   bool empty() const { return sources.empty(); }
-  /** What they emit, about, in the strongest channel [W]. */
+  /** Estimated power of all emissive media in their strongest channel [W]. */
   double power() const { return sources.empty() ? 0 : sources.back().powers; }
 
-  /** A place that glows. */
+  /** Sampled position in an emissive medium. */
   struct Sample {
     Vec3f position{0};
-    Nesting nesting; ///< of a walk that starts there
-    Rgb power{0};    ///< emitted there into all directions, over the density of the place [W]
+    Nesting nesting; ///< nesting of a walk that starts there
+    Rgb power{0};    ///< emission into all directions, divided by the density of the position [W]
   };
-  /** `choice` and `place` in [0, 1). The power is black where nothing glows. */
+  /** Samples a position by `choice` and `place` in [0, 1). The power is black without emission there. */
   Sample sample(const Scene& scene, float time, float choice, const Vec3f& place,
                 TransportCounts& counts) const;
 
  private:
-  static constexpr int CELLS = 32; ///< along an axis
+  static constexpr int CELLS = 32; ///< cells along an axis
   static constexpr size_t CELL_COUNT = size_t(CELLS) * CELLS * CELLS;
   static constexpr float EVEN_PART = 0.1f;
 
   struct Source {
     uint16_t medium = 0;
-    Bounds3f whole;                 ///< outside of it the medium is not
-    Bounds3f probed;                ///< the box of the cells
-    std::vector<double> cumulative; ///< probabilities of the cells
-    double powers = 0;              ///< of this and the sources before it
+    Bounds3f whole;                 ///< bounds of the medium
+    Bounds3f probed;                ///< bounds of the cells
+    std::vector<double> cumulative; ///< cumulative probabilities of the cells
+    double powers = 0;              ///< power of this source and those before it [W]
   };
 
-  /** What a unit of volume emits in the medium, if that is what lies there. */
+  /** Power emitted by a unit of the medium's volume; black if the position is not in this medium. */
   Rgb emissionAt(const Scene& scene, uint16_t medium, const Vec3f& position, float time, Nesting& nesting,
                  TransportCounts& counts) const;
-  /** The mean of it in each cell of a box, in the strongest channel. */
+  /** Mean of emissionAt() in each cell of a box, in the strongest channel. */
   std::vector<double> probe(const Scene& scene, uint16_t medium, const Bounds3f& box, uint64_t seed,
                             float time, TransportCounts& counts) const;
 
-  /** The same in the smallest box that some rounds of probes find around what glows: `source.probed`. */
+  /** Shrinks `source.probed` to the emissive cells in a few rounds, and returns probe() of that box. */
   std::vector<double> probeCloser(const Scene& scene, Source& source, uint64_t seed, float time,
                                   TransportCounts& counts) const;
 

@@ -71,7 +71,7 @@ double shadowRayDensity(const Scene& scene, const LightSampler& lights, const Sh
   const WeightedVertex& firstPane = vertices[vertices.size() - 1 - from.panes];
   const Vec3f towards = glm::normalize(from.firstPane->position - start);
   const double pdfDirection = firstPane.fromCamera / areaPerSolidAngle(start, *from.firstPane, towards);
-  if (!(pdfDirection > 0)) return 0; // too small for its number
+  if (!(pdfDirection > 0)) return 0; // underflow
   const Vec3f& light = end.ray.origin;
   const double distanceRatio = end.isInfinite() ? 1
                                                 : double(glm::distance(light, start)) /

@@ -1,5 +1,5 @@
 /** @file
- * Which lamps are aimed, and where.
+ * Choice of the aimed lights and of their directions.
  */
 #include "transport/emission/photonAim.h"
 
@@ -11,7 +11,7 @@ namespace recurse {
 
 namespace {
 
-/** Photons that go where the lamp sends them, for what no camera path has met. */
+/** Probability of the light's own directions, for surfaces that no camera path has hit. */
 constexpr float OWN_PART = 0.1f;
 
 bool isTwoSided(const Light& light, LeRay ray) {
@@ -19,7 +19,7 @@ bool isTwoSided(const Light& light, LeRay ray) {
   return ray.normal != Vec3f(0) && light.pdfLe(ray).direction > 0;
 }
 
-/** What camera paths meet first, and after a few bounces. */
+/** Vertices of camera paths of a few bounces, weighted by throughput (at most 1). */
 std::vector<WeightedPlace> findPlaces(const Scene& scene, uint64_t seed, TransportCounts& counts) {
   constexpr int ACROSS = 64, MAX_DEPTH = 3;
   constexpr uint64_t STREAM = 0x41494d53ull;
@@ -51,10 +51,10 @@ LeRandom randomStart(Sampler& sampler) {
 
 void PhotonAim::learn(const Scene& scene, uint64_t seed, TransportCounts& counts) {
   constexpr size_t MIN_PLACES = 64;
-  constexpr int LEVELS = 4;       // 2^LEVELS leaves at the most; the emission guide does the rest
-  constexpr float MARGIN = 1e-3f; // of the scene
+  constexpr int LEVELS = 4;       // at most 2^LEVELS leaves; the emission guide refines them
+  constexpr float MARGIN = 1e-3f; // relative to the scene's radius
   constexpr uint32_t PLACES = 32, FLIGHTS = 64;
-  constexpr double MIN_GAIN = 8; // photons that meet a place, over those that do without an aim
+  constexpr double MIN_GAIN = 8; // density of photons at a vertex, relative to emission without an aim
   boxes = {};
   part.clear();
   const LightTable& lights = scene.lights();
@@ -91,7 +91,7 @@ void PhotonAim::learn(const Scene& scene, uint64_t seed, TransportCounts& counts
       if (!sample) continue;
       const float pick = sampler.next1D();
       redirect(light, *sample, pick, sampler.next2D());
-      // Without those that go elsewhere: sample.flux is over the density of all.
+      // Only the flux towards the boxes: sample.flux is divided by the density of all directions.
       const float all = sample->pdfDirection, own = light.pdfLe(*sample).direction;
       if (all > 0) flux += double(maxComponent(sample->flux)) * double(1 - OWN_PART * own / all) / FLIGHTS;
     }
@@ -136,7 +136,7 @@ float PhotonAim::pdfThroughBoxes(const Light& light, const LeRay& ray, const Nes
   for (const NestedBoxes::Box& box : boxes)
     if (const Cone cone = coneTo(box, ray.origin); &box == met || cone.contains(ray.direction))
       sum += box.chance * cone.pdf();
-  return isTwoSided(light, ray) ? sum / 2 : sum; // the side is chosen before the direction
+  return isTwoSided(light, ray) ? sum / 2 : sum; // the light samples a side before the direction
 }
 
 } // namespace recurse

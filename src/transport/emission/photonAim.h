@@ -1,7 +1,7 @@
 /** @file
- * Where lamps that stand far from what is seen send their photons: towards boxes around what camera paths
- * meet, each as the cone that its bounding sphere is seen in, rather than all around, where hardly a photon
- * would meet anything. The density of any direction is known, so that nothing becomes biased.
+ * Directions of photons from lights so far from the visible surfaces that hardly any photon would hit them.
+ * They are sampled in cones around the bounding spheres of boxes, which enclose the vertices of camera paths.
+ * The density of each direction is known, so that the estimate remains unbiased.
  */
 #pragma once
 
@@ -15,29 +15,29 @@ namespace recurse {
 
 class PhotonAim {
  public:
-  /** Follows camera paths; finds the lamps whose photons would meet what those meet many times as often. */
+  /** Follows camera paths. Aims finite lights whose photons then hit the vertices over 8 times as often. */
   void learn(const Scene& scene, uint64_t seed, TransportCounts& counts);
-  /** Some lamps are aimed. */
+  /** Whether any light is aimed. */
   bool active() const { return !part.empty(); }
   bool isAimed(uint32_t light) const { return active() && part[light] < 1; }
   size_t lampCount() const;
-  /** About what part of a light's power goes where photons are aimed at; 1 for lights that are not aimed. */
+  /** Estimated fraction of a light's power that is emitted towards the boxes; 1 for lights without an aim. */
   float powerPart(uint32_t light) const { return active() ? part[light] : 1; }
 
-  /** Gives the sample of an aimed light another direction and the flux that goes with it: none where the
-   * light does not shine there. `pick` and `u` are numbers in [0, 1) that the sample does not depend on. */
+  /** Replaces the direction and flux of an aimed light's sample. The flux is black where the light does not
+   * emit in that direction. `pick` and `u` are in [0, 1) and independent of the sample. */
   void redirect(const Light& light, LeSample& sample, float pick, const Vec2f& u) const;
-  /** Density of such directions [1/sr]; `own`: that of the light. */
+  /** Density of redirect()'s directions [1/sr]; `own`: density of the light's directions [1/sr]. */
   float pdfDirection(const Light& light, const LeRay& ray, float own) const;
 
  private:
   Cone coneTo(const NestedBoxes::Box& box, const Vec3f& from) const;
-  /** Of the directions through the boxes. `met`: a box whose cone the direction is known to be in, whatever
-   * rounding says. */
+  /** Density of directions towards the boxes [1/sr]. `met`: a box whose cone contains the direction, even if
+   * rounding errors deny it; may be null. */
   float pdfThroughBoxes(const Light& light, const LeRay& ray, const NestedBoxes::Box* met) const;
 
   NestedBoxes boxes;
-  std::vector<float> part; ///< by light
+  std::vector<float> part; ///< powerPart() by light; empty: no light is aimed
 };
 
 } // namespace recurse

@@ -15,13 +15,13 @@ namespace recurse {
 
 namespace {
 
-/** Sampler stream of trial photons, distinct from those of photons and pixels. */
+/** Sampler stream of trial photons, distinct from the streams of photons and pixels. */
 constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 
 /** DXTRAN spheres that cover the visible points, except groups that are too wide or have too few points. */
 std::vector<DxtranSphere> dxtranSpheresAround(const Scene& scene, std::vector<Vec3f> seen,
                                               std::span<const Vec3f> landed) {
-  constexpr float MAX_RADIUS = 0.2f; // maximum radius over that of the scene
+  constexpr float MAX_RADIUS = 0.2f; // maximum radius over the scene's radius
   constexpr double MIN_COUNT = 0.02; // minimum fraction of the visible points
   constexpr float SPARED = 8;        // factor on the power of photons sent to a sphere: divides their number
   constexpr size_t MAX_COUNT = 8;
@@ -77,8 +77,8 @@ struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
   /** Trial photons that were stored in the visible region. */
   struct Arrived {
-    float power;                   ///< power, relative to the emission of one photon
-    float startDensity, fullPower; ///< see PhotonWalk
+    float power;                   ///< power if only one photon was emitted [W]
+    float startDensity, fullPower; ///< see PhotonWalk; `fullPower` scaled like `power`
   };
   std::vector<Arrived> powers;
   std::vector<Vec3f> landed; ///< positions of a sample of the stored photons
@@ -169,7 +169,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
                                walk.startDensity(), walk.fullPower() * static_cast<float>(settings.photons)});
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
-      // Isotropic scattering reflects 1/(4π) per sr, a white surface 1/π. Second moments have the square.
+      // Isotropic media scatter 1/(4π) of the flux per sr, white surfaces 1/π. Second moments have squares.
       constexpr double BY_MEDIUM = 1.0 / 16;
       for (const VolumePhoton& p : stored.inMedia) {
         const auto importance = BY_MEDIUM * double(region.importanceInMedium(p.position));

@@ -15,7 +15,7 @@ namespace recurse {
 struct PhotonGuidance {
   EmissionGuide emission;
   std::vector<DxtranSphere> targets;
-  float splitPower = INFINITE; ///< see ShootSettings; relative to the emission of one photon
+  float splitPower = INFINITE; ///< see ShootSettings; for a single photon emitted [W]
   float minStartDensity = 0;   ///< see ShootSettings
   float sparsePart = 0;        ///< fraction of the power in the visible region from starts below that density
   uint64_t useful = 0;         ///< number of unguided trial photons stored in the visible region
@@ -39,8 +39,8 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
                              GuidanceChoice choice = {});
 
 /** Learns an emission guide for light paths without a photon map: the starts of paths that reach the visible
- * region. Few other paths from an outdoor sun or sky enter a room. `maxDepth` is that of ShootSettings;
- * `trials`: photons in a round. */
+ * region. Few other paths from an outdoor sun or sky enter a room. `maxDepth`: see ShootSettings; `trials`:
+ * number of photons in a round. */
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
                                  const ForwardControl& control, TransportCounts& counts,
                                  uint64_t trials = 32768);

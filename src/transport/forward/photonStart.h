@@ -21,8 +21,8 @@ struct PhotonState {
   ReverseRatio ratio;
   int depth = 0;
   bool caustic = true;
-  bool straight = true;    ///< only thin panes so far between the light and the photon
-  float relativePower = 1; ///< power over that of its parent photon; below 1 until it leaves its target
+  bool straight = true;    ///< only thin panes are between the light and the photon
+  float relativePower = 1; ///< power over its parent photon's power; below 1 until it leaves its target
   float wavelength = 0;    ///< see Subpath
   // Spectral state in media:
   Rgb pathPdf{1}; ///< see SpectralPath
@@ -118,7 +118,7 @@ class PhotonStart {
     return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
   }
 
-  /** Whether a photon with this initial flux is followed. Counts those that are not finite. */
+  /** Whether a photon with this initial flux is followed. Counts fluxes that are not finite. */
   bool isUseful(const Rgb& flux) {
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;

@@ -10,15 +10,15 @@
 #include <type_traits>
 
 #include "recurse/core/io/text.h"
-#include "recurse/core/threads/memory.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/resources.h"
 #include "transport/forward/photonWalk.h"
 
 namespace recurse {
 
 namespace {
 
-/** Sampler stream of photons, distinct from those of pixels. */
+/** Sampler stream of photons, distinct from the streams of pixels. */
 constexpr uint64_t PHOTON_STREAM = 0x50484f544f4e53ull;
 /** Number of initial batches: enough to occupy all threads and to predict the number of stored photons. */
 constexpr size_t FIRST_BATCHES = 64;
@@ -39,7 +39,7 @@ template <class T> void readBytes(std::span<const std::byte>& bytes, std::vector
   bytes = bytes.subspan(sizeof count + own.size());
 }
 
-/** Serialises the photons of a batch for another process. */
+/** Serialises the photons of a batch for a different process. */
 std::vector<std::byte> packed(const StoredPhotons& stored) {
   std::vector<std::byte> out;
   appendBytes(stored.onSurfaces, out);

@@ -38,7 +38,7 @@ struct KeptInMedia {
 struct ShootSettings {
   uint64_t photons = 0; ///< number emitted in the pass
   int maxDepth =
-      -1; ///< maximum number of scattering events, including that of the stored photon; -1: no limit
+      -1; ///< maximum number of scattering events, including the one of a stored photon; -1: no limit
   /** Whether photons straight from a light, thin panes included, are stored as well. Photons of emissive
    * media always are: no other technique samples their light. */
   bool direct = true;
@@ -48,7 +48,7 @@ struct ShootSettings {
   Rgb outsideTransmittance{1};           ///< transmittance from the infinite lights to those starts
   const EmissionGuide* guide = nullptr;  ///< density of useful starts; null: unguided
   const LightPortals* portals = nullptr; ///< openings that admit infinite lights; null: none known
-  const PhotonAim* aim = nullptr;        ///< aim of distant lamps; null: their own emission
+  const PhotonAim* aim = nullptr;        ///< aim of lamps far from visible surfaces; null: unaimed
   const LightTable* lights = nullptr;    ///< table from which lights are chosen; null: the scene's
   /** Light sampler of shadow rays, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */

@@ -17,7 +17,7 @@ namespace {
 constexpr size_t BUCKETS = 6;
 constexpr int MAX_CELL_DEPTH = 24;
 
-/** Index of the signed axis nearest to a normal: 2 axis, plus 1 for negative. */
+/** Index of the signed axis nearest to a normal: 2 · axis, plus 1 if the direction is negative. */
 size_t bucketOf(const Vec3f& normal) {
   const Vec3f n = glm::abs(normal);
   const int axis = n.x >= n.y && n.x >= n.z ? 0 : n.y >= n.z ? 1 : 2;
@@ -57,8 +57,8 @@ class CellFit {
     return SquareTree(chosen);
   }
 
-  /** Mean logarithm of the density of the mixture over that of BSDF sampling (Müller 2019, "Practical Path
-   * Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
+  /** Mean logarithm of the density of the mixture over the density of BSDF sampling (Müller 2019, "Practical
+   * Path Guiding in Production", section 10.5). Cross-validated: the tree is built from the records with even
    * index, and scored on those with odd index. */
   double gain() const {
     const GuideCell half(tree(0), frame);

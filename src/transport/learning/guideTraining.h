@@ -17,10 +17,10 @@ struct GuideTrainingSettings {
   bool caustics = true; ///< caustics are left to rays: no photon map estimates them
 };
 
-/** Guide of a render, with its training. Stage k precedes pass k + 1 of
- * Passes::doubling(). Its camera paths are a fraction of the number in all passes before,
- * and follow the guide of stage k - 1. The guide of a pass depends only on the scene, the
- * seed and the pass.
+/**
+ * Guide of a render, with its training. Stage k precedes pass k + 1 of Passes::doubling(). Its camera paths
+ * are a fraction of the number in all passes before, and follow the guide of stage k - 1. The guide of a pass
+ * depends only on the scene, the seed and the pass.
  */
 class GuideTraining {
  public:
@@ -41,7 +41,7 @@ class GuideTraining {
 
   GuideTrainingSettings settings;
   int stage = -1;         ///< last completed stage; -1: none
-  EmissionGuide emission; ///< learned before the first stage, for its photons and those of later stages
+  EmissionGuide emission; ///< learned before the first stage, for the photons of all stages
   std::vector<GuideRecord> records;
   GuideField field;
 };

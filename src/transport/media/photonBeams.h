@@ -58,7 +58,7 @@ class PhotonBeamMap {
   }
 
  private:
-  /** Minimum sine between ray and beam, below which the closest approach exceeds single precision. */
+  /** Minimum sine between ray and beam; below it, single precision cannot locate the closest approach. */
   static constexpr float MIN_SINE = 1e-3f;
   struct Piece {
     uint32_t beam;

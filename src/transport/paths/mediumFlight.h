@@ -19,7 +19,7 @@ namespace recurse {
 /** Spectral state of a path in media, by colour channel. */
 struct SpectralPath {
   Rgb throughput{1}; ///< path throughput over the mean of pathPdf
-  Rgb pathPdf{1};    ///< densities of the path so far by channel, relative to their mean
+  Rgb pathPdf{1};    ///< densities of the path by channel, relative to their mean
   Rgb lightPdf{1};   ///< densities of a shadow ray from the last vertex, over its direction's density
 
   /** Scales all three so that the mean of `pathPdf` is 1. Their ratios do not change. */
@@ -40,7 +40,7 @@ struct SpectralTransmittance {
 
 namespace flight {
 
-/** Transmittance exp(-extinction · distance), also where one factor is 0 and the other infinite. */
+/** Transmittance exp(-extinction · distance), also defined for 0 · infinity. */
 inline Rgb transmittance(const Rgb& extinction, float distance) {
   Rgb t;
   for (int c = 0; c < 3; ++c) t[c] = extinction[c] == 0 ? 1 : std::exp(-extinction[c] * distance);

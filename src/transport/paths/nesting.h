@@ -52,7 +52,7 @@ class Nesting {
   bool isTrueIntersection(const Scene& scene, Hit& hit, const Vec3f& direction) {
     const auto own = static_cast<size_t>(hit.material->nesting);
     const bool entering = glm::dot(direction, hit.point.geometricNormal) < 0;
-    bool hidden = depth[own] > (entering ? 0 : 1); // inside of a second shape of the same material
+    bool hidden = depth[own] > (entering ? 0 : 1); // inside of a second shape of the same dielectric
     for (size_t i = 0; i < own; ++i) hidden = hidden || depth[i] > 0;
     if (hidden) {
       cross(*hit.material, entering);
@@ -68,8 +68,8 @@ class Nesting {
     return true;
   }
 
-  /** State for a walk that begins at a point, from all hits of one ray: solids are closed, so it leaves those
-   * that contain the point once more than it enters them. `surfaces(f)` calls f(hit, direction) for each. */
+  /** State for a walk that begins at a point, from all hits of one ray: solids are closed, so the ray leaves
+   * solids around the point once more than it enters them. `surfaces(f)` calls f(hit, direction) for each. */
   template <class Surfaces> static Nesting within(const Surfaces& surfaces) {
     std::array<int, Scene::MAX_NESTED> left{};
     surfaces([&](const Hit& hit, const Vec3f& direction) {

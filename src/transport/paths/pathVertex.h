@@ -8,6 +8,8 @@
  */
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "recurse/model/bsdf/scatteringPoint.h"
@@ -28,7 +30,7 @@ template <class State> struct Subpath {
   Rgb throughput{1}; ///< importance or flux, over the density of all sampling decisions
   State state{};     ///< state of the path-class automaton
   Nesting nesting;   ///< dielectrics and media that contain the ray's origin
-  int depth = 0;     ///< number of scattering events so far
+  int depth = 0;     ///< number of scattering events of the subpath
   /** Density of the ray's direction [1/sr]; for parallel rays, of their position across them [1/area]. */
   double pdf = 1;
   bool parallel = false;   ///< the ray starts at an infinite light, or at a camera with parallel rays
@@ -78,9 +80,15 @@ using LightVertex = PathVertex<LightState>;
 using CameraSubpath = Subpath<CameraState>;
 using LightSubpath = Subpath<LightState>;
 
+/** Inverse squared distance of two points [1/length²]; finite for equal points. */
+inline double inverseDistance2(const Vec3f& a, const Vec3f& b) {
+  constexpr double LEAST = std::numeric_limits<float>::min();
+  return 1 / std::max(double(lengthSquared(a - b)), LEAST);
+}
+
 /** Factor from density per solid angle in unit `direction` at `from` to density per area at `to`. */
 inline double areaPerSolidAngle(const Vec3f& from, const SurfacePoint& to, const Vec3f& direction) {
-  return double(absDot(direction, to.geometricNormal)) / double(lengthSquared(to.position - from));
+  return double(absDot(direction, to.geometricNormal)) * inverseDistance2(to.position, from);
 }
 
 } // namespace recurse

@@ -53,7 +53,7 @@ inline Ray spawn(const SurfacePoint& from, const Vec3f& direction) {
 
 /**
  * Origin of a ray that continues straight behind a surface. At an edge it is behind all surfaces there: if it
- * were displaced from one surface only, the ray would hit the others again and again.
+ * were displaced from one surface only, the ray would hit the rest of them again and again.
  */
 inline Vec3f originBehind(const Ray& ray, const Hit& hit) {
   constexpr float AT_ONCE = 2; // minimum distance to the next surface, over its position error
@@ -80,7 +80,7 @@ inline bool intersectPosition(const Scene& scene, const Ray& ray, Hit& hit, Tran
   return scene.intersectPosition(ray, hit);
 }
 
-/** Sets the wavelength at which a dispersive surface refracts, before bsdfAt(): that of the walk, or for
+/** Sets the wavelength at which a dispersive surface refracts, before bsdfAt(): the walk's wavelength, or for
  * white light a sampled one. */
 inline void drawWavelength(const Scene& scene, float wavelength, Sampler& sampler, Hit& hit) {
   if (!(scene.contents().lobes & DISPERSIVE) || !hit.material || !(hit.material->lobes() & DISPERSIVE))

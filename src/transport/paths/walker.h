@@ -99,7 +99,7 @@ template <class State> class Walker {
     applyWeight(path, vertex, *s);
     if (isBlack(path.throughput)) return {};
     const float chance = TRANSPORT == Transport::FLUX
-                             ? maxComponent(path.throughput) / before // keeps the flux of photons equal
+                             ? maxComponent(path.throughput) / before // keeps fluxes nearly equal
                              : maxComponent(path.throughput) * path.etaScale;
     const bool roulette = TRANSPORT == Transport::FLUX || path.depth > ROULETTE_FREE_DEPTH;
     if (roulette && !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput)) return {};
@@ -161,7 +161,7 @@ template <class State> class Walker {
     s.weight = Rgb(1);
     s.lobe = REFLECTION;
     if (!(s.pdf > 0)) return {};
-    // Survival in proportion to the throughput, which already includes the absorption so far.
+    // Survival in proportion to the throughput, which already includes all earlier absorption.
     const float chance = maxComponent(path.throughput) * path.etaScale;
     if (path.depth > ROULETTE_FREE_DEPTH &&
         !russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput))
@@ -192,7 +192,7 @@ template <class State> class Walker {
     vertex.allowed = LobeSet((classes.dead(vertex.afterD) ? NO_LOBE : NON_DELTA_LOBES) |
                              (classes.dead(vertex.afterS) ? NO_LOBE : DELTA_LOBES));
     vertex.depth = path.depth;
-    const double perDistance2 = 1 / double(lengthSquared(point.position - path.from));
+    const double perDistance2 = inverseDistance2(point.position, path.from);
     vertex.pdf =
         path.pdf * double(absDot(vertex.wi, point.geometricNormal)) * (path.parallel ? 1 : perDistance2);
     vertex.toPrevious = path.parallel ? 1 : double(path.cosine) * perDistance2;

@@ -32,7 +32,7 @@ struct WeightedPath {
   double splats = 0;                  ///< light paths connected to the camera
   double connections = 0;             ///< connections of x_i and x_i+1, 0 < i < k - 1
   /** Number of shadow rays times their density at x_k, in the measure of B_k, over the density of the steps
-   * through panes behind their start, see shadowRaysThroughPanes(); 0: none finds the path. */
+   * through panes after their start, see shadowRaysThroughPanes(); 0: none finds the path. */
   double shadowRays = 0;
   bool lightIsIntersectable = true; ///< false for delta lights, which camera rays cannot hit
   double photons = 0;               ///< light paths whose vertices are merged; 0: none

@@ -11,7 +11,7 @@ namespace recurse {
  * the lock. A process that is killed leaves no lock behind. */
 class FileLock {
  public:
-  /** Throws Error where a second process has the lock, or none can be had. */
+  /** Throws Error where a different process has the lock, or no lock can be had. */
   explicit FileLock(const std::string& fileName);
   ~FileLock();
   FileLock(const FileLock&) = delete;

@@ -11,7 +11,7 @@ namespace recurse {
  * are written. False for devices and pipes, which keep no data. */
 bool isSameFile(const std::string& a, const std::string& b);
 
-/** True where the name refers to a file in the folder or below it, once links are followed. */
+/** True where the name, of a file or folder that need not exist, is below the folder, links followed. */
 bool isInside(const std::string& name, const std::string& folder);
 
 /** True for a pipe, terminal or socket that this process was started with, such as /dev/stdout. */

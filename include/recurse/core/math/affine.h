@@ -1,5 +1,5 @@
 /** @file
- * Tests whether a matrix can be the transform of a shape.
+ * Tests whether a matrix can be a transform of shapes or cameras: finite and invertible.
  */
 #pragma once
 

@@ -18,7 +18,7 @@ template <class F> double gauss7(const F& f, double a, double b) {
   return sum * half;
 }
 
-/** Adaptive quadrature: halves the interval until both halves agree with the whole to `tolerance`. */
+/** Adaptive quadrature: halves [a, b] until both halves agree with the rule's `whole` to `tolerance`. */
 template <class F>
 double integrate(const F& f, double a, double b, double tolerance, double whole, int depth) {
   const double middle = 0.5 * (a + b);

@@ -158,7 +158,7 @@ class Material {
    * MediumInterface. */
   std::unique_ptr<const ParsedDirective> filling;
   int nesting = -1; ///< index among the scene's solids with priority, highest priority first; -1: no
-                    ///< priority. Solids with the same priority and refractive index share one entry
+                    ///< priority. Solids of equal priority, refractive index and medium share one index
 };
 
 /** Arguments of makers of materials besides parameters. */

@@ -46,7 +46,7 @@ class ScatteringPoint {
 
   /** Mixes a guide into the sampling of radiance walks, not of photons, at opaque surfaces. Null: none. */
   void follow(const DirectionGuide* newGuide) { guide = isGuidable() ? newGuide : nullptr; }
-  /** Whether a guide for one side of the surface applies. */
+  /** Whether a guide can be used: guides cover the directions on one side of a surface only. */
   bool isGuidable() const { return hasNonDelta() && !(lobeSet & (TRANSMISSION | FIBRE)); }
 
   LobeSet lobes() const { return lobeSet; }
@@ -181,7 +181,7 @@ class ScatteringPoint {
   std::optional<Scatter> diffuseForwardScatter(const Vec3f& wi, Sampler& sampler) const {
     return scatterNonDelta(wi, Transport::FLUX, sampler);
   }
-  /** Mirror step of a camera path; its weight is the sum of all mirror lobes. */
+  /** Mirror step of a camera path; BSDFs have one mirror lobe, the sum of all their layers or parts. */
   std::optional<Scatter> specularReflectionBackwardScatter(const Vec3f& wi) const {
     return firstDelta(wi, MIRROR);
   }
@@ -247,7 +247,7 @@ class ScatteringPoint {
     return s;
   }
 
-  /** True where both directions are on the same side by one of the two normals but not by the second. */
+  /** True where geometric and shading normal disagree on whether both directions are on the same side. */
   bool leaks(const Vec3f& wi, const Vec3f& wo) const {
     const bool sameGeometric = glm::dot(wi, geometricNormal) * glm::dot(wo, geometricNormal) > 0;
     const bool sameShading = glm::dot(wi, frame.z) * glm::dot(wo, frame.z) > 0;

@@ -1,5 +1,5 @@
 /** @file
- * Bump and normal maps of materials, which change only the shading frame.
+ * Bump and normal maps of materials, which change the shading normal and nothing else.
  */
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace recurse {
 
-/** Modifies the shading frame of a point before its BSDF is made. */
+/** Modifies the shading normal of a point before its BSDF is made. */
 class SurfaceDetail {
  public:
   virtual ~SurfaceDetail() = default;

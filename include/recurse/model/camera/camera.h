@@ -58,7 +58,7 @@ class Camera {
   /** Samples a ray. Its radiance times its weight, averaged over a pixel's samples, is the value of the
    * pixel. Empty: the ray is blocked within the lens. */
   virtual std::optional<CameraRay> sampleRay(const CameraSample& sample) const = 0;
-  /** sampleRay() without rays whose origin or direction is too large to be traced. */
+  /** sampleRay(), but empty also where the origin or direction is NaN or too large to be traced. */
   std::optional<CameraRay> validRay(const CameraSample& sample) const {
     constexpr float LARGEST = 1e18f; // squares must be finite
     std::optional<CameraRay> ray = sampleRay(sample);

@@ -59,7 +59,7 @@ class Film {
     ++p.halfSamples;
   }
 
-  /** Allocates the splat plane at first use; sums are fixed-point, with this unit, a power of two. */
+  /** Allocates the splat plane, unless it exists; sums are fixed-point with this unit, a power of two. */
   void enableSplats(double unit) {
     if (!splatPlane) splatPlane.emplace(pixelBounds, layers, unit);
   }
@@ -105,6 +105,9 @@ class Film {
     return splatPlane ? mean + splatPlane->value(pixel, layer) : mean;
   }
   uint64_t samples(size_t pixel) const { return pixels[pixel].samples; }
+  /** For each pixel the nearest one with samples, where that is no more than `reach` steps along rows and
+   * columns away, else itself; empty: all have samples. */
+  std::vector<size_t> nearestSampled(int reach) const;
   uint64_t totalSamples() const {
     uint64_t n = 0;
     for (const Pixel& p : pixels) n += p.samples;

@@ -30,7 +30,7 @@ class SplatPlane {
         moments(bounds.area()) {}
 
   /** Adds to each layer of the bit set, around a point [pixels of the whole film]. `value` is finite: the
-   * contribution of one light path by one pixel's importance (WiSample). Any thread, any time. */
+   * contribution of one light path for the importance of one pixel (WiSample). Any thread, any time. */
   void add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value);
   /** Counts light paths, with or without contributions. Callable from any thread. */
   void addPaths(uint64_t count);
@@ -47,7 +47,7 @@ class SplatPlane {
   double variance(size_t pixel) const;
   double unit() const { return unitOfSums; }
   uint64_t paths() const { return figures.paths; }
-  /** Number of contributions that overflowed the sums, whose light is lost in part. */
+  /** Number of contributions that were clamped, or made a sum overflow: their light is lost in part. */
   uint64_t saturated() const { return figures.saturated; }
   /** Number of the first pass whose light paths are not included; needed to resume a render. */
   uint64_t nextPass() const { return figures.nextPass; }

@@ -51,7 +51,7 @@ struct MajorantSegment {
   Rgb majorant{0}; ///< [1/length]
 };
 
-/** Majorant segments of a ray in order: one in a homogeneous medium, else one for each cell on its way. */
+/** Majorant segments of a ray in order: one in a homogeneous medium, else one for each non-empty cell. */
 class MajorantSegments {
  public:
   /** The interval [0, end) with one majorant. */

@@ -21,7 +21,7 @@ class GeometryGroup;
 /** Parts of the last scene, by keys that identify all inputs of their construction. */
 template <class Key, class Part> class KeptByKey {
  public:
-  size_t kept = 0, made = 0; ///< counts for the last scene
+  size_t kept = 0, made = 0; ///< numbers of parts reused and of parts made, for the last scene
 
   /** Removes and returns a part, null where there is none: each is used once in the next scene. */
   std::shared_ptr<Part> take(const Key& key) {

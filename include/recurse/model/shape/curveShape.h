@@ -32,7 +32,7 @@ class CurveShape final : public Shape {
   Bounds3f bounds(uint32_t segment) const override;
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f&, const Vec3f&, float, float) const override;
   SurfacePoint surfaceAt(uint32_t segment, const HitParameters& parameters) const override;
-  /** Rim of a surface that encloses no volume. */
+  /** A piece of zero length, that is, a rim without location: curves enclose no volume. */
   std::vector<RimPiece> rim() const override {
     const Vec3f start(points.front());
     return {{start, start, start}};

@@ -49,7 +49,7 @@ struct SurfacePoint {
   float indexOutside = 1; ///< refractive index on the outer side; only for nested dielectrics
   float time = 0;         ///< Ray::time of the incident and the scattered rays
   float wavelength = 0;   ///< wavelength for dispersive refraction [nm]; 0: no dispersion
-  bool isWhite = true;    ///< true: the path has all wavelengths, and `wavelength` is sampled
+  bool isWhite = true;    ///< true: the path still has all wavelengths; `wavelength` is a sample
   /** Kind of a curve: curves are too thin for photon density. Most of them turn to the ray that hits them. */
   enum class Curve : uint8_t { NONE, FIXED, FACES_RAY } curve = Curve::NONE;
 
@@ -163,6 +163,8 @@ class Shape {
   /** Face and coordinates of a point of a primitive. */
   virtual FacePoint facePointOf(uint32_t /*primitive*/, const SurfacePoint&) const { return {}; }
 
+  /** Mean number of overlapping parts that a ray through the shape tests; 1 without overlap. */
+  virtual double testsOfRay() const { return 1; }
   /** The mesh itself where the shape is one, so that Embree intersects its triangles. */
   virtual const TriangleMesh* triangleMesh() const { return nullptr; }
   Bounds3f bounds() const;
@@ -211,7 +213,7 @@ struct ComponentShape {
 class ShapeLookup {
  public:
   virtual ~ShapeLookup() = default;
-  /** Makes the shapes of the object in the space of `context`; fails at the parameter that names it. */
+  /** Makes the object's shapes in the space of `context`. Throws SceneError at the naming parameter. */
   virtual std::vector<ComponentShape> object(const Parameters& p, const std::string& parameter,
                                              const std::string& name, const ShapeContext& context) = 0;
 };

@@ -1,6 +1,6 @@
 /** @file
  * Solid noise (K. Perlin, "Improving Noise", SIGGRAPH 2002), and fractal sums of it for textures (Perlin, "An
- * Image Synthesizer", SIGGRAPH 1985), without octaves that are finer than the footprint.
+ * Image Synthesizer", SIGGRAPH 1985). Octaves too fine for the footprint are replaced by their mean.
  */
 #pragma once
 
@@ -11,7 +11,7 @@ namespace recurse {
 /** Gradient noise in about [-1, 1], zero at integer lattice points, mean zero, period 256 along each axis. */
 double perlinNoise(const Vec3d& p);
 
-/** Sum of octaves of noise: each is 1.99 times finer than the one before, and scaled by `roughness`. */
+/** Sum of octaves of noise: each is 1.99 times finer than the one before, and `roughness` times as high. */
 struct NoiseSum {
   int octaves = 8;
   double roughness = 0.5;

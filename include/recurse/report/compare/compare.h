@@ -83,7 +83,7 @@ struct Comparison {
   std::vector<WorstPixel> worst; ///< largest error first
 };
 
-/** Compares with one reference. Throws Error for different sizes. */
+/** Compares with one reference. Throws Error where the sizes differ. */
 Comparison compareImages(const Image& image, const Image& reference);
 
 /** Compares with the reference r, and free of noise with a and b. Without `reference`, r is their mean, whose

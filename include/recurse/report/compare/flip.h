@@ -24,15 +24,15 @@ struct Flip {
   std::vector<double> exposures;
 };
 
-/** LDR-FLIP of linear pictures as displayed without exposure, clipped to [0, 1]. Throws Error for different
- * sizes. */
+/** LDR-FLIP of linear pictures as displayed without exposure, clipped to [0, 1]. Throws Error where the
+ * sizes differ. */
 Flip ldrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 
 /**
  * HDR-FLIP: maximum LDR-FLIP of each pixel over a range of exposures with the ACES tone curve. The first
- * exposure maps the reference's largest luminance to 0.85, the last one its median, in steps of at most one
- * stop. Negative values count as zero. Where the median is zero, which the paper does not treat, the median
- * of the positive luminances is used.
+ * exposure maps the reference's largest luminance to 0.85, the last one its median; there is an exposure for
+ * each stop of this range, rounded up, and at least two. Negative values count as zero. Where the median is
+ * zero, which the paper does not treat, the median of the positive luminances is used.
  */
 Flip hdrFlip(const Image& image, const Image& reference, double pixelsPerDegree = FLIP_PIXELS_PER_DEGREE);
 

@@ -25,7 +25,7 @@ struct References {
 };
 
 /** References from one picture; from two independent ones, with r as their mean; or from r and two
- * independent ones. Throws Error for different sizes and for pixels that are not finite. */
+ * independent ones. Throws Error where sizes differ, or pixels are not finite. */
 References makeReferences(const std::vector<Image>& images, const std::vector<std::string>& names);
 
 /** Number with its 95 % confidence interval. */
@@ -141,7 +141,7 @@ struct TimeToReach {
   enum class Kind {
     BETWEEN, ///< interpolated between two measured points, linearly in the log-log plot
     BEFORE,  ///< the first point has reached it already
-    BEYOND,  ///< extrapolated by the fit, to at most ten times the longest time measured
+    BEYOND,  ///< extrapolated from the last point by the fitted exponent, at most tenfold in time
     NEVER    ///< neither measured nor extrapolated
   } kind = Kind::NEVER;
   double seconds = 0;

@@ -21,7 +21,7 @@ struct Inspection {
   size_t photonsInMap = 0;           ///< number in the map, before thinning
 };
 
-/** At most `most` photons, evenly thinned from the map, with the power of the omitted ones redistributed. */
+/** At most `most` photons, evenly thinned from the map; their power is scaled to include the omitted ones. */
 std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, size_t& inMap);
 
 /** Self-contained page. */

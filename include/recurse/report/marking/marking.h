@@ -96,8 +96,8 @@ struct Marking {
 /** Residual above which no class of light explains the difference of a region. */
 constexpr double MARKED_RESIDUAL = 0.2;
 
-/** Marks a picture by the class layers of stills. Throws Error for different sizes, and for stills without
- * layers or with overlapping ones. */
+/** Marks a picture by the class layers of stills. Throws Error where the sizes differ, or the stills have
+ * no layers or overlapping ones. */
 Marking markExercise(const Image& picture, const Stills& reference);
 
 /** Statement about one error of a picture. */

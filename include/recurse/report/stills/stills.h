@@ -87,8 +87,8 @@ SheetLayout sheetLayout(int pictureWidth, int pictureHeight, size_t layers);
  * mean; linear, to be written without exposure. */
 Image contactSheet(const Stills& stills);
 
-/** Self-contained page. The layers of `other` can be compared on it; throws Error for different
- * sizes. */
+/** Self-contained page. With `other`, it also compares the layers of both stills; throws Error where the
+ * sizes differ. */
 std::string stillsPage(const Stills& stills, const Stills* other = nullptr);
 
 /** Table for a terminal: name, expression, mean and share of each layer, and the remarks. */

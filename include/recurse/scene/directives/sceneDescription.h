@@ -57,7 +57,7 @@ struct InstanceDescription {
 
 struct TextureDescription {
   std::string name;
-  bool spectrum = false; ///< else float
+  bool spectrum = false; ///< true: a spectrum texture; false: a float texture
   ParsedDirective texture;
   Mat4d worldFromTexture{1};
 };

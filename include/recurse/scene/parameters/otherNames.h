@@ -29,7 +29,7 @@ const std::vector<OtherName>& otherNames();
  * the table. */
 std::vector<PlugInName> plugInsMeantBy(const std::string& word);
 
-/** Members of `names`, of the kind `kind`, that `wrong` may be meant to be: first by the table, then by its
+/** Members of `names`, of the kind `kind`, that `wrong` may refer to: first by the table, then by a similar
  * spelling. */
 std::vector<std::string> likelyNames(const std::string& kind, const std::string& wrong,
                                      const std::vector<std::string>& names);

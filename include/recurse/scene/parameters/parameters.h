@@ -168,7 +168,7 @@ class Parameters {
 Parameters bindParameters(const ParsedDirective& directive, const std::vector<ParameterSpec>& specs,
                           Diagnostics& diagnostics, bool lenient);
 
-/** Parses only `"float radius" 2 "rgb L" [1 1 1]`, for examples, tests and options. Throws SceneError. */
+/** Parses a bare list `"float radius" 2 "rgb L" [1 1 1]`: of examples, tests, options. Throws SceneError. */
 ParsedDirective parseParameterText(const std::string& plugIn, const std::string& text);
 
 } // namespace recurse

@@ -27,7 +27,7 @@ struct DomainReport {
     std::string first, second; ///< the estimators
     std::string example;       ///< a shortest common path of both domains
   };
-  std::vector<Overlap> overlaps;      ///< only between estimators of different groups
+  std::vector<Overlap> overlaps;      ///< only of pairs that do not share a group
   std::vector<std::string> uncovered; ///< examples of paths in no domain
   std::string uncoveredExpression;    ///< all paths in no domain, if a short expression was found
 

@@ -79,7 +79,7 @@ struct TransportCounts {
 };
 
 /** Splats of light paths to the camera, sorted into film layers; for any thread. The contribution of a path
- * is its flux, as if it were the only path, times its BSDF, the camera's importance over its density
+ * is its flux, as if it were the only path, times its scattering, the camera's importance over its density
  * (WiSample), and its MIS weight; the sum is divided by the number of paths. */
 class Splatter {
  public:

@@ -28,7 +28,7 @@ enum class PathTechnique : uint8_t {
 /** Name of a technique: "hit", "light sample". */
 const char* techniqueName(PathTechnique technique);
 
-/** Index of the camera. */
+/** Step index that represents the camera ray. */
 constexpr int CAMERA_STEP = -1;
 /** Index of a missing entry. */
 constexpr int NOT_RECORDED = -1;

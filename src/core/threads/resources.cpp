@@ -1,12 +1,13 @@
 /** @file
  * Available memory according to Linux, the control group, and the limits set in the shell.
  */
-#include "recurse/core/threads/memory.h"
+#include "recurse/core/threads/resources.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <utility>
 
 #include <sys/resource.h>
 
@@ -18,6 +19,8 @@ namespace recurse {
 namespace {
 
 double memoryLimit = INFINITY; // of the process [bytes]
+double workLimit = INFINITY;   // of a scene [s]
+thread_local WorkSum* sumOfThread = nullptr;
 
 /** Number after a word in a file of "Name: number kB" lines [bytes]; infinite where the word is missing. */
 double numberAfter(const char* fileName, const std::string& word) {
@@ -60,6 +63,22 @@ void requireMemory(const std::string& subject, double bytes) {
       formatted(" needs about %.3g GB of memory, and %.3g GB are available", bytes / 1e9, available / 1e9) +
       (memoryLimit < INFINITY ? " (--memory)" : ""));
 }
+
+void setWorkLimit(double seconds) { workLimit = seconds; }
+
+void requireWork(const std::string& subject, double seconds) {
+  const double before = sumOfThread ? sumOfThread->sum : 0, sum = before + seconds;
+  if (sum > workLimit) {
+    const std::string others =
+        before > 0 ? formatted(" after %.3g s for other parts of the scene", before) : "";
+    throw Error(subject + formatted(" takes about %.3g s of one core", seconds) + others +
+                formatted(", and %.3g s are allowed (--work)", workLimit));
+  }
+  if (sumOfThread) sumOfThread->sum = sum;
+}
+
+WorkSum::WorkSum() : outer(std::exchange(sumOfThread, this)) {}
+WorkSum::~WorkSum() { sumOfThread = outer; }
 
 MemoryCap::MemoryCap(double bytes) : limit(numberAfter("/proc/self/status", "VmData:") + bytes) {
   rlimit before{};
