@@ -35,7 +35,7 @@ std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes) {
   if (classes.empty()) throw Error("no path class is given", ExitStatus::BAD_USAGE);
   if (classes.size() > MAX_CLASSES)
     throw Error(std::to_string(classes.size()) + " path classes: at most " + std::to_string(MAX_CLASSES) +
-                    " can be told apart at once",
+                    " can be rendered at once",
                 ExitStatus::BAD_USAGE);
   std::vector<PathAutomaton> automata;
   std::set<std::string> names;

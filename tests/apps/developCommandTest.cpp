@@ -115,7 +115,7 @@ TEST_F(DevelopProgram, RefusesWhatMakesNoSense) {
   refused({"--display", "gamma"}, "gamma2.2");
   refused({"--bloom", "2"}, "from 0 to 1");
   refused({"--bloom-angle", "20"}, "needs --bloom");
-  refused({"-o", "y.exr"}, "not for a display");
+  refused({"-o", "y.exr"}, "not a picture format for displays");
   const Outcome missing = run({"develop", "none.exr", "-o", "x.png"});
   EXPECT_EQ(missing.status, 1);
   EXPECT_TRUE(has(missing.err, "none.exr: cannot be read")) << missing.err;
