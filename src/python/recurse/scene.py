@@ -20,7 +20,7 @@ Medium = Union[str, "tuple[str, str]"]
 
 
 class RecurseWarning(UserWarning):
-    """What Recurse does otherwise than the scene asks for, or what will be seen in the picture."""
+    """A difference between the scene and the render, or a visible problem of the picture."""
 
 
 class Paths(NamedTuple):
@@ -93,11 +93,11 @@ class Scene:
         self._setting("Film", films.make(name, parameters))
 
     def set_integrator(self, name: str | PlugIn, **parameters: Any) -> None:
-        """How light is computed, unless render() says otherwise."""
+        """The algorithm that computes light, unless render() names another."""
         self._setting("Integrator", integrators.make(name, parameters))
 
     def set_sampler(self, name: str | PlugIn = "zsobol", **parameters: Any) -> None:
-        """Samples of each pixel, and the seed, unless render() says otherwise."""
+        """Number of samples per pixel, and the seed, unless render() has others."""
         self._setting("Sampler", samplers.make(name, parameters))
 
     def set_filter(self, name: str | PlugIn, **parameters: Any) -> None:
@@ -123,7 +123,7 @@ class Scene:
 
     def add_light(self, name: str | PlugIn, *, transform: Transform = None, medium: Medium | None = None,
                   **parameters: Any) -> None:
-        """A light that is not a surface."""
+        """A light without a surface."""
         self._add(self._placed(transform, medium) + [f"LightSource {self._use(lights.make(name, parameters))}"])
 
     def add_medium(self, medium_name: str, name: str | PlugIn, *, transform: Transform = None,
@@ -222,7 +222,7 @@ class Scene:
             python_warnings.warn(text, RecurseWarning, stacklevel=4)
 
     def check(self) -> str:
-        """What the scene contains and needs, in words. Raises SceneError for one that is wrong."""
+        """A report of the contents and the memory of the scene. Raises SceneError if it has errors."""
         return self._loaded().report()
 
     def render(self, integrator: str | PlugIn | None = None, *, spp: int | None = None,
@@ -325,7 +325,7 @@ def _named(records: np.ndarray, columns: Mapping[str, Sequence[str]]) -> np.ndar
 
 
 def load(file: Union[str, os.PathLike], *, lenient: bool = False) -> Scene:
-    """Reads a scene file, or a model. Raises SceneError for one that is wrong; `lenient` makes unknown parameters
+    """Reads a scene file, or a model. Raises SceneError if it has errors; `lenient` makes unknown parameters
     warnings."""
     scene = Scene(lenient=lenient)
     scene._name, scene._directory = os.fspath(file), None
