@@ -142,7 +142,7 @@ void registerSubsurface(PlugIns& plugIns) {
           .withTexture(),
       realParameter("g", "0", "asymmetry of the scattering, from -1 (backward) to 1 (forward)")
           .range(-0.999, 0.999),
-      realParameter("scale", "1", "factor on sigma_a and sigma_s, or divisor of mfp").range(0, 1e30),
+      realParameter("scale", "1", "factor on sigma_a and sigma_s, or on mfp").range(0, 1e30),
       realParameter("eta", "1.33", "refractive index inside over outside").range(1e-3, 1e3)};
   addRoughnessParameters(parameters);
   plugIns.materials.add(

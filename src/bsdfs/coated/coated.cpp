@@ -25,7 +25,7 @@ struct CoatParameters {
     parameters.push_back(
         realParameter(
             "thickness", "0.01",
-            "thickness of the coat [mean free paths of the medium in it; its absorption is 1 - albedo]")
+            "thickness of the coat [mean free paths of the medium in it, which absorbs 1 - albedo]")
             .range(0, 1e6)
             .withTexture());
     parameters.push_back(spectrumParameter("albedo", "0", SpectrumKind::ALBEDO,

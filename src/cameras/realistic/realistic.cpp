@@ -56,7 +56,7 @@ std::vector<LensSurface> readLens(const Parameters& p) {
     }
   }
   if (!numbers.empty())
-    fail(begin, "the last surface is outside of the aperture",
+    fail(begin, "the last surface is incomplete",
          "four numbers for each: radius, distance to the next, index behind, diameter");
   if (surfaces.empty()) p.fail("lensfile", "\"" + path + "\" has no surfaces");
   return surfaces;

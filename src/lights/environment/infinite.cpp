@@ -95,8 +95,8 @@ void registerInfinite(PlugIns& plugIns) {
         .parameters = {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "radiance [W/(m² sr)]"),
                        realParameter("scale", "1", "factor on L or on the picture").range(0, 1e30),
                        realParameter("illuminance", "",
-                                     "irradiance of a surface to which L is scaled; for a picture, the "
-                                     "irradiance from its upper half (+z), as in pbrt-v4")
+                                     "irradiance of a surface to which L is scaled; for a picture, half of "
+                                     "the irradiance from above (+z), as pbrt-v4 computes it")
                            .positive(),
                        stringParameter("filename", "", "environment map"),
                        stringParameter("mapping", "",
@@ -107,7 +107,7 @@ void registerInfinite(PlugIns& plugIns) {
                        arrayParameter(
                            ParameterType::POINT3, "portal", 4, "",
                            "portal: corners of a rectangle in world space, with sides p3-p0 and p1-p0 and "
-                           "their cross product pointing outwards; light is sampled through it")},
+                           "their cross product pointing outwards; light is sampled through it first")},
         .examples = {"\"rgb L\" [.4 .45 .5]", "\"string filename\" \"scenes/textures/evening.hdr\"",
                      "\"string filename\" \"scenes/textures/evening.hdr\" \"float scale\" 2 "
                      "\"point3 portal\" [-.5 1.5 -1  1.5 1.5 -1  1.5 1.5 .5  -.5 1.5 .5]"}},

@@ -17,7 +17,7 @@ const std::vector<ParameterSpec>& optionSpecs() {
       ignoredParameter(ParameterType::BOOLEAN, "disablepixeljitter",
                        "samples are always distributed over the pixel"),
       ignoredParameter(ParameterType::BOOLEAN, "disabletexturefiltering", "an option for debugging pbrt"),
-      ignoredParameter(ParameterType::BOOLEAN, "light is always RGB", "light is RGB here"),
+      ignoredParameter(ParameterType::BOOLEAN, "disablewavelengthjitter", "light is always RGB"),
       ignoredParameter(ParameterType::REAL, "displacementedgescale", "for pbrt's displaced meshes"),
       ignoredParameter(ParameterType::BOOLEAN, "forcediffuse", "an option for debugging pbrt"),
       ignoredParameter(ParameterType::STRING, "msereferenceimage", "see `recurse compare`"),

@@ -109,13 +109,13 @@ void registerTorus(PlugIns& plugIns) {
         .summary = "A torus around the z axis.",
         .parameters = {realParameter("majorradius", "1", "distance from the z axis to the center of the tube")
                            .positive(),
-                       realParameter("radius of the tube", "0.25", "of the tube").positive(), sweep},
+                       realParameter("minorradius", "0.25", "radius of the tube").positive(), sweep},
         .examples = {"", "\"float majorradius\" 2 \"float minorradius\" 1.5",
                      "\"float minorradius\" .1 \"float phimax\" 250"}},
        [](const Parameters& p, const ShapeContext& context) {
          const double major = p.real("majorradius"), minor = p.real("minorradius");
          if (!(minor < major))
-           p.fail(p.has("minorradius") ? "minorradius" : "majorradius", "the tube has no hole",
+           p.fail(p.has("minorradius") ? "minorradius" : "majorradius", "the torus has no hole",
                   "a minorradius less than the majorradius");
          return std::make_unique<Torus>(major, minor, p.real("phimax") / 360 * 6.28318530717958647693,
                                         context);
