@@ -76,7 +76,7 @@ std::string partScript(const Job& job) {
               std::to_string(beginOf(i + 1, job.parts, job.samples, job.passes)) + " file=" + partName(i) +
               " ;;\n";
   return "#!/bin/sh\n"
-         "# part.sh N: renders part N, or goes on with it.\n" +
+         "# part.sh N: renders part N, or continues it.\n" +
          scriptStart() + "case \"$1\" in\n" + ranges +
          "*) echo \"there is no part '$1'\" >&2; exit 2 ;;\nesac\n"
          "exec \"$RECURSE\" render " +

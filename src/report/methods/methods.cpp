@@ -230,8 +230,8 @@ std::string methodsTable(const MethodsReport& report) {
          "own "
          "mean:\n"
          "against the light of the paths that the method computes" +
-         (report.isExact ? "" : ", as far as classes separate them") + "\nreference: " + report.reference +
-         "\n";
+         (report.isExact ? "" : ", approximately: the classes do not separate them exactly") +
+         "\nreference: " + report.reference + "\n";
 }
 
 std::string methodsJson(const MethodsReport& report) {
