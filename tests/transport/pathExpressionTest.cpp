@@ -538,7 +538,7 @@ TEST(PathClasses, LimitsAreErrorsThatSayWhatToDo) {
   says({{"good", "LE"}, {"bad", "LD"}}, "class 'bad': path expression, column 1");
   says({{"few", "LE"}, {"long", "LS{300}E"}}, "more than 255 states");
   says({{"few", "LE"}, {"long", "LS{300}E"}}, "the largest is 'long'");
-  says({{"a", "L.{17}S.*E"}}, "more than 65535 states on the side of the eye");
+  says({{"a", "L.{17}S.*E"}}, "more than 65535 states on the side of the camera");
   says(std::vector<PathClass>(65, {"a", "LE"}), "at most 64");
 }
 
@@ -619,7 +619,7 @@ TEST(ClassesReport, TellsOverlapsAndWhatIsLeftOver) {
   const std::string both = analyseClasses({{"a", "surface"}, {"b", "medium"}}).text();
   EXPECT_NE(
       both.find("disjoint: no path is in two of these\ncomplete: every path is in one of these\n"
-                "rendered at once with 2 states on the side of the light and 2 on the side of the eye\n"),
+                "rendered at once with 2 states on the side of the light and 2 on the side of the camera\n"),
       std::string::npos)
       << both;
 }

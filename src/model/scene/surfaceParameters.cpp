@@ -46,7 +46,7 @@ void readDetail(Material& material, const Parameters& p, const MaterialContext& 
 void addSurfaceParameters(PlugIns& plugIns) {
   plugIns.shapes.addToAll({realParameter("alpha", "1",
                                          "opacity: the probability that a ray hits the surface; other rays "
-                                         "pass through. An area light with alpha 0 is invisible, but emits")
+                                         "pass through. An area light with opacity 0 is invisible, but emits")
                                .withTexture()},
                           readAlpha);
   plugIns.materials.addToAll(

@@ -225,11 +225,8 @@ std::string methodsTable(const MethodsReport& report) {
       out += std::string(width, ' ') + std::to_string(m.whole.nonFinite) + " pixels NOT FINITE\n";
   }
   return out +
-         "\n"
-         "error: relMSE without the noise of the references, mean of (x-a)(x-b)/(r^2+0.01); own error and "
-         "own "
-         "mean:\n"
-         "against the light of the paths that the method computes" +
+         "\nerror: relMSE without the noise of the references, mean of (x-a)(x-b)/(r^2+0.01);\n"
+         "own error and own mean: of the light of the paths that the method computes" +
          (report.isExact ? "" : ", approximately: the classes do not separate them exactly") +
          "\nreference: " + report.reference + "\n";
 }
