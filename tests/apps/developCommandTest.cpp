@@ -40,7 +40,7 @@ TEST_F(DevelopProgram, ShowsADarkPictureByItself) {
   makePicture();
   const Outcome o = run({"develop", "dark.exr", "-o", "a.png", "-o", "a.jpg"});
   ASSERT_EQ(o.status, 0) << o.err;
-  EXPECT_TRUE(has(o.err, "exposed by +")) << o.err;
+  EXPECT_TRUE(has(o.err, "exposure +")) << o.err;
   EXPECT_TRUE(has(o.err, "tone operator filmic")) << o.err;
   EXPECT_GT(meanOf("a.png"), 0.35);
   EXPECT_LT(meanOf("a.png"), 0.65);
@@ -158,7 +158,7 @@ TEST_F(DevelopProgram, RenderSaysHowItExposed) {
                                               "4",      "-o",         "a.png",        "-o",   "a.exr"};
   const Outcome o = run(arguments);
   ASSERT_EQ(o.status, 0) << o.err;
-  EXPECT_TRUE(has(o.err, "exposed by ")) << o.err;
+  EXPECT_TRUE(has(o.err, "exposure ")) << o.err;
   EXPECT_TRUE(has(o.err, "plain: --exposure 0 --tonemap none")) << o.err;
   std::vector<std::string> plain = arguments;
   plain.insert(plain.end(), {"--exposure", "0", "--tonemap", "none"});

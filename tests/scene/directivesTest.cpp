@@ -202,7 +202,7 @@ TEST(Directives, ObjectErrors) {
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectEnd ObjectBegin \"a\" Shape \"s\" ObjectEnd"),
                   "already defined");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectInstance \"a\" ObjectEnd"),
-                  "inside the object");
+                  "would contain itself");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectInstance \"b\" ObjectEnd "
                            "ObjectBegin \"b\" ObjectInstance \"a\" ObjectEnd ObjectInstance \"a\""),
                   "would contain itself");

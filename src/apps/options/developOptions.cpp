@@ -163,8 +163,8 @@ std::optional<double> PictureWriter::stops() const {
 
 std::string PictureWriter::remark() const {
   if (!developed) return "";
-  return formatted("exposed by %+.2f stops", developed->stops) + ", tone operator " + options.toneMap +
-         "; plain: --exposure 0 --tonemap none\n";
+  return formatted("exposure %+.2f stops", developed->stops) + ", tone operator " + options.toneMap +
+         "; for linear values: --exposure 0 --tonemap none\n";
 }
 
 } // namespace recurse::apps
