@@ -159,7 +159,7 @@ TEST_F(DevelopProgram, RenderSaysHowItExposed) {
   const Outcome o = run(arguments);
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_TRUE(has(o.err, "exposure ")) << o.err;
-  EXPECT_TRUE(has(o.err, "plain: --exposure 0 --tonemap none")) << o.err;
+  EXPECT_TRUE(has(o.err, "for linear values: --exposure 0 --tonemap none")) << o.err;
   std::vector<std::string> plain = arguments;
   plain.insert(plain.end(), {"--exposure", "0", "--tonemap", "none"});
   ASSERT_EQ(run(plain).status, 0);
