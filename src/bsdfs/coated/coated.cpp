@@ -23,9 +23,8 @@ struct CoatParameters {
                              .range(1, 1e3));
     addRoughnessParameters(parameters, prefix);
     parameters.push_back(
-        realParameter(
-            "thickness", "0.01",
-            "thickness of the coat [mean free paths of the medium in it, which absorbs 1 - albedo]")
+        realParameter("thickness", "0.01",
+                      "thickness of the coat [mean free paths of the medium in it, which absorbs 1 - albedo]")
             .range(0, 1e6)
             .withTexture());
     parameters.push_back(spectrumParameter("albedo", "0", SpectrumKind::ALBEDO,

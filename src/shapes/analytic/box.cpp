@@ -97,8 +97,7 @@ void registerBox(PlugIns& plugIns) {
          const Vec3d p1 = p.vector3("p1"), p2 = p.vector3("p2");
          for (int i = 0; i < 3; ++i)
            if (p1[i] == p2[i])
-             p.fail(p.has("p1") ? "p1" : "p2", "the box is flat",
-                    "corners that differ in each coordinate");
+             p.fail(p.has("p1") ? "p1" : "p2", "the box is flat", "corners that differ in each coordinate");
          return std::make_unique<Box>(glm::min(p1, p2), glm::max(p1, p2), context);
        }});
 }
