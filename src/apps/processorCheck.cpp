@@ -25,11 +25,11 @@ __attribute__((constructor(101))) void checkProcessor() {
       (needs.bmi2 && !__builtin_cpu_supports("bmi2")) || (needs.avx512 && !__builtin_cpu_supports("avx512f"));
   if (!lacks) return;
   if (needs.avx512)
-    say("recurse: was built for a processor with AVX-512, which this one lacks; build it here, or for any "
-        "(cmake --preset portable)\n");
+    say("recurse: was built for a processor with AVX-512, which this processor lacks; build it on this "
+        "machine, or for any processor (cmake --preset portable)\n");
   else
     say("recurse: needs a processor with AVX2, FMA and BMI2 (x86-64-v3: Intel since 2013, AMD since 2015), "
-        "which this one lacks\n");
+        "which this processor lacks\n");
   ::_exit(1);
 }
 #endif

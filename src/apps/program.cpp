@@ -121,9 +121,9 @@ ExitStatus run(int argc, char** argv) {
     return ExitStatus::DONE;
   }
   std::string manual, shell;
-  app.add_option("--manual", manual, "Print a page for man: 'recurse', or the name of a subcommand")
+  app.add_option("--manual", manual, "Print a manual page: 'recurse', or the name of a subcommand")
       ->type_name("COMMAND");
-  app.add_option("--completion", shell, "Print completions for bash, zsh or fish")->type_name("SHELL");
+  app.add_option("--completion", shell, "Print shell completions for bash, zsh or fish")->type_name("SHELL");
   try {
     app.parse(argc, argv);
     if (!manual.empty()) {

@@ -79,7 +79,8 @@ void registerAshikhminShirley(PlugIns& plugIns) {
             .withTexture());
   plugIns.materials.add(
       {{.name = "ashikhminshirley",
-        .summary = "Ashikhmin and Shirley's anisotropic Phong gloss with Fresnel effect over a diffuse base.",
+        .summary =
+            "Ashikhmin and Shirley's anisotropic Phong gloss with Fresnel reflection over a diffuse base.",
         .parameters = parameters,
         .examples = {"", "\"rgb specular\" [1 1 1] \"float uexponent\" 10 \"float vexponent\" 1000",
                      "\"rgb specular\" [.1 .2 .3] \"rgb reflectance\" [1 1 1] \"float uexponent\" 0 "

@@ -58,8 +58,7 @@ void registerBlinnPhong(PlugIns& plugIns) {
                            .withTexture());
   plugIns.materials.add(
       {{.name = "blinnphong",
-        .summary =
-            "Blinn and Phong's gloss, normalised, beside a diffuse part; never reflects more than arrives.",
+        .summary = "Normalised Blinn-Phong gloss and a diffuse part; conserves energy.",
         .parameters = parameters,
         .examples = {"", "\"rgb specular\" [1 .9 .8] \"float exponent\" 0",
                      "\"rgb specular\" [.9 .9 .9] \"rgb reflectance\" [1 1 1] \"float exponent\" 5",

@@ -138,7 +138,7 @@ void registerConductor(PlugIns& plugIns) {
   addMultipleScatteringParameter(parameters);
   plugIns.materials.add(
       {{.name = "conductor",
-        .summary = "A metal: mirror reflection with Fresnel's formulas, spread by roughness.",
+        .summary = "A metal: mirror reflection with Fresnel's equations, blurred by roughness.",
         .parameters = parameters,
         .examples = {"\"rgb reflectance\" [.9 .8 .7]",
                      "\"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"", "",

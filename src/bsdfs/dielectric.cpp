@@ -162,9 +162,8 @@ std::optional<DispersiveIndex> dispersionOf(const Parameters& p, const Roughness
   DispersiveIndex index(spectrum);
   if (index.isConstant()) return {};
   if (p.integer("priority") > 0 || !roughness.alwaysSmooth()) {
-    p.warn(source,
-           "dispersion is worked out for smooth dielectrics without a priority; this one refracts all "
-           "light as it does green");
+    p.warn(source, "no dispersion: it needs a smooth dielectric without a priority; this one refracts all "
+                   "light like green light");
     return {};
   }
   return index;
@@ -176,30 +175,28 @@ void registerDielectric(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = {
       spectrumParameter(
           "eta", "1.5", SpectrumKind::UNBOUNDED,
-          "refractive index inside over outside (the side of the normal); of a spectrum, the value for green")
+          "refractive index inside over outside (the side of the normal); a spectrum is evaluated at green")
           .range(1e-3, 1e3)};
   addRoughnessParameters(parameters);
   addMultipleScatteringParameter(parameters);
-  parameters.push_back(realParameter("abbe", "",
-                                     "Abbe number: the index falls with the wavelength by Cauchy's formula, "
-                                     "and is eta in yellow light")
-                           .range(1, 1e6));
   parameters.push_back(
-      booleanParameter("dispersion", "true",
-                       "colours are refracted by their own indices where eta is a named glass "
-                       "or a spectrum, or abbe is given"));
-  parameters.push_back(integerParameter("priority", "0",
-                                        "above 0: the shape is a solid that may overlap others with a "
-                                        "priority, as water does that reaches into "
-                                        "its glass; where they overlap the highest is there, of equal ones "
-                                        "the one that the file uses first, and "
-                                        "the surfaces of the others count for nothing; those with the same "
-                                        "priority and eta are one matter; eta is "
-                                        "then the index itself, not over that outside")
-                           .range(0, 1e6));
+      realParameter("abbe", "",
+                    "Abbe number for dispersion by Cauchy's formula; eta is then the index in yellow light")
+          .range(1, 1e6));
+  parameters.push_back(booleanParameter("dispersion", "true",
+                                        "dispersion: each colour has its own refractive index, if eta is a "
+                                        "named glass or a spectrum, or abbe is given"));
+  parameters.push_back(
+      integerParameter("priority", "0",
+                       "priority of a solid that overlaps others, such as water in a glass; 0: none. In an "
+                       "overlap the highest priority defines the material (of equal ones the first in the "
+                       "file), and the surfaces of the others are ignored. Materials with the same priority "
+                       "and eta are one medium. eta is then the absolute index, not relative to the outside")
+          .range(0, 1e6));
   plugIns.materials.add(
       {{.name = "dielectric",
-        .summary = "Glass, water and the like: Fresnel reflection and refraction, spread by roughness.",
+        .summary =
+            "Glass, water and other dielectrics: Fresnel reflection and refraction, blurred by roughness.",
         .parameters = parameters,
         .examples = {"\"float eta\" 1.5", "\"float eta\" 0.75", "\"float eta\" 1.33 \"integer priority\" 1",
                      "\"spectrum eta\" \"glass-BK7\"", "\"float eta\" 1.6 \"float abbe\" 30",
@@ -217,7 +214,7 @@ void registerDielectric(PlugIns& plugIns) {
          const Roughness roughness(p, c.textures);
          const bool multiple = wantsMultipleScattering(p, roughness);
          if (multiple && p.integer("priority") > 0)
-           p.fail("multiscatter", "it is not worked out for dielectrics with a priority");
+           p.fail("multiscatter", "multiple scattering is not supported for dielectrics with a priority");
          return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g), roughness, multiple,
                                              p.integer("priority"), dispersionOf(p, roughness));
        }});

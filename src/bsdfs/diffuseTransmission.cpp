@@ -59,33 +59,34 @@ class DiffuseTransmission final : public Material {
 } // namespace
 
 void registerDiffuseTransmission(PlugIns& plugIns) {
-  plugIns.materials.add(
-      {{.name = "diffusetransmission",
-        .summary = "Lambertian reflection and transmission, as of paper.",
-        .parameters =
-            {spectrumParameter("reflectance", "0.25", SpectrumKind::ALBEDO, "albedo of what is reflected")
-                 .withTexture(),
-             spectrumParameter("transmittance", "0.25", SpectrumKind::ALBEDO,
-                               "albedo of what goes through; where both add up to more than 1 they are "
-                               "scaled down to that")
-                 .withTexture(),
-             realParameter("scale", "1", "factor of both").range(0, 1)},
-        .examples = {"", "\"rgb reflectance\" [.5 .2 .1] \"rgb transmittance\" [.5 .7 .3]",
-                     "\"rgb reflectance\" [.25 .5 1] \"rgb transmittance\" [.75 .5 0]"}},
-       [](const Parameters& p, const MaterialContext& c) {
-         const double scale = p.real("scale");
-         if (p.texture("reflectance").empty() && p.texture("transmittance").empty()) {
-           const Rgbd sum = (p.spectrum("reflectance") + p.spectrum("transmittance")) * scale;
-           const double most = std::max({sum.r, sum.g, sum.b});
-           if (most > 1 + 1e-6)
-             p.warn(p.has("transmittance") ? "transmittance" : "reflectance",
-                    formatted("reflectance and transmittance add up to %.3g, so that more light would leave "
-                              "than arrives: both are divided by that",
-                              most));
-         }
-         return std::make_unique<DiffuseTransmission>(
-             c.textures.rgb(p, "reflectance"), c.textures.rgb(p, "transmittance"), static_cast<float>(scale));
-       }});
+  plugIns.materials.add({{.name = "diffusetransmission",
+                          .summary = "Lambertian reflection and transmission, as of paper.",
+                          .parameters = {spectrumParameter("reflectance", "0.25", SpectrumKind::ALBEDO,
+                                                           "albedo of the reflected light")
+                                             .withTexture(),
+                                         spectrumParameter("transmittance", "0.25", SpectrumKind::ALBEDO,
+                                                           "albedo of the transmitted light; if both add up "
+                                                           "to more than 1, they are scaled to a sum of 1")
+                                             .withTexture(),
+                                         realParameter("scale", "1", "factor on both albedos").range(0, 1)},
+                          .examples = {"", "\"rgb reflectance\" [.5 .2 .1] \"rgb transmittance\" [.5 .7 .3]",
+                                       "\"rgb reflectance\" [.25 .5 1] \"rgb transmittance\" [.75 .5 0]"}},
+                         [](const Parameters& p, const MaterialContext& c) {
+                           const double scale = p.real("scale");
+                           if (p.texture("reflectance").empty() && p.texture("transmittance").empty()) {
+                             const Rgbd sum =
+                                 (p.spectrum("reflectance") + p.spectrum("transmittance")) * scale;
+                             const double most = std::max({sum.r, sum.g, sum.b});
+                             if (most > 1 + 1e-6)
+                               p.warn(p.has("transmittance") ? "transmittance" : "reflectance",
+                                      formatted("reflectance and transmittance add up to %.3g: more light "
+                                                "would leave than arrives. Both are divided by that sum",
+                                                most));
+                           }
+                           return std::make_unique<DiffuseTransmission>(c.textures.rgb(p, "reflectance"),
+                                                                        c.textures.rgb(p, "transmittance"),
+                                                                        static_cast<float>(scale));
+                         }});
 }
 
 } // namespace recurse

@@ -241,7 +241,7 @@ Hair::Values colourOf(const Parameters& p, const MaterialContext& c) {
   std::string taken;
   const auto takes = [&](const char* name) {
     if (!p.has(name)) return false;
-    if (!taken.empty()) p.warn(name, "has no effect: \"" + taken + "\" says what the colour is");
+    if (!taken.empty()) p.warn(name, "is ignored: \"" + taken + "\" sets the colour");
     return taken.empty();
   };
   for (const char* name : {"sigma_a", "reflectance", "color"})
@@ -264,25 +264,26 @@ void registerHair(PlugIns& plugIns) {
   const double most = std::numeric_limits<double>::infinity();
   plugIns.materials.add(
       {{.name = "hair",
-        .summary = "Hair and fur, for shapes of type \"curve\". Its colour is given by one of absorption, "
-                   "reflectance and pigments.",
+        .summary =
+            "Hair and fur, for shapes of type \"curve\". Absorption, reflectance or pigments set its colour.",
         .parameters =
             {spectrumParameter("sigma_a", "", SpectrumKind::UNBOUNDED, "absorption [1/radius of the hair]")
                  .withTexture(),
-             spectrumParameter("reflectance", "", SpectrumKind::ALBEDO, "colour of many hairs").withTexture(),
-             spectrumParameter("color", "", SpectrumKind::ALBEDO, "the same by another name").withTexture(),
+             spectrumParameter("reflectance", "", SpectrumKind::ALBEDO, "colour of dense hair").withTexture(),
+             spectrumParameter("color", "", SpectrumKind::ALBEDO, "another name of reflectance")
+                 .withTexture(),
              realParameter("eumelanin", "",
-                           "concentration of the pigment of brown and black hair: 0.3 is blond, 8 is black; "
-                           "1.3 where nothing says what the colour is")
+                           "concentration of the pigment of brown and black hair (eumelanin): 0.3 is blond, "
+                           "8 is black; 1.3 if no parameter sets the colour")
                  .range(0, most)
                  .withTexture(),
-             realParameter("pheomelanin", "", "concentration of the pigment of red hair")
+             realParameter("pheomelanin", "", "concentration of the pigment of red hair (pheomelanin)")
                  .range(0, most)
                  .withTexture(),
              realParameter("eta", "1.55", "refractive index").range(1, 10).withTexture(),
              realParameter("beta_m", "0.3", "roughness along the hair").range(0.01, 1).withTexture(),
              realParameter("beta_n", "0.3", "roughness around the hair").range(0.01, 1).withTexture(),
-             realParameter("alpha", "2", "tilt of the scales to the hair [degrees]")
+             realParameter("alpha", "2", "angle between the scales and the hair [degrees]")
                  .range(-10, 10)
                  .withTexture()},
         .examples = {"", "\"rgb sigma_a\" [0 0 0] \"float beta_m\" .6", "\"rgb reflectance\" [.8 .5 .3]",

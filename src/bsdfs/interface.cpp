@@ -17,7 +17,10 @@ class Interface final : public Material {
 
 void registerInterface(PlugIns& plugIns) {
   plugIns.materials.add(
-      {{.name = "interface", .summary = "Light passes straight through.", .parameters = {}, .examples = {""}},
+      {{.name = "interface",
+        .summary = "No surface: light passes straight through. For boundaries of media.",
+        .parameters = {},
+        .examples = {""}},
        [](const Parameters&, const MaterialContext&) { return std::make_unique<Interface>(); }});
 }
 

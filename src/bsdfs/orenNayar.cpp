@@ -77,11 +77,12 @@ class OrenNayar final : public Material {
 void registerOrenNayar(PlugIns& plugIns) {
   plugIns.materials.add(
       {{.name = "orennayar",
-        .summary =
-            "A rough diffuse surface, such as clay or the Moon: flatter than Lambert's law; keeps energy.",
+        .summary = "Oren-Nayar's rough diffuse surface, such as clay or the Moon: shading is flatter than "
+                   "Lambert's law; conserves energy.",
         .parameters = {spectrumParameter("reflectance", "0.5", SpectrumKind::ALBEDO, "albedo of the facets")
                            .withTexture(),
-                       realParameter("sigma", "20", "standard deviation of the facets' tilt [degrees]")
+                       realParameter("sigma", "20",
+                                     "standard deviation of the slope angle of the facets [degrees]")
                            .range(0, 90)
                            .withTexture()},
         .examples = {"", "\"rgb reflectance\" [1 1 1] \"float sigma\" 35",

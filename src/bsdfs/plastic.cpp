@@ -114,12 +114,12 @@ void registerPlastic(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = {
       spectrumParameter("reflectance", "0.5", SpectrumKind::ALBEDO, "albedo of the base").withTexture(),
       spectrumParameter("eta", "1.5", SpectrumKind::UNBOUNDED,
-                        "refractive index of the coat; of a spectrum, the value for green")
+                        "refractive index of the coat; a spectrum is evaluated at green")
           .range(1.01, 10)};
   addRoughnessParameters(parameters, "", "0.1");
   plugIns.materials.add(
       {{.name = "plastic",
-        .summary = "A diffuse base below a clear coat, without noise: nothing is lost between the two.",
+        .summary = "A diffuse base below a clear coat that does not absorb, in closed form without noise.",
         .parameters = parameters,
         .examples =
             {"", "\"rgb reflectance\" [1 1 1] \"float roughness\" 0",

@@ -57,7 +57,7 @@ double albedoOf(double reflectance, double internal, double g) {
 Rgbd meanColour(const Parameters& p, const MaterialContext& c, const std::string& name) {
   if (p.texture(name).empty()) return p.spectrum(name);
   const TexturedRgb texture = c.textures.rgb(p, name);
-  p.warn(name, "the medium inside is the same everywhere: of the texture the mean counts");
+  p.warn(name, "the medium inside must be homogeneous: it uses the mean of the texture");
   if (!texture.texture) return BLACK;
   constexpr int SIDE = 32;
   Rgbd sum(0);
@@ -79,7 +79,7 @@ Inside fromReflectance(const Parameters& p, const MaterialContext& c) {
   const Rgbd reflectance = meanColour(p, c, "reflectance");
   const Rgbd meanFreePath = meanColour(p, c, "mfp") * p.real("scale");
   if (!(std::min({meanFreePath.r, meanFreePath.g, meanFreePath.b}) > 0))
-    p.fail(p.has("mfp") ? "mfp" : "scale", "a mean free path is 0: no light would get in", "lengths above 0");
+    p.fail(p.has("mfp") ? "mfp" : "scale", "a mean free path is 0: no light could enter", "lengths above 0");
   Inside inside{Rgbd(0), Rgbd(0), p.real("g")};
   const double internal = internalReflectance(p.real("eta"));
   for (int i = 0; i < 3; ++i) {
@@ -94,7 +94,7 @@ Inside fromReflectance(const Parameters& p, const MaterialContext& c) {
 Inside insideOf(const Parameters& p, const MaterialContext& c) {
   const double scale = p.real("scale");
   if (p.has("name")) {
-    if (p.real("g") != 0) p.warn("g", "measured matter has reduced scattering, and g is 0");
+    if (p.real("g") != 0) p.warn("g", "measured materials have reduced scattering, so that g is 0");
     const MediumPoint known = mediumPreset(p.string("name")).value();
     return {Rgbd(known.absorption) * scale, Rgbd(known.scattering) * scale, 0};
   }
@@ -102,7 +102,7 @@ Inside insideOf(const Parameters& p, const MaterialContext& c) {
     p.fail(p.has("sigma_a") ? "sigma_a" : "sigma_s", "only one of sigma_a and sigma_s is given",
            "both, or \"reflectance\" and \"mfp\"");
   if (!p.has("sigma_a") && p.has("reflectance")) return fromReflectance(p, c);
-  if (p.has("mfp") && !p.has("reflectance")) p.warn("mfp", "it counts only together with \"reflectance\"");
+  if (p.has("mfp") && !p.has("reflectance")) p.warn("mfp", "it is used only together with \"reflectance\"");
   return {meanColour(p, c, "sigma_a") * scale, meanColour(p, c, "sigma_s") * scale, p.real("g")};
 }
 
@@ -129,26 +129,26 @@ std::unique_ptr<const ParsedDirective> homogeneous(const Inside& inside, const S
 
 void registerSubsurface(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = {
-      stringParameter("name", "", "measured matter, in millimetres").oneOf(mediumPresetNames()),
+      stringParameter("name", "", "measured material; lengths in millimetres").oneOf(mediumPresetNames()),
       spectrumParameter("sigma_a", ".0011 .0024 .014", SpectrumKind::UNBOUNDED, "absorption [1/length]")
           .withTexture(),
       spectrumParameter("sigma_s", "2.55 3.21 3.77", SpectrumKind::UNBOUNDED, "scattering [1/length]")
           .withTexture(),
       spectrumParameter("reflectance", "", SpectrumKind::ALBEDO,
-                        "the part of the light which has entered a thick piece that comes out again, in the "
-                        "place of sigma_a and sigma_s")
+                        "multiple-scattering albedo: the fraction of light that leaves a thick piece again; "
+                        "instead of sigma_a and sigma_s")
           .withTexture(),
-      spectrumParameter("mfp", "1", SpectrumKind::UNBOUNDED, "mean free path, beside reflectance [length]")
+      spectrumParameter("mfp", "1", SpectrumKind::UNBOUNDED, "mean free path, with reflectance [length]")
           .withTexture(),
-      realParameter("g", "0", "asymmetry of the scattering, from -1 (back) to 1 (on)").range(-0.999, 0.999),
-      realParameter("scale", "1", "of sigma_a and sigma_s, or of mfp").range(0, 1e30),
+      realParameter("g", "0", "asymmetry of the scattering, from -1 (backward) to 1 (forward)")
+          .range(-0.999, 0.999),
+      realParameter("scale", "1", "factor on sigma_a and sigma_s, or on mfp").range(0, 1e30),
       realParameter("eta", "1.33", "refractive index inside over outside").range(1e-3, 1e3)};
   addRoughnessParameters(parameters);
   plugIns.materials.add(
       {{.name = "subsurface",
-        .summary =
-            "Milk, skin, marble: a dielectric boundary, and inside of the shape a homogeneous medium in "
-            "the place of the one that MediumInterface says.",
+        .summary = "Milk, skin, marble: a dielectric boundary with a homogeneous medium inside of the shape, "
+                   "which replaces that of MediumInterface.",
         .parameters = parameters,
         .examples = {"", "\"string name\" \"Marble\" \"float eta\" 1.5",
                      "\"rgb reflectance\" [ .8 .6 .4 ] \"float mfp\" .1 \"float roughness\" .3",

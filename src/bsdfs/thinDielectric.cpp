@@ -42,12 +42,12 @@ class ThinDielectric final : public Material {
 void registerThinDielectric(PlugIns& plugIns) {
   plugIns.materials.add(
       {{.name = "thindielectric",
-        .summary = "A pane thin enough that light goes straight through; both faces together.",
-        .parameters =
-            {spectrumParameter(
-                 "eta", "1.5", SpectrumKind::UNBOUNDED,
-                 "refractive index of the pane over that around it; of a spectrum, the value for green")
-                 .range(1e-3, 1e3)},
+        .summary =
+            "A thin pane, which light passes straight through; includes reflections between both faces.",
+        .parameters = {spectrumParameter("eta", "1.5", SpectrumKind::UNBOUNDED,
+                                         "refractive index of the pane relative to its surroundings; a "
+                                         "spectrum is evaluated at green")
+                           .range(1e-3, 1e3)},
         .examples = {"\"float eta\" 1.5"}},
        [](const Parameters& p, const MaterialContext&) {
          return std::make_unique<ThinDielectric>(static_cast<float>(p.spectrum("eta").g));

@@ -127,21 +127,20 @@ void registerTorranceSparrow(PlugIns& plugIns) {
       spectrumParameter("eta", "1.5", SpectrumKind::UNBOUNDED, "refractive index of the facets")
           .withTexture());
   parameters.push_back(
-      spectrumParameter("k", "0", SpectrumKind::UNBOUNDED, "absorption coefficient of the facets, of a metal")
+      spectrumParameter("k", "0", SpectrumKind::UNBOUNDED, "absorption coefficient of the facets, for metals")
           .withTexture());
   parameters.push_back(realParameter("roughness", "0.3",
-                                     "m of the distribution: of the tilt [rad] (gaussian), of its tangent "
-                                     "(the others), √2 times the standard deviation")
+                                     "width m of the distribution: of the tilt [rad] (gaussian), or of its "
+                                     "tangent (the others); √2 times the standard deviation")
                            .range(1e-3, 1)
                            .withTexture());
-  parameters.push_back(
-      stringParameter("distribution", "gaussian",
-                      "of the tilt: the paper's Gaussian, Beckmann's, Trowbridge and Reitz', or "
-                      "Blinn's power of the cosine")
-          .oneOf({"gaussian", "beckmann", "trowbridgereitz", "blinn"}));
+  parameters.push_back(stringParameter("distribution", "gaussian",
+                                       "distribution of the tilt: the paper's Gaussian, Beckmann's, "
+                                       "Trowbridge and Reitz', or Blinn's power of the cosine")
+                           .oneOf({"gaussian", "beckmann", "trowbridgereitz", "blinn"}));
   plugIns.materials.add(
       {{.name = "torrancesparrow",
-        .summary = "Torrance and Sparrow's V-shaped grooves of 1967, beside a diffuse part.",
+        .summary = "Torrance and Sparrow's V-shaped grooves (1967), and a diffuse part.",
         .parameters = parameters,
         .examples =
             {"", "\"rgb specular\" [1 1 1] \"spectrum eta\" \"metal-Al-eta\" \"spectrum k\" \"metal-Al-k\"",

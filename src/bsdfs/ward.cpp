@@ -55,7 +55,7 @@ void registerWard(PlugIns& plugIns) {
   plugIns.materials.add(
       {{.name = "ward",
         .summary =
-            "Ward's anisotropic gloss with bounded albedo, beside a diffuse part: brushed metal, varnish.",
+            "Ward's anisotropic gloss with bounded albedo, and a diffuse part: brushed metal, varnish.",
         .parameters = parameters,
         .examples = {"", "\"rgb specular\" [1 1 1] \"float uroughness\" .05 \"float vroughness\" .3",
                      "\"rgb specular\" [1 1 1] \"float uroughness\" .002 \"float vroughness\" .002",

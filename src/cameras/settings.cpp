@@ -24,18 +24,18 @@ void setColours(const Parameters& p, FilmSettings& film) {
   double white = p.real("whitebalance");
   constexpr double COOLEST = 1000; // cooler bodies have no colour in these primaries
   if (white > 0 && white < COOLEST)
-    p.fail("whitebalance", "there is no white of " + std::to_string(white) + " K", "0, or 1000 to 1000000");
+    p.fail("whitebalance", "white is not defined for " + std::to_string(white) + " K",
+           "0, or 1000 to 1000000");
   if (p.string("sensor") != "cie1931") {
-    p.warn("sensor", "the response of \"" + p.string("sensor") +
-                         "\" is not known here: colours are those of the CIE 1931 matching functions");
+    p.warn("sensor", "the spectral response of \"" + p.string("sensor") +
+                         "\" is not available: the CIE 1931 matching functions are used");
     if (white == 0) white = 6500; // pbrt's default for camera sensors
   }
   if (white > 0) film.whiteBalance = Mat3f(whiteBalance(white));
   if (p.has("maxcomponentvalue")) {
     film.maxComponent = static_cast<float>(p.real("maxcomponentvalue"));
     p.warn("maxcomponentvalue",
-           "samples that are brighter are dimmed, as asked: the picture is darker than the "
-           "light in the scene");
+           "samples brighter than this are clamped: the picture is darker than the light in the scene");
   }
 }
 
@@ -49,29 +49,28 @@ void registerRgbFilm(PlugIns& plugIns) {
             {integerParameter("xresolution", "1280", "width [pixels]").range(1, 65536),
              integerParameter("yresolution", "720", "height [pixels]").range(1, 65536),
              arrayParameter(ParameterType::REAL, "cropwindow", 4, "",
-                            "x0 x1 y0 y1: the part that is rendered, of the whole")
+                            "x0 x1 y0 y1: the part to render, as fractions of width and height")
                  .range(0, 1),
              arrayParameter(ParameterType::INTEGER, "pixelbounds", 4, "",
-                            "x0 x1 y0 y1: the part that is rendered [pixels]"),
-             stringParameter("filename", "recurse.exr",
-                             "the picture's file, unless the command line names one"),
-             realParameter("iso", "100", "sensitivity; the picture is scaled by exposuretime iso / 100")
+                            "x0 x1 y0 y1: the part to render [pixels]"),
+             stringParameter("filename", "recurse.exr", "picture file, if the command line names none"),
+             realParameter("iso", "100", "sensitivity; the picture is multiplied by exposuretime iso / 100")
                  .positive(),
              realParameter("exposuretime", "1", "[s]").positive(),
-             realParameter("diagonal", "35", "of the film in a lens system, the camera \"realistic\" [mm]")
+             realParameter("diagonal", "35", "diagonal of the film, for the camera \"realistic\" [mm]")
                  .positive(),
-             ignoredParameter(ParameterType::BOOLEAN, "savefp16", "pictures are written with full floats"),
+             ignoredParameter(ParameterType::BOOLEAN, "savefp16",
+                              "pictures are always written in single precision"),
              realParameter(
                  "whitebalance", "0",
-                 "colour temperature that becomes white [K]; 0: none, or 6500 with a camera's sensor")
+                 "colour temperature that becomes white [K]; 0: no change, or 6500 with a camera's sensor")
                  .range(0, 1e6),
              stringParameter("sensor", "cie1931",
-                             "response; the matching functions stand in for that of a camera")
+                             "spectral response; the CIE matching functions replace those of cameras")
                  .oneOf(sensorNames()),
-             realParameter(
-                 "maxcomponentvalue", "",
-                 "the largest X, Y or Z of a sample after exposure; brighter ones are dimmed to it, "
-                 "which darkens the picture")
+             realParameter("maxcomponentvalue", "",
+                           "maximum X, Y or Z of a sample after exposure; brighter samples are clamped, "
+                           "which darkens the picture")
                  .positive()},
         .examples = {"\"integer xresolution\" 64 \"integer yresolution\" 48",
                      "\"float whitebalance\" 4000 \"float maxcomponentvalue\" 10"}},
@@ -86,17 +85,17 @@ void registerRgbFilm(PlugIns& plugIns) {
            film->crop = {b[0], b[2], b[1], b[3]};
            if (b[0] < 0 || b[2] < 0 || b[1] > film->width || b[3] > film->height || b[0] >= b[1] ||
                b[2] >= b[3])
-             p.fail("pixelbounds", "the part is empty or not inside the film",
+             p.fail("pixelbounds", "the part is empty or not inside of the film",
                     "0 <= x0 < x1 <= " + std::to_string(film->width) +
                         " and 0 <= y0 < y1 <= " + std::to_string(film->height));
          }
          if (p.has("cropwindow")) {
            if (p.has("pixelbounds"))
-             p.fail("cropwindow", "both \"cropwindow\" and \"pixelbounds\" are given", "either of the two");
+             p.fail("cropwindow", "both \"cropwindow\" and \"pixelbounds\" are given", "one of them");
            const std::vector<double> w = p.reals("cropwindow");
            film->crop = cropOf(*film, w[0], w[1], w[2], w[3]);
            if (film->crop.x0 >= film->crop.x1 || film->crop.y0 >= film->crop.y1)
-             p.fail("cropwindow", "no pixel lies in the window");
+             p.fail("cropwindow", "the window contains no pixel");
          }
          film->fileName = p.string("filename");
          film->diagonal = p.real("diagonal") / 1000;
@@ -108,9 +107,10 @@ void registerRgbFilm(PlugIns& plugIns) {
        }});
   PlugIn<FilmSettings, NoContext> layered = *plugIns.films.find("rgb");
   layered.name = "gbuffer";
-  layered.summary = "rgb, and in .exr the layers albedo, normal, geonormal, depth and position of --layers.";
+  layered.summary =
+      "As rgb; .exr files also get the layers albedo, normal, geonormal, depth and position of --layers.";
   layered.parameters.push_back(
-      ignoredParameter(ParameterType::STRING, "coordinatesystem", "the layers are in world space"));
+      ignoredParameter(ParameterType::STRING, "coordinatesystem", "the layers are always in world space"));
   layered.make = [make = layered.make](const Parameters& p, const NoContext& none) {
     p.warn("", "the layers of a \"gbuffer\" film have the names of --layers, and are in world space");
     auto film = make(p, none);
@@ -125,23 +125,25 @@ void registerSamplers(PlugIns& plugIns) {
     const bool grid = std::string(name) == "stratified";
     const bool isSobol = std::string(name).ends_with("sobol");
     if (!grid) more.push_back(integerParameter("pixelsamples", "16", "samples a pixel").range(1, 1 << 30));
-    more.push_back(integerParameter("seed", "0", "another seed gives another, independent picture")
-                       .range(0, 2147483647));
+    more.push_back(
+        integerParameter("seed", "0", "seed of the random numbers; another seed gives an independent picture")
+            .range(0, 2147483647));
     plugIns.samplers.add(
         {{.name = name,
           .summary =
-              "Sets the number of samples and the seed; Recurse always draws Owen-scrambled Sobol' points" +
-              std::string(isSobol ? "." : ", and says so in a warning."),
+              "Sets the number of samples and the seed; the points are always Owen-scrambled Sobol' points" +
+              std::string(isSobol ? "." : ", with a warning."),
           .parameters = std::move(more),
           .examples = {""}},
          [grid, isSobol](const Parameters& p, const NoContext&) {
            if (!isSobol)
-             p.warn("", "\"" + p.plugInName() +
-                            "\" is not there: samples are Owen-scrambled Sobol' points, as of \"sobol\"");
+             p.warn("",
+                    "\"" + p.plugInName() +
+                        "\" is not available: samples are Owen-scrambled Sobol' points, as with \"sobol\"");
            auto s = std::make_unique<SamplerSettings>();
            const int64_t n =
                grid ? int64_t(p.integer("xsamples")) * p.integer("ysamples") : p.integer("pixelsamples");
-           if (n > (1 << 30)) p.fail("xsamples", "too many samples a pixel");
+           if (n > (1 << 30)) p.fail("xsamples", "too many samples per pixel");
            s->pixelSamples = static_cast<int>(n);
            s->seed = static_cast<uint64_t>(p.integer("seed"));
            return s;
@@ -159,12 +161,12 @@ void registerAccelerators(PlugIns& plugIns) {
   const auto add = [&](const char* name, const std::vector<ParameterSpec>& parameters) {
     plugIns.accelerators.add(
         {{.name = name,
-          .summary = "Without effect: Embree builds the tree.",
+          .summary = "Ignored: Embree builds the acceleration structure.",
           .parameters = parameters,
           .examples = {""}},
          [](const Parameters&, const NoContext&) { return std::make_unique<AcceleratorSettings>(); }});
   };
-  const std::string why = "Embree builds the tree";
+  const std::string why = "Embree builds the acceleration structure";
   add("bvh", {ignoredParameter(ParameterType::INTEGER, "maxnodeprims", why),
               ignoredParameter(ParameterType::STRING, "splitmethod", why)});
   add("kdtree", {ignoredParameter(ParameterType::INTEGER, "intersectcost", why),

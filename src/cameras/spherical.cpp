@@ -129,12 +129,12 @@ void registerSpherical(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = shutterParameters();
   parameters.push_back(
       stringParameter("mapping", "equalarea",
-                      "\"equalarea\": the octahedral map of light probes, upwards in the middle; "
-                      "\"equirectangular\": longitude by polar angle, upwards at the top")
+                      "\"equalarea\": the octahedral map of light probes, with up in the middle; "
+                      "\"equirectangular\": longitude by polar angle, with up at the top")
           .oneOf({"equalarea", "equirectangular"}));
   plugIns.cameras.add(
       {{.name = "spherical",
-        .summary = "Sees all directions around a point.",
+        .summary = "Sees all directions around its position.",
         .parameters = parameters,
         .examples = {"", "\"string mapping\" \"equirectangular\""}},
        [](const Parameters& p, const CameraContext& c) { return std::make_unique<Spherical>(p, c); }});

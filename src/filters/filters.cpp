@@ -118,18 +118,18 @@ double sinc(double x) { return x == 0 ? 1 : std::sin(double(PI) * x) / (double(P
 void registerFilters(PlugIns& plugIns) {
   auto& filters = plugIns.filters;
   filters.add({{.name = "box",
-                .summary = "Every place of the pixel counts the same.",
+                .summary = "Constant weight.",
                 .parameters = radiusParameters("0.5"),
                 .examples = {""}},
                [](const Parameters& p, const NoContext&) { return std::make_unique<Box>(radiusOf(p)); }});
   filters.add(
       {{.name = "triangle",
-        .summary = "Falls off linearly along each axis.",
+        .summary = "Weight decreases linearly along each axis.",
         .parameters = radiusParameters("2"),
         .examples = {""}},
        [](const Parameters& p, const NoContext&) { return std::make_unique<Triangle>(radiusOf(p)); }});
   filters.add({{.name = "gaussian",
-                .summary = "A Gaussian, lowered so that it ends at zero.",
+                .summary = "A Gaussian, shifted down so that it ends at zero.",
                 .parameters = radiusParameters(
                     "1.5", {realParameter("sigma", "0.5", "standard deviation [pixels]").range(0.01, 1e4)}),
                 .examples = {""}},
@@ -158,9 +158,10 @@ void registerFilters(PlugIns& plugIns) {
        }});
   filters.add(
       {{.name = "sinc",
-        .summary = "The ideal low pass under Lanczos's window: sharp, with more ringing.",
+        .summary = "Windowed sinc (Lanczos): sharp, with more ringing.",
         .parameters = radiusParameters(
-            "4", {realParameter("tau", "3", "cycles of the sine within the window").range(0.01, 100)}),
+            "4",
+            {realParameter("tau", "3", "cycles of the sinc function within the window").range(0.01, 100)}),
         .examples = {""}},
        [](const Parameters& p, const NoContext&) {
          const auto axis = [&](float radius) {

@@ -34,8 +34,9 @@ class AmbientOcclusion final : public Integrator {
 
   std::string claims() const override { return "LDE"; }
   std::string suppositions() const override {
-    return std::string("an even white sky in the place of the lights, and matt white surfaces") +
-           (maxDistance < INFINITE ? "; what is farther away is in nobody's way" : "");
+    return std::string("white light of constant radiance from all directions instead of the lights, and "
+                       "white diffuse surfaces") +
+           (maxDistance < INFINITE ? "; surfaces beyond \"maxdistance\" do not occlude" : "");
   }
   std::vector<EstimatorDomain> domains() const override {
     return {{"occlusion rays", "LDE", "one for each camera ray", ""}};
@@ -50,16 +51,14 @@ class AmbientOcclusion final : public Integrator {
 void registerAmbientOcclusion(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "ambientocclusion",
-        .summary =
-            "Ambient occlusion: how much of an even white sky reaches what is seen; the scene's lights "
-            "and materials count for nothing.",
-        .parameters = {realParameter("maxdistance", "",
-                                     "how far away a surface may be to be in the way [scene units]; by "
-                                     "default any distance")
+        .summary = "Ambient occlusion: the fraction of a uniform white sky that reaches each visible point. "
+                   "The scene's lights and materials are ignored.",
+        .parameters = {realParameter(
+                           "maxdistance", "",
+                           "maximum distance of an occluding surface [scene units]; by default infinite")
                            .positive(),
                        ignoredParameter(ParameterType::BOOLEAN, "cossample",
-                                        "directions always follow the "
-                                        "cosine")},
+                                        "directions are always sampled by the cosine")},
         .examples = {"", "\"float maxdistance\" 2"}},
        [](const Parameters& p, const NoContext&) {
          return std::make_unique<AmbientOcclusion>(

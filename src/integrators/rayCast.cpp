@@ -30,12 +30,13 @@ class RayCast final : public Integrator {
 
   std::string claims() const override { return "LD?E"; }
   std::string suppositions() const override {
-    return isBlack(ambient) ? ""
-                            : "the same light from all sides in the place of what other surfaces reflect";
+    return isBlack(ambient)
+               ? ""
+               : "constant ambient light from all directions instead of light that surfaces reflect";
   }
   std::vector<EstimatorDomain> domains() const override {
     std::vector<EstimatorDomain> all = {
-        {"emission", "LE", "none: met by camera rays", "", true},
+        {"emission", "LE", "none: found by camera rays", "", true},
         {"shadow rays", "LDE", "one for each camera ray", "direct light"},
         {"BSDF rays", "LDE", "one for each camera ray", "direct light", true}};
     if (!isBlack(ambient)) all.push_back({"ambient term", "LDDE", "none: a constant", ""});
@@ -61,10 +62,10 @@ class RayCast final : public Integrator {
 void registerRayCast(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "raycast",
-        .summary = "Ray casting: surfaces that are seen at once, lit straight by the lights, with shadows. "
-                   "Mirrors and glass stay black.",
+        .summary = "Ray casting: surfaces that the camera sees directly, with direct light and shadows. "
+                   "Mirrors and glass are black.",
         .parameters = {spectrumParameter("ambient", "0", SpectrumKind::UNBOUNDED,
-                                         "radiance from all sides, in the place of all other light")},
+                                         "constant ambient radiance, which replaces indirect light")},
         .examples = {"", "\"rgb ambient\" [.1 .1 .2]"}},
        [](const Parameters& p, const NoContext&) {
          return std::make_unique<RayCast>(Rgb(p.spectrum("ambient")));

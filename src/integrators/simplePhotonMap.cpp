@@ -86,7 +86,7 @@ class SimplePhotonMap final : public Integrator {
   }
   bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override {
-    return {{"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},
+    return {{"emission", "LS*E", "none: found by rays through mirrors and glass", "", true},
             {"photon map", "L(S|D)*DS*E", "one estimate at the first non-delta surface", ""}};
   }
 
@@ -132,18 +132,20 @@ class SimplePhotonMap final : public Integrator {
 void registerSimplePhotonMap(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "simplephotonmap",
-        .summary = "A photon mapper to be read: one photon map for all light, direct light included.",
+        .summary = "A photon mapper with short source code, for teaching: one photon map for all light, "
+                   "direct light included.",
         .parameters =
             {integerParameter("photons", "200000", "photons emitted").range(1, 2e9),
-             integerParameter("gatherphotons", "100", "photons nearest to a point that an estimate uses")
+             integerParameter("gatherphotons", "100", "number of nearest photons of a density estimate")
                  .range(1, 1e6),
              realParameter("radius", "",
-                           "farthest that photons are looked for [scene units]; by default a tenth of the "
+                           "maximum radius of a density estimate [scene units]; by default a tenth of the "
                            "scene's radius")
                  .range(0, 1e17)
                  .positive(),
-             integerParameter("maxdepth", "-1",
-                              "most scattering events of a ray's path, and of a photon's; -1: no limit")
+             integerParameter(
+                 "maxdepth", "-1",
+                 "maximum number of scattering events of a camera path, and of a photon; -1: no limit")
                  .range(-1, 1e9)},
         .examples = {"", "\"integer photons\" 20000 \"float radius\" .1"}},
        [](const Parameters& p, const NoContext&) {

@@ -75,9 +75,9 @@ class VirtualPointLights final : public Integrator {
     if (pass.index == 0) {
       guide = learnEmissionGuide(scene, classes, pass.seed, settings.maxDepth, control, statistics.counts);
       if (guide.active())
-        statistics.notes.push_back(formatted(
-            "virtual lights: sent where the eye looks, each worth %.3g times what it is worth without",
-            guide.gain()));
+        statistics.notes.push_back(formatted("virtual lights: emission is guided to surfaces that the camera "
+                                             "sees; the variance of a light path is %.3g times smaller",
+                                             guide.gain()));
     }
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i)
       trace(scene, classes, pass,
@@ -109,19 +109,19 @@ class VirtualPointLights final : public Integrator {
   std::string suppositions() const override {
     return settings.compensate || (!settings.clampChosen && settings.clampDistance <= 0)
                ? ""
-               : "surfaces close to each other light each other less than they do: corners are dark";
+               : "that surfaces close to each other exchange less light than they do: corners are too dark";
   }
   bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override {
     std::vector<EstimatorDomain> all = {
-        {"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},
+        {"emission", "LS*E", "none: found by rays through mirrors and glass", "", true},
         {"shadow rays", "LDS*E", "one for each surface of a camera path", "direct light"},
         {"BSDF rays", "LDS*E", "one for each surface of a camera path", "direct light", true},
-        {"virtual lights", "L(S|D)*DDS*E", "a shadow ray to each from each surface of a camera path",
-         "near and far"}};
+        {"virtual lights", "L(S|D)*DDS*E",
+         "one shadow ray to each virtual light from each surface of a camera path", "near and far"}};
     if (settings.compensate)
-      all.push_back({"bias compensation", "L((S|D)*D)?DDS*E",
-                     "a ray that goes on, as far as the bound reaches", "near and far"});
+      all.push_back({"bias compensation", "L((S|D)*D)?DDS*E", "one continued ray, up to the clamp distance",
+                     "near and far"});
     return all;
   }
 
@@ -219,22 +219,22 @@ class VirtualPointLights final : public Integrator {
 void registerVirtualPointLights(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "vpl",
-        .summary = "Instant radiosity: paths from the lights leave point lights behind, which light what is "
-                   "seen. No caustics.",
+        .summary = "Instant radiosity: light paths store virtual point lights, which illuminate what the "
+                   "camera sees. No caustics.",
         .parameters =
             {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
                  .range(-1, 1e9),
              integerParameter("lightpaths", "32", "light paths in each pass, of about three lights each")
                  .range(1, 1e6),
-             integerParameter(
-                 "passes", "0",
-                 "how many sets of lights the samples are dealt out to; 0: a set for each sample")
+             integerParameter("passes", "0",
+                              "number of sets of virtual lights, between which the samples are divided; 0: a "
+                              "new set for each sample")
                  .range(0, 1e9),
              realParameter("clampdistance", "",
-                           "lights nearer than this light as if they were so far away [scene units]; 0: no "
-                           "bound; by default chosen by their number")
+                           "clamp distance: nearer virtual lights illuminate as from this distance [scene "
+                           "units]; 0: no clamping; by default chosen from the number of light paths")
                  .range(0, 1e30),
-             booleanParameter("compensate", "true", "rays bring what the bound cuts off")},
+             booleanParameter("compensate", "true", "compensate the bias of clamping by continued rays")},
         .examples = {"", "\"integer lightpaths\" 8 \"bool compensate\" false",
                      "\"integer passes\" 1 \"float clampdistance\" .1"}},
        [](const Parameters& p, const NoContext&) {

@@ -36,7 +36,7 @@ class Whitted final : public Integrator {
 
   std::string claims() const override { return "LD?S*E"; }
   std::vector<EstimatorDomain> domains() const override {
-    return {{"emission", "LS*E", "none: met by rays through mirrors and glass", "", true},
+    return {{"emission", "LS*E", "none: found by rays through mirrors and glass", "", true},
             {"shadow rays", "LDS*E", "one for each surface of a ray", "direct light"},
             {"BSDF rays", "LDS*E", "one for each surface of a ray", "direct light", true}};
   }
@@ -69,14 +69,15 @@ class Whitted final : public Integrator {
 void registerWhitted(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "whitted",
-        .summary = "Whitted's recursive ray tracing: direct light, mirrors and glass; no light from surface "
-                   "to surface, no caustics.",
-        .parameters =
-            {integerParameter("maxdepth", "100", "most scattering events of a path; -1: 512").range(-1, 1e6),
-             realParameter("minweight", "0.001",
-                           "rays that bring less than this part of what they see are not followed; the "
-                           "light that this costs is reported")
-                 .range(0, 1)},
+        .summary = "Whitted's recursive ray tracing: direct light, mirrors and glass. No indirect light of "
+                   "diffuse surfaces, no caustics.",
+        .parameters = {integerParameter("maxdepth", "100",
+                                        "maximum number of scattering events of a path; -1: 512")
+                           .range(-1, 1e6),
+                       realParameter("minweight", "0.001",
+                                     "rays with a smaller weight (their factor in the pixel) are not traced; "
+                                     "the summary reports the weight that is lost")
+                           .range(0, 1)},
         .examples = {"", "\"integer maxdepth\" 5 \"float minweight\" .01"}},
        [](const Parameters& p, const NoContext&) {
          return std::make_unique<Whitted>(p.integer("maxdepth"), static_cast<float>(p.real("minweight")));

@@ -157,16 +157,17 @@ std::unique_ptr<AreaLight> makeDiffuseArea(const Parameters& p, const AreaLightC
   double mean = 1;
   if (p.has("filename")) {
     if (p.has("L"))
-      p.fail("L", "the light has a picture, and \"L\" as well", "\"filename\" or \"L\"; \"scale\" for both");
+      p.fail("L", "both a picture and \"L\" are given", "\"filename\" or \"L\"; \"scale\" for both");
     picture.emplace(readLightPicture(p), p.string("wrap") == "repeat");
     mean = double(luminance(Rgb(picture->mean())));
-    if (p.hasValue("power") && !(mean > 0)) p.fail("power", "a black picture cannot be scaled", "\"scale\"");
+    if (p.hasValue("power") && !(mean > 0))
+      p.fail("power", "a black picture has no power to scale", "\"scale\"");
   } else {
     colour = p.spectrum("L");
   }
   if (p.hasValue("power")) {
     if (!(c.shape.area() > 0))
-      p.fail("power", "the shape has no area to emit it from: are all its corners on one line?",
+      p.fail("power", "the shape has no area: are all its vertices on one line?",
              "a shape with an area, or a light \"point\"");
     scale *= p.real("power") / (double(PI) * double(c.shape.area()) * (twoSided ? 2 : 1) * mean);
   }
@@ -180,18 +181,15 @@ void registerDiffuseArea(PlugIns& plugIns) {
       {{.name = "diffuse",
         .summary =
             "A surface that emits the same radiance in all directions; it also reflects with its material.",
-        .parameters = {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "emitted radiance [W/(m² sr)]"),
-                       realParameter("scale", "1", "factor on L or on the picture").range(0, 1e30),
-                       realParameter("power", "",
-                                     "total power [W] that L is scaled to; of a picture, that its "
-                                     "mean is scaled to")
-                           .positive(),
-                       booleanParameter("twosided", "false", "emits from the back as well"),
-                       stringParameter(
-                           "filename", "",
-                           "a picture of the emitted radiance, its lower left corner at (u, v) = (0, 0)"),
-                       stringParameter("wrap", "clamp", "what of the picture is beyond its edges")
-                           .oneOf({"clamp", "repeat"})},
+        .parameters =
+            {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "emitted radiance [W/(m² sr)]"),
+             realParameter("scale", "1", "factor on L or on the picture").range(0, 1e30),
+             realParameter("power", "", "total power [W]: L, or the mean of the picture, is scaled to it")
+                 .positive(),
+             booleanParameter("twosided", "false", "emit from both sides"),
+             stringParameter("filename", "",
+                             "picture of the emitted radiance; its lower left corner is at (u, v) = (0, 0)"),
+             stringParameter("wrap", "clamp", "lookup outside of the picture").oneOf({"clamp", "repeat"})},
         .examples = {"\"rgb L\" [4 3 2]", "\"float power\" 10 \"bool twosided\" true",
                      "\"string filename\" \"scenes/textures/evening.hdr\" \"bool twosided\" true"}},
        makeDiffuseArea});

@@ -38,14 +38,15 @@ class Distant final : public Light {
 void registerDistant(PlugIns& plugIns) {
   plugIns.lights.add(
       {{.name = "distant",
-        .summary = "Parallel light from infinitely far, such as the sun's.",
+        .summary = "Parallel light from an infinite distance, such as sunlight.",
         .parameters = {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT,
-                                         "irradiance of a surface that faces the light [W/m²]"),
+                                         "irradiance of a surface perpendicular to the light [W/m²]"),
                        realParameter("scale", "1", "factor on L").range(0, 1e30),
-                       realParameter("illuminance", "", "irradiance that L is scaled to").positive(),
-                       arrayParameter(ParameterType::POINT3, "from", 1, "0 0 0", "light comes from here ..."),
+                       realParameter("illuminance", "", "irradiance to which L is scaled").positive(),
+                       arrayParameter(ParameterType::POINT3, "from", 1, "0 0 0",
+                                      "point that the light comes from ..."),
                        arrayParameter(ParameterType::POINT3, "to", 1, "0 0 1",
-                                      "... and goes there; only the direction counts")},
+                                      "... and that it goes to; only the direction is used")},
         .examples = {"\"point3 from\" [1 2 3] \"point3 to\" [0 0 0] \"rgb L\" [2 2 1]"}},
        [](const Parameters& p, const LightContext& c) {
          const Vec3d towards = transformVector(c.sceneFromLight, p.vector3("from") - p.vector3("to"));

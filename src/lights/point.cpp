@@ -36,7 +36,7 @@ class Point final : public Light {
 void registerPoint(PlugIns& plugIns) {
   plugIns.lights.add(
       {{.name = "point",
-        .summary = "A light at a point, the same in all directions.",
+        .summary = "A light at a point with the same intensity in all directions.",
         .parameters = {spectrumParameter("I", "1", SpectrumKind::ILLUMINANT, "radiant intensity [W/sr]"),
                        realParameter("scale", "1", "factor on I").range(0, 1e30),
                        realParameter("power", "", "total power [W]; replaces the scale of I").positive(),

@@ -82,16 +82,17 @@ class Spot final : public Light {
 void registerSpot(PlugIns& plugIns) {
   plugIns.lights.add(
       {{.name = "spot",
-        .summary = "A light at a point that shines into a cone; smoothstep falloff at its edge.",
+        .summary = "A light at a point that emits into a cone, with a smoothstep falloff at its edge.",
         .parameters =
             {spectrumParameter("I", "1", SpectrumKind::ILLUMINANT,
                                "radiant intensity inside the cone [W/sr]"),
              realParameter("scale", "1", "factor on I").range(0, 1e30),
              realParameter("power", "", "total power [W]; replaces the scale of I").positive(),
              arrayParameter(ParameterType::POINT3, "from", 1, "0 0 0", "position"),
-             arrayParameter(ParameterType::POINT3, "to", 1, "0 0 1", "a point on the axis"),
-             realParameter("coneangle", "30", "angle between axis and edge [degrees]").range(1e-3, 180),
-             realParameter("conedeltaangle", "5", "width of the soft edge, inside the cone [degrees]")
+             arrayParameter(ParameterType::POINT3, "to", 1, "0 0 1", "a point on the axis of the cone"),
+             realParameter("coneangle", "30", "angle between the axis and the edge of the cone [degrees]")
+                 .range(1e-3, 180),
+             realParameter("conedeltaangle", "5", "width of the falloff, inside of the cone [degrees]")
                  .range(0, 180)},
         .examples = {"\"point3 from\" [0 1 0] \"point3 to\" [0 0 0] \"float coneangle\" 40",
                      "\"float conedeltaangle\" 0"}},
@@ -100,7 +101,7 @@ void registerSpot(PlugIns& plugIns) {
          const Vec3d axis = transformPoint(c.sceneFromLight, p.vector3("to")) - from;
          if (!(glm::length(axis) > 0)) p.fail("to", "\"from\" and \"to\" are the same point");
          if (p.real("conedeltaangle") > p.real("coneangle"))
-           p.fail("conedeltaangle", "the soft edge is wider than the cone", "at most \"coneangle\"");
+           p.fail("conedeltaangle", "the falloff is wider than the cone", "at most \"coneangle\"");
          const double cosEdge = std::cos(glm::radians(p.real("coneangle")));
          const double cosFull = std::cos(glm::radians(p.real("coneangle") - p.real("conedeltaangle")));
          double scale = p.real("scale");

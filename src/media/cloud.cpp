@@ -84,14 +84,16 @@ class Cloud final : public Medium {
 void registerCloud(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
   for (const ParameterSpec& s : gridBoxParameters()) parameters.push_back(s);
-  parameters.push_back(realParameter("density", "1", "how much of the noise is cloud").range(0, 1e6));
-  parameters.push_back(realParameter("wispiness", "1", "how far the noise is pulled about").range(0, 1e3));
-  parameters.push_back(realParameter("frequency", "5", "of the noise [1/length]").range(0, 1e6));
+  parameters.push_back(
+      realParameter("density", "1", "factor on the noise: larger values give more cloud").range(0, 1e6));
+  parameters.push_back(
+      realParameter("wispiness", "1", "strength of the distortion of the noise").range(0, 1e3));
+  parameters.push_back(realParameter("frequency", "5", "frequency of the noise [1/length]").range(0, 1e6));
   plugIns.media.add(
       {{.name = "cloud",
-        .summary =
-            std::string("A cloud by noise in a box: full at its bottom, up to y = 0.5, and torn above.") +
-            DENSITY_LIMIT,
+        .summary = std::string("A procedural cloud in a box, from noise: dense at its bottom, up to y = 0.5, "
+                               "and ragged above.") +
+                   DENSITY_LIMIT,
         .parameters = parameters,
         .examples = {"", "\"float density\" 2 \"float wispiness\" 0 \"point3 p0\" [-1 0 -1]"}},
        [](const Parameters& p, const MediumContext& c) { return std::make_unique<Cloud>(p, c); }});

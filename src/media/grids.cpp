@@ -49,7 +49,7 @@ std::unique_ptr<Medium> makeUniformGrid(const Parameters& p, const MediumContext
   const MediumPoint whole = readMediumPoint(p);
   HeatGlow glow;
   if (p.hasValue("temperature")) {
-    if (p.has("Le")) p.fail("temperature", "the light is given twice", "Le or temperature");
+    if (p.has("Le")) p.fail("temperature", "both Le and temperature are given", "Le or temperature");
     glow = HeatGlow(p, box, readGrid<float>(p, "temperature", p.reals("temperature")));
   }
   auto medium = std::make_unique<DensityGrid>(whole, box, readGrid<float>(p, "density", p.reals("density")),
@@ -67,7 +67,7 @@ class RgbGrid final : public Medium {
       for (Rgbd& v : values) {
         v *= scale;
         if (!(maxComponent(v) <= 1e18)) // squares fit
-          p.fail(name, "values that are too high for single precision", "times the scale below 1e18");
+          p.fail(name, "the values are too high for single precision", "values times scale below 1e18");
       }
       return readGrid<Rgb>(p, name, values);
     };
@@ -76,7 +76,7 @@ class RgbGrid final : public Medium {
     emission = read("Le", p.real("Lescale"));
     if (absorption.empty() && scattering.empty()) p.fail("", "the grid has neither sigma_a nor sigma_s");
     if (!emission.empty() && absorption.empty())
-      p.fail("Le", "what does not absorb does not emit", "sigma_a, which Le is multiplied by");
+      p.fail("Le", "a medium without absorption does not emit", "sigma_a, which Le is multiplied by");
     majorants = majorantsOf(readSize(p), [&](const glm::ivec3& i) {
       Rgb sum(0);
       if (!absorption.empty()) sum += absorption.value(i);
@@ -108,22 +108,22 @@ class RgbGrid final : public Medium {
 } // namespace
 
 void registerUniformGrid(PlugIns& plugIns) {
-  std::vector<ParameterSpec> parameters =
-      mediumParameters("1", "1",
-                       arrayParameter(ParameterType::REAL, "Lescale", 0, "1",
-                                      "of Le or of what glows; one number, or one for each cell")
-                           .range(0, 1e30));
+  std::vector<ParameterSpec> parameters = mediumParameters(
+      "1", "1",
+      arrayParameter(ParameterType::REAL, "Lescale", 0, "1",
+                     "factor on Le or on the emission by temperature; one number, or one for each cell")
+          .range(0, 1e30));
   for (const ParameterSpec& s : boxParameters()) parameters.push_back(s);
   parameters.push_back(arrayParameter(ParameterType::REAL, "density", 0, "",
-                                      "of each cell, x fastest; multiplies sigma_a and sigma_s")
+                                      "density of each cell, x fastest; a factor on sigma_a and sigma_s")
                            .range(0, 1e18)
                            .require());
   parameters.push_back(arrayParameter(ParameterType::REAL, "temperature", 0, "",
-                                      "of each cell: what absorbs glows as black bodies do"));
+                                      "temperature of each cell: absorbing cells emit as black bodies"));
   for (const ParameterSpec& s : heatParameters()) parameters.push_back(s);
   plugIns.media.add(
       {{.name = "uniformgrid",
-        .summary = std::string("A medium whose density is given on a regular grid in a box.") + DENSITY_LIMIT,
+        .summary = std::string("A medium with a density on a regular grid in a box.") + DENSITY_LIMIT,
         .parameters = parameters,
         .examples =
             {"\"float density\" 1",
@@ -143,12 +143,11 @@ void registerRgbGrid(PlugIns& plugIns) {
       grid("sigma_a", SpectrumKind::UNBOUNDED, "absorption of each cell, x fastest [1/length]"),
       grid("sigma_s", SpectrumKind::UNBOUNDED, "scattering of each cell [1/length]"),
       grid("Le", SpectrumKind::ILLUMINANT, "emitted radiance of each cell, see homogeneous"),
-      realParameter("scale", "1", "of sigma_a and sigma_s").range(0, 1e30), emissionScaleParameter()};
+      realParameter("scale", "1", "factor on sigma_a and sigma_s").range(0, 1e30), emissionScaleParameter()};
   for (const ParameterSpec& s : boxParameters()) parameters.push_back(s);
   plugIns.media.add(
       {{.name = "rgbgrid",
-        .summary =
-            std::string("A medium whose coefficients are given on a regular grid in a box.") + DENSITY_LIMIT,
+        .summary = std::string("A medium with coefficients on a regular grid in a box.") + DENSITY_LIMIT,
         .parameters = parameters,
         .examples = {"\"rgb sigma_s\" [ 1 2 3 ]", "\"integer nx\" 2 \"rgb sigma_a\" [ 1 2 3  3 2 1 ]"}},
        [](const Parameters& p, const MediumContext& c) { return std::make_unique<RgbGrid>(p, c); }});

@@ -36,10 +36,11 @@ class Homogeneous final : public Medium {
 void registerHomogeneous(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
   parameters.push_back(
-      stringParameter("preset", "", "measured matter in the place of sigma_a and sigma_s, in millimetres")
+      stringParameter("preset", "",
+                      "measured material instead of sigma_a and sigma_s; lengths in millimetres")
           .oneOf(mediumPresetNames()));
   plugIns.media.add({{.name = "homogeneous",
-                      .summary = "Fog, smoke or a liquid: a medium that is the same everywhere.",
+                      .summary = "Fog, smoke or a liquid: a medium with constant coefficients.",
                       .parameters = parameters,
                       .examples = {"", "\"rgb sigma_s\" [ 1 2 3 ] \"float scale\" 10",
                                    "\"string preset\" \"Wholemilk\"", "\"rgb Le\" [ 1 .5 .2 ]"}},

@@ -33,7 +33,7 @@ constexpr std::array<MPI_User_function*, MAX_PARTS> operationsOf(std::index_sequ
 
 FilmReduction::FilmReduction(Film& shape) {
   const std::vector<Film::StatePart> parts = shape.stateParts();
-  if (parts.size() > MAX_PARTS) throw Error("internal error: a film of too many parts");
+  if (parts.size() > MAX_PARTS) throw Error("internal error: a film has too many parts");
   static const auto functions = operationsOf(std::make_index_sequence<MAX_PARTS>());
   for (size_t i = 0; i < parts.size(); ++i) {
     adders[i] = parts[i].add;

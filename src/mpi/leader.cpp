@@ -111,8 +111,8 @@ class Leader {
     };
     for (size_t i = 0; i < film.bounds().area(); ++i)
       if (film.samples(i) != due(i))
-        throw Error("--resume: one process was interrupted while it had not gone once over the picture; one "
-                    "has to go on with it");
+        throw Error("--resume: this checkpoint is of one process that was interrupted in its first pass over "
+                    "the picture; continue it with one process");
     return {WorkUnit{next, allocation ? allocation->dealtUpTo() : lastSample, 0, int64_t(samples.tiles())}};
   }
   double elapsed() const { return secondsSince(start); }
@@ -198,7 +198,7 @@ class Leader {
       ranks[r].isMissed = true;
       if (log)
         log("warning: waiting for " + names[r] +
-            ", which does not answer: is its process stopped, or its machine out of reach?");
+            ", which does not answer: check that its process runs and its machine is reachable");
     }
   }
   void end(StopReason why) {

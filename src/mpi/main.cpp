@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   QuietUntilJoined quiet(mpi.leads());
   mpi.onJoined = [&] { quiet.release(); };
   if (argc > 1 && std::string_view(argv[1]) != "render" && argv[1][0] != '-') {
-    if (mpi.leads()) say(std::string("recurse-mpi: renders only; for '") + argv[1] + "' there is recurse\n");
+    if (mpi.leads()) say(std::string("recurse-mpi: only renders; for '") + argv[1] + "' use recurse\n");
     return 2;
   }
   setCluster(&mpi);

@@ -137,7 +137,7 @@ void MpiCluster::requireAgreement(const std::string& text) {
           refusal += (refusal.empty() ? "" : "\n") + names[r] + ": " + name + ": " +
                      (other[name].empty() ? "not said" : other[name]) + ", " + value + " at " + names[0];
     }
-    if (texts[0].starts_with(FAILED)) refusal = names[0] + " could not begin";
+    if (texts[0].starts_with(FAILED)) refusal = names[0] + " could not start";
   }
   refusal = tellAll(refusal);
   hasJoined = true;

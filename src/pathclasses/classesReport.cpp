@@ -48,7 +48,7 @@ ClassesReport analyseClasses(const std::vector<PathClass>& classes, size_t maxEv
     const PathClasses joint(classes);
     renderable = "rendered at once with " + std::to_string(joint.lightStateCount()) +
                  " states on the side of the light and " + std::to_string(joint.cameraStateCount()) +
-                 " on the side of the eye";
+                 " on the side of the camera";
   } catch (const Error& e) {
     renderable = std::string("not to be rendered: ") + e.what();
   }
@@ -77,7 +77,7 @@ std::string ClassesReport::text() const {
   if (leftOver.isEmpty()) {
     out += "complete: every path is in " + std::string(entries.size() == 1 ? "it" : "one of these") + "\n";
   } else {
-    out += "not complete: left over";
+    out += "not complete: missing are";
     if (const std::string expression = leftOver.toExpression(); !expression.empty()) out += " " + expression;
     std::vector<std::string> words = leftOver.exampleWords(4, 4);
     if (words.empty()) words = {leftOver.shortestWord()};

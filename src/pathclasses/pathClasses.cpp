@@ -35,7 +35,7 @@ std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes) {
   if (classes.empty()) throw Error("no path class is given", ExitStatus::BAD_USAGE);
   if (classes.size() > MAX_CLASSES)
     throw Error(std::to_string(classes.size()) + " path classes: at most " + std::to_string(MAX_CLASSES) +
-                    " can be told apart at once",
+                    " can be rendered at once",
                 ExitStatus::BAD_USAGE);
   std::vector<PathAutomaton> automata;
   std::set<std::string> names;
@@ -130,7 +130,7 @@ PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classe
     const auto [at, fresh] = number.try_emplace(std::move(row), static_cast<uint32_t>(rows.size()));
     if (fresh) {
       if (rows.size() >= MAX_EYE_STATES)
-        tooLarge(std::to_string(MAX_EYE_STATES) + " states on the side of the eye", list, automata);
+        tooLarge(std::to_string(MAX_EYE_STATES) + " states on the side of the camera", list, automata);
       rows.push_back(&at->first);
     }
     return static_cast<uint16_t>(at->second);

@@ -82,7 +82,7 @@ class Parser {
     const std::string character = text.substr(position, end - position);
     const char c = text[position];
     if (c == ')' || c == ']')
-      fail(position, "'" + character + "' closes nothing here, or follows nothing",
+      fail(position, "'" + character + "' has no matching bracket, or an empty expression before it",
            "an expression before it");
     if (c == '*' || c == '+' || c == '?' || c == '{')
       fail(position, "'" + character + "' has nothing to repeat", "a letter, group or bracket before it");
@@ -98,7 +98,7 @@ class Parser {
            "an expression on both sides; A? for nothing or A");
     if (c >= 'A' && c <= 'Z')
       fail(position, "'" + character + "' is no path letter",
-           "L light, S specular, D diffuse or glossy, V in a medium, E eye");
+           "L light, S specular, D diffuse or glossy, V scattering in a medium, E camera (eye)");
     fail(
         position, "'" + character + "' has no meaning here",
         "letters L S D V E, '.', [SD], [^S], (A|B), [A|B], A? A* A+ A{2,3}, A & B, A - B, !A, named classes");

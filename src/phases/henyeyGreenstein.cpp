@@ -34,9 +34,9 @@ class HenyeyGreenstein final : public PhaseFunction {
 void registerHenyeyGreenstein(PlugIns& plugIns) {
   plugIns.phaseFunctions.add(
       {{.name = "hg",
-        .summary = "Henyey and Greenstein's: one lobe, forward or backward.",
-        .parameters = {realParameter("g", "0", "mean cosine: 0 scatters evenly, above 0 forward")
-                           .range(-0.9999, 0.9999)},
+        .summary = "Henyey and Greenstein's phase function: one lobe, forward or backward.",
+        .parameters =
+            {realParameter("g", "0", "mean cosine: 0 isotropic, above 0 forward").range(-0.9999, 0.9999)},
         .examples = {"", "\"float g\" .5", "\"float g\" -.8", "\"float g\" .99"}},
        [](const Parameters& p, const NoContext&) {
          return std::make_unique<HenyeyGreenstein>(p.real("g"));

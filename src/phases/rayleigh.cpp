@@ -24,7 +24,7 @@ class Rayleigh final : public PhaseFunction {
 void registerRayleigh(PlugIns& plugIns) {
   plugIns.phaseFunctions.add(
       {{.name = "rayleigh",
-        .summary = "Rayleigh's, of the molecules of air.",
+        .summary = "Rayleigh's phase function of air molecules.",
         .parameters = {},
         .examples = {""}},
        [](const Parameters&, const NoContext&) { return std::make_unique<Rayleigh>(); }});

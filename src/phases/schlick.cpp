@@ -37,8 +37,9 @@ class Schlick final : public PhaseFunction {
 void registerSchlick(PlugIns& plugIns) {
   plugIns.phaseFunctions.add(
       {{.name = "schlick",
-        .summary = "Schlick's, shaped like Henyey and Greenstein's and quicker.",
-        .parameters = {realParameter("k", "0", "1.55 g - 0.55 g³ comes near hg of mean cosine g")
+        .summary =
+            "Schlick's phase function, an approximation of Henyey and Greenstein's that is faster to sample.",
+        .parameters = {realParameter("k", "0", "1.55 g - 0.55 g³ approximates hg with mean cosine g")
                            .range(-0.9999, 0.9999)},
         .examples = {"", "\"float k\" .6", "\"float k\" -.9"}},
        [](const Parameters& p, const NoContext&) { return std::make_unique<Schlick>(p.real("k")); }});

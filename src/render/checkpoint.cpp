@@ -196,7 +196,7 @@ void requireSame(const std::string& fileName, const std::map<std::string, std::s
       differences += "\n  " + name + ": " + (there == other.end() ? "not said" : there->second) +
                      " in the checkpoint, " + value + " here";
   }
-  if (!differences.empty()) throw Error(fileName + ": is a render of something else:" + differences);
+  if (!differences.empty()) throw Error(fileName + ": is a render with other settings:" + differences);
 }
 
 std::string missingSamples(const Checkpoint& c) {
@@ -230,7 +230,7 @@ std::string missingSamples(const Checkpoint& c) {
   size_t behind = 0;
   for (size_t i = 0; i < c.film.bounds().area(); ++i) behind += c.film.samples(i) < each;
   if (behind > 0)
-    out += (out.empty() ? "" : ", and ") + ("some of the others in " + std::to_string(behind)) + " pixels";
+    out += (out.empty() ? "" : ", and ") + ("some samples of " + std::to_string(behind)) + " pixels";
   return out;
 }
 
@@ -241,9 +241,9 @@ void merge(Checkpoint& into, const Checkpoint& other, const std::string& fileNam
       if (p.seed == q.seed && p.first < q.end && q.first < p.end)
         throw Error(fileName + ": samples " + std::to_string(std::max(p.first, q.first)) + " to " +
                     std::to_string(std::min(p.end, q.end) - 1) + " of seed " + std::to_string(p.seed) +
-                    " are there already; they would count twice");
+                    " are in the sum already and would be counted twice");
   if (into.film.splats() && other.film.splats() && into.film.splats()->unit() != other.film.splats()->unit())
-    throw Error(fileName + ": its splats are counted in another unit");
+    throw Error(fileName + ": its film of light paths has another unit and cannot be added");
   into.film.add(other.film);
   into.allocation.reset();
   into.parts.insert(into.parts.end(), other.parts.begin(), other.parts.end());

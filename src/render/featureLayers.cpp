@@ -77,13 +77,13 @@ class FeatureWalk {
 
 const std::vector<FeatureLayer>& featureLayers() {
   static const std::vector<FeatureLayer> ALL = {
-      {"albedo", "RGB", "light that the surface scatters, of light from the eye"},
-      {"normal", "XYZ", "shading normal, towards the viewer, in world space"},
-      {"geonormal", "XYZ", "normal of the surface itself"},
-      {"depth", "Z", "length of the way from the eye"},
-      {"position", "XYZ", "place in world space"},
-      {"cryptoobject", "", "Cryptomatte of objects"},
-      {"cryptomaterial", "", "Cryptomatte of materials"}};
+      {"albedo", "RGB", "albedo: the fraction of light towards the camera that the surface scatters"},
+      {"normal", "XYZ", "shading normal, towards the camera, in world space"},
+      {"geonormal", "XYZ", "geometric normal of the surface"},
+      {"depth", "Z", "distance along the ray from the camera"},
+      {"position", "XYZ", "position in world space"},
+      {"cryptoobject", "", "Cryptomatte by objects"},
+      {"cryptomaterial", "", "Cryptomatte by materials"}};
   return ALL;
 }
 

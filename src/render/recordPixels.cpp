@@ -15,9 +15,10 @@ namespace {
 void requireWithin(const PixelBounds& bounds, std::span<const RecordedPixel> pixels) {
   for (const RecordedPixel& p : pixels)
     if (p.x < bounds.x0 || p.x >= bounds.x1 || p.y < bounds.y0 || p.y >= bounds.y1)
-      throw Error("pixel " + std::to_string(p.x) + "," + std::to_string(p.y) + " is not in the picture, of " +
-                      std::to_string(bounds.x0) + "," + std::to_string(bounds.y0) + " to " +
-                      std::to_string(bounds.x1 - 1) + "," + std::to_string(bounds.y1 - 1),
+      throw Error("pixel " + std::to_string(p.x) + "," + std::to_string(p.y) +
+                      " is outside of the picture of " + std::to_string(bounds.x0) + "," +
+                      std::to_string(bounds.y0) + " to " + std::to_string(bounds.x1 - 1) + "," +
+                      std::to_string(bounds.y1 - 1),
                   ExitStatus::BAD_USAGE);
 }
 

@@ -267,7 +267,8 @@ void countSamples(const Film& film, RenderStatistics& statistics) {
   if (const auto without = std::count(counts.begin(), counts.end(), 0u);
       without > 0 && statistics.samples > 0) {
     statistics.warnings.push_back(formatted(
-        "%td of %zu pixels have no sample, and show one beside them or are black", without, counts.size()));
+        "%td of %zu pixels have no sample; they copy a neighbour or are black: give the render more time",
+        without, counts.size()));
   }
 }
 
@@ -276,7 +277,7 @@ RenderStatistics render(const Scene& scene, Integrator& integrator, const PathCl
                         const std::function<void(const RenderProgress&)>& progress,
                         const std::function<void(const std::string&)>& log) {
   if (settings.from.left)
-    throw Error("--resume: several processes shared this render; recurse-mpi goes on with it");
+    throw Error("--resume: several processes made this checkpoint; only recurse-mpi can continue it");
   return RenderLoop(scene, integrator, classes, settings, film, stop, progress, log).run();
 }
 

@@ -175,7 +175,7 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
   statistics.threads = threadCount();
   if (settings.allocation) settings.allocation->setMapPerSample(hasMapPerSample());
   if (const std::string unsupported = unsupportedPart(integrator, scene); !unsupported.empty())
-    throw Error("the integrator does not render " + unsupported);
+    throw Error("the integrator cannot render " + unsupported);
   {
     const ProcessorTimer timer(statistics.learningProcessorSeconds);
     integrator.prepare(scene, classes);
@@ -187,9 +187,8 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
     passSplatter->whiteBalance = scene.film().whiteBalance;
   }
   if (moves && integrator.passHasOneTime() && hasOneMap()) {
-    statistics.warnings.emplace_back(
-        "one photon map is of one moment: nothing is blurred by its motion; more "
-        "passes (\"integer passes\") are of as many");
+    statistics.warnings.emplace_back("a single photon map has one time: photons show no motion blur. More "
+                                     "passes (\"integer passes\") sample more times");
     if (log) log("warning: " + statistics.warnings.back());
   }
 }

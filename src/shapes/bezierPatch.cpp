@@ -66,7 +66,7 @@ void addPatch(const Vec3d* points, uint32_t steps, MeshData& mesh) {
 std::unique_ptr<Shape> makeBezierPatch(const Parameters& p, const ShapeContext& context) {
   const std::vector<Vec3d> points = p.vector3s("P");
   if (points.empty() || points.size() % POINTS != 0)
-    p.fail("P", std::to_string(points.size()) + " points do not make patches",
+    p.fail("P", std::to_string(points.size()) + " points do not form patches",
            "16 for each patch, row by row");
   const auto steps = static_cast<uint32_t>(p.integer("steps"));
   constexpr double MOST_TRIANGLES = 1e8, TRIANGLE_SECONDS = 1e-6;
@@ -89,14 +89,12 @@ std::unique_ptr<Shape> makeBezierPatch(const Parameters& p, const ShapeContext& 
 void registerBezierPatch(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "bezierpatch",
-        .summary = "Bicubic Bézier patches. u runs along the rows, v from row to row; the outside is where "
-                   "their cross "
-                   "product points.",
-        .parameters =
-            {arrayParameter(ParameterType::POINT3, "P", 0, "",
-                            "control points: 16 for each patch, four rows of four")
-                 .require(),
-             integerParameter("steps", "16", "how many pieces each side is cut into").range(1, 512)},
+        .summary = "Bicubic Bézier patches. u runs along the rows, v from row to row; the outside is the "
+                   "direction of their cross product.",
+        .parameters = {arrayParameter(ParameterType::POINT3, "P", 0, "",
+                                      "control points: 16 for each patch, four rows of four")
+                           .require(),
+                       integerParameter("steps", "16", "number of pieces along each side").range(1, 512)},
         .examples = {"\"integer steps\" 4 \"point3 P\" [0 0 0 1 0 1 2 0 1 3 0 0  0 1 0 1 1 2 2 1 2 3 1 0 "
                      "0 2 0 1 2 2 2 2 2 3 2 0  0 3 0 1 3 1 2 3 1 3 3 0]"}},
        makeBezierPatch});

@@ -359,13 +359,13 @@ std::unique_ptr<Shape> makeBilinearMesh(const Parameters& p, const ShapeContext&
   } else {
     const std::vector<int> indices = p.integers("indices");
     if (indices.size() % 4 != 0)
-      p.fail("indices", std::to_string(indices.size()) + " indices do not make patches",
+      p.fail("indices", std::to_string(indices.size()) + " indices do not form patches",
              "four for each patch");
     for (size_t i = 0; i < indices.size(); ++i)
       if (indices[i] < 0 || size_t(indices[i]) >= count)
         p.fail("indices",
                "index " + std::to_string(indices[i]) + " (number " + std::to_string(i + 1) +
-                   " of the list) names no position",
+                   " of the list) is not the index of a position",
                "0 to " + std::to_string(int64_t(count) - 1));
     for (size_t i = 0; i < indices.size(); i += 4)
       patches.emplace_back(indices[i], indices[i + 1], indices[i + 2], indices[i + 3]);
@@ -394,18 +394,17 @@ void registerBilinearMesh(PlugIns& plugIns) {
         .summary =
             "Bilinear patches: surfaces through four corners each, flat where the corners lie in a plane.",
         .parameters =
-            {arrayParameter(
-                 ParameterType::INTEGER, "indices", 0, "",
-                 "four numbers of positions for each patch, at (u, v) = (0,0), (1,0), (0,1), (1,1); "
-                 "may be absent with four positions")
+            {arrayParameter(ParameterType::INTEGER, "indices", 0, "",
+                            "vertex indices, four for each patch, at (u, v) = (0,0), (1,0), (0,1), (1,1); "
+                            "not needed with four positions")
                  .range(0, std::numeric_limits<int>::max()),
              arrayParameter(ParameterType::POINT3, "P", 0, "", "positions of the corners").require(),
              arrayParameter(ParameterType::NORMAL, "N", 0, "",
                             "normals at the corners, interpolated for shading"),
              arrayParameter(ParameterType::POINT2, "uv", 0, "", "texture coordinates at the corners"),
              ignoredParameter(ParameterType::STRING, "emissionfilename",
-                              "how pbrt samples what the area light's \"filename\" says"),
-             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures")},
+                              "pbrt's sampling of the area light's \"filename\""),
+             ignoredParameter(ParameterType::INTEGER, "faceIndices", "face numbers for Ptex textures")},
         .examples = {"\"point3 P\" [-1 -1 0  1 -1 0  -1 1 0  1 1 0]",
                      "\"point3 P\" [0 0 0  1 0 .3  0 1 .4  1.2 1.1 -.2] \"point2 uv\" [0 0 1 0 0 2 1 2]",
                      "\"integer indices\" [0 1 2 3 1 4 3 5] "

@@ -62,7 +62,7 @@ Refiner refined(const ControlMesh& mesh, int levels) {
                                           : OpenSubdiv::Sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
   using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
   Refiner refiner(Factory::Create(d, Factory::Options(OpenSubdiv::Sdc::SCHEME_CATMARK, options)));
-  if (!refiner) throw Error("the faces do not make a surface");
+  if (!refiner) throw Error("the faces do not form a surface");
   far::TopologyRefiner::UniformOptions uniform(levels);
   uniform.fullTopologyInLastLevel = true;
   refiner->RefineUniform(uniform);
@@ -166,7 +166,7 @@ std::set<std::pair<int, int>> edgesOf(const ControlMesh& mesh) {
       const int a = mesh.indices[first + size_t(k)], b = mesh.indices[first + size_t((k + 1) % n)];
       if (!directed.emplace(a, b).second)
         throw Error("the edge from position " + std::to_string(a) + " to " + std::to_string(b) +
-                    " belongs to two faces that are turned against each other, or to three");
+                    " belongs to two faces with opposite orientations, or to three faces");
     }
     first += size_t(n);
   }
@@ -198,7 +198,7 @@ void readSharpness(const Parameters& p, ControlMesh& mesh) {
   const size_t positions = mesh.positions.size();
   mesh.creases = numbersOf(p, "creases", positions, "position");
   if (mesh.creases.size() % 2 != 0)
-    p.fail("creases", "a number is left over", "the positions at both ends of each edge");
+    p.fail("creases", "the list has an odd number of values", "the positions at both ends of each edge");
   mesh.creaseSharpness = sharpness(p, "creasesharpness", mesh.creases.size() / 2, "creases");
   mesh.sharpCorners = numbersOf(p, "sharpcorners", positions, "position");
   mesh.cornerSharpness = sharpness(p, "cornersharpness", mesh.sharpCorners.size(), "corners");
@@ -223,11 +223,11 @@ ControlMesh controlMesh(const Parameters& p) {
   size_t next = 0;
   for (size_t f = 0; f < mesh.corners.size(); ++f) {
     const auto n = size_t(mesh.corners[f]);
-    if (next + n > mesh.indices.size()) p.fail("corners", "they add up to more than there are indices");
+    if (next + n > mesh.indices.size()) p.fail("corners", "they add up to more than the number of indices");
     std::vector<int> face(mesh.indices.begin() + long(next), mesh.indices.begin() + long(next + n));
     std::sort(face.begin(), face.end());
     if (std::adjacent_find(face.begin(), face.end()) != face.end())
-      p.fail("indices", "face " + std::to_string(f) + " has a corner twice");
+      p.fail("indices", "face " + std::to_string(f) + " uses a vertex twice");
     next += n;
   }
   if (next != mesh.indices.size())
@@ -270,38 +270,36 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
 void registerCatmullClark(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "catmullclark",
-        .summary =
-            "A smooth surface that a mesh of polygons controls, by Catmull's and Clark's subdivision. Its "
-            "outside is where the faces are seen counterclockwise from.",
+        .summary = "A smooth surface from a control mesh of polygons, by Catmull-Clark subdivision. On its "
+                   "outside the vertices of the faces are counterclockwise.",
         .parameters = withDisplacement(
-            {integerParameter("levels", "3", "how often each face is split").range(1, 12),
+            {integerParameter("levels", "3", "number of subdivision steps").range(1, 12),
              arrayParameter(ParameterType::INTEGER, "indices", 0, "",
-                            "numbers of positions, face by face, all turned the same way")
+                            "vertex indices, face by face, all with the same orientation")
                  .range(0, std::numeric_limits<int>::max())
                  .require(),
              arrayParameter(ParameterType::INTEGER, "corners", 0, "",
-                            "how many corners each face has; all have four when absent")
+                            "number of corners of each face; by default 4")
                  .range(3, 1000),
              arrayParameter(ParameterType::POINT3, "P", 0, "", "positions of the control mesh").require(),
              arrayParameter(ParameterType::POINT2, "uv", 0, "",
-                            "texture coordinates at the positions, made smooth as these are"),
-             arrayParameter(ParameterType::INTEGER, "creases", 0, "",
-                            "edges that stay sharp: the positions at both ends of each"),
-             arrayParameter(
-                 ParameterType::REAL, "creasesharpness", 0, "10",
-                 "how often each is split as a sharp edge before it is smoothed; one for all or one "
-                 "each; from the number of levels on it is sharp in the picture, 10 is for ever")
+                            "texture coordinates at the positions, smoothed like the positions"),
+             arrayParameter(ParameterType::INTEGER, "creases", 0, "", "sharp edges: pairs of vertex indices"),
+             arrayParameter(ParameterType::REAL, "creasesharpness", 0, "10",
+                            "number of subdivision steps in which each edge is sharp; one for all or one "
+                            "each. With at least \"levels\" the edge is sharp in the picture; 10 is infinite")
                  .range(0, 10),
              arrayParameter(ParameterType::INTEGER, "sharpcorners", 0, "",
-                            "numbers of positions that the surface goes through with a point"),
-             arrayParameter(ParameterType::REAL, "cornersharpness", 0, "10", "the same for these")
+                            "vertices that stay sharp points: their indices"),
+             arrayParameter(ParameterType::REAL, "cornersharpness", 0, "10",
+                            "sharpness of these, as for edges")
                  .range(0, 10),
-             arrayParameter(ParameterType::INTEGER, "holes", 0, "",
-                            "numbers of faces that are left out, while the others are as if they were there"),
-             stringParameter(
-                 "boundary", "edge",
-                 "where the surface ends: a smooth curve, or one that goes through the positions of "
-                 "a single face with a corner")
+             arrayParameter(
+                 ParameterType::INTEGER, "holes", 0, "",
+                 "faces to remove from the surface, without an effect on the others: their numbers"),
+             stringParameter("boundary", "edge",
+                             "boundary of the surface: a smooth curve, or with sharp corners at vertices of "
+                             "a single face")
                  .oneOf({"edge", "corner"})}),
         .examples =
             {"\"integer levels\" 2 \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1] "

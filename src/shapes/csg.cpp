@@ -337,7 +337,7 @@ class Csg final : public Shape {
 };
 
 std::unique_ptr<Shape> makeCsg(const Parameters& p, const ShapeContext& context) {
-  if (!context.shapes) p.fail("operands", "there are no objects here");
+  if (!context.shapes) p.fail("operands", "objects are not supported here");
   const std::vector<std::string> names = p.strings("operands");
   if (names.size() < 2)
     p.fail("operands", std::to_string(names.size()) + " operand given", "the names of two objects or more");
@@ -355,11 +355,11 @@ std::unique_ptr<Shape> makeCsg(const Parameters& p, const ShapeContext& context)
     std::vector<ComponentShape> made = context.shapes->object(p, "operands", names[operand], inner);
     if (made.empty())
       throw SceneError(p.location("operands"),
-                       "object \"" + names[operand] + "\" has no shape that could be an operand");
+                       "object \"" + names[operand] + "\" has no shape that can be an operand");
     for (ComponentShape& c : made) {
       if (c.shape->primitiveCount() == 0) continue;
       if (c.shape->alpha)
-        throw SceneError(c.location, "an operand has no alpha of its own", "alpha of the \"csg\" itself");
+        throw SceneError(c.location, "an operand cannot have alpha", "alpha of the \"csg\" itself");
       Part part;
       try {
         part.solid = c.shape->asSolid();
@@ -400,20 +400,19 @@ std::unique_ptr<Shape> makeCsg(const Parameters& p, const ShapeContext& context)
 void registerCsg(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "csg",
-        .summary =
-            "A solid made of solids, which ObjectBegin defines: their union, their intersection, or the "
-            "first without the others. Where surfaces coincide, that of the operand named first counts. It "
-            "may be a lamp where its operands may.",
-        .parameters = {stringParameter("operation", "union", "what to make of the operands")
-                           .oneOf({"union", "intersection", "difference"}),
-                       arrayParameter(ParameterType::STRING, "operands", 0, "",
-                                      "names of objects, two or more; up to 256 levels of csg, and a million "
-                                      "solids in a scene")
-                           .require(),
-                       booleanParameter(
-                           "onematerial", "false",
-                           "the whole surface has the material of this shape, instead of each part that of "
-                           "the operand it comes from")},
+        .summary = "Constructive solid geometry: the union, intersection or difference of solids that "
+                   "ObjectBegin defines. If surfaces coincide, the first operand is used. It may emit light "
+                   "if its operands may.",
+        .parameters =
+            {stringParameter("operation", "union", "operation on the operands")
+                 .oneOf({"union", "intersection", "difference"}),
+             arrayParameter(
+                 ParameterType::STRING, "operands", 0, "",
+                 "names of objects, two or more; up to 256 levels of csg, and a million solids in a scene")
+                 .require(),
+             booleanParameter(
+                 "onematerial", "false",
+                 "use the material of this shape everywhere, instead of the operands' materials")},
         .examples = {"\"string operation\" \"difference\" \"string operands\" [\"block\" \"ball\"]",
                      "\"string operation\" \"intersection\" \"string operands\" [\"block\" \"ball\"] "
                      "\"bool onematerial\" true",

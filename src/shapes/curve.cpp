@@ -35,7 +35,7 @@ std::unique_ptr<Shape> makeCurve(const Parameters& p, const ShapeContext& contex
   const bool spline = p.string("basis") == "bspline";
   if (points.size() < order + 1 || (!spline && (points.size() - 1) % order != 0))
     p.fail("P",
-           std::to_string(points.size()) + " control points do not make " + p.string("basis") +
+           std::to_string(points.size()) + " control points do not form " + p.string("basis") +
                " curves of degree " + std::to_string(degree),
            spline ? std::to_string(order + 1) + " or more"
                   : std::to_string(order + 1) + ", and " + std::to_string(order) +
@@ -69,7 +69,7 @@ std::unique_ptr<Shape> makeCurve(const Parameters& p, const ShapeContext& contex
       s.normal1 = normals[i + 1];
       if (glm::dot(s.normal0, s.normal1) < 0 && glm::length(glm::cross(s.normal0, s.normal1)) == 0)
         p.fail("N", "normals " + std::to_string(i) + " and " + std::to_string(i + 1) +
-                        " are opposite: nothing lies between them");
+                        " are opposite: the normal between them is not defined");
     }
   }
   try {
@@ -87,24 +87,21 @@ void registerCurve(PlugIns& plugIns) {
   };
   plugIns.shapes.add(
       {{.name = "curve",
-        .summary =
-            "A thin curve, for hair, grass and threads: a ribbon that is as wide as it is told. It cannot "
-            "be a lamp, and where its transform stretches, its width grows by the mean.",
+        .summary = "A thin curve for hair, grass and threads: a ribbon of constant or varying width. It "
+                   "cannot emit light; a transform that stretches it scales its width by the mean factor.",
         .parameters =
             {arrayParameter(ParameterType::POINT3, "P", 0, "", "control points").require(),
-             integerParameter("degree", "3", "of the polynomials").range(2, 3),
-             stringParameter("basis", "bezier", "what the control points are of")
-                 .oneOf({"bezier", "bspline"}),
+             integerParameter("degree", "3", "degree of the polynomials").range(2, 3),
+             stringParameter("basis", "bezier", "basis of the control points").oneOf({"bezier", "bspline"}),
              stringParameter("type", "flat",
-                             "\"flat\": turned to the viewer; \"cylinder\": the same, shaded as a tube; "
-                             "\"ribbon\": turned by N")
+                             "\"flat\": faces the viewer; \"cylinder\": faces the viewer, with the shading "
+                             "of a tube; \"ribbon\": oriented by N")
                  .oneOf({"flat", "cylinder", "ribbon"}),
              arrayParameter(ParameterType::NORMAL, "N", 0, "",
-                            "of ribbons: the normal at each end of a segment; others do not need it"),
-             width("width", "1", "how wide it is"),
-             width("width0", "", "width where it begins; as width when absent"),
-             width("width1", "", "width where it ends; as width when absent"),
-             ignoredParameter(ParameterType::INTEGER, "splitdepth", "how often pbrt halves curves")},
+                            "normal of a ribbon at each end of a segment; other types do not use it"),
+             width("width", "1", "width"), width("width0", "", "width at the beginning; by default width"),
+             width("width1", "", "width at the end; by default width"),
+             ignoredParameter(ParameterType::INTEGER, "splitdepth", "pbrt's number of subdivisions")},
         .examples =
             {"\"point3 P\" [0 0 0  .1 .4 0  .3 .7 .1  .2 1 .3] \"float width\" .05",
              "\"string type\" \"cylinder\" \"string basis\" \"bspline\" \"point3 P\" [0 0 0  .1 .4 0  "

@@ -31,7 +31,7 @@ class Topology {
         const uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
         if (!directed.emplace(key(a, b), c).second)
           throw Error("the edge from position " + std::to_string(a) + " to " + std::to_string(b) +
-                      " belongs to two triangles that are turned against each other, or to three");
+                      " belongs to two triangles with opposite orientations, or to three triangles");
         const auto [found, isNew] = numbers.emplace(key(std::min(a, b), std::max(a, b)), edges.size());
         if (isNew) edges.push_back({std::min(a, b), std::max(a, b), {0, 0}, 0});
         Edge& e = edges[found->second];
@@ -185,19 +185,19 @@ std::unique_ptr<Shape> makeLoopSubdivision(const Parameters& p, const ShapeConte
   mesh.positions = p.vector3s("P");
   const std::vector<int> indices = p.integers("indices");
   if (indices.size() % 3 != 0)
-    p.fail("indices", std::to_string(indices.size()) + " indices do not make triangles",
+    p.fail("indices", std::to_string(indices.size()) + " indices do not form triangles",
            "three for each triangle");
   for (size_t i = 0; i < indices.size(); ++i)
     if (indices[i] < 0 || size_t(indices[i]) >= mesh.positions.size())
       p.fail("indices",
              "index " + std::to_string(indices[i]) + " (number " + std::to_string(i + 1) +
-                 " of the list) names no position",
+                 " of the list) is not the index of a position",
              "0 to " + std::to_string(int64_t(mesh.positions.size()) - 1));
   for (size_t i = 0; i < indices.size(); i += 3) {
     mesh.triangles.emplace_back(indices[i], indices[i + 1], indices[i + 2]);
     const glm::uvec3 t = mesh.triangles.back();
     if (t.x == t.y || t.y == t.z || t.z == t.x)
-      p.fail("indices", "triangle " + std::to_string(i / 3) + " has a corner twice", "three positions");
+      p.fail("indices", "triangle " + std::to_string(i / 3) + " uses a vertex twice", "three positions");
   }
   const int levels = p.integer("levels");
   constexpr double MOST_TRIANGLES = 2e8;
@@ -227,17 +227,17 @@ std::unique_ptr<Shape> makeLoopSubdivision(const Parameters& p, const ShapeConte
 void registerLoopSubdiv(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "loopsubdiv",
-        .summary = "A smooth surface that a mesh of triangles controls, by Loop's subdivision. As in pbrt-v4 "
-                   "its outside "
-                   "is where the triangles are seen clockwise from.",
+        .summary = "A smooth surface from a control mesh of triangles, by Loop subdivision. As in pbrt-v4, "
+                   "on its outside the vertices of the triangles are clockwise.",
         .parameters = withDisplacement(
-            {integerParameter("levels", "3", "how often each triangle is split into four").range(0, 12),
+            {integerParameter("levels", "3", "number of subdivision steps; each splits a triangle into four")
+                 .range(0, 12),
              arrayParameter(ParameterType::INTEGER, "indices", 0, "",
-                            "three numbers of positions for each triangle, all turned the same way")
+                            "vertex indices, three for each triangle, all with the same orientation")
                  .range(0, std::numeric_limits<int>::max())
                  .require(),
              arrayParameter(ParameterType::POINT3, "P", 0, "", "positions of the control mesh").require(),
-             ignoredParameter(ParameterType::STRING, "scheme", "pbrt knows \"loop\" only")}),
+             ignoredParameter(ParameterType::STRING, "scheme", "only \"loop\" exists in pbrt")}),
         .examples = {"\"integer levels\" 2 \"point3 P\" [1 1 1  -1 -1 1  -1 1 -1  1 -1 -1] "
                      "\"integer indices\" [0 2 1  0 1 3  1 2 3  2 0 3]",
                      "\"integer levels\" 1 \"point3 P\" [0 0 0  1 0 .2  0 1 0  1 1 -.3  2 .5 0] "

@@ -38,9 +38,8 @@ void registerPlyMesh(PlugIns& plugIns) {
         .summary = "Triangles and polygons from a PLY file.",
         .parameters = withDisplacement(
             {stringParameter("filename", "",
-                             "PLY file, text or binary, also compressed with gzip; vertices have x y z, "
-                             "and may have nx ny nz, and u v, s t, texture_u texture_v or "
-                             "texture_s texture_t")
+                             "PLY file, text or binary, also compressed with gzip; vertices need x y z, and "
+                             "may have nx ny nz, and u v, s t, texture_u texture_v or texture_s texture_t")
                  .require()}),
         .examples = {}},
        makePlyMesh});

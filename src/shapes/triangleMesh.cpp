@@ -29,13 +29,13 @@ std::unique_ptr<Shape> makeTriangleMesh(const Parameters& p, const ShapeContext&
   } else {
     const std::vector<int> indices = p.integers("indices");
     if (indices.size() % 3 != 0)
-      p.fail("indices", std::to_string(indices.size()) + " indices do not make triangles",
+      p.fail("indices", std::to_string(indices.size()) + " indices do not form triangles",
              "three for each triangle");
     for (size_t i = 0; i < indices.size(); ++i)
       if (indices[i] < 0 || size_t(indices[i]) >= count)
         p.fail("indices",
                "index " + std::to_string(indices[i]) + " (the " + std::to_string(i + 1) +
-                   ". number) names no position",
+                   ". number) is not the index of a position",
                "0 to " + std::to_string(int64_t(count) - 1));
     mesh.triangles.reserve(indices.size() / 3);
     for (size_t i = 0; i < indices.size(); i += 3)
@@ -58,18 +58,17 @@ std::unique_ptr<Shape> makeTriangleMesh(const Parameters& p, const ShapeContext&
 void registerTriangleMesh(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "trianglemesh",
-        .summary = "Triangles that share vertices.",
+        .summary = "Triangles with shared vertices.",
         .parameters = withDisplacement(
-            {arrayParameter(
-                 ParameterType::INTEGER, "indices", 0, "",
-                 "three numbers of positions for each triangle; may be absent with three positions")
+            {arrayParameter(ParameterType::INTEGER, "indices", 0, "",
+                            "vertex indices, three for each triangle; not needed with three positions")
                  .range(0, std::numeric_limits<int>::max()),
              arrayParameter(ParameterType::POINT3, "P", 0, "", "positions of the vertices").require(),
              arrayParameter(ParameterType::NORMAL, "N", 0, "",
                             "normals at the vertices, interpolated for shading"),
              arrayParameter(ParameterType::VECTOR3, "S", 0, "", "tangents at the vertices"),
              arrayParameter(ParameterType::POINT2, "uv", 0, "", "texture coordinates at the vertices"),
-             ignoredParameter(ParameterType::INTEGER, "faceIndices", "numbers of faces, for Ptex textures")}),
+             ignoredParameter(ParameterType::INTEGER, "faceIndices", "face numbers for Ptex textures")}),
         .examples =
             {"\"point3 P\" [0 0 0 1 0 0 0 1 .5]",
              "\"integer indices\" [0 1 2 2 3 0] \"point3 P\" [-1 0 -1  -1 0 1  1 0 1  1 0 -1]",

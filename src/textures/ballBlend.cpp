@@ -21,7 +21,7 @@ class BallBlend final : public Texture {
     requireEach(p, "values", values.size(), centers.size());
     for (const Rgbd& v : values)
       if (!c.spectrum && v != Rgbd(v.r))
-        p.fail("values", "a float texture is given colours", "\"float values\"");
+        p.fail("values", "a float texture cannot have colours", "\"float values\"");
     std::vector<Bounds3d> boxes;
     for (size_t i = 0; i < centers.size(); ++i) {
       if (!(strengths[i] > 0)) continue; // a ball that subtracts has no value
@@ -72,22 +72,21 @@ class BallBlend final : public Texture {
 
 void registerBallBlend(PlugIns& plugIns) {
   ParameterSpec radius =
-      arrayParameter(ParameterType::REAL, "radius", 0, "1", "of the balls; one for all or one each");
-  ParameterSpec values = textureValue("values", "", "one for each ball");
+      arrayParameter(ParameterType::REAL, "radius", 0, "1", "radius of the balls; one for all or one each");
+  ParameterSpec values = textureValue("values", "", "value of each ball");
   values.textured = false;
   values.count = 0;
   plugIns.textures.add(
       {{.name = "metaballs",
-        .summary =
-            "Values blended by the fields of balls. With the balls of a shape \"metaballs\" in the same "
-            "space, its colours or other parameters flow into each other as it does.",
-        .parameters = {arrayParameter(ParameterType::POINT3, "P", 0, "", "middles of the balls").require(),
+        .summary = "Values blended by the fields of balls. With the balls of a shape \"metaballs\" in the "
+                   "same space, colours and other parameters blend like its surface.",
+        .parameters = {arrayParameter(ParameterType::POINT3, "P", 0, "", "centers of the balls").require(),
                        radius.positive(),
                        arrayParameter(ParameterType::REAL, "strength", 0, "1",
-                                      "weight in the middle of each ball; those that are not positive have "
-                                      "no value; one for all or one each"),
+                                      "weight at the center of each ball; balls with weight 0 or less are "
+                                      "ignored; one for all or one each"),
                        values.require(),
-                       stringParameter("field", "quartic", "see the shape")
+                       stringParameter("field", "quartic", "falloff of the field, as for the shape")
                            .oneOf({"quartic", "sextic", "wyvill", "blinn"})},
         .examples = {"\"point3 P\" [-.5 0 0  .5 .1 0] \"float values\" [.2 .8]",
                      "\"point3 P\" [0 0 0  1 0 0] \"float radius\" [1 2] \"float strength\" [1 -1] "

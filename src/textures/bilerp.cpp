@@ -34,7 +34,8 @@ void registerBilerp(PlugIns& plugIns) {
   };
   plugIns.textures.add(
       {{.name = "bilerp",
-        .summary = "Interpolated between the corners of the unit square, and on beyond it.",
+        .summary =
+            "Bilinear interpolation between the corners of the unit square, extrapolated outside of it.",
         .parameters =
             withMapping({corner("v00", "0", "value at (0, 0)"), corner("v01", "1", "value at (0, 1)"),
                          corner("v10", "0", "value at (1, 0)"), corner("v11", "1", "value at (1, 1)")}),

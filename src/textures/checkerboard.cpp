@@ -50,14 +50,13 @@ class Checkerboard final : public Texture {
 void registerCheckerboard(PlugIns& plugIns) {
   plugIns.textures.add(
       {{.name = "checkerboard",
-        .summary = "Squares, or cubes, of two textures in turn.",
-        .parameters =
-            withMapping({integerParameter("dimension", "2",
-                                          "2: squares of (s, t); 3: cubes of the "
-                                          "space of the texture")
-                             .range(2, 3),
-                         textureValue("tex1", "1", "in the square from (0, 0) to (1, 1), and so on"),
-                         textureValue("tex2", "0", "in its neighbours")}),
+        .summary = "A checkerboard of two textures in squares or cubes.",
+        .parameters = withMapping(
+            {integerParameter("dimension", "2", "2: squares of (s, t); 3: cubes in texture space")
+                 .range(2, 3),
+             textureValue("tex1", "1",
+                          "texture of the square from (0, 0) to (1, 1), and of every second square"),
+             textureValue("tex2", "0", "texture of the other squares")}),
         .examples = {"\"float uscale\" 8 \"float vscale\" 8 \"float tex1\" .8 \"float tex2\" .2",
                      "\"integer dimension\" 3"}},
        [](const Parameters& p, const TextureContext& c) {

@@ -39,9 +39,9 @@ class Dots final : public Texture {
 void registerDots(PlugIns& plugIns) {
   plugIns.textures.add(
       {{.name = "dots",
-        .summary = "Dots of radius 0.35, at random, at most one in each unit square of (s, t).",
+        .summary = "Random dots of radius 0.35, at most one in each unit square of (s, t).",
         .parameters = withMapping(
-            {textureValue("inside", "1", "in the dots"), textureValue("outside", "0", "elsewhere")}),
+            {textureValue("inside", "1", "texture of the dots"), textureValue("outside", "0", "elsewhere")}),
         .examples = {"\"float inside\" .7 \"float outside\" .3 \"float uscale\" 10 \"float vscale\" 10"}},
        [](const Parameters& p, const TextureContext& c) {
          return std::make_unique<Dots>(TextureMapping(p, c), c.value(p, "inside"), c.value(p, "outside"));

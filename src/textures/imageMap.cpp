@@ -85,28 +85,26 @@ std::unique_ptr<Texture> makeImageMap(const Parameters& p, const TextureContext&
 void registerImageMap(PlugIns& plugIns) {
   plugIns.textures.add(
       {{.name = "imagemap",
-        .summary = "A picture; its lower left corner is at (s, t) = (0, 0). A float texture takes its first "
-                   "channel.",
+        .summary =
+            "A picture; its lower left corner is at (s, t) = (0, 0). A float texture uses its first channel.",
         .parameters = withMapping(
-            {stringParameter("filename", "", "picture of any format that OpenImageIO reads").require(),
-             stringParameter(
-                 "filter", "bilinear",
-                 "what is done where a pixel of the film covers many of the picture: one level of "
-                 "detail (point, bilinear), two (trilinear), or along the footprint (EWA)")
+            {stringParameter("filename", "", "picture in any format that OpenImageIO reads").require(),
+             stringParameter("filter", "bilinear",
+                             "filter if a pixel of the film covers many texels: one mipmap level (point, "
+                             "bilinear), two levels (trilinear), or an ellipse (EWA)")
                  .oneOf({"point", "bilinear", "trilinear", "EWA", "ewa"}),
-             realParameter("maxanisotropy", "8", "how much longer than wide a footprint may be, for EWA")
+             realParameter("maxanisotropy", "8", "maximum ratio of the axes of the ellipse of EWA")
                  .range(1, 64),
-             stringParameter("wrap", "repeat", "what is beyond the edges")
+             stringParameter("wrap", "repeat", "lookup outside of the picture")
                  .oneOf({"repeat", "black", "clamp", "octahedralsphere"}),
              realParameter("scale", "1", "factor on the values"),
-             booleanParameter("invert", "false", "1 - value instead, at least 0; after scale"),
-             stringParameter("channel", "colours", "take one channel of the picture alone")
+             booleanParameter("invert", "false", "use 1 - value, at least 0, after scale"),
+             stringParameter("channel", "colours", "use this channel of the picture only")
                  .oneOf({"colours", "red", "green", "blue", "alpha"}),
-             realParameter("threshold", "", "from this value on 1, below 0 instead; for cut-outs"),
-             stringParameter(
-                 "encoding", "",
-                 "of integer formats: \"sRGB\", \"linear\", or \"gamma 2.2\" with any exponent; sRGB "
-                 "where it is absent. Floating-point formats are linear")}),
+             realParameter("threshold", "", "values from this on become 1, others 0; for cut-outs"),
+             stringParameter("encoding", "",
+                             "encoding of integer formats: \"sRGB\" (default), \"linear\", or \"gamma 2.2\" "
+                             "with any exponent. Floating-point formats are linear")}),
         .examples = {}},
        makeImageMap});
 }

@@ -51,22 +51,22 @@ std::unique_ptr<Texture> makeDirectionMix(const Parameters& p, const TextureCont
 void registerMixTextures(PlugIns& plugIns) {
   plugIns.textures.add(
       {{.name = "mix",
-        .summary = "Two textures, mixed.",
-        .parameters = {textureValue("tex1", "0", "the first texture"),
-                       textureValue("tex2", "1", "the second texture"),
-                       realParameter("amount", "0.5", "the part of the second").range(0, 1).withTexture()},
+        .summary = "Blends two textures.",
+        .parameters =
+            {textureValue("tex1", "0", "the first texture"), textureValue("tex2", "1", "the second texture"),
+             realParameter("amount", "0.5", "weight of the second texture").range(0, 1).withTexture()},
         .examples = {"\"float tex1\" .2 \"float tex2\" .9 \"float amount\" .25"}},
        [](const Parameters& p, const TextureContext& c) {
          return std::make_unique<Mix>(c.value(p, "tex1"), c.value(p, "tex2"), c.textures.real(p, "amount"));
        }});
   plugIns.textures.add(
       {{.name = "directionmix",
-        .summary = "Two textures, mixed by the direction that the surface faces.",
-        .parameters = {textureValue("tex1", "0", "where the surface faces `dir` or its opposite"),
-                       textureValue("tex2", "1", "where it faces across"),
-                       arrayParameter(
-                           ParameterType::VECTOR3, "dir", 1, "0 1 0",
-                           "direction in the space of the texture; the part of tex1 is the cosine")},
+        .summary = "Blends two textures by the direction of the surface normal.",
+        .parameters =
+            {textureValue("tex1", "0", "texture if the normal is parallel to `dir`, in either direction"),
+             textureValue("tex2", "1", "texture if the normal is perpendicular to `dir`"),
+             arrayParameter(ParameterType::VECTOR3, "dir", 1, "0 1 0",
+                            "direction in texture space; the weight of tex1 is the absolute cosine")},
         .examples = {"\"float tex1\" .8 \"vector3 dir\" [1 1 0]"}},
        makeDirectionMix});
 }

@@ -87,23 +87,24 @@ class Marble final : public Texture {
 
 void registerNoiseTextures(PlugIns& plugIns) {
   plugIns.textures.add({{.name = "fbm",
-                         .summary = "Fractal noise in space; a float texture.",
+                         .summary = "Fractal noise in texture space; a float texture.",
                          .parameters = noiseParameters(),
                          .examples = {"", "\"integer octaves\" 4 \"float roughness\" .7"}},
                         [](const Parameters& p, const TextureContext& c) {
                           c.requireKind(p, false);
                           return std::make_unique<Fbm>(TextureSpace(c), noiseSum(p));
                         }});
-  plugIns.textures.add({{.name = "wrinkled",
-                         .summary = "Noise in space with creases; a float texture.",
-                         .parameters = noiseParameters(),
-                         .examples = {"", "\"integer octaves\" 4 \"float roughness\" .7"}},
-                        [](const Parameters& p, const TextureContext& c) {
-                          c.requireKind(p, false);
-                          return std::make_unique<Wrinkled>(TextureSpace(c), noiseSum(p));
-                        }});
+  plugIns.textures.add(
+      {{.name = "wrinkled",
+        .summary = "Turbulence: fractal noise with creases in texture space; a float texture.",
+        .parameters = noiseParameters(),
+        .examples = {"", "\"integer octaves\" 4 \"float roughness\" .7"}},
+       [](const Parameters& p, const TextureContext& c) {
+         c.requireKind(p, false);
+         return std::make_unique<Wrinkled>(TextureSpace(c), noiseSum(p));
+       }});
   plugIns.textures.add({{.name = "windy",
-                         .summary = "Waves, as wind makes them on water; a float texture.",
+                         .summary = "Waves like those of wind on water; a float texture.",
                          .parameters = {},
                          .examples = {""}},
                         [](const Parameters& p, const TextureContext& c) {
@@ -112,9 +113,9 @@ void registerNoiseTextures(PlugIns& plugIns) {
                         }});
   std::vector<ParameterSpec> marble = noiseParameters();
   marble.push_back(realParameter("scale", "1", "factor on the coordinates"));
-  marble.push_back(realParameter("variation", "0.2", "how far noise moves the layers"));
+  marble.push_back(realParameter("variation", "0.2", "amplitude of the noise that displaces the layers"));
   plugIns.textures.add({{.name = "marble",
-                         .summary = "Layers of marble across y; a spectrum texture.",
+                         .summary = "Marble with layers along y; a spectrum texture.",
                          .parameters = marble,
                          .examples = {"", "\"float scale\" 3 \"float variation\" 2"}},
                         [](const Parameters& p, const TextureContext& c) {

@@ -24,17 +24,18 @@ class Scale final : public Texture {
 } // namespace
 
 void registerScale(PlugIns& plugIns) {
-  plugIns.textures.add({{.name = "scale",
-                         .summary = "A texture times a number, times a colour.",
-                         .parameters = {textureValue("tex", "1", "the texture"),
-                                        realParameter("scale", "1", "the number").withTexture(),
-                                        spectrumParameter("tint", "1", SpectrumKind::UNBOUNDED,
-                                                          "the colour; of a float texture, its red")},
-                         .examples = {"\"float tex\" .5 \"float scale\" .8"}},
-                        [](const Parameters& p, const TextureContext& c) {
-                          return std::make_unique<Scale>(c.value(p, "tex"), c.textures.real(p, "scale"),
-                                                         Rgb(p.spectrum("tint")));
-                        }});
+  plugIns.textures.add(
+      {{.name = "scale",
+        .summary = "A texture multiplied by a number and by a colour.",
+        .parameters = {textureValue("tex", "1", "the texture"),
+                       realParameter("scale", "1", "the number").withTexture(),
+                       spectrumParameter("tint", "1", SpectrumKind::UNBOUNDED,
+                                         "factor as a colour; a float texture uses its red")},
+        .examples = {"\"float tex\" .5 \"float scale\" .8"}},
+       [](const Parameters& p, const TextureContext& c) {
+         return std::make_unique<Scale>(c.value(p, "tex"), c.textures.real(p, "scale"),
+                                        Rgb(p.spectrum("tint")));
+       }});
 }
 
 } // namespace recurse

@@ -69,9 +69,10 @@ class DodgeBurn final : public ToneMap {
 void registerDodgeBurn(PlugIns& plugIns) {
   plugIns.toneMaps.add(
       {{.name = "dodgeburn",
-        .summary = "Photographic operator, local: automatic dodging and burning (Reinhard et al. 2002).",
-        .parameters = {realParameter("phi", "8", "the paper's sharpening exponent").range(0, 16),
-                       realParameter("epsilon", "0.05", "contrast that ends the surroundings of a place")
+        .summary = "Local photographic operator: automatic dodging and burning (Reinhard et al. 2002).",
+        .parameters = {realParameter("phi", "8", "sharpening parameter phi of the paper").range(0, 16),
+                       realParameter("epsilon", "0.05",
+                                     "contrast threshold that limits the size of the local neighbourhood")
                            .range(0.001, 1)},
         .examples = {"", "\"float phi\" 10"}},
        [](const Parameters& p, const NoContext&) {

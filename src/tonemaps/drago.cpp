@@ -44,7 +44,8 @@ void registerDrago(PlugIns& plugIns) {
   plugIns.toneMaps.add(
       {{.name = "drago",
         .summary = "Adaptive logarithmic mapping (Drago et al. 2003).",
-        .parameters = {realParameter("bias", "0.85", "larger: more contrast, less detail in the dark")
+        .parameters = {realParameter("bias", "0.85",
+                                     "larger values: more contrast, less detail in dark areas")
                            .range(0.6, 0.95)},
         .examples = {"", "\"float bias\" 0.75"}},
        [](const Parameters& p, const NoContext&) {

@@ -77,11 +77,13 @@ class Durand final : public ToneMap {
 void registerDurand(PlugIns& plugIns) {
   plugIns.toneMaps.add(
       {{.name = "durand",
-        .summary = "Local, by the bilateral filter: less contrast, all the detail (Durand and Dorsey 2002).",
+        .summary =
+            "Local operator by the bilateral filter: less contrast, all details (Durand and Dorsey 2002).",
         .parameters =
-            {realParameter("sigmaspace", "0.02", "of the filter, as a fraction of the longer side")
+            {realParameter("sigmaspace", "0.02",
+                           "spatial width of the filter, as a fraction of the longer side")
                  .range(0.001, 0.2),
-             realParameter("sigmarange", "0.4", "of the filter [decades of luminance]").range(0.05, 2)},
+             realParameter("sigmarange", "0.4", "width of the filter in luminance [decades]").range(0.05, 2)},
         .examples = {"", "\"float sigmarange\" 0.2"}},
        [](const Parameters& p, const NoContext&) {
          return std::make_unique<Durand>(static_cast<float>(p.real("sigmaspace")),

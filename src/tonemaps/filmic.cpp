@@ -41,13 +41,14 @@ template <float (*curve)(float)> class Filmic final : public ToneMap {
 void registerFilmic(PlugIns& plugIns) {
   plugIns.toneMaps.add(
       {{.name = "filmic",
-        .summary = "A mild film curve with a long shoulder (Hable 2010); white is 3.8 times the exposed one.",
+        .summary =
+            "A film curve of low contrast with a long shoulder (Hable 2010); luminance 3.8 becomes white.",
         .parameters = {},
         .examples = {""}},
        [](const Parameters&, const NoContext&) { return std::make_unique<Filmic<hableToWhite>>(); }});
   plugIns.toneMaps.add(
       {{.name = "aces",
-        .summary = "A contrasty film curve: the ACES reference transform as fitted by Narkowicz 2016.",
+        .summary = "A film curve of high contrast: Narkowicz's fit of the ACES reference transform (2016).",
         .parameters = {},
         .examples = {""}},
        [](const Parameters&, const NoContext&) { return std::make_unique<Filmic<aces>>(); }});

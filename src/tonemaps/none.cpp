@@ -16,9 +16,11 @@ class NoToneMap final : public ToneMap {
 } // namespace
 
 void registerNoToneMap(PlugIns& plugIns) {
-  plugIns.toneMaps.add(
-      {{.name = "none", .summary = "Linear; what is over white is cut.", .parameters = {}, .examples = {""}},
-       [](const Parameters&, const NoContext&) { return std::make_unique<NoToneMap>(); }});
+  plugIns.toneMaps.add({{.name = "none",
+                         .summary = "Linear; values above white are clipped.",
+                         .parameters = {},
+                         .examples = {""}},
+                        [](const Parameters&, const NoContext&) { return std::make_unique<NoToneMap>(); }});
 }
 
 } // namespace recurse

@@ -30,10 +30,10 @@ class Reinhard final : public ToneMap {
 void registerReinhard(PlugIns& plugIns) {
   plugIns.toneMaps.add(
       {{.name = "reinhard",
-        .summary = "Photographic operator, global (Reinhard et al. 2002, equation 4).",
+        .summary = "Global photographic operator (Reinhard et al. 2002, equation 4).",
         .parameters = {realParameter("white", "0",
-                                     "luminance that becomes white, where the grey card has 0.18; 0: the "
-                                     "99.9th percentile of the picture, at least 1")
+                                     "luminance that becomes white, where middle grey is 0.18; 0: the 99.9th "
+                                     "percentile of the picture, at least 1")
                            .range(0, 1e6)},
         .examples = {"", "\"float white\" 6"}},
        [](const Parameters& p, const NoContext&) {

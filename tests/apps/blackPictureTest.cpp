@@ -62,7 +62,7 @@ TEST_F(BlackPicture, HasNoLight) {
 
 TEST_F(BlackPicture, HasALampThatFacesAway) {
   // The light leaves the scene, or falls on the other side of a wall behind the lamp.
-  says(seenFrom("3 3 4  0 0 0  0 1 0", lamp("Translate 0 4 0 Rotate -90 1 0 0") + FLOOR), "turn it round");
+  says(seenFrom("3 3 4  0 0 0  0 1 0", lamp("Translate 0 4 0 Rotate -90 1 0 0") + FLOOR), "reverse it");
   isSilentOf(seenFrom("3 3 4  0 0 0  0 1 0", lamp("Translate 0 4 0 Rotate 90 1 0 0") + FLOOR));
   isSilentOf(seenFrom("3 3 4  0 0 0  0 1 0",
                       lamp("Translate 0 4 0 Rotate -90 1 0 0", "\"bool twosided\" true") + FLOOR));
@@ -81,15 +81,15 @@ TEST_F(BlackPicture, IsOfAClosedRoomWithTheLightOutside) {
                            "Shape \"bilinearmesh\" \"point3 P\" [ -1 -1 -1  -1 1 -1  -1 -1 1  -1 1 1 ]\n";
   const std::string wall = "Shape \"bilinearmesh\" \"point3 P\" [ 1 -1 -1  1 1 -1  1 -1 1  1 1 1 ]\n";
   const std::string sun = "LightSource \"distant\" \"point3 from\" [ 9 3 1 ]\n", eye = "0 0 0  0 0 1  0 1 0";
-  says(seenFrom(eye, sun + room + wall), "a room that is closed on all sides");
+  says(seenFrom(eye, sun + room + wall), "in a closed room");
   isSilentOf(seenFrom(eye, sun + room));
   isSilentOf(seenFrom(eye, sun + room + "Material \"dielectric\"\n" + wall));
 }
 
 TEST_F(BlackPicture, IsOfNothing) {
   const std::string world = "LightSource \"point\"\nTranslate 0 0 9\nShape \"sphere\"\n";
-  says(seenFrom("0 0 0  0 0 -1  0 1 0", world), "lies behind the camera");
-  says(seenFrom("0 0 0  5 0 1  0 1 0", world), "lies outside of the picture");
+  says(seenFrom("0 0 0  0 0 -1  0 1 0", world), "is behind the camera");
+  says(seenFrom("0 0 0  5 0 1  0 1 0", world), "is outside of the picture");
 }
 
 TEST_F(BlackPicture, HasAMediumInTheSpaceOfTheCamera) {
@@ -137,9 +137,9 @@ TEST_F(BlackPicture, HasLampsThatLightNothingUnderAFaintSky) {
     const Outcome o = run({"render", "dim.pbrt", "-q", "--spp", "4", "--integrator", "path", "-o", "dim.exr",
                            "--stats", "dim.json"});
     EXPECT_EQ(o.status, 0) << o.err;
-    const bool isSaid = has(o.err, "the lamps light nothing");
-    EXPECT_EQ(has(contents(file("dim.json")), "the lamps light nothing"), isSaid);
-    EXPECT_EQ(has(o.err, "turn it round"), isSaid) << o.err;
+    const bool isSaid = has(o.err, "the lamps illuminate no surface");
+    EXPECT_EQ(has(contents(file("dim.json")), "the lamps illuminate no surface"), isSaid);
+    EXPECT_EQ(has(o.err, "reverse it"), isSaid) << o.err;
     return isSaid;
   };
   const std::string faint = sky(".0002"), lampUp = lamp("Translate 0 4 0 " + up),

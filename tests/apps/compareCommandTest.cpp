@@ -119,7 +119,7 @@ TEST_F(CompareProgram, MarksAnExerciseByItsClasses) {
             0);
   const Outcome right = run({"compare", "right.exr", "stills", "--classes"});
   EXPECT_EQ(right.status, 0) << right.err;
-  EXPECT_TRUE(has(right.out, "Nothing is wrong")) << right.out;
+  EXPECT_TRUE(has(right.out, "No errors were found")) << right.out;
   const Outcome wrong = run({"compare", "wrong.exr", "stills", "--classes", "-o", "marks.html"});
   EXPECT_EQ(wrong.status, 0) << wrong.err;
   EXPECT_TRUE(has(wrong.out, "LDE (direct-diffuse) is missing")) << wrong.out;

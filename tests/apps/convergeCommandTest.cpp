@@ -40,7 +40,8 @@ TEST_F(ConvergeProgram, MakesItsReferenceAndGoesOn) {
       "--run",    PATHS,        "--run", PHOTONS, "--reference-error", "0.02"};
   const Outcome first = run(arguments);
   ASSERT_EQ(first.status, 0) << first.err;
-  for (const char* part : {"made by path tracing", "relMSE of their mean", "ε 0.01", "picture 12 of 12"})
+  for (const char* part :
+       {"two pictures by path tracing", "relMSE of their mean", "ε 0.01", "picture 12 of 12"})
     EXPECT_TRUE(has(first.err, part)) << part << "\n" << first.err;
   for (const char* part : {"bias²", "time to", "no trim", "error ~"})
     EXPECT_TRUE(has(first.out, part)) << first.out;
@@ -96,15 +97,14 @@ TEST_F(ConvergeProgram, RefusesWhatDoesNotBelong) {
   refused({"--samples", "2", "--run", "path=--integrator path --maxdepth 2"},
           "run path: there path, maxdepth -1");
   refused({"--times", "1s", "--run", PATHS}, "budgets: there samples, now time");
-  refused({"--samples", "2", "--run", PATHS + " --spp 3"}, "--run path: --spp is what the budgets are for");
+  refused({"--samples", "2", "--run", PATHS + " --spp 3"}, "--run path: --spp is set by the budgets");
   refused({"--samples", "2", "--run", PATHS + " --resolution 3x3"}, "--resolution is for all runs");
   refused({"--samples", "2", "--run", PATHS + " --radius 3"},
           "--run path: --radius: the integrator 'path' has no");
   refused({"--samples", "2", "--run", "--integrator path"}, "is not NAME=");
   refused({"--samples", "2,x"}, "--samples: 'x' is not a whole number");
   refused({"--photons", "1k", "--run", PATHS}, "--run path: --photons: the integrator 'path' has no");
-  refused({"--samples", "2", "--resolution", "8x8"},
-          "a.exr has 24x16 pixels, the scene is rendered with 8x8");
+  refused({"--samples", "2", "--resolution", "8x8"}, "a.exr has 24x16 pixels, but the scene has 8x8");
   std::ofstream(file("scene.pbrt"), std::ios::app) << "# changed\n";
   refused({"--samples", "2", "--run", PATHS}, "content of the scene: there");
   EXPECT_EQ(study()["cells"].size(), 1u);
@@ -116,7 +116,7 @@ TEST_F(ConvergeProgram, PhotonBudgets) {
                          "1k,4k", "--seeds", "1", "--run", "pm=--set passes=1 --radius 0.4 --spp 2", "-q"});
   ASSERT_EQ(o.status, 0) << o.err;
   EXPECT_FALSE(has(o.err, "picture 1 of") || has(o.err, "written:")) << o.err;
-  EXPECT_TRUE(has(o.out, "its own noise is in every error")) << o.out;
+  EXPECT_TRUE(has(o.out, "the errors and bias² include its own noise")) << o.out;
   const nlohmann::json j = study();
   ASSERT_EQ(j["cells"].size(), 2u);
   EXPECT_EQ(j["cells"][1]["photons"], 4000);
@@ -149,7 +149,7 @@ TEST_F(ConvergeProgram, OneProcessAtATimeInAFolder) {
         std::vector<std::string>{"methods", "scene.pbrt", "-o", "study", "--spp", "1"}}) {
     const Outcome o = run(command);
     EXPECT_EQ(o.status, 1) << command[0] << o.err;
-    EXPECT_TRUE(has(o.err, "study/: another process is working with it")) << command[0] << o.err;
+    EXPECT_TRUE(has(o.err, "study/: another process uses it")) << command[0] << o.err;
   }
 }
 
@@ -164,7 +164,7 @@ TEST_F(ConvergeProgram, InterruptKeepsWhatIsFinished) {
     ::kill(child, SIGINT);
   });
   EXPECT_EQ(stopped.status, 130) << stopped.err;
-  EXPECT_TRUE(has(stopped.err, "the same command goes on")) << stopped.err;
+  EXPECT_TRUE(has(stopped.err, "run the same command to")) << stopped.err;
   const nlohmann::json kept = study()["cells"];
   ASSERT_EQ(kept.size(), 2u);
   EXPECT_TRUE(exists("study/index.html"));

@@ -50,7 +50,7 @@ TEST_F(DisplayServer, ARenderGoesOnWithoutAViewerThatDoesNotRead) {
   const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1", "-q", "-o", "a.exr",
                          "--resolution", "800x700", "--display-server", viewer.address()});
   EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_TRUE(has(o.err, "the render goes on without it")) << o.err;
+  EXPECT_TRUE(has(o.err, "the render continues without it")) << o.err;
 }
 
 TEST_F(DisplayServer, NothingIsSentAfterTheDeadline) {

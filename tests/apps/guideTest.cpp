@@ -175,7 +175,7 @@ TEST_F(Guide, FilesOfPbrtAreTakenWithTheWarningsOfThePage) {
   EXPECT_EQ(check.status, 0) << check.err;
   const std::string said = check.out + check.err, page = contents(ROOT + "/doc-files/guide/pbrt.md");
   for (const char* part : {"warning: \"volpath\" is rendered by \"path\"",
-                           "warning: the response of \"canon_eos_5d\" is not known here"}) {
+                           "warning: the spectral response of \"canon_eos_5d\" is not available"}) {
     EXPECT_TRUE(has(said, part)) << said;
     EXPECT_TRUE(has(page, part)) << part;
   }

@@ -94,10 +94,9 @@ TEST_F(MethodsProgram, InterruptKeepsWhatIsFinished) {
         ::kill(child, SIGINT);
       });
   EXPECT_EQ(stopped.status, 130) << stopped.err;
-  EXPECT_TRUE(has(stopped.err, "the same command goes on")) << stopped.err;
+  EXPECT_TRUE(has(stopped.err, "run the same command to continue")) << stopped.err;
   EXPECT_EQ(report()["methods"][0]["failure"], "");
-  for (const size_t i : {1u, 2u})
-    EXPECT_EQ(report()["methods"][i]["failure"], "not rendered before the interrupt");
+  for (const size_t i : {1u, 2u}) EXPECT_EQ(report()["methods"][i]["failure"], "not rendered: interrupted");
   EXPECT_EQ(leftBehind(), 0u);
   const std::string kept = contents(file("out/method-whitted.exr"));
   const Outcome rest = run(withSecond("path"));
@@ -116,12 +115,12 @@ TEST_F(MethodsProgram, RefusesWhatDoesNotFit) {
     EXPECT_TRUE(has(outcome.err, words)) << outcome.err;
   };
   refused({"--method", "nothing"}, "there is no integrator 'nothing'");
-  refused({"--method", "path", "--method", "path"}, "path is there twice");
+  refused({"--method", "path", "--method", "path"}, "path is given twice");
   refused({"--spp", "1", "--time-limit", "1s"}, "only one of");
   refused({"--method", "a=--integrator path --spp 3"}, "--spp");
   ASSERT_EQ(
       run({"methods", "scene.pbrt", "-o", "out", "--reference-spp", "1", "--spp", "1", "--method", "path"})
           .status,
       0);
-  refused({"--spp", "2", "--method", "path"}, "is a picture of something else");
+  refused({"--spp", "2", "--method", "path"}, "is a picture with other settings");
 }

@@ -119,7 +119,7 @@ TEST_F(OutputFiles, OneFileIsNotWrittenForTwoPurposes) {
     std::string line;
     for (const std::string& a : arguments) line += a + " ";
     EXPECT_EQ(o.status, 2) << line << o.err;
-    EXPECT_TRUE(has(o.err, "same file") || has(o.err, "not written over") || has(o.err, "in the folder"))
+    EXPECT_TRUE(has(o.err, "same file") || has(o.err, "cannot be overwritten") || has(o.err, "in the folder"))
         << line << o.err;
     EXPECT_FALSE(exists("x.exr") || exists("in/x.exr") || exists("d.png")) << line;
     for (const auto& [name, text] : before) EXPECT_TRUE(contents(file(name)) == text) << line << name;
@@ -147,7 +147,7 @@ TEST_F(OutputFiles, AConvertedModelDoesNotTakeThePlaceOfItsFiles) {
                              std::filesystem::copy_options::overwrite_existing);
   const Outcome o = run({"convert", "made-files/" + model, "-o", "made.pbrt"});
   EXPECT_EQ(o.status, 2) << o.err;
-  EXPECT_TRUE(has(o.err, "not written over")) << o.err;
+  EXPECT_TRUE(has(o.err, "cannot be overwritten")) << o.err;
 }
 
 TEST_F(OutputFiles, NamedPipesAreNotWaitedFor) {

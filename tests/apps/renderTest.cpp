@@ -92,7 +92,7 @@ TEST_F(ProgramRender, TimeLimitHoldsForLoading) {
   write("slow.pbrt", slowScene());
   const Outcome o = runAMinute({"render", "slow.pbrt", "--time-limit", "1s", "-o", "a.exr"});
   EXPECT_EQ(o.status, 1);
-  EXPECT_TRUE(has(o.err, "the time limit was up before the scene was loaded")) << o.err;
+  EXPECT_TRUE(has(o.err, "the time limit ended before the scene was loaded")) << o.err;
   EXPECT_EQ(leftBehind(), 0u);
 }
 
@@ -154,7 +154,7 @@ TEST_F(ProgramRender, CheckReportsWithoutRendering) {
     const Outcome o = run(arguments);
     EXPECT_EQ(o.status, 0) << o.err;
     for (const char* part :
-         {"24x16", "4 triangles", "1 on surfaces", "reflection", "auto", "memory", "a map about"})
+         {"24x16", "4 triangles", "1 on surfaces", "reflection", "auto", "memory", "photon map about"})
       EXPECT_TRUE(has(o.out, part)) << part << "\n" << o.out;
     EXPECT_FALSE(exists("film.exr"));
   }
@@ -343,7 +343,7 @@ TEST_F(ProgramRender, FilesOfTheSceneAreNotWrittenOver) {
   for (const char* option : {"-o", "--preview", "--stats"}) {
     const Outcome o = run({"render", "show.pbrt", "-q", "-o", "a.exr", option, "./slide.png"});
     EXPECT_EQ(o.status, 2) << option;
-    EXPECT_TRUE(has(o.err, "is a file of the scene, and is not written over")) << o.err;
+    EXPECT_TRUE(has(o.err, "is a file of the scene and cannot be overwritten")) << o.err;
   }
   EXPECT_EQ(contents(file("slide.png")), before);
 }
@@ -409,7 +409,7 @@ TEST_F(ProgramRender, WhatIsTakenFromPbrtAndNotDoneIsAWarning) {
   };
   for (const std::string name : {"halton", "independent", "pmj02bn", "stratified"})
     EXPECT_TRUE(has(warnings("Sampler \"" + name + "\""),
-                    "warning: \"" + name + "\" is not there: samples are Owen-scrambled Sobol' points"))
+                    "warning: \"" + name + "\" is not available: samples are Owen-scrambled Sobol' points"))
         << name;
   for (const std::string name : {"sobol", "paddedsobol", "zsobol"})
     EXPECT_FALSE(has(warnings("Sampler \"" + name + "\""), "Sobol")) << name;
@@ -425,7 +425,7 @@ TEST_F(ProgramRender, WithoutItsDisplayServerItGoesOn) {
   const Outcome o = run({"render", "scene.pbrt", "--integrator", "path", "--spp", "1", "-q", "-o", "a.exr",
                          "--display-server", nobody.name});
   EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_TRUE(has(o.err, nobody.name + ": Connection refused; the render goes on without it")) << o.err;
+  EXPECT_TRUE(has(o.err, nobody.name + ": Connection refused; the render continues without it")) << o.err;
   EXPECT_TRUE(exists("a.exr"));
 }
 

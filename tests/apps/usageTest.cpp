@@ -62,7 +62,7 @@ TEST_F(ProgramUsage, BadUsageIsStatus2AndSaysWhatWouldDo) {
       {{"render", "scene.pbrt", "--paths", "L("}, "column"},
       {{"render", "scene.pbrt", "--class", "LDE"}, "NAME=EXPRESSION"},
       {{"render", "scene.pbrt", "--class", "a=L("}, "column"},
-      {{"render", "scene.pbrt", "--class", "a=LDE", "--paths", "LDE"}, "not together with --paths"},
+      {{"render", "scene.pbrt", "--class", "a=LDE", "--paths", "LDE"}, "cannot be combined with --paths"},
       {{"render", "scene.pbrt", "-q", "-v"}, "excludes"},
       {{"compare", "a.exr"}, "required"},
       {{"compare", "a.exr", "b.exr", "--fail-above", "beauty=1"}, "relmse"},
@@ -220,7 +220,7 @@ TEST_F(ProgramUsage, ReferenceClassesAndExplain) {
     const Outcome o = run(arguments);
     EXPECT_EQ(o.status, 0) << o.err << o.out;
     EXPECT_TRUE(has(o.out, "LS*E")) << o.out;
-    EXPECT_TRUE(has(o.out, "Every path is estimated once")) << o.out;
+    EXPECT_TRUE(has(o.out, "Each path is estimated exactly once")) << o.out;
   }
 }
 
@@ -234,9 +234,9 @@ TEST_F(ProgramUsage, ExplainTellsWhatAutoChooses) {
   const std::string chosen = run({"explain", "coat.pbrt"}).out;
   EXPECT_TRUE(has(chosen, "auto: path: by a trial") && !has(chosen, "photon map")) << chosen;
   const std::string forced = run({"explain", "coat.pbrt", "--set", "passes=1"}).out;
-  EXPECT_TRUE(has(forced, "auto: photonmap, without a trial: there is one photon map")) << forced;
+  EXPECT_TRUE(has(forced, "auto: photonmap, without a trial: a single photon map is asked for")) << forced;
   const std::string any = run({"explain", "--integrator", "auto"}).out;
-  EXPECT_TRUE(has(any, "By the scene it chooses photonmap; path;") && has(any, "photon map")) << any;
+  EXPECT_TRUE(has(any, "It chooses for each scene: photonmap; path;") && has(any, "photon map")) << any;
 }
 
 TEST_F(ProgramUsage, ErrorsOfAllPartsOfASceneAreToldAtOnce) {
@@ -318,8 +318,9 @@ TEST_F(ProgramUsage, LightThatAnIntegratorCannotFindIsTold) {
   EXPECT_TRUE(warned({"--integrator", "path"}));
   EXPECT_FALSE(warned({"--integrator", "path", "--paths", "LDE"}));
   EXPECT_FALSE(warned({"--integrator", "photonmap", "--photons", "1k"}));
-  EXPECT_TRUE(has(run({"explain", "--integrator", "path"}).out, "no estimator finds LS+D"));
-  EXPECT_FALSE(has(run({"explain", "--integrator", "photonmap"}).out, "no estimator finds"));
+  EXPECT_TRUE(has(run({"explain", "--integrator", "path"}).out,
+                  "No estimator finds these paths of point, spot and distant lights: LS+D"));
+  EXPECT_FALSE(has(run({"explain", "--integrator", "photonmap"}).out, "No estimator finds"));
   // References come from an integrator that finds it.
   const Outcome study = run({"converge", "glass.pbrt", "-o", "study", "--samples", "1", "--seeds", "2",
                              "--reference-error", "10", "--run", "p=--integrator path"});
@@ -349,7 +350,7 @@ TEST_F(ProgramUsage, WhatOfPbrtIsApproximatedOrRefusedIsSaid) {
   write("spectral.pbrt", "Film \"spectral\"\nWorldBegin\n");
   Outcome o = run({"render", "spectral.pbrt", "--check"});
   EXPECT_EQ(o.status, 3);
-  EXPECT_TRUE(has(o.err, "light is red, green and blue here")) << o.err;
+  EXPECT_TRUE(has(o.err, "light is red, green and blue")) << o.err;
 
   for (const char* film : {"Film \"rgb\" \"string sensor\" \"canon_eos_5d\"", "Film \"gbuffer\""}) {
     write("film.pbrt", scene(film + std::string("\n")));

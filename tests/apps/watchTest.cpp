@@ -34,7 +34,7 @@ class Watch : public Program {
     stat >> user >> system;
     return (user + system) / double(::sysconf(_SC_CLK_TCK));
   }
-  static constexpr const char* WAITING = "waiting for a change";
+  static constexpr const char* WAITING = "waiting for changes";
 };
 
 /** The live page of a program under way. */
@@ -198,7 +198,7 @@ TEST_F(Watch, GoesOnWhenASceneIsNotLoadedInTime) {
                           ::kill(child, SIGINT);
                         });
   EXPECT_EQ(o.status, 0) << o.err;
-  EXPECT_TRUE(has(o.err, "the time limit was up before the scene was loaded")) << o.err;
+  EXPECT_TRUE(has(o.err, "the time limit ended before the scene was loaded")) << o.err;
 }
 
 TEST_F(Watch, AChangeEndsLoading) {

@@ -182,7 +182,7 @@ TEST(AdaptiveBrdf, CopperIsWhatItSays) {
 TEST(AdaptiveBrdf, RefusesBrokenFiles) {
   const std::string good = adaptiveFile(roughMetal(Vec2f(0.5f), 4));
   EXPECT_EQ(complaint(good), "none");
-  expectComplaint(complaint(""), "no tensor file");
+  expectComplaint(complaint(""), "not a tensor file");
   for (const size_t length : {size_t(13), size_t(20), size_t(60), good.size() / 2, good.size() - 1})
     expectComplaint(complaint(good.substr(0, length)), "bytes, and the file has " + std::to_string(length));
   std::string bytes = good;

@@ -182,7 +182,7 @@ TEST(Displacement, SaysWhatIsWrong) {
       sceneText("", "Shape \"loopsubdiv\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] "
                     "\"float edgelength\" 1"),
       &messages));
-  EXPECT_NE(messages.find("nothing is displaced"), std::string::npos) << messages;
+  EXPECT_NE(messages.find("there is no displacement"), std::string::npos) << messages;
   EXPECT_FALSE(sceneOf(sceneText("", SQUARE), &messages));
   EXPECT_NE(messages.find("height"), std::string::npos) << messages;
 }

@@ -101,7 +101,7 @@ TEST_F(GameFile, Md2WearsItsSkinTheRightWayUp) {
 TEST_F(GameFile, Md2WithoutItsSkinIsAWarning) {
   write("m.md2", md2File("gone.pcx"));
   const SceneDescription scene = load("Shape \"md2\" \"string filename\" \"m.md2\"");
-  EXPECT_NE(messages.find("its skin \"gone.pcx\" is not there"), std::string::npos) << messages;
+  EXPECT_NE(messages.find("its skin \"gone.pcx\" does not exist"), std::string::npos) << messages;
   EXPECT_TRUE(build(scene));
 }
 
@@ -155,7 +155,7 @@ TEST_F(GameFile, PcxIsReadAndChecked) {
             std::string::npos);
   EXPECT_NE(message([](Bytes& b) { b.over<uint16_t>(10, 60000); }).find("too short for its size"),
             std::string::npos);
-  EXPECT_NE(message([](Bytes& b) { b.over<uint16_t>(10, 20); }).find("ends within the picture"),
+  EXPECT_NE(message([](Bytes& b) { b.over<uint16_t>(10, 20); }).find("ends before the picture is complete"),
             std::string::npos);
   EXPECT_NE(message([](Bytes& b) { b.data.pop_back(); }).find("palette"), std::string::npos);
 }
@@ -373,14 +373,14 @@ TEST_F(GameFile, WhatAMapLiesAboutIsAnErrorWithItsPlace) {
   says([](BspWriter& m) { m.faces.over<int32_t>(12, 5); }, "at byte 12: the first vertex of a face is 5");
   says([](BspWriter& m) { m.faces.over<int32_t>(16, -4); },
        "at byte 16: the number of vertices of a face is -4");
-  says([](BspWriter& m) { m.faces.over<int32_t>(24, 5); }, "5 indices do not make triangles");
+  says([](BspWriter& m) { m.faces.over<int32_t>(24, 5); }, "5 indices are not a multiple of 3");
   says([](BspWriter& m) { m.faces.over<int32_t>(24, 600); },
        "at byte 24: the number of indices of a face is 600");
   says([](BspWriter& m) { m.indices.over<int32_t>(8, 4); },
        "m.bsp (list of indices): at byte 8: an index of a face is 4; it can be 0 to 3");
   says([](BspWriter& m) { m.vertices.over(4, std::nanf("")); },
        "m.bsp (list of vertices): at byte 4: a vertex is not finite");
-  says([](BspWriter& m) { m.shaders.data.pop_back(); }, "71 bytes are no multiple of 72");
+  says([](BspWriter& m) { m.shaders.data.pop_back(); }, "71 bytes are not a multiple of 72");
   says([](BspWriter& m) { m.faces.over<int32_t>(8, 2); }, "a patch of 0 by 0 points has 4 vertices");
   says([](BspWriter& m) { m.entities = "{ \"a\" "; }, "a quoted word is expected");
   says([](BspWriter& m) { m.entities = "{ \"a\" \"b\" "; }, "an entity has no end");

@@ -254,7 +254,7 @@ TEST(ImageMap, TexturesThatNameEachOther) {
   expectPart(complaintOf("Texture \"a\" \"float\" \"scale\" \"texture tex\" \"b\"\n"
                          "Texture \"b\" \"float\" \"scale\" \"texture tex\" \"a\"\n"
                          "Material \"diffuse\" \"texture displacement\" \"a\"\nShape \"sphere\""),
-             "is made of itself");
+             "depends on itself");
   expectPart(complaintOf("Texture \"a\" \"spectrum\" \"constant\"\nMaterial \"diffuse\" \"texture "
                          "displacement\" \"a\"\nShape \"sphere\""),
              "no float texture \"a\"");
@@ -278,7 +278,7 @@ TEST(ImageMap, TexturesAndMaterialsOfTooManyLevelsOrPartsAreRefused) {
            "\"\nShape \"sphere\"";
   };
   EXPECT_EQ(toldOf(deep(255), true), "");
-  expectPart(complaintOf(deep(20000)), "at more than 256 levels");
+  expectPart(complaintOf(deep(20000)), "nested more than 256 levels");
   const auto doubled = [&](int times) {
     return first +
            chain(times,
@@ -311,7 +311,7 @@ TEST(ImageMap, TexturesAndMaterialsOfTooManyLevelsOrPartsAreRefused) {
                          "NamedMaterial \"t40\"\nShape \"sphere\""),
              "more than 100000 materials");
   EXPECT_EQ(toldOf(mixed(255), true), "");
-  expectPart(complaintOf(mixed(20000)), "at more than 256 levels");
+  expectPart(complaintOf(mixed(20000)), "nested more than 256 levels");
 }
 
 TEST(ImageMap, PicturesThatRunOutOfMemoryAreNamed) {
@@ -332,6 +332,6 @@ TEST(ImageMap, PicturesThatRunOutOfMemoryAreNamed) {
                   "\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n"
                   "Shape \"sphere\"");
   expectPart(said, "test.pbrt:3:");
-  expectPart(said, "huge.exr: cannot be read: it takes more memory than there is");
+  expectPart(said, "huge.exr: cannot be read: it needs more memory than is available");
   EXPECT_THROW(readImage(file), Error);
 }

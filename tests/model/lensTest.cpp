@@ -136,7 +136,7 @@ TEST(RealisticCamera, AWrongSurfaceIsToldByItsOwnLine) {
   const std::string shortLine = says("20 3 1.5\n-20 1 0 5\n");
   EXPECT_NE(shortLine.find("line 1: a lens without a diameter"), std::string::npos) << shortLine;
   const std::string end = says("# a comment\n20 3 1.5 5\n-20 1 0\n");
-  EXPECT_NE(end.find("line 3: the last surface is cut off"), std::string::npos) << end;
+  EXPECT_NE(end.find("line 3: the last surface is incomplete"), std::string::npos) << end;
 }
 
 TEST(RealisticCamera, PicturesAreUpright) {
@@ -179,5 +179,5 @@ TEST(RealisticCamera, ImpossibleLensesAreErrors) {
   expect("20 -1 1.5 10", "wrong order");
   expect("20 1 1.5 0", "without a diameter");
   expect("-20 1 1.5 10 20 0 1 10", "do not converge");
-  expect("20 1 1.5 10 -20 0 1.5 10", "no air behind");
+  expect("20 1 1.5 10 -20 0 1.5 10", "the medium behind the last surface is not air");
 }

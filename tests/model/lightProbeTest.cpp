@@ -378,12 +378,12 @@ TEST(LightPictures, BadOnesAreToldOf) {
   image.at(3, 2)[1] = 1e30f;
   expectTold(image, true, "");
   expectTold(pictureOf(8, 8, [](double, double) { return BLACK; }), true, "black everywhere");
-  expectTold(pictureOf(8, 8, [](double, double) { return BLACK; }), false, "cannot be scaled",
+  expectTold(pictureOf(8, 8, [](double, double) { return BLACK; }), false, "has no irradiance to scale",
              "\"float illuminance\" 3");
   expectTold(uniform(50, 30), false, "50 by 30 pixels");
   expectTold(uniform(50, 30), true, "", "\"string mapping\" \"latlong\"");
   expectTold(uniform(50, 30), false, "cannot be \"angular\"", "\"string mapping\" \"angular\"");
-  expectTold(uniform(8, 8), false, "\"L\" as well", "\"rgb L\" [1 1 1]");
+  expectTold(uniform(8, 8), false, "both a picture and \"L\" are given", "\"rgb L\" [1 1 1]");
   EXPECT_NE(makeLight("infinite", "\"string filename\" \"no-such.hdr\"").told.find("no-such.hdr"),
             std::string::npos);
 }

@@ -125,7 +125,7 @@ TEST_F(Measured, RefusesBrokenFiles) {
   for (const int32_t size : {0, -1, 1, 1025, 0x7fffffff}) {
     std::string bytes = good;
     std::memcpy(&bytes[4], &size, 4);
-    EXPECT_NE(complaint(bytes).find("its header says 4 x " + std::to_string(size) + " x 5"),
+    EXPECT_NE(complaint(bytes).find("its header has 4 x " + std::to_string(size) + " x 5"),
               std::string::npos);
   }
   for (const size_t length : {size_t(12), size_t(13), good.size() / 2, good.size() - 1})
@@ -133,12 +133,12 @@ TEST_F(Measured, RefusesBrokenFiles) {
         complaint(good.substr(0, length))
             .find("ends after " + std::to_string(length) + " of " + std::to_string(good.size()) + " bytes"),
         std::string::npos);
-  EXPECT_NE(complaint(good + "x").find("goes on after the " + std::to_string(good.size())),
+  EXPECT_NE(complaint(good + "x").find("has more data after the " + std::to_string(good.size())),
             std::string::npos);
   for (const double value : {double(NAN), double(INFINITY), 1e31}) {
     std::string bytes = good;
     std::memcpy(&bytes[12 + 8 * 7], &value, 8);
-    EXPECT_NE(complaint(bytes).find("no reflectance at byte 68"), std::string::npos);
+    EXPECT_NE(complaint(bytes).find("an invalid reflectance at byte 68"), std::string::npos);
   }
   EXPECT_NE(complaint(good.substr(0, 20)).find("measured:1:"), std::string::npos) << "no place is named";
   Diagnostics diagnostics;

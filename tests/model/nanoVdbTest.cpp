@@ -131,11 +131,12 @@ TEST(NanoVdb, DamageIsToldWithItsPlace) {
   expectHas(errorOf("PNG"), "smoke.nvdb");
   expectHas(changed(0, uint64_t(7)), "this is no NanoVDB file");
   expectHas(changed(8, uint32_t(31u << 21)), "version 31; 32 is read");
-  expectHas(changed(14, uint16_t(2)), "packed by blosc");
+  expectHas(changed(14, uint16_t(2)), "compressed by blosc");
   expectHas(changed(14, uint16_t(1)), "a packed grid");
   expectHas(changed(16 + 8, ~uint64_t(0)), "the grid \"density\" would take 18446744073709551615 bytes");
   expectHas(changed(16 + 136, ~uint32_t(0)), "a name would take");
-  expectHas(changed(grid, uint64_t(7)), "smoke.nvdb: grid \"density\": at byte 0: no grid begins here");
+  expectHas(changed(grid, uint64_t(7)),
+            "smoke.nvdb: grid \"density\": at byte 0: this is not the beginning of a grid");
   expectHas(changed(grid + 636, uint32_t(6)), "values of type 6");
   expectHas(changed(grid + 384, std::nan("")), "the transform is not finite");
   for (const int64_t far : {int64_t(1) << 40, std::numeric_limits<int64_t>::max(),

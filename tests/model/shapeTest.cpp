@@ -709,14 +709,14 @@ TEST(Shape, BadParametersAreExplained) {
     EXPECT_NE(text.find(part), std::string::npos) << "\"" << part << "\" is not in:\n" << text;
   };
   has(complaint("sphere", "\"float radius\" -1"), "radius");
-  has(complaint("sphere", "\"float zmin\" 2 \"float zmax\" 3"), "nothing of the sphere");
+  has(complaint("sphere", "\"float zmin\" 2 \"float zmax\" 3"), "no part of the sphere");
   has(complaint("sphere", "\"float phimax\" 400"), "phimax");
   has(complaint("sphere", "\"texture alpha\" \"holes\""), "texture");
   has(complaint("disk", "\"float innerradius\" 2"), "the hole is as large as the disc");
   has(complaint("trianglemesh", "\"integer indices\" [0 1 2]"), "P");
   has(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0]"), "no \"indices\"");
   has(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1]"),
-      "do not make triangles");
+      "do not form triangles");
   has(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]"), "index 3");
   has(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 1]"), "1 given for 3");
   has(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1e200 0]"), "single precision");
@@ -726,33 +726,33 @@ TEST(Shape, BadParametersAreExplained) {
   has(complaint("cylinder", "\"float zmin\" 1 \"float zmax\" 1"), "no height");
   has(complaint("cone", "\"float height\" -1"), "height");
   has(complaint("paraboloid", "\"float zmin\" -1"), "0 <= zmin < zmax");
-  has(complaint("hyperboloid", "\"point3 p1\" [1 0 1] \"point3 p2\" [2 0 1]"), "sweeps a disc");
+  has(complaint("hyperboloid", "\"point3 p1\" [1 0 1] \"point3 p2\" [2 0 1]"), "is a disc");
   has(complaint("hyperboloid", "\"point3 p1\" [0 0 0] \"point3 p2\" [0 0 1]"), "on the z axis");
-  has(complaint("torus", "\"float minorradius\" 2"), "fills the ring's hole");
+  has(complaint("torus", "\"float minorradius\" 2"), "has no hole");
   has(complaint("box", "\"point3 p1\" [0 1 0] \"point3 p2\" [1 1 1]"), "flat");
-  has(complaint("csg", "\"string operands\" [\"a\" \"b\"]"), "no objects here");
+  has(complaint("csg", "\"string operands\" [\"a\" \"b\"]"), "objects are not supported here");
   has(complaint("metaballs", "\"point3 P\" []"), "0 values");
-  has(complaint("metaballs", "\"point3 P\" [0 0 0] \"float threshold\" 2"), "nowhere reaches the threshold");
+  has(complaint("metaballs", "\"point3 P\" [0 0 0] \"float threshold\" 2"), "below the threshold everywhere");
   has(complaint("metaballs", "\"point3 P\" [0 0 0] \"float radius\" [1 2]"), "2 given for 1 positions");
   has(complaint("metaballs", "\"point3 P\" [0 0 0] \"string field\" \"cubic\""), "quartic");
   has(complaint("loopsubdiv", "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]"), "index 3");
   has(complaint("loopsubdiv", "\"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 1]"),
-      "a corner twice");
+      "uses a vertex twice");
   has(complaint("loopsubdiv", "\"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0] \"integer indices\" [0 1 2 0 1 3]"),
-      "turned against each other");
+      "opposite orientations");
   has(complaint("loopsubdiv",
                 "\"integer levels\" 12 \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" "
                 "[0 1 2 1 0 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2 0 1 2]"),
       "fewer levels");
   const std::string square = "\"point3 P\" [0 0 0 1 0 0 1 1 0 0 1 0] \"integer indices\" [0 1 2 3] ";
-  has(complaint("catmullclark", square + "\"integer creases\" [0 1 2]"), "a number is left over");
+  has(complaint("catmullclark", square + "\"integer creases\" [0 1 2]"), "an odd number of values");
   has(complaint("catmullclark", square + "\"integer creases\" [0 4]"), "there is no position 4");
   has(complaint("catmullclark", square + "\"integer creases\" [0 2]"), "no face has an edge between");
   has(complaint("catmullclark", square + "\"integer creases\" [0 1] \"float creasesharpness\" [1 2]"),
       "2 given for 1 creases");
   has(complaint("catmullclark", square + "\"integer holes\" [1]"), "there is no face 1");
   has(complaint("catmullclark", square + "\"integer sharpcorners\" [-1]"), "there is no position -1");
-  has(complaint("curve", "\"point3 P\" [0 0 0 1 0 0 0 1 0]"), "3 control points do not make bezier curves");
+  has(complaint("curve", "\"point3 P\" [0 0 0 1 0 0 0 1 0]"), "3 control points do not form bezier curves");
   has(complaint("curve", "\"string type\" \"ribbon\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]"),
       "0 normals given for a ribbon");
 }

@@ -90,7 +90,7 @@ TEST(SolidScene, ErrorsNameThePlace) {
          "test.pbrt:3:", "no object named \"a\"");
   expect(errorsOf("ObjectBegin \"a\"\nShape \"csg\" \"string operands\" [\"a\" \"a\"]\nObjectEnd\n"
                   "Shape \"csg\" \"string operands\" [\"a\" \"a\"]"),
-         "test.pbrt:4:", "is made of itself");
+         "test.pbrt:4:", "contains itself");
   expect(errorsOf("ObjectBegin \"a\"\nShape \"cylinder\"\nObjectEnd\n"
                   "Shape \"csg\" \"string operands\" [\"a\" \"a\"]"),
          "test.pbrt:4:7", "it is open");
@@ -99,7 +99,7 @@ TEST(SolidScene, ErrorsNameThePlace) {
          "test.pbrt:4:7", "alpha");
   expect(errorsOf("ObjectBegin \"a\"\nAreaLightSource \"diffuse\"\nShape \"sphere\"\nObjectEnd\n"
                   "Shape \"csg\" \"string operands\" [\"a\" \"a\"]"),
-         "test.pbrt:5:7", "does not emit by itself");
+         "test.pbrt:5:7", "cannot emit by itself");
   // What cannot be sampled is no lamp.
   expect(errorsOf("AreaLightSource \"diffuse\"\nShape \"metaballs\" \"point3 P\" [0 0 0]"), "test.pbrt:4:7",
          "cannot be a lamp");
@@ -148,7 +148,7 @@ TEST(SolidScene, CurvesAreAsWideAsTheySay) {
 
 TEST(SolidScene, TooManySolidsAreRefusedWithTheirPlace) {
   const std::string said = errorsOf(towerOfSolids(40));
-  EXPECT_NE(said.find("test.pbrt:124:13: error: too many solids are put together: more than 1000000"),
+  EXPECT_NE(said.find("test.pbrt:124:13: error: too many solids are combined: more than 1000000"),
             std::string::npos)
       << said;
   EXPECT_NE(said.find("^"), std::string::npos);
@@ -157,7 +157,7 @@ TEST(SolidScene, TooManySolidsAreRefusedWithTheirPlace) {
 
 TEST(SolidScene, TooManyLevelsOfSolidsAreRefusedWithTheirPlace) {
   const std::string said = errorsOf(OBJECTS + towerOfSolids(5000, "\"ball\""));
-  EXPECT_NE(said.find("error: solids are made of solids at more than 256 levels"), std::string::npos) << said;
+  EXPECT_NE(said.find("error: solids are nested more than 256 levels"), std::string::npos) << said;
   const Loaded deepest = load(OBJECTS + towerOfSolids(256, "\"ball\""));
   ASSERT_TRUE(deepest.scene) << deepest.messages;
   EXPECT_NEAR(hitAlong(*deepest.scene, {-3, 0, 0}, {1, 0, 0}).t, 1.8, 1e-4);

@@ -340,11 +340,11 @@ TEST(Csg, OpenShapesAreTurnedDown) {
   };
   expect(complaint("cylinder", ""), "it is open: \"bool caps\" true closes it");
   expect(complaint("disk", ""), "it is not a closed surface");
-  expect(complaint("sphere", "\"float zmin\" 0"), "a part of a sphere only");
+  expect(complaint("sphere", "\"float zmin\" 0"), "only a part of a sphere");
   expect(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0]"),
          "the edge between positions 0 and 1 (triangle 0) belongs to one triangle only");
   // Two faces of a tetrahedron turned against each other.
   expect(complaint("trianglemesh", "\"point3 P\" [0 0 0 1 0 0 0 1 0 0 0 1] \"integer indices\" "
                                    "[0 1 2  0 1 3  1 2 3  2 0 3]"),
-         "not turned the same way");
+         "with different orientations");
 }

@@ -223,5 +223,5 @@ TEST(BezierPatch, HasNormalsWhereASideIsAPoint) {
   Diagnostics complaints;
   EXPECT_FALSE(
       plugIns().shapes.make(parseParameterText("bezierpatch", "\"point3 P\" [0 0 0 1 1 1]"), {}, complaints));
-  EXPECT_NE(complaints.format().find("2 points do not make patches"), std::string::npos);
+  EXPECT_NE(complaints.format().find("2 points do not form patches"), std::string::npos);
 }

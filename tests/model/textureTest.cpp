@@ -337,7 +337,7 @@ TEST(Texture, ValuesOfBallsAreBlendedByTheirFields) {
     EXPECT_NE(diagnostics.format().find(part), std::string::npos) << diagnostics.format();
   };
   refused(balls + "\"float values\" [1 2]", "2 given for 3 positions");
-  refused(balls + colours, "a float texture is given colours");
+  refused(balls + colours, "a float texture cannot have colours");
   refused("\"point3 P\" [0 0 0] \"float strength\" 0 \"float values\" [1]",
           "no ball has a positive strength");
 }

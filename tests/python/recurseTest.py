@@ -261,7 +261,7 @@ MediumInterface "m" ""
             first = lit[lit["previous"] == -1]
             self.assertEqual(set(first["event"]), {b"E"})
             np.testing.assert_allclose(first["position"][:, 1], 0, atol=1e-5)  # the floor is seen there
-        with self.assertRaisesRegex(recurse.Error, "pixel 99,0 is not in the picture"):
+        with self.assertRaisesRegex(recurse.Error, "pixel 99,0 is outside of the picture"):
             recurse.paths(room(), (99, 0), integrator="path")
 
     def test_photons_carry_the_power_of_the_lamp(self):

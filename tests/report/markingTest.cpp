@@ -361,8 +361,8 @@ TEST(Marking, WordsAndJsonSayTheSame) {
   const Exercise& exercise = exercises().back();
   const Marking marking = markExercise(pictureOf(exercise, {{{"caustic", 0}}, {}}, 7), exercise.reference);
   const std::string text = markingText(marking);
-  for (const char* part : {"LS+DS*E (caustic) is missing, in 100 % of the picture that shows it",
-                           "lamp, mirror or glass, matt or glossy surface, eye", "% sure", "told in"})
+  for (const char* part : {"LS+DS*E (caustic) is missing, in 100 % of the picture where it is visible",
+                           "lamp, mirror or glass, diffuse or glossy surface, eye", "% sure", "told in"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   const nlohmann::json json = nlohmann::json::parse(markingJson(marking));
   EXPECT_EQ(json["right"], false);

@@ -54,7 +54,7 @@ TEST(Directives, Options) {
   EXPECT_TRUE(s.options.at("disablepixeljitter").booleans.at(0));
   EXPECT_EQ(s.options.at("msereferenceimage").strings.at(0), "a.exr");
   EXPECT_CONTAINS(messages("Option \"seeed\" 7 WorldBegin"), "did you mean \"seed\"");
-  EXPECT_CONTAINS(messages("Option \"force-diffuse\" true WorldBegin"), "\"forcediffuse\" is without effect");
+  EXPECT_CONTAINS(messages("Option \"force-diffuse\" true WorldBegin"), "\"forcediffuse\" has no effect");
   EXPECT_EQ(messages("Option \"forcediffuse\" false WorldBegin"), "");
   EXPECT_CONTAINS(messages("Option \"seed\" 7.5 WorldBegin"), "whole number");
   EXPECT_CONTAINS(messages("Option \"seed\" true WorldBegin"), "expected a number");
@@ -87,7 +87,7 @@ TEST(Directives, MaterialsScope) {
                   "\"string type\"");
   EXPECT_CONTAINS(messages("WorldBegin MakeNamedMaterial \"m\" \"string type\" \"a\" "
                            "MakeNamedMaterial \"m\" \"string type\" \"a\""),
-                  "defined already");
+                  "already defined");
 }
 
 TEST(Directives, TexturesAndMaterialsShareNoNames) {
@@ -103,7 +103,7 @@ TEST(Directives, TexturesAndMaterialsShareNoNames) {
   EXPECT_FALSE(s.textures[1].spectrum);
   EXPECT_EQ(s.namedMaterials.at("a").parameters.at(0).strings.at(0), "a");
   EXPECT_CONTAINS(messages("WorldBegin Texture \"a\" \"float\" \"c\" Texture \"a\" \"float\" \"c\""),
-                  "defined already, at test.pbrt:1");
+                  "already defined, at test.pbrt:1");
   EXPECT_CONTAINS(messages("WorldBegin Texture \"a\" \"color\" \"c\""), "\"float\" \"spectrum\"");
 }
 
@@ -200,22 +200,22 @@ TEST(Directives, ObjectsStandInObjects) {
 TEST(Directives, ObjectErrors) {
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectBegin \"b\" ObjectEnd"), "inside the object");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectEnd ObjectBegin \"a\" Shape \"s\" ObjectEnd"),
-                  "defined already");
+                  "already defined");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectInstance \"a\" ObjectEnd"),
-                  "inside the object");
+                  "would contain itself");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\" ObjectInstance \"b\" ObjectEnd "
                            "ObjectBegin \"b\" ObjectInstance \"a\" ObjectEnd ObjectInstance \"a\""),
-                  "inside the object itself");
+                  "would contain itself");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"b\" ObjectEnd ObjectBegin \"a\" ActiveTransform EndTime "
                            "Translate 1 0 0 ObjectInstance \"b\" ObjectEnd"),
-                  "does not move by itself");
+                  "cannot move by itself");
   std::string tower = "WorldBegin ObjectBegin \"0\" Shape \"a\" ObjectEnd ";
   for (int i = 1; i < 30; ++i) {
     const std::string below = "ObjectInstance \"" + std::to_string(i - 1) + "\" ";
     tower += "ObjectBegin \"" + std::to_string(i) + "\" " + below + below + "ObjectEnd ";
   }
-  EXPECT_CONTAINS(messages(tower + "ObjectInstance \"29\""), "too many objects stand in");
-  EXPECT_CONTAINS(messages(towerOfObjects(5000)), "at more than 256 levels");
+  EXPECT_CONTAINS(messages(tower + "ObjectInstance \"29\""), "too many objects are in");
+  EXPECT_CONTAINS(messages(towerOfObjects(5000)), "more than 256 levels");
   EXPECT_EQ(parseGood(towerOfObjects(256)).instances.size(), 1u);
   EXPECT_CONTAINS(messages("WorldBegin ObjectEnd"), "without ObjectBegin");
   EXPECT_CONTAINS(messages("WorldBegin ObjectBegin \"a\""), "has no ObjectEnd");

@@ -150,15 +150,15 @@ TEST(Parameters, PlaceOfTheWrongNumber) {
 }
 
 TEST(Parameters, Counts) {
-  EXPECT_CONTAINS(errorOf("\"float r\" [1 2]", realParameter("r", "", "")), "2 values in place of 1");
-  EXPECT_CONTAINS(errorOf("\"float r\" []", realParameter("r", "", "")), "0 values in place of 1");
+  EXPECT_CONTAINS(errorOf("\"float r\" [1 2]", realParameter("r", "", "")), "2 values instead of 1");
+  EXPECT_CONTAINS(errorOf("\"float r\" []", realParameter("r", "", "")), "0 values instead of 1");
   EXPECT_CONTAINS(errorOf("\"float f\" []", arrayParameter(ParameterType::REAL, "f", 0, "", "")),
                   "at least one");
   EXPECT_CONTAINS(errorOf("\"point3 p\" [1 2]", arrayParameter(ParameterType::POINT3, "p", 1, "", "")),
                   "multiple of 3");
   EXPECT_CONTAINS(
       errorOf("\"point3 p\" [1 2 3 4 5 6]", arrayParameter(ParameterType::POINT3, "p", 1, "", "")),
-      "2 values in place of 1");
+      "2 values instead of 1");
   EXPECT_CONTAINS(errorOf("\"string s\" [\"a\" \"b\"]", stringParameter("s", "", "")), "2 values");
   EXPECT_CONTAINS(errorOf("\"bool b\" []", booleanParameter("b", "", "")), "0 values");
   EXPECT_CONTAINS(errorOf("\"rgb c\" [1 1]", spectrumParameter("c", "", SpectrumKind::ALBEDO, "")),

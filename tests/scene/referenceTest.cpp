@@ -72,5 +72,5 @@ TEST(Reference, PlugIns) {
   EXPECT_CONTAINS(page, "| `\"string mode\"` | `a` | \"a\" \"b\" | how |");
   EXPECT_CONTAINS(page, "| required |");
   EXPECT_CONTAINS(page, "`\"rgb\\|spectrum\\|blackbody\\|float\\|texture c\"` | `0.5` | 0 to 1 |");
-  EXPECT_CONTAINS(page, "Taken, without effect: no reason");
+  EXPECT_CONTAINS(page, "Accepted without effect: no reason");
 }

@@ -123,11 +123,11 @@ TEST(Track, SaysWhatIsWrong) {
   };
   EXPECT_EQ(used("Animate \"a\" " + good), "");
   EXPECT_CONTAINS(used("Animate \"b\" " + good), "there is no track '$a' yet");
-  EXPECT_CONTAINS(used("Animate \"b\" " + good), "nothing uses the track \"b\"");
+  EXPECT_CONTAINS(used("Animate \"b\" " + good), "no parameter uses the track \"b\"");
   EXPECT_CONTAINS(messages("Animate \"ball\" " + good + "WorldBegin Translate $bal 0 0"), "$ball");
-  EXPECT_CONTAINS(used("Animate \"a\" " + good + "Animate \"a\" " + good), "defined already");
+  EXPECT_CONTAINS(used("Animate \"a\" " + good + "Animate \"a\" " + good), "already defined");
   EXPECT_CONTAINS(used("Animate \"a b\" " + good), "a track cannot be called \"a b\"");
-  EXPECT_CONTAINS(used("Animate \"a\" \"float times\" [ 1 0 ] \"float values\" [ 1 2 ]"), "do not rise");
+  EXPECT_CONTAINS(used("Animate \"a\" \"float times\" [ 1 0 ] \"float values\" [ 1 2 ]"), "do not increase");
   EXPECT_CONTAINS(used("Animate \"a\" \"float times\" [ 0 1 ] \"float values\" [ 1 2 3 ]"),
                   "3 values for 2 times");
   EXPECT_CONTAINS(used("Animate \"a\" \"float times\" [ ] \"float values\" [ ]"), "0 values");

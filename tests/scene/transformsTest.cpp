@@ -102,12 +102,12 @@ TEST(Transforms, MotionBlurIsRefusedWhereItIsUsed) {
 }
 
 TEST(Transforms, WhatCannotBeInvertedIsAnError) {
-  EXPECT_CONTAINS(messages("Scale 1 0 1 Camera \"perspective\" WorldBegin"), "flat");
+  EXPECT_CONTAINS(messages("Scale 1 0 1 Camera \"perspective\" WorldBegin"), "singular");
   EXPECT_CONTAINS(messages("Rotate 90 0 0 0 WorldBegin"), "axis");
   EXPECT_CONTAINS(messages("LookAt 0 0 0 0 0 0 0 1 0 WorldBegin"), "target other than the eye");
   EXPECT_CONTAINS(messages("LookAt 0 0 0 0 1 0 0 1 0 WorldBegin"), "up vector");
   EXPECT_CONTAINS(messages("Transform [1 0 0 0 2 0 0 0 0 0 1 0 0 0 0 1] Camera \"perspective\" WorldBegin"),
-                  "flat");
+                  "singular");
   EXPECT_CONTAINS(messages("WorldBegin Transform [1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1] LightSource \"point\""),
                   "projection");
   EXPECT_CONTAINS(messages("WorldBegin Scale 1e300 1 1 Scale 1e300 1 1 Shape \"sphere\""), "overflows");
@@ -132,6 +132,6 @@ TEST(Transforms, WhatPlacesNothingMayBeSingularOrProject) {
 TEST(Transforms, WhatMadeThemSingularIsToldOnceAndByItsPlace) {
   const std::string text =
       messages("WorldBegin\nTranslate 1 0 0\nScale 1 0 1\nTranslate 1 0 0\nShape \"sphere\"\nShape \"disk\"");
-  EXPECT_CONTAINS(text, ":3:1: error: the current transform becomes flat");
-  EXPECT_EQ(text.find("flat"), text.rfind("flat")) << text;
+  EXPECT_CONTAINS(text, ":3:1: error: the current transform becomes singular");
+  EXPECT_EQ(text.find("singular"), text.rfind("singular")) << text;
 }

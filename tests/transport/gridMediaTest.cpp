@@ -208,6 +208,6 @@ TEST(GridMedia, NanoVdbFilesThatDoNotDoAreNamed) {
   Diagnostics diagnostics;
   const auto none = makeMedium("nanovdb", negative.parameter(), diagnostics);
   ASSERT_TRUE(none);
-  has(diagnostics.format(), "negative densities count as none");
+  has(diagnostics.format(), "negative densities are replaced by 0");
   EXPECT_EQ(none->at({1, 0, 0}).extinction(), BLACK);
 }

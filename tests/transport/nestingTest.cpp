@@ -170,7 +170,7 @@ TEST(Nesting, TooManyAreRefusedAtTheirPlace) {
   Diagnostics diagnostics;
   const SceneDescription description = parseScene(between(solids), "test.pbrt", ".", diagnostics);
   EXPECT_FALSE(buildScene(description, {}, diagnostics));
-  EXPECT_NE(diagnostics.format().find("more than 32 dielectrics with a priority that differ"),
+  EXPECT_NE(diagnostics.format().find("more than 32 different dielectrics with a priority"),
             std::string::npos);
 }
 

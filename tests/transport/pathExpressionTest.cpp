@@ -389,8 +389,9 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorCase{"", 1, "ends too early"}, ErrorCase{"LDE|", 5, "ends too early"},
         ErrorCase{"LDE - ", 7, "ends too early"}, ErrorCase{"L(SDE", 2, "no matching ')'"},
         ErrorCase{"L[S|DE", 2, "no matching ']'"}, ErrorCase{"L[^SDE", 2, "no matching ']'"},
-        ErrorCase{"LDE)", 4, "closes nothing"}, ErrorCase{"L()E", 3, "follows nothing"},
-        ErrorCase{"L(S]E", 4, "closes nothing"}, ErrorCase{"L[]E", 2, "no letter"},
+        ErrorCase{"LDE)", 4, "has no matching bracket"},
+        ErrorCase{"L()E", 3, "an empty expression before it"},
+        ErrorCase{"L(S]E", 4, "has no matching bracket"}, ErrorCase{"L[]E", 2, "no letter"},
         ErrorCase{"L[^]E", 2, "no letter"}, ErrorCase{"L[^SDV]E", 2, "none of S, D and V"},
         ErrorCase{"L[SD+]E", 2, "alternatives with a bar"}, ErrorCase{"L[^S|D]E", 5, "only letters"},
         ErrorCase{"LE|*E", 4, "nothing to repeat"}, ErrorCase{"+", 1, "nothing to repeat"},
@@ -537,7 +538,7 @@ TEST(PathClasses, LimitsAreErrorsThatSayWhatToDo) {
   says({{"good", "LE"}, {"bad", "LD"}}, "class 'bad': path expression, column 1");
   says({{"few", "LE"}, {"long", "LS{300}E"}}, "more than 255 states");
   says({{"few", "LE"}, {"long", "LS{300}E"}}, "the largest is 'long'");
-  says({{"a", "L.{17}S.*E"}}, "more than 65535 states on the side of the eye");
+  says({{"a", "L.{17}S.*E"}}, "more than 65535 states on the side of the camera");
   says(std::vector<PathClass>(65, {"a", "LE"}), "at most 64");
 }
 
@@ -587,7 +588,7 @@ TEST(EstimatorDomains, FindsOverlapsUnlessSharedAndWhatIsLeftOut) {
   EXPECT_EQ(report.overlaps[1].second, "hits");
   EXPECT_EQ(report.overlaps[1].example, "LDE");
   EXPECT_EQ(report.uncovered.front(), "LSDE");
-  EXPECT_NE(report.text().find("no estimator takes into account LSDE"), std::string::npos);
+  EXPECT_NE(report.text().find("no estimator computes LSDE"), std::string::npos);
   EXPECT_TRUE(PathAutomaton::compile(report.uncoveredExpression)
                   .equivalent(PathAutomaton::compile("surface - L[SD]?S*E")));
 
@@ -612,12 +613,13 @@ TEST(ClassesReport, TellsOverlapsAndWhatIsLeftOver) {
   for (const char* expected :
        {"emitted: LE, lights seen directly\n", "mirror = LS*E\n", "  0 events: LE\n", "  1 event:  LSE\n",
         "LDE & LSE\n  no path matches this\n", "not disjoint: LE is in emitted and in mirror\n",
-        "not complete: left over LS*[DV].*E\n  1 event:  LDE LVE\n", "not to be rendered: class 'LDE & LSE'"})
+        "not complete: missing are LS*[DV].*E\n  1 event:  LDE LVE\n",
+        "not to be rendered: class 'LDE & LSE'"})
     EXPECT_NE(text.find(expected), std::string::npos) << expected << "\nnot in\n" << text;
   const std::string both = analyseClasses({{"a", "surface"}, {"b", "medium"}}).text();
   EXPECT_NE(
       both.find("disjoint: no path is in two of these\ncomplete: every path is in one of these\n"
-                "rendered at once with 2 states on the side of the light and 2 on the side of the eye\n"),
+                "rendered at once with 2 states on the side of the light and 2 on the side of the camera\n"),
       std::string::npos)
       << both;
 }

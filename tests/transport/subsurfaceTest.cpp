@@ -164,5 +164,5 @@ TEST(Subsurface, BadUsesAreExplained) {
   expect("Material \"subsurface\" \"float scale\" 1e20", "too dense");
   expect("MakeNamedMaterial \"s\" \"string type\" \"subsurface\"\nMakeNamedMaterial \"d\" \"string type\" "
          "\"diffuse\"\nMaterial \"mix\" \"string materials\" [\"s\" \"d\"]",
-         "fills its shapes");
+         "contains a medium");
 }

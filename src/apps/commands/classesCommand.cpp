@@ -46,14 +46,16 @@ void addClassesCommand(CLI::App& app, Command& chosen) {
       ->add_option("expressions", options->expressions,
                    "Path expressions, or NAME=EXPRESSION; none: list the classes that have names")
       ->type_name("EXPR...");
-  command->add_option("--events", options->events, "Longest example paths, in scattering events (default: 4)")
+  command
+      ->add_option("--events", options->events,
+                   "Maximum length of example paths, in scattering events (default: 4)")
       ->type_name("N");
-  command->add_option("--examples", options->examples, "Examples of each length (default: 4)")
+  command->add_option("--examples", options->examples, "Number of examples for each length (default: 4)")
       ->type_name("N");
   command->footer(
-      "A path is a word: L the light, D a diffuse or glossy event, S a mirror or smooth refraction, V an\n"
-      "event in a medium, E the eye. Expressions are regular expressions over these letters, with\n"
-      "the class names, '.', '[..]', '|', '*', '+', '?', '{2,3}', '!', '&' and '-'.\n\n"
+      "A path is a word: L the light source, D a diffuse or glossy event, S a mirror or smooth refraction,\n"
+      "V an event in a medium, E the camera (eye). Expressions are regular expressions over these letters,\n"
+      "with the class names, '.', '[..]', '|', '*', '+', '?', '{2,3}', '!', '&' and '-'.\n\n"
       "Examples:\n"
       "  recurse classes\n"
       "  recurse classes 'LS+DE'\n"

@@ -53,11 +53,10 @@ Image mapOf(const std::string& scale, const Image& image, const Image& reference
 /** Marks an exercise by the class layers of stills. */
 ExitStatus markFiles(const CompareOptions& o) {
   if (!o.second.empty() || !o.noiseFree.empty() || !o.failAbove.empty() || !o.failBelow.empty())
-    throw Error(
-        "--classes goes with one picture and one reference, and without --fail-above and --fail-below",
-        ExitStatus::BAD_USAGE);
+    throw Error("--classes needs one picture and one reference, and excludes --fail-above and --fail-below",
+                ExitStatus::BAD_USAGE);
   if (!o.output.empty() && !o.output.ends_with(".html"))
-    throw Error("-o " + o.output + ": with --classes a page is written, such as marks.html",
+    throw Error("-o " + o.output + ": with --classes the output is a page, such as marks.html",
                 ExitStatus::BAD_USAGE);
   if (!o.output.empty()) checkFileWritable(o.output);
   requireDistinctFiles({{"-o", o.output}}, {{"the reference", stillsFile(o.reference)},
@@ -76,7 +75,7 @@ ExitStatus compareFiles(const CompareOptions& o) {
   for (const std::string& text : o.failAbove) limits.push_back(parseLimit("--fail-above", text, true));
   for (const std::string& text : o.failBelow) limits.push_back(parseLimit("--fail-below", text, false));
   if (!o.noiseFree.empty() && !o.second.empty())
-    throw Error("--noise-free A B goes with one picture and one reference", ExitStatus::BAD_USAGE);
+    throw Error("--noise-free A B needs one picture and one reference", ExitStatus::BAD_USAGE);
   const bool noiseFree = !o.second.empty() || !o.noiseFree.empty();
   for (const Limit& limit : limits)
     if (limit.metric.ends_with("_noise_free") && !noiseFree)
@@ -116,9 +115,10 @@ ExitStatus compareFiles(const CompareOptions& o) {
   const auto fail = [&failures](const std::string& why) {
     failures += (failures.empty() ? "" : "\nrecurse: ") + why;
   };
-  if (comparison.pixels == 0) fail("no pixel could be compared");
+  if (comparison.pixels == 0) fail("no pixel can be compared: the reference is not finite anywhere");
   if (comparison.nonFinite > 0)
-    fail(o.picture + ": " + std::to_string(comparison.nonFinite) + " pixels are not finite");
+    fail(o.picture + ": " + std::to_string(comparison.nonFinite) +
+         " pixels are not finite (NaN or infinite)");
   for (const Limit& limit : limits) {
     const double value = metricByName(comparison, limit.metric);
     // NaN fails both comparisons.
@@ -141,16 +141,17 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
   command->add_option("picture", o.picture, "The picture, x, or a folder of 'recurse stills'")
       ->required()
       ->type_name("X");
-  command->add_option("reference", o.reference, "What it should be, r; with a second: one of two, a")
+  command
+      ->add_option("reference", o.reference,
+                   "The reference, r. With a second reference: a, and r is the mean of a and b")
       ->required()
       ->type_name("REFERENCE");
-  command->add_option("second", o.second, "Another reference, b, whose noise is independent of the first's")
+  command->add_option("second", o.second, "Second reference, b, with noise independent of the first")
       ->type_name("B");
   command
-      ->add_option(
-          "--noise-free", o.noiseFree,
-          "Two independent references for the errors free of the references' noise; REFERENCE is the r "
-          "of the denominators then")
+      ->add_option("--noise-free", o.noiseFree,
+                   "Two independent references for errors without the noise of the references; REFERENCE is "
+                   "then the r of the denominator")
       ->expected(2)
       ->type_name("A B");
   command->add_flag(
@@ -159,29 +160,31 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
       "and as NAME_rgb; flip hdrflip; relmse_at_8 after averaging 8x8 pixels; with two references "
       "mse_noise_free relmse_noise_free relmse_noise_free_at_8; of stills `classes`, each with name, "
       "expression, share and the errors by scale");
-  command->add_flag(
-      "--classes", o.classes,
-      "Mark X as an exercise: which path classes of REFERENCE, an EXR of 'recurse stills', are "
-      "missing, counted twice or scaled, in which part of the picture and how surely; and whether "
-      "X is encoded for a display, too bright or dark, flipped or shifted. With --json all numbers");
+  command->add_flag("--classes", o.classes,
+                    "Mark X as a student's exercise: find the path classes of REFERENCE, an EXR of 'recurse "
+                    "stills', that are missing, counted twice or scaled, with region and certainty; also "
+                    "wrong display encoding, exposure, flips and shifts. With --json: all numbers");
   command
-      ->add_option(
-          "-o,--output", o.output,
-          "Write a false-colour picture of the error; with --classes a page, FILE.html, that shows where")
+      ->add_option("-o,--output", o.output,
+                   "Write a false-colour picture of the error; with --classes a page, FILE.html, with a map "
+                   "of the regions")
       ->type_name("FILE");
   command
-      ->add_option(
-          "--map", o.map,
-          "Its scale (default: relative). relative: |x-r|/(|r|+0.01) from 0.001, dark violet, to 1, "
-          "yellow, logarithmic; signed: (x-r)/(|r|+0.01) from -0.5, blue, to 0.5, red; flip and hdrflip: "
-          "what is seen, from 0 to 1")
+      ->add_option("--map", o.map,
+                   "Scale of the false colours (default: relative). relative: |x-r|/(|r|+0.01), logarithmic, "
+                   "from 0.001 (dark violet) to 1 (yellow); signed: (x-r)/(|r|+0.01) from -0.5 (blue) to 0.5 "
+                   "(red); flip and hdrflip: visible difference from 0 to 1")
       ->check(CLI::IsMember({"relative", "signed", "flip", "hdrflip"}))
       ->type_name("SCALE");
-  command->add_option("--fail-above", o.failAbove, "Exit status 1 when a measure is larger; may be repeated")
+  command
+      ->add_option("--fail-above", o.failAbove,
+                   "Exit status 1 if the measure is larger than this; may be repeated")
       ->expected(1)
       ->take_all()
       ->type_name("METRIC=NUMBER");
-  command->add_option("--fail-below", o.failBelow, "The same when it is smaller: for psnr and mean_ratio")
+  command
+      ->add_option("--fail-below", o.failBelow,
+                   "Exit status 1 if the measure is smaller than this: for psnr and mean_ratio")
       ->expected(1)
       ->take_all()
       ->type_name("METRIC=NUMBER");
@@ -192,17 +195,16 @@ void addCompareCommand(CLI::App& app, Command& chosen) {
       "  recurse compare picture.exr reference.exr -o seen.png --map hdrflip\n"
       "  recurse compare picture.exr a.exr b.exr\n"
       "  recurse compare picture.exr best.exr --noise-free a.exr b.exr\n"
-      "  recurse compare picture.exr reference.exr --fail-above relmse=0.01 --fail-below "
-      "mean_ratio=0.99\n"
+      "  recurse compare picture.exr reference.exr --fail-above relmse=0.01 --fail-below mean_ratio=0.99\n"
       "  recurse compare picture.exr a.exr b.exr --fail-above relmse_noise_free_at_8=0.001\n"
       "  recurse compare stills/stills.exr reference/stills.exr\n"
       "  recurse compare student.exr stills/stills.exr --classes -o marks.html\n\n"
       "With two references whose noise is independent, the error mean((x-a)(x-b)/(r^2+0.01)) is free of\n"
-      "that noise; r is their mean, or REFERENCE with --noise-free. FLIP, the difference that is seen when\n"
-      "the pictures alternate, is for a display 0.7 m and 3840 pixels wide at 0.7 m. Pixels where a\n"
-      "reference is not finite are left out and counted; pixels of X that are not finite give exit\n"
-      "status 1. Of pictures with the same path classes, as 'recurse stills' writes them, each class has\n"
-      "its error by scale.");
+      "that noise; r is their mean, or REFERENCE with --noise-free. FLIP measures the visible difference\n"
+      "of alternating pictures, on a display 0.7 m and 3840 pixels wide at a distance of 0.7 m. Pixels\n"
+      "where a reference is not finite are left out and counted; pixels of X that are not finite give exit\n"
+      "status 1. If both are EXR files of 'recurse stills' with the same path classes, the errors of each\n"
+      "class are printed, too.");
   command->callback([options, &chosen] { chosen = [options] { return compareFiles(*options); }; });
 }
 

@@ -45,7 +45,7 @@ struct Budgets {
 
 Budgets budgetsOf(const ConvergeOptions& o) {
   if (int(o.times.has_value()) + int(o.samples.has_value()) + int(o.photons.has_value()) > 1)
-    badUsage("only one of --times, --samples and --photons");
+    badUsage("use only one of --times, --samples and --photons");
   Budgets out;
   Study sorted; // include() sorts budgets and removes duplicates
   const auto add = [&](double amount, const std::string& text) {
@@ -93,7 +93,8 @@ std::vector<Run> runsOf(const ConvergeOptions& o, BudgetKind kind) {
   }
   for (size_t i = 0; i < runs.size(); ++i)
     for (size_t j = 0; j < i; ++j)
-      if (runs[i].name == runs[j].name) badUsage("--run " + runs[i].name + " is there twice");
+      if (runs[i].name == runs[j].name)
+        badUsage("--run " + runs[i].name + " is given twice; use different names");
   return runs;
 }
 
@@ -249,10 +250,11 @@ ConvergePlan planOf(const ConvergeOptions& o) {
   plan.render = o.render.plan();
   if (o.seeds) plan.seedCount = static_cast<uint64_t>(parseCount("--seeds", *o.seeds, 1, 10000));
   if (o.referenceError) plan.reference.relMse = parseReal("--reference-error", *o.referenceError);
-  if (!(plan.reference.relMse > 0)) badUsage("--reference-error: is to be above zero");
+  if (!(plan.reference.relMse > 0)) badUsage("--reference-error: must be more than 0");
   if (o.referenceTime) plan.reference.seconds = parseDuration("--reference-time", *o.referenceTime);
   if (!o.references.empty() && (o.referenceError || o.referenceTime))
-    badUsage("--reference-error and --reference-time are for references that are made, without --reference");
+    badUsage("--reference-error and --reference-time are for references that this command renders; remove "
+             "them, or --reference");
   plan.runs = runsOf(o, plan.budgets.kind);
   for (const std::string& name : o.references) plan.references.push_back(readImage(name));
   return plan;
@@ -280,7 +282,7 @@ void requireSize(const std::vector<Image>& references, const std::vector<std::st
   for (size_t i = 0; i < references.size(); ++i)
     if (references[i].width != crop.width() || references[i].height != crop.height())
       badUsage("--reference: " + names[i] + " has " + sizeText(references[i].width, references[i].height) +
-               " pixels, the scene is rendered with " + sizeText(crop.width(), crop.height()));
+               " pixels, but the scene has " + sizeText(crop.width(), crop.height()));
 }
 
 /** Description of the rendered part of the picture. */
@@ -389,7 +391,7 @@ ExitStatus converge(const ConvergeOptions& o) {
   const bool isPlotted = tellStudy(study, references, o, crop, isComplete);
   if (!isComplete) {
     say("interrupted with " + std::to_string(study.cells.size()) +
-        " pictures kept; the same command goes on with the rest\n");
+        " pictures kept; run the same command to render the rest\n");
     return ExitStatus::INTERRUPTED;
   }
   if (!o.render.quiet) {
@@ -408,22 +410,20 @@ void addConvergeCommand(CLI::App& app, Command& chosen) {
       app.add_subcommand("converge", "Measure error against time, for several integrators and settings");
   o.render.addSceneTo(*command);
   command
-      ->add_option(
-          "-o,--output", o.folder,
-          "Folder for index.html, plot.png, cells.csv, points.csv, converge.json and the pictures; made "
-          "if need be; what is finished there is kept and gone on with")
+      ->add_option("-o,--output", o.folder,
+                   "Folder for index.html, plot.png, cells.csv, points.csv, converge.json and the pictures; "
+                   "it is created if needed. An existing study is continued")
       ->required()
       ->type_name("DIR");
   command
-      ->add_option(
-          "--reference", o.references,
-          "What the picture should be: one; two whose noise is independent; or the best one and two that "
-          "are independent (default: two are made by path, or by sppm where path cannot find all light)")
+      ->add_option("--reference", o.references,
+                   "Reference pictures: one; two with independent noise; or the best one and two independent "
+                   "ones (default: two are rendered by path, or by sppm if path cannot find all light)")
       ->expected(1, 3)
       ->type_name("REF [A] [B]");
   command
       ->add_option("--run", o.runs,
-                   "Settings under a name, several allowed; any option of 'recurse render' that changes the "
+                   "Settings with a name; may be repeated. Any option of 'recurse render' that changes the "
                    "picture (default: path and photonmap)")
       ->expected(1)
       ->take_all()
@@ -434,26 +434,28 @@ void addConvergeCommand(CLI::App& app, Command& chosen) {
   const auto add = [&](const char* name, auto& target, const char* type, const char* description) {
     command->add_option(name, target, description)->type_name(type);
   };
-  add("--times", o.times, "T,T,...", "Budgets of time: 2s,4s,8s (default: 1s,2s,4s,8s)");
-  add("--samples", o.samples, "N,N,...", "Budgets of samples per pixel");
-  add("--photons", o.photons, "N,N,...", "Budgets of photons: 10k,100k,1M");
-  add("--seeds", o.seeds, "N", "Pictures of each setting and budget; two or more tell bias (default: 2)");
+  add("--times", o.times, "T,T,...", "Render times, such as 2s,4s,8s (default: 1s,2s,4s,8s)");
+  add("--samples", o.samples, "N,N,...", "Numbers of samples per pixel");
+  add("--photons", o.photons, "N,N,...", "Numbers of photons, such as 10k,100k,1M");
+  add("--seeds", o.seeds, "N",
+      "Number of pictures (seeds) for each setting and budget; bias needs two or more (default: 2)");
   add("--reference-error", o.referenceError, "RELMSE",
-      "Of references that are made: their mean's relMSE to stop at, at 97.5% sure (default: 0.001)");
+      "Target for rendered references: relMSE of their mean, reached with a confidence of 97.5% (default: "
+      "0.001)");
   add("--reference-time", o.referenceTime, "TIME",
-      "Longest time for making references (default: none); says what was reached");
+      "Maximum time to render references (default: none); the error that was reached is reported");
   command->footer(
-      "Every run is rendered with every budget and seed. relMSE is mean((x-r)^2/(r^2+0.01)), and with two\n"
-      "independent references mean((x-a)(x-b)/(r^2+0.01)), free of their noise. Variance is that over the\n"
-      "seeds; bias^2 = relMSE - variance. Options beside --run are for all runs and for the making of\n"
-      "references, which take the scene's limit of path lengths.\n\n"
+      "Each run is rendered with each budget and seed. relMSE is mean((x-r)^2/(r^2+0.01)), and with two\n"
+      "independent references mean((x-a)(x-b)/(r^2+0.01)), without their noise. Variance is over the\n"
+      "seeds; bias^2 = relMSE - variance. Options outside of --run are for all runs and for rendered\n"
+      "references; references use the scene's maximum path length.\n\n"
       "Examples:\n"
       "  recurse converge scene.pbrt -o study\n"
       "  recurse converge scene.pbrt -o study --reference a.exr b.exr --times 2s,4s,8s,16s \\\n"
       "      --run path=\"--integrator path\" --run pm=\"--integrator photonmap --photons 1M\"\n"
       "  recurse converge scene.pbrt -o radii --photons 10k,100k,1M --seeds 4 \\\n"
       "      --run wide=\"--radius 0.2 --spp 16\" --run narrow=\"--radius 0.05 --spp 16\"\n\n"
-      "Ctrl-C keeps all pictures that are finished, and the same command goes on. plot.png needs gnuplot.");
+      "Ctrl-C keeps all finished pictures; run the same command to continue. plot.png needs gnuplot.");
   command->callback([options, &chosen] { chosen = [options] { return converge(*options); }; });
 }
 

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 ExitStatus convert(const std::string& input, const ModelChoice& choice, const std::string& output,
                    bool allowsOutside) {
   if (!isModelFile(input))
-    throw Error(input + ": is no model by its name; accepted are .gltf .glb .obj .dae .fbx .stl .3ds .ply "
-                        ".md2 .pk3 .bsp and more",
+    throw Error(input + ": has no known extension of a model; accepted are .gltf .glb .obj .dae .fbx .stl "
+                        ".3ds .ply .md2 .pk3 .bsp and more",
                 ExitStatus::BAD_USAGE);
   if (!output.ends_with(".pbrt"))
     throw Error("-o: " + output + " does not end in .pbrt", ExitStatus::BAD_USAGE);
@@ -36,7 +36,7 @@ ExitStatus convert(const std::string& input, const ModelChoice& choice, const st
   requireDistinctFiles(written, inputFiles("a file of the model", scene->filesRead));
   std::error_code error;
   if (!scene->files->empty()) fs::create_directories(base / folder, error);
-  if (error) throw Error((base / folder).string() + ": cannot be made: " + error.message());
+  if (error) throw Error((base / folder).string() + ": the folder cannot be created: " + error.message());
   for (const auto& [name, content] : *scene->files) writeFileAtomically((base / name).string(), *content);
   writeFileAtomically(output, scene->text);
   say(output + ": " + scene->note + "\n");
@@ -50,8 +50,8 @@ void addConvertCommand(CLI::App& app, Command& chosen) {
   auto output = std::make_shared<std::string>();
   auto allowsOutside = std::make_shared<bool>(false);
   auto choice = std::make_shared<ModelChoice>();
-  CLI::App* command =
-      app.add_subcommand("convert", "Make a scene of a model: camera, light, meshes, pictures");
+  CLI::App* command = app.add_subcommand(
+      "convert", "Convert a model to a scene file with camera, light, meshes and pictures");
   command
       ->add_option("model", *input,
                    "The model: .gltf .glb .obj .dae .fbx .stl .3ds .ply .md2 .pk3 .bsp and more")
@@ -59,16 +59,16 @@ void addConvertCommand(CLI::App& app, Command& chosen) {
       ->type_name("FILE");
   command
       ->add_option("-o,--output", *output,
-                   "The scene to write, .pbrt; meshes and pictures go into a folder beside it")
+                   "Scene file to write, .pbrt; meshes and pictures are written to a folder beside it")
       ->required()
       ->type_name("FILE");
   command->add_flag("--allow-outside", *allowsOutside,
-                    "Take over pictures and other files that the model names outside of its own folder, each "
-                    "with a warning; without it they are left out");
+                    "Copy pictures and other files that the model names outside of its own folder, each with "
+                    "a warning; without this option they are left out");
   choice->addTo(*command);
   command->footer(
-      "The scene has the model's camera, or one that sees all of it; the model's lights, or a sky and\n"
-      "a sun. 'recurse render' does the same with a model, without writing the scene.\n\n"
+      "The scene has the model's camera, or a camera that sees all of it; and the model's lights, or a sky\n"
+      "and a sun. 'recurse render' accepts a model as well, without a scene file.\n\n"
       "Examples:\n"
       "  recurse convert model.gltf -o scene.pbrt\n"
       "  recurse render model.gltf -o model.png");

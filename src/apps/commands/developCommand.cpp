@@ -30,12 +30,13 @@ ExitStatus developPicture(const DevelopCommandOptions& o) {
     else
       checkImageWritable(name);
     if (!isPage(name) && !isDisplayFormat(name))
-      badUsage("-o: " + name + " is not for a display; accepted: .png .jpg .jpeg .tif .tiff .html");
+      badUsage("-o: " + name +
+               " is not a picture format for displays; accepted: .png .jpg .jpeg .tif .tiff .html");
     if (isPage(name) && o.develop.toneMap.find(' ') != std::string::npos)
-      badUsage("--tonemap: pages have the operators with their defaults");
-    if (isPage(name) && o.sheet) badUsage("--sheet: not for the page " + name);
+      badUsage("--tonemap: a page has all operators with their defaults; remove --tonemap");
+    if (isPage(name) && o.sheet) badUsage("--sheet: not together with the page " + name);
   }
-  requireDistinctFiles(outputFiles("-o", o.outputs), {{"the picture that is developed", o.input}});
+  requireDistinctFiles(outputFiles("-o", o.outputs), {{"the input picture", o.input}});
   const Image picture = readImage(o.input);
   Developed developed = o.sheet ? operatorSheet(picture, settings) : develop(picture, settings);
   developed.picture.metadata["recurse:developed"] = o.develop.text(developed.stops);
@@ -50,7 +51,7 @@ ExitStatus developPicture(const DevelopCommandOptions& o) {
     written += (written.empty() ? "" : ", ") + name;
   }
   if (!o.quiet)
-    say(formatted("exposed by %+.2f stops", developed.stops) + ", tone operator " +
+    say(formatted("exposure %+.2f stops", developed.stops) + ", tone operator " +
         (o.sheet ? "as the captions say" : o.develop.toneMap) + "\nwritten: " + written + "\n");
   return ExitStatus::DONE;
 }
@@ -60,23 +61,23 @@ ExitStatus developPicture(const DevelopCommandOptions& o) {
 void addDevelopCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<DevelopCommandOptions>();
   DevelopCommandOptions& o = *options;
-  CLI::App* command = app.add_subcommand(
-      "develop", "Make pictures for a display of one without bounds: exposure, tone operator");
+  CLI::App* command =
+      app.add_subcommand("develop", "Map a linear picture to a display: exposure, tone mapping");
   command->add_option("picture", o.input, "A picture with linear values: .exr, .hdr, .pfm")
       ->required()
       ->type_name("PICTURE");
   command
       ->add_option("-o,--output", o.outputs,
-                   "Picture to write, several allowed: .png .jpg .tif; .html: a page with sliders for "
-                   "exposure and operator")
+                   "Picture to write, may be repeated: .png .jpg .tif; .html: a page with sliders for "
+                   "exposure and a choice of tone operators")
       ->required()
       ->type_name("FILE")
       ->expected(1)
       ->take_all();
-  command->add_flag("--sheet", o.sheet, "A contact sheet of all tone operators instead of one picture");
+  command->add_flag("--sheet", o.sheet, "Write a contact sheet of all tone operators instead of one picture");
   o.develop.addTo(*command);
   command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
-  command->footer("In this order: white balance, exposure, bloom, tone operator, encoding, dither.\n\n"
+  command->footer("Order of operations: white balance, exposure, bloom, tone operator, encoding, dither.\n\n"
                   "Examples:\n"
                   "  recurse develop picture.exr -o picture.png\n"
                   "  recurse develop picture.exr -o bright.jpg --exposure auto+1 --tonemap aces\n"

@@ -41,9 +41,9 @@ ExitStatus explain(const ExplainOptions& o) {
   for (const std::string& setting : settingsOf(directive)) text += "\n  " + setting;
   text += "\n\n";
   if (const std::string choices = integrator->choices(); !choices.empty()) {
-    text += "By the scene it chooses " + choices + ".\n";
+    text += "It chooses for each scene: " + choices + ".\n";
     if (o.scene.empty()) {
-      text += "Without a scene this is what it begins with:\n\n";
+      text += "Without a scene, these are the estimators before the choice:\n\n";
     } else {
       loaded = loadAndBuild(o.scene, {}, o.integrator);
       text += chosenFor(loaded) + "\n";
@@ -57,19 +57,20 @@ ExitStatus explain(const ExplainOptions& o) {
                      everywhere = checkDomains(domains);
   text += "\n";
   if (everywhere.sound())
-    text += "Every path is estimated once.\n";
+    text += "Each path is estimated exactly once.\n";
   else if (atSurfaces.sound() && !claims.empty())
-    text += "The paths " + claims + " are estimated once; the method leaves out all others.\n";
+    text += "The paths " + claims + " are estimated exactly once; the method leaves out all other paths.\n";
   else if (atSurfaces.sound() && everywhere.overlaps.empty())
-    text += "Every path is estimated once, except those that a medium scatters: they are not estimated.\n";
+    text += "Each path is estimated exactly once, except paths with scattering in a medium: they are left "
+            "out.\n";
   else
     text += atSurfaces.text();
   if (!text.ends_with('\n')) text += "\n";
   if (const std::string supposed = integrator->suppositions(); !supposed.empty())
-    text += "It supposes " + supposed + ".\n";
+    text += "It assumes " + supposed + ".\n";
   if (const std::string missed = missedOfDeltaLights(domains); !missed.empty())
-    text += "Of point, spot and distant lights no estimator finds " + missed +
-            ", but for what goes straight through thin panes.\n";
+    text += "No estimator finds these paths of point, spot and distant lights: " + missed +
+            " (except straight through thin panes).\n";
   print(text);
   return atSurfaces.sound() ? ExitStatus::DONE : ExitStatus::FAILED;
 }
@@ -79,17 +80,16 @@ ExitStatus explain(const ExplainOptions& o) {
 void addExplainCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<ExplainOptions>();
   CLI::App* command =
-      app.add_subcommand("explain", "Tell which estimator takes which light paths into account");
+      app.add_subcommand("explain", "Explain which estimators of an integrator compute which light paths");
   command
       ->add_option("scene", options->scene,
-                   "Scene file whose integrator is meant (default: the one by option)")
+                   "Scene file with the integrator (default: the integrator of the options)")
       ->type_name("SCENE");
   options->integrator.addTo(*command);
   command->footer(
-      "Prints each estimator of the integrator with its path expression, and whether together they take\n"
-      "every path into account exactly once. Of a scene that is rendered by \"auto\" it prints what the "
-      "trial\n"
-      "chooses, for which the scene is built and a few blocks of it are rendered.\n\n"
+      "Prints each estimator of the integrator with its path expression, and checks that together they\n"
+      "estimate each path exactly once. For the integrator \"auto\" the scene is loaded and a few blocks of\n"
+      "it are rendered, and the estimators of the chosen integrator are printed.\n\n"
       "Examples:\n"
       "  recurse explain scene.pbrt\n"
       "  recurse explain --integrator photonmap\n"

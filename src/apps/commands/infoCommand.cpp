@@ -79,17 +79,18 @@ void addInfoCommand(CLI::App& app, Command& chosen) {
   auto pixel = std::make_shared<std::string>();
   auto lenient = std::make_shared<bool>(false);
   auto model = std::make_shared<ModelChoice>();
-  CLI::App* command = app.add_subcommand("info", "Tell what is in a picture or a scene file");
+  CLI::App* command = app.add_subcommand("info", "Describe a picture or a scene file");
   command->add_option("file", *fileName, "A picture, or a scene file (.pbrt, .pbrt.gz)")
       ->required()
       ->type_name("FILE");
   command
-      ->add_option("--pixel", *pixel, "Only the values of this pixel of a picture, counted from the top left")
+      ->add_option("--pixel", *pixel,
+                   "Print only the values of this pixel of the picture, counted from the top left")
       ->type_name("X,Y");
   model->addTo(*command);
   command->add_flag("--lenient", *lenient, "Unknown parameters in the scene are warnings instead of errors");
-  command->footer("Of a picture: size, channels (linear values; not-finite ones are counted), metadata.\n"
-                  "Of a scene: what 'recurse render --check' reports.\n\n"
+  command->footer("For a picture: size, channels (linear values; not-finite values are counted), metadata.\n"
+                  "For a scene: the report of 'recurse render --check'.\n\n"
                   "Examples:\n"
                   "  recurse info picture.exr\n"
                   "  recurse info picture.exr --pixel 120,80\n"

@@ -40,8 +40,8 @@ std::vector<RecordedPixel> pixelsOf(const InspectOptions& o, const PixelBounds& 
     pixel.x = wholeNumber(parts[0]);
     pixel.y = wholeNumber(parts[1]);
     if (pixel.x < crop.x0 || pixel.x >= crop.x1 || pixel.y < crop.y0 || pixel.y >= crop.y1)
-      badUsage("--pixel: " + text + " is not in the picture, whose pixels are " + std::to_string(crop.x0) +
-               "," + std::to_string(crop.y0) + " to " + std::to_string(crop.x1 - 1) + "," +
+      badUsage("--pixel: " + text + " is outside of the picture of " + std::to_string(crop.x0) + "," +
+               std::to_string(crop.y0) + " to " + std::to_string(crop.x1 - 1) + "," +
                std::to_string(crop.y1 - 1));
     pixels.push_back(std::move(pixel));
   }
@@ -112,34 +112,35 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<InspectOptions>();
   InspectOptions& o = *options;
   CLI::App* command =
-      app.add_subcommand("inspect", "Make a page of a scene in 3D with the paths of pixels and the photons");
+      app.add_subcommand("inspect", "Write a page with the scene in 3D, the paths of pixels and the photons");
   o.render.addSceneTo(*command);
   command->add_option("-o,--output", o.output, "Page to write, .html")->required()->type_name("FILE");
   command
       ->add_option("--pixel", o.pixels,
-                   "A pixel whose paths are recorded, several allowed (default: a grid of 24)")
+                   "Pixel to record paths of, may be repeated (default: a grid of 24 pixels)")
       ->type_name("X,Y")
       ->expected(1)
       ->take_all();
   command
-      ->add_option("--path-samples", o.pathSamples, "Samples that are recorded of each pixel (default: 16)")
+      ->add_option("--path-samples", o.pathSamples,
+                   "Number of samples to record for each pixel (default: 16)")
       ->type_name("N");
   command
       ->add_option("--shown-photons", o.shownPhotons,
-                   "Most photons of the integrator's last map that are shown (default: 100k)")
+                   "Maximum number of photons to show, from the integrator's last map (default: 100k)")
       ->type_name("N");
   command
       ->add_option("--class", o.classes,
-                   "A class of paths, such as caustic=LS+DE, several allowed; see 'recurse classes' "
-                   "(default: those of 'recurse stills')")
+                   "A class of paths, such as caustic=LS+DE; may be repeated; see 'recurse classes' "
+                   "(default: the classes of 'recurse stills')")
       ->type_name("NAME=EXPR")
       ->expected(1)
       ->take_all();
   o.render.addTo(*command);
   command->footer(
-      "The page needs no network. A click on a marked pixel of the picture draws the paths that the\n"
+      "The page needs no network. Click a marked pixel of the picture to draw the paths that the\n"
       "integrator sampled for it, coloured by class, with a table of their vertices and contributions.\n"
-      "A click on a surface collects the photons around it and works the estimate out again.\n\n"
+      "Click a surface to show the photons around that point and their density estimate.\n\n"
       "Examples:\n"
       "  recurse inspect scene.pbrt -o look.html\n"
       "  recurse inspect scene.pbrt -o look.html --integrator path --pixel 100,80 --pixel 20,7\n"

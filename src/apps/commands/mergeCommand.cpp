@@ -41,8 +41,8 @@ Checkpoint sumOf(const MergeOptions& o) {
   const bool mayLack = o.partial || o.outputs.empty();
   for (const std::string& input : o.inputs) {
     if (std::error_code ignored; !std::filesystem::exists(input, ignored)) {
-      if (!o.partial && mayLack) throw Error(input + ": is not there");
-      lacks(input + ": is not there");
+      if (!o.partial && mayLack) throw Error(input + ": no such file");
+      lacks(input + ": no such file");
       continue;
     }
     Checkpoint next = Checkpoint::read(input);
@@ -56,22 +56,24 @@ Checkpoint sumOf(const MergeOptions& o) {
   if (sum && !sum->allocation)
     if (const std::string rest = missingSamples(*sum); !rest.empty()) lacks(rest);
   if (!missing.empty() && !mayLack)
-    throw Error("merge: the picture is not complete; --partial makes one of what is there. Missing:\n  " +
+    throw Error("merge: samples are missing; add the files that have them, or make a picture of the others "
+                "with --partial. Missing:\n"
+                "  " +
                 missing);
-  if (!sum) throw Error("merge: none of the files is there");
-  if (!missing.empty() && o.partial && !o.quiet) say("not complete, missing:\n  " + missing + "\n");
+  if (!sum) throw Error("merge: none of the files exists");
+  if (!missing.empty() && o.partial && !o.quiet) say("incomplete picture, missing:\n  " + missing + "\n");
   return std::move(*sum);
 }
 
 ExitStatus mergeRenders(const MergeOptions& o) {
   if (o.outputs.empty() && o.checkpoint.empty())
-    throw Error("merge: nothing to write; -o FILE or --checkpoint FILE", ExitStatus::BAD_USAGE);
+    throw Error("merge: no output; give -o FILE or --checkpoint FILE", ExitStatus::BAD_USAGE);
   PictureWriter writer(o.develop);
   for (const std::string& name : o.outputs) checkImageWritable(name);
   if (!o.checkpoint.empty()) checkFileWritable(o.checkpoint);
   std::vector<OutputFile> outputs = outputFiles("-o", o.outputs);
   outputs.push_back({"--checkpoint", o.checkpoint});
-  requireDistinctFiles(outputs, inputFiles("a checkpoint that is merged", o.inputs));
+  requireDistinctFiles(outputs, inputFiles("an input checkpoint", o.inputs));
 
   Checkpoint sum = sumOf(o);
   const double samples = double(sum.film.totalSamples()) / double(sum.film.bounds().area());
@@ -109,27 +111,27 @@ void addMergeCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<MergeOptions>();
   MergeOptions& o = *options;
   CLI::App* command =
-      app.add_subcommand("merge", "Add up renders of the same picture: other seeds, other samples");
+      app.add_subcommand("merge", "Add renders of the same picture with other seeds or other samples");
   command->add_option("checkpoints", o.inputs, "Files of 'recurse render --checkpoint'")
       ->required()
       ->type_name("FILE...");
-  command->add_option("-o,--output", o.outputs, "Picture to write, several allowed; as of 'recurse render'")
+  command
+      ->add_option("-o,--output", o.outputs, "Picture to write, may be repeated; formats of 'recurse render'")
       ->type_name("FILE")
       ->expected(1)
       ->take_all();
-  command->add_option("--checkpoint", o.checkpoint, "Write the sum as a checkpoint, to be merged again")
+  command->add_option("--checkpoint", o.checkpoint, "Write the sum as a checkpoint that can be merged again")
       ->type_name("FILE");
   o.develop.addTo(*command);
   command->add_flag("--error-layer", o.extra.error,
                     "Add the standard error of each pixel's luminance to .exr, as channel error.Y");
   command->add_flag("--samples-layer", o.extra.samples,
                     "Add the number of samples of each pixel to .exr, as channel samples.N");
-  command->add_flag("--partial", o.partial,
-                    "Make a picture of what is there, even if samples of --spp or files are missing");
+  command->add_flag("--partial", o.partial, "Write a picture even if files or samples of --spp are missing");
   command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
   command->footer(
-      "The renders must be of the same scene files, integrator settings, size and samples per pixel, and no\n"
-      "sample may be in two of them. The sum has the same bits as one render of all the samples.\n\n"
+      "The renders must have the same scene files, integrator settings, size and samples per pixel, and no\n"
+      "sample in common. The sum is bit-identical to one render of all samples.\n\n"
       "Examples:\n"
       "  recurse render scene.pbrt --spp 512 --sample-range 0:256 --checkpoint a.rck -o a.exr\n"
       "  recurse render scene.pbrt --spp 512 --sample-range 256:512 --checkpoint b.rck -o b.exr\n"

@@ -66,7 +66,8 @@ std::vector<Run> methodRuns(const MethodsOptions& o) {
     for (const NamedMethod& m : METHODS) add(std::string(m.name) + "=" + m.options);
   for (size_t i = 0; i < runs.size(); ++i)
     for (size_t j = 0; j < i; ++j)
-      if (runs[i].name == runs[j].name) badUsage("--method " + runs[i].name + " is there twice");
+      if (runs[i].name == runs[j].name)
+        badUsage("--method " + runs[i].name + " is given twice; use different names");
   return runs;
 }
 
@@ -136,8 +137,8 @@ class Pictures {
     const auto found = stills.image.metadata.find("recurse:method");
     const std::string there = found == stills.image.metadata.end() ? "" : found->second;
     if (there != identity || stills.layers.size() != plan.shown + 1)
-      throw Error(fileName(name) + " is a picture of something else (" + there + "; now " + identity +
-                      "). Choose another folder, or another name, or remove that file",
+      throw Error(fileName(name) + " is a picture with other settings (" + there + "; now " + identity +
+                      "). Choose another folder or another name, or remove this file",
                   ExitStatus::BAD_USAGE);
     return stills;
   }
@@ -240,7 +241,9 @@ void setPicture(MethodResult& method, Stills stills) {
   method.seconds = figure(method.stills, "seconds");
   method.samplesPerPixel = figure(method.stills, "samples");
   if (method.samplesPerPixel < 1)
-    throw Error(formatted("its time was over with %.2g samples a pixel", method.samplesPerPixel));
+    throw Error(
+        formatted("the time limit ended after %.2g samples per pixel; give it more time (--time-limit)",
+                  method.samplesPerPixel));
 }
 
 /** Renders and measures each run as the method with the same index in the report. After an interruption, for
@@ -259,7 +262,7 @@ bool renderMethods(MethodsReport& report, const std::vector<Run>& runs, const Re
       if (!stopped || pictures.exists(name))
         stills = pictures.get(name, run.options, [&](RenderProgress& p) { p.phase = phase; });
       stopped = stopped || !stills || graceful.flag();
-      if (!stills) throw Error("not rendered before the interrupt");
+      if (!stills) throw Error("not rendered: interrupted");
       setPicture(method, std::move(*stills));
     } catch (const Error& error) {
       if (error.status() == ExitStatus::BAD_USAGE) throw;
@@ -289,7 +292,7 @@ void makeMethodsFolder(const std::string& folder) {
 ExitStatus compareMethods(const MethodsOptions& options) {
   MethodsOptions o = options;
   if (!o.render.samples && !o.render.timeLimit) o.render.timeLimit = DEFAULT_TIME;
-  if (o.render.samples && o.render.timeLimit) badUsage("only one of --spp and --time-limit");
+  if (o.render.samples && o.render.timeLimit) badUsage("use only one of --spp and --time-limit");
   const RenderPlan plan = o.render.plan();
   std::vector<Run> runs = methodRuns(o);
   RenderOptions reference = referenceOptions(o);
@@ -330,7 +333,7 @@ ExitStatus compareMethods(const MethodsOptions& options) {
     writeReport(report, o.folder);
   }
   if (!isComplete) {
-    say("interrupted; what is finished is kept in " + o.folder + ", and the same command goes on\n");
+    say("interrupted; finished pictures are kept in " + o.folder + "; run the same command to continue\n");
     return ExitStatus::INTERRUPTED;
   }
   if (!o.render.quiet)
@@ -345,22 +348,21 @@ void addMethodsCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<MethodsOptions>();
   MethodsOptions& o = *options;
   CLI::App* command =
-      app.add_subcommand("methods", "Render a scene by every method, and show what each leaves out");
+      app.add_subcommand("methods", "Render a scene by each method, and show what each method leaves out");
   o.render.addSceneTo(*command);
   command
-      ->add_option(
-          "-o,--output", o.folder,
-          "Folder for index.html, sheet.png, methods.json and the pictures; made if need be; what is "
-          "finished there is kept and gone on with")
+      ->add_option("-o,--output", o.folder,
+                   "Folder for index.html, sheet.png, methods.json and the pictures; it is created if "
+                   "needed. An existing comparison is continued")
       ->required()
       ->type_name("DIR");
   std::string names;
   for (const NamedMethod& m : METHODS) names += (names.empty() ? "" : ", ") + std::string(m.name);
   command
       ->add_option("--method", o.methods,
-                   "A method by its name, several allowed: " + names +
+                   "Method by name, may be repeated: " + names +
                        ", any other integrator; or NAME=\"OPTIONS\" with options of 'recurse render' "
-                       "(default: all that are named here)")
+                       "(default: all methods of this list)")
       ->expected(1)
       ->take_all()
       ->type_name("NAME[=\"OPTIONS\"]");
@@ -372,22 +374,20 @@ void addMethodsCommand(CLI::App& app, Command& chosen) {
       ->type_name("N");
   command
       ->add_option("--reference-by", o.referenceMethod,
-                   "Integrator of the references (default: path, or sppm where path cannot find all light)")
+                   "Integrator of the references (default: path, or sppm if path cannot find all light)")
       ->type_name("NAME");
   command->footer(
-      "Every method gets the same --time-limit (default: 5s), of which the first sample of each pixel may "
-      "take\n"
-      "twice as much, or the same --spp; one whose photons are not ready in time has no picture. The "
-      "references\n"
-      "take as long as their samples do. All is rendered class by\n"
-      "class, the classes being as fine as what the methods compute: so a method's error is told from what\n"
-      "it leaves out by nature. Ambient occlusion reaches as far as half of the scene's radius.\n\n"
+      "All methods get the same --time-limit (default: 5s) or the same --spp. The first sample of each\n"
+      "pixel may take up to twice the time limit; a method without it has no picture. References have no\n"
+      "time limit. Pictures are rendered by path classes that separate the paths that a method computes\n"
+      "from those that it leaves out, so that the errors of both are separate. The maximum distance of\n"
+      "ambient occlusion is half of the scene's radius.\n\n"
       "Examples:\n"
       "  recurse methods scene.pbrt -o methods\n"
       "  recurse methods scene.pbrt -o methods --method whitted --method path --spp 64\n"
       "  recurse methods scene.pbrt -o vpl --method few=\"--integrator vpl --set lightpaths=8\" --method "
       "vpl\n\n"
-      "Ctrl-C keeps all pictures that are finished, and the same command goes on.");
+      "Ctrl-C keeps all finished pictures; run the same command to continue.");
   command->callback([options, &chosen] { chosen = [options] { return compareMethods(*options); }; });
 }
 

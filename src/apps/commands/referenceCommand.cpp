@@ -92,7 +92,7 @@ std::string answers(const std::vector<std::string>& words) {
     }
     const std::string matches = searchReference(word);
     if (matches.empty())
-      badUsage("the reference has no directive, plug-in or text with '" + word + "'" +
+      badUsage("no directive, plug-in or text of the reference contains '" + word + "'" +
                suggestion(word, known));
     found += (found.empty() ? "" : "\n") + matches;
   }
@@ -107,20 +107,20 @@ std::string answers(const std::vector<std::string>& words) {
 void addReferenceCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<ReferenceOptions>();
   CLI::App* command = app.add_subcommand(
-      "reference", "Print every directive, plug-in and parameter of scene files, and tone operators");
+      "reference", "Print the directives, plug-ins and parameters of scene files, and tone operators");
   CLI::Option* names =
       command
-          ->add_option(
-              "names", options->names,
-              "Only these directives or plug-ins, or a word to search for in all texts (default: all)")
+          ->add_option("names", options->names,
+                       "Names of directives or plug-ins, or a word to search for in all texts (default: all)")
           ->type_name("NAME...");
-  command->add_flag("--markdown", options->markdown, "The whole page as Markdown")->excludes(names);
+  command->add_flag("--markdown", options->markdown, "Print the whole reference as Markdown")
+      ->excludes(names);
   command->footer(
       "Examples:\n"
       "  recurse reference\n"
       "  recurse reference photonmap dielectric     two plug-ins with all parameters\n"
       "  recurse reference LightSource              all lights\n"
-      "  recurse reference fog                      what a word means, and every text that has it\n"
+      "  recurse reference fog                      plug-ins for a word, and all texts that contain it\n"
       "  recurse reference --markdown > reference.md");
   command->callback([options, &chosen] {
     chosen = [options] {

@@ -32,11 +32,12 @@ std::string defaultOutput(const LoadedScene& loaded) {
   if (isInside(name.string(), ".")) return name.string();
   const std::string last = name.filename().string();
   if (name.has_parent_path()) {
-    say("warning: the scene names its picture " + name.string() + "; it goes to " + last +
-        " in the current folder, unless -o names another place\n");
+    say("warning: the scene file sets the picture file " + name.string() + "; instead it is written to " +
+        last + " in the current folder; choose another place with -o\n");
     if (isInside(last, ".")) return last;
   }
-  badUsage(last + ": is a link that leads out of the current folder; -o names a place for the picture");
+  badUsage(last +
+           ": is a link to a place outside of the current folder; choose a place for the picture with -o");
 }
 
 using OnLoaded = std::function<void(const std::vector<std::string>& files)>;
@@ -45,7 +46,7 @@ using OnLoaded = std::function<void(const std::vector<std::string>& files)>;
 LoadedScene loadNow(const RenderCommandOptions& o, const RenderPlan& plan) {
   const LoadOverrides& overrides = plan.overrides;
   if (!o.sendScene) return loadAndBuild(o.render.scene, overrides, o.render.integrator, o.reduction, o.frame);
-  if (!cluster()) badUsage("--send-scene: for recurse-mpi");
+  if (!cluster()) badUsage("--send-scene: works with recurse-mpi only");
   if (!cluster()->leads()) {
     const auto received = std::make_shared<const ReceivedScene>(*cluster());
     LoadedScene loaded = loadAndBuild(received->fileName(), overrides, o.render.integrator);
@@ -98,7 +99,7 @@ std::string numberedName(const std::string& name, int frame) {
 void startFrame(AnimationFrame& frame, const std::shared_ptr<const LoadedScene>& loaded,
                 const RenderCommandOptions& o) {
   if (loaded->description.tracks.empty())
-    badUsage("--frames: " + o.render.scene + " has no Animate directive, so that all frames are the same");
+    badUsage("--frames: " + o.render.scene + " has no Animate directive, so all frames are equal");
   if (!o.render.quiet) {
     std::string kept;
     const auto add = [&kept](const auto& parts, const char* what) {
@@ -122,7 +123,8 @@ void startFrame(AnimationFrame& frame, const std::shared_ptr<const LoadedScene>&
 std::string integratorRemark(const RenderOptions& options, const LoadedScene& loaded) {
   const std::string& type = loaded.description.integrator.type;
   if (options.integrator.named() || (type != "path" && type != "volpath")) return "";
-  return "the scene asks for \"" + type + "\"; --integrator auto often has less noise in the same time\n";
+  return "the scene uses the integrator \"" + type +
+         "\"; --integrator auto often has less noise in the same time\n";
 }
 
 /** Output files of the picture; none if a range of samples goes into a checkpoint only. */
@@ -236,11 +238,12 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
   for (const auto& [isGiven, option] : {std::pair(!given.checkpoint.empty(), "--checkpoint"),
                                         std::pair(given.sampleRange.has_value(), "--sample-range"),
                                         std::pair(given.sendScene, "--send-scene")})
-    if (isGiven) badUsage(std::string("--frames: not together with ") + option);
+    if (isGiven) badUsage(std::string("--frames: cannot be combined with ") + option);
   constexpr int64_t LAST_FRAME = 9999999;
   const std::vector<std::string> range = split(given.frames, ':');
   if (range.size() > 2)
-    badUsage("--frames: '" + given.frames + "' is not FIRST:LAST, such as 0:48, nor one frame's number");
+    badUsage("--frames: '" + given.frames +
+             "' is neither FIRST:LAST, such as 0:48, nor the number of a frame");
   const int64_t first = parseCount("--frames", range.front(), 0, LAST_FRAME);
   const int64_t last = parseCount("--frames", range.back(), first, LAST_FRAME);
   AnimationFrame frame;
@@ -264,12 +267,12 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
 /** Renders picture or frames whenever the scene changes: first at a quarter of width and height, then in
  * full. One live page shows all renders; its button ends the current one, until the next change. */
 ExitStatus renderAgainAndAgain(const RenderCommandOptions& given) {
-  if (cluster()) badUsage("--watch: one process only");
+  if (cluster()) badUsage("--watch: works in one process only");
   for (const auto& [isGiven, option] :
        {std::pair(given.check, "--check"), std::pair(!given.checkpoint.empty(), "--checkpoint"),
         std::pair(given.sampleRange.has_value(), "--sample-range"),
         std::pair(given.sendScene, "--send-scene")})
-    if (isGiven) badUsage(std::string("--watch: not together with ") + option);
+    if (isGiven) badUsage(std::string("--watch: cannot be combined with ") + option);
   constexpr int FIRST_REDUCTION = 4;
   std::atomic<bool> isRendering{false}, isStoppedByPage{false};
   RenderCommandOptions o = given;

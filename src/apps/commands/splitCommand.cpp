@@ -45,7 +45,8 @@ void writeScript(const std::filesystem::path& file, const std::string& text) {
 /** Rejects control characters: a line break in a name would end a line of the script. */
 void requireOneLine(const std::string& option, const std::string& name) {
   if (hasControlCharacters(name))
-    badUsage(option + ": " + name + ": line breaks and other control characters cannot stand in a script");
+    badUsage(option + ": " + name +
+             ": the name has line breaks or control characters, which a script cannot contain");
 }
 
 /** Split render: data that its scripts share. */
@@ -75,7 +76,7 @@ std::string partScript(const Job& job) {
               std::to_string(beginOf(i + 1, job.parts, job.samples, job.passes)) + " file=" + partName(i) +
               " ;;\n";
   return "#!/bin/sh\n"
-         "# part.sh N: renders part N, or goes on with it.\n" +
+         "# part.sh N: renders part N, or continues it.\n" +
          scriptStart() + "case \"$1\" in\n" + ranges +
          "*) echo \"there is no part '$1'\" >&2; exit 2 ;;\nesac\n"
          "exec \"$RECURSE\" render " +
@@ -114,10 +115,8 @@ std::string slurmScript(const Job& job) {
 /** Number of samples to be split. Throws Error (BAD_USAGE) for a render that cannot be split. */
 int64_t samplesToSplit(const RenderPlan& plan) {
   if (plan.adaptive || plan.timeLimit > 0 || plan.errorTarget > 0)
-    badUsage(
-        "split: --adaptive, --time-limit and --error-target depend on the whole picture; parts of it are "
-        "samples of --spp");
-  if (!plan.samples) badUsage("split: needs --spp N, the number of samples that are dealt out");
+    badUsage("split: --adaptive, --time-limit and --error-target depend on the whole picture; use --spp N");
+  if (!plan.samples) badUsage("split: needs --spp N, the number of samples per pixel that the parts divide");
   return *plan.samples;
 }
 
@@ -137,7 +136,7 @@ ExitStatus splitRender(SplitOptions o) {
   const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
   job.passes = loaded.integrator->passes(static_cast<int>(job.samples));
   if (job.passes.minSamples() > job.samples)
-    badUsage("--spp: " + std::to_string(job.passes.minSamples()) + " passes need as many samples at least");
+    badUsage("--spp: " + std::to_string(job.passes.minSamples()) + " passes need at least one sample each");
   std::error_code reason;
   std::filesystem::create_directories(job.folder, reason);
   if (reason) throw Error("-o: " + job.folder.string() + ": " + reason.message());
@@ -164,21 +163,21 @@ void addSplitCommand(CLI::App& app, Command& chosen) {
   SplitOptions& o = *options;
   CLI::App* command = app.add_subcommand("split", "Write scripts that render a scene in many jobs");
   o.render.addSceneTo(*command);
-  command->add_option("--parts", o.parts, "How many jobs")->required()->type_name("N");
+  command->add_option("--parts", o.parts, "Number of jobs")->required()->type_name("N");
   command->add_option("-o,--output", o.folder, "Folder for the scripts, the parts and the picture")
       ->required()
       ->type_name("FOLDER");
   command
       ->add_option("--paths", o.paths,
-                   "Only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
+                   "Render only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
       ->type_name("EXPR");
   o.render.addTo(*command);
   command->footer(
-      "Writes part.sh, which renders one part; slurm.sh, an array of jobs for Slurm; local.sh, all parts in\n"
-      "turn; merge.sh, which adds them up to picture.exr and picture.png, and says what is missing. A part\n"
-      "that was killed goes on where its checkpoint stands when it is run again. The picture has the same "
-      "bits\n"
-      "as that of one render. RECURSE=FILE in the environment is the program to run.\n\n"
+      "Writes part.sh, which renders one part; slurm.sh, a job array for Slurm; local.sh, which renders\n"
+      "all parts in sequence; merge.sh, which adds them to picture.exr and picture.png, and reports\n"
+      "missing parts. A part that was killed continues from its checkpoint when it is run again. The\n"
+      "picture is bit-identical to that of one render. Set RECURSE=FILE in the environment to choose the\n"
+      "program.\n\n"
       "Examples:\n"
       "  recurse split scene.pbrt --parts 64 --spp 4096 -o job\n"
       "  sbatch job/slurm.sh\n"

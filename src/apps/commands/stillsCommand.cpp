@@ -50,7 +50,7 @@ void checkComparable(const Stills& other, const Scene& scene, const std::string&
   const PixelBounds& crop = scene.film().crop;
   if (other.image.width != crop.width() || other.image.height != crop.height())
     throw Error("--compare: " + name + " has " + std::to_string(other.image.width) + "x" +
-                    std::to_string(other.image.height) + " pixels, this render has " +
+                    std::to_string(other.image.height) + " pixels, but this render has " +
                     std::to_string(crop.width()) + "x" + std::to_string(crop.height()),
                 ExitStatus::BAD_USAGE);
 }
@@ -105,31 +105,31 @@ void addStillsCommand(CLI::App& app, Command& chosen) {
   auto options = std::make_shared<StillsOptions>();
   StillsOptions& o = *options;
   CLI::App* command =
-      app.add_subcommand("stills", "Render classes of light paths, each a picture of its own");
+      app.add_subcommand("stills", "Render each class of light paths to a picture of its own");
   o.render.addSceneTo(*command);
   command
       ->add_option("-o,--output", o.folder,
-                   "Folder to write stills.exr, sheet.png, index.html, common/ and own/ to; made if need be")
+                   "Folder for stills.exr, sheet.png, index.html, common/ and own/; it is created if needed")
       ->required()
       ->type_name("DIR");
   command
-      ->add_option("--class", o.classes,
-                   "A class of paths, such as caustic=LS+DE, several allowed; see 'recurse classes' "
-                   "(default: ten that make up the whole picture, and six more where there are media)")
+      ->add_option(
+          "--class", o.classes,
+          "A class of paths, such as caustic=LS+DE; may be repeated; see 'recurse classes' (default: ten "
+          "classes that add up to the whole picture, and six more for scenes with media)")
       ->type_name("NAME=EXPR")
       ->expected(1)
       ->take_all();
   command
       ->add_option("--compare", o.compare,
-                   "Other stills of the same size, a folder or an EXR file, to compare with on the page")
+                   "Other stills of the same size, a folder or an EXR file, to compare on the page")
       ->type_name("DIR|EXR");
   o.render.addTo(*command);
   command->footer(
       "stills.exr has the whole picture in R, G, B and each class in NAME.R, NAME.G, NAME.B. common/ has\n"
-      "each class as PNG at the exposure of the whole picture, own/ at one of its own: the 98th percentile "
-      "of\n"
-      "the luminance of its pixels that are not black is shown as 0.9 of white. sheet.png has all of them\n"
-      "with their names, and index.html is a page for a browser. What the given classes leave over becomes\n"
+      "each class as PNG at the exposure of the whole picture, own/ at its own exposure: the 98th\n"
+      "percentile of the luminance of non-black pixels becomes 0.9 of white. sheet.png shows all classes\n"
+      "with their names, and index.html is a page for a browser. Paths outside of the given classes become\n"
       "the class 'rest'.\n\n"
       "Examples:\n"
       "  recurse stills scene.pbrt -o stills\n"

@@ -72,7 +72,7 @@ Halves readHalves(const std::string& fileName, const std::string& identity) {
     *half = Image(file.width, file.height, {"R", "G", "B"});
     for (size_t c = 0; c < 3; ++c) {
       const int from = file.channel(layer + std::string(1, "RGB"[c]));
-      if (from < 0) throw Error(fileName + ": has not the layers a and b");
+      if (from < 0) throw Error(fileName + ": the layers a and b are missing");
       for (size_t p = 0; p < half->pixels.size() / 3; ++p)
         half->pixels[3 * p + c] = file.pixels[p * file.channels.size() + size_t(from)];
     }
@@ -148,8 +148,8 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
       };
       const RenderResult result = renderLoaded(loaded, PathClasses(), path.plan(), path, retell);
       if (result.isInterrupted())
-        throw Error("interrupted while the reference was made; what there is of it is kept in " + fileName +
-                        ", and the same command goes on",
+        throw Error("interrupted while the reference was rendered; its samples are kept in " + fileName +
+                        "; run the same command to continue",
                     ExitStatus::INTERRUPTED);
       pictures[half] = pictureOf(result.film, result.report("recurse render"));
       halves.seconds += result.statistics.renderSeconds;
@@ -168,12 +168,12 @@ References ownReferences(LoadedScene& loaded, const RenderOptions& options, cons
     error = referenceError(halves.a, halves.b);
   }
   References out = makeReferences({halves.a, halves.b}, {"a", "b"});
-  out.description = std::string("r is the mean of two made by ") +
+  out.description = std::string("r is the mean of two pictures by ") +
                     (missed.empty() ? "path tracing, " : "progressive photon mapping, ") +
                     std::to_string(halves.samples) + " samples per pixel each; " + error->text() + "; " +
-                    (missed.empty() ? "light that path tracing has not found is in neither"
-                                    : "path tracing never finds " + missed +
-                                          " of this scene, and the blur of photon maps is in both");
+                    (missed.empty() ? "light that path tracing did not find is missing in both"
+                                    : "path tracing cannot find " + missed +
+                                          " of this scene; both have the bias of photon maps");
   if (timeUp)
     out.description +=
         "; the wanted " + formatted("%.3g", plan.relMse) + " was not reached within --reference-time";

@@ -18,7 +18,7 @@ std::string quickStart() {
          "errors\n"
          "  recurse compare scene.exr reference.exr                error measures between two pictures\n"
          "  recurse reference glass                                what scene files can say about glass\n"
-         "All commands: recurse --help. Options and more examples of one: recurse render --help\n";
+         "All commands: recurse --help. Options and examples of a command: recurse render --help\n";
 }
 
 } // namespace recurse::apps

@@ -142,7 +142,7 @@ std::string searchReference(const std::string& word) {
   const std::string name = !meant.empty()           ? meant.front().plugIn
                            : example != found.end() ? example->plugIn
                                                     : "photonmap";
-  return out + "\nAll parameters of one: recurse reference " + name + "\n";
+  return out + "\nAll parameters of a plug-in: recurse reference " + name + "\n";
 }
 
 } // namespace recurse::apps

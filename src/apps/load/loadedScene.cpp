@@ -73,8 +73,10 @@ ParsedDirective integratorOf(const SceneDescription& description, Diagnostics& d
   std::erase_if(integrator.parameters, [&](const ParsedParameter& p) {
     const bool limits = p.name == "maxdepth" && p.numbers != std::vector<double>{-1};
     if (limits)
-      diagnostics.warning(p.location, "\"maxdepth\" does not count: \"subsurface\" materials scatter often",
-                          "--maxdepth N, where paths shall be cut all the same");
+      diagnostics.warning(
+          p.location,
+          "\"maxdepth\" is ignored: paths in \"subsurface\" materials have many scattering events",
+          "--maxdepth N, to limit the length of paths anyway");
     return limits;
   });
   return integrator;
@@ -137,8 +139,8 @@ void renderByPathIfNeeded(LoadedScene& loaded, Diagnostics& diagnostics) {
   const std::string unsupported = unsupportedPart(*loaded.integrator, *loaded.scene);
   if (unsupported.empty()) return;
   diagnostics.warning(loaded.integratorDirective.location, "\"" + loaded.integratorDirective.type +
-                                                               "\" does not render " + unsupported +
-                                                               ": it is rendered by \"path\"");
+                                                               "\" cannot render " + unsupported +
+                                                               ": \"path\" renders the scene instead");
   ParsedDirective path;
   path.type = "path";
   path.location = loaded.integratorDirective.location;
@@ -268,8 +270,8 @@ std::string shapesText(const SceneContents& c) {
 std::string lightsText(const SceneContents& c) {
   CommaList out;
   out.addCount(c.areaLights, "on surfaces");
-  out.addCount(c.deltaLights, "at a point or in one direction");
-  out.addCount(c.environmentLights, "all around");
+  out.addCount(c.deltaLights, "at points or in one direction");
+  out.addCount(c.environmentLights, "infinite");
   return out.text.empty() ? "none: the picture will be black" : out.text;
 }
 
@@ -286,10 +288,10 @@ std::string memoryText(const LoadedScene& loaded, size_t layers) {
   if (const auto [inMemory, inFiles] = textureMemory(); inMemory + inFiles > 0)
     out.add("textures " + bytesText(double(inMemory)) +
             (inFiles > 0 ? " and " + bytesText(double(inFiles)) + " in files" : "") +
-            " besides the cache of those in use");
+            ", and the cache of pictures in use");
   out.add("film " + bytesText(Film::bytes(double(scene.film().crop.area()), double(layers))));
   if (const uint64_t emitted = loaded.integrator->photonsEmitted(scene); emitted > 0)
-    out.add(formatted("a map about %s if each of %.3g photons is stored once",
+    out.add(formatted("photon map about %s, if each of %.3g emitted photons is stored once",
                       bytesText(photonMapBytes(double(emitted))).c_str(), double(emitted)));
   return out.text;
 }
@@ -319,10 +321,10 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
   line("memory", memoryText(loaded, layers));
   line("time",
        "read in " + durationText(loaded.loadSeconds) + ", built in " + durationText(loaded.buildSeconds));
-  line("in short", loaded.warnings == 0 ? std::string("rendered as the file says")
-                                        : "rendered, but for " +
-                                              counted(loaded.warnings, "thing that a warning above tells of",
-                                                      "things that warnings above tell of"));
+  line("in short", loaded.warnings == 0
+                       ? std::string("rendered as the file says")
+                       : "rendered, except for " + counted(loaded.warnings, "thing in the warning above",
+                                                           "things in the warnings above"));
   return out;
 }
 

@@ -117,9 +117,9 @@ bool isModelFile(const std::string& fileName) { return importerOf(fileName) != n
 void ModelChoice::addTo(CLI::App& command) {
   command.add_option("--map", map, "For a .pk3 with several maps: the name of one")->type_name("NAME");
   command
-      .add_option(
-          "--camera", camera,
-          "For a model: a camera of the file, such as spawn:1 in a map of Quake III (default: the first)")
+      .add_option("--camera", camera,
+                  "For a model: name of a camera of the file, such as spawn:1 in a map of Quake III "
+                  "(default: the first)")
       ->type_name("NAME");
 }
 
@@ -147,7 +147,7 @@ std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const ModelC
     shape.parameters.push_back(rule);
   }
   if (!choice.map.empty()) {
-    if (!isMap) badUsage("--map: for maps of Quake III, .pk3 and .bsp, and not for " + fileName);
+    if (!isMap) badUsage("--map: is for maps of Quake III, .pk3 and .bsp, not for " + fileName);
     file.name = "map";
     file.strings = {choice.map};
     shape.parameters.push_back(file);
@@ -170,7 +170,7 @@ SceneDescription loadSceneOrModel(const std::string& fileName, const ModelChoice
                                   Diagnostics& diagnostics, double frame) {
   if (!isModelFile(fileName)) {
     if (choice.any())
-      badUsage("--map and --camera are for models; " + fileName + " is a scene with a camera of its own");
+      badUsage("--map and --camera are for models; " + fileName + " is a scene file with its own camera");
     return loadScene(fileName, diagnostics, frame);
   }
   const std::unique_ptr<ModelScene> model = modelScene(fileName, choice, "", "read", diagnostics);

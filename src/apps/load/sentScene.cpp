@@ -48,7 +48,7 @@ void sendNoScene(const Cluster& cluster) { cluster.tellAll(""); }
 
 ReceivedScene::ReceivedScene(const Cluster& cluster) {
   const std::string name = cluster.tellAll("");
-  if (name.empty()) throw Error("rank 0 has no scene to send");
+  if (name.empty()) throw Error("rank 0 could not load the scene");
   std::string pattern = (fs::temp_directory_path() / "recurse-scene-XXXXXX").string();
   const char* made = ::mkdtemp(pattern.data());
   std::string failure = made ? "" : std::strerror(errno);

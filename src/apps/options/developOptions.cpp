@@ -83,8 +83,8 @@ void DevelopOptions::addTo(CLI::App& command) {
   command
       .add_option(
           "--exposure", exposure,
-          "Brightness in powers of two; auto, so that the picture's log average is middle grey; p98, so "
-          "that its 98th percentile is white; auto+1, p98-0.5: more or less than that (default: auto)")
+          "Exposure in stops (powers of two). auto: the log average becomes middle grey; p98: the 98th "
+          "percentile becomes white; auto+1, p98-0.5: with a correction in stops (default: auto)")
       ->type_name("STOPS")
       ->group(group);
   command
@@ -95,21 +95,20 @@ void DevelopOptions::addTo(CLI::App& command) {
       ->type_name("NAME")
       ->group(group);
   command
-      .add_option(
-          "--white-balance", whiteBalance,
-          "Colour temperature of the light that is to look white, from 1667 to 25000; auto: the mean of "
-          "the picture (default: the picture as it is, white at 6504)")
+      .add_option("--white-balance", whiteBalance,
+                  "Colour temperature that becomes white, from 1667 to 25000; auto: from the mean of the "
+                  "picture (default: no change; white is 6504)")
       ->type_name("KELVIN")
       ->group(group);
   command
-      .add_option(
-          "--bloom", bloom,
-          "Glare of the eye around bright light (Spencer et al. 1995); 0.1: for a tenth of it, 1: for all")
+      .add_option("--bloom", bloom,
+                  "Fraction of the glare in a human eye around bright light (Spencer et al. 1995): from 0, "
+                  "none, to 1, all")
       ->type_name("PART")
       ->group(group);
   command
       .add_option("--bloom-angle", bloomAngle,
-                  "For --bloom: how wide the picture is before the eye (default: 40)")
+                  "For --bloom: horizontal angle of view of the displayed picture (default: 40)")
       ->type_name("DEGREES")
       ->group(group);
   command
@@ -118,7 +117,8 @@ void DevelopOptions::addTo(CLI::App& command) {
                       "; ocio is the OpenColorIO configuration in $OCIO (default: srgb)")
       ->type_name("NAME")
       ->group(group);
-  command.add_flag("--dither", dither, "Spread the rounding to 8 bits, so that smooth shades show no steps")
+  command
+      .add_flag("--dither", dither, "Dither the rounding to 8 bits, so that smooth gradients show no bands")
       ->group(group);
 }
 
@@ -163,8 +163,8 @@ std::optional<double> PictureWriter::stops() const {
 
 std::string PictureWriter::remark() const {
   if (!developed) return "";
-  return formatted("exposed by %+.2f stops", developed->stops) + ", tone operator " + options.toneMap +
-         "; plain: --exposure 0 --tonemap none\n";
+  return formatted("exposure %+.2f stops", developed->stops) + ", tone operator " + options.toneMap +
+         "; for linear values: --exposure 0 --tonemap none\n";
 }
 
 } // namespace recurse::apps

@@ -66,7 +66,7 @@ std::string valueText(const ParsedParameter& p) {
 void IntegratorOptions::addTo(CLI::App& command) {
   command
       .add_option("--integrator", name,
-                  std::string("Integrator, in the place of the scene's (default without either: ") +
+                  std::string("Integrator instead of the scene's (default if the scene has none: ") +
                       DEFAULT_INTEGRATOR + ")")
       ->type_name("NAME");
   const std::vector<Value> before = std::move(values);
@@ -78,13 +78,13 @@ void IntegratorOptions::addTo(CLI::App& command) {
   earlier.insert(earlier.end(), settings.begin(), settings.end());
   settings.clear();
   const std::vector<std::pair<const char*, const char*>> descriptions = {
-      {"N", "Photons emitted in each pass; 1M and 1e6 are taken too"},
-      {"K", "Photons of a density estimate, where the radius is chosen by itself"},
-      {"R", "Radius of the density estimates [scene units] (default: chosen from the photons' density)"},
-      {"N", "Most scattering events of a path; -1: no limit"},
-      {"WAY", "Direct light by shadowrays, or by photons like the rest"},
-      {"N", "Shadow rays at each diffuse surface"},
-      {"INDEX", "Search structure for photons: kdtree or flann"}};
+      {"N", "Number of photons emitted in each pass; also as 1M or 1e6"},
+      {"K", "Number of nearest photons of a density estimate, if the radius is not given"},
+      {"R", "Radius of the density estimates [scene units] (default: chosen from the density of photons)"},
+      {"N", "Maximum number of scattering events of a path; -1: no limit"},
+      {"WAY", "Estimator of direct light: shadowrays, or photons as for all other light"},
+      {"N", "Number of shadow rays at each diffuse surface"},
+      {"INDEX", "Search structure of the photons: kdtree or flann"}};
   const auto* entry = plugIns().integrators.find(DEFAULT_INTEGRATOR);
   for (size_t i = 0; i < values.size(); ++i) {
     std::string description = descriptions[i].second;
@@ -185,7 +185,7 @@ std::vector<std::string> settingsOf(const ParsedDirective& directive) {
   if (!entry) return out;
   for (const ParameterSpec& spec : entry->parameters) {
     if (spec.ignored) continue;
-    std::string text = spec.defaultText.empty() ? "chosen by itself" : spec.defaultText;
+    std::string text = spec.defaultText.empty() ? "chosen automatically" : spec.defaultText;
     for (const ParsedParameter& p : directive.parameters)
       if (p.name == spec.name) {
         text = valueText(p);

@@ -45,7 +45,7 @@ Run parseRun(const std::string& option, const std::string& text, const RenderOpt
   for (const char* other : refused)
     if (parser.count(other) > 0)
       badUsage(option + " " + name + ": " + other +
-               " is what the budgets are for, see --times, --samples, --photons");
+               " is set by the budgets; use --times, --samples or --photons");
   return run;
 }
 

@@ -34,23 +34,26 @@ constexpr const char* EXAMPLES =
     "  recurse render scene.pbrt -o look.png --watch --time-limit 20s\n"
     "  recurse render scenes/animation.pbrt --frames 0:48 -o film.png\n"
     "  recurse render scene.pbrt --check\n\n"
-    "Ctrl-C writes what there is; twice gives up at once. A file that exists is replaced only by a\n"
-    "complete one.";
+    "Ctrl-C writes the picture of the samples so far; a second Ctrl-C quits without it. Existing files are\n"
+    "replaced by complete files only.";
 
 void addCheckpointOptions(CLI::App& command, RenderCommandOptions& o) {
   command
       .add_option("--checkpoint", o.checkpoint,
-                  "Keep the render in this file, every now and then and at its end or interruption")
+                  "File that keeps the state of the render; it is written at intervals, at the end and at an "
+                  "interrupt")
       ->type_name("FILE");
-  command.add_option("--checkpoint-interval", o.checkpointInterval, "How often that is done (default: 60s)")
+  command
+      .add_option("--checkpoint-interval", o.checkpointInterval,
+                  "Interval between checkpoints (default: 60s)")
       ->type_name("TIME");
   command.add_flag("--resume", o.resume,
-                   "Go on with the render in the --checkpoint file, bit for bit as if it had never stopped; "
-                   "begin where there is no such file");
+                   "Continue the render of the --checkpoint file with bit-identical results; start a new one "
+                   "if there is no such file");
   command
-      .add_option(
-          "--sample-range", o.sampleRange,
-          "Only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds renders up")
+      .add_option("--sample-range", o.sampleRange,
+                  "Render only the samples FIRST to END-1 of the --spp of each pixel; 'recurse merge' adds "
+                  "such renders")
       ->type_name("FIRST:END");
 }
 
@@ -60,31 +63,26 @@ void addLayerOptions(CLI::App& command, RenderCommandOptions& o) {
   command.add_flag("--samples-layer", o.extra.samples,
                    "Add the number of samples of each pixel to .exr, as channel samples.N");
   command
-      .add_option(
-          "--layers", o.layers,
-          "Add features of what the pixels see to .exr: albedo, normal (shading, towards the viewer), "
-          "geonormal (of the surface itself), depth (distance), position (in world space), cryptoobject and "
-          "cryptomaterial (mattes by the Cryptomatte convention)")
+      .add_option("--layers", o.layers,
+                  "Add features of the visible surfaces to .exr: albedo, normal (shading normal, towards the "
+                  "camera), geonormal (geometric normal), depth (distance), position (in world space), "
+                  "cryptoobject and cryptomaterial (Cryptomatte)")
       ->type_name("NAME,NAME...");
   command.add_flag("--layers-through", o.throughSpecular,
-                   "For --layers: of what is seen in mirrors and through smooth glass");
+                   "For --layers: show the features of surfaces in mirrors and behind smooth glass");
 }
 
 void addRepetitionOptions(CLI::App& command, RenderCommandOptions& o) {
-  command.add_flag(
-      "--watch", o.watch,
-      "Render again when a file of the scene changes, at a quarter of the width and height first, "
-      "until Ctrl-C; with --frames all of them");
+  command.add_flag("--watch", o.watch,
+                   "Render again when a file of the scene changes, first at a quarter of width and height, "
+                   "until Ctrl-C; with --frames all frames");
   command
-      .add_option(
-          "--frames", o.frames,
-          "Frames of a scene with Animate directives, FIRST to LAST inclusive or one alone, each a picture: "
-          "'-o film.png' writes film-0000.png and so on, '-o film##.png' film00.png. The exposure of .png is "
-          "chosen by the first frame that is not black, for all; --exposure sets it, as for frames of "
-          "several "
-          "calls. Files that are read, "
-          "shapes and objects that do not change are not built again; lights, materials and the tree over "
-          "all are. A --time-limit holds for each frame")
+      .add_option("--frames", o.frames,
+                  "Render the frames FIRST to LAST, or one frame, of a scene with Animate directives: '-o "
+                  "film.png' writes film-0000.png and so on, '-o film##.png' film00.png. The first frame "
+                  "that is not black sets the exposure of .png for all frames; set --exposure if several "
+                  "calls render parts of an animation. Unchanged files, shapes and objects are reused "
+                  "between frames. A --time-limit is for each frame")
       ->type_name("FIRST:LAST");
 }
 
@@ -97,7 +95,7 @@ void RenderCommandOptions::checkOutputs(const std::vector<std::string>& outputs)
   if (!render.statistics.empty()) checkFileWritable(render.statistics);
   if (checkpoint.empty()) return;
   if (!resume && std::filesystem::exists(checkpoint))
-    throw Error("--checkpoint: " + checkpoint + " exists; go on with it by --resume, or remove it",
+    throw Error("--checkpoint: " + checkpoint + " exists; continue it with --resume, or remove it",
                 ExitStatus::BAD_USAGE);
   checkFileWritable(checkpoint);
 }
@@ -115,7 +113,7 @@ std::vector<OutputFile> RenderCommandOptions::written(const std::vector<std::str
 }
 
 PathClasses RenderCommandOptions::pathClasses() const {
-  if (!paths.empty() && !classes.empty()) badUsage("--class: not together with --paths");
+  if (!paths.empty() && !classes.empty()) badUsage("--class: cannot be combined with --paths");
   if (!paths.empty()) return PathClasses(std::vector<PathClass>{{paths, paths}});
   if (classes.empty()) return {};
   std::vector<PathClass> all = {{"all", "all"}};
@@ -143,16 +141,15 @@ RenderPlan RenderCommandOptions::plan() const {
     out.checkpointInterval = parseDuration("--checkpoint-interval", *checkpointInterval);
   if (!sampleRange) return out;
   if (out.adaptive)
-    throw Error(
-        "--sample-range: with --adaptive the number of samples follows from those before; other parts "
-        "of a picture are other seeds (--seed)",
-        ExitStatus::BAD_USAGE);
+    throw Error("--sample-range: cannot be combined with --adaptive, which chooses samples from earlier "
+                "ones; render parts with different seeds (--seed) instead",
+                ExitStatus::BAD_USAGE);
   const std::vector<std::string> range = split(*sampleRange, ':');
   if (range.size() != 2)
     throw Error("--sample-range: '" + *sampleRange + "' is not FIRST:END, such as 64:128",
                 ExitStatus::BAD_USAGE);
   if (!out.samples)
-    throw Error("--sample-range: needs --spp N, the number of samples of which these are a part",
+    throw Error("--sample-range: needs --spp N, the total number of samples per pixel",
                 ExitStatus::BAD_USAGE);
   out.firstSample = parseCount("--sample-range", range[0], 0, *out.samples - 1);
   out.endSample = parseCount("--sample-range", range[1], out.firstSample + 1, *out.samples);
@@ -167,7 +164,7 @@ FeatureSettings RenderCommandOptions::features(const std::vector<std::string>& o
   if (!layers.empty()) {
     out.layers = split(layers, ',');
     requireFeatureLayers(out.layers);
-    if (!hasExr) badUsage("--layers: only .exr can hold them; add -o FILE.exr");
+    if (!hasExr) badUsage("--layers: needs an .exr output; add -o FILE.exr");
   } else if (layered && hasExr) { // layers that pbrt has, too
     for (const FeatureLayer& layer : featureLayers())
       if (*layer.channels) out.layers.emplace_back(layer.name);
@@ -199,7 +196,7 @@ void RenderCommandOptions::addTo(CLI::App& command) {
   command
       .add_option(
           "-o,--output", outputs,
-          "Picture to write, several allowed: .exr with everything, .hdr and .pfm linear, .png .jpg .tif "
+          "Picture to write, may be repeated: .exr with all channels, .hdr and .pfm linear, .png .jpg .tif "
           "for display (default: the file name in the scene, in the current folder; none for a "
           "--sample-range with a --checkpoint)")
       ->type_name("FILE")
@@ -207,12 +204,13 @@ void RenderCommandOptions::addTo(CLI::App& command) {
       ->take_all();
   render.addTo(command);
   command
-      .add_option("--paths", paths, "Only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
+      .add_option("--paths", paths,
+                  "Render only light paths of this class, such as 'LS+DE'; see 'recurse classes'")
       ->type_name("EXPR");
   command
       .add_option("--class", classes,
                   "Add the light paths of a class to .exr, such as caustic=LS+DE as caustic.R, caustic.G and "
-                  "caustic.B; several allowed")
+                  "caustic.B; may be repeated")
       ->type_name("NAME=EXPR")
       ->expected(1)
       ->take_all();
@@ -221,9 +219,10 @@ void RenderCommandOptions::addTo(CLI::App& command) {
   viewers.addTo(command);
   addLayerOptions(command, *this);
   addRepetitionOptions(command, *this);
-  command.add_flag("--send-scene", sendScene,
-                   "For recurse-mpi: rank 0 alone reads the scene, and sends its files to the others");
-  command.add_flag("--check", check, "Load the scene, report what it contains and needs, do not render");
+  command.add_flag(
+      "--send-scene", sendScene,
+      "For recurse-mpi: rank 0 alone reads the scene files, and sends them to the other processes");
+  command.add_flag("--check", check, "Load the scene, report its contents and memory, and do not render");
   command.footer(EXAMPLES);
 }
 

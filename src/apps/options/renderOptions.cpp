@@ -35,7 +35,9 @@ RenderSettings RenderPlan::settings(const Scene& scene) const {
 }
 
 void RenderOptions::addSceneTo(CLI::App& command) {
-  command.add_option("scene", scene, "Scene file, pbrt-v4 text format, may be gzip-compressed; or a model")
+  command
+      .add_option("scene", scene,
+                  "Scene file in the pbrt-v4 text format, also compressed with gzip; or a model")
       ->required()
       ->type_name("SCENE");
   model.addTo(command);
@@ -47,41 +49,40 @@ void RenderOptions::addTo(CLI::App& command) {
     return command.add_option(name, target, description)->type_name(type);
   };
   add("--spp", samples, "N",
-      "Samples per pixel (default: the scene's, or with --time-limit or --error-target as many as it takes)");
-  command.add_flag(
-      "--adaptive", adaptive,
-      "Samples go where the error is: pixels get between a quarter of --spp and eight times as many, "
-      "as the first samples of the pixels around them tell; a crop is a picture of its own then");
+      "Samples per pixel (default: the scene's; with --time-limit or --error-target: no limit)");
+  command.add_flag("--adaptive", adaptive,
+                   "Adaptive sampling: pixels get from a quarter of --spp to eight times --spp, by the "
+                   "estimated error around them; a crop differs from the same part of the whole picture");
   add("--time-limit", timeLimit, "TIME",
-      "Longest time for photons and picture: 30s, 2m, 1h30m; the first sample of each pixel may take 1s "
-      "more, and pixels without one show another beside them. Loading, which is not counted, may not take "
-      "longer than this either. 'recurse render' takes it by plain path tracing where photons are not ready "
-      "in time");
+      "Time limit for photons and picture, such as 30s, 2m, 1h30m; the first sample of each pixel may take "
+      "1 s more, and pixels without one copy a neighbour. Loading is not included, but has the same limit. "
+      "'recurse render' uses plain path tracing if photons are not ready in time");
   add("--error-target", errorTarget, "E",
-      "Stop when the picture's relative standard error, the 95th percentile over pixels, is E, such as 0.05; "
-      "the bias of a photon map is not in it");
-  add("--nthreads", threads, "N", "Threads (default: one for each core); the picture does not depend on it");
-  add("--seed", seed, "N", "Another seed, another independent picture (default: the scene's)");
+      "Stop when the relative standard error (95th percentile of pixels) is E, such as 0.05; it does not "
+      "include the bias of photon maps");
+  add("--nthreads", threads, "N",
+      "Number of threads (default: one for each core); the picture does not depend on it");
+  add("--seed", seed, "N",
+      "Seed of the random numbers; another seed gives an independent picture (default: the scene's)");
   add("--resolution", resolution, "WxH", "Size of the picture in pixels (default: the scene's)");
-  add("--cropwindow", cropWindow, "x0,x1,y0,y1", "Render this part only, as fractions of width and height");
+  add("--cropwindow", cropWindow, "x0,x1,y0,y1", "Render only this part, as fractions of width and height");
   add("--memory", memory, "BYTES",
-      "What the program may take, such as 8G: scenes, pictures and photons that would need more are refused "
-      "(default: what there is)");
+      "Memory limit of the program, such as 8G; scenes, pictures and photons that need more are errors "
+      "(default: the available memory)");
   add("--work", work, "TIME",
-      "What a scene may take on one core before its first sample is complete, as far as that is foretold, "
-      "such as 1h: one that divides surfaces finer, or has more of them at one place, is refused (default: "
-      "2m)");
+      "Limit of the predicted time on one core until a scene's first sample is complete, such as 1h; shapes "
+      "that subdivide or overlap beyond it are errors (default: 2m)");
   add("--texture-memory", textureMemory, "BYTES",
-      "What pictures on surfaces may take in memory, such as 2G; the rest is in a temporary file, in TMPDIR "
-      "or "
-      "/var/tmp (default: what they need)");
-  command.add_flag("--compact", compact, "The scene's tree in about half of the memory; rays take longer");
-  add("--stats", statistics, "FILE", "Write statistics as JSON");
-  add("--progress", progress, "WAY", "auto, plain, json or off, on standard error (default: auto)")
+      "Memory limit of textures, such as 2G; the rest is kept in a temporary file in TMPDIR or /var/tmp "
+      "(default: no limit)");
+  command.add_flag("--compact", compact,
+                   "Compact acceleration structure: about half of the memory; rays are slower");
+  add("--stats", statistics, "FILE", "File for the statistics in JSON");
+  add("--progress", progress, "WAY", "Progress on standard error: auto, plain, json or off (default: auto)")
       ->check(CLI::IsMember({"auto", "plain", "json", "off"}))
       ->type_name("WAY");
   CLI::Option* quietFlag = command.add_flag("-q,--quiet", quiet, "Print errors and warnings only");
-  command.add_flag("-v,--verbose", verbose, "Print what the scene contains and what was chosen")
+  command.add_flag("-v,--verbose", verbose, "Print the contents of the scene and the automatic choices")
       ->excludes(quietFlag);
   command.add_flag("--lenient", lenient, "Unknown parameters in the scene are warnings instead of errors");
 }
@@ -229,15 +230,16 @@ class RenderRun {
   void goOn(Checkpoint before) {
     requireSame(plan.checkpoint, kept.identity, before.identity);
     const Checkpoint::Part &then = before.parts.front(), &now = kept.parts.front();
-    if (before.parts.size() > 1) throw Error(plan.checkpoint + ": is the sum of several renders");
+    if (before.parts.size() > 1)
+      throw Error(plan.checkpoint + ": is a sum of several renders and cannot be continued");
     if (then.seed != now.seed || then.first != now.first)
       throw Error(plan.checkpoint + ": has seed " + std::to_string(then.seed) + " and samples from " +
-                  std::to_string(then.first) + "; here it is seed " + std::to_string(now.seed) +
+                  std::to_string(then.first) + "; this render has seed " + std::to_string(now.seed) +
                   " and samples from " + std::to_string(now.first));
     settings.from = before.position;
     kept.film = std::move(before.film);
     kept.allocation = std::move(before.allocation);
-    log("going on with " + plan.checkpoint);
+    log("continuing " + plan.checkpoint);
   }
   void save(const RenderPosition& position) {
     kept.position = position;
@@ -293,9 +295,9 @@ class RenderRun {
   std::string missedText() const {
     const std::string missed = missedPaths(loaded, kept.classes);
     if (missed.empty()) return {};
-    return "light of point, spot and distant lights by way of mirrors or glass (" + missed +
-           "), but for what goes straight through thin panes, is missing: '" +
-           loaded.integratorDirective.type + "' does not find it, 'photonmap' does";
+    return "light of point, spot and distant lights through mirrors or glass is missing, except straight "
+           "through thin panes (" +
+           missed + "): '" + loaded.integratorDirective.type + "' cannot find it; use --integrator photonmap";
   }
   void render() {
     settings.allocation = kept.allocation ? &*kept.allocation : nullptr;
@@ -316,8 +318,9 @@ class RenderRun {
       if (first && first->statistics.samples > 0) takeFirstPicture();
     }
     if (isInterrupted() && statistics.samples == 0)
-      throw Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED);
-    if (statistics.samples == 0) throw Error("no sample was ready in time: nothing is written");
+      throw Error("interrupted before the first sample: nothing was written", ExitStatus::INTERRUPTED);
+    if (statistics.samples == 0)
+      throw Error("no sample was ready in time: nothing was written. Give it a longer --time-limit");
   }
   /** Replaces a film without samples by the first picture, with a warning. */
   void takeFirstPicture() {
@@ -328,9 +331,9 @@ class RenderRun {
     statistics.processorSeconds += ended.processorSeconds;
     statistics.learningProcessorSeconds += ended.learningProcessorSeconds;
     statistics.photonProcessorSeconds += ended.photonProcessorSeconds;
-    warn((isInterrupted() ? "the render was interrupted" : "the time limit was over") +
+    warn((isInterrupted() ? "the render was interrupted" : "the time limit ended") +
          std::string(" before \"") + loaded.integratorDirective.type +
-         "\" had its first sample: the picture is one sample of each pixel by path tracing instead" +
+         "\" had one sample of each pixel: the picture is one sample of each pixel by path tracing instead" +
          (isInterrupted() ? "" : "; give it a longer --time-limit, or choose --integrator path"));
   }
   void warn(const std::string& text) {

@@ -30,7 +30,7 @@ constexpr uint64_t PROBE_STREAM = 0x4441524bull;
 /** A picture is nearly black if its mean is below this fraction of lampRadiance(). */
 constexpr double NEARLY_BLACK_PART = 0.1;
 constexpr const char* TURN_LAMP =
-    "A lamp shines to the side of its normal: turn it round (ReverseOrientation), or let it shine to both "
+    "A lamp emits to the side of its normal only: reverse it (ReverseOrientation), or let it emit to both "
     "sides (\"bool twosided\" true)";
 
 /** True if light passes a surface of this material in some direction. */
@@ -73,9 +73,10 @@ class DarkScene {
     look();
     const double expected = lampRadiance();
     if (mean >= NEARLY_BLACK_PART * expected || brightest >= expected || showsLamps()) return "";
-    if (lampsLanded == 0) return std::string("all that they send out leaves the scene. ") + TURN_LAMP;
-    return areTurnedAway() ? std::string("they are turned away from all that the camera sees. ") + TURN_LAMP
-                           : "";
+    if (lampsLanded == 0) return std::string("their light hits no surface. ") + TURN_LAMP;
+    return areTurnedAway()
+               ? std::string("they emit away from all surfaces that the camera sees. ") + TURN_LAMP
+               : "";
   }
 
   std::string reason() {
@@ -123,10 +124,10 @@ class DarkScene {
   std::string withoutLight() const {
     if (hasGlowingMedium()) return "";
     if (scene.lights().size() == 0)
-      return "the scene has no light: give it a LightSource, or a shape an AreaLightSource";
+      return "the scene has no light: add a LightSource, or an AreaLightSource to a shape";
     for (size_t i = 0; i < scene.lights().size(); ++i)
       if (!isBlack(scene.lights()[i].power())) return "";
-    return "all lights of the scene have a power of 0: look at \"L\", \"I\", \"scale\" and \"power\" of the "
+    return "all lights of the scene have a power of 0: check \"L\", \"I\", \"scale\" and \"power\" of the "
            "lights";
   }
 
@@ -175,9 +176,9 @@ class DarkScene {
   std::string misplacedMedium() const {
     for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
       if (passed[i] > 0 && filled[i] == 0)
-        return "the shape of a medium is empty: the medium's grid lies elsewhere. MakeNamedMedium has the "
-               "coordinates of its line; after LookAt those are the camera's. Move it in front of LookAt, or "
-               "behind WorldBegin";
+        return "the grid of a medium is outside of the shape that bounds it. MakeNamedMedium uses the "
+               "transform of its line, which after LookAt is that of the camera: move it before LookAt, or "
+               "after WorldBegin";
     return "";
   }
 
@@ -185,10 +186,11 @@ class DarkScene {
     const Vec3d center = scene.origin() + Vec3d(scene.bounds().center);
     const Vec3d inCamera = Vec3d(glm::inverse(loaded.description.worldFromCamera) * Vec4d(center, 1));
     const double radius = double(scene.bounds().radius);
-    return formatted("none of %zu rays from the camera hits a surface: the scene, %.3g wide around (%.3g, "
-                     "%.3g, %.3g), lies %s. Look at LookAt (eye, target, up), \"fov\" and \"screenwindow\"",
-                     rays, 2 * radius, center.x, center.y, center.z,
-                     inCamera.z < 0 ? "behind the camera" : "outside of the picture");
+    return formatted(
+        "none of %zu rays from the camera hits a surface: the scene, of diameter %.3g and center (%.3g, "
+        "%.3g, %.3g), is %s. Check LookAt (eye, target, up), \"fov\" and \"screenwindow\"",
+        rays, 2 * radius, center.x, center.y, center.z,
+        inCamera.z < 0 ? "behind the camera" : "outside of the picture");
   }
 
   /** Traces photons to the first surface, and collects points on lamps. */
@@ -215,9 +217,9 @@ class DarkScene {
   }
 
   std::string lightLeaves() const {
-    const std::string hits = "no light falls on a surface: all that the lights send out leaves the scene. ";
+    const std::string hits = "no light hits a surface: all light leaves the scene. ";
     return hits +
-           (scene.contents().areaLights > 0 ? TURN_LAMP : "Look at where the lights stand and point to");
+           (scene.contents().areaLights > 0 ? TURN_LAMP : "Check the positions and directions of the lights");
   }
 
   /** Median radiance of the points that the camera sees, if the lamps emitted uniformly in all directions,
@@ -335,16 +337,15 @@ class DarkScene {
   std::string betweenLightAndCamera() {
     const LampsInSight lampsSeen = lampsInSight();
     if (lampsSeen.free > 0 && lampsSeen.lit == 0)
-      return std::string("the lamps are turned away from all that the camera sees. ") + TURN_LAMP;
+      return std::string("the lamps emit away from all surfaces that the camera sees. ") + TURN_LAMP;
     if (lampsSeen.free > 0) return "";
     std::optional<uint32_t> object;
     if (!eye || !isShutIn(object)) return "";
     if (object)
-      return "the camera stands inside of " + scene.objectName(*object) +
-             ", which is opaque, and no light is in there with it: move the camera (LookAt), or the light";
-    return "the camera stands in a room that is closed on all sides, and all light is outside of it: put a "
-           "lamp "
-           "inside, or open the room";
+      return "the camera is inside of " + scene.objectName(*object) +
+             ", which is opaque, and all light is outside: move the camera (LookAt), or the light";
+    return "the camera is in a closed room, and all light is outside of it: put a lamp inside, or open the "
+           "room";
   }
 
   struct Lamp {
@@ -403,20 +404,22 @@ std::string noLightText(const LoadedScene& loaded, const PathClasses& classes, b
   if (dark.showsLight(-1)) {
     if (!isAllBlack) return "";
     if (classes.lightStateCount() > 1)
-      return what + "no light comes by the paths " + classes.classes()[0].expression +
-             " of --paths; without it there is light";
+      return what + "no light arrives by the paths " + classes.classes()[0].expression +
+             " of --paths, but by other paths";
     for (const ParsedParameter& p : loaded.integratorDirective.parameters)
       if (p.name == "maxdepth" && p.numbers.size() == 1 && p.numbers[0] >= 0 &&
           !dark.showsLight(static_cast<int>(p.numbers[0])))
-        return what + formatted("light scatters more often than \"maxdepth\" %.0f allows", p.numbers[0]);
+        return what + formatted("all paths with light have more scattering events than \"maxdepth\" %.0f "
+                                "allows: increase \"maxdepth\"",
+                                p.numbers[0]);
     return what + "\"" + loaded.integratorDirective.type +
-           "\" found none of the light that a path tracer finds; take more samples (--spp), or --integrator "
-           "photonmap";
+           "\" found no light, but path tracing does: take more samples (--spp), or --integrator photonmap";
   }
   const std::string reason = dark.reason();
   if (!reason.empty()) return what + reason;
   if (!isAllBlack) return "";
-  return what + "light does not reach what the camera sees; are the lights shut in, or the surfaces black?";
+  return what + "no light arrives at the surfaces that the camera sees: are the lights enclosed, or the "
+                "surfaces black?";
 }
 
 } // namespace
@@ -435,7 +438,7 @@ std::string blackPictureText(const LoadedScene& loaded, const PathClasses& class
     if (brightness.isNone()) return noLightText(loaded, classes, brightness.lit == 0);
     if (classes.lightStateCount() > 1) return "";
     const std::string reason = DarkScene(loaded).idleLampsReason(brightness.mean, brightness.brightest);
-    return reason.empty() ? "" : "the lamps light nothing of what the picture shows: " + reason;
+    return reason.empty() ? "" : "the lamps illuminate no surface that the camera sees: " + reason;
   });
 }
 

@@ -34,7 +34,10 @@ bool isRepeatedBySystem(int signal) { return signal == SIGXCPU || signal == SIGP
 void handle(int signal) {
   if (graceful.load() > 0 && immediate.load() == 0) {
     const bool isFirst = !stopRequested.exchange(true);
-    if (isFirst) writeText("\nInterrupted: writing what there is. Once more gives up at once.\n");
+    if (isFirst)
+      writeText("\n"
+                "Interrupted: writing the picture of the samples so far. Press Ctrl-C again to "
+                "quit without it.\n");
     if (isFirst || isRepeatedBySystem(signal)) return;
   }
   removeTemporaryFiles();
@@ -73,9 +76,8 @@ void installInterruptHandlers() {
 void requestStop() { stopRequested = true; }
 void withdrawStop() { stopRequested = false; }
 
-const char* const NOT_LOADED_IN_TIME = "the time limit was up before the scene was loaded: nothing is "
-                                       "written. A longer --time-limit leaves time "
-                                       "for a picture.";
+const char* const NOT_LOADED_IN_TIME =
+    "the time limit ended before the scene was loaded: nothing was written. Give it a longer --time-limit.";
 
 NothingToWrite::NothingToWrite(double seconds, TimeLimit limited) {
   ++immediate;

@@ -15,13 +15,13 @@ void requireDistinctFiles(const std::vector<OutputFile>& outputs, const std::vec
     for (size_t j = 0; j < i; ++j) {
       if (outputs[j].name.empty() || !isSameFile(output.name, outputs[j].name)) continue;
       if (output.option == outputs[j].option && output.name == outputs[j].name)
-        badUsage(output.option + ": " + output.name + " is given twice, and would be the same file");
+        badUsage(output.option + ": " + output.name + " is given twice; each output needs a file of its own");
       badUsage(output.option + " " + output.name + " and " + outputs[j].option + " " + outputs[j].name +
-               " are the same file; each needs one of its own");
+               " are the same file; each output needs a file of its own");
     }
     for (const InputFile& input : inputs)
       if (!input.name.empty() && isSameFile(output.name, input.name))
-        badUsage(output.option + ": " + output.name + " is " + input.what + ", and is not written over" +
+        badUsage(output.option + ": " + output.name + " is " + input.what + " and cannot be overwritten" +
                  (input.name == output.name ? "" : ": it is the same file as " + input.name));
   }
 }
@@ -30,7 +30,7 @@ void requireOutsideOf(const std::string& folder, const std::vector<OutputFile>& 
                       const std::vector<InputFile>& inputs) {
   const auto require = [&](const std::string& what, const std::string& name) {
     if (!name.empty() && isInside(name, folder))
-      badUsage(what + " " + name + " lies in the folder " + folder + ", where files are written over");
+      badUsage(what + " " + name + " is in the folder " + folder + ", whose files are overwritten");
   };
   for (const OutputFile& output : outputs) require(output.option, output.name);
   for (const InputFile& input : inputs) require(input.what, input.name);

@@ -100,7 +100,7 @@ bool addFeatures(Image& image, const Scene& scene, const FeatureSettings& featur
     image = withChannels(image, renderFeatures(scene, features));
     return true;
   } catch (const Interrupted&) {
-    say("warning: interrupted before the layers of features were ready: the picture has none of them\n");
+    say("warning: interrupted before the --layers were computed: the picture does not have them\n");
     return false;
   }
 }
@@ -182,7 +182,7 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
   const RenderStatistics& s = report.statistics;
   std::string out = std::to_string(report.width) + "x" + std::to_string(report.height) + " pixels, " +
                     formatted("%.4g", report.samplesPerPixel()) +
-                    (report.samplesPerPixel() == 1 ? " sample each, in " : " samples each, in ") +
+                    (report.samplesPerPixel() == 1 ? " sample per pixel, in " : " samples per pixel, in ") +
                     durationText(s.renderSeconds) + " on " + std::to_string(s.threads) +
                     (s.threads == 1 ? " thread" : " threads") + " (" +
                     formatted("%.2f", perSecond(s.processorSeconds, s.renderSeconds)) +
@@ -195,31 +195,32 @@ std::string renderSummary(const RenderReport& report, const std::vector<std::str
   if (s.error >= 0)
     out +=
         "relative standard error of the picture (95th percentile of pixels): " + formatted("%.3g", s.error) +
-        (s.oneMap               ? "; what the one photon map adds, noise and bias, is not in it\n"
-         : s.photonsEmitted > 0 ? "; the bias of the photon map's radius is not in it\n"
+        (s.oneMap               ? "; it does not include noise and bias of the single photon map\n"
+         : s.photonsEmitted > 0 ? "; it does not include the bias of the photon map\n"
                                 : "\n");
   if (s.least != s.most)
-    out += "samples of a pixel: " + std::to_string(s.least) + " to " + std::to_string(s.most) +
-           ", half of the pixels have at most " + std::to_string(s.median) + "\n";
+    out += "samples per pixel: " + std::to_string(s.least) + " to " + std::to_string(s.most) + ", median " +
+           std::to_string(s.median) + "\n";
   if (s.photonsEmitted > 0)
     out += "photons: " + countText(double(s.photonsEmitted)) + " emitted, " +
            countText(double(s.photonsStored)) + " stored in " + durationText(s.photonSeconds) + " (" +
            countText(perSecond(double(s.photonsStored), s.photonSeconds)) + "/s), map of " +
            bytesText(double(s.mapBytes)) + " balanced in " + durationText(s.balanceSeconds) + "\n";
   out += "picture: " + countText(double(s.counts.rays)) + " rays in all, " +
-         countText(perSecond(double(s.counts.rays), s.renderSeconds)) + " rays/s, memory at most " +
+         countText(perSecond(double(s.counts.rays), s.renderSeconds)) + " rays/s, peak memory " +
          bytesText(double(peakMemoryBytes())) + "\n";
   if (notes)
     for (const std::string& note : s.notes) out += note + "\n";
   if (s.counts.truncatedThroughput > 0)
-    out += "weight cut by depth and weight limits: " +
+    out += "path weight lost by the limits of depth and weight: " +
            formatted("%.3g", s.counts.truncatedThroughput / double(s.samples)) + " per sample\n";
   if (s.counts.nonFinite > 0)
     out += "warning: " + std::to_string(s.counts.nonFinite) +
-           " contributions were not finite and were left out; this is a fault of the program\n";
+           " contributions were not finite and were left out; please report this error of the program\n";
   if (s.splatsSaturated > 0)
     out += "warning: " + std::to_string(s.splatsSaturated) +
-           " contributions of light paths were too bright to be added up; light is missing there\n";
+           " contributions of light paths were too bright for the film and were clipped: light is missing "
+           "there\n";
   std::string list;
   for (const std::string& file : outputs) list += (list.empty() ? "" : ", ") + file;
   if (!list.empty()) out += "written: " + list + "\n";

@@ -102,7 +102,7 @@ ExitStatus watchScene(
       }
       if (graceful.flag() || watcher->changed()) break;
     }
-    if (!graceful.flag()) say("waiting for a change of the scene's files; Ctrl-C ends\n");
+    if (!graceful.flag()) say("waiting for changes of the scene's files; press Ctrl-C to quit\n");
     while (!graceful.flag() && !watcher->changed()) std::this_thread::sleep_for(LOOK);
     const bool changed = watcher->changed();
     watcher.reset(); // it requests no stop from here on

@@ -66,40 +66,36 @@ void PictureThread::work() {
 }
 
 void ViewerOptions::addTo(CLI::App& command) {
-  const std::string group = "To look at while it renders";
-  command.add_option("--preview", preview, "Keep a picture of what there is so far up to date in this file")
+  const std::string group = "To watch the render";
+  command.add_option("--preview", preview, "File to which the picture so far is written at intervals")
       ->type_name("FILE")
       ->group(group);
-  command.add_option("--every", every, "How often that is done at the most (default: 5s)")
+  command.add_option("--every", every, "Minimum interval between writes of --preview (default: 5s)")
       ->type_name("TIME")
       ->group(group);
   command
-      .add_flag("--live", live,
-                "Serve a page with the picture as it grows, exposure and tone operator, values of pixels, "
-                "time left, "
-                "and a button to stop and keep what there is; who has its address, which is printed, may "
-                "watch and stop")
+      .add_flag(
+          "--live", live,
+          "Serve a web page with the picture so far, exposure, tone operator, pixel values, remaining time, "
+          "and a button to stop and keep the picture. Anyone who has the printed address can watch and stop")
       ->group(group);
   command
-      .add_option(
-          "--live-address", liveAddress,
-          "For --live: where the page is served (default: 127.0.0.1, which only this machine reaches, at "
-          "any free port); IPv6 as [::1]:8080")
+      .add_option("--live-address", liveAddress,
+                  "For --live: address of the page (default: 127.0.0.1, reachable from this machine only, at "
+                  "any free port); IPv6 as [::1]:8080")
       ->type_name("HOST:PORT")
       ->group(group);
   command
-      .add_option(
-          "--live-host", liveHosts,
-          "For --live: a name by which browsers may reach the page, several allowed, besides localhost "
-          "and this machine's numbers")
+      .add_option("--live-host", liveHosts,
+                  "For --live: host name by which browsers may reach the page, may be repeated, besides "
+                  "localhost and this machine's addresses")
       ->type_name("NAME")
       ->expected(1)
       ->take_all()
       ->group(group);
   command
       .add_option("--display-server", displayServer,
-                  "Send the picture as it grows to the viewer tev, such as "
-                  "localhost:14158")
+                  "Send the picture so far to the viewer tev, such as localhost:14158")
       ->type_name("HOST:PORT")
       ->group(group);
 }
@@ -118,7 +114,7 @@ std::shared_ptr<LiveServer> ViewerOptions::openPage(const std::string& title,
   if (!live) return nullptr;
   auto opened = std::make_shared<LiveServer>(liveAddress.empty() ? LOOPBACK : liveAddress, liveHosts, title,
                                              std::move(stop));
-  std::fputs(("the picture as it grows: " + opened->url() + "\n").c_str(), stderr);
+  std::fputs(("the picture so far: " + opened->url() + "\n").c_str(), stderr);
   return opened;
 }
 

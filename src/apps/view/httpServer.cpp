@@ -149,7 +149,7 @@ void HttpServer::listen(const NetworkAddress& address) {
   if (listener < 0 || wake < 0) {
     if (wake >= 0) ::close(wake);
     throw Error("cannot listen at " + (address.port ? address.text() : address.hostText()) +
-                "; the port is in use, or the address is not one of this machine");
+                "; the port is in use, or this machine does not have the address");
   }
   sockaddr_storage bound{};
   socklen_t size = sizeof bound;

@@ -37,7 +37,7 @@ double ageOf(Clock::time_point time) { return std::chrono::duration<double>(Cloc
 std::string randomToken() {
   std::array<unsigned char, 16> bytes;
   if (::getrandom(bytes.data(), bytes.size(), 0) != ssize_t(bytes.size()))
-    throw Error("--live: the system has no random numbers");
+    throw Error("--live: the system provides no random numbers for the address");
   std::string out;
   for (const unsigned char byte : bytes) out += formatted("%02x", unsigned(byte));
   return out;
@@ -140,7 +140,7 @@ HttpAnswer LiveServer::Parts::shownPicture(const HttpRequest& request) {
     image = picture;
     shown = version;
   }
-  if (!image) return refusal(404, "There is no picture yet.");
+  if (!image) return refusal(404, "The picture has no samples yet.");
   DevelopOptions options;
   const auto set = [&](const char* name, std::string& option) {
     if (const auto given = request.parameters.find(name); given != request.parameters.end())
@@ -167,7 +167,7 @@ HttpAnswer LiveServer::Parts::shownPicture(const HttpRequest& request) {
 /** Linear values of the pixel `x`, `y`. */
 HttpAnswer LiveServer::Parts::pixel(const HttpRequest& request) {
   const std::shared_ptr<const Image> image = newest();
-  if (!image) return refusal(404, "There is no picture yet.");
+  if (!image) return refusal(404, "The picture has no samples yet.");
   const auto coordinate = [&](const char* name, int size) {
     const auto given = request.parameters.find(name);
     return int(parseCount(name, given == request.parameters.end() ? "" : given->second, 0, size - 1));
@@ -212,7 +212,8 @@ bool LiveServer::Parts::isAllowed(const std::string& host, const HttpRequest& re
 HttpAnswer LiveServer::Parts::answer(const HttpRequest& request) {
   const std::string host = hostOf(request.header("host"));
   if (!isAllowed(host, request))
-    return refusal(403, "The page is not served as '" + host + "'; --live-host allows another name.");
+    return refusal(403, "The page is not available under the host name '" + host +
+                            "'; --live-host allows another name.");
   if (!beginsWith(request.path, root))
     return refusal(403, "Open the whole address that the program has printed.");
   const std::string what = request.path.substr(root.size());

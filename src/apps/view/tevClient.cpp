@@ -90,7 +90,7 @@ TevClient::~TevClient() { disconnect(); }
 
 void TevClient::fail(const std::string& why) {
   disconnect(); // half a packet would put the stream out of step
-  throw Error("--display-server: " + address.text() + ": " + why + "; the render goes on without it");
+  throw Error("--display-server: " + address.text() + ": " + why + "; the render continues without it");
 }
 
 bool TevClient::awaitRoom() const {
@@ -135,7 +135,7 @@ void TevClient::disconnect() {
 
 void TevClient::sendAll(const std::vector<unsigned char>& bytes) {
   for (size_t sent = 0; sent < bytes.size();) {
-    if (!awaitRoom()) fail("it takes no data");
+    if (!awaitRoom()) fail("it does not receive data");
     const ssize_t count = ::send(socket, &bytes[sent], bytes.size() - sent, MSG_NOSIGNAL);
     if (count < 0 && errno != EINTR && errno != EAGAIN) fail(std::strerror(errno));
     if (count > 0) sent += size_t(count);

@@ -28,7 +28,7 @@ def program():
             return bpy.path.abspath(path)
     found = shutil.which("recurse")
     if not found:
-        raise FileNotFoundError("the program 'recurse' was not found: its path is set in the preferences of the add-on")
+        raise FileNotFoundError("the program 'recurse' was not found: set its path in the preferences of the add-on")
     return found
 
 

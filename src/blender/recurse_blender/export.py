@@ -156,9 +156,9 @@ class Exporter:
                 self._lamp(source, place)
                 continue
             if getattr(source, "is_holdout", False) or getattr(source, "is_shadow_catcher", False):
-                self.warnings.add(f"{source.name}: holdouts and shadow catchers are rendered as they are")
+                self.warnings.add(f"{source.name}: holdouts and shadow catchers are rendered as normal objects")
             if not source.visible_camera:
-                self.warnings.add(f"{source.name}: it is seen by the camera though it is not to be")
+                self.warnings.add(f"{source.name}: the camera sees it, although it should be invisible")
             key = self._geometry_key(source)
             if key not in self.pieces:
                 self.pieces[key] = self._piece(source)
@@ -231,7 +231,7 @@ class Exporter:
         slots = source.material_slots
         parameters = self.materials.volume(slots[0].material if len(slots) else None)
         if not parameters:
-            self.warnings.add(f"{source.name}: the volume has no shader that says what it does, and is left out")
+            self.warnings.add(f"{source.name}: the volume has no shader, and is left out")
             return
         try:
             file = vdb.nano_file(source.data, self.folder.path)

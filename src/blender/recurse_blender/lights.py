@@ -28,7 +28,7 @@ def power_of(light, textures):
     if not source:
         return power
     if source[0].type != "EMISSION":
-        textures.warnings.add(f"{light.name}: its nodes have no counterpart; its own colour and power are taken")
+        textures.warnings.add(f"{light.name}: its nodes are not supported; the colour and power of the lamp are used")
         return power
     return (power * textures.average(source[0].inputs["Color"], True, light.name)
             * textures.average(source[0].inputs["Strength"], False, light.name))
@@ -124,7 +124,7 @@ def world(scene_world, textures):
         warnings.add("the volume of the world is left out")
     node = source[0]
     if node.type not in ("BACKGROUND", "EMISSION"):
-        warnings.add(f"the world's shader '{node.name}' ({node.bl_label}) has no counterpart: it is black")
+        warnings.add(f"the world's shader '{node.name}' ({node.bl_label}) is not supported: it is black")
         return []
     strength = textures.average(node.inputs["Strength"], False, "the world")
     picture = node.inputs["Color"].source
@@ -140,13 +140,13 @@ def _environment(node, strength, folder, warnings):
     turn = np.eye(3)
     vector = node.inputs["Vector"].source
     if vector and vector[0].type not in ("MAPPING", "TEX_COORD"):
-        warnings.add(f"the world: {node.inputs['Vector'].description} takes a mapping alone")
+        warnings.add(f"the world: {node.inputs['Vector'].description} supports only a mapping")
     if vector and vector[0].type == "MAPPING":
         from mathutils import Euler
         if np.any(np.array(vector[0].inputs["Scale"].default_value[:]) != 1):
             warnings.add(f"the world: the scale of '{vector[0].name}' (Mapping) is left out")
         if vector[0].inputs["Rotation"].source:
-            warnings.add(f"the world: {vector[0].inputs['Rotation'].description} takes no texture")
+            warnings.add(f"the world: {vector[0].inputs['Rotation'].description} cannot have a texture")
         turn = np.array(Euler(vector[0].inputs["Rotation"].default_value[:], "XYZ").to_matrix())
         if vector[0].vector_type == "TEXTURE":
             turn = turn.T

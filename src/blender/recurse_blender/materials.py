@@ -72,7 +72,7 @@ class Materials:
     def _finish(self, material, parts, out):
         clear = float(parts.clear.mean())
         if np.ptp(parts.clear) > 1e-3:
-            self.warnings.add(f"{material.name}: what a transparent shader lets through has no colour")
+            self.warnings.add(f"{material.name}: transparent shaders are rendered without colour")
         out.alpha = self.mixed_alpha
         if clear > 0:
             out.alpha = 1 - min(clear, 1) if out.alpha is None else out.alpha
@@ -94,7 +94,7 @@ class Materials:
             materials = sorted(materials, key=lambda part: -part[0].max())[:MOST_PARTS]
         total = sum(weight for weight, _ in materials).max()
         if total > 1 + 1e-6:
-            self.warnings.add(f"{name}: its shaders would reflect more than arrives; they are scaled down")
+            self.warnings.add(f"{name}: its shaders would reflect more light than arrives; they are scaled down")
         weights = [weight / max(total, 1) for weight, _ in materials]
         names = " ".join(quoted(self._name(name, text)) for _, text in materials)
         return self._name(name, f'"compound" "string materials" [ {names} ] "rgb weights" {numbers(np.array(weights) * 0.9999999)}')
@@ -111,8 +111,8 @@ class Materials:
         make = getattr(self, "_" + node.type.lower(), None)
         if make:
             return make(node)
-        self.warnings.add(f"{self.owner}: the shader '{node.name}' ({node.bl_label}) has no counterpart; "
-                          "a diffuse surface of its average colour is taken")
+        self.warnings.add(f"{self.owner}: the shader '{node.name}' ({node.bl_label}) is not supported; "
+                          "a diffuse surface of its average colour is used")
         colours = [s for s in node.inputs if s.type == "RGBA"]
         colour = self.textures.average(colours[0], True, self.owner) if colours else np.full(3, 0.5)
         return Parts([(np.ones(3), f'"diffuse" "rgb reflectance" {numbers(np.clip(colour, 0, 1))}')])
@@ -185,7 +185,7 @@ class Materials:
             strength = self.average(bump, "Strength")
             pixels = pixels * strength + np.array([0.5, 0.5, 1]) * (1 - strength)
             return f' "string normalmap" {quoted(self.folder.picture(image[0].image.name, pixels))}'
-        self.warnings.add(f"{self.owner}: the normals of '{bump.name}' ({bump.bl_label}) have no counterpart; "
+        self.warnings.add(f"{self.owner}: the normals of '{bump.name}' ({bump.bl_label}) are not supported; "
                           "the surface is smooth")
         return ""
 
@@ -247,7 +247,7 @@ class Materials:
             factor = min(max(self._average_factor(node.inputs[0]), 0), 1)
             return first.scaled(1 - factor) + second.scaled(factor)
         if first.emission.any() or second.emission.any():
-            self.warnings.add(f"{self.owner}: what '{node.name}' mixes shines evenly, by the average of its texture")
+            self.warnings.add(f"{self.owner}: what '{node.name}' mixes emits with the average of its texture")
         average = min(max(self.textures.average(node.inputs[0], False, self.owner, is_named=False), 0), 1)
         emission = first.emission * (1 - average) + second.emission * average
         if first.clear.min() == 1 or second.clear.min() == 1:
@@ -295,10 +295,10 @@ class Materials:
         return name
 
     def _medium_parameters(self, node):
-        """Parameters of a volume shader's medium; empty if it has no counterpart."""
+        """Parameters of a volume shader's medium; empty if the shader is not supported."""
         sigma = coefficients(self, node)
         if sigma is None:
-            self.warnings.add(f"{self.owner}: the volume '{node.name}' ({node.bl_label}) has no counterpart")
+            self.warnings.add(f"{self.owner}: the volume '{node.name}' ({node.bl_label}) is not supported")
             return ""
         absorption, scattering, g, emission = sigma
         is_lamp = max(emission) > 0

@@ -6,11 +6,11 @@ from .text import number
 
 INTEGRATORS = [
     ("photonmap", "Photon mapping", "Photons for indirect light and caustics, new ones in each pass"),
-    ("path", "Path tracing", "Without bias; caustics of small lamps are noisy"),
+    ("path", "Path tracing", "Unbiased; caustics of small lamps are noisy"),
     ("vcm", "Vertex connection and merging", "Bidirectional paths with photons"),
-    ("bdpt", "Bidirectional path tracing", "Without bias; paths from camera and lamps, connected"),
+    ("bdpt", "Bidirectional path tracing", "Unbiased; connects paths from the camera and from lamps"),
     ("whitted", "Whitted", "Direct light, mirrors and glass"),
-    ("ambientocclusion", "Ambient occlusion", "How much of an even sky reaches each place"),
+    ("ambientocclusion", "Ambient occlusion", "Fraction of a uniform sky that reaches each point"),
 ]
 WITH_DEPTH = ("photonmap", "path", "vcm", "bdpt", "whitted")
 
@@ -18,24 +18,24 @@ WITH_DEPTH = ("photonmap", "path", "vcm", "bdpt", "whitted")
 class RecurseSettings(bpy.types.PropertyGroup):
     """Settings of a scene."""
 
-    integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="photonmap", description="How light is computed")
-    samples: IntProperty(name="Samples", default=64, min=1, max=1 << 30, description="Samples of each pixel")
+    integrator: EnumProperty(name="Integrator", items=INTEGRATORS, default="photonmap", description="Algorithm that computes light")
+    samples: IntProperty(name="Samples", default=64, min=1, max=1 << 30, description="Samples per pixel")
     time_limit: FloatProperty(name="Time Limit", default=0, min=0, unit="TIME_ABSOLUTE",
-                              description="Longest time for a picture [s]; 0: none")
+                              description="Maximum time for a picture [s]; 0: no limit")
     error_target: FloatProperty(name="Error Target", default=0, min=0, max=1, precision=3,
-                                description="Relative error at which a picture is done; 0: none")
+                                description="Relative error at which the render stops; 0: none")
     adaptive: BoolProperty(name="Adaptive", default=False, description="More samples where the error is larger")
     photons: IntProperty(name="Photons", default=0, min=0, max=2000000000,
-                         description="Photons of each pass; 0: chosen by the size of the picture")
+                         description="Number of photons in each pass; 0: chosen by the size of the picture")
     caustics_only: BoolProperty(name="Caustics Only", default=False,
-                                description="Photons of caustics only, beside path tracing of all other light")
+                                description="Photons for caustics only, and path tracing for all other light")
     max_depth: IntProperty(name="Max Bounces", default=-1, min=-1, max=1000000000,
-                           description="Most scattering events of a path; -1: any number")
-    seed: IntProperty(name="Seed", default=0, min=0, description="Another seed, another independent picture")
-    threads: IntProperty(name="Threads", default=0, min=0, max=4096, description="0: one for each core")
+                           description="Maximum number of scattering events of a path; -1: no limit")
+    seed: IntProperty(name="Seed", default=0, min=0, description="Seed of the random numbers; another seed gives an independent picture")
+    threads: IntProperty(name="Threads", default=0, min=0, max=4096, description="Number of threads; 0: one for each core")
     classes: StringProperty(name="Path Classes", default="",
                             description="A pass for each class of light paths: caustic=LS+DE; direct=LDE")
-    use_albedo: BoolProperty(name="Albedo", default=False, description="The pass Albedo, for denoisers")
+    use_albedo: BoolProperty(name="Albedo", default=False, description="Add the pass Albedo, for denoisers")
 
     def directives(self):
         """Directives of the integrator and the sampler."""

@@ -249,7 +249,7 @@ class Textures:
             evaluation = Evaluation(u, v)
             value = evaluation.colour(socket)[..., :3] if is_colour else evaluation.number(socket)
         except CannotBake as reason:
-            self.warnings.add(f"{owner}: {reason} has no counterpart; its average colour is taken")
+            self.warnings.add(f"{owner}: {reason} is not supported; its average colour is used")
             return None
         return np.asarray(value)
 
@@ -261,7 +261,7 @@ class Textures:
         if value is None:
             return self._guess(socket, is_colour)
         if is_named and not is_even(value, is_colour):
-            self.warnings.add(f"{owner}: {socket.description} takes no texture; its average is taken")
+            self.warnings.add(f"{owner}: {socket.description} cannot have a texture; its average is used")
         return mean(value, is_colour)
 
     @staticmethod

@@ -19,24 +19,27 @@ struct CoatParameters {
 
   static void declare(std::vector<ParameterSpec>& parameters, const std::string& prefix) {
     parameters.push_back(spectrumParameter(prefix + "eta", "1.5", SpectrumKind::UNBOUNDED,
-                                           "refractive index of the coat; of a spectrum, the value for green")
+                                           "refractive index of the coat; a spectrum is evaluated at green")
                              .range(1, 1e3));
     addRoughnessParameters(parameters, prefix);
-    parameters.push_back(realParameter("thickness", "0.01",
-                                       "of the coat [mean free paths of its medium, which absorbs what it "
-                                       "does not scatter]")
-                             .range(0, 1e6)
+    parameters.push_back(
+        realParameter("thickness", "0.01",
+                      "thickness of the coat [mean free paths of the medium in it, which absorbs 1 - albedo]")
+            .range(0, 1e6)
+            .withTexture());
+    parameters.push_back(spectrumParameter("albedo", "0", SpectrumKind::ALBEDO,
+                                           "scattering albedo of the medium inside the coat")
+                             .withTexture());
+    parameters.push_back(realParameter("g", "0", "mean cosine of scattering in the medium")
+                             .range(-0.999, 0.999)
                              .withTexture());
     parameters.push_back(
-        spectrumParameter("albedo", "0", SpectrumKind::ALBEDO, "of the medium inside the coat")
-            .withTexture());
-    parameters.push_back(
-        realParameter("g", "0", "mean cosine of the medium's scattering").range(-0.999, 0.999).withTexture());
-    parameters.push_back(
-        integerParameter("maxdepth", "10", "most meetings of a walk with the coat's two faces")
+        integerParameter("maxdepth", "10",
+                         "maximum number of interactions of a random walk with the two faces of the coat")
             .range(1, 1e6));
     parameters.push_back(
-        integerParameter("nsamples", "1", "walks for each evaluation: fewer are noisier").range(1, 1e6));
+        integerParameter("nsamples", "1", "number of random walks for each evaluation; fewer give more noise")
+            .range(1, 1e6));
   }
 
   DielectricInterface surface(const SurfacePoint& point) const {
@@ -133,7 +136,7 @@ void registerCoated(PlugIns& plugIns) {
   addRoughnessParameters(conductor, "conductor.");
   CoatParameters::declare(conductor, "interface.");
   plugIns.materials.add({{.name = "coatedconductor",
-                          .summary = "A metal below a dielectric coat, both smooth or rough.",
+                          .summary = "A metal below a dielectric coat; each is smooth or rough.",
                           .parameters = conductor,
                           .examples = {"", "\"rgb reflectance\" [.8 .7 .3] \"float conductor.roughness\" .1",
                                        "\"rgb reflectance\" [.8 .8 .8] \"float interface.roughness\" .05 "

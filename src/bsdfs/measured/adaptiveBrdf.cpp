@@ -70,7 +70,7 @@ void AdaptiveBrdf::readIncidence(const TensorFile& file) {
     const bool standard = std::abs(phis.front() + PI) < ROUNDING;
     if (symmetry != 1 && !((symmetry == 2 || symmetry == 4) && standard))
       file.fail("phi_i", "goes from " + std::to_string(phis.front()) + " to " + std::to_string(phis.back()) +
-                             "; a full turn is read, and the half or quarter of one that begins at -pi");
+                             "; the file must cover a full turn, or half or a quarter of one from -pi");
   }
   grid = ParameterGrid(phis, thetas);
 }

@@ -32,9 +32,9 @@ class MerlTable {
     if (file.gcount() != sizeof sizes) throw std::runtime_error("is shorter than the header of a MERL file");
     for (const int32_t s : sizes)
       if (s < 2 || s > 1024)
-        throw std::runtime_error("is no MERL file: its header says " + std::to_string(sizes[0]) + " x " +
+        throw std::runtime_error("is no MERL file: its header has " + std::to_string(sizes[0]) + " x " +
                                  std::to_string(sizes[1]) + " x " + std::to_string(sizes[2]) +
-                                 " entries, where 90 x 90 x 180 are usual and 2 to 1024 are taken");
+                                 " entries; usual are 90 x 90 x 180, and each may be 2 to 1024");
     halfCount = sizes[0];
     differenceCount = sizes[1];
     azimuthCount = sizes[2];
@@ -46,7 +46,8 @@ class MerlTable {
       throw std::runtime_error("ends after " + std::to_string(file.gcount() + 12) + " of " +
                                std::to_string(bytes + 12) + " bytes");
     if (file.peek() != std::char_traits<char>::eof())
-      throw std::runtime_error("goes on after the " + std::to_string(bytes + 12) + " bytes of its table");
+      throw std::runtime_error("has more data after the " + std::to_string(bytes + 12) +
+                               " bytes of its table");
     // Scales of the channels, from the reference reader of the format.
     constexpr double SCALE[3] = {1.0 / 1500, 1.15 / 1500, 1.66 / 1500};
     values.resize(count);
@@ -54,7 +55,7 @@ class MerlTable {
       for (size_t i = 0; i < count; ++i) {
         const double v = raw[c * count + i];
         if (!std::isfinite(v) || std::abs(v) > 1e30)
-          throw std::runtime_error("has a value that is no reflectance at byte " +
+          throw std::runtime_error("has an invalid reflectance at byte " +
                                    std::to_string(12 + 8 * (c * count + i)));
         // Negative values mark entries that could not be measured, near grazing.
         values[i][int(c)] = static_cast<float>(std::max(v, 0.0) * SCALE[c]);
@@ -235,7 +236,7 @@ bool isTensorFile(const std::string& path) {
 
 std::unique_ptr<Material> makeMeasured(const Parameters& p, const MaterialContext&) {
   const std::string path = p.filePath("filename");
-  const char* const accepted = "a .binary file of the MERL database, or a .bsdf file of EPFL's";
+  const char* const accepted = "a .binary file of the MERL database, or a .bsdf file of EPFL's database";
   if (isTensorFile(path)) {
     try {
       return std::make_unique<AdaptiveMeasured>(path);
@@ -255,7 +256,7 @@ std::unique_ptr<Material> makeMeasured(const Parameters& p, const MaterialContex
 void registerMeasured(PlugIns& plugIns) {
   plugIns.materials.add(
       {{.name = "measured",
-        .summary = "A measured BRDF from a file of the MERL database, isotropic, or of EPFL's.",
+        .summary = "A measured BRDF from a file of the MERL database (isotropic) or of EPFL's database.",
         .parameters = {stringParameter("filename", "", "the .binary or .bsdf file").require()},
         .examples = {"\"string filename\" \"scenes/materials/satin.binary\"",
                      "\"string filename\" \"scenes/materials/copper.bsdf\""}},

@@ -37,7 +37,7 @@ std::vector<float> FloatTensor::values() const {
 bool TensorFile::isTensorFile(std::string_view bytes) { return bytes.starts_with(MAGIC); }
 
 TensorFile::TensorFile(const std::string& name, std::string_view bytes) : in(name, bytes) {
-  if (!isTensorFile(bytes)) in.fail(0, "no tensor file begins here");
+  if (!isTensorFile(bytes)) in.fail(0, "this is not a tensor file");
   const auto major = in.at<uint8_t>(12, "the version"), minor = in.at<uint8_t>(13, "the version");
   if (major != 1 || minor != 0)
     in.fail(12, "version " + std::to_string(major) + "." + std::to_string(minor) + "; 1.0 is read");
@@ -54,7 +54,7 @@ uint64_t TensorFile::readField(uint64_t at) {
   const auto dimensions = in.at<uint16_t>(at, "a number of dimensions");
   Field field;
   field.type = in.at<uint8_t>(at + 2, "a type");
-  field.offset = in.at<uint64_t>(at + 3, "the place of a field");
+  field.offset = in.at<uint64_t>(at + 3, "the offset of a field");
   if (field.type == 0 || field.type > LAST_TYPE)
     in.fail(at + 2, "\"" + name + "\" is of type " + std::to_string(field.type) + "; there are 1 to " +
                         std::to_string(LAST_TYPE));
@@ -70,7 +70,7 @@ uint64_t TensorFile::readField(uint64_t at) {
     field.shape.push_back(extent);
   }
   in.part(field.offset, bytes, ("\"" + name + "\"").c_str());
-  if (!fields.emplace(name, std::move(field)).second) in.fail(begin, "\"" + name + "\" is there twice");
+  if (!fields.emplace(name, std::move(field)).second) in.fail(begin, "\"" + name + "\" occurs twice");
   return at;
 }
 

@@ -32,15 +32,15 @@ struct ConductorOptics {
 /** Declares `eta`, `k` and `reflectance`; coatings put `prefix` before the first two. */
 inline void addConductorParameters(std::vector<ParameterSpec>& parameters, const std::string& prefix = "") {
   parameters.push_back(spectrumParameter(prefix + "eta", "", SpectrumKind::UNBOUNDED,
-                                         "refractive index of the metal; metal-Cu-eta when not given")
+                                         "refractive index of the metal; by default metal-Cu-eta")
                            .withTexture());
   parameters.push_back(spectrumParameter(prefix + "k", "", SpectrumKind::UNBOUNDED,
-                                         "absorption coefficient; metal-Cu-k when not given")
+                                         "absorption coefficient; by default metal-Cu-k")
                            .withTexture());
   parameters.push_back(
       spectrumParameter("reflectance", "", SpectrumKind::ALBEDO,
-                        "reflectance at normal incidence instead of eta and k: stands for eta = 1 and "
-                        "k = 2 sqrt(r) / sqrt(1 - r), so that it grows towards 1 at grazing incidence")
+                        "reflectance at normal incidence instead of eta and k: sets eta = 1 and k = 2 "
+                        "sqrt(r) / sqrt(1 - r), so that the reflectance grows to 1 at grazing incidence")
           .withTexture());
 }
 
@@ -53,7 +53,7 @@ class ConductorParameters {
       for (const char* other : {"eta", "k"})
         if (p.has(prefix + other))
           p.fail(prefix + other, "both \"reflectance\" and \"" + prefix + other + "\" are given",
-                 "either of the two");
+                 "one of them");
       reflectance = textures.rgb(p, "reflectance");
       return;
     }

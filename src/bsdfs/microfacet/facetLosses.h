@@ -74,14 +74,14 @@ class FacetLosses {
 inline void addMultipleScatteringParameter(std::vector<ParameterSpec>& parameters) {
   parameters.push_back(
       booleanParameter("multiscatter", "false",
-                       "give back what is lost when light is followed over one facet only, up to a third of "
-                       "it on very rough surfaces; pbrt-v4 does not"));
+                       "multiple scattering between facets: adds the energy that single scattering loses, up "
+                       "to a third on very rough surfaces; pbrt-v4 does not"));
 }
 /** True where `multiscatter` is requested. Throws SceneError for a roughness that it does not support. */
 inline bool wantsMultipleScattering(const Parameters& p, const Roughness& roughness) {
   if (!p.boolean("multiscatter")) return false;
   if (roughness.textured() && roughness.anisotropic())
-    p.fail("multiscatter", "it is not worked out for anisotropic roughness from textures",
+    p.fail("multiscatter", "multiple scattering is not supported for anisotropic roughness from textures",
            "one texture, or numbers, for the roughness");
   return true;
 }

@@ -78,11 +78,10 @@ template <class Make> std::unique_ptr<Material> glossMaterial(const Make& make, 
 /** Declares the two colours that the classic models share. */
 inline void addGlossParameters(std::vector<ParameterSpec>& parameters) {
   parameters.push_back(
-      spectrumParameter("specular", "0.25", SpectrumKind::ALBEDO, "strength of the gloss lobe")
+      spectrumParameter("specular", "0.25", SpectrumKind::ALBEDO, "reflectance of the gloss lobe")
           .withTexture());
   parameters.push_back(spectrumParameter("reflectance", "0.5", SpectrumKind::ALBEDO,
-                                         "albedo of the diffuse part, which gets what the gloss leaves: it "
-                                         "counts times 1 - specular")
+                                         "albedo of the diffuse part; it is multiplied by 1 - specular")
                            .withTexture());
 }
 

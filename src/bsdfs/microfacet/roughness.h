@@ -16,20 +16,21 @@ namespace recurse {
  */
 inline void addRoughnessParameters(std::vector<ParameterSpec>& parameters, const std::string& prefix = "",
                                    const std::string& roughness = "0") {
-  const char* smooth = "microfacet roughness; below an alpha of 0.001 a perfectly smooth surface, S in path "
-                       "classes; a rougher one is D";
+  const char* smooth = "microfacet roughness; if alpha is below 0.001, the surface is perfectly smooth and S "
+                       "in path classes, else D";
   parameters.push_back(realParameter(prefix + "roughness", roughness, smooth).range(0, 10).withTexture());
   for (const char* axis : {"u", "v"})
     parameters.push_back(realParameter(prefix + axis + "roughness", "",
-                                       std::string("the same along ") + axis + " alone, instead")
+                                       std::string("roughness along ") + axis + " alone, instead")
                              .range(0, 10)
                              .withTexture());
   for (const ParameterSpec& p : parameters)
     if (p.name == "remaproughness") return;
   parameters.push_back(booleanParameter(
-      "remaproughness", "true", "alpha is the square root of the roughness, as in pbrt-v4; false: the same"));
+      "remaproughness", "true",
+      "alpha is the square root of the roughness, as in pbrt-v4; false: alpha is the roughness"));
   parameters.push_back(stringParameter("distribution", "trowbridgereitz",
-                                       "of the microfacets: Trowbridge-Reitz (GGX) or Beckmann")
+                                       "microfacet distribution: Trowbridge-Reitz (GGX) or Beckmann")
                            .oneOf({"trowbridgereitz", "beckmann"}));
 }
 

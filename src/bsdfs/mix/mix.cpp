@@ -170,11 +170,11 @@ Parts namedParts(const Parameters& p, const MaterialContext& c, size_t mostInter
   for (const std::string& name : p.strings("materials")) {
     parts.push_back(c.material(p, "materials", name));
     if (size_t(std::count_if(parts.begin(), parts.end(), isInterface)) > mostInterfaces)
-      p.fail("materials", "\"" + name + "\" does not scatter and cannot be part of a sum");
+      p.fail("materials", "\"" + name + "\" does not scatter and cannot be used in a sum");
   }
   // One entry is for the mirror direction, which all components share.
   if (refractionsOf(parts) > DeltaScatters::MAX_COUNT - 1)
-    p.fail("materials", "more materials with smooth refraction than a sum can have",
+    p.fail("materials", "more materials with smooth refraction than a sum supports",
            "at most " + std::to_string(DeltaScatters::MAX_COUNT - 1));
   return parts;
 }
@@ -184,13 +184,12 @@ Parts namedParts(const Parameters& p, const MaterialContext& c, size_t mostInter
 void registerMix(PlugIns& plugIns) {
   plugIns.materials.add(
       {{.name = "mix",
-        .summary =
-            "A weighted sum of two named materials; all their lobes are followed. Where one has bumps, each "
-            "place has one of them by chance; with `interface` surfaces have holes, as by `alpha`.",
+        .summary = "A weighted sum of two named materials with all their lobes. If one has bumps, each hit "
+                   "chooses one of them at random; with `interface` the surface has holes, as with `alpha`.",
         .parameters =
             {arrayParameter(ParameterType::STRING, "materials", 2, "", "names of the two materials")
                  .require(),
-             realParameter("amount", "0.5", "the part of the second material").range(0, 1).withTexture()},
+             realParameter("amount", "0.5", "weight of the second material").range(0, 1).withTexture()},
         .examples = {"\"string materials\" [\"red\" \"gold\"] \"float amount\" .3",
                      "\"string materials\" [\"glass\" \"red\"] \"float amount\" .6",
                      "\"string materials\" [\"glass\" \"gold\"]",
@@ -210,13 +209,13 @@ void registerMix(PlugIns& plugIns) {
        }});
   plugIns.materials.add(
       {{.name = "compound",
-        .summary = "A weighted sum of any named materials: their mirror and glass parts are S in path "
-                   "classes, the others D.",
+        .summary = "A weighted sum of named materials. In path classes their mirror and glass lobes are S, "
+                   "the others D.",
         .parameters = {arrayParameter(ParameterType::STRING, "materials", 0, "",
                                       "names of the materials, 8 at most")
                            .require(),
                        arrayParameter(ParameterType::SPECTRUM, "weights", 0, "",
-                                      "the part of each material, a colour each; all together at most 1")
+                                      "weight of each material as a colour; the sum may be at most 1")
                            .require()},
         .examples = {"\"string materials\" [\"red\" \"gold\" \"glass\"] "
                      "\"rgb weights\" [.5 .5 .5  .2 .3 .2  .3 .2 .3]",

@@ -11,15 +11,16 @@ namespace recurse {
 /** Parameters of cameras with a thin lens. */
 inline std::vector<ParameterSpec> apertureParameters() {
   return {
-      realParameter("lensradius", "0", "radius of the lens; 0: a pinhole, everything is in focus")
+      realParameter("lensradius", "0",
+                    "radius of the lens [scene units]; 0: a pinhole, everything is in focus")
           .range(0, 1e30),
-      realParameter("focaldistance", "1000000",
-                    "distance along the axis of the plane that a lens has in focus")
-          .positive(),
-      integerParameter("apertureblades", "0",
-                       "sides of the lens opening, a regular polygon in the circle of the lens; 0: round")
+      realParameter("focaldistance", "1000000", "distance of the plane in focus, along the axis").positive(),
+      integerParameter(
+          "apertureblades", "0",
+          "number of sides of the aperture, a regular polygon in the circle of the lens; 0: round")
           .range(0, 64),
-      realParameter("aperturerotation", "0", "of the polygon [degrees]; at 0 a corner points to the right")};
+      realParameter("aperturerotation", "0",
+                    "rotation of the polygon [degrees]; at 0 a corner points to the right")};
 }
 
 struct Aperture {

@@ -89,7 +89,7 @@ void registerOrthographic(PlugIns& plugIns) {
   for (const ParameterSpec& p : apertureParameters()) parameters.push_back(p);
   plugIns.cameras.add(
       {{.name = "orthographic",
-        .summary = "Parallel projection; the screen window is in units of camera space.",
+        .summary = "Parallel projection; the screen window is in camera space.",
         .parameters = parameters,
         .examples = {"\"float screenwindow\" [-2 2 -2 2]",
                      "\"float lensradius\" 0.1 \"float focaldistance\" 4"}},

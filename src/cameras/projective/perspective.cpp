@@ -93,7 +93,7 @@ void registerPerspective(PlugIns& plugIns) {
           .range(1e-3, 179.999));
   plugIns.cameras.add(
       {{.name = "perspective",
-        .summary = "Central projection, from a point or through a thin lens.",
+        .summary = "Perspective projection, through a pinhole or a thin lens.",
         .parameters = parameters,
         .examples = {"\"float fov\" 45",
                      "\"float fov\" 45 \"float lensradius\" 0.1 \"float focaldistance\" 4",

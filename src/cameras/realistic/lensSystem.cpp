@@ -24,7 +24,8 @@ LensSystem::LensSystem(std::vector<LensSurface> surfaces, double focusDistance, 
     length += s.thickness;
   }
   if (!(c < 0) || index != 1)
-    throw CannotFocus(index != 1 ? "the last surface has no air behind it" : "the lenses do not converge", 0);
+    throw CannotFocus(
+        index != 1 ? "the medium behind the last surface is not air" : "the lenses do not converge", 0);
   focal = -1 / c;
   const double frontPrincipal = (d - 1) / c, rearPrincipal = length + (1 - a) / c; // behind the first vertex
   // Object and image distance from the principal planes: their sum is known, and their product is f times it.
@@ -32,9 +33,10 @@ LensSystem::LensSystem(std::vector<LensSurface> surfaces, double focusDistance, 
   const double image = (sum - std::sqrt(sum * (sum - 4 * focal))) / 2;
   const double rear = rearPrincipal + image - length;
   if (!(sum >= 4 * focal) || !(rear > 0))
-    throw CannotFocus(formatted("a lens of focal length %.4g m has nothing in focus at %.4g m from the film",
-                                focal, focusDistance),
-                      4 * focal + rearPrincipal - frontPrincipal);
+    throw CannotFocus(
+        formatted("a lens of focal length %.4g m cannot focus on anything at %.4g m from the film", focal,
+                  focusDistance),
+        4 * focal + rearPrincipal - frontPrincipal);
   list.back().thickness = rear;
 }
 

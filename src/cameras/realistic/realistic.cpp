@@ -50,13 +50,13 @@ std::vector<LensSurface> readLens(const Parameters& p) {
       if (!(s.index >= 1 && s.index <= 5))
         fail(begin, "impossible glass", "an index from 1 to 5, or 0 for air");
       if (!(s.thickness >= 0))
-        fail(begin, "surfaces in the wrong order", "a distance to the next of 0 or more");
+        fail(begin, "surfaces in the wrong order", "a distance to the next surface of 0 or more");
       surfaces.push_back(s);
       if (surfaces.size() > MAX_SURFACES) fail(row, "there are too many surfaces", "at most 1000");
     }
   }
   if (!numbers.empty())
-    fail(begin, "the last surface is cut off",
+    fail(begin, "the last surface is incomplete",
          "four numbers for each: radius, distance to the next, index behind, diameter");
   if (surfaces.empty()) p.fail("lensfile", "\"" + path + "\" has no surfaces");
   return surfaces;
@@ -226,21 +226,23 @@ class Realistic final : public Camera {
 void registerRealistic(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = shutterParameters();
   for (const ParameterSpec& p :
-       {stringParameter("lensfile", "",
-                        "the lens as a table: for each surface from the scene to the film its radius of "
-                        "curvature (0: the aperture stop), the distance to the next one, the refractive "
-                        "index behind it and its diameter [mm]")
+       {stringParameter(
+            "lensfile", "",
+            "lens table: for each surface, from the scene to the film, radius of curvature (0: the aperture "
+            "stop), distance to the next surface, refractive index behind it and diameter [mm]")
             .require(),
-        realParameter("aperturediameter", "1", "of the stop, which the file's limits [mm]").positive(),
-        realParameter("focusdistance", "10", "from the film to what is in focus [m]").positive(),
+        realParameter("aperturediameter", "1",
+                      "diameter of the aperture stop, limited by that of the file [mm]")
+            .positive(),
+        realParameter("focusdistance", "10", "distance from the film to the plane in focus [m]").positive(),
         stringParameter("aperture", "",
-                        "shape of the stop: \"gaussian\", \"square\", \"pentagon\", \"star\" or a "
-                        "picture's file; round by default")})
+                        "shape of the aperture: \"gaussian\", \"square\", \"pentagon\", \"star\" or a "
+                        "picture's file; by default round")})
     parameters.push_back(p);
   plugIns.cameras.add(
       {{.name = "realistic",
-        .summary = "A system of lenses in front of a film of the size that Film's \"diagonal\" says; a scene "
-                   "unit is a metre. The picture is as bright as the film is.",
+        .summary = "A system of lenses in front of a film of the size \"diagonal\" of Film; a scene unit is "
+                   "a metre. Pixels have the exposure of the film.",
         .parameters = parameters,
         .examples = {"\"string lensfile\" \"scenes/lenses/double-gauss.dat\" \"float aperturediameter\" 15 "
                      "\"float focusdistance\" 1.7"}},

@@ -269,7 +269,7 @@ OpenImage openImage(const FileReference& file) {
 
 namespace {
 
-constexpr const char* LACKS_MEMORY = "it takes more memory than there is";
+constexpr const char* LACKS_MEMORY = "it needs more memory than is available";
 
 } // namespace
 

@@ -84,7 +84,7 @@ class PcxReader {
     return value;
   }
   uint8_t take() {
-    if (at == end) fail("it ends within the picture");
+    if (at == end) fail("the file ends before the picture is complete");
     return byte(at++);
   }
 

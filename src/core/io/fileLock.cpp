@@ -34,7 +34,7 @@ FileLock::FileLock(const std::string& fileName) : lockName(fileName + ".lock") {
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       const int reason = errno;
       ::close(descriptor);
-      if (reason == EWOULDBLOCK) throw Error(fileName + ": another process is working with it");
+      if (reason == EWOULDBLOCK) throw Error(fileName + ": another process uses it");
       throw Error(lockName + ": cannot be locked: " + std::strerror(reason));
     }
     if (isStillThere(lockName, descriptor)) return;

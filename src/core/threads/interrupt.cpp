@@ -6,6 +6,6 @@
 namespace recurse {
 
 Interrupted::Interrupted()
-    : Error("interrupted before the first sample: nothing is written", ExitStatus::INTERRUPTED) {}
+    : Error("interrupted before the first sample: nothing was written", ExitStatus::INTERRUPTED) {}
 
 } // namespace recurse

@@ -114,7 +114,7 @@ std::string AssimpMaterials::loadPicture(const std::string& name) {
       return {};
     }
   }
-  p.warn("filename", path + ": there is no picture \"" + name + "\"; a checkerboard stands for it");
+  p.warn("filename", path + ": there is no picture \"" + name + "\"; a checkerboard replaces it");
   return {};
 }
 

@@ -41,7 +41,7 @@ class AssimpSceneImport {
     if (scene.mNumMeshes == 0) fail("it has no faces");
     countUses(*scene.mRootNode, 0);
     addNode(*scene.mRootNode, axes());
-    if (triangles == 0) fail("it has no triangles that are placed anywhere");
+    if (triangles == 0) fail("no node uses its triangles");
     addLights();
     addCameras();
     note();
@@ -59,7 +59,7 @@ class AssimpSceneImport {
   void countUses(const aiNode& node, int depth) {
     if (depth > MAX_DEPTH) fail("its nodes are nested too deeply");
     for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-      if (node.mMeshes[i] >= scene.mNumMeshes) fail("a node names a mesh that is not there");
+      if (node.mMeshes[i] >= scene.mNumMeshes) fail("a node names a mesh that does not exist");
       ++uses[node.mMeshes[i]];
     }
     for (unsigned i = 0; i < node.mNumChildren; ++i) countUses(*node.mChildren[i], depth + 1);
@@ -165,7 +165,7 @@ class AssimpSceneImport {
       const glm::uvec3 t(face.mIndices[0], face.mIndices[1], face.mIndices[2]);
       if (std::max({t.x, t.y, t.z}) >= mesh.mNumVertices)
         fail("mesh \"" + meshName(mesh, nodeName) + "\": face " + std::to_string(i) +
-             " names a vertex that is not there");
+             " names a vertex that does not exist");
       data.triangles.push_back(t);
     }
     if (mesh.mColors[0]) ++colouredMeshes;
@@ -267,8 +267,9 @@ class AssimpSceneImport {
     add(left, scene.mNumAnimations, "animation", "animations");
     add(left, skinnedMeshes, "mesh's bones", "meshes' bones");
     add(left, colouredMeshes, "mesh's vertex colours", "meshes' vertex colours");
-    add(left, unknownLights, "light of another kind, or black", "lights of another kind, or black");
-    add(left, flat, "mesh in a node that flattens it", "meshes in nodes that flatten them");
+    add(left, unknownLights, "light of an unsupported kind, or black",
+        "lights of an unsupported kind, or black");
+    add(left, flat, "mesh in a node with a singular transform", "meshes in nodes with a singular transform");
   }
 
   const aiScene& scene;

@@ -148,7 +148,7 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
   }
   memory.reset();
   if (why == std::bad_alloc().what())
-    why = "it takes more memory than a file of its size should: it is damaged, or memory is short";
+    why = "it needs more memory than a file of this size should: the file is damaged, or memory is short";
   if (!scene || !scene->mRootNode) p.fail("filename", path + ": cannot be used: " + why);
   importAssimpScene(*scene, path, p, context, import);
 }
@@ -158,14 +158,12 @@ void importMeshFile(const Parameters& p, const ImportContext& context, SceneImpo
 void registerMeshFile(PlugIns& plugIns) {
   plugIns.imports.add(
       {{.name = "mesh",
-        .summary =
-            "A model of a kind that Assimp reads (glTF, OBJ with MTL, COLLADA, FBX, 3DS, STL and more), with "
-            "its materials, pictures, lights and cameras.",
+        .summary = "A model in a format that Assimp reads (glTF, OBJ with MTL, COLLADA, FBX, 3DS, STL and "
+                   "more), with its materials, pictures, lights and cameras.",
         .parameters = {stringParameter("filename", "", "the model").require(),
-                       booleanParameter(
-                           "materials", "true",
-                           "take the file's materials; false: the one that the Shape stands under"),
-                       booleanParameter("lights", "true", "take the file's lights and emitting materials"),
+                       booleanParameter("materials", "true",
+                                        "use the file's materials; false: the current material of the scene"),
+                       booleanParameter("lights", "true", "use the file's lights and emitting materials"),
                        outsideParameter()},
         .examples = {}},
        [](const Parameters& p, const ImportContext& context) {

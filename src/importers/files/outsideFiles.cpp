@@ -11,10 +11,9 @@
 namespace recurse {
 
 ParameterSpec outsideParameter() {
-  return stringParameter(
-             "outside", "read",
-             "files that the model names outside of its own folder: \"read\"; \"warn\", read with a "
-             "warning; \"refuse\", as if they were not there")
+  return stringParameter("outside", "read",
+                         "files that the model names outside of its own folder: \"read\"; \"warn\": read "
+                         "with a warning; \"refuse\": treated as missing")
       .oneOf({"read", "warn", "refuse"});
 }
 
@@ -22,9 +21,8 @@ bool mayRead(const std::string& file, const std::string& path, const Parameters&
   const std::string rule = p.string("outside");
   if (rule == "read" || isInside(file, std::filesystem::path(path).parent_path().string())) return true;
   const bool isRefused = rule == "refuse";
-  p.warn("outside",
-         path + ": " + file + " lies outside of the model's folder, and is " +
-             (isRefused ? "left out; 'recurse convert --allow-outside' takes it over" : "taken over"));
+  p.warn("outside", path + ": " + file + " is outside of the model's folder, and is " +
+                        (isRefused ? "left out; 'recurse convert --allow-outside' copies it" : "copied"));
   return !isRefused;
 }
 

@@ -61,7 +61,7 @@ class Md2Import {
       }
     }
     p.warn("filename",
-           path + ": its skin \"" + names.front() + "\" is not there; a checkerboard stands for it",
+           path + ": its skin \"" + names.front() + "\" does not exist; a checkerboard replaces it",
            "\"string skin\" with the picture's file");
     return out.missingTexture();
   }
@@ -80,16 +80,15 @@ void registerMd2(PlugIns& plugIns) {
       {{.name = "md2",
         .summary =
             "A model of Quake II, with the pose between two keyframes; +z is up, and it looks along +x.",
-        .parameters = {stringParameter("filename", "", "the model").require(),
-                       realParameter("frame", "0",
-                                     "keyframe from 0 on; between two of them positions are interpolated"),
-                       stringParameter(
-                           "skin", "",
-                           "picture of its surface (PCX too); where it is absent, the one that the "
-                           "model names, or that bears its name"),
-                       booleanParameter("materials", "true",
-                                        "take the skin; false: the material that the Shape stands under"),
-                       outsideParameter()},
+        .parameters =
+            {stringParameter("filename", "", "the model").require(),
+             realParameter("frame", "0",
+                           "keyframe, from 0; fractions interpolate the positions between two keyframes"),
+             stringParameter("skin", "",
+                             "picture of the surface (also PCX); by default the one that the model names, or "
+                             "with the name of the model"),
+             booleanParameter("materials", "true", "use the skin; false: the current material of the scene"),
+             outsideParameter()},
         .examples = {}},
        [](const Parameters& p, const ImportContext& context) {
          auto import = std::make_unique<SceneImport>();

@@ -31,10 +31,10 @@ Md2Model::Md2Model(const std::string& name, std::string_view bytes) : file(name,
   texCoords = file.count(28, "the number of texture coordinates", 3 * MAX_TRIANGLES);
   triangles = file.count(32, "the number of triangles", MAX_TRIANGLES);
   frameCount = file.count(40, "the number of frames", MAX_FRAMES);
-  skinsAt = file.count(44, "the place of the skins", file.size());
-  texCoordsAt = file.count(48, "the place of the texture coordinates", file.size());
-  trianglesAt = file.count(52, "the place of the triangles", file.size());
-  framesAt = file.count(56, "the place of the frames", file.size());
+  skinsAt = file.count(44, "the offset of the skins", file.size());
+  texCoordsAt = file.count(48, "the offset of the texture coordinates", file.size());
+  trianglesAt = file.count(52, "the offset of the triangles", file.size());
+  framesAt = file.count(56, "the offset of the frames", file.size());
   if (vertices == 0 || triangles == 0 || frameCount == 0) file.fail(24, "the model is empty");
   if (frameSize < FRAME_HEADER_BYTES + 4 * vertices)
     file.fail(16, "a frame of " + std::to_string(frameSize) + " bytes cannot hold " +

@@ -41,14 +41,14 @@ class BspReader {
  private:
   ByteReader lump(Lump which, const char* what) const {
     const uint64_t at = 8 + 8 * static_cast<uint64_t>(which);
-    const uint64_t offset = file.count(at, "the place of a lump", file.size());
+    const uint64_t offset = file.count(at, "the offset of a lump", file.size());
     const uint64_t length = file.count(at + 4, "the length of a lump", file.size());
     return {name + " (" + what + ")", file.part(offset, length, what)};
   }
 
   static uint64_t recordsOf(const ByteReader& lump, uint64_t bytesEach) {
     if (lump.size() % bytesEach != 0)
-      lump.fail(0, "its " + std::to_string(lump.size()) + " bytes are no multiple of " +
+      lump.fail(0, "its " + std::to_string(lump.size()) + " bytes are not a multiple of " +
                        std::to_string(bytesEach));
     return lump.size() / bytesEach;
   }
@@ -102,7 +102,7 @@ class BspReader {
                                              std::min(indexCount - firstIndex, indicesLeft));
         indicesLeft -= ownIndices;
         if (ownIndices % 3 != 0)
-          in.fail(at + 24, std::to_string(ownIndices) + " indices do not make triangles");
+          in.fail(at + 24, std::to_string(ownIndices) + " indices are not a multiple of 3");
         if (ownIndices > 0 && ownVertices == 0) in.fail(at + 16, "a face has indices and no vertices");
         const auto index = [&](uint64_t k) {
           return static_cast<uint32_t>(

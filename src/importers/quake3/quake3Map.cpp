@@ -48,7 +48,7 @@ class Quake3Import {
     map = readQuake3Bsp(game.where(mapName), game.read(mapName));
     readScripts();
     addFaces();
-    if (triangles == 0) p.fail("pak", game.where(mapName) + " has no surface that can be seen");
+    if (triangles == 0) p.fail("pak", game.where(mapName) + " has no visible surface");
     warnOfMissingPictures();
     addSky();
     addEntities();
@@ -112,11 +112,11 @@ class Quake3Import {
     for (size_t i = 0; i < missing.size() && i < MOST; ++i) names += (i ? ", \"" : "\"") + missing[i] + "\"";
     p.warn("pak",
            missing.size() == 1
-               ? "there is no picture for " + names + "; a checkerboard stands for it"
+               ? "there is no picture for " + names + "; a checkerboard replaces it"
                : "there are no pictures for " + std::to_string(missing.size()) + " textures: " + names +
-                     (missing.size() > MOST ? ", ...; checkerboards stand for them"
-                                            : "; checkerboards stand for them"),
-           "with the archives that have them: \"string pak\" [ \"pictures.pk3\" \"map.pk3\" ]");
+                     (missing.size() > MOST ? ", ...; checkerboards replace them"
+                                            : "; checkerboards replace them"),
+           "all archives of the game: \"string pak\" [ \"pictures.pk3\" \"map.pk3\" ]");
   }
 
   // ---- surfaces
@@ -366,9 +366,9 @@ class Quake3Import {
     add(import.taken, lights, "lights");
     for (const ImportedCamera& camera : import.cameras)
       import.taken.push_back("camera \"" + camera.name + "\"");
-    add(import.leftOut, dark, "lights that darken");
+    add(import.leftOut, dark, "lights with negative intensity");
     if (!map.entities.empty() && numberOf(map.entities[0], "ambient", 0) > 0)
-      import.leftOut.push_back("the ambient light that the map compiler adds everywhere");
+      import.leftOut.push_back("the ambient light of the map compiler");
   }
 
   const Parameters& p;
@@ -391,19 +391,18 @@ class Quake3Import {
 void registerQuake3Map(PlugIns& plugIns) {
   plugIns.imports.add(
       {{.name = "quake3map",
-        .summary = "A map of Quake III, out of its .pk3 archive or loose, with its own lights; +z is up. "
-                   "Cameras are "
-                   "\"spawn 1\" and "
-                   "so on, and \"intermission\".",
+        .summary = "A map of Quake III with its lights, from its .pk3 archive or as a file; +z is up. "
+                   "Cameras are \"spawn 1\" and so on, and \"intermission\".",
         .parameters =
-            {arrayParameter(ParameterType::STRING, "pak", 0, "",
-                            "the archive, or several, of which later ones win as in the game; or a map "
-                            "(.bsp), which in a folder \"maps\" brings the files in the folders beside that")
+            {arrayParameter(
+                 ParameterType::STRING, "pak", 0, "",
+                 "one or more archives, of which later ones have precedence as in the game; or a map (.bsp). "
+                 "If the map is in a folder \"maps\", the files in the folders beside it are used as well")
                  .require(),
              stringParameter("map", "",
-                             "name of the map; may be absent where the last archive with maps has only one"),
-             realParameter("unitspermetre", "40", "map units that become one unit of the scene").positive(),
-             realParameter("lightscale", "1", "factor of all of the map's light").positive()},
+                             "name of the map; not needed if the last archive with maps has only one"),
+             realParameter("unitspermetre", "40", "map units in one scene unit").positive(),
+             realParameter("lightscale", "1", "factor on all light of the map").positive()},
         .examples = {}},
        [](const Parameters& p, const ImportContext& context) {
          auto import = std::make_unique<SceneImport>();

@@ -23,7 +23,8 @@ class Auto final : public Integrator {
   bool passHasOneTime() const override { return true; }
   bool supportsMedia(const Scene& scene) const override { return mapper->supportsMedia(scene); }
   std::string choices() const override {
-    return "photonmap; path; or path with photons of caustics (photonmap with \"bool causticsonly\" true)";
+    return "photonmap; path; or path tracing with a caustic photon map (photonmap with \"bool causticsonly\" "
+           "true)";
   }
   std::vector<EstimatorDomain> domains() const override { return chosen().domains(); }
 
@@ -73,13 +74,14 @@ class Auto final : public Integrator {
     if (settings.lightSamples > MAX_LIGHT_SAMPLES)
       return "\"lightsamples\" is above " + std::to_string(MAX_LIGHT_SAMPLES);
     if (settings.finalGather >= 0 || settings.nearest > 0 || settings.radius > 0 || settings.directLight)
-      return "the integrator's parameters say how photons are used";
-    if (pass.schedule == PassSchedule::ONE_MAP) return "there is one photon map";
-    if (scene.lights().size() == 0) return "there is no light";
+      return "parameters of the integrator set the density estimate";
+    if (pass.schedule == PassSchedule::ONE_MAP)
+      return "a single photon map is asked for (\"integer passes\" 1)";
+    if (scene.lights().size() == 0) return "the scene has no light";
     if (scene.film().whole().area() < EstimatorTrial::PIXELS)
       return formatted("the picture has fewer than %d pixels", EstimatorTrial::PIXELS);
     // Path tracing with caustic photons stores them on surfaces only.
-    if (scene.hasMedia() && !raysFindAll(scene)) return "paths do not find all light of the media";
+    if (scene.hasMedia() && !raysFindAll(scene)) return "path tracing does not find all light in the media";
     return {};
   }
 
@@ -145,17 +147,17 @@ class Auto final : public Integrator {
     if (control.stopped()) return;
     // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
     constexpr double FEW = 64; // scenes in which paths are better have hundreds or more
-    const char* const rival = withCaustics ? "path with photons of caustics" : "path";
+    const char* const rival = withCaustics ? "path with a caustic photon map" : "path";
     if (EstimatorTrial::effectiveCount(traced) < FEW) {
-      statistics.notes.push_back("auto: photonmap: by a trial, paths hardly find the light");
+      statistics.notes.push_back(
+          "auto: photonmap: in the trial, path tracing found too few samples with light to compare");
       return;
     }
     const double ratio = byMap.errorOver(byPaths);
     const bool arePathsBetter = ratio > CLEARLY;
-    statistics.notes.push_back(
-        formatted("auto: %s: by a trial, photonmap has %.2g times the squared error of "
-                  "%s for the same work",
-                  arePathsBetter ? rival : "photonmap", ratio, rival));
+    statistics.notes.push_back(formatted(
+        "auto: %s: in a trial of equal work, the squared error of photonmap is %.3g times that of %s",
+        arePathsBetter ? rival : "photonmap", ratio, rival));
     if (arePathsBetter) instead = std::move(paths);
   }
 
@@ -169,16 +171,15 @@ class Auto final : public Integrator {
 } // namespace
 
 void registerAuto(PlugIns& plugIns) {
-  plugIns.integrators.add(
-      {{.name = "auto",
-        .summary =
-            "Recurse's default: photonmap, or path where a trial on a few blocks of the picture finds "
-            "half of the squared error for the same work, with photons of caustics where there are any.",
-        .parameters = photonMappingParameters(),
-        .examples = {""}},
-       [](const Parameters& p, const NoContext&) {
-         return std::make_unique<Auto>(photonMappingSettings(p));
-       }});
+  plugIns.integrators.add({{.name = "auto",
+                            .summary = "Recurse's default: photonmap, or path where a trial on a few blocks "
+                                       "of the picture shows less than half of the squared error for the "
+                                       "same work. Scenes with caustics then get a caustic photon map.",
+                            .parameters = photonMappingParameters(),
+                            .examples = {""}},
+                           [](const Parameters& p, const NoContext&) {
+                             return std::make_unique<Auto>(photonMappingSettings(p));
+                           }});
 }
 
 } // namespace recurse

@@ -19,17 +19,19 @@ class Bdpt final : public Bidirectional {
 void registerBdpt(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "bdpt",
-        .summary = "Bidirectional path tracing: paths from the camera and from the lights, connected. "
-                   "Without bias.",
-        .parameters =
-            {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
-                 .range(-1, 1e9),
-             integerParameter("lightpaths", "", "light paths in each pass; by default one for each pixel")
-                 .range(1, 2e9),
-             ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed"),
-             ignoredParameter(ParameterType::BOOLEAN, "visualizestrategies",
-                              "no picture but the sum is made"),
-             ignoredParameter(ParameterType::BOOLEAN, "visualizeweights", "no picture but the sum is made")},
+        .summary = "Bidirectional path tracing: paths from the camera and from the lights, connected by "
+                   "shadow rays; unbiased.",
+        .parameters = {integerParameter("maxdepth", "-1",
+                                        "maximum number of scattering events of a path; -1: no limit")
+                           .range(-1, 1e9),
+                       integerParameter("lightpaths", "",
+                                        "number of light paths in each pass; by default one for each pixel")
+                           .range(1, 2e9),
+                       ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed"),
+                       ignoredParameter(ParameterType::BOOLEAN, "visualizestrategies",
+                                        "only the final picture is written"),
+                       ignoredParameter(ParameterType::BOOLEAN, "visualizeweights",
+                                        "only the final picture is written")},
         .examples = {"", "\"integer lightpaths\" 4000 \"integer maxdepth\" 8"}},
        [](const Parameters& p, const NoContext&) {
          BidirectionalSettings settings;

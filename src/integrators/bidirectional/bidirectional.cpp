@@ -236,16 +236,18 @@ std::vector<EstimatorDomain> Bidirectional::domains() const {
   const auto add = [&](bool used, const char* estimator, const char* expression, const char* cost) {
     const bool hitsLights = std::string_view(estimator) == "emission";
     const bool onlyPanes = std::string_view(estimator) == "shadow rays through panes";
-    if (used) all.push_back({estimator, expression, cost, "paths from both ends", hitsLights, onlyPanes});
+    if (used) all.push_back({estimator, expression, cost, "all light", hitsLights, onlyPanes});
   };
-  add(settings.hits, "emission", "L(S|D)*E", "none: met by the rays of camera paths");
+  add(settings.hits, "emission", "L(S|D)*E", "none: found by rays of camera paths");
   add(settings.shadowRays, "shadow rays", "LD(S|D)*E", "one for each diffuse vertex of a camera path");
   add(settings.shadowRays, "shadow rays through panes", "LS+D(S|D)*E",
-      "none: the same, straight through thin panes");
+      "none: the shadow rays, straight through thin panes");
   add(settings.connections, "connections", "L(S|D)*DD(S|D)*E",
-      "a ray between any two diffuse vertices of a camera path and of one light path");
-  add(settings.splats, "splats", "L(S|D)*DE", "a ray from each diffuse vertex of a light path to the camera");
-  add(settings.merges, "photons", "L(S|D)+D(S|D)*E", "one estimate at each diffuse vertex of a camera path");
+      "one shadow ray for each pair of a diffuse vertex of the camera path and one of the light path");
+  add(settings.splats, "splats", "L(S|D)*DE",
+      "one shadow ray from each diffuse vertex of a light path to the camera");
+  add(settings.merges, "photons", "L(S|D)+D(S|D)*E",
+      "one density estimate for each diffuse vertex of a camera path");
   return all;
 }
 

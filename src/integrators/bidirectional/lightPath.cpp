@@ -15,7 +15,7 @@ class LightPath final : public Bidirectional {
   std::string claims() const override { return "L(S|D)*DE"; }
   void prepare(const Scene& scene, const PathClasses& classes) override {
     if (!scene.camera().isConnectable())
-      throw Error("lightpath needs a camera that light paths can be connected to, such as perspective");
+      throw Error("lightpath needs a camera to which light paths can be connected, such as \"perspective\"");
     Bidirectional::prepare(scene, classes);
   }
 };
@@ -25,12 +25,13 @@ class LightPath final : public Bidirectional {
 void registerLightPath(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "lightpath",
-        .summary = "Light tracing: paths from the lights, connected to the camera. Lamps, mirrors and glass "
-                   "stay black.",
-        .parameters = {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
+        .summary = "Light tracing: paths from the lights, connected to the camera. Directly visible lamps, "
+                   "mirrors and glass are black.",
+        .parameters = {integerParameter("maxdepth", "-1",
+                                        "maximum number of scattering events of a path; -1: no limit")
                            .range(-1, 1e9),
                        integerParameter("lightpaths", "",
-                                        "light paths in each pass; by default one for each pixel")
+                                        "number of light paths in each pass; by default one for each pixel")
                            .range(1, 2e9)},
         .examples = {"", "\"integer lightpaths\" 4000 \"integer maxdepth\" 8"}},
        [](const Parameters& p, const NoContext&) {

@@ -21,21 +21,23 @@ void registerVcm(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "vcm",
         .summary = "Vertex connection and merging: bidirectional path tracing with a photon map.",
-        .parameters =
-            {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
-                 .range(-1, 1e9),
-             integerParameter("photons", "", "light paths in each pass; by default one for each pixel")
-                 .range(1, 2e9),
-             realParameter("radius", "",
-                           "radius of the search for photons in the first pass [scene units]; by default "
-                           "1.5 pixels where the camera sees the first diffuse surface of a path")
-                 .positive(),
-             realParameter("alpha", "0.75",
-                           "how fast the radius shrinks from pass to pass: between 0, at once, and 1, never")
-                 .range(0.01, 1),
-             booleanParameter("correlated", "true",
-                              "weights know that photons which are found from many places are not "
-                              "independent; false: the weights of 2012")},
+        .parameters = {integerParameter("maxdepth", "-1",
+                                        "maximum number of scattering events of a path; -1: no limit")
+                           .range(-1, 1e9),
+                       integerParameter("photons", "",
+                                        "number of light paths in each pass; by default one for each pixel")
+                           .range(1, 2e9),
+                       realParameter("radius", "",
+                                     "merge radius of the first pass [scene units]; by default 1.5 pixels at "
+                                     "the first diffuse surface of a camera path")
+                           .positive(),
+                       realParameter("alpha", "0.75",
+                                     "reduction of the radius: that of pass i is about i^((alpha-1)/2) times "
+                                     "the first; between 0 (fastest) and 1 (constant)")
+                           .range(0.01, 1),
+                       booleanParameter("correlated", "true",
+                                        "MIS weights include the correlation of merges that share photons; "
+                                        "false: the weights of Georgiev et al. 2012")},
         .examples = {"", "\"integer photons\" 4000 \"integer maxdepth\" 8 \"float radius\" .1",
                      "\"bool correlated\" false \"float alpha\" .5"}},
        [](const Parameters& p, const NoContext&) {

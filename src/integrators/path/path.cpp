@@ -7,15 +7,17 @@
 namespace recurse {
 
 void registerPath(PlugIns& plugIns) {
-  static const std::string SAME_PICTURE = "the picture is the same in the end, what is hard to find is not";
+  static const std::string SAME_PICTURE =
+      "the picture converges to the same; effects that are hard to sample converge at another rate";
   const auto add = [&](const char* name, const char* summary, std::vector<ParameterSpec> more) {
     more.insert(
         more.begin(),
-        {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit").range(-1, 1e9),
+        {integerParameter("maxdepth", "-1", "maximum number of scattering events of a path; -1: no limit")
+             .range(-1, 1e9),
          integerParameter("lightsamples", "1", "shadow rays at each diffuse vertex").range(1, 1e6),
          booleanParameter("guided", "false",
-                          "learn from which directions light arrives, and send paths there, too: gains where "
-                          "light comes by small openings")});
+                          "path guiding: learn the directions of incident light, and sample them as well; "
+                          "helps where light enters through small openings")});
     plugIns.integrators.add(
         {{.name = name,
           .summary = summary,
@@ -28,7 +30,7 @@ void registerPath(PlugIns& plugIns) {
                                   p.boolean("guided"));
          }});
   };
-  const char* other = "another name of path: the picture is the same, the way there is not";
+  const char* other = "another name of path: the same picture by another estimator";
   const auto real = [](const char* n) {
     return ignoredParameter(ParameterType::REAL, n, "path does not need it");
   };
@@ -39,8 +41,8 @@ void registerPath(PlugIns& plugIns) {
     return ignoredParameter(ParameterType::BOOLEAN, n, "path does not need it");
   };
   const ParameterSpec lights = ignoredParameter(ParameterType::STRING, "lightsampler",
-                                                "lights are chosen by what photons tell of each place");
-  add("path", "The unbiased path tracer with shadow rays and multiple importance sampling.",
+                                                "photons always train the choice of lights by position");
+  add("path", "Unbiased path tracing with shadow rays and multiple importance sampling.",
       {real("rrthreshold"), boolean("regularize"), lights});
   add("volpath", other, {real("rrthreshold"), boolean("regularize"), lights});
   add("randomwalk", other, {});

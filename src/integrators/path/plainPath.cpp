@@ -124,15 +124,15 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
 }
 
 std::vector<EstimatorDomain> plainPathDomains(int lightSamples) {
-  return {{"emission", "LS*E", "none: met by eye rays through mirrors and glass", "", true},
-          {"emission after scattering", "LS+(D|V)(S|D|V)*E", "none: met by the rays that go on",
+  return {{"emission", "LS*E", "none: found by camera rays through mirrors and glass", "", true},
+          {"emission after scattering", "LS+(D|V)(S|D|V)*E", "none: found by continued rays",
            "direct light through panes", true},
-          {"shadow rays through panes", "LS+(D|V)(S|D|V)*E", "none: the same, straight through thin panes",
-           "direct light through panes", false, true},
+          {"shadow rays through panes", "LS+(D|V)(S|D|V)*E",
+           "none: the shadow rays, straight through thin panes", "direct light through panes", false, true},
           {"shadow rays", "L(D|V)(S|D|V)*E",
            std::to_string(lightSamples) + " for each diffuse vertex, and where a medium scatters",
            "direct light"},
-          {"BSDF rays", "L(D|V)(S|D|V)*E", "none: the rays that go on", "direct light", true}};
+          {"BSDF rays", "L(D|V)(S|D|V)*E", "none: the continued rays", "direct light", true}};
 }
 
 } // namespace recurse

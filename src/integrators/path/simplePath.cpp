@@ -31,11 +31,13 @@ class SimplePath final : public Integrator {
 void registerSimplePath(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "simplepath",
-        .summary = "A path tracer to be read: the same picture as path, slower.",
-        .parameters = {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
-                           .range(-1, 1e9),
-                       booleanParameter("samplebsdf", "true", "it always does; false gives a warning"),
-                       booleanParameter("samplelights", "true", "it always does; false gives a warning")},
+        .summary = "A path tracer with short source code, for teaching: the same picture as path, slower.",
+        .parameters =
+            {integerParameter("maxdepth", "-1", "maximum number of scattering events of a path; -1: no limit")
+                 .range(-1, 1e9),
+             booleanParameter("samplebsdf", "true", "BSDFs are always sampled; false only gives a warning"),
+             booleanParameter("samplelights", "true",
+                              "lights are always sampled; false only gives a warning")},
         .examples = {""}},
        [](const Parameters& p, const NoContext&) {
          for (const char* name : {"samplebsdf", "samplelights"})

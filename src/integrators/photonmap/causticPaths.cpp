@@ -54,7 +54,8 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   }
   std::vector<EstimatorDomain> domains() const override {
     std::vector<EstimatorDomain> all = pathTracer->domains();
-    all.push_back({"caustic photons", "LS+D(S|D|V)*E", "one estimate for each non-delta surface a path meets",
+    all.push_back({"caustic photons", "LS+D(S|D|V)*E",
+                   "one density estimate for each non-delta surface of a path",
                    "direct light through panes"});
     return all;
   }

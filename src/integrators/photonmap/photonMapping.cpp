@@ -58,77 +58,71 @@ PhotonMappingSettings common(const Parameters& p) {
 std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
   more.insert(
       more.end(),
-      {integerParameter(
-           "gatherphotons", "",
-           "photons nearest to a point that an estimate uses, in the first pass where there are "
-           "many; by default 50 to 100 for one pass, by the width of a pixel; for many 8 to 40, and from "
-           "there more or fewer, place by place, as the photons tell of noise and blur; a radius alone "
-           "means all photons within it")
+      {integerParameter("gatherphotons", "",
+                        "number of nearest photons of a density estimate in the first pass. By default 50 to "
+                        "100 for one pass, by the size of a pixel; 8 to 40 for many passes, then adapted to "
+                        "local noise and blur. With a radius alone: all photons within it")
            .range(1, 1e6),
-       realParameter("alpha", "0.666666667",
-                     "how fast the radius of a progressive render shrinks from pass to pass: between 0, at "
-                     "once, and 1, never; "
-                     "the error falls fastest with 2/3")
+       realParameter(
+           "alpha", "0.666666667",
+           "reduction of the radius in progressive renders: the radius of pass i is about i^((alpha-1)/2) "
+           "times the first; between 0 (fastest) and 1 (constant). The error decreases fastest with 2/3")
            .range(0.01, 1),
-       realParameter("radius", "",
-                     "radius of the search [scene units]; by default found out from the photons")
+       realParameter(
+           "radius", "",
+           "radius of a density estimate [scene units]; by default chosen from the density of photons")
            .range(0, MAX_RADIUS)
            .positive(),
        integerParameter("maxdepth", "-1",
-                        "most scattering events of an eye path, and of a photon; -1: no limit")
+                        "maximum number of scattering events of a camera path, and of a photon; -1: no limit")
            .range(-1, 1e9),
        stringParameter("direct", "shadowrays",
-                       "where direct light comes from: shadow rays, or photons like all other light")
+                       "estimator of direct light: shadow rays, or photons as for all other light")
            .oneOf({"shadowrays", "photons"}),
        booleanParameter("guided", "true",
-                        "send photons where the eye looks: learned from trial photons, without bias; used "
-                        "where that pays"),
+                        "guide photons to surfaces that the camera sees, learned from trial photons; "
+                        "unbiased, and used only where it reduces the variance"),
        booleanParameter("edges", "true",
-                        "divide by the area of what is surface within a search, which rays find out near "
-                        "edges, walls and on curved surfaces, and in media by what lies inside of them; "
-                        "false: by the whole disc's, which is darker there"),
+                        "boundary correction: divide by the area of surface within the radius, which rays "
+                        "measure near edges, walls and on curved surfaces, and in media by the enclosed "
+                        "volume. false: divide by the whole disc, which darkens edges"),
        integerParameter("lightsamples", "1", "shadow rays at each diffuse surface").range(1, 1e6),
-       realParameter(
-           "weightlimit", "0.03",
-           "both branches at glass are followed while their weights are above this; below, one by roulette")
+       realParameter("weightlimit", "0.03",
+                     "threshold of ray splitting: at glass, paths follow reflection and refraction while the "
+                     "weight of each is larger; else Russian roulette chooses one")
            .range(1e-6, 1),
-       stringParameter(
-           "volumephotons", "points",
-           "how light in media is kept: as points where it scatters, or as beams along its "
-           "flights, which only homogeneous media have; in thin ones beams show finer detail, and "
-           "take longer")
+       stringParameter("volumephotons", "points",
+                       "storage of light in media: points of scattering, or photon beams along flights, in "
+                       "homogeneous media only; beams are sharper in thin media, and slower")
            .oneOf({"points", "beams"}),
        realParameter("flatness", "0.2",
-                     "height of the search region over its radius: low keeps light from round "
-                     "the corner out, high finds photons on curved surfaces")
+                     "height of the search region divided by its radius: small values avoid light leaks "
+                     "around corners, large values find photons on curved surfaces")
            .range(1e-3, 1),
        realParameter("followroughness", "0.2",
-                     "rough lobes sharper than that of a metal of this roughness are followed by a ray, as "
-                     "mirrors are, though they are D in path classes; broader ones read the photon map; near "
-                     "it both share, with weights that add up to one; 0: all read the map")
+                     "roughness threshold: a sharper lobe than that of a metal of this roughness is sampled "
+                     "by a ray as for mirrors, although its path class is D; a broader lobe uses the photon "
+                     "map, with MIS of both near the threshold. 0: always the photon map")
            .range(0, 10),
        integerParameter("finalgather", "-1",
-                        "rays that the first non-delta surface of a path sends to others, which read the "
-                        "photon map in its place; there it is only read for caustics. 0: none; -1: a "
-                        "progressive render sends one where that errs less than the map")
+                        "final gathering: number of rays from the first non-delta surface of a path; the "
+                        "photon map is read where they end, and at the first surface for caustics only. 0: "
+                        "none; -1: with many passes, one ray where its error is smaller than that of the map")
            .range(-1, 1e5),
-       booleanParameter("shareirradiance", "true",
-                        "the rays of a final gather read irradiance that is found out once for many of them; "
-                        "false: each adds up photons where it ends. Where path classes are asked for, or "
-                        "surfaces are not matt and flat, each does so anyway"),
-       stringParameter("kernel", "epanechnikov", "how photons count by distance")
+       booleanParameter(
+           "shareirradiance", "true",
+           "final gather rays read cached irradiance; false: each makes a density estimate of its own. Path "
+           "classes and surfaces that are not diffuse and flat always use density estimates"),
+       stringParameter("kernel", "epanechnikov", "weight of photons by distance")
            .oneOf({"constant", "cone", "epanechnikov"}),
        stringParameter("photonindex", "kdtree",
-                       "index of the photons; flann is slower and there to compare with")
+                       "search structure of the photons; flann is slower, and only for comparison")
            .oneOf({"kdtree", "flann"}),
-       stringParameter(
-           "without", "nothing",
-           "for studies of what a mechanism earns, leave one out: lights chosen by place, openings for "
-           "shadow "
-           "rays, learned emission of photons, spheres that they are sent to, openings that they start at, "
-           "aim "
-           "of far lamps, sparse light left to rays, splitting of strong photons, radii by judged errors, "
-           "weights of photons against rays")
+       stringParameter("without", "nothing",
+                       "for studies of one mechanism, switch it off: lights chosen by position, openings for "
+                       "shadow rays, guided emission, target spheres of photons, openings for emission, "
+                       "aiming of far lamps, sparse light sampled by rays, splitting of strong photons, "
+                       "radii chosen by error, MIS weights of photons and rays")
            .oneOf(mechanismNames())});
   return more;
 }
@@ -138,15 +132,13 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
 std::vector<ParameterSpec> photonMappingParameters() {
   return parameters(
       {integerParameter("photons", "",
-                        "photons emitted in each pass, if `passes` is given too; by default 1000000 "
-                        "for one pass, and for "
-                        "many one for each pixel, from 65536 to 262144. Alone it is the size of one "
-                        "classic map, which a "
-                        "progressive render does not go by")
+                        "number of photons emitted in each pass, if `passes` is set too; by default 1000000 "
+                        "for one pass, and for many passes one for each pixel, from 65536 to 262144. Without "
+                        "`passes` it is the size of a single map, and a progressive render ignores it")
            .range(1, 2e9),
        integerParameter("passes", "",
-                        "photon maps, each with new photons, smaller radius and its share of the samples; 0: "
-                        "one for each sample, the default; 1: the classic method with one map")
+                        "number of photon maps, each with new photons, a smaller radius and its part of the "
+                        "samples; 0: one for each sample (default); 1: one classic photon map")
            .range(0, 1e9)});
 }
 
@@ -159,12 +151,12 @@ PhotonMappingSettings photonMappingSettings(const Parameters& p) {
 
 void registerPhotonMapping(PlugIns& plugIns) {
   std::vector<ParameterSpec> all = photonMappingParameters();
-  all.push_back(booleanParameter(
-      "causticsonly", "false", "photons of caustics only, beside a path tracer that brings all other light"));
+  all.push_back(booleanParameter("causticsonly", "false",
+                                 "use photons for caustics only; path tracing samples all other light"));
   plugIns.integrators.add(
       {{.name = "photonmap",
-        .summary = "Recurse's estimate: emitted light, the photon map at diffuse surfaces, mirror and "
-                   "refracted light recursively.",
+        .summary = "Photon mapping: emitted light and the photon map at diffuse surfaces; mirrors and glass "
+                   "are followed recursively.",
         .parameters = all,
         .examples = {"",
                      "\"integer passes\" 1 \"integer photons\" 20000 \"string direct\" \"photons\" \"float "
@@ -175,19 +167,20 @@ void registerPhotonMapping(PlugIns& plugIns) {
          const PhotonMappingSettings s = photonMappingSettings(p);
          if (!p.boolean("causticsonly")) return makePhotonMapping(s);
          if (s.directLight)
-           p.warn("direct", "shadow rays bring direct light beside photons of caustics only");
+           p.warn("direct", "with \"causticsonly\", shadow rays always estimate direct light");
          return makeCausticPaths(s);
        }});
   plugIns.integrators.add(
       {{.name = "sppm",
         .summary =
-            "photonmap by the parameters that pbrt files give to sppm: progressive, a pass for each sample.",
+            "photonmap with the parameters of sppm in pbrt files: progressive, one pass for each sample.",
         .parameters = parameters(
-            {integerParameter("photonsperiteration", "-1",
-                              "photons emitted in each pass; -1: one for each pixel, from 65536 to 262144")
+            {integerParameter(
+                 "photonsperiteration", "-1",
+                 "number of photons emitted in each pass; -1: one for each pixel, from 65536 to 262144")
                  .range(-1, 2e9),
-             integerParameter("photons", "", "the same by photonmap's name").range(1, 2e9),
-             ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed counts"),
+             integerParameter("photons", "", "the name of \"photons\" in photonmap").range(1, 2e9),
+             ignoredParameter(ParameterType::INTEGER, "seed", "the sampler's seed is used"),
              ignoredParameter(ParameterType::BOOLEAN, "regularize", "not needed")}),
         .examples = {""}},
        [](const Parameters& p, const NoContext&) {

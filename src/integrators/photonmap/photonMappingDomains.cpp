@@ -6,35 +6,34 @@
 namespace recurse {
 
 std::vector<EstimatorDomain> PhotonMapping::domains() const {
-  const std::string each = "one for each non-delta surface a path meets";
+  const std::string each = "one for each non-delta surface of a path";
   std::vector<EstimatorDomain> all = {
-      {"emission", "LS*E", "none: met by rays through mirrors and glass", "", true}};
+      {"emission", "LS*E", "none: found by rays through mirrors and glass", "", true}};
   const std::string caustics = settings.directLight ? "LS*DS*E" : "LS+DS*E",
                     indirect = "L(S|D|V)*(D|V)S*DS*E";
   if (!settings.directLight) {
     all.push_back({"shadow rays", "LDS*E",
-                   std::to_string(settings.lightSamples) + " for each non-delta surface a path meets",
+                   std::to_string(settings.lightSamples) + " for each non-delta surface of a path",
                    "direct light"});
     all.push_back({"BSDF rays", "LDS*E", each, "direct light", true});
-    all.push_back({"shadow rays through panes", "LS+DS*E", "none: the same, straight through thin panes",
-                   "caustics", false, true});
+    all.push_back({"shadow rays through panes", "LS+DS*E",
+                   "none: the shadow rays, straight through thin panes", "caustics", false, true});
     all.push_back({"photons of media that glow", "LDS*E", each, "direct light"});
-    all.push_back(
-        {"shadow rays in media", "LVS*E",
-         std::to_string(settings.lightSamples) +
-             " for each part of a path in a medium; from lights without a surface four times as many "
-             "before the first surface",
-         "direct light in media"});
+    all.push_back({"shadow rays in media", "LVS*E",
+                   std::to_string(settings.lightSamples) +
+                       " for each flight of a path in a medium; four times as many from lights that are not "
+                       "surfaces, before the first surface",
+                   "direct light in media"});
     all.push_back({"shadow rays in media through panes", "LS+VS*E",
-                   "none: the same, straight through thin panes", "light in media", false, true});
+                   "none: the shadow rays, straight through thin panes", "light in media", false, true});
     all.push_back({"photons in media of media that glow", "LVS*E",
-                   "one estimate for each part of a path in a medium", "direct light in media"});
+                   "one density estimate for each flight of a path in a medium", "direct light in media"});
   }
   all.push_back({"photons in media", settings.directLight ? "L(S|D|V)*VS*E" : "L(S|D|V)+VS*E",
-                 "one estimate for each part of a path in a medium",
+                 "one density estimate for each flight of a path in a medium",
                  settings.directLight ? "" : "light in media"});
   const bool rays = !settings.directLight || settings.weighting.ever();
-  all.push_back({"caustic photons", caustics, "one estimate for each non-delta surface a path meets",
+  all.push_back({"caustic photons", caustics, "one density estimate for each non-delta surface of a path",
                  rays ? "caustics" : ""});
   if (rays)
     all.push_back({"BSDF rays by mirrors and glass", caustics, "none: the BSDF rays", "caustics", true});
@@ -42,12 +41,14 @@ std::vector<EstimatorDomain> PhotonMapping::domains() const {
   const bool goOn = !reads || settings.weighting.ever() ||
                     (settings.finalGather < 0 && settings.passes.schedule() != PassSchedule::ONE_MAP);
   const char* group = reads && goOn ? "indirect light" : "";
-  if (reads) all.push_back({"photon map", indirect, "one estimate for the first non-delta surface", group});
+  if (reads)
+    all.push_back({"photon map", indirect, "one density estimate for the first non-delta surface", group});
   if (goOn)
     all.push_back(
         {"paths that go on", indirect,
          (reads ? "one" : std::to_string(settings.finalGather)) +
-             std::string(" from the first non-delta surface; what arrives is estimated by all of these"),
+             std::string(
+                 " from the first non-delta surface; all estimators of this table apply where it ends"),
          group});
   return all;
 }

@@ -56,7 +56,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
     if (pass.index == 0) {
       const ProcessorTimer timer(learning);
       if (!emissiveMedia.learn(scene, outside, pass.seed, pass.time, statistics.counts))
-        statistics.warnings.push_back("no light was found of a medium that glows: it lights nothing");
+        statistics.warnings.push_back("no photon found a path from the glowing medium: it lights nothing");
     }
     shoot.media = &emissiveMedia;
   }
@@ -134,8 +134,9 @@ void PhotonPass::learnOutsideMedium(const Scene& scene, ForwardStatistics& stati
   for (size_t i = 0; i < scene.lights().size(); ++i)
     isLitFromFar = isLitFromFar || scene.lights()[i].isInfinite();
   if (isLitFromFar && isBlack(outsideTransmittance))
-    statistics.warnings.push_back("the medium around the scene has no end: no light comes through it from "
-                                  "infinitely far; a shape of material \"interface\" would bound it");
+    statistics.warnings.push_back(
+        "the medium around the scene is infinite: it absorbs all light of infinite and distant lights. "
+        "Enclose the medium in a shape with the material \"interface\"");
 }
 
 namespace {
@@ -196,10 +197,11 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   inVain = manySeen.empty() && stored + mediaPhotons.size() == 0;
   const bool areAllWanted = classes.lightStateCount() == 1; // else possibly none, e.g. for class LDE
   if (tooFew && areAllWanted && emitted > 0 && mediaPhotons.size() == 0 && scene.lights().size() > 0)
-    statistics.warnings.push_back(formatted(
-        "%zu of %llu photons came down where they are kept: paths go on without them, and caustics of small "
-        "lights will be noisy",
-        stored, static_cast<unsigned long long>(emitted)));
+    statistics.warnings.push_back(
+        formatted("only %zu of %llu photons (%.3g %%) were stored on surfaces: paths sample indirect light "
+                  "instead, and caustics of small lights are noisy. Emit more photons (--photons), and check "
+                  "that the lights are inside of the scene and do not point away",
+                  stored, static_cast<unsigned long long>(emitted), 100 * double(stored) / double(emitted)));
   for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
     ForwardStatistics discarded;
     const bool isCaustic = layer == &causticLayer;
@@ -405,21 +407,24 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
 
 void PhotonPass::noteGuidance(std::vector<std::string>& notes) const {
   if (portals.active())
-    notes.push_back(formatted(
-        "photons: light from far away starts through %zu boxes where camera paths see out", portals.size()));
+    notes.push_back(formatted("photons: emission of infinite and distant lights is guided through %zu "
+                              "openings that camera paths see",
+                              portals.size()));
   if (aim.active())
-    notes.push_back(formatted("photons: %zu far lamp%s aimed at what camera paths meet", aim.lampCount(),
-                              aim.lampCount() == 1 ? " is" : "s are"));
+    notes.push_back(formatted("photons: emission of %zu far lamp%s aimed at surfaces that camera paths hit",
+                              aim.lampCount(), aim.lampCount() == 1 ? " is" : "s are"));
   if (leavesLightToRays())
-    notes.push_back(formatted("photons: %.2g of the light comes by few strong ones, and is left to rays",
-                              double(guidance.sparsePart)));
+    notes.push_back(formatted(
+        "photons: %.3g %% of the light is carried by few strong photons; path tracing samples it instead",
+        100 * double(guidance.sparsePart)));
   if (guidance.emission.active())
-    notes.push_back(
-        formatted("photons: sent where the eye looks, each worth %.3g times what it is worth without",
-                  guidance.emission.gain()));
+    notes.push_back(formatted("photons: emission is guided to surfaces that the camera sees; the variance of "
+                              "a photon is %.3g times smaller",
+                              guidance.emission.gain()));
   if (!guidance.targets.empty())
-    notes.push_back(formatted("photons: matt surfaces send more of them to %zu spheres where the eye looks",
-                              guidance.targets.size()));
+    notes.push_back(formatted(
+        "photons: diffuse surfaces send part of them to %zu spheres around surfaces that the camera sees",
+        guidance.targets.size()));
 }
 
 } // namespace recurse

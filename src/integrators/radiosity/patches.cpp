@@ -181,10 +181,9 @@ void Patches::requireFew(double longestEdge) const {
   }
   const auto most = double(std::max(MAX_PATCHES, 2 * faces.size()));
   if (patches > most)
-    throw Error(
-        formatted("radiosity: \"patchsize\" %.3g makes %.3g patches, and at most %.3g are possible: leave "
-                  "it away, or try %.3g",
-                  longestEdge, patches, most, longestEdge * std::sqrt(2 * patches / most)));
+    throw Error(formatted("radiosity: \"patchsize\" %.3g makes %.3g patches, and the limit is %.3g: remove "
+                          "\"patchsize\", or set it to %.3g",
+                          longestEdge, patches, most, longestEdge * std::sqrt(2 * patches / most)));
 }
 
 void Patches::cut(double maxDivisions) {

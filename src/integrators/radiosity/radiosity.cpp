@@ -38,13 +38,14 @@ class Radiosity final : public Integrator {
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override {
     ForwardStatistics statistics;
-    statistics.notes.push_back(formatted("radiosity: %zu patches of about %.3g on %zu faces", patches.count(),
-                                         double(patches.longestEdge()), patches.faceCount()));
+    statistics.notes.push_back(formatted("radiosity: %zu patches with edges up to about %.3g on %zu faces",
+                                         patches.count(), double(patches.longestEdge()),
+                                         patches.faceCount()));
     if (patches.ignoredShapes() > 0)
-      statistics.warnings.push_back(formatted(
-          "radiosity: %zu of the scene's shapes are no surfaces of one matt material at rest that can be "
-          "cut to patches, and reflect no indirect light",
-          patches.ignoredShapes()));
+      statistics.warnings.push_back(formatted("radiosity: %zu of the scene's shapes reflect no indirect "
+                                              "light: only shapes at rest with one diffuse "
+                                              "material, which can be divided into patches, reflect it",
+                                              patches.ignoredShapes()));
     guide =
         learnEmissionGuide(scene, classes, pass.seed, LOSSLESS_ROULETTE_DEPTH, control, statistics.counts);
     solve(scene, classes, pass, control, statistics);
@@ -77,13 +78,14 @@ class Radiosity final : public Integrator {
 
   std::string claims() const override { return "LD*E"; }
   std::string suppositions() const override {
-    return "that indirect light changes little over a patch, and is reflected by matt surfaces alone";
+    return "that indirect light is constant or changes linearly over a patch, and only diffuse surfaces "
+           "reflect it";
   }
   std::vector<EstimatorDomain> domains() const override {
-    return {{"emission", "LE", "none: met by camera rays", "", true},
+    return {{"emission", "LE", "none: found by camera rays", "", true},
             {"shadow rays", "LDE", "one for each camera ray", "direct light"},
             {"BSDF rays", "LDE", "one for each camera ray", "direct light", true},
-            {"patches", "LDD+E", "none: looked up", ""}};
+            {"patches", "LDD+E", "none: interpolated from the patches", ""}};
   }
 
  private:
@@ -136,7 +138,7 @@ class Radiosity final : public Integrator {
           std::clamp(std::log(std::max(left / total, CONVERGED)) / std::log(CONVERGED), 0.0, 1.0));
     }
     statistics.notes.push_back(
-        formatted("radiosity: %.3g %% of the reflected light was left unshot", 100 * left / total));
+        formatted("radiosity: %.3g %% of the reflected light was not distributed", 100 * left / total));
   }
 
   double powerOf(size_t patchSide) const {
@@ -244,13 +246,14 @@ class Radiosity final : public Integrator {
 void registerRadiosity(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "radiosity",
-        .summary = "Radiosity: indirect light between patches of matt surfaces, smooth between them. "
-                   "Other surfaces get direct light alone.",
-        .parameters = {integerParameter("rays", "1000000", "rays that the form factors are found by, about")
+        .summary = "Radiosity: indirect light between patches of diffuse surfaces, interpolated between "
+                   "patches. Other surfaces get direct light only.",
+        .parameters = {integerParameter("rays", "1000000",
+                                        "number of rays that sample the form factors, approximately")
                            .range(1, 1e9),
                        realParameter("patchsize", "",
-                                     "longest edge of a patch [scene units]; by default such that there are "
-                                     "about 10000, and more where they are slender")
+                                     "longest edge of a patch [scene units]; by default chosen for about "
+                                     "10000 patches, or more if faces are thin")
                            .positive()},
         .examples = {"", "\"integer rays\" 20000 \"float patchsize\" .5"}},
        [](const Parameters& p, const NoContext&) {

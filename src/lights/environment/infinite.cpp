@@ -45,7 +45,7 @@ std::array<Vec3d, 4> portalCorners(const Parameters& p, const Vec3d& origin) {
   constexpr double TOLERANCE = 1e-3;
   if (!(size > 0) || std::abs(glm::dot(along, up)) > TOLERANCE * size ||
       glm::length(given[2] - given[1] - along) > TOLERANCE * std::sqrt(size))
-    p.fail("portal", "the four points are no rectangle", "its corners in order around it");
+    p.fail("portal", "the four points are no rectangle", "the corners in order around the rectangle");
   return {given[0] - origin, given[1] - origin, given[2] - origin, given[3] - origin};
 }
 
@@ -53,7 +53,7 @@ std::unique_ptr<Light> makeInfinite(const Parameters& p, const LightContext& c) 
   double scale = p.real("scale");
   const bool scaled = p.hasValue("illuminance"), portal = p.has("portal");
   if (p.has("filename") && p.has("L"))
-    p.fail("L", "the light has a picture, and \"L\" as well", "\"filename\" or \"L\"; \"scale\" for both");
+    p.fail("L", "both a picture and \"L\" are given", "\"filename\" or \"L\"; \"scale\" for both");
   std::optional<EnvironmentMap> map;
   Rgb factor(1);
   if (p.has("filename")) {
@@ -61,11 +61,12 @@ std::unique_ptr<Light> makeInfinite(const Parameters& p, const LightContext& c) 
     if (scaled) {
       const double upper = map->upperIrradiance();
       if (!(upper > 0))
-        p.fail("illuminance", "the upper half of the picture is black and cannot be scaled", "\"scale\"");
+        p.fail("illuminance", "the upper half of the picture is black and has no irradiance to scale",
+               "\"scale\"");
       scale *= 2 * p.real("illuminance") / upper;
     }
   } else {
-    if (p.has("mapping")) p.fail("mapping", "there is no picture to be mapped", "\"string filename\"");
+    if (p.has("mapping")) p.fail("mapping", "\"mapping\" is given without a picture", "\"string filename\"");
     if (scaled) scale *= p.real("illuminance") / double(PI);
     const Rgb radiance(p.spectrum("L") * scale);
     if (!portal) return std::make_unique<Uniform>(radiance);
@@ -76,7 +77,7 @@ std::unique_ptr<Light> makeInfinite(const Parameters& p, const LightContext& c) 
   }
   const double determinant = glm::determinant(Mat3d(c.sceneFromLight));
   if (!std::isfinite(determinant) || determinant == 0)
-    p.fail("", "the light's transform flattens directions: it cannot be inverted");
+    p.fail("", "the light's transform is singular: it cannot be inverted");
   auto light = std::make_unique<EnvironmentMapLight>(std::move(*map), factor * static_cast<float>(scale),
                                                      c.sceneFromLight);
   if (portal) light->addPortal(portalCorners(p, c.sceneOrigin));
@@ -88,27 +89,25 @@ std::unique_ptr<Light> makeInfinite(const Parameters& p, const LightContext& c) 
 void registerInfinite(PlugIns& plugIns) {
   plugIns.lights.add(
       {{.name = "infinite",
-        .summary = "Light from everywhere outside the scene: the same radiance, or a picture of the "
-                   "surroundings. The picture's upper edge (\"latlong\") or middle (\"equalarea\") is light "
-                   "space +z; what other layouts show in front lies towards -x, to the right towards -y.",
-        .parameters =
-            {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "radiance [W/(m² sr)]"),
-             realParameter("scale", "1", "factor on L or on the picture").range(0, 1e30),
-             realParameter(
-                 "illuminance", "",
-                 "irradiance of a surface that L is scaled to; of a picture half of that from above "
-                 "(+z), as pbrt-v4 computes it")
-                 .positive(),
-             stringParameter("filename", "", "a picture of the surroundings"),
-             stringParameter(
-                 "mapping", "",
-                 "how directions lie in the picture: pbrt-v4's octahedral map of equal areas, "
-                 "latitude-longitude (azimuth from +x to +y), Debevec's angular map, mirror ball, "
-                 "cube; where it is absent, the picture's shape tells")
-                 .oneOf(probeLayouts()),
-             arrayParameter(ParameterType::POINT3, "portal", 4, "",
-                            "corners of a rectangle in world space, p3-p0 and p1-p0 its sides, their cross "
-                            "product pointing outwards: light is looked for through it first")},
+        .summary = "Light from all directions outside of the scene: constant radiance, or an environment "
+                   "map. Its upper edge (\"latlong\") or middle (\"equalarea\") is +z of light space; in "
+                   "other layouts the front is towards -x, and the right towards -y.",
+        .parameters = {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "radiance [W/(m² sr)]"),
+                       realParameter("scale", "1", "factor on L or on the picture").range(0, 1e30),
+                       realParameter("illuminance", "",
+                                     "irradiance of a surface to which L is scaled; for a picture, half of "
+                                     "the irradiance from above (+z), as pbrt-v4 computes it")
+                           .positive(),
+                       stringParameter("filename", "", "environment map"),
+                       stringParameter("mapping", "",
+                                       "mapping of directions: pbrt-v4's octahedral map of equal areas, "
+                                       "latitude-longitude (azimuth from +x to +y), Debevec's angular map, "
+                                       "mirror ball, cube; by default chosen by the shape of the picture")
+                           .oneOf(probeLayouts()),
+                       arrayParameter(
+                           ParameterType::POINT3, "portal", 4, "",
+                           "portal: corners of a rectangle in world space, with sides p3-p0 and p1-p0 and "
+                           "their cross product pointing outwards; light is sampled through it first")},
         .examples = {"\"rgb L\" [.4 .45 .5]", "\"string filename\" \"scenes/textures/evening.hdr\"",
                      "\"string filename\" \"scenes/textures/evening.hdr\" \"float scale\" 2 "
                      "\"point3 portal\" [-.5 1.5 -1  1.5 1.5 -1  1.5 1.5 .5  -.5 1.5 .5]"}},

@@ -116,7 +116,7 @@ Vec3d sunDirection(const Parameters& p) {
   if (byTime) {
     for (const char* other : {"elevation", "azimuth"})
       if (p.has(other))
-        p.fail(other, "the sun's place is given by angles and by place and time", "one of the two");
+        p.fail(other, "the sun's position is given both by angles and by location and time", "one of them");
     return sunAt(p.real("latitude"), p.real("longitude"), p.integer("day"), p.real("hour"),
                  p.real("timezone"));
   }
@@ -129,8 +129,8 @@ std::unique_ptr<Light> makeSky(const Parameters& p, const LightContext& c) {
   if (!(towardsSun.z > std::sin(LOWEST * DEGREE)))
     p.fail(p.has("elevation") ? "elevation" : "hour",
            "the sun is " + std::to_string(std::asin(towardsSun.z) / DEGREE) +
-               " degrees above the horizon, where the model of the sky does not hold",
-           "more than half a degree");
+               " degrees above the horizon, where the sky model is not valid",
+           "an elevation above half a degree");
   const double turbidity = p.real("turbidity"), theta = std::acos(std::min(towardsSun.z, 1.0));
   const PreethamSky sky(turbidity, theta);
   const Rgbd sun = p.boolean("sun") ? sunIlluminance(turbidity, theta) : Rgbd(0);
@@ -165,7 +165,7 @@ std::unique_ptr<Light> makeSky(const Parameters& p, const LightContext& c) {
 
   const double determinant = glm::determinant(Mat3d(c.sceneFromLight));
   if (!std::isfinite(determinant) || determinant == 0)
-    p.fail("", "the light's transform flattens directions: it cannot be inverted");
+    p.fail("", "the light's transform is singular: it cannot be inverted");
   const auto scale = static_cast<float>(p.real("scale"));
   auto light = std::make_unique<EnvironmentMapLight>(EnvironmentMap(image, EnvironmentMapping::EQUAL_AREA),
                                                      Rgb(scale), c.sceneFromLight);
@@ -184,24 +184,26 @@ std::unique_ptr<Light> makeSky(const Parameters& p, const LightContext& c) {
 void registerSky(PlugIns& plugIns) {
   plugIns.lights.add(
       {{.name = "sky",
-        .summary =
-            "A clear sky with its sun (Preetham, Shirley, Smits 1999), by the sun's angles, or by place and "
-            "time. Light space has +z up, +x to the north and +y to the east.",
+        .summary = "A clear sky with the sun (Preetham, Shirley, Smits 1999), by the sun's angles, or by "
+                   "location and time. In light space +z is up, +x north and +y east.",
         .parameters =
-            {realParameter("turbidity", "3", "haze: 2 is very clear, 6 hazy").range(1.9, 10),
-             realParameter("elevation", "45", "of the sun above the horizon [degrees]").range(-90, 90),
-             realParameter("azimuth", "135", "of the sun, from north to east [degrees]").range(-360, 360),
+            {realParameter("turbidity", "3", "turbidity (haze): 2 is very clear, 6 hazy").range(1.9, 10),
+             realParameter("elevation", "45", "elevation of the sun above the horizon [degrees]")
+                 .range(-90, 90),
+             realParameter("azimuth", "135", "azimuth of the sun, from north to east [degrees]")
+                 .range(-360, 360),
              realParameter("latitude", "0", "northern [degrees]").range(-90, 90),
              realParameter("longitude", "0", "eastern [degrees]").range(-180, 180),
-             integerParameter("day", "172", "of the year, from 1").range(1, 366),
-             realParameter("hour", "12", "standard time of the time zone").range(0, 24),
-             realParameter("timezone", "0", "hours ahead of Greenwich").range(-14, 14),
-             booleanParameter("sun", "true", "the sun's disc shines as well"),
-             realParameter("sunsize", "1", "how much wider the sun is than ours, with the same light")
+             integerParameter("day", "172", "day of the year, from 1").range(1, 366),
+             realParameter("hour", "12", "standard time of the time zone [hours]").range(0, 24),
+             realParameter("timezone", "0", "time zone [hours ahead of Greenwich]").range(-14, 14),
+             booleanParameter("sun", "true", "include the disc of the sun"),
+             realParameter("sunsize", "1",
+                           "diameter of the sun relative to the real one, with the same irradiance")
                  .range(0.1, 40),
              spectrumParameter("ground", "0.2", SpectrumKind::ALBEDO,
-                               "reflectance of the ground, which is all that is below the horizon"),
-             realParameter("scale", "1", "factor; 1 is for radiance 1 at 1000 cd/m²").range(0, 1e30)},
+                               "reflectance of the ground, which fills all directions below the horizon"),
+             realParameter("scale", "1", "factor; 1 gives radiance 1 for 1000 cd/m²").range(0, 1e30)},
         .examples = {"\"float elevation\" 30 \"float turbidity\" 2.5 \"float sunsize\" 20",
                      "\"float latitude\" 52 \"float longitude\" 13 \"integer day\" 100 \"float hour\" 9 "
                      "\"float timezone\" 1 \"bool sun\" false"}},

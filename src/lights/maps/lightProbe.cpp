@@ -241,16 +241,16 @@ Layout layoutOf(const Parameters& p, const Image& image) {
     std::string accepted;
     for (const NamedLayout& l : LAYOUTS)
       accepted += (accepted.empty() ? "" : "; ") + std::string(l.shape) + " (\"" + l.name + "\")";
-    p.fail("filename", "a picture of " + shape + " does not show all directions in a known way",
-           accepted + "; or \"mapping\" \"latlong\" for any shape");
+    p.fail("filename", "a picture of " + shape + " is not a known mapping of all directions",
+           accepted + "; or \"mapping\" \"latlong\" for any size");
   }
   if (*guessed != Layout::EQUAL_AREA)
     for (const NamedLayout& l : LAYOUTS)
       if (l.layout == *guessed)
         p.warn("filename",
-               "the picture is taken to be \"" + std::string(l.name) + "\", by its " +
-                   (*guessed == Layout::ANGULAR ? "name and its empty corners" : "shape"),
-               "\"string mapping\" to say what it is");
+               "the mapping of the picture is assumed to be \"" + std::string(l.name) + "\", by its " +
+                   (*guessed == Layout::ANGULAR ? "name and its black corners" : "shape"),
+               "\"string mapping\" to set it");
   return *guessed;
 }
 
@@ -292,7 +292,7 @@ Image readLightPicture(const Parameters& p) {
       }
   if (negative > 0)
     p.warn("filename", path + ": " + std::to_string(negative) +
-                           (negative == 1 ? " value is" : " values are") + " negative, and taken for 0");
+                           (negative == 1 ? " value is" : " values are") + " negative, and replaced by 0");
   if (dark) p.warn("filename", path + ": is black everywhere: the light emits nothing");
   return image;
 }

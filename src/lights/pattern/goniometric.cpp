@@ -70,7 +70,7 @@ EnvironmentMap pictureOf(const IesProfile& profile) {
 EnvironmentMap readDistribution(const Parameters& p) {
   if (p.has("profile")) {
     if (p.has("filename"))
-      p.fail("profile", "the light has a picture, and a profile as well", "\"filename\" or \"profile\"");
+      p.fail("profile", "both a picture and a profile are given", "\"filename\" or \"profile\"");
     const std::string path = p.filePath("profile");
     try {
       return pictureOf(IesProfile::read(path));
@@ -88,7 +88,7 @@ EnvironmentMap readDistribution(const Parameters& p) {
     p.fail("filename",
            "the picture has " + std::to_string(image.width) + " by " + std::to_string(image.height) +
                " pixels",
-           "a square, in the octahedral map of equal areas");
+           "a square picture, in the octahedral map of equal areas");
   const int luminanceChannel = image.channel("Y");
   Image grey(image.width, image.height, {"R", "G", "B"});
   for (int y = 0; y < image.height; ++y)
@@ -106,7 +106,7 @@ std::unique_ptr<Light> makeGoniometric(const Parameters& p, const LightContext& 
   double scale = p.real("scale");
   if (p.hasValue("power")) {
     const double whole = distribution.integral().g;
-    if (!(whole > 0)) p.fail("power", "a light that is black everywhere cannot be scaled", "\"scale\"");
+    if (!(whole > 0)) p.fail("power", "a black light has no power to scale", "\"scale\"");
     scale *= p.real("power") / whole;
   }
   return std::make_unique<Goniometric>(std::move(distribution), Rgb(p.spectrum("I") * scale),
@@ -118,16 +118,16 @@ std::unique_ptr<Light> makeGoniometric(const Parameters& p, const LightContext& 
 void registerGoniometric(PlugIns& plugIns) {
   plugIns.lights.add(
       {{.name = "goniometric",
-        .summary =
-            "A light at the origin of light space with an intensity of its own for each direction: of a "
-            "picture in pbrt-v4's octahedral map, whose middle is +y, or of a photometric file, in "
-            "which down is -y, C0 is +x and C90 is +z.",
-        .parameters = {spectrumParameter("I", "1", SpectrumKind::ILLUMINANT, "factor for each colour [W/sr]"),
+        .summary = "A light at the origin of light space with an intensity for each direction: from a "
+                   "picture in pbrt-v4's octahedral map, with +y in the middle, or from a photometric file, "
+                   "in which down is -y, C0 is +x and C90 is +z.",
+        .parameters = {spectrumParameter("I", "1", SpectrumKind::ILLUMINANT, "factor on each colour [W/sr]"),
                        realParameter("scale", "1", "factor on I").range(0, 1e30),
                        realParameter("power", "", "total power [W]; replaces the scale of I").positive(),
-                       stringParameter("filename", "", "a square picture; its colours are averaged"),
+                       stringParameter("filename", "",
+                                       "square picture of the intensity; the mean of its colours is used"),
                        stringParameter("profile", "",
-                                       "an IES file (IESNA LM-63), whose candela values count as W/sr")},
+                                       "IES file (IESNA LM-63); its values in candela are used as W/sr")},
         .examples = {"\"rgb I\" [3 2 1]", "\"string filename\" \"scenes/textures/evening-square.hdr\"",
                      "\"string profile\" \"scenes/textures/downlight.ies\" \"float power\" 10"}},
        makeGoniometric});

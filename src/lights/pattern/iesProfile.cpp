@@ -31,7 +31,8 @@ class Numbers {
     double value = 0;
     const auto [end, error] = std::from_chars(&text[at], text.data() + text.size(), value);
     if (error != std::errc() || !std::isfinite(value))
-      throw Error("line " + std::to_string(line) + ": where " + what + " should be, there is no number");
+      throw Error("line " + std::to_string(line) + ": where " + what +
+                  " is expected, but there is no number");
     at = static_cast<size_t>(end - text.data());
     return value;
   }
@@ -58,7 +59,7 @@ class Numbers {
 void checkAscending(const std::vector<double>& angles, double least, double most, const char* what) {
   for (size_t i = 0; i < angles.size(); ++i)
     if ((i > 0 && !(angles[i] > angles[i - 1])) || angles[i] < least || angles[i] > most)
-      throw Error(std::string(what) + " angles do not rise from " + std::to_string(int(least)) + " to " +
+      throw Error(std::string(what) + " angles do not increase from " + std::to_string(int(least)) + " to " +
                   std::to_string(int(most)) + " degrees");
 }
 
@@ -108,7 +109,7 @@ IesProfile IesProfile::parse(const std::string& text) {
                 (type == 2   ? "B"
                  : type == 3 ? "A"
                              : std::to_string(type)) +
-                " is not rendered; type C (1) is");
+                " is not supported; only type C (1) is");
   numbers.list(4, "the units and the size of the opening");
   const double ballast = numbers.next("the ballast factor");
   numbers.list(2, "the ballast-lamp factor and the watts");
@@ -122,7 +123,7 @@ IesProfile IesProfile::parse(const std::string& text) {
   const bool whole = first == 0 && (last == 0 || last == 90 || last == 180 || last == 360);
   if (!whole && !(first == 90 && last == 270))
     throw Error("horizontal angles from " + std::to_string(first) + " to " + std::to_string(last) +
-                " degrees are of no known symmetry; 0, 0 to 90, 0 to 180, 90 to 270 and 0 to 360 are");
+                " degrees have no known symmetry; known are 0, 0 to 90, 0 to 180, 90 to 270 and 0 to 360");
   p.candela = numbers.list(verticals * horizontals, "a candela value");
   for (double& c : p.candela) {
     c *= multiplier * ballast;

@@ -12,7 +12,7 @@ PatternLight::PatternLight(const Mat4d& sceneFromLight)
 void PatternLight::requireInvertible(const Mat4d& sceneFromLight, const Parameters& p) {
   const double determinant = glm::determinant(Mat3d(sceneFromLight));
   if (!std::isfinite(determinant) || determinant == 0)
-    p.fail("", "the light's transform flattens directions: it cannot be inverted");
+    p.fail("", "the light's transform is singular: it cannot be inverted");
 }
 
 std::optional<LeSample> PatternLight::sampleLe(const LeRandom& sample) const {

@@ -82,7 +82,7 @@ std::unique_ptr<Light> makeProjection(const Parameters& p, const LightContext& c
                                             Rgb(static_cast<float>(p.real("scale"))), c.sceneFromLight);
   if (p.hasValue("power")) {
     const double whole = double(luminance(Rgb(light->wholeIntegral())));
-    if (!(whole > 0)) p.fail("power", "a black picture cannot be scaled", "\"scale\"");
+    if (!(whole > 0)) p.fail("power", "a black picture has no power to scale", "\"scale\"");
     light->multiply(p.real("power") / whole);
   }
   return light;
@@ -93,13 +93,12 @@ std::unique_ptr<Light> makeProjection(const Parameters& p, const LightContext& c
 void registerProjection(PlugIns& plugIns) {
   plugIns.lights.add(
       {{.name = "projection",
-        .summary =
-            "A slide projector at the origin of light space that throws a picture along +z, with +x to "
-            "the right and +y up; the intensity of a direction is that of the picture's pixel.",
+        .summary = "A slide projector at the origin of light space that projects a picture along +z, with +x "
+                   "to the right and +y up; the intensity of a direction is that of the picture's pixel.",
         .parameters =
             {stringParameter("filename", "", "the picture").require(),
              realParameter("scale", "1", "factor on the picture").range(0, 1e30),
-             realParameter("fov", "90", "angle across the shorter side [degrees]").range(1e-3, 179.9),
+             realParameter("fov", "90", "angle of view along the shorter side [degrees]").range(1e-3, 179.9),
              realParameter("power", "", "total power [W]; replaces the scale of the picture").positive()},
         .examples = {"\"string filename\" \"scenes/textures/evening.hdr\" \"float fov\" 50",
                      "\"string filename\" \"scenes/textures/evening-square.hdr\" \"float power\" 5"}},

@@ -33,7 +33,7 @@ GridBox::GridBox(const Parameters& p, const MediumContext& context) : GridBox(p,
 GridBox::GridBox(const Parameters& p, const Mat4d& sceneFromUnit) {
   const double determinant = glm::determinant(Mat3d(sceneFromUnit));
   if (!std::isfinite(determinant) || determinant == 0)
-    p.fail("", "the medium's transform flattens it: it cannot be inverted");
+    p.fail("", "the medium's transform is singular: it cannot be inverted");
   unitFromScene = glm::inverse(sceneFromUnit);
   for (int corner = 0; corner < 8; ++corner)
     sceneBounds.add(Vec3f(transformPoint(sceneFromUnit, Vec3d(corner & 1, corner >> 1 & 1, corner >> 2))));
@@ -56,16 +56,15 @@ void GridBox::checkSteps(const Parameters& p, const char* parameter, const Major
       double(highest) * double(maxComponent(extinction)) * double(glm::length(sceneBounds.diagonal()));
   if (steps > MAX_STEPS)
     p.fail(parameter,
-           "at its densest the medium is so dense that light may take " + formatted("%.2g", steps) +
-               " steps through the grid, even where it is clear",
-           "at most 1e6 mean free paths across the grid's box: a smaller scale, or a homogeneous medium with "
-           "these "
-           "boundaries, whose transmittance takes no steps");
+           "the maximum density is so high that a path may take " + formatted("%.2g", steps) +
+               " steps through the grid, even where it is empty",
+           "at most 1e6 mean free paths across the grid's box: decrease the scale, or use a homogeneous "
+           "medium with these boundaries, which needs no steps");
 }
 
 std::vector<ParameterSpec> gridBoxParameters() {
   return {arrayParameter(ParameterType::POINT3, "p0", 1, "0 0 0", "a corner of the grid's box"),
-          arrayParameter(ParameterType::POINT3, "p1", 1, "1 1 1", "the corner opposite")};
+          arrayParameter(ParameterType::POINT3, "p1", 1, "1 1 1", "the opposite corner")};
 }
 
 namespace {
@@ -93,7 +92,7 @@ HeatGlow::HeatGlow(const Parameters& p, float highest)
       scale(static_cast<float>(p.real("temperaturescale"))) {
   // Temperatures that are interpolated towards the zeros outside may be hotter.
   hottest = std::max((highest - offset) * scale, -offset * scale);
-  if (!std::isfinite(hottest)) p.fail("temperaturescale", "temperatures that are too high");
+  if (!std::isfinite(hottest)) p.fail("temperaturescale", "the temperatures are too high");
   const double strength = emissionScale(p);
   if (!(double(hottest) > COLD) || !(strength > 0)) return;
   for (size_t i = 0; i < TABLE_SIZE; ++i) {
@@ -114,9 +113,10 @@ Rgb HeatGlow::radiance(float temperature) const {
 }
 
 std::vector<ParameterSpec> heatParameters() {
-  return {realParameter("temperatureoffset", "0", "is taken off the temperatures"),
-          realParameter("temperaturecutoff", "", "the older name of temperatureoffset"),
-          realParameter("temperaturescale", "1", "makes kelvins of what is left").range(0, 1e30)};
+  return {
+      realParameter("temperatureoffset", "0", "is subtracted from the temperatures"),
+      realParameter("temperaturecutoff", "", "older name of temperatureoffset"),
+      realParameter("temperaturescale", "1", "factor that converts the difference to kelvin").range(0, 1e30)};
 }
 
 } // namespace recurse

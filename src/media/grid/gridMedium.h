@@ -12,9 +12,8 @@
 namespace recurse {
 
 /** Text for the reference: the limit that checkSteps() enforces. */
-constexpr const char* DENSITY_LIMIT = " Across its box there may be 1e6 mean free paths of its densest part "
-                                      "at most, as flights take a step for "
-                                      "each.";
+constexpr const char* DENSITY_LIMIT = " The box may have at most 1e6 mean free paths of its maximum density "
+                                      "across, because a path takes a step for each.";
 
 /** Box of a grid, which maps to the unit cube. */
 class GridBox {

@@ -18,7 +18,7 @@ class PlacedGrid {
       : values(std::move(grid.values)), sceneFromIndex(context.sceneFromMedium * grid.worldFromIndex) {
     const double determinant = glm::determinant(Mat3d(sceneFromIndex));
     if (!std::isfinite(determinant) || determinant == 0)
-      p.fail("filename", "the transform of the medium or of its grid flattens it: it cannot be inverted");
+      p.fail("filename", "the transform of the medium or of its grid is singular: it cannot be inverted");
     indexFromScene = glm::inverse(sceneFromIndex);
   }
 
@@ -53,13 +53,13 @@ class NanoVdbMedium final : public Medium {
     constexpr float DENSEST = 1e18f; // limit of all grids; squares of extinctions fit
     if (density.grid().largest() > DENSEST)
       p.fail("filename", file + ": the densities are too high for single precision", "densities below 1e18");
-    if (density.grid().smallest() < 0) p.warn("filename", file + ": negative densities count as none");
+    if (density.grid().smallest() < 0) p.warn("filename", file + ": negative densities are replaced by 0");
     box = GridBox(p, density.sceneFromUnit());
     majorants = density.grid().majorants();
     box.checkSteps(p, "filename", majorants, whole.extinction());
     temperature = PlacedGrid(p, readNanoVdb(file, bytes, "temperature", names), context);
     if (temperature.grid().empty()) return;
-    if (p.has("Le")) p.fail("Le", "the light is given twice: " + file + " has temperatures");
+    if (p.has("Le")) p.fail("Le", "the emission is given twice: " + file + " has temperatures");
     glow = HeatGlow(p, temperature.grid().largest());
   }
 
@@ -87,28 +87,31 @@ class NanoVdbMedium final : public Medium {
 
 void registerNanoVdb(PlugIns& plugIns) {
   std::vector<ParameterSpec> parameters = mediumParameters("1", "1");
-  parameters.push_back(realParameter("LeScale", "", "Lescale, as pbrt-v4 spells it here").range(0, 1e30));
-  parameters.push_back(stringParameter("filename", "",
-                                       "NanoVDB file with a grid \"density\", which multiplies sigma_a and "
-                                       "sigma_s, and maybe one \"temperature\": what absorbs glows as black "
-                                       "bodies do")
-                           .require());
+  parameters.push_back(
+      realParameter("LeScale", "", "Lescale, as pbrt-v4 spells it for this medium").range(0, 1e30));
+  parameters.push_back(
+      stringParameter("filename", "",
+                      "NanoVDB file with a grid \"density\", which multiplies sigma_a and sigma_s, and "
+                      "optionally a grid \"temperature\": the absorbing medium emits as a black body")
+          .require());
   for (const ParameterSpec& s : heatParameters()) parameters.push_back(s);
-  plugIns.media.add({{.name = "nanovdb",
-                      .summary = std::string("A medium whose density is a sparse grid in a file, of floats "
-                                             "or of numbers with fewer bits.") +
-                                 DENSITY_LIMIT,
-                      .parameters = parameters,
-                      .examples = {}},
-                     [](const Parameters& p, const MediumContext& c) -> std::unique_ptr<Medium> {
-                       try {
-                         return std::make_unique<NanoVdbMedium>(p, c);
-                       } catch (const SceneError&) {
-                         throw;
-                       } catch (const Error& e) {
-                         p.fail("filename", e.what());
-                       }
-                     }});
+  plugIns.media.add(
+      {{.name = "nanovdb",
+        .summary =
+            std::string(
+                "A medium with the density of a sparse grid in a file, in single precision or fewer bits.") +
+            DENSITY_LIMIT,
+        .parameters = parameters,
+        .examples = {}},
+       [](const Parameters& p, const MediumContext& c) -> std::unique_ptr<Medium> {
+         try {
+           return std::make_unique<NanoVdbMedium>(p, c);
+         } catch (const SceneError&) {
+           throw;
+         } catch (const Error& e) {
+           p.fail("filename", e.what());
+         }
+       }});
 }
 
 } // namespace recurse

@@ -43,11 +43,12 @@ class GridReader {
   GridReader(const std::string& name, std::string_view bytes) : in(name, bytes) {}
 
   NanoVdbGrid read() {
-    if (in.at<uint64_t>(0, "the grid's magic number") != MAGIC) in.fail(0, "no grid begins here");
+    if (in.at<uint64_t>(0, "the grid's magic number") != MAGIC)
+      in.fail(0, "this is not the beginning of a grid");
     type = in.at<uint32_t>(636, "the type of values");
     if (type != FLOAT && !(type >= FP4 && type <= FP_ANY))
       in.fail(636, "values of type " + std::to_string(type) +
-                       "; 1 (float) and 13 to 16 (floats by fewer bits) are read");
+                       "; only 1 (float) and 13 to 16 (floats with fewer bits) are supported");
     NanoVdbGrid grid;
     constexpr uint64_t MAP = 296, MATRIX = MAP + 88, SHIFT = MATRIX + 144;
     for (int row = 0; row < 3; ++row) {
@@ -95,7 +96,7 @@ class GridReader {
     for (uint64_t i = 0; i < count; ++i) {
       const uint64_t tile = root + ROOT + i * ROOT_TILE;
       const auto key = in.at<uint64_t>(tile, "a tile's key");
-      if (!keys.insert(key).second) in.fail(tile, "two tiles at the same place");
+      if (!keys.insert(key).second) in.fail(tile, "two tiles have the same position");
       glm::ivec3 origin; // 21 bits for each coordinate, z the lowest
       for (int axis = 0; axis < 3; ++axis)
         origin[axis] = static_cast<int32_t>(static_cast<uint32_t>(key >> (21 * (2 - axis)) & 0x1fffff)
@@ -172,9 +173,10 @@ std::string unpacked(const std::string& name, const ByteReader& in, uint64_t off
                      uint64_t size) {
   constexpr uint64_t MAX_RATIO = 1032; // bound on the compression of deflate
   const auto packed = in.at<uint64_t>(offset, "the size of a packed grid");
-  if (bytesInFile < 8 || packed > bytesInFile - 8) in.fail(offset, "a packed grid is larger than its place");
+  if (bytesInFile < 8 || packed > bytesInFile - 8)
+    in.fail(offset, "a packed grid is larger than its space in the file");
   const std::string_view from = in.part(offset + 8, packed, "a packed grid");
-  if (size / MAX_RATIO > packed) in.fail(offset, "a packed grid cannot be as large as it says");
+  if (size / MAX_RATIO > packed) in.fail(offset, "a packed grid has an impossible size");
   requireMemory(name + ": unpacked it", double(size));
   std::string to(size, '\0');
   auto length = static_cast<uLongf>(size);
@@ -216,8 +218,9 @@ NanoVdbGrid readNanoVdb(const std::string& file, std::string_view bytes, const s
         const std::string inside = file + ": grid \"" + name + "\"";
         if (codec == UNPACKED) return GridReader(inside, stored).read();
         if (codec != ZIP)
-          in.fail(segment + 14, codec == BLOSC ? "packed by blosc; not packed, or by zip, it is read"
-                                               : "codec " + std::to_string(codec));
+          in.fail(segment + 14,
+                  codec == BLOSC ? "compressed by blosc, which is not supported; use no compression, or zip"
+                                 : "codec " + std::to_string(codec));
         return GridReader(inside, unpacked(inside, in, at, e.bytesInFile, e.size)).read();
       }
       others.push_back(e.name);

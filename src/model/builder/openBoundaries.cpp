@@ -138,10 +138,10 @@ void warnOfOpenBoundaries(const Scene& scene, const ShapeGroups& shapes, const S
     if (open.first)
       diagnostics.warning(open.first->of->shape.location,
                           "the boundary between " + media.title(pair.first) + " and " +
-                              media.title(pair.second) + " does not close: " + (open.all ? "" : "at least ") +
+                              media.title(pair.second) + " is not closed: " + (open.all ? "" : "at least ") +
                               std::to_string(open.count) +
                               (open.count == 1 ? " edge is open" : " edges are open"),
-                          "shapes that enclose the medium together, or with what is opaque");
+                          "shapes that enclose the medium, together or with opaque surfaces");
   }
 }
 

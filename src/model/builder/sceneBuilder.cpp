@@ -92,7 +92,7 @@ class SceneBuilder {
       const auto& w = overrides.cropWindow;
       if (w[1] > w[0]) f.crop = cropOf(f, double(w[0]), double(w[1]), double(w[2]), double(w[3]));
       if (f.crop.x0 >= f.crop.x1 || f.crop.y0 >= f.crop.y1)
-        throw Error("no pixel lies in the crop window", ExitStatus::BAD_USAGE);
+        throw Error("the crop window contains no pixel", ExitStatus::BAD_USAGE);
     }
     scene->pixelFilter =
         all.filters.make(orDefault(description.filter, "gaussian"), {}, diagnostics, overrides.lenient);
@@ -115,8 +115,8 @@ class SceneBuilder {
       // Rays from too far away, or with a vanishing direction, have no reliable intersections.
       if (!ray || (representable(ray->origin) && isUnit(ray->direction))) continue;
       diagnostics.error(description.camera.location,
-                        "the camera's rays cannot be told in single precision: it is "
-                        "too far from the scene, or its window is too large");
+                        "the camera's rays are not distinct in single precision: the camera is too far from "
+                        "the scene, or its window is too large");
       break;
     }
   }
@@ -181,7 +181,7 @@ class SceneBuilder {
       if (!p.shape->canBeSampled()) {
         diagnostics.error(p.from->shape.location,
                           "shape \"" + p.from->shape.type +
-                              "\" cannot be a lamp: no points are sampled on it",
+                              "\" cannot be a lamp: points on it cannot be sampled",
                           "another shape after the AreaLightSource");
         return;
       }

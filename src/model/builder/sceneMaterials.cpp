@@ -19,7 +19,7 @@ constexpr int MAX_LEVELS = 256;
 constexpr double MAX_PARTS = 100000;
 
 [[noreturn]] void failAsTooDeep(const Parameters& p, const std::string& name) {
-  p.fail(name, "textures are made of textures at more than " + std::to_string(MAX_LEVELS) + " levels");
+  p.fail(name, "textures are nested more than " + std::to_string(MAX_LEVELS) + " levels");
 }
 
 } // namespace
@@ -43,7 +43,7 @@ void SceneMaterials::addPart(const Parameters& p, const std::string& name, const
   parts.count += part.count;
   if (parts.levels >= MAX_LEVELS) failAsTooDeep(p, name);
   if (parts.count > MAX_PARTS)
-    p.fail(name, formatted("a value is made of those of more than %.0f textures", MAX_PARTS));
+    p.fail(name, formatted("a value depends on more than %.0f textures", MAX_PARTS));
 }
 
 TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name, bool spectrum) const {
@@ -56,7 +56,7 @@ TexturedRgb SceneMaterials::lookUp(const Parameters& p, const std::string& name,
   const auto key = std::make_pair(texture, spectrum);
   const auto found = texturesByName.find(key);
   if (found != texturesByName.end()) {
-    if (found->second.underWay) p.fail(name, "texture \"" + texture + "\" is made of itself");
+    if (found->second.underWay) p.fail(name, "texture \"" + texture + "\" depends on itself");
     addPart(p, name, found->second.extent);
     return textured(found->second.texture);
   }
@@ -93,13 +93,14 @@ const Material* SceneMaterials::makeMaterial(const ParsedDirective& d) {
         const Material* m = namedMaterial(name, where);
         if (!m) p.fail(parameter, "material \"" + name + "\" cannot be used here");
         if (m->detail && p.plugInName() != "mix")
-          p.fail(parameter, "material \"" + name + "\" has bumps of its own, and cannot be a part of another",
+          p.fail(parameter, "material \"" + name + "\" has bumps, and cannot be used in another material",
                  "\"displacement\" or \"normalmap\" of \"" + p.plugInName() + "\" itself");
         if (m->opacity && p.plugInName() != "mix")
           p.fail(parameter,
-                 "material \"" + name + "\" is a mix with \"interface\", and can be a part of a mix only");
+                 "material \"" + name + "\" is a mix with \"interface\", and can be used in a mix only");
         if (m->filling)
-          p.fail(parameter, "material \"" + name + "\" fills its shapes, and cannot be a part of another");
+          p.fail(parameter,
+                 "material \"" + name + "\" contains a medium, and cannot be used in another material");
         return m;
       }};
   std::unique_ptr<Material> m = plugIns().materials.make(d, context, c.diagnostics, c.lenient);
@@ -108,8 +109,8 @@ const Material* SceneMaterials::makeMaterial(const ParsedDirective& d) {
     if (sameNested(*m) == nested.size() && ++nestedKinds > Scene::MAX_NESTED)
       c.diagnostics.error(d.location,
                           "there are more than " + std::to_string(Scene::MAX_NESTED) +
-                              " dielectrics with a priority that differ",
-                          "a priority and eta that another has too");
+                              " different dielectrics with a priority",
+                          "priority and eta of one of the others");
     nested.push_back(m.get());
   }
   materials.push_back(std::move(m));
@@ -121,12 +122,11 @@ bool SceneMaterials::addPart(const Extent& part, const SourceLocation& where) {
   materialParts.levels = std::max(materialParts.levels, part.levels);
   materialParts.count += part.count;
   if (materialParts.levels >= MAX_LEVELS) {
-    c.diagnostics.error(where, "materials are made of materials at more than " + std::to_string(MAX_LEVELS) +
-                                   " levels");
+    c.diagnostics.error(where, "materials are nested more than " + std::to_string(MAX_LEVELS) + " levels");
     return false;
   }
   if (materialParts.count > MAX_PARTS) {
-    c.diagnostics.error(where, formatted("a material is made of more than %.0f materials", MAX_PARTS));
+    c.diagnostics.error(where, formatted("a material uses more than %.0f materials", MAX_PARTS));
     return false;
   }
   return true;
@@ -135,7 +135,7 @@ bool SceneMaterials::addPart(const Extent& part, const SourceLocation& where) {
 const Material* SceneMaterials::namedMaterial(const std::string& name, const SourceLocation& where) {
   const auto known = materialsByName.find(name);
   if (known != materialsByName.end()) {
-    if (known->second.underWay) c.diagnostics.error(where, "material \"" + name + "\" is made of itself");
+    if (known->second.underWay) c.diagnostics.error(where, "material \"" + name + "\" depends on itself");
     return addPart(known->second.extent, where) ? known->second.material : nullptr;
   }
   const auto found = c.description.namedMaterials.find(name);
@@ -178,8 +178,8 @@ void SceneMaterials::fillNested(const Material& m, const MediumInterface& media,
   const uint16_t inside = media.isBoundary() ? media.inside : Scene::SURROUNDING_MEDIUM;
   const auto [known, isNew] = mediumInNested.try_emplace(&m, inside);
   if (!isNew && known->second != inside)
-    c.diagnostics.error(where, "the material has a priority and is filled with another medium elsewhere",
-                        "a material of its own for each medium, with a priority that no other has");
+    c.diagnostics.error(where, "the material has a priority and contains another medium elsewhere",
+                        "a material for each medium, with a priority of its own");
 }
 
 std::map<const Material*, std::string> SceneMaterials::names() const {

@@ -119,7 +119,7 @@ std::unique_ptr<Shape> ShapeGroups::newShape(const ShapeDescription& s, const Sh
     if (e.status() != ExitStatus::FAILED) throw;
     c.diagnostics.error(s.shape.location, e.what());
   } catch (const std::bad_alloc&) {
-    c.diagnostics.error(s.shape.location, "the shape takes more memory than there is");
+    c.diagnostics.error(s.shape.location, "the shape needs more memory than is available");
   }
   return nullptr;
 }
@@ -194,11 +194,11 @@ bool ShapeGroups::checkSolids() {
     const SolidCount all = solidsIn(s, 0);
     sum += all.solids;
     if (all.levels > MAX_SOLID_LEVELS)
-      c.diagnostics.error(operands->location, "solids are made of solids at more than " +
-                                                  std::to_string(MAX_SOLID_LEVELS) + " levels");
+      c.diagnostics.error(operands->location,
+                          "solids are nested more than " + std::to_string(MAX_SOLID_LEVELS) + " levels");
     else if (sum > MAX_SOLIDS)
       c.diagnostics.error(operands->location,
-                          "too many solids are put together: more than " + std::to_string(int(MAX_SOLIDS)));
+                          "too many solids are combined: more than " + std::to_string(int(MAX_SOLIDS)));
     else
       return true;
     return false;
@@ -230,21 +230,20 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
   const Material* m = materials.material(s.material);
   if (m && m->filling) around.inside = media.number(*m->filling);
   if (m && m->opacity && around.isBoundary())
-    c.diagnostics.error(s.shape.location, "a mix with \"interface\" is no boundary of media",
+    c.diagnostics.error(s.shape.location, "a mix with \"interface\" cannot bound a medium",
                         "a material without holes, or the same medium on both sides");
   const Mat4d sceneFromObject = recentred(placement, group.origin);
   const double determinant = glm::determinant(Mat3d(sceneFromObject));
   if (!std::isfinite(determinant) || determinant == 0) {
-    c.diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+    c.diagnostics.error(s.shape.location, "the shape's transform is singular: it cannot be inverted");
     return;
   }
   const std::unique_ptr<Dicing> dicing = dicingOf(s, group);
   const bool turnsOver = isTurnedOverByMirrors(s);
   const bool hasSides = around.isBoundary() || (m && (m->lobes() & REFRACTION));
   if (turnsOver && hasSides && !s.reverseOrientation)
-    c.diagnostics.warning(s.shape.location,
-                          "the transform mirrors this shape, which turns it inside out, as in pbrt: "
-                          "ReverseOrientation before the Shape turns it back");
+    c.diagnostics.warning(s.shape.location, "the transform mirrors this shape and turns it inside out, as in "
+                                            "pbrt: ReverseOrientation before the Shape reverses it again");
   const ShapeContext context{sceneFromObject, s.reverseOrientation != turnsOver, &materials, this, m,
                              dicing.get(),    group.origin - c.sceneOrigin};
   std::string key;
@@ -256,7 +255,7 @@ void ShapeGroups::addShape(const ShapeDescription& s, const Mat4d& placement, Gr
   const Bounds3f bounds = shape->bounds();
   if (!representable(bounds.lower) || !representable(bounds.upper)) {
     c.diagnostics.error(s.shape.location,
-                        "the shape is too large, or too far from the rest, for single precision",
+                        "the shape is too large, or too far from the others, for single precision",
                         "coordinates below 1e18");
     return;
   }
@@ -275,7 +274,7 @@ std::vector<ComponentShape> ShapeGroups::object(const Parameters& p, const std::
            names.empty() ? "the name of an ObjectBegin" : quotedList(nearestNames(name, names)));
   }
   if (std::find(objectsUnderWay.begin(), objectsUnderWay.end(), name) != objectsUnderWay.end())
-    p.fail(parameter, "object \"" + name + "\" is made of itself");
+    p.fail(parameter, "object \"" + name + "\" contains itself");
   objectsUnderWay.push_back(name);
   std::vector<ComponentShape> made;
   for (const ShapeDescription& s : found->second.shapes) {
@@ -290,19 +289,20 @@ std::vector<ComponentShape> ShapeGroups::object(const Parameters& p, const std::
                              context.textureShift};
     const double determinant = glm::determinant(Mat3d(inner.sceneFromObject));
     if (s.worldFromObjectLast)
-      c.diagnostics.error(s.shape.location, "a part of another shape does not move by itself",
-                          "the whole's Shape under the motion");
+      c.diagnostics.error(s.shape.location, "an operand of another shape cannot move by itself",
+                          "the motion at the whole Shape");
     else if (s.areaLight >= 0)
-      c.diagnostics.error(s.shape.location, "a part of another shape does not emit by itself",
-                          "the AreaLightSource at the shape that it is a part of");
+      c.diagnostics.error(s.shape.location, "an operand of another shape cannot emit by itself",
+                          "the AreaLightSource at the whole Shape");
     else if (!std::isfinite(determinant) || determinant == 0)
-      c.diagnostics.error(s.shape.location, "the shape's transform flattens it: it cannot be inverted");
+      c.diagnostics.error(s.shape.location, "the shape's transform is singular: it cannot be inverted");
     else if (m && m->filling)
-      c.diagnostics.error(s.shape.location, "a part of another shape is not filled by its material",
-                          "a material that is a surface alone");
+      c.diagnostics.error(s.shape.location,
+                          "an operand of another shape cannot have a material with a medium",
+                          "a material without a medium");
     else if (s.medium.inside != s.medium.outside)
-      c.diagnostics.error(s.shape.location, "a part of another shape bounds no medium by itself",
-                          "the MediumInterface at the shape that it is a part of");
+      c.diagnostics.error(s.shape.location, "an operand of another shape cannot bound a medium by itself",
+                          "the MediumInterface at the whole Shape");
     else if (auto shape = newShape(s, inner))
       made.push_back({std::move(shape), m, s.shape.location});
   }
@@ -370,7 +370,7 @@ bool ShapeGroups::build(const FilmSettings& filmSettings) {
     }
     const double determinant = glm::determinant(Mat3d(i.worldFromInstance));
     if (!std::isfinite(determinant) || determinant == 0) {
-      c.diagnostics.error(i.location, "the instance's transform flattens it: it cannot be inverted");
+      c.diagnostics.error(i.location, "the instance's transform is singular: it cannot be inverted");
       continue;
     }
     if (!groupOf.count(i.object)) {
@@ -403,7 +403,7 @@ void ShapeGroups::addMoving(const ShapeDescription& s, const AnimatedTransform& 
   const auto volume = [&](const Mat4d& a, const Mat4d& b) { return glm::determinant(Mat3d(a) * Mat3d(b)); };
   const double first = volume(instance.start(), motion.start()), last = volume(instance.end(), motion.end());
   if (!std::isfinite(first) || !std::isfinite(last) || !(first * last > 0)) {
-    c.diagnostics.error(where, "a transform of the motion flattens the shape or turns it inside out");
+    c.diagnostics.error(where, "a transform of the motion is singular or mirrors the shape");
     return;
   }
   const size_t index = all.size();

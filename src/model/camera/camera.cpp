@@ -6,14 +6,15 @@
 namespace recurse {
 
 std::vector<ParameterSpec> shutterParameters() {
-  return {realParameter("shutteropen", "0", "when the exposure begins; see TransformTimes"),
+  return {realParameter("shutteropen", "0", "beginning of the exposure; see TransformTimes"),
           realParameter("shutterclose", "1",
-                        "when it ends; as in pbrt-v4, the picture is scaled by the time between")};
+                        "end of the exposure; as in pbrt-v4, the picture is multiplied by the difference")};
 }
 
 Camera::Camera(const Parameters& p, const CameraContext& c) {
   const double open = p.real("shutteropen"), close = p.real("shutterclose");
-  if (!(close > open)) p.fail("shutterclose", "the shutter does not open", "a time after \"shutteropen\"");
+  if (!(close > open))
+    p.fail("shutterclose", "\"shutterclose\" is not after \"shutteropen\"", "a time after \"shutteropen\"");
   const auto normalised = [&](double time) {
     return static_cast<float>((time - c.startTime) / (c.endTime - c.startTime));
   };

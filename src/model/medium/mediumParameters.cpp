@@ -79,15 +79,17 @@ std::optional<MediumPoint> mediumPreset(const std::string& name) {
   return {};
 }
 
-ParameterSpec emissionScaleParameter() { return realParameter("Lescale", "1", "of Le").range(0, 1e30); }
+ParameterSpec emissionScaleParameter() {
+  return realParameter("Lescale", "1", "factor on Le").range(0, 1e30);
+}
 
 std::vector<ParameterSpec> mediumParameters(const std::string& absorption, const std::string& scattering,
                                             const ParameterSpec& emissionScale) {
   return {spectrumParameter("sigma_a", absorption, SpectrumKind::UNBOUNDED, "absorption [1/length]"),
           spectrumParameter("sigma_s", scattering, SpectrumKind::UNBOUNDED, "scattering [1/length]"),
-          realParameter("scale", "1", "of sigma_a and sigma_s").range(0, 1e30),
+          realParameter("scale", "1", "factor on sigma_a and sigma_s").range(0, 1e30),
           spectrumParameter("Le", "0", SpectrumKind::ILLUMINANT,
-                            "emitted radiance; a unit of length adds sigma_a times that"),
+                            "emitted radiance: the medium emits sigma_a times this per unit of length"),
           emissionScale};
 }
 

@@ -154,7 +154,7 @@ class Displacement {
     const uint32_t firstPoint = first == 0 ? 0 : firstNewPoint;
     std::vector<std::pair<double, int>> sums(points.size() - firstPoint);
     for (size_t i = 0; i < heights.size(); ++i) {
-      if (!std::isfinite(heights[i])) throw Error("the displacement is not finite everywhere");
+      if (!std::isfinite(heights[i])) throw Error("the displacement has values that are not finite");
       auto& [sum, count] = sums[vertices[first + i].point - firstPoint];
       sum += heights[i];
       ++count;
@@ -281,27 +281,28 @@ double leastTriangles(const MeshData& mesh, const Mat4d& sceneFromObject, double
 std::vector<ParameterSpec> withDisplacement(std::vector<ParameterSpec> own) {
   own.insert(
       own.end(),
-      {realParameter("displacement", "",
-                     "height by which the surface is moved along its normals, in the shape's own units; a "
-                     "texture, or a number")
+      {realParameter(
+           "displacement", "",
+           "displacement of the surface along its normals, in the shape's own units; a texture, or a number")
            .withTexture(),
        realParameter("edgelength", "",
-                     "edges of a displaced surface are divided until they are no longer [scene units]; "
-                     "when absent, until they look shorter than a pixel")
+                     "maximum edge length of the displaced surface [scene units]; by default edges are "
+                     "shorter than a pixel")
            .positive(),
-       ignoredParameter(ParameterType::BOOLEAN, "uvdisplacement", "of pbrt's displacement")});
+       ignoredParameter(ParameterType::BOOLEAN, "uvdisplacement", "a setting of pbrt's displacement")});
   return own;
 }
 
 std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters& p,
                                                 const ShapeContext& context) {
   if (!p.has("displacement")) {
-    if (p.has("edgelength")) p.fail("edgelength", "nothing is displaced", "\"texture displacement\" as well");
+    if (p.has("edgelength"))
+      p.fail("edgelength", "there is no displacement", "\"texture displacement\" with it");
     return std::make_unique<TriangleMesh>(std::move(mesh), context);
   }
   const TexturedRgb height = realOrTexture(context.textures, p, "displacement");
   if (!p.has("edgelength") && !context.dicing)
-    p.fail("displacement", "nobody says how finely the surface is to be divided", "\"float edgelength\"");
+    p.fail("displacement", "the maximum edge length is unknown", "\"float edgelength\"");
   const TriangleMesh checked(mesh, context); // validates the mesh; throws Error
   const double edge = p.has("edgelength") ? p.real("edgelength") : 0;
   if (edge > 0) {
@@ -309,15 +310,15 @@ std::unique_ptr<TriangleMesh> makeDisplacedMesh(MeshData mesh, const Parameters&
     try {
       requireMemory(formatted("a surface of at least %.3g triangles", least), TRIANGLE_BYTES * least);
     } catch (const Error& e) {
-      p.fail("edgelength", e.what(), "a greater length");
+      p.fail("edgelength", e.what(), "a larger length");
     }
   }
   Displacement displacement(std::move(mesh), height, edge, context);
   if (!displacement.divide())
     p.warn("displacement",
-           "edges are longer than they should be: to divide further would take more than " +
+           "edges are longer than \"edgelength\": shorter edges would need more than " +
                std::to_string(MAX_TRIANGLES) + " triangles",
-           "a greater \"edgelength\"");
+           "a larger \"edgelength\"");
   return std::make_unique<TriangleMesh>(displacement.result(), context);
 }
 

@@ -52,8 +52,8 @@ void checkClosed(const std::vector<glm::uvec3>& triangles) {
                               std::to_string(edge.second) + " (triangle " + std::to_string(use.triangle) +
                               ") ";
     if (use.count == 1) throw Error("the mesh is open: " + where + "belongs to one triangle only");
-    throw Error("the mesh is not the surface of a solid: " + where + "is shared by " +
-                std::to_string(use.count) + " triangles, which are not turned the same way");
+    throw Error("the mesh does not bound a solid: " + where + "is shared by " + std::to_string(use.count) +
+                " triangles, with different orientations");
   }
 }
 

@@ -126,7 +126,7 @@ class HeaderReader {
     p.type = typeNamed(words[words.size() - 2]);
     if (p.isList) p.countType = typeNamed(words[2]);
     if (p.isList && (p.countType == PlyType::FLOAT32 || p.countType == PlyType::FLOAT64))
-      fail("a list cannot be counted in \"" + printable(words[2]) + "\"");
+      fail("the length of a list cannot be of type \"" + printable(words[2]) + "\"");
     header.elements.back().properties.push_back(p);
   }
 
@@ -146,7 +146,7 @@ class HeaderReader {
       } else if (words[0] == "property" && (words.size() == 3 || (words.size() == 5 && words[1] == "list"))) {
         addProperty(words);
       } else {
-        fail("\"" + printable(text) + "\" does not belong in a PLY header");
+        fail("\"" + printable(text) + "\" is not allowed in a PLY header");
       }
     }
     if (!formatKnown) fail("the header has no \"format\" line");

@@ -15,8 +15,7 @@ namespace recurse {
 
 void addImportParameters(PlugIns& plugIns) {
   plugIns.imports.addToAll(
-      {stringParameter("camera", "",
-                       "name of a view in the file, which the scene's camera takes its place from")},
+      {stringParameter("camera", "", "name of a camera of the file; the scene's camera gets its position")},
       [](SceneImport& import, const Parameters& p, const ImportContext&) {
         if (!p.has("camera")) return;
         std::string names;
@@ -123,7 +122,7 @@ class ImportExpander {
     }
     if (!object) newObjects.merge(piece.objects);
     if (object && !piece.lights.empty())
-      diagnostics.warning(at.shape.location, "lights of the file are left out: an object has none",
+      diagnostics.warning(at.shape.location, "lights of the file are left out: objects cannot contain lights",
                           "the Shape outside of ObjectBegin");
     else
       for (LightDescription& l : piece.lights) {

@@ -15,7 +15,7 @@ void readAlpha(Shape& shape, const Parameters& p, const ShapeContext& c) {
   const bool isOpaque = !alpha.texture && alpha.constant.r >= 1;
   const Texture* opacity = c.material ? c.material->opacity.get() : nullptr;
   if (opacity && !isOpaque)
-    p.fail("alpha", "the shape's material is a mix with \"interface\", which takes its place");
+    p.fail("alpha", "the shape's material is a mix with \"interface\", which replaces \"alpha\"");
   if (opacity)
     shape.alpha = std::make_shared<const TexturedRgb>(TexturedRgb{BLACK, opacity, 0, 1});
   else if (!isOpaque)
@@ -25,10 +25,10 @@ void readAlpha(Shape& shape, const Parameters& p, const ShapeContext& c) {
 void readDetail(Material& material, const Parameters& p, const MaterialContext& c) {
   const bool displaced = p.has("displacement"), mapped = p.has("normalmap");
   if (displaced && mapped)
-    p.fail("normalmap", "both \"displacement\" and \"normalmap\" are given", "either of the two");
+    p.fail("normalmap", "both \"displacement\" and \"normalmap\" are given", "one of them");
   if (displaced) {
     if (p.texture("displacement").empty())
-      p.fail("displacement", "a displacement that is the same everywhere bends nothing",
+      p.fail("displacement", "a constant displacement has no effect",
              "\"texture displacement\" with the name of a float texture");
     material.detail = bumps(c.textures.real(p, "displacement"));
   }
@@ -44,21 +44,17 @@ void readDetail(Material& material, const Parameters& p, const MaterialContext& 
 } // namespace
 
 void addSurfaceParameters(PlugIns& plugIns) {
-  plugIns.shapes.addToAll(
-      {realParameter(
-           "alpha", "1",
-           "opacity: rays of all kinds meet the surface with this probability, or pass through. An area "
-           "light with the number 0 is not seen, and shines")
-           .withTexture()},
-      readAlpha);
+  plugIns.shapes.addToAll({realParameter("alpha", "1",
+                                         "opacity: the probability that a ray hits the surface; other rays "
+                                         "pass through. An area light with opacity 0 is invisible, but emits")
+                               .withTexture()},
+                          readAlpha);
   plugIns.materials.addToAll(
       {realParameter("displacement", "",
-                     "height of bumps, which change the shading normal only [scene units]")
+                     "height of bumps, which change only the shading normal [scene units]")
            .withTexture(),
-       stringParameter(
-           "normalmap", "",
-           "picture of the shading normal: red along u, green across it, blue outwards, 0 to 1 for -1 "
-           "to 1")},
+       stringParameter("normalmap", "",
+                       "normal map: red along u, green across, blue outwards; 0 to 1 is -1 to 1")},
       readDetail, {"interface"});
 }
 

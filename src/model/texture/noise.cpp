@@ -103,9 +103,9 @@ double NoiseSum::turbulence(const MappedPoint& m) const {
 }
 
 std::vector<ParameterSpec> noiseParameters() {
-  return {
-      integerParameter("octaves", "8", "layers of noise, each 1.99 times finer than the last").range(1, 64),
-      realParameter("roughness", "0.5", "height of a layer over that of the last").range(0, 1)};
+  return {integerParameter("octaves", "8", "number of octaves; each has 1.99 times the frequency of the last")
+              .range(1, 64),
+          realParameter("roughness", "0.5", "amplitude of an octave relative to the last").range(0, 1)};
 }
 
 NoiseSum noiseSum(const Parameters& p) { return {p.integer("octaves"), p.real("roughness")}; }

@@ -7,7 +7,7 @@ namespace recurse {
 
 TexturedRgb realOrTexture(const TextureLookup* textures, const Parameters& p, const std::string& name) {
   if (p.texture(name).empty()) return {Rgb(static_cast<float>(p.real(name)))};
-  if (!textures) p.fail(name, "there are no textures here", "a number");
+  if (!textures) p.fail(name, "textures are not supported here", "a number");
   return textures->real(p, name);
 }
 

@@ -128,15 +128,15 @@ MappedPoint TextureSpace::at(const SurfacePoint& point) const {
 std::vector<ParameterSpec> withMapping(std::vector<ParameterSpec> own) {
   own.insert(own.end(),
              {stringParameter("mapping", "uv",
-                              "coordinates (s, t): the surface's own, or angles around, or height and angle "
-                              "around, or lengths along two vectors in the space of the texture")
+                              "mapping of coordinates (s, t): uv of the surface, spherical, cylindrical, or "
+                              "planar along two vectors in texture space")
                   .oneOf({"uv", "spherical", "cylindrical", "planar"}),
               realParameter("uscale", "1", "factor on s, for uv"),
               realParameter("vscale", "1", "factor on t, for uv"),
-              realParameter("udelta", "0", "added to s, for uv and planar"),
-              realParameter("vdelta", "0", "added to t, for uv and planar"),
-              arrayParameter(ParameterType::VECTOR3, "v1", 1, "1 0 0", "along which s grows, for planar"),
-              arrayParameter(ParameterType::VECTOR3, "v2", 1, "0 1 0", "along which t grows, for planar")});
+              realParameter("udelta", "0", "offset of s, for uv and planar"),
+              realParameter("vdelta", "0", "offset of t, for uv and planar"),
+              arrayParameter(ParameterType::VECTOR3, "v1", 1, "1 0 0", "direction of s, for planar"),
+              arrayParameter(ParameterType::VECTOR3, "v2", 1, "0 1 0", "direction of t, for planar")});
   return own;
 }
 

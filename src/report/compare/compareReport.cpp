@@ -110,7 +110,7 @@ double metricByName(const Comparison& comparison, const std::string& name) {
   }
   for (const WholeMetric& metric : wholeMetrics()) {
     if (name != metric.name) continue;
-    if (!(comparison.*metric.value)) throw Error(name + " was not measured", ExitStatus::BAD_USAGE);
+    if (!(comparison.*metric.value)) throw Error(name + " is not in this comparison", ExitStatus::BAD_USAGE);
     return (comparison.*metric.value)->mean;
   }
   for (const ScaleMetric& metric : SCALE_METRICS)
@@ -185,7 +185,7 @@ std::string comparisonTable(const Comparison& c) {
   out += "\n" + padded("averaged over", TITLE);
   for (int side : ERROR_SCALES)
     out += rightAligned(std::to_string(side) + "x" + std::to_string(side), SCALE_COLUMN);
-  out += "  pixels; independent noise falls to a quarter from one to the next, stains do not\n";
+  out += "  pixels; from one scale to the next, independent noise decreases to a quarter, blotches do not\n";
   for (const ScaleMetric& metric : SCALE_METRICS) {
     if (metric.noiseFree && !c.noiseFree) continue;
     out += padded(metric.title, TITLE);
@@ -199,8 +199,8 @@ std::string comparisonTable(const Comparison& c) {
   if (c.nonFiniteReference > 0)
     out += std::to_string(c.nonFiniteReference) + " pixels left out: the reference is not finite there\n";
   if (c.nonFinite > 0)
-    out +=
-        std::to_string(c.nonFinite) + " pixels of the picture are NOT FINITE; they are in none of the sums\n";
+    out += std::to_string(c.nonFinite) + " pixels of the picture are NOT FINITE (NaN or infinite); the sums "
+                                         "leave them out\n";
   if (!c.worst.empty() && c.worst.front().error > 0) {
     out += "worst pixels (x, y from the upper left; squared error over reference²+ε, mean of channels):\n";
     for (const Comparison::WorstPixel& w : c.worst) {

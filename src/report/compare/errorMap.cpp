@@ -47,7 +47,7 @@ Rgb falseColour(float t) {
 
 Image errorMap(const Image& image, const Image& reference, ErrorMap kind) {
   if (image.width != reference.width || image.height != reference.height)
-    throw Error("the pictures differ in size: there is no map of their error");
+    throw Error("the pictures differ in size: an error map needs equal sizes");
   Image map(image.width, image.height, {"R", "G", "B"});
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {

@@ -351,7 +351,7 @@ Flip hdrFlip(const Image& image, const Image& reference, double pixelsPerDegree)
 }
 
 Image flipMap(const Flip& flip) {
-  if (flip.errors.empty()) throw Error("no map of FLIP: there are pixels that are not finite");
+  if (flip.errors.empty()) throw Error("no FLIP map: the pictures have pixels that are not finite");
   Image map(flip.width, flip.height, {"R", "G", "B"});
   for (size_t i = 0; i < flip.errors.size(); ++i) {
     const Rgb colour = falseColour(flip.errors[i]);

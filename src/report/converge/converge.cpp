@@ -60,7 +60,7 @@ References makeReferences(const std::vector<Image>& images, const std::vector<st
   out.b = images[out.independent ? first + 1 : 0];
   out.r = images.size() == 2 ? meanImage(out.a, out.b) : images[0];
   if (!out.independent)
-    out.description = names[0] + "; its own noise is in every error and in bias²";
+    out.description = names[0] + "; the errors and bias² include its own noise";
   else if (images.size() == 2)
     out.description = "r is the mean of a = " + names[0] + " and b = " + names[1];
   else
@@ -109,7 +109,7 @@ Estimate blockEstimate(const std::vector<double>& values, int width, int height)
 
 ErrorSplit splitError(const std::vector<Image>& pictures, const References& references) {
   const size_t seeds = pictures.size();
-  if (seeds < 2) throw Error("variance and bias need pictures of two seeds at the least");
+  if (seeds < 2) throw Error("variance and bias need pictures of at least two seeds");
   for (const Image& picture : pictures) requireComparable(picture, references.r, "reference has");
   const int width = references.r.width, height = references.r.height;
   const size_t count = size_t(width) * size_t(height) * 3;
@@ -173,7 +173,8 @@ std::string ReferenceError::text() const {
                     "; ε " + shortNumber(REL_MSE_EPSILON) + ", denominator r²+ε, no trim; from a−b)";
   if (worstShare > 0.3)
     out += ", " + shortNumber(100 * worstShare, 2) +
-           "% of it in the worst 0.1% of the pixels: rare bright paths, of which more may be missing";
+           "% of it in the worst 0.1% of the pixels: a few bright paths dominate, and more of them may be "
+           "missing";
   return out;
 }
 
@@ -252,7 +253,7 @@ std::string TimeToReach::text() const {
   case Kind::BEFORE:
     return "≤ " + secondsText(seconds);
   case Kind::BEYOND:
-    return "≈ " + secondsText(seconds) + " (by the fit)";
+    return "≈ " + secondsText(seconds) + " (extrapolated)";
   default:
     return "not reached";
   }

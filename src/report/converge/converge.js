@@ -135,7 +135,7 @@ function fillMeasurements(data) {
     }
   }
   if (!data.independent)
-    element("ownNoise").textContent = "There is one reference only: its own noise is in every error and in bias².";
+    element("ownNoise").textContent = "There is only one reference: all errors and bias² include its noise.";
 }
 
 function formatShort(x) {

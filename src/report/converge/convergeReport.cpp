@@ -31,9 +31,8 @@ struct ExpectedSlope {
   const char *label, *why;
 };
 constexpr ExpectedSlope EXPECTED[] = {
-    {-1, "t^-1", "independent samples: the variance of their mean"},
-    {-2.0 / 3, "t^-2/3",
-     "progressive photon mapping at its best (Knaus and Zwicker 2011): bias and variance"}};
+    {-1, "t^-1", "independent samples: variance of the mean"},
+    {-2.0 / 3, "t^-2/3", "optimal progressive photon mapping (Knaus and Zwicker 2011): bias and variance"}};
 
 std::string rounded(double value, int digits = 3) { return formatted("%.*g", digits, value); }
 
@@ -136,7 +135,7 @@ Json falseColours() {
 bool runGnuplot(const std::string& folder, const std::string& output) {
   const std::string setting = "output='" + output + "'", log = folder + "/.gnuplot.log";
   const pid_t child = ::fork();
-  if (child < 0) throw Error("no process for gnuplot");
+  if (child < 0) throw Error("cannot start a process for gnuplot");
   constexpr int NO_PROGRAM = 127;
   if (child == 0) {
     const int messages = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -150,7 +149,7 @@ bool runGnuplot(const std::string& folder, const std::string& output) {
   fs::remove(log, ignored);
   if (WIFEXITED(status) && WEXITSTATUS(status) == NO_PROGRAM) return false;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw Error(folder + "/plot.gp: gnuplot failed on it; run it by hand to see why");
+    throw Error(folder + "/plot.gp: gnuplot failed; run 'gnuplot plot.gp' in this folder to see why");
   return true;
 }
 
@@ -168,8 +167,9 @@ std::string scaleTable(const StudyReport& report, size_t width) {
     for (double error : p.mean.relMseByScale) out += column(std::isfinite(error) ? rounded(error) : "-", 10);
     out += "\n";
   }
-  return out +
-         "relMSE of means over blocks of pixels; independent noise falls to a quarter from one to the next\n";
+  return out + "relMSE of means over blocks of pixels; from one scale to the next, independent noise "
+               "decreases to a "
+               "quarter\n";
 }
 
 } // namespace
@@ -340,8 +340,8 @@ std::string writeReport(const StudyReport& report, const std::string& folder) {
   try {
     if (!runGnuplot(folder, unfinished)) {
       fs::remove(file("plot.png"), ignored); // an older one would be out of date
-      return "plot.png was not made: gnuplot is not installed (Debian package gnuplot-nox); with it, run "
-             "'gnuplot plot.gp' in " +
+      return "plot.png was not made: install gnuplot (Debian package gnuplot-nox), then run 'gnuplot "
+             "plot.gp' in " +
              folder;
     }
   } catch (const Error&) {

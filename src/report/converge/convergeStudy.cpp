@@ -112,8 +112,10 @@ void requireSameStudy(const Study& found, const Study& wanted, const std::string
       if (before.name == run.name && before.settings != run.settings)
         differ("run " + run.name, before.settings, run.settings);
   if (!differences.empty())
-    throw Error(folder + " holds a study with which this one cannot go on:" + differences +
-                    "\nChoose another folder, or another name for the run, or remove " + folder,
+    throw Error(folder + " holds a study with other settings, which cannot be continued:" + differences +
+                    "\n"
+                    "Choose another folder, or another name for the run, or remove " +
+                    folder,
                 ExitStatus::BAD_USAGE);
 }
 
@@ -151,7 +153,7 @@ Study readStudy(const std::string& fileName) {
       throw Error(fileName + ": was written by another version of the program");
     Study study;
     const auto kind = std::find(std::begin(KINDS), std::end(KINDS), json.at("kind").get<std::string>());
-    if (kind == std::end(KINDS)) throw Error(fileName + ": unknown kind of budgets");
+    if (kind == std::end(KINDS)) throw Error(fileName + ": unknown kind of budget");
     study.kind = static_cast<BudgetKind>(kind - std::begin(KINDS));
     for (const auto& [key, value] : json.at("identity").items()) study.identity.push_back({key, value});
     for (const Json& run : json.at("runs")) study.runs.push_back({run.at("name"), run.at("settings")});
@@ -171,7 +173,7 @@ Study readStudy(const std::string& fileName) {
     }
     return study;
   } catch (const Json::exception& error) {
-    throw Error(fileName + ": is not the file of a study: " + error.what());
+    throw Error(fileName + ": is not a file of a study: " + error.what());
   }
 }
 
@@ -221,7 +223,7 @@ std::vector<ErrorMeasure> errorMeasures(const StudyReport& report) {
   std::vector<ErrorMeasure> out;
   if (report.references.independent)
     out.push_back({"relmse_noise_free", "relMSE, noise-free",
-                   "mean of (x−a)(x−b)/(r²+ε), ε 0.01, no trim; free of the references' noise",
+                   "mean of (x−a)(x−b)/(r²+ε), ε 0.01, no trim; without the noise of the references",
                    [](const ConvergePoint& p) { return p.mean.relMseNoiseFree; }});
   out.push_back({"relmse", "relMSE", "mean of (x−r)²/(r²+ε), ε 0.01, no trim",
                  [](const ConvergePoint& p) { return p.mean.relMse; }});
@@ -244,7 +246,7 @@ std::vector<ErrorMeasure> errorMeasures(const StudyReport& report) {
     out.push_back({"relvariance", "relative variance",
                    "variance of a pixel over the seeds, over r²+ε, ε 0.01",
                    [](const ConvergePoint& p) { return p.split ? p.split->relVariance.value : UNKNOWN; }});
-    out.push_back({"relbias2", "relative bias²", "relMSE less relative variance, over r²+ε, ε 0.01",
+    out.push_back({"relbias2", "relative bias²", "relMSE minus relative variance, over r²+ε, ε 0.01",
                    [](const ConvergePoint& p) { return p.split ? p.split->relBias2.value : UNKNOWN; }});
   }
   return out;

@@ -21,9 +21,9 @@ class PhotonView {
   constructor(view, data, photons) {
     Object.assign(this, { view, data, photons });
     const { count, inMap } = photons;
-    element("photonCount").textContent = inMap === 0 ? "The integrator keeps no photons: photonmap does."
+    element("photonCount").textContent = inMap === 0 ? "The integrator stores no photons; use photonmap."
       : count === inMap ? `All ${count} photons of the integrator's last map.`
-        : `${count} of ${inMap} photons of the integrator's last map, each for ${Math.round(inMap / count)}.`;
+        : `${count} of ${inMap} photons of the integrator's last map, each represents ${Math.round(inMap / count)}.`;
     element("photonTools").hidden = count === 0;
     for (const name of ["showPhotons", "photonColour", "photonSize"])
       element(name).addEventListener("input", () => this.draw());

@@ -147,7 +147,7 @@ async function poll() {
       live.ended = true;
       $("stop").disabled = true;
       $("phase").textContent = "ended";
-      fail("The program has ended; this is the last picture that was seen.");
+      fail("The program has ended; this is the last picture that it sent.");
       return;
     }
     fail(error.message);

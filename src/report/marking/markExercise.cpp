@@ -38,7 +38,7 @@ void requireClasses(const Image& picture, const Stills& reference) {
   if (picture.width != r.width || picture.height != r.height)
     throw Error("the pictures differ in size: " + std::to_string(picture.width) + "x" +
                 std::to_string(picture.height) + ", and the reference has " + std::to_string(r.width) + "x" +
-                std::to_string(r.height) + "; an exercise is marked at the size of the reference");
+                std::to_string(r.height) + "; give a picture of the reference's size");
   if (reference.layers.size() < 2)
     throw Error("the reference has no class layers: make them with 'recurse stills SCENE -o DIR' and give "
                 "DIR/stills.exr");
@@ -55,9 +55,8 @@ void requireClasses(const Image& picture, const Stills& reference) {
       }
     }
   if (away > SUM_TOLERANCE * light)
-    throw Error("the reference's class layers do not add up to its picture: they overlap or leave paths "
-                "over, and cannot be told apart; render stills with disjoint classes, such as the default "
-                "ones");
+    throw Error("the reference's class layers overlap or leave paths out, and do not add up to its picture; "
+                "render stills with disjoint classes, such as the default ones");
 }
 
 /** Picture with NaN at pixels that are clipped and expected to be that bright, and at their neighbours.
@@ -345,7 +344,7 @@ Marking markAligned(const Image& picture, const Stills& reference, const Alignme
     factors = nonNegativeFactors(sums.ordinaryMatrix, sums.ordinaryVector);
   }
   if (sums.cells == 0)
-    throw Error("no part of the picture can be used: its pixels are clipped at white or not finite");
+    throw Error("no part of the picture can be marked: all pixels are clipped at white or not finite");
   const StateFindings whole =
       findShown(sums, std::vector<double>(layers, 1), std::vector<StatePrior>(layers, STATE_PRIOR), 1, true);
   marking.exposure = whole.exposure;

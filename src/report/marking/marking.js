@@ -44,8 +44,8 @@ function part(tag, text, className = "") {
 function fillStatements(page) {
   const { data } = page;
   element("verdict").textContent = data.statements.length === 0
-    ? "Nothing is wrong, as far as the picture shows."
-    : `${data.statements.length} ${data.statements.length === 1 ? "thing is" : "things are"} wrong`;
+    ? "No errors were found in this picture."
+    : `${data.statements.length} ${data.statements.length === 1 ? "error was" : "errors were"} found`;
   for (const statement of data.statements) {
     const item = document.createElement("li");
     item.append(part("b", statement.what), part("span", sure(statement.certainty), "sure"));
@@ -143,9 +143,9 @@ function describeRegion(page, x, y) {
   const known = region.classes.map((c, i) => ({ ...c, name: page.data.classes[i].name }))
     .filter((c) => c.state !== "unknown")
     .map((c) => `${c.name} ${c.state} (${formatFactor(c.factor)} ± ${c.standard_error.toFixed(2)})`);
-  const other = region.unexplained > 0 ? `; ${(100 * region.unexplained).toFixed(0)} % differ in no class's way` : "";
+  const other = region.unexplained > 0 ? `; ${(100 * region.unexplained).toFixed(0)} % differ for other reasons` : "";
   element("region").textContent =
-    `Pixels ${region.x}, ${region.y} and on: ${known.length > 0 ? known.join(", ") : "nothing can be told"}${other}.`;
+    `Region at ${region.x}, ${region.y}: ${known.length > 0 ? known.join(", ") : "no class can be judged"}${other}.`;
 }
 
 function listen(page) {

@@ -46,7 +46,7 @@ std::string exampleOf(const ClassMark& mark) {
                          : letter == 'S' ? "mirror or glass"
                          : letter == 'V' ? "medium"
                          : letter == 'E' ? "eye"
-                                         : "matt or glossy surface";
+                                         : "diffuse or glossy surface";
     out += (out.empty() ? "" : ", ") + std::string(vertex);
   }
   return out;
@@ -59,22 +59,24 @@ std::string wellKnownFactor(double factor, double error) {
     const char* text;
   };
   static constexpr Known ALL[] = {
-      {std::numbers::pi, "pi: is the 1/pi of the diffuse BSDF missing, or divided by a density twice?"},
-      {1 / std::numbers::pi, "1/pi: is the diffuse BSDF divided by pi twice, or a density left out?"},
-      {0.5, "one half: is one of two techniques left out without changing the weight of the other?"},
-      {2, "two: is the light counted by two techniques without weights?"},
-      {4, "four: is a sphere's solid angle or area taken for that of its disk?"},
-      {0.25, "a quarter: is a disk's area taken for that of its sphere?"}};
+      {std::numbers::pi,
+       "pi: is the factor 1/pi of the diffuse BSDF missing, or a density used twice as divisor?"},
+      {1 / std::numbers::pi,
+       "1/pi: is the diffuse BSDF divided by pi twice, or a density missing as divisor?"},
+      {0.5, "one half: is one of two techniques missing, while the other has a MIS weight?"},
+      {2, "two: do two techniques count the light without MIS weights?"},
+      {4, "four: is the solid angle or area of a sphere used for that of its disk?"},
+      {0.25, "a quarter: is the area of a disk used for that of its sphere?"}};
   constexpr double NEAR = 0.03, DEVIATIONS = 2;
   for (const Known& known : ALL)
     if (std::abs(factor / known.factor - 1) < NEAR + DEVIATIONS * error / known.factor)
-      return std::string(" That is near ") + known.text;
+      return std::string(" The factor is near ") + known.text;
   return {};
 }
 
 std::string whereText(const ClassMark& mark) {
   if (mark.toldFraction == 0) return ", in the picture as a whole";
-  return ", in " + percentText(mark.stateFraction) + " of the picture that shows it";
+  return ", in " + percentText(mark.stateFraction) + " of the picture where it is visible";
 }
 
 void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
@@ -86,19 +88,18 @@ void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
     add("The values are encoded for a display (sRGB or gamma 2.2)",
         "An EXR file holds linear values: write the radiance as it is. Only 8-bit pictures are encoded.");
   if (change.encoding == ValueEncoding::DECODED)
-    add("The values were decoded once too often: shadows are too dark",
-        "Linear values were written to an 8-bit picture as they are. Encode them by the sRGB curve before "
-        "writing PNG or JPEG, or write EXR.");
+    add("The values were linearised twice: shadows are too dark",
+        "Linear values were written to an 8-bit picture without encoding. Encode them with the sRGB curve "
+        "before writing PNG or JPEG, or write EXR.");
   if (change.isFlippedHorizontally && change.isFlippedVertically)
-    add("The picture is turned by half a turn",
-        "Check the signs of x and y where camera rays are made, and the order of pixels in the file.");
+    add("The picture is rotated by 180 degrees",
+        "Check the signs of x and y of camera rays, and the order of pixels in the file.");
   else if (change.isFlippedHorizontally)
-    add("Left and right are exchanged",
+    add("Left and right are swapped",
         "Check the sign of the camera's x axis (the order in its cross product), and the order of columns.");
   else if (change.isFlippedVertically)
-    add("Top and bottom are exchanged",
-        "Row 0 is the top of the picture: check the sign of y where camera rays are made, and the order of "
-        "rows.");
+    add("Top and bottom are swapped",
+        "Row 0 is the top of the picture: check the sign of y of camera rays, and the order of rows.");
   if (!change.isShifted()) return;
   std::string shift;
   if (change.shiftX != 0)
@@ -107,8 +108,8 @@ void addChange(std::vector<MarkingStatement>& out, const Marking& marking) {
     shift += (shift.empty() ? "" : " and ") + std::to_string(std::abs(change.shiftY)) +
              (change.shiftY > 0 ? " down" : " up");
   add("The picture is shifted: pixels " + shift,
-      "The camera looks elsewhere: check its position and direction, the middle of the film, and that the "
-      "pixel (x, y) covers x to x + 1.");
+      "The camera differs: check its position and direction, the centre of the film, and that the pixel (x, "
+      "y) covers x to x + 1.");
 }
 
 MarkingStatement statementOf(const ClassMark& mark, int number) {
@@ -118,20 +119,22 @@ MarkingStatement statementOf(const ClassMark& mark, int number) {
   switch (mark.state) {
   case ClassState::MISSING:
     out.what = nameOf(mark) + " is missing" + whereText(mark);
-    out.advice = "No estimator counts this light." + paths +
-                 " Which of yours should? 'recurse explain' shows who counts what in Recurse.";
+    out.advice =
+        "No estimator counts this light." + paths +
+        " Which of your estimators should? 'recurse explain' lists the paths of each estimator of Recurse.";
     break;
   case ClassState::DOUBLED:
     out.what = nameOf(mark) + " is counted twice" + whereText(mark);
     out.advice =
         "Two estimators count the same light, such as shadow rays and rays that hit the lamp, or shadow "
         "rays and photons." +
-        paths + " Leave one out, or weigh both so that the weights add up to 1.";
+        paths + " Remove one, or use MIS weights that add up to 1.";
     break;
   default:
-    out.what = nameOf(mark) + " is " + factorText(mark.factor) + " times what it should be" + whereText(mark);
+    out.what = nameOf(mark) + " is " + factorText(mark.factor) + " times as bright as it should be" +
+               whereText(mark);
     out.advice = "A factor is wrong where this light is computed." + paths +
-                 " Check BSDF, cosine and density of its vertices." +
+                 " Check BSDF, cosine and density at its vertices." +
                  wellKnownFactor(mark.factor, mark.standardError);
   }
   return out;
@@ -150,8 +153,8 @@ MarkingStatement statementOf(const ClassConfusion& confusion, const Marking& mar
     sum += confusion.probabilities[i];
   }
   return {"Either " + list,
-          "The light of these classes looks alike in this scene, so that they cannot be told apart. A scene "
-          "where they differ tells more.",
+          "The light of these classes has the same pattern in this scene, so that they cannot be "
+          "distinguished. Use a scene where the patterns differ.",
           std::min(sum, 1.0), static_cast<int>(confusion.classes.front())};
 }
 
@@ -197,12 +200,12 @@ std::vector<std::string> remarks(const Marking& marking) {
     if (mark.state == ClassState::UNKNOWN && mark.share > 0)
       unknown += (unknown.empty() ? "" : ", ") + mark.name;
   if (!unknown.empty())
-    out.push_back("Nothing is said of: " + unknown +
-                  ". They are too dark or too noisy here, or look too much like others.");
+    out.push_back("Not judged: " + unknown +
+                  ". They are too dark or too noisy in this picture, or too similar to other classes.");
   if (marking.clippedFraction > 0)
     out.push_back(percentText(marking.clippedFraction) +
-                  " of the pixels are white of an 8-bit picture and tell little: lamps, caustics and noise "
-                  "there cannot be marked. An EXR file has all light.");
+                  " of the pixels are clipped at white (8 bits): lamps, caustics and noise there cannot be "
+                  "marked. Give an EXR file.");
   return out;
 }
 
@@ -212,9 +215,9 @@ std::vector<MarkingStatement> markingStatements(const Marking& marking) {
   std::vector<MarkingStatement> out;
   addChange(out, marking);
   if (marking.exposureError > 0)
-    out.push_back({"All light is " + factorText(marking.exposure) + " times what it should be",
-                   "The classes are right among themselves: check the power of the lamps, the exposure, and "
-                   "the division by the number of samples." +
+    out.push_back({"All light is " + factorText(marking.exposure) + " times as bright as it should be",
+                   "The ratios of the classes are right: check the power of the lamps, the exposure, and the "
+                   "division by the number of samples." +
                        wellKnownFactor(marking.exposure, marking.exposureError),
                    marking.exposureCertainty});
   std::vector<size_t> wrong;
@@ -227,15 +230,15 @@ std::vector<MarkingStatement> markingStatements(const Marking& marking) {
   for (const ClassConfusion& confusion : marking.confusions) out.push_back(statementOf(confusion, marking));
   if (marking.isUnexplained())
     out.push_back({"In " + percentText(marking.unexplainedFraction) +
-                       " of the picture something differs that is no class of light",
-                   "Geometry, a material, a texture or the camera is not that of the reference there."});
+                       " of the picture the difference is not explained by any class of light",
+                   "Geometry, a material, a texture or the camera differs from the reference there."});
   return out;
 }
 
 std::string markingText(const Marking& marking) {
   std::string out;
   const std::vector<MarkingStatement> statements = markingStatements(marking);
-  if (statements.empty()) out += "Nothing is wrong, as far as the picture shows.\n";
+  if (statements.empty()) out += "No errors were found in this picture.\n";
   for (const MarkingStatement& statement : statements)
     out += "* " + statement.what + " (" + sureText(statement.certainty) + ")\n" +
            wrapped(statement.advice, "  ");

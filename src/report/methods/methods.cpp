@@ -220,15 +220,15 @@ std::string methodsTable(const MethodsReport& report) {
                                          m.samplesPerPixel, noiseFreeError(m.whole), noiseFreeError(m.own),
                                          m.own.meanRatio[ALL_CHANNELS], 100 * m.missing, m.claims.c_str())
                              : "no picture: " + m.failure + "\n";
-    if (!m.suppositions.empty()) out += std::string(width, ' ') + "supposes " + m.suppositions + "\n";
+    if (!m.suppositions.empty()) out += std::string(width, ' ') + "assumes " + m.suppositions + "\n";
     if (m.failure.empty() && m.whole.nonFinite > 0)
       out += std::string(width, ' ') + std::to_string(m.whole.nonFinite) + " pixels NOT FINITE\n";
   }
   return out +
-         "\nerror: relMSE free of the references' noise, mean of (x-a)(x-b)/(r^2+0.01); own error and own "
-         "mean:\nagainst the light of the paths that the method computes" +
-         (report.isExact ? "" : ", as nearly as the classes tell") + "\nreference: " + report.reference +
-         "\n";
+         "\nerror: relMSE without the noise of the references, mean of (x-a)(x-b)/(r^2+0.01);\n"
+         "own error and own mean: of the light of the paths that the method computes" +
+         (report.isExact ? "" : ", approximately: the classes do not separate them exactly") +
+         "\nreference: " + report.reference + "\n";
 }
 
 std::string methodsJson(const MethodsReport& report) {

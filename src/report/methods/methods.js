@@ -53,7 +53,7 @@ function addCard(name, expression, caption, method) {
   add("b", name);
   add("code", expression);
   add("small", caption, method?.failure ? "bad" : "");
-  if (method?.suppositions) add("small", `supposes ${method.suppositions}`);
+  if (method?.suppositions) add("small", `assumes ${method.suppositions}`);
   if (method?.non_finite > 0) add("small", `${method.non_finite} pixels are not finite`, "bad");
   figure.append(canvas, words);
   element("cards").append(figure);

@@ -35,8 +35,8 @@ void checkNames(const std::vector<PathClass>& classes) {
     const bool plain = std::all_of(c.name.begin(), c.name.end(),
                                    [](char x) { return isLetterOrDigit(x) || x == '-' || x == '_'; });
     if (c.name.empty() || !plain || !isLetterOrDigit(c.name[0]) || c.name.size() > LONGEST_NAME)
-      badUsage("'" + c.name + "' cannot be the name of a class: up to " + std::to_string(LONGEST_NAME) +
-               " letters a-z, digits, '-' and '_', a letter or digit first");
+      badUsage("'" + c.name + "' cannot be the name of a class: use up to " + std::to_string(LONGEST_NAME) +
+               " letters a-z, digits, '-' and '_', beginning with a letter or digit");
     if (c.name == "beauty") badUsage("'beauty' is the whole picture and cannot be the name of a class");
     if (!names.insert(lowerCase(c.name)).second) badUsage("two classes are named '" + c.name + "'");
   }
@@ -107,7 +107,7 @@ std::string joined(const std::vector<std::string>& list, const std::string& sepa
 } // namespace
 
 StillsPlan planStills(const std::vector<PathClass>& asked) {
-  if (asked.empty()) badUsage("no class of paths is given");
+  if (asked.empty()) badUsage("no path class is given");
   checkNames(asked);
   StillsPlan plan;
   plan.classes = asked;
@@ -122,18 +122,18 @@ StillsPlan planStills(const std::vector<PathClass>& asked) {
   const PathAutomaton all = PathAutomaton::compile("all");
   const std::vector<PathOverlap> overlaps = findOverlaps(automata);
   for (const PathOverlap& o : overlaps)
-    plan.remarks.push_back(asked[o.first].name + " and " + asked[o.second].name + " overlap: both have " +
+    plan.remarks.push_back(asked[o.first].name + " and " + asked[o.second].name + " overlap: both contain " +
                            o.example);
   const PathAutomaton rest = leftOver(all, automata);
   if (!rest.isEmpty()) {
     const PathClass added{freeName(plan.classes, "rest"), restExpression(rest, asked)};
-    plan.remarks.push_back("the classes leave paths over, such as " + rest.shortestWord() +
-                           ": they are in the class " + added.name + ", which was added");
+    plan.remarks.push_back("the classes do not contain all paths, such as " + rest.shortestWord() +
+                           ": these paths are in the class " + added.name + ", which was added");
     plan.classes.push_back(added);
   }
   plan.shown = plan.classes.size();
   if (!overlaps.empty()) {
-    plan.remarks.push_back("as classes overlap, they do not add up to the whole picture");
+    plan.remarks.push_back("the classes overlap, so that their sum is not the whole picture");
     const auto whole =
         std::find_if(automata.begin(), automata.end(), [&](const auto& a) { return a.equivalent(all); });
     if (whole == automata.end()) plan.classes.push_back({freeName(plan.classes, "all"), "all"});
@@ -276,8 +276,8 @@ void checkStillsWritable(const std::string& folder) {
     std::error_code error;
     fs::create_directories(path, error);
     if (error || !fs::is_directory(path, error))
-      throw Error(path.string() + ": the folder cannot be made: " +
-                  (error ? error.message() : std::string("there is a file of this name")));
+      throw Error(path.string() + ": the folder cannot be created: " +
+                  (error ? error.message() : std::string("a file has this name")));
     checkFileWritable((path / "index.html").string());
   }
 }

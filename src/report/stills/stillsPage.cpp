@@ -42,7 +42,7 @@ nlohmann::ordered_json setJson(const Stills& stills) {
 std::string stillsPage(const Stills& stills, const Stills* other) {
   if (other && (other->image.width != stills.image.width || other->image.height != stills.image.height))
     throw Error("the stills to compare with have " + std::to_string(other->image.width) + "x" +
-                std::to_string(other->image.height) + " pixels, these have " +
+                std::to_string(other->image.height) + " pixels, but these have " +
                 std::to_string(stills.image.width) + "x" + std::to_string(stills.image.height));
   nlohmann::ordered_json sets = nlohmann::ordered_json::array();
   sets.push_back(setJson(stills));

@@ -142,7 +142,7 @@ Image drawSheet(const std::string& title, const std::string& subtitle, const std
 Image contactSheet(const Stills& stills) {
   std::string way = std::to_string(stills.image.width) + "x" + std::to_string(stills.image.height);
   if (!stills.label.empty()) way += ", " + stills.label;
-  if (!stills.additive) way += "; the classes do not add up to the beauty";
+  if (!stills.additive) way += "; the sum of the classes is not the beauty picture";
   std::vector<SheetCell> cells;
   for (size_t i = 0; i < stills.layers.size(); ++i) {
     const StillLayer& layer = stills.layers[i];

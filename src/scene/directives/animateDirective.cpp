@@ -43,11 +43,11 @@ void SceneParser::animate(const Token& t) {
   bool repeats = false;
   if (!found.hasErrors()) {
     if (files.tracks.contains(d.type))
-      log.error(nameToken.location(), "track " + nameToken.shown() + " is defined already");
+      log.error(nameToken.location(), "track " + nameToken.shown() + " is already defined");
     const std::vector<double> givenTimes = p.reals("times"), givenValues = p.reals("values");
     const size_t perTime = givenValues.size() / givenTimes.size();
     if (std::adjacent_find(givenTimes.begin(), givenTimes.end(), std::greater_equal<>()) != givenTimes.end())
-      log.error(p.location("times"), "the times do not rise");
+      log.error(p.location("times"), "the times do not increase");
     else if (perTime == 0 || perTime > MAX_COMPONENTS || givenValues.size() % givenTimes.size() != 0)
       log.error(p.location("values"),
                 std::to_string(givenValues.size()) + " values for " + std::to_string(givenTimes.size()) +
@@ -79,8 +79,8 @@ void SceneParser::animate(const Token& t) {
 void SceneParser::reportUnusedTracks() {
   for (const TrackDescription& track : scene.tracks)
     if (files.tracks[track.name].uses == 0)
-      log.warning(track.location, "nothing uses the track \"" + track.name + "\"",
-                  "$" + track.name + " in the place of numbers");
+      log.warning(track.location, "no parameter uses the track \"" + track.name + "\"",
+                  "$" + track.name + " instead of numbers");
 }
 
 } // namespace recurse::sceneFile

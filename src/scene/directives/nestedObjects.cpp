@@ -12,7 +12,7 @@ constexpr size_t MAX_INSTANCES = size_t(1) << 24;
 /** Maximum depth of nested objects, which bounds the recursion. */
 constexpr int MAX_LEVELS = 256;
 
-std::string wholeName(const std::string& name) { return name + " and what stands in it"; }
+std::string wholeName(const std::string& name) { return name + " and its contents"; }
 
 /** Calls visit(names) for the operand names of each solid. */
 template <class Visit> void forOperands(SceneDescription& scene, const Visit& visit) {
@@ -37,7 +37,7 @@ NestedObjects::Contents NestedObjects::contentsOf(const std::string& outer, int 
     std::erase_if(found->second, [&](const InstanceDescription& inner) {
       const Contents deeper = contentsOf(inner.object, level + 1, log);
       if (deeper.count == UNDER_WAY) {
-        log.error(inner.location, "object \"" + inner.object + "\" would stand inside the object itself");
+        log.error(inner.location, "object \"" + inner.object + "\" would contain itself");
         return true;
       }
       all.count += 1 + deeper.count;
@@ -86,13 +86,13 @@ void NestedObjects::expand(SceneDescription& scene, ErrorLog& log) {
     const SourceLocation where = list.front().location;
     const Contents all = contentsOf(name, 0, log);
     if (all.levels > MAX_LEVELS) {
-      log.error(where, "objects stand in \"" + name + "\" at more than " + std::to_string(MAX_LEVELS) +
-                           " levels, one in the other");
+      log.error(where, "objects are nested in \"" + name + "\" more than " + std::to_string(MAX_LEVELS) +
+                           " levels deep");
       return;
     }
     if (all.count > double(MAX_INSTANCES)) {
       log.error(where,
-                "too many objects stand in \"" + name + "\": more than " + std::to_string(MAX_INSTANCES));
+                "too many objects are in \"" + name + "\": more than " + std::to_string(MAX_INSTANCES));
       return;
     }
   }

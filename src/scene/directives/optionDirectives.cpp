@@ -13,11 +13,11 @@ namespace recurse {
 
 const std::vector<ParameterSpec>& optionSpecs() {
   static const std::vector<ParameterSpec> SPECS = {
-      integerParameter("seed", "0", "seed of the random numbers; the command line goes before it"),
+      integerParameter("seed", "0", "seed of the random numbers; the command line has precedence"),
       ignoredParameter(ParameterType::BOOLEAN, "disablepixeljitter",
-                       "pixels are always sampled over their area"),
+                       "samples are always distributed over the pixel"),
       ignoredParameter(ParameterType::BOOLEAN, "disabletexturefiltering", "an option for debugging pbrt"),
-      ignoredParameter(ParameterType::BOOLEAN, "disablewavelengthjitter", "light is RGB here"),
+      ignoredParameter(ParameterType::BOOLEAN, "disablewavelengthjitter", "light is always RGB"),
       ignoredParameter(ParameterType::REAL, "displacementedgescale", "for pbrt's displaced meshes"),
       ignoredParameter(ParameterType::BOOLEAN, "forcediffuse", "an option for debugging pbrt"),
       ignoredParameter(ParameterType::STRING, "msereferenceimage", "see `recurse compare`"),
@@ -104,7 +104,7 @@ void SceneParser::option(const Token& t) {
   constexpr std::array CHANGE_PICTURES = {"disablepixeljitter", "disabletexturefiltering", "forcediffuse"};
   if (std::find(CHANGE_PICTURES.begin(), CHANGE_PICTURES.end(), name) != CHANGE_PICTURES.end() &&
       !p.booleans.empty() && p.booleans[0])
-    log.warning(p.location, "the option \"" + name + "\" is without effect: pbrt's picture is another one");
+    log.warning(p.location, "the option \"" + name + "\" has no effect: pbrt's picture differs");
   scene.options[name] = std::move(p);
 }
 

@@ -40,7 +40,7 @@ std::string parameterTable(const std::vector<ParameterSpec>& specs) {
   std::string out = "| parameter | default | values | meaning |\n| --- | --- | --- | --- |\n";
   for (const ParameterSpec& s : specs) {
     std::string meaning = s.description;
-    if (s.ignored) meaning = "Taken, without effect: " + meaning;
+    if (s.ignored) meaning = "Accepted without effect: " + meaning;
     out += "| " + code(declarationText(s)) + " | " + (s.required ? "required" : code(s.defaultText)) + " | " +
            cell(rangeText(s)) + " | " + cell(meaning) + " |\n";
   }
@@ -69,15 +69,15 @@ std::string directiveReference() {
            cell(d.summary) + " |\n";
   out += "\n`Option` sets:\n\n" + parameterTable(optionSpecs());
   return out +
-         "\n`Animate \"name\"` takes the following. `recurse render --frames FIRST:LAST` renders frames; "
-         "without "
-         "it, the scene is that of frame 0. A frame is the scene with the track's numbers written out:\n"
-         "`Animate \"ball\" \"float times\" [ 0 24 ] \"float values\" [ 0 0 1  0 0 5 ]` and "
-         "`Translate $ball`. In a string a track of one number is written as a whole number: "
-         "`\"cloth$n.ply\"`, "
-         "with "
-         "zeros up to a width `\"cloth$n%04d.ply\"`, and where letters follow or the name has others than "
-         "letters, digits and '_', `\"cloth${n}b.ply\"`. What is no track's name stays as it is.\n\n" +
+         "\n"
+         "`Animate \"name\"` takes the following. `recurse render --frames FIRST:LAST` renders frames; "
+         "without it, the scene is that of frame 0. In a frame, the track's numbers replace its "
+         "name:\n"
+         "`Animate \"ball\" \"float times\" [ 0 24 ] \"float values\" [ 0 0 1  0 0 5 ]` and `Translate "
+         "$ball`. In a string a track of one number is written as a whole number: `\"cloth$n.ply\"`, "
+         "with zeros up to a width `\"cloth$n%04d.ply\"`, and with braces before letters, or if the "
+         "name has other characters than letters, digits and '_', `\"cloth${n}b.ply\"`. Other texts "
+         "after `$` do not change.\n\n" +
          parameterTable(trackSpecs());
 }
 

@@ -53,15 +53,16 @@ std::vector<double> Track::at(double frame) const {
 
 const std::vector<ParameterSpec>& trackSpecs() {
   static const std::vector<ParameterSpec> SPECS = {
-      arrayParameter(ParameterType::REAL, "times", 0, "", "frames of the keyframes, rising").require(),
+      arrayParameter(ParameterType::REAL, "times", 0, "", "frames of the keyframes, increasing").require(),
       arrayParameter(ParameterType::REAL, "values", 0, "",
-                     "the numbers at each keyframe, one after the other: 1 to 16 for each")
+                     "numbers at each keyframe, in sequence: 1 to 16 for each")
           .require(),
-      stringParameter("interpolation", "linear",
-                      "between keyframes: straight, smooth by Catmull's and Rom's slopes, or those of the "
-                      "keyframe before")
+      stringParameter(
+          "interpolation", "linear",
+          "interpolation between keyframes: linear, smooth (Catmull-Rom), or constant from the last keyframe")
           .oneOf({"linear", "smooth", "step"}),
-      booleanParameter("repeat", "false", "begin anew after the last keyframe, which stands for the first"),
+      booleanParameter("repeat", "false",
+                       "repeat the animation after the last keyframe, which equals the first"),
   };
   return SPECS;
 }

@@ -35,12 +35,12 @@ Mat4d withoutProjection(Mat4d m) {
 Diagnostic faultOf(const Mat4d& m, const SourceLocation& where) {
   Diagnostic fault{Severity::ERROR, where, {}, {}};
   if (!isFinite(m)) {
-    fault.message = "the current transform overflows";
+    fault.message = "the current transform overflows single precision";
   } else if (isProjection(m)) {
-    fault.message = "the current transform becomes a projection, which cannot place anything";
+    fault.message = "the current transform becomes a projection, which cannot place objects";
     fault.accepted = "numbers 4, 8 and 12 zero, and number 16 not: matrices are written column by column";
   } else if (!isInvertible(m)) {
-    fault.message = "the current transform becomes flat: it cannot be inverted any more";
+    fault.message = "the current transform becomes singular: it cannot be inverted";
   }
   return fault;
 }
@@ -119,8 +119,7 @@ void SceneParser::concatenate(const Mat4d& m, const SourceLocation& where) {
 
 Mat4d SceneParser::restingTransform(const SourceLocation& where, const char* what) {
   if (state.transforms.moving())
-    log.warning(where, std::string(what) +
-                           " does not move: of the transforms of StartTime and EndTime it has the first");
+    log.warning(where, std::string(what) + " does not move: it uses the StartTime transform only");
   return firstTransform(where);
 }
 
@@ -210,13 +209,13 @@ void SceneParser::activeTransform(const Token& t) {
     state.active = {false, true};
   else
     throw SceneError(which.kind == TokenKind::END ? t.location() : which.location(),
-                     "ActiveTransform needs to know which, found " + which.shown(), "All StartTime EndTime");
+                     "ActiveTransform needs a transform, found " + which.shown(), "All StartTime EndTime");
   tokens->take();
 }
 
 void SceneParser::transformTimes(const Token& t) {
   const auto v = takeNumbers(t, 2, "start and end");
-  if (!(v[0] < v[1])) throw SceneError(t.location(), "the motion ends before it has begun", "start < end");
+  if (!(v[0] < v[1])) throw SceneError(t.location(), "the motion ends before it begins", "start < end");
   scene.startTime = v[0];
   scene.endTime = v[1];
 }

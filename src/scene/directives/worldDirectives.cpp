@@ -71,7 +71,7 @@ void SceneParser::attributeEnd(const Token& t) {
 }
 
 void SceneParser::attribute(const Token& t) {
-  const Token target = takeString(t, "what it is for");
+  const Token target = takeString(t, "the kind of directive");
   const std::string name = target.value();
   std::vector<ParsedParameter> parameters =
       takeParameters("", name == "light" ? SpectrumKind::ILLUMINANT : SpectrumKind::UNBOUNDED);
@@ -121,7 +121,7 @@ void SceneParser::makeNamedMaterial(const Token& t) {
   if (isInterface(d.type)) d.type = "interface";
   const auto [old, isNew] = scene.namedMaterials.emplace(name, std::move(d));
   if (!isNew)
-    log.error(where, "material \"" + name + "\" is defined already, at " + placeName(old->second.location));
+    log.error(where, "material \"" + name + "\" is already defined, at " + placeName(old->second.location));
 }
 
 void SceneParser::namedMaterial(const Token& t) {
@@ -147,7 +147,7 @@ void SceneParser::texture(const Token& t) {
       textureNames.emplace(std::pair(texture.spectrum, texture.name), nameToken.location());
   if (!isNew) {
     log.error(nameToken.location(), std::string(kind.text) + " texture " + nameToken.shown() +
-                                        " is defined already, at " + placeName(old->second));
+                                        " is already defined, at " + placeName(old->second));
     return;
   }
   scene.textures.push_back(std::move(texture));
@@ -196,7 +196,7 @@ void SceneParser::makeNamedMedium(const Token& t) {
   const Mat4d worldFromMedium = restingTransform(where, "a medium");
   const auto [old, isNew] = scene.media.emplace(name, std::move(d));
   if (!isNew)
-    log.error(where, "medium \"" + name + "\" is defined already, at " + placeName(old->second.location));
+    log.error(where, "medium \"" + name + "\" is already defined, at " + placeName(old->second.location));
   else
     scene.worldFromMedium[name] = worldFromMedium;
 }
@@ -217,7 +217,7 @@ void SceneParser::objectBegin(const Token& t) {
   object = &discarded;
   object->location = name.location();
   log.error(name.location(),
-            "object " + name.shown() + " is defined already, at " + placeName(place->second.location));
+            "object " + name.shown() + " is already defined, at " + placeName(place->second.location));
 }
 
 void SceneParser::objectEnd(const Token& t) {
@@ -244,8 +244,8 @@ void SceneParser::objectInstance(const Token& t) {
   if (!object)
     scene.instances.push_back(std::move(instance));
   else if (instance.worldFromInstanceLast)
-    log.error(instance.location, "an instance inside of an object does not move by itself",
-              "the whole's ObjectInstance under the motion");
+    log.error(instance.location, "an instance inside of an object cannot move by itself",
+              "the motion at the ObjectInstance of the whole object");
   else
     nested.add(object->name, std::move(instance));
 }

@@ -56,7 +56,7 @@ class Checker {
     if (any || (want > 0 && have == want)) return true;
     return wrong(have ? value.valueLocation : value.location,
                  "parameter " + quoted(spec.name) + " has " + std::to_string(have) +
-                     (have == 1 ? " value" : " values") + " in place of " +
+                     (have == 1 ? " value" : " values") + " instead of " +
                      (want ? std::to_string(want) : "at least one"),
                  what);
   }
@@ -124,8 +124,8 @@ class Checker {
     const auto& v = value.numbers;
     if (each > 1 && v.size() % each)
       return wrong(value.valueLocation, "parameter " + quoted(spec.name) + " has " +
-                                            std::to_string(v.size()) + " numbers, which is no multiple of " +
-                                            std::to_string(each));
+                                            std::to_string(v.size()) +
+                                            " numbers, which is not a multiple of " + std::to_string(each));
     if (!countIs(v.size() / each, size_t(spec.count), traitsOf(spec.type).description)) return false;
     if (spec.type == ParameterType::INTEGER)
       for (size_t i = 0; i < v.size(); ++i) {
@@ -157,8 +157,8 @@ class Checker {
       if (isScaled)
         out.warning(value.valueLocation,
                     "blackbody " + quoted(spec.name) +
-                        " has a temperature and a scale, as in pbrt-v3: taken as such; pbrt-v4 has one "
-                        "temperature in kelvin, and \"float scale\" beside it");
+                        " has a temperature and a scale, as in pbrt-v3, and uses both; in pbrt-v4 write one "
+                        "temperature in kelvin, and \"float scale\"");
       else if (!countIs(v.size(), size_t(spec.count), "one temperature in kelvin"))
         return false;
       const size_t temperatures = isScaled ? 1 : v.size();
@@ -290,7 +290,7 @@ Parameters bindParameters(const ParsedDirective& directive, const std::vector<Pa
       continue;
     }
     if (*slot)
-      diagnostics.warning(p.location, "parameter " + quoted(p.name) + " is given twice; this one counts");
+      diagnostics.warning(p.location, "parameter " + quoted(p.name) + " is given twice; this one is used");
     *slot = &p;
   }
   if (directive.attributes)

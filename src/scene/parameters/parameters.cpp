@@ -187,7 +187,7 @@ Rgbd Parameters::spectrumOf(const Bound& b, const ParsedParameter& v) const {
   const auto checked = [&](const std::vector<double>& values) {
     for (double x : values)
       if (x < b.minimum || x > b.maximum)
-        fail(b.name, "the spectrum of parameter \"" + b.name + "\" leaves its range");
+        fail(b.name, "the spectrum of parameter \"" + b.name + "\" is out of range");
   };
   if (v.type == "float") return Rgbd(v.numbers[0]);
   if (v.type == "rgb") return {v.numbers[0], v.numbers[1], v.numbers[2]};

@@ -17,13 +17,13 @@ namespace {
 /** Reason why a plug-in of pbrt-v4 is not supported; empty for other names. */
 std::string pbrt4Reason(const std::string& kind, const std::string& name) {
   static const std::map<std::string, std::string> REASONS = {
-      {"Film spectral", "is not there: light is red, green and blue here; the film \"rgb\" has the picture"},
-      {"Texture ptex", "is not there: Ptex files are not read"},
+      {"Film spectral", "is not supported: light is red, green and blue; use the film \"rgb\""},
+      {"Texture ptex", "is not supported: Ptex files cannot be read"},
   };
   static const std::set<std::string> NOT_YET = {"Integrator function"};
   const auto found = REASONS.find(kind + " " + name);
   if (found != REASONS.end()) return found->second;
-  return NOT_YET.count(kind + " " + name) > 0 ? "of pbrt-v4 is not rendered here" : "";
+  return NOT_YET.count(kind + " " + name) > 0 ? "of pbrt-v4 is not supported" : "";
 }
 
 /** Suggestion '; did you mean "A" or "B"?', or plug-ins of a different kind with that meaning; empty where no

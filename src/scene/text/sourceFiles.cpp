@@ -90,7 +90,7 @@ std::string readTextFile(const std::string& path) {
     if (text.size() + static_cast<size_t>(got) > MAX_TEXT_BYTES)
       throw Error("cannot read " + path + ": it is larger than 4 GiB after decompression");
     if (text.size() > LARGE_TEXT_BYTES && text.size() / fileBytes > MAX_COMPRESSION)
-      throw Error("cannot read " + path + ": it is compressed more than any scene can be");
+      throw Error("cannot read " + path + ": its compression ratio is too high for a scene");
     text.append(chunk.data(), static_cast<size_t>(got));
   }
   // At the end of truncated compressed data, gzread reports no error, but gzerror does.

@@ -162,15 +162,15 @@ const Source* TokenStream::resolve(const Token& name, const char* directive) {
     includes.bytes += std::max(source.text->text.size(), IncludeCount::MIN_FILE_BYTES);
     if (includes.bytes > IncludeCount::MAX_BYTES) {
       if (!isEnough)
-        log.error(name.location(), "too much text is included in all",
-                  "up to 64 GiB, of which each file counts for 64 KiB at least");
+        log.error(name.location(), "the included files are too long in total",
+                  "up to 64 GiB, where each file counts as at least 64 KiB");
       return nullptr;
     }
     for (size_t i = 0; i < chain.size(); ++i) {
       if (chain[i]->canonical != source.canonical) continue;
       std::string names;
       for (size_t k = i; k < chain.size(); ++k) names += chain[k]->text->name + " includes ";
-      log.error(name.location(), what + " would never end: " + names + source.text->name);
+      log.error(name.location(), what + " would repeat forever: " + names + source.text->name);
       return nullptr;
     }
     if (chain.size() >= IncludeCount::MAX_DEPTH) {

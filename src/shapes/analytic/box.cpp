@@ -89,7 +89,7 @@ class Box final : public MappedShape {
 void registerBox(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "box",
-        .summary = "A box along the axes between two opposite corners.",
+        .summary = "A box with sides along the axes, between two opposite corners.",
         .parameters = {arrayParameter(ParameterType::POINT3, "p1", 1, "-1 -1 -1", "one corner"),
                        arrayParameter(ParameterType::POINT3, "p2", 1, "1 1 1", "the opposite corner")},
         .examples = {"", "\"point3 p1\" [0 2 3] \"point3 p2\" [1 1 3.5]"}},
@@ -97,7 +97,7 @@ void registerBox(PlugIns& plugIns) {
          const Vec3d p1 = p.vector3("p1"), p2 = p.vector3("p2");
          for (int i = 0; i < 3; ++i)
            if (p1[i] == p2[i])
-             p.fail(p.has("p1") ? "p1" : "p2", "the box is flat", "two corners with no coordinate in common");
+             p.fail(p.has("p1") ? "p1" : "p2", "the box is flat", "corners that differ in each coordinate");
          return std::make_unique<Box>(glm::min(p1, p2), glm::max(p1, p2), context);
        }});
 }

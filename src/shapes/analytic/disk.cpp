@@ -136,12 +136,12 @@ std::unique_ptr<Shape> makeDisk(const Parameters& p, const ShapeContext& context
 } // namespace
 
 void registerDisk(PlugIns& plugIns) {
-  ParameterSpec sweep = realParameter("phimax", "360", "how far the disc goes around the z axis [degrees]");
+  ParameterSpec sweep = realParameter("phimax", "360", "angle of the sector around the z axis [degrees]");
   sweep.positive().maximum = 360;
   plugIns.shapes.add(
       {{.name = "disk",
         .summary = "A disc, a ring or a sector of one, perpendicular to the z axis.",
-        .parameters = {realParameter("height", "0", "z of the disc"),
+        .parameters = {realParameter("height", "0", "z coordinate of the disc"),
                        realParameter("radius", "1", "radius").positive(),
                        realParameter("innerradius", "0", "radius of the hole")
                            .range(0, std::numeric_limits<double>::infinity()),

@@ -327,7 +327,7 @@ std::unique_ptr<Shape> makeMetaballs(const Parameters& p, const ShapeContext& co
     sum += std::max(0.0, strengths[i]);
   }
   if (!(sum > threshold))
-    p.fail(p.has("threshold") ? "threshold" : "strength", "the field nowhere reaches the threshold",
+    p.fail(p.has("threshold") ? "threshold" : "strength", "the field is below the threshold everywhere",
            "positive strengths that add up to more than the threshold");
   if (p.string("field") == "sextic")
     return std::make_unique<Metaballs<Sextic>>(std::move(balls), threshold, context);
@@ -342,23 +342,23 @@ std::unique_ptr<Shape> makeMetaballs(const Parameters& p, const ShapeContext& co
 
 void registerMetaballs(PlugIns& plugIns) {
   ParameterSpec radius = arrayParameter(ParameterType::REAL, "radius", 0, "1",
-                                        "how far each ball's field reaches; one for all or one each");
+                                        "radius of each ball's field; one for all or one each");
   plugIns.shapes.add(
       {{.name = "metaballs",
-        .summary = "The surface where the fields of balls add up to a threshold; a solid. The texture "
+        .summary = "The surface where the sum of the balls' fields is a threshold; a solid. The texture "
                    "\"metaballs\" blends colours by the same fields.",
         .parameters =
-            {arrayParameter(ParameterType::POINT3, "P", 0, "", "middles of the balls").require(),
+            {arrayParameter(ParameterType::POINT3, "P", 0, "", "centers of the balls").require(),
              radius.positive(),
-             arrayParameter(ParameterType::REAL, "strength", 0, "1",
-                            "field in the middle of each ball, negative ones take away; one for all or one "
-                            "each"),
-             realParameter("threshold", "0.5", "the field at the surface").positive(),
-             stringParameter("field", "quartic",
-                             "how the field falls off with q, the squared distance in radii: \"quartic\" "
-                             "(1 - q)², \"sextic\" (1 - q)³ as in Blender, \"wyvill\" 1 - 22/9 q + 17/9 q² - "
-                             "4/9 q³, \"blinn\" nearly exp(-4 q), (1 - q)² "
-                             "((1 - q)² + q²)")
+             arrayParameter(
+                 ParameterType::REAL, "strength", 0, "1",
+                 "strength: field at the centre of each ball, may be negative; one for all or one each"),
+             realParameter("threshold", "0.5", "field at the surface").positive(),
+             stringParameter(
+                 "field", "quartic",
+                 "falloff of the field with q, the squared distance divided by the squared radius: "
+                 "\"quartic\" (1 - q)², \"sextic\" (1 - q)³ as in Blender, \"wyvill\" 1 - 22/9 q + 17/9 q² - "
+                 "4/9 q³, \"blinn\" approximately exp(-4 q), (1 - q)² ((1 - q)² + q²)")
                  .oneOf({"quartic", "sextic", "wyvill", "blinn"})},
         .examples = {"\"point3 P\" [0 0 0]",
                      "\"point3 P\" [-.5 0 0  .5 .1 0  0 .6 .2] \"float radius\" [1 .9 .7] "

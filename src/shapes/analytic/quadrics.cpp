@@ -208,7 +208,7 @@ class RevolvedQuadric final : public MappedShape {
   }
 
   std::string whyOpen() const override {
-    if (phiMax < TWO_PI) return "it is swept in part only (phimax below 360)";
+    if (phiMax < TWO_PI) return "it is not a full revolution (phimax below 360)";
     return capped ? "" : "it is open: \"bool caps\" true closes it";
   }
 
@@ -288,7 +288,8 @@ std::unique_ptr<Shape> makeParaboloid(const Parameters& p, const ShapeContext& c
   double zLow = p.real("zmin"), zHigh = p.real("zmax");
   if (zLow > zHigh) std::swap(zLow, zHigh); // as in pbrt
   if (zLow < 0 || zLow == zHigh)
-    p.fail(p.has("zmin") ? "zmin" : "zmax", "the paraboloid stands on the origin and opens upwards",
+    p.fail(p.has("zmin") ? "zmin" : "zmax",
+           "zmin and zmax must differ, and be 0 or more: the paraboloid opens upwards from the origin",
            "0 <= zmin < zmax");
   return std::make_unique<RevolvedQuadric>(Profile{0, square(p.real("radius")) / zHigh, 0, zLow, zHigh},
                                            Coordinates{}, phiMaxOf(p), p.boolean("caps"), context);
@@ -299,7 +300,8 @@ std::unique_ptr<Shape> makeParaboloid(const Parameters& p, const ShapeContext& c
 std::unique_ptr<Shape> makeHyperboloid(const Parameters& p, const ShapeContext& context) {
   const Vec3d p1 = p.vector3("p1"), p2 = p.vector3("p2");
   if (p1.z == p2.z)
-    p.fail(p.has("p1") ? "p1" : "p2", "the line is perpendicular to the z axis, and sweeps a disc",
+    p.fail(p.has("p1") ? "p1" : "p2",
+           "the line is perpendicular to the z axis: its surface of revolution is a disc",
            "two points of different z, or Shape \"disk\"");
   const Vec2d slope = Vec2d(p2 - p1) / (p2.z - p1.z), at0 = Vec2d(p1) - slope * p1.z;
   const Profile profile{glm::dot(slope, slope), 2 * glm::dot(slope, at0), glm::dot(at0, at0),
@@ -314,49 +316,50 @@ std::unique_ptr<Shape> makeHyperboloid(const Parameters& p, const ShapeContext& 
 }
 
 ParameterSpec phiMaxParameter() {
-  ParameterSpec sweep =
-      realParameter("phimax", "360", "how far the surface goes around the z axis [degrees]");
+  ParameterSpec sweep = realParameter("phimax", "360", "angle of revolution around the z axis [degrees]");
   sweep.positive().maximum = 360;
   return sweep;
 }
 
 ParameterSpec capsParameter() {
-  return booleanParameter("caps", "false", "discs close the ends, as \"csg\" wants it");
+  return booleanParameter("caps", "false", "close the ends with discs, as \"csg\" needs");
 }
 
 } // namespace
 
 void registerQuadrics(PlugIns& plugIns) {
-  plugIns.shapes.add(
-      {{.name = "cylinder",
-        .summary = "The side of a cylinder around the z axis, with caps if wanted.",
-        .parameters = {realParameter("radius", "1", "radius").positive(),
-                       realParameter("zmin", "-1", "where it begins"),
-                       realParameter("zmax", "1", "where it ends"), phiMaxParameter(), capsParameter()},
-        .examples = {"", "\"float radius\" 0.3 \"bool caps\" true",
-                     "\"float radius\" 2 \"float zmin\" 0 \"float zmax\" 2 "
-                     "\"float phimax\" 200"}},
-       makeCylinder});
-  plugIns.shapes.add({{.name = "cone",
-                       .summary = "A cone on the xy plane, its tip on the z axis; with a base if wanted.",
-                       .parameters = {realParameter("radius", "1", "radius at z = 0").positive(),
-                                      realParameter("height", "1", "z of the tip").positive(),
+  plugIns.shapes.add({{.name = "cylinder",
+                       .summary = "The side of a cylinder around the z axis, optionally with caps.",
+                       .parameters = {realParameter("radius", "1", "radius").positive(),
+                                      realParameter("zmin", "-1", "lower end on the z axis"),
+                                      realParameter("zmax", "1", "upper end on the z axis"),
                                       phiMaxParameter(), capsParameter()},
-                       .examples = {"", "\"float radius\" 0.5 \"float height\" 2 \"bool caps\" true",
-                                    "\"float phimax\" 140"}},
-                      makeCone});
+                       .examples = {"", "\"float radius\" 0.3 \"bool caps\" true",
+                                    "\"float radius\" 2 \"float zmin\" 0 \"float zmax\" 2 "
+                                    "\"float phimax\" 200"}},
+                      makeCylinder});
   plugIns.shapes.add(
-      {{.name = "paraboloid",
-        .summary = "A paraboloid around the z axis that opens upwards from the origin.",
-        .parameters = {realParameter("radius", "1", "radius at zmax").positive(),
-                       realParameter("zmin", "0", "the surface below is cut off"),
-                       realParameter("zmax", "1", "where it ends"), phiMaxParameter(), capsParameter()},
-        .examples = {"", "\"float radius\" 0.7 \"float zmin\" .2 \"bool caps\" true",
-                     "\"float zmax\" 2 \"float phimax\" 300"}},
-       makeParaboloid});
+      {{.name = "cone",
+        .summary =
+            "A cone with its base on the xy plane and its tip on the z axis; optionally with the base.",
+        .parameters = {realParameter("radius", "1", "radius at z = 0").positive(),
+                       realParameter("height", "1", "height of the tip").positive(), phiMaxParameter(),
+                       capsParameter()},
+        .examples = {"", "\"float radius\" 0.5 \"float height\" 2 \"bool caps\" true",
+                     "\"float phimax\" 140"}},
+       makeCone});
+  plugIns.shapes.add({{.name = "paraboloid",
+                       .summary = "A paraboloid around the z axis that opens upwards from the origin.",
+                       .parameters = {realParameter("radius", "1", "radius at zmax").positive(),
+                                      realParameter("zmin", "0", "lower end on the z axis"),
+                                      realParameter("zmax", "1", "upper end on the z axis"),
+                                      phiMaxParameter(), capsParameter()},
+                       .examples = {"", "\"float radius\" 0.7 \"float zmin\" .2 \"bool caps\" true",
+                                    "\"float zmax\" 2 \"float phimax\" 300"}},
+                      makeParaboloid});
   plugIns.shapes.add(
       {{.name = "hyperboloid",
-        .summary = "What a line segment sweeps that turns about the z axis.",
+        .summary = "The surface of revolution of a line segment around the z axis.",
         .parameters = {arrayParameter(ParameterType::POINT3, "p1", 1, "0 0 0", "one end of the line"),
                        arrayParameter(ParameterType::POINT3, "p2", 1, "1 1 1", "the other end"),
                        phiMaxParameter(), capsParameter()},

@@ -106,7 +106,7 @@ class Sphere final : public Shape {
   }
 
   std::unique_ptr<Solid> asSolid() const override {
-    if (!sweep.whole()) throw Error("it is a part of a sphere only (zmin, zmax or phimax)");
+    if (!sweep.whole()) throw Error("it is only a part of a sphere (zmin, zmax or phimax)");
     return std::make_unique<WholeSphere>(*this);
   }
 
@@ -301,7 +301,7 @@ std::unique_ptr<Shape> makeSphere(const Parameters& p, const ShapeContext& conte
   sweep.zHigh = std::clamp(zMax / radius, -1.0, 1.0);
   sweep.phiMax = p.real("phimax") / 360 * (2 * PI_D);
   if (!(sweep.zLow < sweep.zHigh))
-    p.fail(p.has("zmin") ? "zmin" : "zmax", "nothing of the sphere lies between zmin and zmax",
+    p.fail(p.has("zmin") ? "zmin" : "zmax", "no part of the sphere is between zmin and zmax",
            "zmin < zmax, both between -radius and radius");
   return std::make_unique<Sphere>(radius, sweep, context);
 }
@@ -309,15 +309,14 @@ std::unique_ptr<Shape> makeSphere(const Parameters& p, const ShapeContext& conte
 } // namespace
 
 void registerSphere(PlugIns& plugIns) {
-  ParameterSpec sweep =
-      realParameter("phimax", "360", "how far the surface goes around the z axis [degrees]");
+  ParameterSpec sweep = realParameter("phimax", "360", "angle of the sector around the z axis [degrees]");
   sweep.positive().maximum = 360;
   plugIns.shapes.add(
       {{.name = "sphere",
-        .summary = "A sphere around the origin, or a part of one; transforms make ellipsoids of it.",
+        .summary = "A sphere around the origin, or a part of it; transforms change it to ellipsoids.",
         .parameters = {realParameter("radius", "1", "radius").positive(),
-                       realParameter("zmin", "", "the surface below is cut off; -radius when absent"),
-                       realParameter("zmax", "", "the surface above is cut off; radius when absent"), sweep},
+                       realParameter("zmin", "", "lower end of the surface; by default -radius"),
+                       realParameter("zmax", "", "upper end of the surface; by default radius"), sweep},
         .examples = {"", "\"float radius\" 0.5",
                      "\"float radius\" 2 \"float zmin\" -1.5 \"float zmax\" 1 \"float phimax\" 200"}},
        makeSphere});

@@ -87,7 +87,7 @@ class Torus final : public MappedShape {
   }
 
   std::string whyOpen() const override {
-    return phiMax < TWO_PI ? "it is swept in part only (phimax below 360)" : "";
+    return phiMax < TWO_PI ? "it is not a full revolution (phimax below 360)" : "";
   }
 
  private:
@@ -102,20 +102,20 @@ class Torus final : public MappedShape {
 } // namespace
 
 void registerTorus(PlugIns& plugIns) {
-  ParameterSpec sweep = realParameter("phimax", "360", "how far the tube goes around the z axis [degrees]");
+  ParameterSpec sweep = realParameter("phimax", "360", "angle of the sector around the z axis [degrees]");
   sweep.positive().maximum = 360;
   plugIns.shapes.add(
       {{.name = "torus",
-        .summary = "A ring with a round tube, around the z axis.",
-        .parameters =
-            {realParameter("majorradius", "1", "from the axis to the middle of the tube").positive(),
-             realParameter("minorradius", "0.25", "of the tube").positive(), sweep},
+        .summary = "A torus around the z axis.",
+        .parameters = {realParameter("majorradius", "1", "distance from the z axis to the center of the tube")
+                           .positive(),
+                       realParameter("minorradius", "0.25", "radius of the tube").positive(), sweep},
         .examples = {"", "\"float majorradius\" 2 \"float minorradius\" 1.5",
                      "\"float minorradius\" .1 \"float phimax\" 250"}},
        [](const Parameters& p, const ShapeContext& context) {
          const double major = p.real("majorradius"), minor = p.real("minorradius");
          if (!(minor < major))
-           p.fail(p.has("minorradius") ? "minorradius" : "majorradius", "the tube fills the ring's hole",
+           p.fail(p.has("minorradius") ? "minorradius" : "majorradius", "the torus has no hole",
                   "a minorradius less than the majorradius");
          return std::make_unique<Torus>(major, minor, p.real("phimax") / 360 * 6.28318530717958647693,
                                         context);

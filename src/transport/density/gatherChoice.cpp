@@ -32,7 +32,7 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
   const bool anyRadius = requested.radius == 0;
   if (requested.nearest == 0 && anyRadius) search.nearest = range.least;
   if (seen.empty()) {
-    statistics.notes.push_back("the eye sees no diffuse surface: no photons are gathered");
+    statistics.notes.push_back("the camera sees no diffuse surface: photons are not used");
     if (anyRadius) search.radius = 2 * scene.bounds().radius;
     return choice;
   }
@@ -73,36 +73,38 @@ GatherChoice chooseGather(const Scene& scene, const PhotonMap& map, std::span<co
     if (!radii.empty()) {
       typical = part(radii, 0.5);
       if (anyRadius) search.radius = static_cast<float>(2 * part(radii, 0.95));
-      statistics.notes.push_back(formatted(
-          "search: %sthe %d nearest photons, typically within %.3g, at most %.3g; the scene is %.3g "
-          "across",
-          progressive ? "at first " : "", search.nearest, typical, double(search.radius), 2 * across));
+      statistics.notes.push_back(formatted("density estimate: %s%d nearest photons, median radius %.3g, "
+                                           "maximum radius %.3g; diameter of the scene %.3g",
+                                           progressive ? "at first " : "", search.nearest, typical,
+                                           double(search.radius), 2 * across));
     } else if (anyRadius) {
       search.radius = static_cast<float>(0.1 * across);
     }
   } else {
-    statistics.notes.push_back(
-        formatted("search: all photons within %.3g, typically %.0f; the scene is %.3g across", typical,
-                  part(found, 0.5), 2 * across));
+    statistics.notes.push_back(formatted(
+        "density estimate: all photons within radius %.3g, median number %.0f; diameter of the scene %.3g",
+        typical, part(found, 0.5), 2 * across));
   }
   choice.typicalRadius = static_cast<float>(typical);
   if (map.empty()) {
     if (allLight)
-      statistics.warnings.push_back("no photon was stored: the picture will show nothing but emitted light");
+      statistics.warnings.push_back("no photon was stored: the picture shows emitted light only. Check that "
+                                    "the lights illuminate a surface");
     else
-      statistics.notes.push_back("no photon was stored: all light is direct, or there is none");
+      statistics.notes.push_back("no photon was stored: the scene has direct light only, or none");
     return choice;
   }
   if (progressive) return choice; // more passes reduce both artifacts
   if (const double typicalFound = part(found, 0.5); typicalFound < 25)
     statistics.warnings.push_back(
-        formatted("the picture will be blotchy: an estimate typically finds %.0f photons; shoot more "
-                  "(--photons) or widen the search (--radius)",
+        formatted("the picture will show blotches: a density estimate uses %.0f photons (median). Emit more "
+                  "photons (--photons) or increase the radius (--radius)",
                   typicalFound));
   if (typical > 0.05 * across)
     statistics.warnings.push_back(
-        formatted("the picture will be smeared: light is averaged over discs of radius %.3g in a scene %.3g "
-                  "across; shoot more photons (--photons) or narrow the search (--radius, --gather-photons)",
+        formatted("the picture will be blurred: density estimates average over discs of radius %.3g (median) "
+                  "in a scene of diameter %.3g. Emit more photons (--photons) or decrease the radius "
+                  "(--radius, --gather-photons)",
                   typical, 2 * across));
   return choice;
 }

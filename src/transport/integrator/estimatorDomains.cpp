@@ -37,10 +37,9 @@ DomainReport checkDomains(const std::vector<EstimatorDomain>& estimators, const 
 
 std::string DomainReport::text() const {
   std::string out;
-  for (const Overlap& o : overlaps)
-    out += o.first + " and " + o.second + " both take " + o.example + " into account\n";
+  for (const Overlap& o : overlaps) out += o.first + " and " + o.second + " both compute " + o.example + "\n";
   if (uncovered.empty()) return out;
-  out += "no estimator takes into account";
+  out += "no estimator computes";
   for (const std::string& word : uncovered) out += " " + word;
   if (!uncoveredExpression.empty()) out += "; all of these: " + uncoveredExpression;
   return out + "\n";
@@ -58,9 +57,8 @@ std::string missedOfDeltaLights(const std::vector<EstimatorDomain>& estimators) 
 std::string formatDomains(const std::vector<EstimatorDomain>& estimators) {
   std::vector<std::array<std::string, 3>> rows = {{"estimator", "paths", "cost"}};
   for (const EstimatorDomain& e : estimators)
-    rows.push_back(
-        {e.estimator, e.expression,
-         e.cost + (e.sharedGroup.empty() ? "" : " (weights add up to one within " + e.sharedGroup + ")")});
+    rows.push_back({e.estimator, e.expression,
+                    e.cost + (e.sharedGroup.empty() ? "" : " (MIS group: " + e.sharedGroup + ")")});
   std::array<size_t, 2> width = {};
   for (const auto& row : rows)
     for (size_t c = 0; c < width.size(); ++c) width[c] = std::max(width[c], row[c].size());

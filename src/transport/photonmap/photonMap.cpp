@@ -248,7 +248,8 @@ struct PhotonMap::Builder {
 
 void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
   static_assert(sizeof(PhotonPayload) == 8 * Keys::FLOATS * sizeof(float));
-  if (photons.size() >= (size_t(1) << 32) - 2 * LEAF_SIZE) throw Error("too many photons for one photon map");
+  if (photons.size() >= (size_t(1) << 32) - 2 * LEAF_SIZE)
+    throw Error("too many photons for one photon map: emit fewer (--photons)");
   indexKind = kind;
   const size_t mostLeaves = (photons.size() + LEAF_SIZE - 1) / LEAF_SIZE;
   payload.reserve(mostLeaves * LEAF_BLOCKS);
