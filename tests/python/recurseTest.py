@@ -229,7 +229,7 @@ class Renders(InFolder):
         self.interrupted(lambda: scene.photons(300_000_000))
 
     def test_interrupts_end_feature_layers(self):
-        """Each ray passes 200 surfaces, and a layer takes 64 times as many rays as the picture."""
+        """Each ray passes 1200 surfaces, and a layer takes 64 times as many rays as the picture."""
         scene = recurse.parse("""Film "rgb" "integer xresolution" 48 "integer yresolution" 48
 LookAt 0 0 -5  0 0 0  0 1 0
 Camera "perspective" "float fov" 10
@@ -238,7 +238,7 @@ LightSource "point"
 MakeNamedMedium "m" "string type" "homogeneous" "rgb sigma_a" [ .001 .001 .001 ] "rgb sigma_s" [ 0 0 0 ]
 Material "interface"
 MediumInterface "m" ""
-""" + 200 * 'Shape "sphere"\n')
+""" + 1200 * 'Shape "sphere"\n')
 
         def progress(state):
             if state["fraction"] >= 1:
