@@ -222,9 +222,10 @@ void registerVirtualPointLights(PlugIns& plugIns) {
         .summary = "Instant radiosity: light paths store virtual point lights, which illuminate what the "
                    "camera sees. No caustics.",
         .parameters =
-            {integerParameter("maxdepth", "-1", "most scattering events of a path; -1: no limit")
+            {integerParameter("maxdepth", "-1", "maximum number of scattering events of a path; -1: no limit")
                  .range(-1, 1e9),
-             integerParameter("lightpaths", "32", "light paths in each pass, of about three lights each")
+             integerParameter("lightpaths", "32",
+                              "number of light paths in each pass; each stores about three lights")
                  .range(1, 1e6),
              integerParameter("passes", "0",
                               "number of sets of virtual lights, between which the samples are divided; 0: a "

@@ -100,7 +100,7 @@ TEST_F(Frames, ErrorsSayWhatToDo) {
   fails({"--frames", "3:1"}, "from 3 to");
   fails({"--frames", "1:2:3"}, "FIRST:LAST");
   fails({"--frames", "a"}, "--frames: 'a'");
-  fails({"--frames", "0:1", "--checkpoint", "c"}, "not together with --checkpoint");
+  fails({"--frames", "0:1", "--checkpoint", "c"}, "cannot be combined with --checkpoint");
   const Outcome still = run({"render", "scene.pbrt", "--frames", "0:1"});
   EXPECT_NE(still.status, 0);
   EXPECT_TRUE(has(still.err, "no Animate directive")) << still.err;

@@ -232,7 +232,7 @@ TEST_F(ProgramUsage, ExplainTellsWhatAutoChooses) {
                      "Material \"coateddiffuse\" \"float roughness\" .001\n"
                      "Shape \"sphere\" \"float radius\" .6\n");
   const std::string chosen = run({"explain", "coat.pbrt"}).out;
-  EXPECT_TRUE(has(chosen, "auto: path: by a trial") && !has(chosen, "photon map")) << chosen;
+  EXPECT_TRUE(has(chosen, "auto: path: in a trial") && !has(chosen, "photon map")) << chosen;
   const std::string forced = run({"explain", "coat.pbrt", "--set", "passes=1"}).out;
   EXPECT_TRUE(has(forced, "auto: photonmap, without a trial: a single photon map is asked for")) << forced;
   const std::string any = run({"explain", "--integrator", "auto"}).out;
@@ -324,7 +324,7 @@ TEST_F(ProgramUsage, LightThatAnIntegratorCannotFindIsTold) {
   // References come from an integrator that finds it.
   const Outcome study = run({"converge", "glass.pbrt", "-o", "study", "--samples", "1", "--seeds", "2",
                              "--reference-error", "10", "--run", "p=--integrator path"});
-  EXPECT_TRUE(has(study.err, "made by progressive photon mapping")) << study.err;
+  EXPECT_TRUE(has(study.err, "two pictures by progressive photon mapping")) << study.err;
 }
 
 TEST_F(ProgramUsage, IntegratorsThatStandForOthersSaySo) {

@@ -53,10 +53,9 @@ const std::map<std::string, std::set<std::string>> TRANSPORT_MAY_INCLUDE = [] {
   m["emission"] = {"integrator", "weights", "paths", "direct", "photonmap", "media"};
   m["forward"] = m["emission"];
   m["forward"].insert("emission");
-  m["learning"] = m["direct"];
-  m["learning"].insert({"direct", "guiding"});
-  m["density"] = m["forward"];
+  m["density"] = m["learning"] = m["forward"];
   m["density"].insert("forward");
+  m["learning"].insert({"forward", "guiding"});
   return m;
 }();
 

@@ -123,7 +123,7 @@ TEST_F(GameFile, WhatAnMd2LiesAboutIsAnErrorWithItsPlace) {
        "at byte 16: a frame of 52 bytes cannot hold 1000 vertices");
   says([](Bytes& b) { b.over<int32_t>(32, 1 << 20); }, "the list of triangles would take");
   says([](Bytes& b) { b.over<int32_t>(40, 3); }, "the list of frames would take 156 bytes");
-  says([](Bytes& b) { b.over<int32_t>(48, 1 << 30); }, "at byte 48: the place of the texture coordinates");
+  says([](Bytes& b) { b.over<int32_t>(48, 1 << 30); }, "at byte 48: the offset of the texture coordinates");
   says([](Bytes& b) { b.over<uint16_t>(80, 3); }, "at byte 80: a triangle names vertex 3; there are 3");
   says([](Bytes& b) { b.over<uint16_t>(86, 7); }, "a triangle names texture coordinate 7");
   says([](Bytes& b) { b.over(92, std::nanf("")); }, "at byte 92: the scale of a frame is not finite");

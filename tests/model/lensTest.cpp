@@ -173,7 +173,7 @@ TEST(RealisticCamera, ImpossibleLensesAreErrors) {
     EXPECT_NE(message.find(what), std::string::npos) << message;
   };
   expect("", "no surfaces");
-  expect("# nothing\n20 1 1.5", "cut off");
+  expect("# nothing\n20 1 1.5", "incomplete");
   expect("20 1 glass 10", "\"glass\" is not a number");
   expect("20 1 0.2 10", "impossible glass");
   expect("20 -1 1.5 10", "wrong order");

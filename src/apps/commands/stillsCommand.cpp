@@ -127,10 +127,10 @@ void addStillsCommand(CLI::App& app, Command& chosen) {
   o.render.addTo(*command);
   command->footer(
       "stills.exr has the whole picture in R, G, B and each class in NAME.R, NAME.G, NAME.B. common/ has\n"
-      "each class as PNG at the exposure of the whole picture, own/ at its own exposure: the 98th\n"
-      "percentile of the luminance of non-black pixels becomes 0.9 of white. sheet.png shows all classes\n"
-      "with their names, and index.html is a page for a browser. Paths outside of the given classes become\n"
-      "the class 'rest'.\n\n"
+      "each class as PNG at the exposure of the whole picture, own/ at its own exposure: the\n"
+      "98th percentile of the luminance of non-black pixels becomes 0.9 of white. sheet.png shows all\n"
+      "classes with their names, and index.html is a page for a browser. Paths outside of the given classes\n"
+      "become the class 'rest'.\n\n"
       "Examples:\n"
       "  recurse stills scene.pbrt -o stills\n"
       "  recurse stills scene.pbrt -o stills --class caustic=LS+DE --class mirrored=LDS+E --spp 64\n"

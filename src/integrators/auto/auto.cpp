@@ -23,8 +23,7 @@ class Auto final : public Integrator {
   bool passHasOneTime() const override { return true; }
   bool supportsMedia(const Scene& scene) const override { return mapper->supportsMedia(scene); }
   std::string choices() const override {
-    return "photonmap; path; or path tracing with a caustic photon map (photonmap with \"bool causticsonly\" "
-           "true)";
+    return "photonmap; path; or path with photons of caustics (photonmap with \"bool causticsonly\" true)";
   }
   std::vector<EstimatorDomain> domains() const override { return chosen().domains(); }
 
@@ -147,7 +146,7 @@ class Auto final : public Integrator {
     if (control.stopped()) return;
     // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
     constexpr double FEW = 64; // scenes in which paths are better have hundreds or more
-    const char* const rival = withCaustics ? "path with a caustic photon map" : "path";
+    const char* const rival = withCaustics ? "path with photons of caustics" : "path";
     if (EstimatorTrial::effectiveCount(traced) < FEW) {
       statistics.notes.push_back(
           "auto: photonmap: in the trial, path tracing found too few samples with light to compare");
