@@ -3,12 +3,15 @@
  * film. RECURSE_RANDOM_SCENES="1000 2000" takes those of seeds 1000 to 1999 instead of the first ones; the
  * last one is left in the file random-scene.pbrt of the current folder.
  */
+#include <array>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <sstream>
 #include <tuple>
+#include <vector>
 
 #include "randomScene.h"
 #include "rendering.h"
@@ -18,6 +21,9 @@ using namespace recurse;
 using namespace recurse::testing;
 
 namespace {
+
+/** Seeds of scenes that were unsound before: photons to targets whose number was 0 / 0. */
+constexpr std::array<uint64_t, 1> FAILED_ONCE = {3320};
 
 struct Outcome {
   std::string refusal; ///< the error that a user would get; empty: it was rendered
@@ -78,8 +84,11 @@ TEST(RandomScenes, AreRenderedSoundlyOrRefused) {
   uint64_t first = 0, end = SANITIZED ? 60 : 300;
   const char* range = std::getenv("RECURSE_RANDOM_SCENES");
   if (range) std::istringstream(range) >> first >> end;
+  std::vector<uint64_t> seeds(end - first);
+  std::iota(seeds.begin(), seeds.end(), first);
+  if (!range) seeds.insert(seeds.end(), FAILED_ONCE.begin(), FAILED_ONCE.end());
   size_t refused = 0;
-  for (uint64_t seed = first; seed < end; ++seed) {
+  for (const uint64_t seed : seeds) {
     const RandomScene scene = RandomSceneWriter(seed).write();
     if (range) std::ofstream("random-scene.pbrt") << "# seed " << seed << "\n" << scene.text;
     const std::clock_t start = std::clock();
@@ -93,6 +102,6 @@ TEST(RandomScenes, AreRenderedSoundlyOrRefused) {
     }
   }
   if (!range) {
-    EXPECT_LT(refused, (end - first) / 4);
+    EXPECT_LT(refused, seeds.size() / 4);
   }
 }

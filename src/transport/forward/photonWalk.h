@@ -292,8 +292,9 @@ class PhotonWalk {
       // Sphere entirely below the tangent plane. The sine of the half angle is sqrt(opening · (2 - opening)).
       if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
       const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
-      const float wanted =
-          std::clamp(maxComponent(from.flux) * seen / (starts.fullPower * part), MIN_COUNT, MAX_COUNT);
+      // Both products may underflow to 0; the quotient then counts as the least.
+      const float ratio = maxComponent(from.flux) * seen / (starts.fullPower * part);
+      const float wanted = std::min(MAX_COUNT, std::max(MIN_COUNT, ratio));
       const int count = static_cast<int>(wanted + branch.next1D());
       for (int i = 0; i < count; ++i) {
         Sampler own = branch.fork(static_cast<uint32_t>(i));
