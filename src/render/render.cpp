@@ -74,7 +74,7 @@ class RenderLoop {
   }
 
  private:
-  double elapsed() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
+  double elapsed() const { return secondsSince(start); }
   double timeLeft() const { return rule.timeLeft(elapsed()); }
 
   void renderSamples() {
