@@ -10,6 +10,7 @@
 #include "transport/density/storedPhotons.h"
 #include "transport/direct/localShading.h"
 #include "transport/emission/pathEnds.h"
+#include "transport/integrator/maxDepthParameter.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -143,10 +144,7 @@ void registerSimplePhotonMap(PlugIns& plugIns) {
                            "scene's radius")
                  .range(0, 1e17)
                  .positive(),
-             integerParameter(
-                 "maxdepth", "-1",
-                 "maximum number of scattering events of a camera path, and of a photon; -1: no limit")
-                 .range(-1, 1e9)},
+             maxDepthParameter("a camera path, and of a photon")},
         .examples = {"", "\"integer photons\" 20000 \"float radius\" .1"}},
        [](const Parameters& p, const NoContext&) {
          GatherSettings search;

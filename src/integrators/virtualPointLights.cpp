@@ -8,6 +8,7 @@
 #include "transport/direct/localShading.h"
 #include "transport/emission/pathEnds.h"
 #include "transport/forward/photonGuidance.h"
+#include "transport/integrator/maxDepthParameter.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -222,8 +223,7 @@ void registerVirtualPointLights(PlugIns& plugIns) {
         .summary = "Instant radiosity: light paths store virtual point lights, which illuminate what the "
                    "camera sees. No caustics.",
         .parameters =
-            {integerParameter("maxdepth", "-1", "maximum number of scattering events of a path; -1: no limit")
-                 .range(-1, 1e9),
+            {maxDepthParameter(),
              integerParameter("lightpaths", "32",
                               "number of light paths in each pass; each stores about three lights")
                  .range(1, 1e6),

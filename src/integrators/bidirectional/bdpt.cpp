@@ -4,6 +4,7 @@
  */
 #include "integrators/bidirectional/bidirectional.h"
 #include "recurse/model/scene/plugIns.h"
+#include "transport/integrator/maxDepthParameter.h"
 
 namespace recurse {
 
@@ -21,9 +22,7 @@ void registerBdpt(PlugIns& plugIns) {
       {{.name = "bdpt",
         .summary = "Bidirectional path tracing: paths from the camera and from the lights, connected by "
                    "shadow rays; unbiased.",
-        .parameters = {integerParameter("maxdepth", "-1",
-                                        "maximum number of scattering events of a path; -1: no limit")
-                           .range(-1, 1e9),
+        .parameters = {maxDepthParameter(),
                        integerParameter("lightpaths", "",
                                         "number of light paths in each pass; by default one for each pixel")
                            .range(1, 2e9),

@@ -4,6 +4,7 @@
  */
 #include "integrators/bidirectional/bidirectional.h"
 #include "recurse/model/scene/plugIns.h"
+#include "transport/integrator/maxDepthParameter.h"
 
 namespace recurse {
 
@@ -27,9 +28,7 @@ void registerLightPath(PlugIns& plugIns) {
       {{.name = "lightpath",
         .summary = "Light tracing: paths from the lights, connected to the camera. Directly visible lamps, "
                    "mirrors and glass are black.",
-        .parameters = {integerParameter("maxdepth", "-1",
-                                        "maximum number of scattering events of a path; -1: no limit")
-                           .range(-1, 1e9),
+        .parameters = {maxDepthParameter(),
                        integerParameter("lightpaths", "",
                                         "number of light paths in each pass; by default one for each pixel")
                            .range(1, 2e9)},

@@ -5,6 +5,7 @@
  */
 #include "integrators/bidirectional/bidirectional.h"
 #include "recurse/model/scene/plugIns.h"
+#include "transport/integrator/maxDepthParameter.h"
 
 namespace recurse {
 
@@ -21,9 +22,7 @@ void registerVcm(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "vcm",
         .summary = "Vertex connection and merging: bidirectional path tracing with a photon map.",
-        .parameters = {integerParameter("maxdepth", "-1",
-                                        "maximum number of scattering events of a path; -1: no limit")
-                           .range(-1, 1e9),
+        .parameters = {maxDepthParameter(),
                        integerParameter("photons", "",
                                         "number of light paths in each pass; by default one for each pixel")
                            .range(1, 2e9),

@@ -3,6 +3,7 @@
  */
 #include "integrators/path/pathTracing.h"
 #include "recurse/model/scene/plugIns.h"
+#include "transport/integrator/maxDepthParameter.h"
 
 namespace recurse {
 
@@ -12,8 +13,7 @@ void registerPath(PlugIns& plugIns) {
   const auto add = [&](const char* name, const char* summary, std::vector<ParameterSpec> more) {
     more.insert(
         more.begin(),
-        {integerParameter("maxdepth", "-1", "maximum number of scattering events of a path; -1: no limit")
-             .range(-1, 1e9),
+        {maxDepthParameter(),
          integerParameter("lightsamples", "1", "shadow rays at each diffuse vertex").range(1, 1e6),
          booleanParameter("guided", "false",
                           "path guiding: learn the directions of incident light, and sample them as well; "

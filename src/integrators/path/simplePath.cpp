@@ -4,6 +4,7 @@
  */
 #include "integrators/path/plainPath.h"
 #include "recurse/model/scene/plugIns.h"
+#include "transport/integrator/maxDepthParameter.h"
 
 namespace recurse {
 
@@ -32,12 +33,11 @@ void registerSimplePath(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "simplepath",
         .summary = "A path tracer with short source code, for teaching: the same picture as path, slower.",
-        .parameters =
-            {integerParameter("maxdepth", "-1", "maximum number of scattering events of a path; -1: no limit")
-                 .range(-1, 1e9),
-             booleanParameter("samplebsdf", "true", "BSDFs are always sampled; false only gives a warning"),
-             booleanParameter("samplelights", "true",
-                              "lights are always sampled; false only gives a warning")},
+        .parameters = {maxDepthParameter(),
+                       booleanParameter("samplebsdf", "true",
+                                        "BSDFs are always sampled; false only gives a warning"),
+                       booleanParameter("samplelights", "true",
+                                        "lights are always sampled; false only gives a warning")},
         .examples = {""}},
        [](const Parameters& p, const NoContext&) {
          for (const char* name : {"samplebsdf", "samplelights"})

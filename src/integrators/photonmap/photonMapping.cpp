@@ -4,6 +4,7 @@
 #include "integrators/photonmap/photonMapping.h"
 #include "recurse/core/io/text.h"
 #include "recurse/model/scene/plugIns.h"
+#include "transport/integrator/maxDepthParameter.h"
 
 namespace recurse {
 
@@ -73,9 +74,7 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
            "radius of a density estimate [scene units]; by default chosen from the density of photons")
            .range(0, MAX_RADIUS)
            .positive(),
-       integerParameter("maxdepth", "-1",
-                        "maximum number of scattering events of a camera path, and of a photon; -1: no limit")
-           .range(-1, 1e9),
+       maxDepthParameter("a camera path, and of a photon"),
        stringParameter("direct", "shadowrays",
                        "estimator of direct light: shadow rays, or photons as for all other light")
            .oneOf({"shadowrays", "photons"}),
