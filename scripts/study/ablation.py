@@ -28,7 +28,6 @@ MAP, GATHER = [], ['finalgather=4']
 MECHANISMS = [
     ('all guidance of photons', MAP, ['guided=false']),
     ('emission guide', MAP, ['without=guide']),
-    ('DXTRAN targets', MAP, ['without=targets']),
     ('aim of far lamps', MAP, ['without=aim']),
     ('openings for photons', MAP, ['without=portals']),
     ('openings for shadow rays', MAP, ['without=shadowopenings']),

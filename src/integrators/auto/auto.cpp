@@ -102,18 +102,21 @@ class Auto final : public Integrator {
     constexpr uint64_t STREAM = 0x747269616cull;
     constexpr double PASS_RAY = 1.6; // work of a photon's ray, with storing and sorting [camera rays]
     constexpr double CLEARLY = 2;    // trials miss rare bright samples, of which paths have more
-    const Pass other{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time};
-    const EstimatorTrial trial(scene, classes, other.seed, pass.time);
+    const Pass passes[] = {{hashCombine(pass.seed, STREAM), 1, pass.schedule, pass.time},
+                           {hashCombine(pass.seed, STREAM + 1), 1, pass.schedule, pass.time}};
+    const EstimatorTrial trial(scene, classes, passes[0].seed, pass.time);
     const double pixels = double(scene.film().whole().area());
     using Rounds = EstimatorTrial::Rounds;
-    // Takes one round with this pass's photons, and one with the photons of a second pass.
+    // Takes two rounds, each with the photons of its own pass. Returns the rays of a pass in `shotRays`.
     const auto takeBoth = [&](PhotonMapper& photons, double& shotRays) {
-      Rounds rounds{trial.take(photons, 0), {}};
-      const ForwardStatistics shot =
-          photons.withPass(other, scene, classes, control, [&] { rounds[1] = trial.take(photons, 1); });
-      for (const TrialSamples& samples : rounds) statistics.counts.add(samples.counts);
-      statistics.counts.add(shot.counts);
-      shotRays = double(shot.counts.rays);
+      Rounds rounds;
+      for (uint32_t i = 0; i < 2; ++i) {
+        const ForwardStatistics shot =
+            photons.withPass(passes[i], scene, classes, control, [&] { rounds[i] = trial.take(photons, i); });
+        statistics.counts.add(shot.counts);
+        statistics.counts.add(rounds[i].counts);
+        shotRays = double(shot.counts.rays);
+      }
       return rounds;
     };
     std::unique_ptr<Integrator> paths =
@@ -130,18 +133,14 @@ class Auto final : public Integrator {
                 EstimatorTrial::missedVariance(traced, mapped));
     bool withCaustics = false;
     if (!mapper->photonPass().caustics().map.empty()) {
-      std::unique_ptr<PhotonMapper> causticPaths = makeCausticPaths(settings, &lights);
+      std::unique_ptr<PhotonMapper> causticPaths = makeCausticPaths(settings, &lights, &mapper->photonPass());
       causticPaths->prepare(scene, classes);
-      statistics.counts.add(causticPaths->forward(scene, classes, pass, control).counts);
       const Rounds both = takeBoth(*causticPaths, shot);
       EstimatorTrial::Figures byBoth = EstimatorTrial::figures(both, mapped);
       byBoth.work += PASS_RAY * shot / pixels;
       byBoth.add(EstimatorTrial::missedVariance(both, mapped));
       withCaustics = !raysFindAll(scene) || byBoth.errorOver(byPaths) < CLEARLY;
-      if (withCaustics) {
-        byPaths = byBoth;
-        paths = std::move(causticPaths);
-      }
+      if (withCaustics) byPaths = byBoth;
     }
     if (control.stopped()) return;
     // Light through a door ajar is too rare in both for a comparison; photons find it sooner.
@@ -157,7 +156,13 @@ class Auto final : public Integrator {
     statistics.notes.push_back(formatted(
         "auto: %s: in a trial of equal work, the squared error of photonmap is %.3g times that of %s",
         arePathsBetter ? rival : "photonmap", ratio, rival));
-    if (arePathsBetter) instead = std::move(paths);
+    if (!arePathsBetter) return;
+    if (withCaustics) {
+      paths = makeCausticPaths(settings, &lights);
+      paths->prepare(scene, classes);
+      statistics.counts.add(paths->forward(scene, classes, pass, control).counts);
+    }
+    instead = std::move(paths);
   }
 
   PhotonMappingSettings settings;

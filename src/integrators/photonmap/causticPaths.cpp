@@ -14,9 +14,11 @@ namespace {
 
 class CausticPaths final : public PhotonMapper, private CausticPhotons {
  public:
-  CausticPaths(const PhotonMappingSettings& s, const LightSampler* learnedLights)
+  CausticPaths(const PhotonMappingSettings& s, const LightSampler* learnedLights, const PhotonPass* teacher)
       : settings(s), photons(onlyCaustics(s)), lights(learnedLights ? *learnedLights : ownLights),
-        pathTracer(makePathTracing({s.maxDepth, s.lightSamples}, this, &lights)) {}
+        pathTracer(makePathTracing({s.maxDepth, s.lightSamples}, this, &lights)) {
+    if (teacher) photons.learnFrom(*teacher);
+  }
 
   Passes passes(int /*samplesPerPixel*/) const override { return settings.passes; }
   uint64_t photonsEmitted(const Scene& scene) const override {
@@ -102,8 +104,8 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
 } // namespace
 
 std::unique_ptr<PhotonMapper> makeCausticPaths(const PhotonMappingSettings& settings,
-                                               const LightSampler* lights) {
-  return std::make_unique<CausticPaths>(settings, lights);
+                                               const LightSampler* lights, const PhotonPass* teacher) {
+  return std::make_unique<CausticPaths>(settings, lights, teacher);
 }
 
 } // namespace recurse

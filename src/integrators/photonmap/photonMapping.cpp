@@ -18,7 +18,6 @@ constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanis
                                                             {"lightlearning", Mechanism::LIGHT_LEARNING},
                                                             {"shadowopenings", Mechanism::SHADOW_OPENINGS},
                                                             {"guide", Mechanism::GUIDE},
-                                                            {"targets", Mechanism::TARGETS},
                                                             {"portals", Mechanism::PORTALS},
                                                             {"aim", Mechanism::AIM},
                                                             {"sparselight", Mechanism::SPARSE_LIGHT},
@@ -119,7 +118,7 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
            .oneOf({"kdtree", "flann"}),
        stringParameter("without", "nothing",
                        "for studies of one mechanism, switch it off: lights chosen by position, openings for "
-                       "shadow rays, guided emission, target spheres of photons, openings for emission, "
+                       "shadow rays, guided emission, openings for emission, "
                        "aiming of far lamps, sparse light sampled by rays, splitting of strong photons, "
                        "radii chosen by error, MIS weights of photons and rays")
            .oneOf(mechanismNames())});

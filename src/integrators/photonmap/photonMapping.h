@@ -31,9 +31,11 @@ class PhotonMapper : public Integrator {
  * integrator learns its own light sampler. */
 std::unique_ptr<PhotonMapper> makePhotonMapping(const PhotonMappingSettings& settings,
                                                 const LightSampler* lights = nullptr);
-/** Path tracing with photons of caustics alone; paths find all other light. */
+/** Path tracing with photons of caustics alone; paths find all other light. `teacher`: see
+ * PhotonPass::learnFrom(); null: the first pass learns. */
 std::unique_ptr<PhotonMapper> makeCausticPaths(const PhotonMappingSettings& settings,
-                                               const LightSampler* lights = nullptr);
+                                               const LightSampler* lights = nullptr,
+                                               const PhotonPass* teacher = nullptr);
 
 /** Whether the medium around the scene is emissive and unbounded, so that no photons can start in it;
  * integrators with photon maps do not support such scenes. */

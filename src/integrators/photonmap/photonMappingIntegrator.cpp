@@ -28,8 +28,8 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
   recordSampler = Sampler(pass.seed, pass.index, 0);
   const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
   const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;
-  irradiances.reset(shared ? photons.indirect().cache.size() : 0);
-  causticIrradiances.reset(shared ? photons.caustics().cache.size() : 0);
+  irradiances.reset(shared ? photons.indirect().cache().size() : 0);
+  causticIrradiances.reset(shared ? photons.caustics().cache().size() : 0);
   return statistics;
 }
 

@@ -34,7 +34,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
   if (hasRecord(cache, query, scattering, point, path)) {
     const GatherSettings search = atRecord(layer, query);
     const Rgb e = cache.at(query.place.index, out.counts, [&](TransportCounts& counts) {
-      const RadiusCache::Place& place = layer.cache.place(query.place.index);
+      const RadiusCache::Place& place = layer.cache().place(query.place.index);
       BoundaryCorrection boundary{scene, recordSampler.fork(static_cast<uint32_t>(query.place.index)),
                                   &place.around};
       return irradiance(layer.map, search, place.position, place.normal, place.error,
@@ -71,7 +71,7 @@ bool PhotonMapping::hasRecord(const IrradianceCache& cache, const PhotonQuery& q
 }
 
 GatherSettings PhotonMapping::atRecord(const PhotonLayer& layer, const PhotonQuery& query) const {
-  GatherSettings search = photons.searchWithin(layer, layer.cache.place(query.place.index).radius);
+  GatherSettings search = photons.searchWithin(layer, layer.cache().place(query.place.index).radius);
   search.weighedAgainstRays = query.settings.weighedAgainstRays;
   search.merging = query.settings.merging;
   search.rest = query.settings.rest;

@@ -69,7 +69,6 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
       learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
   shoot.guide = &guidance.emission;
-  shoot.targets = guidance.targets;
   shoot.region = &region;
   shoot.minStartDensity = guidance.minStartDensity;
   shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
@@ -107,6 +106,19 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
     learnRadii(scene, classes, shadowRays, statistics);
   }
   return statistics;
+}
+
+void PhotonPass::learnFrom(const PhotonPass& other) {
+  causticLayer.choice = other.causticLayer.choice;
+  causticLayer.radii = other.causticLayer.radii;
+  portals = other.portals;
+  aim = other.aim;
+  lights = other.lights;
+  guidance = other.guidance;
+  guidance.minStartDensity = guidance.sparsePart = 0;
+  region = other.region;
+  progressive = other.progressive;
+  causticsKnown = other.causticsKnown;
 }
 
 ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const PathClasses& classes,
@@ -209,10 +221,12 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
     const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
                                  detail, isCaustic ? discarded : statistics);
-    if (progressive || settings.edges)
-      layer->cache.build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0,
-                         detail, isCaustic ? toCaustics : toIndirect, statistics.counts,
-                         settings.without != Mechanism::JUDGED_RADII);
+    if (!progressive && !settings.edges) continue;
+    auto radii = std::make_shared<RadiusCache>();
+    radii->build(scene, layer->map, manySeen, layer->choice.settings, judged ? settings.alpha : 0, detail,
+                 isCaustic ? toCaustics : toIndirect, statistics.counts,
+                 settings.without != Mechanism::JUDGED_RADII);
+    layer->radii = std::move(radii);
   }
   causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
@@ -222,8 +236,8 @@ double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
   double sum = 0;
   for (const VisiblePoint& visible : seen) {
     const auto at = [&](const PhotonLayer& layer) {
-      const CachedRadius near = layer.cache.at(visible.point.position, visible.point.geometricNormal);
-      return near.known ? &layer.cache.place(near.index) : nullptr;
+      const CachedRadius near = layer.cache().at(visible.point.position, visible.point.geometricNormal);
+      return near.known ? &layer.cache().place(near.index) : nullptr;
     };
     const RadiusCache::Place *caustic = at(causticLayer), *other = at(indirectLayer);
     if (!caustic || !(caustic->worth.raysVariance > 0)) continue;
@@ -250,7 +264,7 @@ float searchCost(const PhotonQuery& query, LobeSet lobes) {
 PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& point, const Vec3f& wi,
                               LobeSet lobes) const {
   PhotonQuery here{layer.choice.settings, {}};
-  if (progressive || settings.edges) here.place = layer.cache.at(point.position, point.normalTowards(wi));
+  if (progressive || settings.edges) here.place = layer.cache().at(point.position, point.normalTowards(wi));
   if (progressive) here.settings = searchWithin(layer, here.place.radius);
   here.cost = searchCost(here, lobes);
   if (&layer == &causticLayer && !settings.directLight) {
@@ -275,9 +289,9 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   GatherSettings& gather = query.settings;
   gather.weighedAgainstRays = true;
   gather.merging = gather.rest = 0;
-  if (tooFew || indirectLayer.cache.size() == 0) return;
+  if (tooFew || indirectLayer.cache().size() == 0) return;
   // Without a record of similar normal, as on strongly curved surfaces, the nearest record is used.
-  const RadiusCache::Place& place = indirectLayer.cache.place(query.place.index);
+  const RadiusCache::Place& place = indirectLayer.cache().place(query.place.index);
   const auto variance = double(place.variance), squared = square(double(place.irradiance));
   if (!std::isfinite(variance) || !(variance > 0 && squared > 0)) return;
   const double pixels =
@@ -354,19 +368,16 @@ LightTable PhotonPass::lightsByPower(const LightTable& all) const {
   return table;
 }
 
-void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                               const ShootSettings& shoot, const ForwardControl& control,
-                               ForwardStatistics& statistics) {
-  region = probeRegion(scene, settings.weighting, statistics.counts);
-  lights = lightsByPower(scene.lights());
-  // Photons that media scatter do not support targets.
-  const GuidanceChoice choice{settings.without != Mechanism::GUIDE,
-                              !scene.hasMedia() && !settings.causticsOnly &&
-                                  settings.without != Mechanism::TARGETS};
-  const auto learned = [&] {
-    return recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts, choice);
-  };
-  guidance = learned();
+void PhotonPass::learnStarts(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                             const ShootSettings& shoot, const ForwardControl& control,
+                             TransportCounts& counts) {
+  LightPortals openings;
+  if (settings.without != Mechanism::PORTALS) openings.learn(scene, seed, counts);
+  PhotonAim farLamps;
+  if (settings.without != Mechanism::AIM) farLamps.learn(scene, seed, counts);
+  if (!openings.active() && !farLamps.active()) return;
+  const auto tryThese = [&] { return tryStarts(scene, classes, seed, shoot, region, counts); };
+  StartTrial best = tryThese();
   const auto adoptIfBetter = [&](LightPortals otherPortals, PhotonAim otherAim) {
     constexpr double WORTH_IT = 2;                       // ratio of variances, which trials estimate badly
     constexpr uint64_t FEW_TRIALS = 256, MANY_TIMES = 4; // of about 32,000 trial photons
@@ -377,27 +388,31 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
       lights = lightsByPower(scene.lights());
     };
     exchange();
-    PhotonGuidance with = learned();
+    const StartTrial with = tryThese();
     // With very few useful photons their second moment is unknown, and their number decides.
     const bool areManyMore =
-        guidance.useful < FEW_TRIALS && with.useful >= MANY_TIMES * std::max<uint64_t>(1, guidance.useful);
-    const bool isBetter = with.secondMoment > 0 && with.secondMoment * WORTH_IT < guidance.secondMoment;
+        best.useful < FEW_TRIALS && with.useful >= MANY_TIMES * std::max<uint64_t>(1, best.useful);
+    const bool isBetter = with.secondMoment > 0 && with.secondMoment * WORTH_IT < best.secondMoment;
     if (areManyMore || isBetter)
-      guidance = std::move(with);
+      best = with;
     else
       exchange();
   };
+  if (openings.active()) adoptIfBetter(openings, {});
+  if (farLamps.active()) adoptIfBetter(portals, farLamps);
+  // A powerful far light without an aim leaves too few photons to judge the portals, so both are tried.
+  if (openings.active() && farLamps.active() && !portals.active()) adoptIfBetter(openings, farLamps);
+}
+
+void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                               const ShootSettings& shoot, const ForwardControl& control,
+                               ForwardStatistics& statistics) {
+  region = probeRegion(scene, settings.weighting, statistics.counts);
+  lights = lightsByPower(scene.lights());
   // A search for the nearest photons of one map needs photons of nearly equal power.
-  if (progressive) {
-    LightPortals openings;
-    if (settings.without != Mechanism::PORTALS) openings.learn(scene, seed, statistics.counts);
-    PhotonAim farLamps;
-    if (settings.without != Mechanism::AIM) farLamps.learn(scene, seed, statistics.counts);
-    if (openings.active()) adoptIfBetter(openings, {});
-    if (farLamps.active()) adoptIfBetter(portals, farLamps);
-    // A powerful far light without an aim leaves too few photons to judge the portals, so both are tried.
-    if (openings.active() && farLamps.active() && !portals.active()) adoptIfBetter(openings, farLamps);
-  }
+  if (progressive) learnStarts(scene, classes, seed, shoot, control, statistics.counts);
+  guidance = recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts,
+                                    settings.without != Mechanism::GUIDE);
   if (scene.hasMedia() || settings.causticsOnly || settings.directLight ||
       settings.without == Mechanism::SPARSE_LIGHT)
     guidance.minStartDensity = guidance.sparsePart = 0;
@@ -421,10 +436,6 @@ void PhotonPass::noteGuidance(std::vector<std::string>& notes) const {
     notes.push_back(formatted("photons: emission is guided to surfaces that the camera sees; the variance of "
                               "a photon is %.3g times smaller",
                               guidance.emission.gain()));
-  if (!guidance.targets.empty())
-    notes.push_back(formatted(
-        "photons: diffuse surfaces send part of them to %zu spheres around surfaces that the camera sees",
-        guidance.targets.size()));
 }
 
 } // namespace recurse

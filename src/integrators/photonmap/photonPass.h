@@ -4,6 +4,7 @@
  */
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "transport/density/gatherChoice.h"
@@ -19,7 +20,6 @@ enum class Mechanism {
   LIGHT_LEARNING,  ///< lights and openings for shadow rays are sampled by position
   SHADOW_OPENINGS, ///< shadow rays to an environment go through openings
   GUIDE,           ///< emission of photons follows useful trial photons
-  TARGETS,         ///< DXTRAN spheres
   PORTALS,         ///< photons of infinite lights start where camera paths leave the scene
   AIM,             ///< photons of far lights are aimed at the vertices of camera paths
   SPARSE_LIGHT,    ///< light whose photons are few and strong is left to rays
@@ -50,7 +50,9 @@ struct PhotonPassSettings {
 struct PhotonLayer {
   PhotonMap map;
   GatherChoice choice; ///< from the first pass
-  RadiusCache cache;   ///< from the first pass
+  /** Radii from the first pass. */
+  const RadiusCache& cache() const { return *radii; }
+  std::shared_ptr<const RadiusCache> radii = std::make_shared<RadiusCache>(); ///< not null
 };
 
 /** Photons in media: each medium has either points or beams. */
@@ -78,6 +80,10 @@ class PhotonPass {
   /** Shoots the photons and builds the maps; pass 0 also learns. */
   ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
                         const ForwardControl& control, const LightSampler& shadowRays);
+
+  /** Takes over the starts of photons and the radii of caustics that `other` has learned, so that passes
+   * after the first may run without the first. */
+  void learnFrom(const PhotonPass& other);
 
   /** Calls `use` with the maps of `other`, a pass after the first, and then restores the maps. */
   ForwardStatistics with(const Pass& other, const Scene& scene, const PathClasses& classes,
@@ -131,7 +137,7 @@ class PhotonPass {
   void weighAgainstRays(PhotonQuery& query, float footprint) const;
   /** Whether reading the indirect layer costs less than continuing the path, for the variance it saves. */
   bool paysInstead(const PhotonQuery& query) const {
-    return !query.place.known || query.cost < indirectLayer.cache.place(query.place.index).worth.instead;
+    return !query.place.known || query.cost < indirectLayer.cache().place(query.place.index).worth.instead;
   }
   /** Settings of a search whose radius in the first pass was `firstRadius` [scene units]. */
   GatherSettings searchWithin(const PhotonLayer& layer, float firstRadius) const;
@@ -145,6 +151,9 @@ class PhotonPass {
   void learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& shoot, const ForwardControl& control,
                      ForwardStatistics& statistics);
+  /** Selects openings for infinite lights and aims for far lamps, where trial photons show that they pay. */
+  void learnStarts(const Scene& scene, const PathClasses& classes, uint64_t seed, const ShootSettings& shoot,
+                   const ForwardControl& control, TransportCounts& counts);
   /** Adds notes on the learned guidance. */
   void noteGuidance(std::vector<std::string>& notes) const;
   /** Table of lights by the power of their photons: what portals admit, or the aimed fraction. */

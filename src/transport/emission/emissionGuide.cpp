@@ -29,10 +29,7 @@ uint64_t VisibleRegion::Cells::key(int level, const Vec3f& position) {
   return key;
 }
 
-void VisibleRegion::add(const Vec3f& position, float size) {
-  places.push_back(position);
-  surfaces.add(position, size, 1);
-}
+void VisibleRegion::add(const Vec3f& position, float size) { surfaces.add(position, size, 1); }
 
 void VisibleRegion::addInMedium(const Vec3f& position, float size, float weight) {
   media.add(position, size, weight);

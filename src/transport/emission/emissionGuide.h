@@ -25,8 +25,6 @@ class VisibleRegion {
   void addInMedium(const Vec3f& position, float size, float weight);
   float importanceInMedium(const Vec3f& position) const { return media.importance(position); }
   bool empty() const { return surfaces.empty() && media.empty(); }
-  /** Points that were added on surfaces. */
-  const std::vector<Vec3f>& all() const { return places; }
 
  private:
   class Cells {
@@ -41,7 +39,6 @@ class VisibleRegion {
     std::vector<int> levels; ///< cells of side 2^level
   };
   Cells surfaces, media;
-  std::vector<Vec3f> places;
 };
 
 /**

@@ -11,32 +11,33 @@
 
 namespace recurse {
 
-/** Guidance of photons: their starts, targets and splitting. */
+/** Guidance of photons: their starts and splitting. */
 struct PhotonGuidance {
   EmissionGuide emission;
-  std::vector<DxtranSphere> targets;
   float splitPower = INFINITE; ///< see ShootSettings; for a single photon emitted [W]
   float minStartDensity = 0;   ///< see ShootSettings
   float sparsePart = 0;        ///< fraction of the power in the visible region from starts below that density
-  uint64_t useful = 0;         ///< number of unguided trial photons stored in the visible region
-  double secondMoment = 0;     ///< approximate second moment of a photon's visible contribution
 };
 
-/** Mechanisms that learnGuidance() may use. */
-struct GuidanceChoice {
-  bool emission = true; ///< photons start by the density of useful trial photons
-  bool targets = true;  ///< the visible region may become a target
+/** Result of trial photons without a guide. */
+struct StartTrial {
+  uint64_t useful = 0;     ///< number of photons stored in the visible region
+  double secondMoment = 0; ///< approximate second moment of a photon's visible contribution
 };
+
+/** Shoots trial photons by the starts of `settings`, and adds their work to `counts`. */
+StartTrial tryStarts(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                     const ShootSettings& settings, const VisibleRegion& region, TransportCounts& counts);
 
 /**
  * Learns from trial photons which starts reach the visible region. The trials are few, and the guide is
- * inactive, where most photons reach it anyway. The region becomes a target where few photons reach it but
- * many of those sent to it do, if `choice` allows. Adds the work of the trials to `counts`.
+ * inactive, where most photons reach it anyway, or without `guidesEmission`. Adds the work of the trials to
+ * `counts`.
  */
 PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                              const ShootSettings& settings, const VisibleRegion& region,
                              const ForwardControl& control, TransportCounts& counts,
-                             GuidanceChoice choice = {});
+                             bool guidesEmission = true);
 
 /** Learns an emission guide for light paths without a photon map: the starts of paths that reach the visible
  * region. Few other paths from an outdoor sun or sky enter a room. `maxDepth`: see ShootSettings; `trials`:

@@ -10,7 +10,6 @@
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "transport/direct/directLight.h"
 #include "transport/forward/photonStart.h"
-#include "transport/forward/targetCones.h"
 
 namespace recurse {
 
@@ -46,7 +45,7 @@ class PhotonWalk {
     EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
-    starts.fullPower = enteredTargets = 0;
+    starts.fullPower = 0;
     const float byMedia = starts.byMedia();
     const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
     storesDirect = settings.direct || fromMedium;
@@ -67,12 +66,6 @@ class PhotonWalk {
   float startDensity() const {
     return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
   }
-  /** Visible-point density [1/area] of the targets that the last photon entered straight from the light,
-   * summed over targets. */
-  float enteredImportance() const { return enteredTargets; }
-
-  const VisibleRegion* region = nullptr; ///< visible region, for trial photons only
-  uint64_t sent = 0, arrived = 0;        ///< photons sent to targets; number of these that hit the region
 
  private:
   /** Stores a short beam. The thinnest channel samples its length, so that no channel is amplified.
@@ -161,7 +154,6 @@ class PhotonWalk {
     Vec3f wi; ///< unit, back along the photon's path
     LightState afterD, afterS;
     LobeSet allowed = NO_LOBE; ///< lobes by which the photon may leave
-    bool sends = false;        ///< photons are sent to targets; BSDF sampling leaves those directions out
   };
 
   Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
@@ -180,7 +172,7 @@ class PhotonWalk {
   bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;
     const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
-    if (!s || (at.sends && !s->specular() && cones.around(s->direction) > 0)) return false;
+    if (!s) return false;
     const Rgb scattered = photon.flux * s->weight;
     photon.flux = scattered;
     const float chance = std::min(1.0f, maxComponent(scattered) / power);
@@ -217,35 +209,18 @@ class PhotonWalk {
     for (int i = 1; i < count; ++i) branch(photon, i);
   }
 
-  /** Records for a trial photon the targets that it enters straight from the light. */
-  void noteTargetsEntered(const Vec3f& position) {
-    for (const DxtranSphere& t : settings.targets)
-      if (glm::distance(position, t.center) < t.radius) enteredTargets += t.importance;
-  }
-
   /** Follows a photon until it ends. */
   void walk(PhotonState photon, Sampler& sampler) {
     Hit hit;
-    bool toTarget = photon.relativePower < 1; // until its first hit
     while (const Bsdf* bsdf = nextSurface(photon, hit, sampler)) {
       if (photon.depth == settings.maxDepth) {
         counts.truncatedThroughput += double(maxComponent(photon.flux));
         return;
       }
-      const Vec3f position = hit.point.position;
-      if (region && photon.depth == 0) noteTargetsEntered(position);
-      const bool outside = !settings.targets.empty() && cones.find(settings.targets, position);
-      if (std::exchange(toTarget, false) && region) arrived += region->contains(position);
-      if (outside && photon.relativePower < 1) {
-        if (!russianRoulette(photon.relativePower, photon.depth, sampler, photon.flux)) return;
-        photon.relativePower = 1;
-      }
       Arrival at = arrive(photon, hit, *bsdf);
       const bool keepsPhotons = at.scattering.keepsPhotons();
       if (keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect)) store(photon, at);
       ++photon.depth;
-      at.sends = outside && (at.allowed & NON_DELTA_LOBES) && (at.scattering.lobes() & LAMBERTIAN);
-      if (at.sends) sendToTargets(photon, at, sampler);
       if (keepsPhotons) split(photon, at, sampler);
       if (!scatter(photon, at, maxComponent(photon.flux), sampler)) return;
     }
@@ -276,45 +251,6 @@ class PhotonWalk {
         arrivalDensity(origin.kind, origin.pdf, glm::distance(origin.position, hit.point.position),
                        absDot(wi, hit.point.geometricNormal), origin.probability, chosen);
     return ReverseRatio::atSurface(arrivals, scattering.pdfNonDelta(wi, direction), direction, hit.point);
-  }
-
-  /** Sends photons to the targets from the surface at which `from` has arrived. */
-  void sendToTargets(const PhotonState& from, const Arrival& at, const Sampler& sampler) {
-    constexpr float MIN_COUNT = 0.01f, MAX_COUNT = 16;
-    constexpr uint32_t BRANCH = 1000; // number of the fork, unused by other forks of the sampler
-    const ScatteringPoint& scattering = at.scattering;
-    const Vec3f& wi = at.wi;
-    const Vec3f normal = scattering.normal() * std::copysign(1.0f, glm::dot(scattering.normal(), wi));
-    const float albedo = PI * maxComponent(scattering.evaluateFlux(wi, normal));
-    Sampler branch = sampler.fork(BRANCH);
-    for (const auto& [cone, part] : cones) {
-      const float lifted = glm::dot(normal, cone.axis);
-      // Sphere entirely below the tangent plane. The sine of the half angle is sqrt(opening · (2 - opening)).
-      if (lifted < 0 && square(lifted) > cone.opening * (2 - cone.opening)) continue;
-      const float seen = 2 * cone.opening * albedo * std::max(lifted, 0.0f);
-      // Both products may underflow to 0; the quotient then counts as the least.
-      const float ratio = maxComponent(from.flux) * seen / (starts.fullPower * part);
-      const float wanted = std::min(MAX_COUNT, std::max(MIN_COUNT, ratio));
-      const int count = static_cast<int>(wanted + branch.next1D());
-      for (int i = 0; i < count; ++i) {
-        Sampler own = branch.fork(static_cast<uint32_t>(i));
-        const Vec3f direction = cone.sample(own.next2D());
-        PhotonState next = from;
-        const float density = wanted *
-                              static_cast<float>(std::max<std::ptrdiff_t>(1, cones.around(direction))) /
-                              (2 * PI * cone.opening);
-        next.flux *= scattering.evaluateFlux(wi, direction) / density;
-        if (isBlack(next.flux)) continue;
-        next.relativePower = std::min(1.0f, maxComponent(next.flux) / maxComponent(from.flux));
-        next.state = at.afterD;
-        next.caustic = next.straight = false;
-        next.ratio = ratioAfter(from.ratio, from.depth - 1, at.hit, scattering, wi, direction);
-        next.nesting.scatters(at.hit, wi, direction);
-        next.ray = spawn(at.hit.point, direction);
-        waiting.emplace_back(std::move(next), own);
-        ++sent;
-      }
-    }
   }
 
   /** Packs a direction without a change of side: rounding could hide a grazing photon from all queries. */
@@ -349,8 +285,6 @@ class PhotonWalk {
   StoredPhotons& out;
   std::vector<std::pair<PhotonState, Sampler>> waiting;
   PhotonStart starts;
-  TargetCones cones; ///< cones from the last surface
-  float enteredTargets = 0;
   bool storesDirect = true; ///< see ShootSettings::direct
   BsdfArena arena;
 };

@@ -1,5 +1,5 @@
 /** @file
- * Settings of the forward pass: the number, starts, targets and storage of photons.
+ * Settings of the forward pass: the number, starts and storage of photons.
  */
 #pragma once
 
@@ -12,19 +12,6 @@
 #include "transport/emission/photonAim.h"
 
 namespace recurse {
-
-/**
- * DXTRAN sphere (X-5 Monte Carlo Team, "MCNP", 2003, volume I, section 2.IV.E.9): all diffuse surfaces
- * outside send additional photons to it. BSDF sampling leaves out the directions towards it in return, so
- * that nothing is counted twice. The additional photons are many and weak. When they leave the sphere,
- * Russian roulette reduces their number.
- */
-struct DxtranSphere {
-  Vec3f center{0};
-  float radius = 0;
-  float part = 1;       ///< intended power of a photon sent to the sphere, over full emission power
-  float importance = 0; ///< visible-point density [1/area]
-};
 
 /** Photons that walks store in media. Each medium stores either points or beams, so that nothing is counted
  * twice. */
@@ -56,7 +43,6 @@ struct ShootSettings {
   /** Emission density [1/length²] below which photons of infinite lights end at the first non-delta surface,
    * as each would be visible as a blotch. Rays sample the light beyond that surface. */
   float minStartDensity = 0;
-  std::vector<DxtranSphere> targets;
   KeptInMedia inMedia;
   const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
   float splitPower = INFINITE;           ///< approximate power of each photon after a split into at most 256
