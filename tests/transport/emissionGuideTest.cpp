@@ -168,8 +168,7 @@ TEST(EmissionGuide, ASphericalLampShinesAtASmallBallOfGlass) {
   EXPECT_GT(stored("true"), 8 * stored("false"));
 }
 
-/** What light there is on a small table has come from walls far away, where a photon's start tells nothing.
- */
+/** Light on a small table has come from distant walls: a photon's start hardly tells whether it arrives. */
 TEST(EmissionGuide, SmallTableInALargeHall) {
   std::string text = view(16, "0 -.3 2.2  0 0 .8  0 0 1", 40) + R"(
     Material "diffuse" "rgb reflectance" [.6 .6 .6]
@@ -182,15 +181,15 @@ TEST(EmissionGuide, SmallTableInALargeHall) {
     text += "LightSource \"spot\" \"point3 from\" [" + std::to_string(4 * i - 6) + " 2 5] \"point3 to\" [" +
             std::to_string(6 * i - 9) + " 0 9] \"rgb I\" [90 80 70] \"float coneangle\" 60\n";
   const auto scene = sceneFrom(text);
-  const Compared c =
-      compareGuided(*scene, "\"integer photons\" 10000 \"integer passes\" 2 \"float radius\" .1");
-  EXPECT_LT(c.variance[1], c.variance[0] / 10);
-  const std::string few = "\"integer photons\" 5000 \"integer passes\" 2";
-  const Rendered one = renderScene(*scene, "photonmap", few, 2, 1, 1),
-                 three = renderScene(*scene, "photonmap", few, 2, 1, 3);
-  for (size_t i = 0; i < one.pixels(); ++i) ASSERT_EQ(one.value(i), three.value(i));
+  // Few photons come to the table, and the guide learns little from them: the estimate must not be biased.
+  std::vector<double> means;
+  for (uint64_t seed = 1; seed <= 4; ++seed)
+    means.push_back(renderScene(*scene, "photonmap", "", SANITIZED ? 4 : 32, seed).mean());
+  const Mean found(means);
   const Rendered truth = renderScene(*scene, "path", "", SANITIZED ? 256 : 1024);
-  EXPECT_NEAR(c.mean[1] / truth.mean(), 1, 0.02 + 4 * truth.standardError() / truth.mean());
+  EXPECT_NEAR(found.value, truth.mean(),
+              0.02 * truth.mean() + 4 * std::hypot(found.error, truth.standardError()));
+  EXPECT_LT(4 * found.error, 0.1 * truth.mean());
 }
 
 TEST(EmissionGuide, ABallOfMilkInAWideHall) {

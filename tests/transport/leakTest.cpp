@@ -39,7 +39,7 @@ TEST_P(Leaks, AreNone) {
   const auto scene = sceneFrom(view(48, GetParam().lookAt, GetParam().fov) + ROOM);
   const Rendered truth = renderScene(*scene, "path", "", samples(GetParam().pathSamples));
   std::vector<double> means;
-  for (uint64_t seed = 1; seed <= 5; ++seed)
+  for (uint64_t seed = 1; seed <= 8; ++seed)
     means.push_back(
         renderScene(*scene, "photonmap", "\"integer photons\" 40000", SANITIZED ? 2 : 8, seed).mean());
   const Mean found(means);

@@ -22,7 +22,7 @@ using namespace recurse::testing;
 
 namespace {
 
-/** Seeds of scenes that were unsound before: photons to targets whose number was 0 / 0. */
+/** Seeds of scenes whose pictures were not finite before. */
 constexpr std::array<uint64_t, 1> FAILED_ONCE = {3320};
 
 struct Outcome {
