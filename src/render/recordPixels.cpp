@@ -37,15 +37,18 @@ Rgb RecordedPixel::value() const {
 RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                               const RenderSettings& settings, int64_t count, std::span<RecordedPixel> pixels,
                               const std::atomic<bool>& stop,
-                              const std::function<void(double fraction)>& progress) {
+                              const std::function<void(double fraction)>& progress,
+                              LightPathRecorder* lightPaths) {
   requireWithin(scene.film().crop, pixels);
   Film film(scene.film().crop, classes.layerCount());
   SampleRenderer renderer(scene, integrator, classes, settings, film, {});
   const int64_t end = std::min(count, renderer.samples());
   ForwardControl control;
   control.stop = &stop;
+  control.lightPaths = lightPaths;
   for (int64_t pass = 0; renderer.passBegin(pass) < end; ++pass) {
     const int64_t first = renderer.passBegin(pass), last = std::min(renderer.passEnd(pass), end);
+    if (lightPaths) lightPaths->beginPass(0); // for passes without light paths
     if (!renderer.shootPass(pass, false, control)) break;
     for (RecordedPixel& p : pixels)
       renderer.recordSamples(p.x, p.y, uint64_t(first), uint64_t(last), p.record);

@@ -23,12 +23,14 @@ struct RecordedPixel {
 
 /**
  * Records samples [0, `count`) of each pixel: the samples of render() with the same settings, bit for bit.
- * The integrator must be new, and keeps its last photon map. `stop` ends the recording early. Throws Error
+ * The integrator must be new, and keeps its last photon map, whose light paths are recorded by
+ * `lightPaths` unless it is null. `stop` ends the recording early. Throws Error
  * for a pixel outside of the crop window, and where the integrator cannot render the scene.
  */
 RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                               const RenderSettings& settings, int64_t count, std::span<RecordedPixel> pixels,
                               const std::atomic<bool>& stop,
-                              const std::function<void(double fraction)>& progress = {});
+                              const std::function<void(double fraction)>& progress = {},
+                              LightPathRecorder* lightPaths = nullptr);
 
 } // namespace recurse

@@ -24,6 +24,8 @@ struct PhotonState {
   bool straight = true;    ///< only thin panes are between the light and the photon
   float relativePower = 1; ///< power over its parent photon's power; below 1 until it leaves its target
   float wavelength = 0;    ///< see Subpath
+  PathEvent event = PathEvent::D; ///< last event
+  RecordedLightPath record{};
   // Spectral state in media:
   Rgb pathPdf{1}; ///< see SpectralPath
   int hero = 0;   ///< colour channel that draws distances
