@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "recurse/core/io/error.h"
+#include "recurse/core/threads/parallel.h"
 #include "render/sampleRenderer.h"
 
 namespace recurse {
@@ -51,10 +52,33 @@ RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const 
     if (lightPaths) lightPaths->beginPass(0); // for passes without light paths
     if (!renderer.shootPass(pass, false, control)) break;
     for (RecordedPixel& p : pixels)
-      renderer.recordSamples(p.x, p.y, uint64_t(first), uint64_t(last), p.record);
+      renderer.statistics.counts.add(
+          renderer.recordSamples(p.x, p.y, uint64_t(first), uint64_t(last), p.record));
     if (progress) progress(double(last) / double(end));
   }
   return renderer.statistics;
+}
+
+void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                  const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                  const std::function<void(int x, int y, const PathRecorder&)>& use) {
+  SampleRenderer renderer(scene, integrator, classes, settings, film, {});
+  const int64_t end = renderer.samples();
+  const PixelBounds& crop = scene.film().crop;
+  ForwardControl control;
+  control.stop = &stop;
+  for (int64_t pass = 0; renderer.passBegin(pass) < end; ++pass) {
+    const int64_t first = renderer.passBegin(pass), last = std::min(renderer.passEnd(pass), end);
+    if (!renderer.shootPass(pass, true, control)) return;
+    parallelFor(size_t(crop.height()), [&](size_t row) {
+      const int y = crop.y0 + static_cast<int>(row);
+      for (int x = crop.x0; x < crop.x1 && !stop; ++x) {
+        PathRecorder record;
+        renderer.recordSamples(x, y, uint64_t(first), uint64_t(last), record);
+        use(x, y, record);
+      }
+    });
+  }
 }
 
 } // namespace recurse

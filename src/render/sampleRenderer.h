@@ -68,8 +68,8 @@ class SampleRenderer {
                         TransportCounts& counts, const std::atomic<bool>* abandon);
 
   /** Renders samples [first, end) of the pixel at (x, y) on the whole film, which must be within the bounds,
-   * and records their paths. */
-  void recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder);
+   * and records their paths. Returns the counts. Callable from any thread, for different recorders. */
+  TransportCounts recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder) const;
 
   /** Statistics up to now of everything except samples: times, photons, notes, warnings. */
   RenderStatistics statistics;

@@ -18,7 +18,7 @@ chromium.FLAGS = [flag for flag in chromium.FLAGS if flag != "--disable-gpu"] + 
 from pageTest import SCENE, OfflinePage, browser, main, recurse  # noqa: E402 (the browser starts at once)
 
 PIXELS = [(24, 40), (4, 30), (44, 30)]
-REFERENCE = (4, 30)  # on a matt wall
+REFERENCE = (44, 30)  # on a matt wall
 
 
 class InspectPage(OfflinePage):
@@ -77,7 +77,7 @@ class InspectPage(OfflinePage):
             self.clickPixel(*pixel)
             self.assertEqual(self.text("#pixelName"), f"{pixel[0]}, {pixel[1]}")
             self.assertGreater(self.segments(), 0)
-        recorded = self.data["pixels"][1]
+        recorded = self.data["pixels"][-1]
         rows = len(self.texts("#contributions tr")) - 1
         self.assertEqual(rows, min(200, len(recorded["contributions"])))
         self.assertIn(f"{rows} of {rows} contributions of 4 samples", self.text("#pathStatus"))
@@ -310,9 +310,9 @@ class EdgesOfAFloor(OfflinePage):
             self.change("number", "value", 0.85)
             rows = self.estimateRows()
             value, error = (float(part) for part in rows["luminance"].split(" ± "))
-            self.assertLess(abs(value - 2), 4 * error + 0.08)
             reference = float(rows["path tracing, red green blue"].split()[0])
-            self.assertAlmostEqual(reference, 2, delta=0.01)
+            self.assertAlmostEqual(reference, 2, delta=0.05)  # and a little from the wall
+            self.assertLess(abs(value - reference), 4 * error + 0.04 * reference)
 
     def clickPixelOf(self, x, y):
         browser.clickAt(*browser.evaluate(

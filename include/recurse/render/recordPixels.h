@@ -33,4 +33,13 @@ RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const 
                               const std::function<void(double fraction)>& progress = {},
                               LightPathRecorder* lightPaths = nullptr);
 
+/**
+ * Calls use(x, y, record) with the samples of each pixel of the crop window, pass by pass: the samples of
+ * render() with the same settings, which are rendered into the film. Calls for different rows run at the same
+ * time; a record exists only during its call.
+ */
+void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                  const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                  const std::function<void(int x, int y, const PathRecorder&)>& use);
+
 } // namespace recurse

@@ -10,6 +10,7 @@ class FlightView {
     element("flightPanel").hidden = count === 0;
     this.isUsed = count > 0;
     if (!this.isUsed) return;
+    this.shortenEscapes();
     this.listClasses();
     this.measure();
     this.choose();
@@ -24,6 +25,16 @@ class FlightView {
     element("trail").addEventListener("input", () => this.draw());
   }
 
+  /** Ends light that leaves the scene after one radius. */
+  shortenEscapes() {
+    const { count, positions, previous, kinds } = this.paths;
+    for (let i = 0; i < count; ++i) {
+      if ((kinds[i] & 3) !== ESCAPE) continue;
+      const from = new THREE.Vector3().fromArray(positions, 3 * previous[i]), to = new THREE.Vector3().fromArray(positions, 3 * i);
+      from.addScaledVector(to.sub(from).normalize(), this.data.radius).toArray(positions, 3 * i);
+    }
+  }
+
   listClasses() {
     const stored = new Set();
     for (let i = 0; i < this.paths.count; ++i) if (this.paths.kinds[i] & STORED) stored.add(this.paths.classes[i]);
@@ -33,7 +44,7 @@ class FlightView {
 
   /** Computes the time of each vertex. A stream starts its paths one after the other, a pulse all at once. */
   measure() {
-    const { count, positions, previous, kinds, paths } = this.paths, STREAM = 12;
+    const { count, positions, previous, paths } = this.paths, STREAM = 12;
     const pause = element("flightMode").value === "stream" ? STREAM / Math.max(1, paths) : 0;
     this.times = new Float32Array(count);
     let starts = 0;
@@ -42,11 +53,7 @@ class FlightView {
       this.times[i] = p < 0 ? pause * starts++ : this.times[p] + Math.hypot(positions[3 * i] - positions[3 * p],
         positions[3 * i + 1] - positions[3 * p + 1], positions[3 * i + 2] - positions[3 * p + 2]) / this.data.radius;
     }
-    // Light that leaves the scene is followed for one radius only.
-    this.end = 0;
-    for (let i = 0; i < count; ++i)
-      if ((kinds[i] & 3) !== ESCAPE) this.end = Math.max(this.end, this.times[i]);
-      else this.end = Math.max(this.end, this.times[previous[i]] + 1);
+    this.end = this.times.reduce((a, b) => Math.max(a, b), 0);
   }
 
   /** Chooses the edges of the class: those that lead to one of its stored vertices. */
