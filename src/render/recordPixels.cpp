@@ -4,9 +4,11 @@
 #include "recurse/render/recordPixels.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "recurse/core/io/error.h"
 #include "recurse/core/threads/parallel.h"
+#include "recurse/core/threads/processorTime.h"
 #include "render/sampleRenderer.h"
 
 namespace recurse {
@@ -59,9 +61,13 @@ RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const 
   return renderer.statistics;
 }
 
-void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+namespace {
+
+/** Calls renderPixel(renderer, x, y, first, last) for the samples of each pixel, pass by pass. */
+template <class RenderPixel>
+void visitSamples(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                   const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
-                  const std::function<void(int x, int y, const PathRecorder&)>& use) {
+                  const RenderPixel& renderPixel) {
   SampleRenderer renderer(scene, integrator, classes, settings, film, {});
   const int64_t end = renderer.samples();
   const PixelBounds& crop = scene.film().crop;
@@ -72,13 +78,34 @@ void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses&
     if (!renderer.shootPass(pass, true, control)) return;
     parallelFor(size_t(crop.height()), [&](size_t row) {
       const int y = crop.y0 + static_cast<int>(row);
-      for (int x = crop.x0; x < crop.x1 && !stop; ++x) {
-        PathRecorder record;
-        renderer.recordSamples(x, y, uint64_t(first), uint64_t(last), record);
-        use(x, y, record);
-      }
+      for (int x = crop.x0; x < crop.x1 && !stop; ++x)
+        renderPixel(renderer, x, y, uint64_t(first), uint64_t(last));
     });
   }
+}
+
+} // namespace
+
+void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                  const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                  const std::function<void(int x, int y, const PathRecorder&)>& use) {
+  visitSamples(scene, integrator, classes, settings, film, stop,
+               [&](const SampleRenderer& renderer, int x, int y, uint64_t first, uint64_t last) {
+                 PathRecorder record;
+                 renderer.recordSamples(x, y, first, last, record);
+                 use(x, y, record);
+               });
+}
+
+void visitCosts(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                const std::function<void(int x, int y, const TransportCounts&, double seconds)>& use) {
+  visitSamples(scene, integrator, classes, settings, film, stop,
+               [&](const SampleRenderer& renderer, int x, int y, uint64_t first, uint64_t last) {
+                 const auto start = std::chrono::steady_clock::now();
+                 const TransportCounts counts = renderer.renderSamples(x, y, first, last, nullptr);
+                 use(x, y, counts, secondsSince(start));
+               });
 }
 
 } // namespace recurse

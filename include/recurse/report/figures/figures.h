@@ -46,7 +46,8 @@ std::vector<StrategyPictures> strategyPictures(const Scene& scene, Integrator& b
 std::vector<FigurePanel> pyramidPanels(const std::vector<StrategyPictures>& strategies, bool weighted);
 
 /** Panels of multiple importance sampling (Veach and Guibas 1995): shadow rays alone, rays of the BSDF alone,
- * each unweighted and weighted, and both together. `path`: new, with one technique pair for each light. */
+ * each unweighted and weighted, and both together. Light that only one of them can find is in both pictures
+ * of a technique alone. `path`: new. */
 std::vector<FigurePanel> misPanels(const Scene& scene, Integrator& path, const RenderSettings& settings,
                                    const std::atomic<bool>& stop);
 
