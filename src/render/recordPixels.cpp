@@ -4,11 +4,10 @@
 #include "recurse/render/recordPixels.h"
 
 #include <algorithm>
-#include <chrono>
+#include <ctime>
 
 #include "recurse/core/io/error.h"
 #include "recurse/core/threads/parallel.h"
-#include "recurse/core/threads/processorTime.h"
 #include "render/sampleRenderer.h"
 
 namespace recurse {
@@ -63,6 +62,13 @@ RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const 
 
 namespace {
 
+/** Processor time of this thread [s]: other work of the machine does not count. */
+double threadSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
 /** Calls renderPixel(renderer, x, y, first, last) for the samples of each pixel, pass by pass. */
 template <class RenderPixel>
 void visitSamples(const Scene& scene, Integrator& integrator, const PathClasses& classes,
@@ -102,9 +108,9 @@ void visitCosts(const Scene& scene, Integrator& integrator, const PathClasses& c
                 const std::function<void(int x, int y, const TransportCounts&, double seconds)>& use) {
   visitSamples(scene, integrator, classes, settings, film, stop,
                [&](const SampleRenderer& renderer, int x, int y, uint64_t first, uint64_t last) {
-                 const auto start = std::chrono::steady_clock::now();
+                 const double start = threadSeconds();
                  const TransportCounts counts = renderer.renderSamples(x, y, first, last, nullptr);
-                 use(x, y, counts, secondsSince(start));
+                 use(x, y, counts, threadSeconds() - start);
                });
 }
 

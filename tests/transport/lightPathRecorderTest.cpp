@@ -100,7 +100,9 @@ TEST(LightPathRecorder, PathsBeginAtTheirLightAndStatesFollowTheEvents) {
       EXPECT_EQ(v.state.byte, expected.byte);
       EXPECT_GT(maxComponent(v.flux), 0);
       longPaths += !isNextToLight;
-      if (v.kind == LightVertexKind::ESCAPE) EXPECT_GT(glm::length(v.position), 1.7f);
+      if (v.kind == LightVertexKind::ESCAPE) {
+        EXPECT_GT(glm::length(v.position), 1.7f);
+      }
     }
     EXPECT_GT(longPaths, 20u);
   }
@@ -149,8 +151,9 @@ TEST(PhotonBoxes, ContainThePhotonsOfTheirMap) {
     for (const StoredPhoton& p : stored)
       for (const PhotonBox& root : roots)
         inside += root.caustic == p.caustic && root.box.contains(p.position);
-    if (way.integrator != "vcm")
-      EXPECT_EQ(photons, stored.size()); // vcm keeps no photons straight from lights
+    if (way.integrator != "vcm") { // vcm keeps no photons straight from lights
+      EXPECT_EQ(photons, stored.size());
+    }
     EXPECT_GE(inside, photons);
     EXPECT_GT(photons, 50u);
   }

@@ -166,9 +166,10 @@ TEST(PathRecorder, JoinsOfBothSidesAreWholePaths) {
           EXPECT_EQ(automata[i].accepts(word), (one.classes >> i & 1) != 0) << word << " " << list[i].name;
         if (!isJoin) continue;
         EXPECT_EQ(record.lightVertices[size_t(source.lightVertex)].position, source.end);
-        if (source.technique == PathTechnique::MERGE)
+        if (source.technique == PathTechnique::MERGE) {
           EXPECT_LE(glm::distance(source.end, record.vertices()[size_t(source.vertex)].position),
                     record.estimates()[size_t(source.estimate)].radius);
+        }
       }
     }
     EXPECT_GT(counts[PathTechnique::HIT], 0u);
