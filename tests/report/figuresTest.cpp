@@ -123,7 +123,7 @@ TEST(CostPanels, ShowPhotonsOnlyWhereThereAreSome) {
   const auto byPaths = panelsOf("path", "");
   ASSERT_EQ(byPaths.size(), 2u);
   EXPECT_NE(byPaths[0].name.find(" rays"), std::string::npos);
-  EXPECT_NE(byPaths[1].name.find(" microseconds"), std::string::npos);
+  EXPECT_NE(byPaths[1].name.find(" us"), std::string::npos);
   const auto byPhotons = panelsOf("simplephotonmap", "\"integer photons\" 2000");
   ASSERT_EQ(byPhotons.size(), 3u);
   EXPECT_NE(byPhotons[1].name.find(" photons"), std::string::npos);

@@ -41,8 +41,8 @@ RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const 
 void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                   const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
                   const std::function<void(int x, int y, const PathRecorder&)>& use);
-/** Does the same without records: calls use(x, y, counts, seconds) with the work for the samples of a pass.
- */
+/** Does the same without records: calls use(x, y, counts, seconds) with the work and the processor time for
+ * the samples of a pass. */
 void visitCosts(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                 const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
                 const std::function<void(int x, int y, const TransportCounts&, double seconds)>& use);

@@ -52,7 +52,7 @@ std::vector<FigurePanel> costPanels(const Scene& scene, Integrator& integrator,
   panels.push_back(costPanel(crop, rays, "rays", 0));
   if (std::any_of(photons.begin(), photons.end(), [](double x) { return x > 0; }))
     panels.push_back(costPanel(crop, photons, "photons", 1));
-  panels.push_back(costPanel(crop, microseconds, "microseconds", static_cast<int>(panels.size())));
+  panels.push_back(costPanel(crop, microseconds, "us", static_cast<int>(panels.size())));
   return panels;
 }
 

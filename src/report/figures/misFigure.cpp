@@ -53,11 +53,11 @@ std::vector<FigurePanel> misPanels(const Scene& scene, Integrator& path, const R
   const auto add = [&](Picture picture, const char* name, int row, float column) {
     panels.push_back({std::move(pictures[picture]), name, row, column, exposure});
   };
-  add(LIGHT_SAMPLES, "light samples alone", 0, 0);
-  add(HITS, "BSDF samples alone", 0, 1);
-  add(LIGHT_SAMPLES_WEIGHTED, "light samples, weighted", 1, 0);
-  add(HITS_WEIGHTED, "BSDF samples, weighted", 1, 1);
-  add(BOTH, "sum of the weighted", 1, 2);
+  add(LIGHT_SAMPLES, "light samples", 0, 0);
+  add(HITS, "BSDF samples", 0, 1);
+  add(LIGHT_SAMPLES_WEIGHTED, "lights, weighted", 1, 0);
+  add(HITS_WEIGHTED, "BSDF, weighted", 1, 1);
+  add(BOTH, "both, weighted", 1, 2);
   return panels;
 }
 

@@ -51,8 +51,8 @@ std::vector<FigurePanel> pyramidPanels(const std::vector<StrategyPictures>& stra
 std::vector<FigurePanel> misPanels(const Scene& scene, Integrator& path, const RenderSettings& settings,
                                    const std::atomic<bool>& stop);
 
-/** Panels of the cost of a pixel in false colours: rays, photons of density estimates, and processor time,
- * with the range in the name. `integrator`: new. Photons are left out if there are none. */
+/** Panels of the cost of a pixel in false colours: rays, photons of density estimates, and processor time
+ * [us], with the range in the name. `integrator`: new. Photons are left out if there are none. */
 std::vector<FigurePanel> costPanels(const Scene& scene, Integrator& integrator,
                                     const RenderSettings& settings, const std::atomic<bool>& stop);
 
