@@ -232,9 +232,10 @@ class InspectPage(OfflinePage):
     def ink(self, canvas):
         """How many pixels of a canvas are not empty."""
         return browser.evaluate(
-            f"(() => {{ const c = document.getElementById('{canvas}');"
-            "return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.filter((x, i) => i % 4 === 3 && x > 0)"
-            ".length; })()")
+            f"(() => {{ const from = document.getElementById('{canvas}'), c = document.createElement('canvas');"
+            "const context = c.getContext('2d', { willReadFrequently: true });"
+            "[c.width, c.height] = [from.width, from.height]; context.drawImage(from, 0, 0);"
+            "return context.getImageData(0, 0, c.width, c.height).data.filter((x, i) => i % 4 === 3 && x > 0).length; })()")
 
     def test8PixelsOnMirrorsHaveNoReference(self):
         known = {(r["x"], r["y"]) for r in self.data["references"]}

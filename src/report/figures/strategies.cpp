@@ -91,7 +91,8 @@ std::vector<StrategyPictures> strategyPictures(const Scene& scene, Integrator& b
         weights.at(i, j)[0] += filterWeights(record);
       });
   Film splatted(crop, classes.layerCount());
-  render(scene, lightPaths, classes, settings, splatted, stop, nullptr, nullptr);
+  if (scene.camera().isConnectable()) // else no strategy has t = 1
+    render(scene, lightPaths, classes, settings, splatted, stop, nullptr, nullptr);
   for (size_t i = 0; i < out.size(); ++i) {
     for (int y = 0; y < crop.height(); ++y)
       for (int x = 0; x < crop.width(); ++x)
