@@ -31,8 +31,9 @@ std::unique_ptr<Integrator> integratorNamed(const std::string& type, const Loade
 
 Image pyramidOf(const LoadedScene& loaded, const RenderSettings& settings, int edges,
                 const std::string& title, const std::atomic<bool>& stop) {
-  const auto strategies = strategyPictures(*loaded.scene, *integratorNamed("bdpt", loaded),
-                                           *integratorNamed("lightpath", loaded), settings, edges, stop);
+  const std::unique_ptr<Integrator> bidirectional = integratorNamed("bdpt", loaded);
+  const std::unique_ptr<Integrator> lightPaths = integratorNamed("lightpath", loaded);
+  const auto strategies = strategyPictures(*loaded.scene, *bidirectional, *lightPaths, settings, edges, stop);
   std::vector<FigurePanel> panels = pyramidPanels(strategies, true);
   for (FigurePanel& panel : pyramidPanels(strategies, false)) {
     panel.row += edges - 1; // below the weighted ones
