@@ -40,7 +40,7 @@ class SimplePhotonMap final : public Integrator {
     if (control.lightPaths) control.lightPaths->beginPass(photons);
     for (uint64_t i = 0; i < photons && scene.lights().size() > 0 && !control.stopped(); ++i) {
       const Sampler sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM, static_cast<uint32_t>(i));
-      RecordedWalk record(control.lightPaths ? control.lightPaths->listFor(i) : nullptr, 1 / float(photons));
+      RecordedWalk record(control.lightPaths, i, 1 / float(photons));
       shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored, record);
       if (i % 4096 == 0) control.progress(double(i) / double(photons));
     }
@@ -110,10 +110,7 @@ class SimplePhotonMap final : public Integrator {
     LightSubpath path = start->path;
     LightVertex vertex;
     record.start(path);
-    const auto addEscape = [&](const Hit* hit) {
-      if (!hit) record.escape(path, scene);
-    };
-    while (walker.next(path, vertex, sampler, addEscape)) {
+    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       if (vertex.isConnectable()) store(vertex, stored);
       record.arrive(path, vertex, vertex.isConnectable());
       if (!walker.scatter(path, vertex, sampler)) return;

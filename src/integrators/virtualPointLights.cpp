@@ -83,7 +83,7 @@ class VirtualPointLights final : public Integrator {
     }
     if (control.lightPaths) control.lightPaths->beginPass(static_cast<uint64_t>(settings.lightPaths));
     for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i) {
-      RecordedWalk record(control.lightPaths ? control.lightPaths->listFor(uint64_t(i)) : nullptr,
+      RecordedWalk record(control.lightPaths, static_cast<uint64_t>(i),
                           1 / static_cast<float>(settings.lightPaths));
       trace(scene, classes, pass,
             Sampler(hashCombine(pass.seed, pass.index), VIRTUAL_LIGHT_STREAM, static_cast<uint32_t>(i)),
@@ -146,10 +146,7 @@ class VirtualPointLights final : public Integrator {
     LightSubpath path = start->path;
     LightVertex vertex;
     record.start(path);
-    const auto addEscape = [&](const Hit* hit) {
-      if (!hit) record.escape(path, scene);
-    };
-    while (walker.next(path, vertex, sampler, addEscape)) {
+    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       record.arrive(path, vertex, vertex.isConnectable());
       if (vertex.isConnectable())
         if (const Bsdf* bsdf = vertex.hit.material->bsdfAt(vertex.point(), arena))

@@ -79,10 +79,7 @@ class Bidirectional::LightWalk {
     stored.end = start->end;
     LightSubpath path = start->path;
     record.start(path);
-    const auto addEscape = [&](const Hit* hit) {
-      if (!hit) record.escape(path, scene);
-    };
-    while (walker.next(path, vertex, sampler, addEscape)) {
+    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       store(stored);
       record.arrive(path, vertex, vertex.isConnectable() && owner.keepsLightPaths());
       if (splatter && !owner.settings.merges) sumTechniques(stored);

@@ -17,6 +17,10 @@ class RecordedWalk {
     if (list) end = RecordedLightPath(*list);
   }
 
+  /** Light path with this number; `recorder` may be null. */
+  RecordedWalk(LightPathRecorder* recorder, uint64_t number, float scale)
+      : RecordedWalk(recorder ? recorder->listFor(number) : nullptr, scale) {}
+
   void start(const LightSubpath& path) {
     add(LightVertexKind::START, path, path.ray.origin, path.throughput);
   }
@@ -25,9 +29,11 @@ class RecordedWalk {
     add(vertex.medium ? LightVertexKind::MEDIUM : LightVertexKind::SURFACE, path, vertex.point().position,
         vertex.throughput, stored);
   }
-  /** Adds the point where a ray that hits nothing has left the scene. */
-  void escape(const LightSubpath& path, const Scene& scene) {
-    add(LightVertexKind::ESCAPE, path, path.ray.at(2 * scene.bounds().radius), path.throughput);
+  /** Callback of Walker::next(): adds the point where a ray that hits nothing has left the scene. */
+  auto escape(const LightSubpath& path, const Scene& scene) {
+    return [this, &path, &scene](const Hit* hit) {
+      if (!hit) add(LightVertexKind::ESCAPE, path, path.ray.at(2 * scene.bounds().radius), path.throughput);
+    };
   }
 
  private:
