@@ -172,6 +172,9 @@ class InspectPage(OfflinePage):
         self.change("flightMode", "value", "pulse")
         self.change("flightTime", "value", 0.01)
         self.assertGreater(self.flight("flying"), self.flight("landed"))
+        flying = self.flight("flying")
+        self.change("flightClass", "value", "all")
+        self.assertGreater(self.flight("flying"), 2 * flying)  # light that ends elsewhere does not fly
         self.change("flightMode", "value", "stream")
         self.change("flightClass", "value", "all")
 
