@@ -111,6 +111,7 @@ ExitStatus run(int argc, char** argv) {
   addConvergeCommand(app, chosen);
   addMethodsCommand(app, chosen);
   addInspectCommand(app, chosen);
+  addFigureCommand(app, chosen);
   addInfoCommand(app, chosen);
   addClassesCommand(app, chosen);
   addExplainCommand(app, chosen);

@@ -11,6 +11,7 @@
 #include "transport/direct/localShading.h"
 #include "transport/emission/pathEnds.h"
 #include "transport/integrator/maxDepthParameter.h"
+#include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -36,9 +37,11 @@ class SimplePhotonMap final : public Integrator {
     const auto start = std::chrono::steady_clock::now();
     ForwardStatistics statistics;
     std::vector<Photon> stored;
+    if (control.lightPaths) control.lightPaths->beginPass(photons);
     for (uint64_t i = 0; i < photons && scene.lights().size() > 0 && !control.stopped(); ++i) {
       const Sampler sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM, static_cast<uint32_t>(i));
-      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored);
+      RecordedWalk record(control.lightPaths, i, 1 / float(photons));
+      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored, record);
       if (i % 4096 == 0) control.progress(double(i) / double(photons));
     }
     statistics.shootSeconds = secondsSince(start);
@@ -85,6 +88,9 @@ class SimplePhotonMap final : public Integrator {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
     visitMap(map, false, visit);
   }
+  void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override {
+    visitMapBoxes(map, false, levels, visit);
+  }
   bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override {
     return {{"emission", "LS*E", "none: found by rays through mirrors and glass", "", true},
@@ -97,14 +103,16 @@ class SimplePhotonMap final : public Integrator {
 
   /** Traces a photon until it is absorbed, and stores it at each non-delta surface that it hits. */
   void shootPhoton(const Scene& scene, const PathClasses& classes, float time, Sampler sampler,
-                   TransportCounts& counts, std::vector<Photon>& stored) const {
+                   TransportCounts& counts, std::vector<Photon>& stored, RecordedWalk& record) const {
     const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
     if (!start) return;
     Walker<LightState> walker(scene, classes, counts, maxDepth);
     LightSubpath path = start->path;
     LightVertex vertex;
-    while (walker.next(path, vertex, sampler)) {
+    record.start(path);
+    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       if (vertex.isConnectable()) store(vertex, stored);
+      record.arrive(path, vertex, vertex.isConnectable());
       if (!walker.scatter(path, vertex, sampler)) return;
     }
   }

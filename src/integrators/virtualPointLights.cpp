@@ -9,6 +9,7 @@
 #include "transport/emission/pathEnds.h"
 #include "transport/forward/photonGuidance.h"
 #include "transport/integrator/maxDepthParameter.h"
+#include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -30,9 +31,9 @@ struct VplSettings {
 /** Vertex of a light path, as a virtual point light. */
 struct VirtualLight {
   SurfacePoint point;
-  Vec3f wi; ///< unit, back along the light path
-  Rgb flux; ///< flux on arrival, divided by the number of light paths
-  LightState afterD;
+  Vec3f wi;                 ///< unit, back along the light path
+  Rgb flux;                 ///< flux on arrival, divided by the number of light paths
+  LightState state, afterD; ///< before and after the event there
   int events = 0;
   bool bounded =
       true; ///< false after a delta event: no ray that continues could add the light that a bound removes
@@ -80,10 +81,14 @@ class VirtualPointLights final : public Integrator {
                                              "sees; the variance of a light path is %.3g times smaller",
                                              guide.gain()));
     }
-    for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i)
+    if (control.lightPaths) control.lightPaths->beginPass(static_cast<uint64_t>(settings.lightPaths));
+    for (int i = 0; i < settings.lightPaths && !control.stopped(); ++i) {
+      RecordedWalk record(control.lightPaths, static_cast<uint64_t>(i),
+                          1 / static_cast<float>(settings.lightPaths));
       trace(scene, classes, pass,
             Sampler(hashCombine(pass.seed, pass.index), VIRTUAL_LIGHT_STREAM, static_cast<uint32_t>(i)),
-            statistics.counts);
+            statistics.counts, record);
+    }
     statistics.photonsEmitted = static_cast<uint64_t>(settings.lightPaths);
     statistics.photonsStored = virtualLights.size();
     return statistics;
@@ -106,6 +111,11 @@ class VirtualPointLights final : public Integrator {
     }
   }
 
+  void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
+    for (const VirtualLight& light : virtualLights)
+      visit({light.point.position, light.wi, light.point.normalTowards(light.wi), light.flux, light.state});
+  }
+  std::string photonName() const override { return "virtual point lights"; }
   std::string claims() const override { return "LD?S*E | L(S|D)*DDS*E"; }
   std::string suppositions() const override {
     return settings.compensate || (!settings.clampChosen && settings.clampDistance <= 0)
@@ -128,19 +138,22 @@ class VirtualPointLights final : public Integrator {
 
  private:
   void trace(const Scene& scene, const PathClasses& classes, const Pass& pass, Sampler sampler,
-             TransportCounts& counts) {
+             TransportCounts& counts, RecordedWalk& record) {
     Walker<LightState> walker(scene, classes, counts, settings.maxDepth);
     const std::optional<LightStart> start =
         startLightSubpath(scene, classes, pass.time, sampler, counts, guide);
     if (!start) return;
     LightSubpath path = start->path;
     LightVertex vertex;
-    while (walker.next(path, vertex, sampler)) {
+    record.start(path);
+    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
+      record.arrive(path, vertex, vertex.isConnectable());
       if (vertex.isConnectable())
         if (const Bsdf* bsdf = vertex.hit.material->bsdfAt(vertex.point(), arena))
           virtualLights.push_back({vertex.point(), vertex.wi,
-                                   vertex.throughput / static_cast<float>(settings.lightPaths), vertex.afterD,
-                                   vertex.depth, !path.delta, ScatteringPoint(*bsdf, vertex.point())});
+                                   vertex.throughput / static_cast<float>(settings.lightPaths), vertex.state,
+                                   vertex.afterD, vertex.depth, !path.delta,
+                                   ScatteringPoint(*bsdf, vertex.point())});
       if (!walker.scatter(path, vertex, sampler)) return;
     }
   }

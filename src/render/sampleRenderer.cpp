@@ -259,17 +259,19 @@ SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t 
   return {batch.taken(), batch.isAbandoned()};
 }
 
-void SampleRenderer::recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder) {
+TransportCounts SampleRenderer::renderSamples(int x, int y, uint64_t first, uint64_t end,
+                                              PathRecorder* recorder) const {
   const PixelBounds& bounds = film.bounds();
   Round round{settings.seed, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
   TransportCounts counts;
-  EyeBatch batch(scene, integrator, classes, counts, round, film, nullptr, nullptr, &recorder);
+  EyeBatch batch(scene, integrator, classes, counts, round, film, nullptr, nullptr, recorder);
   const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
   const uint64_t stream = uint64_t(uint32_t(y)) << 32 | uint32_t(x);
   for (uint64_t n = first; n < end; ++n)
     batch.add(stream, static_cast<uint32_t>(n), pixel, {float(x), float(y)}, std::nullopt);
-  statistics.counts.add(counts);
+  batch.flush();
+  return counts;
 }
 
 } // namespace recurse

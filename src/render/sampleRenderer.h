@@ -68,8 +68,12 @@ class SampleRenderer {
                         TransportCounts& counts, const std::atomic<bool>* abandon);
 
   /** Renders samples [first, end) of the pixel at (x, y) on the whole film, which must be within the bounds,
-   * and records their paths. */
-  void recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder);
+   * and records their paths. Returns the counts. Callable from any thread, for different recorders. */
+  TransportCounts recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder) const {
+    return renderSamples(x, y, first, end, &recorder);
+  }
+  /** Renders these samples into the film and returns the counts; `recorder` may be null. */
+  TransportCounts renderSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder* recorder) const;
 
   /** Statistics up to now of everything except samples: times, photons, notes, warnings. */
   RenderStatistics statistics;

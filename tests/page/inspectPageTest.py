@@ -3,8 +3,13 @@
 It must load without errors and without any network, draw the scene, and answer to clicks on pixels and surfaces.
 """
 
+import base64
+import functools
 import json
+import struct
 import subprocess
+import time
+import zlib
 
 import browser as chromium
 
@@ -12,7 +17,8 @@ chromium.FLAGS = [flag for flag in chromium.FLAGS if flag != "--disable-gpu"] + 
 
 from pageTest import SCENE, OfflinePage, browser, main, recurse  # noqa: E402 (the browser starts at once)
 
-PIXELS = [(24, 40), (4, 30)]
+PIXELS = [(24, 40), (4, 30), (44, 30)]
+REFERENCE = (44, 30)  # on a matt wall
 
 
 class InspectPage(OfflinePage):
@@ -21,7 +27,7 @@ class InspectPage(OfflinePage):
         cls.page = cls.temporary.name + "/page.html"
         pixels = [word for x, y in PIXELS for word in ("--pixel", f"{x},{y}")]
         recurse("inspect", SCENE, "-o", cls.page, "-q", "--integrator", "photonmap", "--photons", "20k", "--spp", "4",
-                "--resolution", "48x48", "--path-samples", "4", "--shown-photons", "5000", *pixels)
+                "--resolution", "48x48", "--path-samples", "4", "--shown-light-paths", "400", *pixels)
         browser.open(cls.page, "document.body.dataset.ready === 'yes'")
         cls.data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
 
@@ -71,7 +77,7 @@ class InspectPage(OfflinePage):
             self.clickPixel(*pixel)
             self.assertEqual(self.text("#pixelName"), f"{pixel[0]}, {pixel[1]}")
             self.assertGreater(self.segments(), 0)
-        recorded = self.data["pixels"][1]
+        recorded = self.data["pixels"][-1]
         rows = len(self.texts("#contributions tr")) - 1
         self.assertEqual(rows, min(200, len(recorded["contributions"])))
         self.assertIn(f"{rows} of {rows} contributions of 4 samples", self.text("#pathStatus"))
@@ -114,6 +120,282 @@ class InspectPage(OfflinePage):
         self.assertLess(int(self.text("#numberText")), count)
         irradiance = [float(x) for x in self.texts("#estimateText dd")[2].split()]
         self.assertGreater(min(irradiance), 0)
+
+    def decoded(self, *path, type):
+        """Numbers of an encoded array of the page's data."""
+        code = base64.b64decode(functools.reduce(lambda data, key: data[key], path, self.data))
+        planes, stride = zlib.decompress(code), struct.calcsize(type)
+        count = len(planes) // stride
+        whole = bytes(planes[k * count + i] for i in range(count) for k in range(stride))
+        return struct.unpack(f"<{count}{type}", whole)
+
+    def flight(self, name):
+        return float(browser.evaluate(f"document.getElementById('view').dataset.{name}"))
+
+    def test6LightFliesAndIsStored(self):
+        paths = self.data["lightPaths"]
+        self.assertLessEqual(paths["paths"], 400)
+        self.assertGreater(paths["count"], paths["paths"])
+        self.change("showPhotons", "checked", False)
+        self.change("flightTime", "value", 0.3)
+        self.assertGreater(self.flight("flying"), 5)
+        landed, colours = self.flight("landed"), self.colours()
+        self.change("flightTime", "value", 1)
+        self.assertEqual(self.flight("flying"), 0)
+        kinds = self.decoded("lightPaths", "kinds", type="B")
+        self.assertEqual(self.flight("landed"), sum(kind & 4 != 0 for kind in kinds))
+        self.assertGreater(self.flight("landed"), landed)
+        self.assertGreater(colours, 10)
+
+    def test6PlayMovesTheLightUntilItIsPaused(self):
+        self.change("flightTime", "value", 0)
+        self.change("flightSpeed", "value", 0.5)
+        browser.click("document.getElementById('play')")
+        time.sleep(0.5)
+        self.assertEqual(self.text("#play"), "Pause")
+        browser.click("document.getElementById('play')")
+        self.assertEqual(self.text("#play"), "Play")
+        at = self.flight("flightTime")
+        self.assertGreater(at, 0)
+        time.sleep(0.2)
+        self.assertEqual(self.flight("flightTime"), at)
+
+    def test6AClassOfLightIsAPartOfIt(self):
+        self.change("flightTime", "value", 1)
+        whole = self.flight("landed")
+        names = self.texts("#flightClass option")
+        self.assertIn("caustic", names)
+        self.change("flightClass", "selectedIndex", names.index("caustic"))
+        self.change("flightTime", "value", 1)
+        self.assertGreater(self.flight("landed"), 0)
+        self.assertLess(self.flight("landed"), whole)
+        self.change("flightMode", "value", "pulse")
+        self.change("flightTime", "value", 0.01)
+        self.assertGreater(self.flight("flying"), self.flight("landed"))
+        flying = self.flight("flying")
+        self.change("flightClass", "value", "all")
+        self.assertGreater(self.flight("flying"), 2 * flying)  # light that ends elsewhere does not fly
+        self.change("flightMode", "value", "stream")
+        self.change("flightClass", "value", "all")
+
+    def test7TheBoxesOfTheTreeBoundThePhotons(self):
+        """The photons are all on the page, in the order of the tree, so that a box's are the next of its map."""
+        self.assertEqual(self.data["photons"]["count"], self.data["photons"]["inMap"])
+        bounds, levels = self.decoded("boxes", "bounds", type="f"), self.decoded("boxes", "levels", type="B")
+        caustic, sizes = self.decoded("boxes", "caustic", type="B"), self.decoded("boxes", "photons", type="I")
+        positions, kinds = self.decoded("photons", "positions", type="f"), self.decoded("photons", "kinds", type="B")
+        self.assertEqual(set(caustic), {0, 1})
+        for isCaustic in (0, 1):
+            photons = [positions[3 * i:3 * i + 3] for i in range(len(kinds)) if (kinds[i] >= 128) == isCaustic]
+            at = 0
+            for i in range(len(levels)):
+                isLeaf = i + 1 == len(levels) or levels[i + 1] <= levels[i]
+                if caustic[i] != isCaustic or not isLeaf:
+                    continue
+                own = photons[at:at + sizes[i]]
+                at += sizes[i]
+                for axis in range(3):
+                    self.assertEqual(bounds[6 * i + axis], min(p[axis] for p in own))
+                    self.assertEqual(bounds[6 * i + 3 + axis], max(p[axis] for p in own))
+            self.assertEqual(at, len(photons))
+
+    def test7TheBoxesOfALevelAreDrawn(self):
+        self.change("showBoxes", "checked", True)
+        self.change("boxLevel", "value", 0)
+        self.assertEqual(self.flight("boxes"), 2)
+        self.assertIn("2 boxes after 0 splits", self.text("#boxStatus"))
+        self.change("boxMap", "value", "0")
+        for level, boxes in ((1, 2), (3, 8)):
+            self.change("boxLevel", "value", level)
+            self.assertEqual(self.flight("boxes"), boxes)
+        self.change("boxMap", "value", "all")
+        self.change("showBoxes", "checked", False)
+        self.assertEqual(self.flight("boxes"), 0)
+
+    def estimateRows(self):
+        return dict(zip(self.texts("#estimateText dt"), self.texts("#estimateText dd")))
+
+    def test8TheEstimateOfAPixelStandsBesidePathTracing(self):
+        self.clickPixel(*REFERENCE)
+        browser.click("document.getElementById('atPixel')")
+        self.change("number", "value", 0.8)
+        rows = self.estimateRows()
+        reference = [r for r in self.data["references"] if (r["x"], r["y"]) == REFERENCE][0]
+        red = float(rows["path tracing, red green blue"].split()[0])
+        self.assertAlmostEqual(red / reference["irradiance"][0], 1, delta=0.01)
+        y, error = (float(x) for x in rows["luminance"].split(" ± "))
+        expected = 0.2126 * reference["irradiance"][0] + 0.7152 * reference["irradiance"][1] \
+            + 0.0722 * reference["irradiance"][2]
+        self.assertLess(abs(y - expected), 4 * error + 0.1 * expected)
+        self.assertIn("standard errors", rows["difference"])
+        for axis in ("number", "radius"):
+            self.change("curveAxis", "value", axis)
+            self.assertGreater(self.ink("curve"), 500)
+
+    def ink(self, canvas):
+        """How many pixels of a canvas are not empty."""
+        return browser.evaluate(
+            f"(() => {{ const from = document.getElementById('{canvas}'), c = document.createElement('canvas');"
+            "const context = c.getContext('2d', { willReadFrequently: true });"
+            "[c.width, c.height] = [from.width, from.height]; context.drawImage(from, 0, 0);"
+            "return context.getImageData(0, 0, c.width, c.height).data.filter((x, i) => i % 4 === 3 && x > 0).length; })()")
+
+    def test8PixelsOnMirrorsHaveNoReference(self):
+        known = {(r["x"], r["y"]) for r in self.data["references"]}
+        self.assertIn(REFERENCE, known)
+        for pixel in PIXELS:
+            self.clickPixel(*pixel)
+            self.assertEqual(browser.evaluate("document.getElementById('atPixel').disabled"), pixel not in known)
+
+
+FLOOR = """
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+LookAt 0 0 6  0 0 0  0 1 0
+Camera "perspective" "float fov" 40
+WorldBegin
+LightSource "distant" "rgb L" [ 2 2 2 ] "point3 from" [ 0 0 9 ] "point3 to" [ 0 0 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ -2 -2 0  2 -2 0  2 2 0  -2 2 0 ]
+Shape "trianglemesh" "integer indices" [ 0 1 2  0 2 3 ] "point3 P" [ 0 1 0  2 1 0  2 1 2  0 1 2 ]
+"""
+
+
+class EdgesOfAFloor(OfflinePage):
+    """A square floor in uniform light, with a wall across a part of it."""
+
+    @classmethod
+    def make(cls):
+        scene = cls.temporary.name + "/floor.pbrt"
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write(FLOOR)
+        cls.page = cls.temporary.name + "/page.html"
+        pixels = [word for x, y in ((16, 16), (2, 16), (8, 9)) for word in ("--pixel", f"{x},{y}")]
+        recurse("inspect", scene, "-o", cls.page, "-q", "--integrator", "simplephotonmap", "--photons", "60k", "--spp", "1",
+                *pixels)
+        browser.open(cls.page, "document.body.dataset.ready === 'yes'")
+        cls.data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
+
+    def setUp(self):
+        browser.settle()
+
+    change, clickPixel, estimateRows = InspectPage.change, InspectPage.clickPixel, InspectPage.estimateRows
+
+    def coverage(self, radius, left, wall):
+        """Fraction of the kernel on the floor: distances to its nearest edge across x, and to a wall across y."""
+        inside = whole = 0
+        n = 400
+        for i in range(n):
+            for j in range(n):
+                x, y = ((2 * k + 1) / n - 1 for k in (i, j))
+                q = x * x + y * y
+                if q < 1:
+                    whole += 1 - q
+                    inside += (1 - q) * (x * radius > -left and y * radius < wall)
+        return inside / whole
+
+    def test1TheKernelIsCutAtEdgesAndWalls(self):
+        for x, y in ((16, 16), (2, 16), (8, 9)):
+            self.clickPixelOf(x, y)
+            browser.click("document.getElementById('atPixel')")
+            reference = [r for r in self.data["references"] if (r["x"], r["y"]) == (x, y)][0]
+            at = [reference["position"][k] + self.data["origin"][k] for k in range(3)]
+            for part in (0.5, 0.8, 0.95):
+                self.change("radius", "value", part)
+                rows, radius = self.estimateRows(), float(self.text("#radiusText"))
+                if radius > (2 - abs(at[1])):
+                    continue
+                wall = 1 - at[1] if (x, y) == (8, 9) else 9
+                found = float(rows["kernel on the surface"].split()[0]) / 100
+                self.assertAlmostEqual(found, self.coverage(radius, 2 - abs(at[0]), wall), delta=0.04, msg=f"{at} {radius}")
+
+    def test2TheEstimateHasNoBiasAtTheEdge(self):
+        for x, y in ((16, 16), (2, 16)):
+            self.clickPixelOf(x, y)
+            browser.click("document.getElementById('atPixel')")
+            self.change("number", "value", 0.85)
+            rows = self.estimateRows()
+            value, error = (float(part) for part in rows["luminance"].split(" ± "))
+            reference = float(rows["path tracing, red green blue"].split()[0])
+            self.assertAlmostEqual(reference, 2, delta=0.05)  # and a little from the wall
+            self.assertLess(abs(value - reference), 4 * error + 0.04 * reference)
+
+    def clickPixelOf(self, x, y):
+        browser.clickAt(*browser.evaluate(
+            "(() => { const c = document.getElementById('picture'); c.scrollIntoView({block: 'nearest'});"
+            "const b = c.getBoundingClientRect(), s = Math.min(b.width, b.height);"
+            f"return [b.left + (b.width - s) / 2 + s * {(x + 0.5) / 32}, b.top + (b.height - s) / 2 + s * {(y + 0.5) / 32}];"
+            "})()"))
+
+
+class LightPathsOfBothSides(OfflinePage):
+    """Connections, merges and virtual lights."""
+
+    @classmethod
+    def make(cls):
+        cls.page = cls.temporary.name + "/page.html"
+
+    def setUp(self):
+        browser.settle()
+
+    change = InspectPage.change
+
+    def open(self, integrator, *more):
+        recurse("inspect", SCENE, "-o", self.page, "-q", "--integrator", integrator, "--spp", "4", "--resolution", "48x48",
+                "--path-samples", "4", "--pixel", "24,40", *more)
+        browser.open(self.page, "document.body.dataset.ready === 'yes'")
+
+    def drawPathsOf(self, technique):
+        """Chooses the first path of a technique, and returns its word, its vertices and its segments."""
+        browser.evaluate("(() => { for (const row of document.querySelectorAll('#contributions tr'))"
+                         f"if (row.path?.technique === '{technique}') return row.click(); }})()")
+        browser.settle()
+        return (self.text("#word"), self.texts("#vertices tr td:nth-child(2)"),
+                int(browser.evaluate("document.getElementById('view').dataset.segments")))
+
+    def test1ConnectionsOfBdpt(self):
+        self.open("bdpt")
+        self.assertIn("vertices of light paths", self.text("#photonCount"))
+        word, objects, segments = self.drawPathsOf("connection")
+        self.assertRegex(word, "^L[SD]*DD[SD]*E$")
+        self.assertIn("light path", objects)
+        self.assertEqual(segments, len(word) - 1)  # an edge between each two vertices
+
+    def test2MergesOfVcm(self):
+        self.open("vcm")
+        word, objects, segments = self.drawPathsOf("merge")
+        self.assertRegex(word, "^L[SD]+D[SD]*E$")
+        self.assertIn("light path", objects)
+        self.assertEqual(segments, len(word))  # and one from the point to the photon
+        self.change("showBoxes", "checked", True)
+        self.assertGreater(int(browser.evaluate("document.getElementById('view').dataset.boxes")), 1)
+
+    def test3VirtualLightsArePoints(self):
+        self.open("vpl")
+        self.assertIn("virtual point lights", self.text("#photonCount"))
+        self.change("showPhotons", "checked", True)
+        self.assertTrue(browser.evaluate("document.getElementById('boxPanel').hidden"))
+        self.change("flightTime", "value", 1)
+        self.assertGreater(int(browser.evaluate("document.getElementById('view').dataset.landed")), 10)
+
+    def test4PathTracingHasNeitherPhotonsNorLightPaths(self):
+        self.open("path")
+        for name in ("flightPanel", "boxPanel", "photonTools"):
+            self.assertTrue(browser.evaluate(f"document.getElementById('{name}').hidden"), name)
+
+
+class LimitOfPhotons(OfflinePage):
+    @classmethod
+    def make(cls):
+        cls.page = cls.temporary.name + "/page.html"
+        recurse("inspect", SCENE, "-o", cls.page, "-q", "--integrator", "photonmap", "--photons", "20k", "--spp", "4",
+                "--resolution", "48x48", "--shown-photons", "1000", "--shown-light-paths", "0", "--reference-samples", "0")
+        browser.open(cls.page, "document.body.dataset.ready === 'yes'")
+
+    def test1ThePageSaysItsLimit(self):
+        self.assertRegex(self.text("#photonCount"), r"^\d+ of \d+ photons .*, each represents \d+\. Limit: --shown-photons 1000\.$")
+
+    def test2WhatIsNotAskedForIsNotThere(self):
+        self.assertTrue(browser.evaluate("document.getElementById('flightPanel').hidden"))
+        self.assertTrue(browser.evaluate("document.getElementById('atPixel').disabled"))
 
 
 if __name__ == "__main__":

@@ -3,6 +3,9 @@
  */
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "recurse/report/inspect/inspect.h"
 #include "report/inspect/sceneMesh.h"
 #include "sceneRendering.h"
 
@@ -74,6 +77,71 @@ TEST(SceneMesh, CurvesAreBoxes) {
   EXPECT_EQ(mesh.triangles(), 0u);
   ASSERT_EQ(mesh.boxes.size(), 1u);
   EXPECT_GT(mesh.boxes[0].diagonal().x, 2.9f);
+}
+
+constexpr double REFERENCE_FLUX = 3,
+                 REFERENCE_ANGLE = 0.6; // irradiance across the light, angle to the floor's normal
+
+/** A floor of one material, lit by a distant light at an angle. */
+std::string litFloor(const std::string& material) {
+  return view(8, 8, "0 0 5  0 0 0  0 1 0", perspective(40)) + "LightSource \"distant\" \"rgb L\" [ " +
+         number(REFERENCE_FLUX) + " 0 " + number(REFERENCE_FLUX) + " ] \"point3 from\" [ " +
+         number(std::sin(REFERENCE_ANGLE)) + " 0 " + number(std::cos(REFERENCE_ANGLE)) +
+         " ] \"point3 to\" [ 0 0 0 ]\nMaterial " + material + "\n" +
+         "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ -2 -2 0  2 -2 0  2 2 0  "
+         "-2 2 0 ]\n";
+}
+
+std::vector<ReferencePoint> referencesOf(const Scene& scene, const std::string& expression) {
+  const auto path = integratorFrom("path", "");
+  const PathClasses classes({{"light", expression}});
+  path->prepare(scene, classes);
+  std::vector<RecordedPixel> pixels;
+  pixels.push_back({4, 3, {}});
+  const std::atomic<bool> stop{false};
+  return referencePoints(scene, *path, classes, pixels, 64, 1, stop);
+}
+
+TEST(ReferencePoints, IrradianceOfADistantLightIsItsFluxTimesTheCosine) {
+  const auto scene = sceneFrom(litFloor("\"diffuse\" \"rgb reflectance\" [ .2 .5 .8 ]"));
+  const std::vector<ReferencePoint> found = referencesOf(*scene, "L(S|D)*E");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].x, 4);
+  EXPECT_EQ(found[0].y, 3);
+  EXPECT_EQ(found[0].samples, 64);
+  const double expected = REFERENCE_FLUX * std::cos(REFERENCE_ANGLE);
+  EXPECT_NEAR(double(found[0].irradiance.r), expected, 1e-4 * expected);
+  EXPECT_EQ(found[0].irradiance.g, 0);
+  EXPECT_NEAR(double(found[0].irradiance.b), expected, 1e-4 * expected);
+  EXPECT_NEAR(found[0].standardError, 0, 1e-3);
+  EXPECT_NEAR(found[0].normal.z, 1, 1e-6f);
+}
+
+TEST(ReferencePoints, OnlyTheLightOfTheClassCounts) {
+  const auto scene = sceneFrom(litFloor("\"diffuse\""));
+  const std::vector<ReferencePoint> found = referencesOf(*scene, "L(S|D)+DE");
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].irradiance, BLACK);
+}
+
+TEST(ReferencePoints, OtherSurfacesAreLeftOut) {
+  for (const char* material :
+       {"\"conductor\"", "\"coateddiffuse\"", "\"diffuse\" \"rgb reflectance\" [ .5 0 .5 ]"})
+    EXPECT_TRUE(referencesOf(*sceneFrom(litFloor(material)), "L(S|D)*E").empty()) << material;
+}
+
+TEST(PhotonExpression, IsTheUnionOfTheClassesOfThePhotons) {
+  const PathClasses classes({{"direct", "LDE"}, {"caustic", "LS+DE"}, {"other", "L(S|D)*D(S|D)*DE"}});
+  const auto photonAfter = [&](const std::string& events) {
+    StoredPhoton photon{Vec3f(0), Vec3f(0), Vec3f(0), BLACK, classes.lightStart(), false};
+    for (const char e : events)
+      photon.state = classes.step(photon.state, e == 'S' ? PathEvent::S : PathEvent::D);
+    return photon;
+  };
+  EXPECT_EQ(photonExpression(classes, {photonAfter("S"), photonAfter("SS")}), "(LS+DE)");
+  EXPECT_EQ(photonExpression(classes, {photonAfter("DS"), photonAfter("")}), "(LDE) | (L(S|D)*D(S|D)*DE)");
+  EXPECT_EQ(photonExpression(PathClasses({{"direct", "LDE"}, {"mirrored", "L(S|D)*SE"}}), {photonAfter("D")}),
+            "");
 }
 
 } // namespace

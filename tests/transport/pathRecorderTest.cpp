@@ -3,6 +3,8 @@
  */
 #include "rendering.h"
 
+#include <map>
+
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/render/recordPixels.h"
 
@@ -125,6 +127,56 @@ TEST(PathRecorder, LettersOfAPathAreThoseOfItsClass) {
     EXPECT_GT(hits, 0u);
     EXPECT_GT(samples, 0u);
     EXPECT_EQ(merges > 0, c.integrator == "photonmap");
+  }
+}
+
+/** Word of a path that is joined with a light path. */
+std::string joinedWord(const PathRecorder& record, const RecordedSource& source) {
+  std::string light;
+  for (int i = source.lightVertex;;) {
+    const RecordedLightVertex& v = record.lightVertices[size_t(i)];
+    if (record.lightVertices[size_t(v.previous)].kind == LightVertexKind::START) break;
+    light = "SDV"[size_t(v.event)] + light;
+    i = v.previous;
+  }
+  if (source.technique == PathTechnique::CONNECTION) light += "D";
+  return "L" + light + "D" + record.letters(record.vertices()[size_t(source.vertex)].step) + "E";
+}
+
+TEST(PathRecorder, JoinsOfBothSidesAreWholePaths) {
+  const std::vector<PathClass> list = defaultStillClasses();
+  std::vector<PathAutomaton> automata;
+  for (const PathClass& one : list) automata.push_back(PathAutomaton::compile(one.expression));
+  const auto scene = sceneFrom(glassAndMirrorBox(RECORD_SIZE, 1.2));
+  for (const char* integrator : {"bdpt", "vcm"}) {
+    SCOPED_TRACE(integrator);
+    std::map<PathTechnique, size_t> counts;
+    for (const RecordedPixel& pixel : recordOf(*scene, {"", integrator, ""}, PathClasses(list))) {
+      const PathRecorder& record = pixel.record;
+      for (size_t s = 0; s < size_t(RECORD_SAMPLES); ++s)
+        expectClose(sumOf(record, s), record.samples()[s].total);
+      for (const RecordedContribution& one : record.contributions()) {
+        const RecordedSource& source = one.source;
+        ++counts[source.technique];
+        EXPECT_GT(source.weight, 0);
+        EXPECT_LE(source.weight, 1.0001f);
+        const bool isJoin = source.lightVertex != NOT_RECORDED;
+        const std::string word = isJoin ? joinedWord(record, source) : recordedWord(record, source);
+        for (size_t i = 0; i < list.size(); ++i)
+          EXPECT_EQ(automata[i].accepts(word), (one.classes >> i & 1) != 0) << word << " " << list[i].name;
+        if (!isJoin) continue;
+        EXPECT_EQ(record.lightVertices[size_t(source.lightVertex)].position, source.end);
+        if (source.technique == PathTechnique::MERGE) {
+          EXPECT_LE(glm::distance(source.end, record.vertices()[size_t(source.vertex)].position),
+                    record.estimates()[size_t(source.estimate)].radius);
+        }
+      }
+    }
+    EXPECT_GT(counts[PathTechnique::HIT], 0u);
+    EXPECT_GT(counts[PathTechnique::LIGHT_SAMPLE], 0u);
+    EXPECT_GT(counts[PathTechnique::CONNECTION], 0u);
+    EXPECT_EQ(counts[PathTechnique::MERGE] > 0, integrator == std::string("vcm"));
+    EXPECT_EQ(counts.count(PathTechnique::UNKNOWN), 0u);
   }
 }
 

@@ -480,4 +480,73 @@ TEST(Kernel, uniformFieldIsEstimatedWithoutBias) {
   }
 }
 
+/** Box of the tree with its slots. */
+struct TreeBox {
+  int level;
+  Bounds3f box;
+  size_t first, last;
+};
+
+/** Boxes of a map in the order of the visit, with their slots: parts follow their box in the order of slots.
+ */
+std::vector<TreeBox> boxesOf(const PhotonMap& map, int levels) {
+  std::vector<TreeBox> all;
+  std::vector<size_t> next(size_t(levels), 0); // first slot of the next box at each level
+  map.visitBoxes(levels, [&](int level, const Bounds3f& box, size_t photons) {
+    const size_t first = next[size_t(level)];
+    for (size_t below = size_t(level); below < next.size(); ++below) next[below] = first;
+    all.push_back({level, box, first, first + photons});
+    next[size_t(level)] = first + photons;
+  });
+  return all;
+}
+
+TEST(PhotonMap, BoxesOfTheTreeAreTightAndSplitAlongTheirWidestAxis) {
+  for (const Distribution& distribution : DISTRIBUTIONS)
+    for (const size_t n : {1u, 33u, 500u, 20000u}) {
+      SCOPED_TRACE(std::string(distribution.name) + " " + std::to_string(n));
+      PhotonMap map;
+      map.build(makePhotons(distribution, n));
+      const std::vector<TreeBox> all = boxesOf(map, 12);
+      ASSERT_FALSE(all.empty());
+      EXPECT_EQ(all[0].last, n);
+      for (size_t i = 0; i < all.size(); ++i) {
+        const TreeBox& b = all[i];
+        Bounds3f tight;
+        for (size_t slot = b.first; slot < b.last; ++slot) tight.add(map.position(slot));
+        EXPECT_EQ(tight.lower, b.box.lower);
+        EXPECT_EQ(tight.upper, b.box.upper);
+        if (i + 1 == all.size() || all[i + 1].level <= b.level) { // a leaf, or at the last level
+          EXPECT_TRUE(b.level == 11 || b.last - b.first <= 32);
+          continue;
+        }
+        const TreeBox& left = all[i + 1];
+        const auto right = std::find_if(all.begin() + std::ptrdiff_t(i) + 2, all.end(),
+                                        [&](const TreeBox& o) { return o.level == b.level + 1; });
+        ASSERT_NE(right, all.end());
+        EXPECT_EQ(left.first, b.first);
+        EXPECT_EQ(left.last, right->first);
+        EXPECT_EQ(right->last, b.last);
+        const int axis = widestAxis(b.box.diagonal());
+        EXPECT_LE(left.box.upper[axis], right->box.lower[axis]);
+      }
+    }
+}
+
+TEST(PhotonMap, BoxesNeedATreeAndALevel) {
+  PhotonMap map;
+  const auto count = [&](int levels) {
+    size_t boxes = 0;
+    map.visitBoxes(levels, [&](int, const Bounds3f&, size_t) { ++boxes; });
+    return boxes;
+  };
+  EXPECT_EQ(count(5), 0u);
+  map.build(makePhotons(DISTRIBUTIONS[0], 1000));
+  EXPECT_EQ(count(0), 0u);
+  EXPECT_EQ(count(1), 1u);
+  EXPECT_EQ(count(3), 7u);
+  map.build(makePhotons(DISTRIBUTIONS[0], 1000), PhotonIndexKind::FLANN);
+  EXPECT_EQ(count(5), 0u);
+}
+
 } // namespace

@@ -23,12 +23,28 @@ struct RecordedPixel {
 
 /**
  * Records samples [0, `count`) of each pixel: the samples of render() with the same settings, bit for bit.
- * The integrator must be new, and keeps its last photon map. `stop` ends the recording early. Throws Error
+ * The integrator must be new, and keeps its last photon map, whose light paths are recorded by
+ * `lightPaths` unless it is null. `stop` ends the recording early. Throws Error
  * for a pixel outside of the crop window, and where the integrator cannot render the scene.
  */
 RenderStatistics recordPixels(const Scene& scene, Integrator& integrator, const PathClasses& classes,
                               const RenderSettings& settings, int64_t count, std::span<RecordedPixel> pixels,
                               const std::atomic<bool>& stop,
-                              const std::function<void(double fraction)>& progress = {});
+                              const std::function<void(double fraction)>& progress = {},
+                              LightPathRecorder* lightPaths = nullptr);
+
+/**
+ * Calls use(x, y, record) with the samples of each pixel of the crop window, pass by pass: the samples of
+ * render() with the same settings, which are rendered into the film. Calls for different rows run at the same
+ * time; a record exists only during its call.
+ */
+void visitRecords(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                  const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                  const std::function<void(int x, int y, const PathRecorder&)>& use);
+/** Does the same without records: calls use(x, y, counts, seconds) with the work and the processor time for
+ * the samples of a pass. */
+void visitCosts(const Scene& scene, Integrator& integrator, const PathClasses& classes,
+                const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
+                const std::function<void(int x, int y, const TransportCounts&, double seconds)>& use);
 
 } // namespace recurse

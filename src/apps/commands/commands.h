@@ -24,6 +24,7 @@ void addCompareCommand(CLI::App& app, Command& chosen);
 void addConvergeCommand(CLI::App& app, Command& chosen);
 void addMethodsCommand(CLI::App& app, Command& chosen);
 void addInspectCommand(CLI::App& app, Command& chosen);
+void addFigureCommand(CLI::App& app, Command& chosen);
 void addInfoCommand(CLI::App& app, Command& chosen);
 void addClassesCommand(CLI::App& app, Command& chosen);
 void addExplainCommand(CLI::App& app, Command& chosen);

@@ -21,7 +21,7 @@ struct InspectOptions {
   RenderOptions render;
   std::string output;
   std::vector<std::string> pixels, classes;
-  std::string pathSamples = "16", shownPhotons = "100k";
+  std::string pathSamples = "16", shownPhotons = "100k", shownLightPaths = "2000", referenceSamples = "4096";
 };
 
 /** Default grid of recorded pixels. */
@@ -64,10 +64,35 @@ PathClasses classesOf(const InspectOptions& o, const Scene& scene) {
   return PathClasses(planStills(classes).classes);
 }
 
+/** Irradiance by `path` at the recorded pixels, of the light that the photons carry. */
+std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathClasses& classes,
+                                         const Inspection& inspection, int64_t samples, uint64_t seed,
+                                         const std::atomic<bool>& stop) {
+  const std::string expression = photonExpression(classes, inspection.photons);
+  if (samples == 0 || inspection.photons.empty() || expression.empty()) return {};
+  ParsedDirective directive;
+  directive.type = "path";
+  directive.location = loaded.integratorDirective.location;
+  for (const ParsedParameter& p : loaded.integratorDirective.parameters)
+    if (p.name == "maxdepth") directive.parameters.push_back(p);
+  Diagnostics diagnostics;
+  const std::unique_ptr<Integrator> path = makeIntegrator(directive, false, diagnostics);
+  diagnostics.throwIfErrors();
+  const PathClasses ofPhotons({{"photons", expression}});
+  path->prepare(*loaded.scene, ofPhotons);
+  ForwardControl control;
+  control.stop = &stop;
+  path->forward(*loaded.scene, ofPhotons, {.seed = seed}, control);
+  return referencePoints(*loaded.scene, *path, ofPhotons, inspection.pixels, samples, seed, stop);
+}
+
 ExitStatus inspectScene(const InspectOptions& o) {
   const RenderPlan plan = o.render.plan();
   const int64_t samples = parseCount("--path-samples", o.pathSamples, 1, 100000);
   const auto photons = static_cast<size_t>(parseCount("--shown-photons", o.shownPhotons, 0, 100000000));
+  const auto lightPaths =
+      static_cast<uint64_t>(parseCount("--shown-light-paths", o.shownLightPaths, 0, 1000000));
+  const int64_t referenceSamples = parseCount("--reference-samples", o.referenceSamples, 0, 100000000);
   checkFileWritable(o.output);
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
   const ThreadPool pool(plan.threads);
@@ -78,6 +103,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
   const PathClasses classes = classesOf(o, scene);
   Inspection inspection;
   inspection.pixels = pixelsOf(o, scene.film().crop);
+  inspection.lightPaths = LightPathRecorder(lightPaths);
 
   std::string statistics;
   {
@@ -92,17 +118,27 @@ ExitStatus inspectScene(const InspectOptions& o) {
   replaceIntegrator(loaded, o.render.integrator, o.render.lenient);
   const GracefulStop graceful;
   recordPixels(scene, *loaded.integrator, classes, plan.settings(scene), samples, inspection.pixels,
-               graceful.flag());
+               graceful.flag(), {}, &inspection.lightPaths);
   if (graceful.flag()) return ExitStatus::INTERRUPTED;
   inspection.photons = photonsOf(*loaded.integrator, photons, inspection.photonsInMap);
+  inspection.shownPhotons = photons;
+  inspection.photonName = loaded.integrator->photonName();
+  loaded.integrator->visitPhotonBoxes(BOX_LEVELS,
+                                      [&](const PhotonBox& box) { inspection.boxes.push_back(box); });
+  inspection.references =
+      referencesOf(loaded, classes, inspection, referenceSamples, plan.settings(scene).seed, graceful.flag());
+  if (graceful.flag()) return ExitStatus::INTERRUPTED;
   inspection.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
   const std::string page = inspectPage(scene, classes, inspection);
   writeFileAtomically(o.output, page);
   if (!o.render.statistics.empty()) writeFileAtomically(o.render.statistics, statistics);
   if (!o.render.quiet)
     say("recorded: " + std::to_string(inspection.pixels.size()) + " pixels, " +
-        std::to_string(inspection.photons.size()) + " of " + std::to_string(inspection.photonsInMap) +
-        " photons of the last map\nwritten: " + o.output + ", " + bytesText(double(page.size())) + "\n");
+        std::to_string(inspection.photons.size()) + " of " + std::to_string(inspection.photonsInMap) + " " +
+        inspection.photonName + " of the last pass, " +
+        std::to_string(inspection.lightPaths.pathsRecorded()) +
+        " light paths, irradiance by path tracing at " + std::to_string(inspection.references.size()) +
+        " points\nwritten: " + o.output + ", " + bytesText(double(page.size())) + "\n");
   return ExitStatus::DONE;
 }
 
@@ -130,6 +166,16 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
                    "Maximum number of photons to show, from the integrator's last map (default: 100k)")
       ->type_name("N");
   command
+      ->add_option("--shown-light-paths", o.shownLightPaths,
+                   "Maximum number of light paths to animate, of the integrator's last pass (default: 2000)")
+      ->type_name("N");
+  command
+      ->add_option(
+          "--reference-samples", o.referenceSamples,
+          "Number of samples of path tracing for the irradiance at each recorded pixel, which density "
+          "estimates are compared with; 0: none (default: 4096)")
+      ->type_name("N");
+  command
       ->add_option("--class", o.classes,
                    "A class of paths, such as caustic=LS+DE; may be repeated; see 'recurse classes' "
                    "(default: the classes of 'recurse stills')")
@@ -140,7 +186,9 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
   command->footer(
       "The page needs no network. Click a marked pixel of the picture to draw the paths that the\n"
       "integrator sampled for it, coloured by class, with a table of their vertices and contributions.\n"
-      "Click a surface to show the photons around that point and their density estimate.\n\n"
+      "Click a surface to show the photons around that point and their density estimate, and a marked\n"
+      "point to compare it with path tracing. Play the flight of the photons, and show the boxes of the\n"
+      "photon map's tree.\n\n"
       "Examples:\n"
       "  recurse inspect scene.pbrt -o look.html\n"
       "  recurse inspect scene.pbrt -o look.html --integrator path --pixel 100,80 --pixel 20,7\n"

@@ -54,6 +54,9 @@ class Auto final : public Integrator {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
     chosen().visitPhotons(visit);
   }
+  void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override {
+    chosen().visitPhotonBoxes(levels, visit);
+  }
 
  private:
   Integrator& chosen() const { return instead ? *instead : *mapper; }

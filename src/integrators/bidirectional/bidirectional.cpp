@@ -12,7 +12,9 @@
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
 #include "transport/density/radiusCache.h"
+#include "transport/density/storedPhotons.h"
 #include "transport/direct/directLight.h"
+#include "transport/paths/recordedWalk.h"
 #include "transport/paths/walker.h"
 
 namespace recurse {
@@ -68,7 +70,7 @@ class Bidirectional::LightWalk {
       : owner(owner), scene(scene), classes(classes), counts(counts), splatter(splatter), time(time),
         out(out), walker(scene, classes, counts, owner.settings.maxDepth) {}
 
-  void trace(Sampler sampler) {
+  void trace(Sampler sampler, RecordedWalk& record) {
     if (!owner.keepsLightPaths()) out.clear();
     StoredPath& stored = out.paths.emplace_back();
     stored.first = out.vertices.size();
@@ -76,8 +78,10 @@ class Bidirectional::LightWalk {
     if (!start) return;
     stored.end = start->end;
     LightSubpath path = start->path;
-    while (walker.next(path, vertex, sampler)) {
+    record.start(path);
+    while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
       store(stored);
+      record.arrive(path, vertex, vertex.isConnectable() && owner.keepsLightPaths());
       if (splatter && !owner.settings.merges) sumTechniques(stored);
       if (splatter && vertex.isConnectable())
         splat(stored, path.nesting, sampler.fork(static_cast<uint32_t>(vertex.depth)));
@@ -182,16 +186,24 @@ ForwardStatistics Bidirectional::forward(const Scene& scene, const PathClasses& 
   std::vector<TransportCounts> counts(batches);
   std::vector<size_t> bytes(batches);
   Splatter* splatter = splatted ? control.splatter : nullptr;
+  LightPathRecorder* const recorder = control.lightPaths;
+  std::vector<std::vector<RecordedLightVertex>> records(recorder ? batches : 0);
+  if (recorder) recorder->beginPass(count);
   parallelFor(batches, [&](size_t b) {
     if (control.stopped()) return;
     LightWalk walks(*this, scene, classes, counts[b], splatter, pass.time, parts[b]);
-    for (uint64_t i = b * BATCH; i < std::min(count, (b + 1) * BATCH); ++i)
+    for (uint64_t i = b * BATCH; i < std::min(count, (b + 1) * BATCH); ++i) {
+      RecordedWalk record(recorder && recorder->isRecorded(i) ? &records[b] : nullptr,
+                          1 / static_cast<float>(lightPaths));
       walks.trace(
-          Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (i >> 32), static_cast<uint32_t>(i)));
+          Sampler(hashCombine(pass.seed, pass.index), LIGHT_STREAM + (i >> 32), static_cast<uint32_t>(i)),
+          record);
+    }
     bytes[b] = parts[b].memoryBytes();
     if (!keepsLightPaths()) parts[b] = {};
   });
   if (splatter) splatter->addPaths(count);
+  for (const auto& record : records) recorder->append(record);
   if (keepsLightPaths())
     for (LightSubpaths& part : parts) {
       subpaths.append(part);
@@ -229,6 +241,17 @@ void Bidirectional::buildPhotons() {
     }
   }
   photons.build(found);
+}
+
+void Bidirectional::visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const {
+  for (const StoredVertex& v : subpaths.vertices)
+    if (v.connectable)
+      visit({v.point.position, v.wi, v.point.normalTowards(v.wi),
+             v.throughput / static_cast<float>(lightPaths), v.state});
+}
+
+void Bidirectional::visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const {
+  visitMapBoxes(photons, false, levels, visit);
 }
 
 std::vector<EstimatorDomain> Bidirectional::domains() const {

@@ -31,6 +31,10 @@ class Bidirectional : public Integrator {
   ForwardStatistics forward(const Scene& scene, const PathClasses& classes, const Pass& pass,
                             const ForwardControl& control) override;
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
+  /** Visits the vertices of light paths that camera paths can be joined with. */
+  void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
+  std::string photonName() const override { return "vertices of light paths"; }
+  void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
   bool supportsFibres() const override { return false; }
   std::vector<EstimatorDomain> domains() const override;
 

@@ -4,10 +4,12 @@
  */
 #include <algorithm>
 #include <bit>
+#include <map>
 
 #include "integrators/bidirectional/bidirectional.h"
 #include "transport/density/boundaryCorrection.h"
 #include "transport/direct/directLight.h"
+#include "transport/paths/recordedSample.h"
 #include "transport/paths/walker.h"
 #include "transport/photonmap/photonMapQuery.h"
 
@@ -42,6 +44,7 @@ class Bidirectional::CameraWalk {
       if (out.abandoned()) return;
       const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
       if (!step) return;
+      if (out.recorder) recordStep(*step);
       vertices.back().delta = path.delta;
       vertices[vertices.size() - 2].fromLight =
           path.delta ? vertex.toPrevious : vertex.pdfPrevious(path.ray.direction);
@@ -58,6 +61,47 @@ class Bidirectional::CameraWalk {
     seenAlong += distance;
     if (!radiusKnown) radius = owner.mergeRadius(camera.footprint(seenAlong));
     vertices.push_back({vertex.pdf, 1});
+    if (out.recorder)
+      recordedVertex = out.recorder->addVertex(recordedStep, vertex.hit, path.ray.direction,
+                                               vertex.scattering->lobes(), vertex.throughput);
+  }
+
+  void recordStep(const Scatter& s) {
+    recordedStep = out.recorder->addStep(
+        {.vertex = recordedVertex,
+         .event = path.delta ? PathEvent::S : PathEvent::D,
+         .lobe = s.lobe,
+         .direction = s.direction,
+         .throughput = path.throughput,
+         .pdf = path.delta ? 0 : s.pdf,
+         .pdfReverse = path.delta ? 0 : vertex.scattering->pdf(s.direction, vertex.wi)});
+  }
+
+  /** Records a light path, unless this walk has done so. Returns the index of its start. */
+  int recordLightPath(const StoredPath& from) {
+    std::vector<RecordedLightVertex>& list = out.recorder->lightVertices;
+    const auto [entry, isNew] = recordedPaths.try_emplace(&from, static_cast<int>(list.size()));
+    if (!isNew) return entry->second;
+    RecordedLightPath record(list);
+    record.add(LightVertexKind::START, PathEvent::D, from.end.ray.origin, BLACK, classes.lightStart());
+    bool wasDelta = false;
+    for (uint32_t t = 1; t <= from.count; ++t) {
+      const StoredVertex& y = vertexOf(from, t);
+      record.add(LightVertexKind::SURFACE, wasDelta ? PathEvent::S : PathEvent::D, y.point.position,
+                 y.throughput / static_cast<float>(owner.lightPaths), y.state, y.connectable);
+      wasDelta = y.delta;
+    }
+    return entry->second;
+  }
+
+  /** Sets the source of a contribution that joins the camera path with a vertex of a light path. */
+  void recordJoin(PathTechnique technique, const StoredPath& from, uint32_t t, double weight) {
+    RecordedSource& s = out.recorder->source;
+    const int estimate = technique == PathTechnique::MERGE ? s.estimate : NOT_RECORDED;
+    s = {.technique = technique, .vertex = recordedVertex, .step = recordedStep, .estimate = estimate};
+    s.lightVertex = recordLightPath(from) + static_cast<int>(t);
+    s.end = vertexOf(from, t).point.position;
+    s.weight = static_cast<float>(weight);
   }
 
   /** Records the start of the shadow ray that competes with the next hit of the walk. */
@@ -102,6 +146,16 @@ class Bidirectional::CameraWalk {
       x.push_back({path.pdf * directionToEnd(end, path.from), end.pdf});
       weight = hitWeight(weighted(end, shadowRayStart()));
     }
+    if (out.recorder) {
+      const bool isInfinite = ray.normal == Vec3f(0);
+      out.recorder->source = {.technique = PathTechnique::HIT,
+                              .vertex = recordedVertex,
+                              .step = recordedStep,
+                              .end = isInfinite ? path.ray.direction : ray.origin,
+                              .isInfinite = isInfinite,
+                              .weight = static_cast<float>(weight),
+                              .pdf = path.delta ? 0 : static_cast<float>(path.pdf)};
+    }
     out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight));
   }
 
@@ -137,8 +191,11 @@ class Bidirectional::CameraWalk {
     x.push_back({next * directionToEnd(end, start.lastPane->position), end.pdf});
     const WeightedPath full = weighted(end, start);
     if (!(full.shadowRays > 0)) return;
-    out.add(afterPanes(classes, free.panes), vertex.afterD,
-            radiance * free.value * static_cast<float>(connectionWeight(full, full.edges() - 1)));
+    const auto weight = static_cast<float>(connectionWeight(full, full.edges() - 1));
+    if (out.recorder)
+      recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
+                        vertex.scattering->pdf(vertex.wi, direction), weight);
+    out.add(afterPanes(classes, free.panes), vertex.afterD, radiance * free.value * weight);
   }
 
   /** Adds technique C_s: a connection to y_t of the light path, t > 0. */
@@ -179,7 +236,9 @@ class Bidirectional::CameraWalk {
       full.beyond = beyond[t - 1];
     else
       owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, t, -direction));
-    out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(connectionWeight(full, s)));
+    const double weight = connectionWeight(full, s);
+    if (out.recorder) recordJoin(PathTechnique::CONNECTION, from, t, weight);
+    out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(weight));
   }
 
   /** Adds technique M_s: merges with all photons within the radius. */
@@ -197,13 +256,17 @@ class Bidirectional::CameraWalk {
     const float covered =
         coveredFraction(boundary, glm::length(point.error), Kernel::CONSTANT, region, out.counts);
     supportArea = double(PI) * square(double(region.radius)) * double(covered);
+    int found = 0;
+    if (out.recorder) out.recorder->beginEstimate(recordedVertex, false);
     owner.photons.visitWithin(region, [&](const PhotonBlock& block) {
       if (out.abandoned()) return;
+      found += std::popcount(block.mask);
       for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
         const uint32_t slot = block.first + static_cast<uint32_t>(std::countr_zero(rest));
         addPhoton(owner.photonVertices[owner.photons.emissionIndex(slot)]);
       }
     });
+    if (out.recorder) out.recorder->endEstimate(region.radius, found);
   }
 
   void addPhoton(const PhotonVertex& photon) {
@@ -225,7 +288,9 @@ class Bidirectional::CameraWalk {
     x[s].fromLight = y.fromLight;
     x[s + 1].fromCamera = vertex.pdfDirection(vertex.wi, y.wi) * y.toPrevious;
     const WeightedPath full = weighted(from.end, owner.subpaths.shadowRayStart(from, t, vertex.wi));
-    out.add(y.state, vertex.afterD, radiance * static_cast<float>(mergeWeight(full, s)));
+    const double weight = mergeWeight(full, s);
+    if (out.recorder) recordJoin(PathTechnique::MERGE, from, t, weight);
+    out.add(y.state, vertex.afterD, radiance * static_cast<float>(weight));
   }
 
   const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {
@@ -301,8 +366,10 @@ class Bidirectional::CameraWalk {
   bool isLit = false;
   std::vector<SurfacePoint> panes; ///< panes that the current shadow ray passes
   double firstDistance = 0, seenAlong = 0, radius = 0;
-  double supportArea = 0;   ///< area within the kernel support around the vertex
-  bool radiusKnown = false; ///< `radius` is fixed by the first non-delta vertex
+  double supportArea = 0;                         ///< area within the kernel support around the vertex
+  bool radiusKnown = false;                       ///< `radius` is fixed by the first non-delta vertex
+  std::map<const StoredPath*, int> recordedPaths; ///< index of the start in the record
+  int recordedVertex = NOT_RECORDED, recordedStep = CAMERA_STEP; ///< last entries of the record
   BsdfArena arena;
 };
 

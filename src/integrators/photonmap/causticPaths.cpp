@@ -46,6 +46,9 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
     visitMap(photons.caustics().map, true, visit);
   }
+  void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override {
+    visitMapBoxes(photons.caustics().map, true, levels, visit);
+  }
 
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {

@@ -253,6 +253,11 @@ void PhotonMapping::visitPhotons(const std::function<void(const StoredPhoton&)>&
   visitMap(photons.indirect().map, false, visit);
 }
 
+void PhotonMapping::visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const {
+  visitMapBoxes(photons.caustics().map, true, levels, visit);
+  visitMapBoxes(photons.indirect().map, false, levels, visit);
+}
+
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
   constexpr int FREE = 2; // number of non-delta surfaces that find most of the light
   const float worth = maxComponent(path.throughput) * path.etaScale * partToFind(path);

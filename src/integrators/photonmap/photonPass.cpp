@@ -79,6 +79,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
     }
     shoot.inMedia = media;
   }
+  shoot.lightPaths = control.lightPaths;
   ShotPhotons shot = shootPhotons(scene, classes, pass, shoot, control);
   statistics.counts.add(shot.counts);
   emitted = shot.emitted;
@@ -127,7 +128,9 @@ ForwardStatistics PhotonPass::with(const Pass& other, const Scene& scene, const 
   PhotonMap caustics = std::move(causticLayer.map), indirect = std::move(indirectLayer.map);
   MediaPhotons inMedia = std::move(mediaPhotons);
   const float scale = radiusOverFirst;
-  const ForwardStatistics statistics = run(scene, classes, other, control, shadowRays);
+  ForwardControl unrecorded = control;
+  unrecorded.lightPaths = nullptr;
+  const ForwardStatistics statistics = run(scene, classes, other, unrecorded, shadowRays);
   use();
   causticLayer.map = std::move(caustics);
   indirectLayer.map = std::move(indirect);

@@ -11,6 +11,17 @@ async function decodePhotons(photons) {
     directions: await decodeNumbers(photons.directions, Int8Array), kinds: await decodeNumbers(photons.kinds, Uint8Array) };
 }
 
+async function decodeLightPaths(paths) {
+  return { ...paths, positions: await decodeNumbers(paths.positions, Float32Array),
+    powers: await decodeNumbers(paths.powers, Float32Array), previous: await decodeNumbers(paths.previous, Int32Array),
+    kinds: await decodeNumbers(paths.kinds, Uint8Array), classes: await decodeNumbers(paths.classes, Uint8Array) };
+}
+
+async function decodeBoxes(boxes) {
+  return { ...boxes, bounds: await decodeNumbers(boxes.bounds, Float32Array), levels: await decodeNumbers(boxes.levels, Uint8Array),
+    caustic: await decodeNumbers(boxes.caustic, Uint8Array), photons: await decodeNumbers(boxes.photons, Uint32Array) };
+}
+
 /** Whether the scene's axes are left-handed, as in pbrt files; WebGL's are right-handed. */
 function isLeftHanded(rays) {
   if (rays.some((ray) => !ray)) return true;
@@ -20,7 +31,7 @@ function isLeftHanded(rays) {
 }
 
 /** Negates x in all data of the page if the axes are left-handed. `data.mirror`: factor that restores x. */
-function mirror(data, mesh, photons) {
+function mirror(data, { mesh, photons, lightPaths, boxes }) {
   data.mirror = isLeftHanded(data.camera) ? -1 : 1;
   if (data.mirror > 0) return;
   const turn = (v) => { v[0] = -v[0]; };
@@ -28,8 +39,11 @@ function mirror(data, mesh, photons) {
   turn(data.center);
   for (const ray of data.camera) if (ray) [ray.origin, ray.direction].forEach(turn);
   for (const box of [...mesh.boxes, ...data.media]) box.forEach(turn);
-  for (const array of [mesh.positions, photons.positions, photons.normals, photons.directions]) turnAll(array);
-  for (const { samples, vertices, steps, contributions } of data.pixels) {
+  for (const array of [mesh.positions, photons.positions, photons.normals, photons.directions, lightPaths.positions,
+    boxes.bounds]) turnAll(array);
+  for (const reference of data.references) [reference.position, reference.normal].forEach(turn);
+  for (const { samples, vertices, steps, contributions, lightVertices } of data.pixels) {
+    for (const vertex of lightVertices) turn(vertex[2]);
     for (const sample of samples) [sample[2], sample[3]].forEach(turn);
     for (const vertex of vertices) [vertex[1], vertex[2]].forEach(turn);
     for (const step of steps) turn(step[6]);
@@ -94,12 +108,13 @@ function onClick(canvas, act) {
   });
 }
 
-function connect(data, view, photonView) {
+function connect(data, view, photonView, others) {
   element("wire").addEventListener("input", () => view.setWireFrame(element("wire").checked));
   element("opacity").addEventListener("input", () => view.setOpacity(Number(element("opacity").value)));
   const cut = () => {
     view.cut(element("cutAxis").value, Number(element("cut").value), element("cutTurned").checked);
     photonView.draw();
+    for (const other of others) other.draw();
   };
   for (const name of ["cutAxis", "cut", "cutTurned"]) element(name).addEventListener("input", cut);
   for (const button of document.querySelectorAll("#views button"))
@@ -115,7 +130,7 @@ function connect(data, view, photonView) {
     const hit = view.pick(event.clientX, event.clientY);
     element("where").textContent = hit
       ? `${hit.name}: ${worldText(data, hit.point.toArray())}` : "";
-    if (hit) photonView.pick(hit);
+    if (hit) photonView.pick(photonView.nearReference(hit) ?? hit);
   });
 }
 
@@ -133,19 +148,22 @@ async function start() {
   element("label").textContent = data.label;
   const values = await decodeLayer(data.picture, data.picture.width * data.picture.height);
   const mesh = await decodeMesh(data.mesh), photons = await decodePhotons(data.photons);
-  mirror(data, mesh, photons);
-  let paths = null;
+  const lightPaths = await decodeLightPaths(data.lightPaths), boxes = await decodeBoxes(data.boxes);
+  mirror(data, { mesh, photons, lightPaths, boxes });
+  let paths = null, photonView = null;
   const choose = (pixel) => {
     paths.show(pixel);
     picture.draw(pixel);
+    photonView.offerReference(pixel);
   };
   const picture = new Picture(data, values, choose);
   picture.draw(null, false); // no marks in the picture of the frustum
   const view = new SceneView(data, mesh);
   view.renderer.render(view.scene, view.camera);
   paths = new PathView(view, data);
-  const photonView = new PhotonView(view, data, photons);
-  connect(data, view, photonView);
+  photonView = new PhotonView(view, data, photons);
+  connect(data, view, photonView, [new FlightView(view, data, lightPaths), new BoxView(view, boxes)]
+    .filter((other) => other.isUsed));
   remarks(data, mesh);
   picture.draw(null);
   if (data.pixels.length > 0) choose(data.pixels[Math.floor(data.pixels.length / 2)]);

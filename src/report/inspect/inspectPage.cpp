@@ -110,7 +110,7 @@ class PixelJson {
   Json of(const RecordedPixel& pixel) {
     const PathRecorder& record = pixel.record;
     Json out = {{"x", pixel.x}, {"y", pixel.y}, {"value", numbers(pixel.value())}};
-    for (const char* name : {"samples", "vertices", "steps", "estimates", "contributions"})
+    for (const char* name : {"samples", "vertices", "steps", "estimates", "contributions", "lightVertices"})
       out[name] = Json::array();
     for (size_t i = 0; i < record.samples().size(); ++i)
       out["samples"].push_back(sample(record.samples()[i], record.endContribution(i)));
@@ -123,6 +123,7 @@ class PixelJson {
       out["estimates"].push_back({e.vertex, e.caustic, shortened(double(e.radius)), e.photons});
     for (const RecordedContribution& c : record.contributions())
       out["contributions"].push_back(contribution(c));
+    for (const RecordedLightVertex& v : record.lightVertices) out["lightVertices"].push_back(lightVertex(v));
     return out;
   }
 
@@ -140,6 +141,9 @@ class PixelJson {
             v.inMedium,
             numbers(v.throughput)};
   }
+  Json lightVertex(const RecordedLightVertex& v) {
+    return {v.previous, std::string(1, "SDV"[size_t(v.event)]), numbers(v.position), numbers(v.flux)};
+  }
   Json contribution(const RecordedContribution& c) {
     const RecordedSource& s = c.source;
     return {table.index(techniqueName(s.technique)),
@@ -152,7 +156,8 @@ class PixelJson {
             shortened(double(s.pdf)),
             shortened(double(s.otherPdf)),
             classOf(c.classes),
-            numbers(c.radiance)};
+            numbers(c.radiance),
+            s.lightVertex};
   }
 
   const Scene& scene;
@@ -175,10 +180,63 @@ Json photonsJson(const PathClasses& classes, const Inspection& inspection) {
     }
     kinds.push_back(uint8_t(classOf(classes.join(p.state, seen)) | (p.caustic ? CAUSTIC : 0)));
   }
-  return {{"count", inspection.photons.size()},     {"inMap", inspection.photonsInMap},
+  return {{"name", inspection.photonName},          {"limit", inspection.shownPhotons},
+          {"count", inspection.photons.size()},     {"inMap", inspection.photonsInMap},
           {"positions", encodedNumbers(positions)}, {"powers", encodedNumbers(powers)},
           {"normals", encodedNumbers(normals)},     {"directions", encodedNumbers(directions)},
           {"kinds", encodedNumbers(kinds)}};
+}
+
+Json boxesJson(const std::vector<PhotonBox>& boxes) {
+  std::vector<float> bounds;
+  std::vector<uint8_t> levels, caustic;
+  std::vector<uint32_t> photons;
+  for (const PhotonBox& b : boxes) {
+    for (const Vec3f& p : {b.box.lower, b.box.upper}) bounds.insert(bounds.end(), {p.x, p.y, p.z});
+    levels.push_back(static_cast<uint8_t>(b.level));
+    caustic.push_back(b.caustic);
+    photons.push_back(static_cast<uint32_t>(b.photons));
+  }
+  return {{"count", boxes.size()},
+          {"bounds", encodedNumbers(bounds)},
+          {"levels", encodedNumbers(levels)},
+          {"caustic", encodedNumbers(caustic)},
+          {"photons", encodedNumbers(photons)}};
+}
+
+/** Vertices of light paths; `kinds` has the vertex's kind in the lowest two bits, then whether it is stored.
+ */
+Json lightPathsJson(const PathClasses& classes, const LightPathRecorder& record) {
+  constexpr unsigned STORED = 4;
+  std::vector<float> positions, powers;
+  std::vector<int32_t> previous;
+  std::vector<uint8_t> kinds, classOfVertex;
+  for (const RecordedLightVertex& v : record.vertices()) {
+    positions.insert(positions.end(), {v.position.x, v.position.y, v.position.z});
+    powers.push_back(luminance(v.flux));
+    previous.push_back(v.previous);
+    kinds.push_back(static_cast<uint8_t>(unsigned(v.kind) | (v.stored ? STORED : 0)));
+    const PathEvent seenBy = v.kind == LightVertexKind::MEDIUM ? PathEvent::V : PathEvent::D;
+    classOfVertex.push_back(classOf(classes.join(v.state, classes.step(classes.cameraStart(), seenBy))));
+  }
+  return {{"paths", record.pathsRecorded()},   {"emitted", record.pathsEmitted()},
+          {"count", record.vertices().size()}, {"positions", encodedNumbers(positions)},
+          {"powers", encodedNumbers(powers)},  {"previous", encodedNumbers(previous)},
+          {"kinds", encodedNumbers(kinds)},    {"classes", encodedNumbers(classOfVertex)}};
+}
+
+Json referencesJson(const Scene& scene, const std::vector<ReferencePoint>& references) {
+  Json out = Json::array();
+  for (const ReferencePoint& r : references)
+    out.push_back({{"x", r.x},
+                   {"y", r.y},
+                   {"position", numbers(r.position)},
+                   {"normal", numbers(r.normal)},
+                   {"object", scene.objectName(r.object)},
+                   {"irradiance", numbers(r.irradiance)},
+                   {"error", shortened(double(r.standardError))},
+                   {"samples", r.samples}});
+  return out;
 }
 
 } // namespace
@@ -197,6 +255,20 @@ std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, s
     out.back().power *= static_cast<float>(stride);
   });
   return out;
+}
+
+std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons) {
+  const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
+  LayerMask all = 0;
+  for (const StoredPhoton& photon : photons) {
+    const LayerMask mask = classes.join(photon.state, seen);
+    if (mask == 0) return "";
+    all |= mask;
+  }
+  std::string text;
+  for (size_t i = 0; i < classes.layerCount(); ++i)
+    if (all >> i & 1) text += (text.empty() ? "(" : " | (") + classes.classes()[i].expression + ")";
+  return text;
 }
 
 std::string inspectPage(const Scene& scene, const PathClasses& classes, const Inspection& inspection) {
@@ -224,14 +296,17 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
                      {"picture", std::move(picture)},
                      {"pixels", std::move(pixels)},
                      {"names", names.names},
-                     {"photons", photonsJson(classes, inspection)}};
-  return htmlPage(
-      {page::INSPECT_HTML,
-       inspection.title + " · light in the scene",
-       {page::PAGE_CSS, page::INSPECT_CSS},
-       {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
-       {page::PIXELS_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::PHOTON_VIEW_JS, page::INSPECT_JS}},
-      data);
+                     {"photons", photonsJson(classes, inspection)},
+                     {"boxes", boxesJson(inspection.boxes)},
+                     {"lightPaths", lightPathsJson(classes, inspection.lightPaths)},
+                     {"references", referencesJson(scene, inspection.references)}};
+  return htmlPage({page::INSPECT_HTML,
+                   inspection.title + " · light in the scene",
+                   {page::PAGE_CSS, page::INSPECT_CSS},
+                   {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
+                   {page::PIXELS_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::ESTIMATE_JS,
+                    page::PHOTON_VIEW_JS, page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS, page::INSPECT_JS}},
+                  data);
 }
 
 } // namespace recurse

@@ -31,13 +31,14 @@ class PixelPaths {
     this.paths.sort((a, b) => b.brightness - a.brightness);
   }
 
-  path([technique, vertex, step, estimate, end, isInfinite, weight, pdf, otherPdf, cls, radiance], i) {
+  path([technique, vertex, step, estimate, end, isInfinite, weight, pdf, otherPdf, cls, radiance, lightVertex], i) {
     const sample = this.pixel.samples.findIndex(([first, last]) => i >= first && i < last);
     const found = { technique: this.names[technique], end, isInfinite, weight, pdf, otherPdf, cls, radiance, sample,
       estimate: this.pixel.estimates[estimate] };
     const last = found.technique === "hit" || vertex < 0 ? (this.pixel.steps[step]?.[0] ?? -1) : vertex;
     found.steps = this.stepsTo(found.technique === "hit" ? step : this.pixel.vertices[last]?.[0] ?? -1);
     found.vertices = this.verticesTo(last);
+    found.lightVertices = this.lightVerticesFrom(lightVertex);
     found.word = this.word(found);
     found.brightness = luminance(...radiance) / this.pixel.samples.length;
     return found;
@@ -60,12 +61,22 @@ class PixelPaths {
     return out;
   }
 
-  /** Word of a path: L, the events from the light on, E; earlier events of photons are an ellipsis. */
-  word({ technique, steps, vertices }) {
+  /** Vertices of the light path, from a vertex to the light: [previous, event at the previous vertex, position, flux]. */
+  lightVerticesFrom(vertex) {
+    const out = [];
+    for (; vertex >= 0; vertex = this.pixel.lightVertices[vertex][0]) out.push(this.pixel.lightVertices[vertex]);
+    return out;
+  }
+
+  /** Word of a path: L, the events from the light on, E; events of photons that are not known are an ellipsis. */
+  word({ technique, steps, vertices, lightVertices }) {
+    // The event of a vertex next to the light is that of the start, which is none.
+    const light = lightVertices.slice(0, -2).map((v) => v[1]).reverse().join("");
     const letters = steps.map((s) => s[1]).reverse().join(""), at = vertices.at(-1)?.[5] ? "V" : "D";
     if (technique === "hit") return `L${letters}E`;
     if (technique === "light sample") return `L${at}${letters}E`;
-    if (technique === "merge") return `L…${at}${letters}E`;
+    if (technique === "merge") return `L${lightVertices.length > 0 ? light : "…"}${at}${letters}E`;
+    if (technique === "connection") return `L${light}D${at}${letters}E`;
     return "L…E";
   }
 
@@ -188,6 +199,10 @@ class PathView {
       addRow(table, [letter, this.data.names[v[3]], this.data.names[v[4]], step ? this.data.names[step[2]] : "",
         colour(v[6]), step ? numberText(step[3]) : "", step ? numberText(step[4]) : "", world(v[1])]);
     });
+    path.lightVertices.slice(0, -1).forEach(([, , position, flux], i) => {
+      const letter = i > 0 ? path.lightVertices[i - 1][1] : path.technique === "connection" ? "D" : "";
+      addRow(table, [letter, "light path", "", "flux", colour(flux), "", "", world(position)]);
+    });
     const e = path.estimate;
     const what = e ? `${e[3]} photons within ${numberText(e[2])}` : path.technique;
     const towards = () => [path.end[0] * this.data.mirror, path.end[1], path.end[2]].map(numberText).join(" ");
@@ -202,6 +217,7 @@ class PathView {
     for (const v of path.vertices) points.push(vector(v[1]));
     if (path.isInfinite) points.push(points.at(-1).clone().addScaledVector(vector(path.end), this.data.radius));
     else if (path.technique === "hit" || path.technique === "light sample") points.push(vector(path.end));
+    for (const v of path.lightVertices) points.push(vector(v[2]));
     return points;
   }
 
@@ -212,7 +228,10 @@ class PathView {
     for (const path of paths) {
       const colour = new THREE.Color(classColour(path.cls)), points = this.pointsOf(path);
       const radius = R * (0.0006 + 0.004 * Math.sqrt(path.brightness / brightest));
-      for (let i = 1; i < points.length; ++i) segments.push([points[i - 1], points[i], radius, colour, i === 1]);
+      // The light's side is thinner, and the edge that joins both sides is thinnest.
+      const join = 1 + path.vertices.length, hasLightPath = path.lightVertices.length > 0;
+      const width = (i) => !hasLightPath || i < join ? radius : i === join ? 0.35 * radius : 0.6 * radius;
+      for (let i = 1; i < points.length; ++i) segments.push([points[i - 1], points[i], width(i), colour, i === 1]);
       if (path.estimate) group.add(this.ring(path, colour));
     }
     if (segments.length > 0) {

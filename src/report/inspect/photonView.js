@@ -1,42 +1,48 @@
-// Photons of the map: points in the scene, and the density estimate at a clicked point, computed here.
+// Photons of the map: points in the scene, and the density estimate at a clicked point beside path tracing.
 
 const CAUSTIC = 128;
-
-/** Irradiance and its standard error, by an Epanechnikov kernel of `radius`. `found`: photons, the nearest first. */
-function irradiance(found, powers, radius) {
-  const sum = [0, 0, 0], r2 = radius * radius;
-  let squares = 0, count = 0;
-  for (const { index, distance2 } of found) {
-    if (distance2 >= r2) break;
-    const weight = 2 / (Math.PI * r2) * (1 - distance2 / r2);
-    for (let c = 0; c < 3; ++c) sum[c] += weight * powers[3 * index + c];
-    squares += (weight * luminance(powers[3 * index], powers[3 * index + 1], powers[3 * index + 2])) ** 2;
-    ++count;
-  }
-  return { value: sum, count, error: Math.sqrt(squares) };
-}
 
 class PhotonView {
   /** Creates the view of `photons`, whose arrays are decoded. */
   constructor(view, data, photons) {
     Object.assign(this, { view, data, photons });
-    const { count, inMap } = photons;
+    const { count, inMap, name, limit } = photons;
     element("photonCount").textContent = inMap === 0 ? "The integrator stores no photons; use photonmap."
-      : count === inMap ? `All ${count} photons of the integrator's last map.`
-        : `${count} of ${inMap} photons of the integrator's last map, each represents ${Math.round(inMap / count)}.`;
+      : `${count === inMap ? "All" : `${count} of`} ${inMap} ${name} of the integrator's last pass`
+        + (count === inMap ? "." : `, each represents ${Math.round(inMap / count)}.`) + ` Limit: --shown-photons ${limit}.`;
     element("photonTools").hidden = count === 0;
+    this.references = data.references.map((r) => ({ ...r, point: vector(r.position), normal: vector(r.normal), name: r.object }));
+    this.drawReferences();
+    element("atPixel").addEventListener("click", () => this.pick(this.offered));
+    element("curveAxis").addEventListener("input", () => this.drawCurve());
     for (const name of ["showPhotons", "photonColour", "photonSize"])
       element(name).addEventListener("input", () => this.draw());
     element("radius").addEventListener("input", () => this.setRadius(this.radiusAt(Number(element("radius").value))));
     element("number").addEventListener("input", () => this.setNumber(this.numberAt(Number(element("number").value))));
   }
 
-  colourOf(i, mode, brightest) {
-    const kind = this.photons.kinds[i];
-    if (mode === "class") return new THREE.Color(classColour(kind & ~CAUSTIC));
-    if (mode === "map") return new THREE.Color(kind & CAUSTIC ? "#ffd166" : "#4fa3ff");
-    const { powers } = this.photons, y = luminance(powers[3 * i], powers[3 * i + 1], powers[3 * i + 2]) / brightest;
-    return new THREE.Color().setHSL(0.66 * (1 - Math.min(1, Math.sqrt(y))), 1, 0.55);
+  /** Colours of the photons, three bytes each. */
+  colours(mode) {
+    const { count, kinds, powers } = this.photons, out = new Uint8Array(3 * count);
+    const rgb = (colour) => new THREE.Color(colour).toArray().map((x) => Math.round(255 * x)), palette = new Map();
+    const STEPS = 64, brightest = mode === "power" ? this.brightPower() : 1;
+    const keyOf = {
+      class: (i) => kinds[i] & ~CAUSTIC,
+      map: (i) => kinds[i] & CAUSTIC,
+      power: (i) => Math.round(STEPS * Math.min(1,
+        Math.sqrt(luminance(powers[3 * i], powers[3 * i + 1], powers[3 * i + 2]) / brightest))),
+    }[mode];
+    const colourOf = {
+      class: (key) => rgb(classColour(key)),
+      map: (key) => rgb(key ? "#ffd166" : "#4fa3ff"),
+      power: (key) => rgb(new THREE.Color().setHSL(0.66 * (1 - key / STEPS), 1, 0.55)),
+    }[mode];
+    for (let i = 0; i < count; ++i) {
+      const key = keyOf(i);
+      if (!palette.has(key)) palette.set(key, colourOf(key));
+      out.set(palette.get(key), 3 * i);
+    }
+    return out;
   }
 
   draw() {
@@ -45,12 +51,9 @@ class PhotonView {
       this.view.replace("photons", null);
       return;
     }
-    const mode = element("photonColour").value, colours = new Float32Array(3 * count);
-    const brightest = mode === "power" ? this.brightPower() : 1;
-    for (let i = 0; i < count; ++i) this.colourOf(i, mode, brightest).toArray(colours, 3 * i);
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(positions, 3));
-    geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
+    geometry.setAttribute("color", new THREE.BufferAttribute(this.colours(element("photonColour").value), 3, true));
     const material = new THREE.PointsMaterial({ vertexColors: THREE.VertexColors, sizeAttenuation: false,
       size: Number(element("photonSize").value) });
     material.clippingPlanes = this.view.material.clippingPlanes;
@@ -64,51 +67,70 @@ class PhotonView {
     return all.sort()[Math.floor(0.99 * (count - 1))] || 1;
   }
 
-  /** Collects the photons on the side of a surface that was clicked. */
-  pick({ point, normal, name }) {
-    const { count, positions, normals } = this.photons;
-    if (count === 0) return;
-    const MOST = 5000, FLAT = 0.15, farthest = 0.25 * this.data.radius;
-    const found = [];
-    for (let i = 0; i < count; ++i) {
-      const x = positions[3 * i] - point.x, y = positions[3 * i + 1] - point.y, z = positions[3 * i + 2] - point.z;
-      const distance2 = x * x + y * y + z * z;
-      if (distance2 > farthest * farthest) continue;
-      const side = (normals[3 * i] * normal.x + normals[3 * i + 1] * normal.y + normals[3 * i + 2] * normal.z) / 127;
-      const height = x * normal.x + y * normal.y + z * normal.z;
-      if (side > 0.5 && height * height <= FLAT * FLAT * distance2 + 1e-8 * farthest * farthest)
-        found.push({ index: i, distance2 });
-    }
-    found.sort((a, b) => a.distance2 - b.distance2);
-    this.found = found.slice(0, MOST);
+  /** Draws the points at which path tracing has estimated the irradiance. */
+  drawReferences() {
+    if (this.references.length === 0 || this.photons.count === 0) return;
+    const geometry = new THREE.BufferGeometry().setFromPoints(this.references.map((r) => r.point));
+    this.view.replace("references", new THREE.Points(geometry,
+      new THREE.PointsMaterial({ color: 0xffffff, size: 6, sizeAttenuation: false })));
+  }
+
+  /** Reference point within a few pixels of a clicked point; undefined if there is none. */
+  nearReference({ point }) {
+    const NEAR = 10, { clientWidth, clientHeight } = this.view.canvas; // [pixels]
+    const place = (p) => {
+      const v = p.clone().project(this.view.camera);
+      return [v.x * clientWidth / 2, v.y * clientHeight / 2];
+    };
+    const [x, y] = place(point), R = this.data.radius;
+    const away = (r) => Math.hypot(place(r.point)[0] - x, place(r.point)[1] - y);
+    return this.references.filter((r) => away(r) < NEAR && r.point.distanceTo(point) < 0.1 * R)
+      .sort((a, b) => away(a) - away(b))[0];
+  }
+
+  /** Offers the estimate at the reference point of a pixel, if it has one. */
+  offerReference(pixel) {
+    this.offered = this.references.find((r) => r.x === pixel.x && r.y === pixel.y);
+    element("atPixel").disabled = !this.offered;
+  }
+
+  /** Collects the photons on the side of a surface that was clicked. `irradiance` and `error`: by path tracing, at
+   * reference points only. */
+  pick({ point, normal, name, irradiance, error, samples }) {
+    if (this.photons.count === 0) return;
+    this.estimate = new Estimate(this.photons, this.view.mesh, { point, normal }, this.data.radius);
+    this.reference = irradiance ? { value: irradiance, y: luminance(...irradiance), error, samples } : null;
     Object.assign(this, { point, normal, name });
     element("estimate").hidden = false;
-    const last = this.found.at(-1);
-    this.limits = [Math.sqrt(this.found[Math.min(3, this.found.length - 1)]?.distance2 ?? 1e-4 * farthest ** 2) * 1.01,
-      Math.sqrt(last?.distance2 ?? farthest * farthest) * 1.001];
-    this.setNumber(Math.min(100, this.found.length));
+    this.limits = [this.estimate.smallest, this.estimate.largest];
+    this.setNumber(Math.min(100, this.estimate.found.length));
   }
 
   radiusAt(slider) { return this.limits[0] * (this.limits[1] / this.limits[0]) ** slider; }
-  numberAt(slider) { return Math.max(1, Math.round(this.found.length ** slider)); }
+  numberAt(slider) { return Math.max(1, Math.round(this.estimate.found.length ** slider)); }
 
-  setNumber(number) {
-    const at = this.found[Math.max(0, Math.min(number, this.found.length) - 1)];
-    this.setRadius(at ? Math.sqrt(at.distance2) * (1 + 1e-6) : this.limits[1]);
-  }
+  setNumber(number) { this.setRadius(this.estimate.radiusOf(number)); }
 
   setRadius(radius) {
     this.radius = radius;
-    const { value, count, error } = irradiance(this.found, this.photons.powers, radius), y = luminance(...value);
-    element("radius").value = Math.log(radius / this.limits[0]) / Math.log(this.limits[1] / this.limits[0]);
+    const { value, y, count, error, covered } = this.estimate.at(radius);
+    element("radius").value = this.radiusPart(radius);
     element("radiusText").textContent = numberText(radius);
-    element("number").value = count > 0 ? Math.log(count) / Math.log(Math.max(2, this.found.length)) : 0;
+    element("number").value = this.numberPart(count);
     element("numberText").textContent = count;
     const rows = [["surface", this.name],
       ["position", worldText(this.data, this.point.toArray())],
       ["irradiance, red green blue", value.map(numberText).join("  ")],
       ["luminance", `${numberText(y)} ± ${numberText(error)}`],
-      ["noise", y > 0 ? `${(100 * error / y).toFixed(0)} %` : "–"]];
+      ["noise", y > 0 ? `${(100 * error / y).toFixed(0)} %` : "–"],
+      ["kernel on the surface", `${(100 * covered).toFixed(0)} %`]];
+    const { reference } = this;
+    if (reference)
+      rows.push(["path tracing, red green blue", reference.value.map(numberText).join("  ")],
+        [`luminance by ${reference.samples} paths`, `${numberText(reference.y)} ± ${numberText(reference.error)}`],
+        ["difference", reference.y > 0 ? `${(100 * (y / reference.y - 1)).toFixed(1)} %, `
+          + `${((y - reference.y) / Math.hypot(error, reference.error)).toFixed(1)} standard errors` : "–"]);
+    else rows.push(["path tracing", this.references.length > 0 ? "at the white points only" : "–"]);
     element("estimateText").replaceChildren(...rows.flatMap(([name, text]) => {
       const dt = document.createElement("dt"), dd = document.createElement("dd");
       dt.textContent = name;
@@ -119,38 +141,69 @@ class PhotonView {
     this.drawSupport(count);
   }
 
-  /** Draws irradiance against radius, with a band of one standard error on both sides. */
+  radiusPart(radius) { return Math.log(radius / this.limits[0]) / Math.log(this.limits[1] / this.limits[0]); }
+  numberPart(count) { return count > 0 ? Math.log(count) / Math.log(Math.max(2, this.estimate.found.length)) : 0; }
+
+  /** Draws irradiance against radius or number, with a band of one standard error on both sides, and path tracing. */
   drawCurve() {
+    if (!this.estimate) return;
     const canvas = element("curve"), context = canvas.getContext("2d"), { width, height } = canvas, STEPS = 80;
+    const isByNumber = element("curveAxis").value === "number", { reference } = this;
     const points = Array.from({ length: STEPS + 1 }, (_, i) => {
-      const radius = this.radiusAt(i / STEPS), e = irradiance(this.found, this.photons.powers, radius);
-      return { x: i / STEPS, y: luminance(...e.value), error: e.error };
+      const e = this.estimate.at(this.radiusAt(i / STEPS));
+      return { ...e, x: isByNumber ? this.numberPart(e.count) : i / STEPS };
     });
-    const top = 1.1 * Math.max(1e-30, ...points.slice(STEPS / 4).map((p) => p.y + p.error));
-    const place = (x, y) => [6 + x * (width - 12), height - 6 - Math.min(1.05, Math.max(0, y / top)) * (height - 12)];
+    const LEFT = 44, BOTTOM = 18;
+    const top = 1.1 * Math.max(1e-30, reference ? reference.y + reference.error : 0,
+      ...points.slice(STEPS / 4).map((p) => p.y + p.error));
+    const place = (x, y) => [LEFT + x * (width - LEFT - 8),
+      height - BOTTOM - Math.min(1.05, Math.max(0, y / top)) * (height - BOTTOM - 6)];
+    const band = (upper, lower, style) => {
+      context.beginPath();
+      for (const p of [...upper, ...lower.reverse()]) context.lineTo(...p);
+      context.fillStyle = style;
+      context.fill();
+    };
+    const line = (all, style) => {
+      context.beginPath();
+      for (const p of all) context.lineTo(...p);
+      Object.assign(context, { strokeStyle: style, lineWidth: 2 });
+      context.stroke();
+    };
     context.clearRect(0, 0, width, height);
-    context.beginPath();
-    for (const p of points) context.lineTo(...place(p.x, p.y + p.error));
-    for (const p of [...points].reverse()) context.lineTo(...place(p.x, p.y - p.error));
-    context.fillStyle = "#4fa3ff55";
-    context.fill();
-    context.beginPath();
-    for (const p of points) context.lineTo(...place(p.x, p.y));
-    context.strokeStyle = "#4fa3ff";
-    context.lineWidth = 2;
-    context.stroke();
-    const now = Number(element("radius").value);
-    context.beginPath();
-    context.moveTo(...place(now, 0));
-    context.lineTo(...place(now, top));
-    context.strokeStyle = "#f0b45a";
-    context.stroke();
+    this.drawAxes(context, place, top, isByNumber);
+    if (reference) {
+      const level = (y) => [place(0, y), place(1, y)];
+      band(level(reference.y + reference.error), level(reference.y - reference.error), "#5fd38d55");
+      line(level(reference.y), "#5fd38d");
+    }
+    band(points.map((p) => place(p.x, p.y + p.error)), points.map((p) => place(p.x, p.y - p.error)), "#4fa3ff55");
+    line(points.map((p) => place(p.x, p.y)), "#4fa3ff");
+    const now = Number(element(isByNumber ? "number" : "radius").value);
+    line([place(now, 0), place(now, top)], "#f0b45a");
+  }
+
+  /** Draws the axes: three numbers each. */
+  drawAxes(context, place, top, isByNumber) {
+    Object.assign(context, { fillStyle: "#9aa2b1", font: "11px sans-serif", strokeStyle: "#9aa2b140", lineWidth: 1 });
+    for (const part of [0, 0.5, 1]) {
+      const [x, y] = place(part, 0), text = isByNumber ? String(this.numberAt(part)) : numberText(this.radiusAt(part));
+      context.textAlign = ["left", "center", "right"][2 * part];
+      context.fillText(text, x, y + 13);
+      const value = part * top / 1.1, [left, up] = place(0, value);
+      context.textAlign = "right";
+      context.fillText(numberText(value), left - 5, up + 4);
+      context.beginPath();
+      context.moveTo(left, up);
+      context.lineTo(place(1, value)[0], up);
+      context.stroke();
+    }
   }
 
   /** Draws the support, its photons, and the directions that they came from. */
   drawSupport(count) {
     const { positions, directions } = this.photons, group = new THREE.Group(), dots = [], lines = [];
-    for (const { index } of this.found.slice(0, Math.min(count, 1000))) {
+    for (const { index } of this.estimate.found.slice(0, Math.min(count, 1000))) {
       const p = new THREE.Vector3().fromArray(positions, 3 * index);
       dots.push(p);
       lines.push(p, p.clone().addScaledVector(new THREE.Vector3().fromArray(directions, 3 * index), this.radius / 127 / 2));

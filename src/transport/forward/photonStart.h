@@ -21,8 +21,10 @@ struct PhotonState {
   ReverseRatio ratio;
   int depth = 0;
   bool caustic = true;
-  bool straight = true; ///< only thin panes are between the light and the photon
-  float wavelength = 0; ///< see Subpath
+  bool straight = true;           ///< only thin panes are between the light and the photon
+  float wavelength = 0;           ///< see Subpath
+  PathEvent event = PathEvent::D; ///< last event
+  RecordedLightPath record{};
   // Spectral state in media:
   Rgb pathPdf{1}; ///< see SpectralPath
   int hero = 0;   ///< colour channel that draws distances

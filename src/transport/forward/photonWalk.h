@@ -52,6 +52,8 @@ class PhotonWalk {
     std::optional<PhotonState> photon =
         fromMedium ? starts.fromMedium(start, time, sampler) : starts.fromLight(start, time, sampler);
     if (!photon) return start;
+    if (record) photon->record = RecordedLightPath(*record);
+    note(*photon, LightVertexKind::START, photon->ray.origin);
     walk(std::move(*photon), sampler);
     while (!waiting.empty()) {
       auto [next, ownSampler] = waiting.back();
@@ -67,7 +69,13 @@ class PhotonWalk {
     return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
   }
 
+  std::vector<RecordedLightVertex>* record = nullptr; ///< of the next photons; null: they are not recorded
+
  private:
+  static void note(PhotonState& photon, LightVertexKind kind, const Vec3f& position, bool stored = false) {
+    photon.record.add(kind, photon.event, position, photon.flux, photon.state, stored);
+  }
+
   /** Stores a short beam. The thinnest channel samples its length, so that no channel is amplified.
    */
   void storeBeam(const PhotonState& photon, const Medium& medium, uint16_t number, float end,
@@ -109,13 +117,16 @@ class PhotonWalk {
     if (classes.dead(after)) return MediumEvent::ENDED;
     const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
     const float part = settings.inMedia.pointPart;
-    if (stored && !asBeam && (part >= 1 || sampler.next1D() < part))
+    const bool asPoint = stored && !asBeam && (part >= 1 || sampler.next1D() < part);
+    if (asPoint)
       out.inMedia.push_back(
           {position, packDirection(direction), photon.flux / part, number, photon.state.byte});
+    note(photon, LightVertexKind::MEDIUM, position, asPoint);
     ++photon.depth;
     const float chance = std::min(1.0f, (photon.flux.r + photon.flux.g + photon.flux.b) / before);
     if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return MediumEvent::ENDED;
     photon.state = after;
+    photon.event = PathEvent::V;
     photon.caustic = photon.straight = false;
     photon.ratio = {};
     photon.ray.origin = position;
@@ -134,7 +145,10 @@ class PhotonWalk {
         if (event == MediumEvent::ENDED) return nullptr;
         if (event == MediumEvent::SCATTERED) continue;
       }
-      if (!isHit) return nullptr;
+      if (!isHit) {
+        note(photon, LightVertexKind::ESCAPE, ray.at(2 * scene.bounds().radius));
+        return nullptr;
+      }
       arena.reset();
       drawWavelength(scene, photon.wavelength, sampler, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), photon.nesting, arena);
@@ -178,6 +192,7 @@ class PhotonWalk {
     const float chance = std::min(1.0f, maxComponent(scattered) / power);
     if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return false;
     photon.state = s->specular() ? at.afterS : at.afterD;
+    photon.event = s->specular() ? PathEvent::S : PathEvent::D;
     photon.flux *= dispersedColour(point, *s, photon.wavelength);
     photon.nesting.scatters(at.hit, at.wi, s->direction);
     photon.caustic = photon.caustic && s->specular();
@@ -219,7 +234,9 @@ class PhotonWalk {
       }
       Arrival at = arrive(photon, hit, *bsdf);
       const bool keepsPhotons = at.scattering.keepsPhotons();
-      if (keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect)) store(photon, at);
+      const bool isStored =
+          keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect) && store(photon, at);
+      note(photon, LightVertexKind::SURFACE, hit.point.position, isStored);
       ++photon.depth;
       if (keepsPhotons) split(photon, at, sampler);
       if (!scatter(photon, at, maxComponent(photon.flux), sampler)) return;
@@ -264,9 +281,10 @@ class PhotonWalk {
     return packed;
   }
 
-  void store(const PhotonState& photon, const Arrival& at) {
+  /** Stores a photon. Returns false where it is parallel to the surface: no flux. */
+  bool store(const PhotonState& photon, const Arrival& at) {
     const SurfacePoint& point = at.hit.point;
-    if (glm::dot(at.wi, point.geometricNormal) == 0) return; // parallel to the surface: no flux
+    if (glm::dot(at.wi, point.geometricNormal) == 0) return false;
     Photon p;
     p.position = point.position;
     p.direction = packOnSide(at.wi, point.geometricNormal);
@@ -276,6 +294,7 @@ class PhotonWalk {
     p.caustic = photon.caustic;
     p.reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(p);
+    return true;
   }
 
   const Scene& scene;

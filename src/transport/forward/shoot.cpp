@@ -71,16 +71,21 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   const size_t batches = (settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH;
   std::vector<StoredPhotons> stored(batches);
   std::vector<TransportCounts> counts(batches);
+  LightPathRecorder* const recorder = settings.lightPaths;
+  std::vector<std::vector<RecordedLightVertex>> records(recorder ? batches : 0);
+  if (recorder) recorder->beginPass(settings.photons);
   std::atomic<size_t> done{0};
   std::mutex telling;
   const auto shootBatch = [&](size_t b) {
     if (control.stopped()) return;
     PhotonWalk walk(scene, classes, settings, counts[b], stored[b]);
     const uint64_t end = std::min(settings.photons, (b + 1) * PHOTON_BATCH);
-    for (uint64_t i = b * PHOTON_BATCH; i < end; ++i)
+    for (uint64_t i = b * PHOTON_BATCH; i < end; ++i) {
+      walk.record = recorder && recorder->isRecorded(i) ? &records[b] : nullptr;
       walk.shoot(
           Sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM + (i >> 32), static_cast<uint32_t>(i)),
           pass.time);
+    }
     const size_t n = ++done;
     if (telling.try_lock()) {
       control.progress(static_cast<double>(n) / static_cast<double>(batches));
@@ -110,6 +115,7 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
     shootBatches(0, first);
     if (first < batches) shootBatches(first, batches);
   }
+  for (const auto& record : records) recorder->append(record);
   total = 0;
   for (const StoredPhotons& s : stored) total += s.onSurfaces.size();
   shot.stored.reserve(total);

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/lightPortals.h"
 #include "transport/direct/lightSampler.h"
 #include "transport/emission/emissionGuide.h"
@@ -46,6 +47,7 @@ struct ShootSettings {
   KeptInMedia inMedia;
   const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
   float splitPower = INFINITE;           ///< approximate power of each photon after a split into at most 256
+  LightPathRecorder* lightPaths = nullptr; ///< null: nothing is recorded
 };
 
 } // namespace recurse

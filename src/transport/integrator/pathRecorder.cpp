@@ -28,6 +28,7 @@ void PathRecorder::beginSample(RecordedSample sample) {
   sample.firstStep = recordedSteps.size();
   sample.firstEstimate = recordedEstimates.size();
   sample.firstContribution = recordedContributions.size();
+  sample.firstLightVertex = lightVertices.size();
   recordedSamples.push_back(sample);
   source = {};
 }

@@ -283,6 +283,38 @@ void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
   builder.descend(0, 0, box);
 }
 
+size_t PhotonMap::childCount(int level, size_t node) const {
+  const size_t leaves = leavesPerChild(level);
+  return std::min<size_t>(8, (leafCount - node * 8 * leaves + leaves - 1) / leaves);
+}
+
+void PhotonMap::visitBoxes(int levels, const BoxVisitor& visit) const {
+  if (photonCount > 0 && levelCount > 0 && levels > 0)
+    visitBoxes({0, 0, 0, childCount(0, 0)}, 0, levels, visit);
+}
+
+void PhotonMap::visitBoxes(Part part, int split, int levels, const BoxVisitor& visit) const {
+  while (part.last - part.first == 1 && part.level + 1 < levelCount) {
+    const size_t child = part.node * 8 + part.first;
+    part = {part.level + 1, child, 0, childCount(part.level + 1, child)};
+  }
+  const Node& node = nodes[levelBegin(part.level) + part.node];
+  Bounds3f bounds;
+  for (size_t i = part.first; i < part.last; ++i) {
+    bounds.add(Vec3f(node.lower[0][i], node.lower[1][i], node.lower[2][i]));
+    bounds.add(Vec3f(node.upper[0][i], node.upper[1][i], node.upper[2][i]));
+  }
+  const size_t leaves = leavesPerChild(part.level);
+  const auto slotAt = [&](size_t child) {
+    return std::min(photonCount, (part.node * 8 + child) * leaves * LEAF_SIZE);
+  };
+  visit(split, bounds, slotAt(part.last) - slotAt(part.first));
+  if (part.last - part.first == 1 || split + 1 == levels) return;
+  const size_t middle = part.first + (part.last - part.first + 1) / 2; // as in Builder::divide()
+  visitBoxes({part.level, part.node, part.first, middle}, split + 1, levels, visit);
+  visitBoxes({part.level, part.node, middle, part.last}, split + 1, levels, visit);
+}
+
 size_t PhotonMap::memoryBytes() const {
   return nodes.bytes() + leaves.bytes() + payload.bytes() + pathStates.bytes() + reverseRatios.bytes() +
          emission.bytes() + flannBytes();

@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -128,6 +129,11 @@ class PhotonMap {
   template <class State, class Add>
   State accumulateNearest(const PhotonScratch& scratch, State state, Add&& add) const;
 
+  using BoxVisitor = std::function<void(int level, const Bounds3f& box, size_t photons)>;
+  /** Calls visit(level, box, photons) for the boxes of the tree with less than `levels` splits into two parts
+   * above them, each box before its parts, the parts in increasing order of slots. */
+  void visitBoxes(int levels, const BoxVisitor& visit) const;
+
   Vec3f position(size_t slot) const {
     const Leaf& leaf = leaves[slot / LEAF_SIZE];
     const size_t i = slot % LEAF_SIZE;
@@ -186,6 +192,14 @@ class PhotonMap {
             leaves[block / LEAF_BLOCKS].normal + block % LEAF_BLOCKS * 8};
   }
 
+  /** Children [first, last) of a node. */
+  struct Part {
+    int level = 0;
+    size_t node = 0, first = 0, last = 0;
+  };
+  size_t leavesPerChild(int level) const { return size_t(1) << 3 * (levelCount - 1 - level); }
+  size_t childCount(int level, size_t node) const;
+  void visitBoxes(Part part, int split, int levels, const BoxVisitor& visit) const;
   size_t leafBeside(const Query<false, false, false>& query) const;
   float densityBound(const Vec3f& center, int k) const;
   static RankBracket bracketNearest(const FoundPhotons& found, size_t wanted, float upper);

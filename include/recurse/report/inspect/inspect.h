@@ -12,6 +12,17 @@
 
 namespace recurse {
 
+/** Irradiance at the surface point in the middle of a pixel, from path tracing. */
+struct ReferencePoint {
+  int x = 0, y = 0;        ///< pixel
+  Vec3f position{0};       ///< [scene units], relative to Scene::origin()
+  Vec3f normal{0};         ///< geometric, unit, towards the camera
+  uint32_t object = 0;     ///< see Scene::objectName()
+  Rgb irradiance{0};       ///< [W/m²]
+  float standardError = 0; ///< of the irradiance's luminance
+  int64_t samples = 0;
+};
+
 /** Content of the page. */
 struct Inspection {
   std::string title, label;          ///< scene, and settings of the render
@@ -19,10 +30,32 @@ struct Inspection {
   std::vector<RecordedPixel> pixels; ///< recorded with the classes of the page
   std::vector<StoredPhoton> photons; ///< empty: the integrator has no photon map
   size_t photonsInMap = 0;           ///< number in the map, before thinning
+  std::string photonName;            ///< see Integrator::photonName()
+  size_t shownPhotons = 0;           ///< maximum number to show
+  std::vector<PhotonBox> boxes;      ///< of the photon map's tree
+  LightPathRecorder lightPaths{0};
+  std::vector<ReferencePoint> references;
 };
+
+/** Number of levels of photonBoxes(): the last one has up to 4096 boxes, enough for a clear picture. */
+constexpr int BOX_LEVELS = 13;
 
 /** At most `most` photons, evenly thinned from the map; their power is scaled to include the omitted ones. */
 std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, size_t& inMap);
+
+/** Classes of the photons among the light that leaves a non-delta surface, as one expression; empty if some
+ * photons are in no class. */
+std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons);
+
+/**
+ * Estimates the irradiance E = π L / ρ at Lambertian surfaces of albedo ρ from the radiance L of `samples`
+ * camera rays through the middle of each pixel. `integrator`: prepared, and after its forward pass.
+ * `classes`: one class, of the paths from the light to the camera that count. Pixels are left out whose first
+ * surface is not Lambertian, has other lobes, a bump map or a black channel.
+ */
+std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
+                                            const PathClasses& classes, std::span<const RecordedPixel> pixels,
+                                            int64_t samples, uint64_t seed, const std::atomic<bool>& stop);
 
 /** Self-contained page. */
 std::string inspectPage(const Scene& scene, const PathClasses& classes, const Inspection& inspection);

@@ -20,6 +20,7 @@
 #include "recurse/model/scene/scene.h"
 #include "recurse/pathclasses/pathClasses.h"
 #include "recurse/transport/integrator/estimatorDomains.h"
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "recurse/transport/integrator/passes.h"
 #include "recurse/transport/integrator/pathRecorder.h"
 
@@ -201,7 +202,8 @@ struct ForwardControl {
   const std::atomic<bool>* stop = nullptr;
   /** For this pass's light paths, if Integrator::splats(); null for a pass whose splats exist already. */
   Splatter* splatter = nullptr;
-  PhotonSharing* sharing = nullptr; ///< null: all photons are shot here
+  PhotonSharing* sharing = nullptr;        ///< null: all photons are shot here
+  LightPathRecorder* lightPaths = nullptr; ///< recorder of this pass's light paths; null: nothing is recorded
   bool stopped() const { return stop && stop->load(std::memory_order_relaxed); }
 };
 
@@ -225,6 +227,14 @@ struct StoredPhoton {
   Rgb power;       ///< flux [W]
   LightState state;
   bool caustic = false; ///< true: from a caustic map, if there is one
+};
+
+/** Box of a photon map's tree. */
+struct PhotonBox {
+  Bounds3f box;         ///< tight bounds of its photons [scene units], relative to Scene::origin()
+  int level = 0;        ///< number of splits above it
+  uint64_t photons = 0; ///< number in the box
+  bool caustic = false; ///< see StoredPhoton
 };
 
 class Integrator {
@@ -254,6 +264,12 @@ class Integrator {
   }
   /** Calls visit(photon) for each surface photon in the map of the latest forward(). */
   virtual void visitPhotons(const std::function<void(const StoredPhoton&)>& /*visit*/) const {}
+  /** Plural name of the points that visitPhotons() visits. */
+  virtual std::string photonName() const { return "photons"; }
+  /** Calls visit(box) for the boxes of the photon maps' trees with less than `levels` splits above them, each
+   * box before its parts. */
+  virtual void visitPhotonBoxes(int /*levels*/,
+                                const std::function<void(const PhotonBox&)>& /*visit*/) const {}
   /** Whether the integrator renders the media of the scene. */
   virtual bool supportsMedia(const Scene&) const { return false; }
   /** Whether it renders FIBRE materials, for which light and camera paths have different densities. */

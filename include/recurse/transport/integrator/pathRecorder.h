@@ -11,6 +11,7 @@
 #include "recurse/core/math/rgb.h"
 #include "recurse/model/bsdf/bsdf.h"
 #include "recurse/pathclasses/pathClasses.h"
+#include "recurse/transport/integrator/lightPathRecorder.h"
 
 namespace recurse {
 
@@ -30,8 +31,6 @@ const char* techniqueName(PathTechnique technique);
 
 /** Step index that represents the camera ray. */
 constexpr int CAMERA_STEP = -1;
-/** Index of a missing entry. */
-constexpr int NOT_RECORDED = -1;
 
 /** A point where a camera path scatters. */
 struct RecordedVertex {
@@ -70,7 +69,10 @@ struct RecordedSource {
   int vertex = NOT_RECORDED;   ///< for shadow rays, connections and merges
   int step = CAMERA_STEP;      ///< for hits: the outgoing step of the ray
   int estimate = NOT_RECORDED; ///< for merges
-  Vec3f end{0};                ///< point of the light, or unit direction to it where `isInfinite`
+  /** Vertex of the light path: the other end of a connection, or the photon of a merge. Integrators that
+   * merge many photons at once have none. */
+  int lightVertex = NOT_RECORDED;
+  Vec3f end{0}; ///< point of the light or light path, or unit direction to it where `isInfinite`
   bool isInfinite = false;
   float weight = 1;   ///< MIS weight among all techniques that can make the path
   float pdf = 0;      ///< density of this technique [1/sr]; 0: a delta distribution, or unknown
@@ -94,7 +96,7 @@ struct RecordedSample {
   /** Radiance added to the film: the sum of the contributions times `rayWeight`, unless the film clamps it or
    * changes its white. */
   Rgb total{0};
-  size_t firstVertex = 0, firstStep = 0, firstEstimate = 0, firstContribution = 0;
+  size_t firstVertex = 0, firstStep = 0, firstEstimate = 0, firstContribution = 0, firstLightVertex = 0;
 };
 
 /** Record of some samples. Used by one thread. */
@@ -121,6 +123,8 @@ class PathRecorder {
   }
 
   RecordedSource source; ///< of the contributions that follow
+  /** Vertices of the light paths that the samples were joined with. */
+  std::vector<RecordedLightVertex> lightVertices;
 
   const std::vector<RecordedSample>& samples() const { return recordedSamples; }
   const std::vector<RecordedVertex>& vertices() const { return recordedVertices; }

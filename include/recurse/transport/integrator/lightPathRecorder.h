@@ -1,0 +1,93 @@
+/** @file
+ * Record of light paths of a forward pass: their vertices, from the light on. A light path may branch.
+ */
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "recurse/core/math/rgb.h"
+#include "recurse/core/math/vector.h"
+#include "recurse/pathclasses/pathClasses.h"
+
+namespace recurse {
+
+/** Index of a missing entry of a record. */
+constexpr int NOT_RECORDED = -1;
+
+enum class LightVertexKind : uint8_t {
+  START,   ///< emission: on the light, or outside of the scene for an infinite light
+  SURFACE, ///< arrival at a surface that scatters
+  MEDIUM,  ///< scattering in a medium
+  ESCAPE   ///< a point outside of the scene, on a ray that hits nothing
+};
+
+/** Vertex of a light path. */
+struct RecordedLightVertex {
+  int previous = NOT_RECORDED; ///< index of the vertex that the light came from; none: a START
+  LightVertexKind kind = LightVertexKind::START;
+  PathEvent event = PathEvent::D; ///< event at the previous vertex, unless that is a START
+  Vec3f position{0};              ///< [scene units], relative to Scene::origin()
+  Rgb flux{0};                    ///< flux on arrival, divided by the number of light paths [W]
+  LightState state{};             ///< state before the event at this vertex
+  bool stored = false;            ///< kept as a photon, a virtual light or a vertex for connections
+};
+
+/** Record of every n-th light path of the latest forward pass. */
+class LightPathRecorder {
+ public:
+  /** Records at most `limit` light paths. */
+  explicit LightPathRecorder(uint64_t limit) : limit(limit) {}
+
+  /** Starts the record of a pass with this number of light paths. */
+  void beginPass(uint64_t pathCount) {
+    list.clear();
+    emitted = pathCount;
+    step = limit > 0 ? std::max<uint64_t>(1, (pathCount + limit - 1) / limit) : 0;
+  }
+  /** Whether the light path with this number is recorded. */
+  bool isRecorded(uint64_t path) const { return step > 0 && path % step == 0; }
+  /** List for the vertices of the light path with this number; null if it is not recorded. */
+  std::vector<RecordedLightVertex>* listFor(uint64_t path) { return isRecorded(path) ? &list : nullptr; }
+  /** Appends vertices whose indices `previous` refer to the same list. */
+  void append(const std::vector<RecordedLightVertex>& part);
+
+  const std::vector<RecordedLightVertex>& vertices() const { return list; }
+  /** Number of light paths of the pass. */
+  uint64_t pathsEmitted() const { return emitted; }
+  /** Number of light paths that were looked at for the record; some emit nothing. */
+  uint64_t pathsRecorded() const { return step > 0 ? (emitted + step - 1) / step : 0; }
+
+ private:
+  uint64_t limit, emitted = 0, step = 0;
+  std::vector<RecordedLightVertex> list;
+};
+
+/** End of a light path during its walk. Copies of it record branches of the path. */
+class RecordedLightPath {
+ public:
+  /** Records nothing. */
+  RecordedLightPath() = default;
+  explicit RecordedLightPath(std::vector<RecordedLightVertex>& list) : list(&list) {}
+
+  explicit operator bool() const { return list != nullptr; }
+  /** Adds a vertex behind the last one. `event`: the event there. */
+  void add(LightVertexKind kind, PathEvent event, const Vec3f& position, const Rgb& flux, LightState state,
+           bool stored = false) {
+    if (!list) [[likely]]
+      return;
+    list->push_back({last, kind, event, position, flux, state, stored});
+    last = static_cast<int>(list->size()) - 1;
+  }
+  /** Whether the last vertex is in a medium. */
+  bool isInMedium() const {
+    return list && last != NOT_RECORDED && (*list)[size_t(last)].kind == LightVertexKind::MEDIUM;
+  }
+
+ private:
+  std::vector<RecordedLightVertex>* list = nullptr;
+  int last = NOT_RECORDED;
+};
+
+} // namespace recurse

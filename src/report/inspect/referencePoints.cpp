@@ -1,0 +1,66 @@
+/** @file
+ * Irradiance of Lambertian surfaces from the radiance that leaves them.
+ */
+#include "recurse/report/inspect/inspect.h"
+
+#include <cmath>
+
+#include "recurse/core/threads/parallel.h"
+
+namespace recurse {
+
+namespace {
+
+/** Ray through the middle of a pixel. */
+std::optional<CameraRay> middleRay(const Scene& scene, const ReferencePoint& pixel) {
+  return scene.camera().validRay({{static_cast<float>(pixel.x) + 0.5f, static_cast<float>(pixel.y) + 0.5f}});
+}
+
+/** Albedo of the surface that the ray hits, if it is Lambertian; sets the point. Black otherwise. */
+Rgb albedoOf(const Scene& scene, const Ray& ray, ReferencePoint& out) {
+  Hit hit;
+  if (!scene.intersect(ray, hit) || !hit.material || hit.material->detail) return BLACK;
+  BsdfArena arena;
+  const Bsdf* bsdf = hit.material->bsdfAt(hit.point, arena);
+  if (!bsdf || !(bsdf->lobes() & LAMBERTIAN) || (bsdf->lobes() & (TRANSMISSION | DELTA_LOBES))) return BLACK;
+  out.position = hit.point.position;
+  out.normal = hit.point.normalTowards(-ray.direction);
+  out.object = hit.object;
+  return bsdf->albedo(Vec3f(0, 0, 1));
+}
+
+} // namespace
+
+std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
+                                            const PathClasses& classes, std::span<const RecordedPixel> pixels,
+                                            int64_t samples, uint64_t seed, const std::atomic<bool>& stop) {
+  std::vector<ReferencePoint> points(pixels.size());
+  parallelFor(pixels.size(), [&](size_t i) {
+    ReferencePoint& p = points[i];
+    p.x = pixels[i].x;
+    p.y = pixels[i].y;
+    const std::optional<CameraRay> ray = middleRay(scene, p);
+    if (!ray) return;
+    const Rgb albedo = albedoOf(scene, *ray, p);
+    if (!(albedo.r > 0 && albedo.g > 0 && albedo.b > 0)) return;
+    TransportCounts counts;
+    PathRadiance out(classes, counts);
+    Rgbd sum(0);
+    double squares = 0;
+    for (p.samples = 0; p.samples < samples && !stop; ++p.samples) {
+      Sampler sampler(hashCombine(seed, i), 0, static_cast<uint32_t>(p.samples));
+      out.reset();
+      integrator.backward(scene, *ray, sampler, out);
+      sum += Rgbd(out.total());
+      squares += square(double(luminance(out.total() * PI / albedo)));
+    }
+    const auto n = double(std::max<int64_t>(p.samples, 1));
+    p.irradiance = Rgb(sum / n) * PI / albedo;
+    p.standardError = static_cast<float>(
+        std::sqrt(std::max(0.0, squares / n - square(double(luminance(p.irradiance)))) / n));
+  });
+  std::erase_if(points, [](const ReferencePoint& p) { return p.samples == 0; });
+  return points;
+}
+
+} // namespace recurse

@@ -1,0 +1,77 @@
+/** @file
+ * `recurse figure` and the options of `recurse inspect`.
+ */
+#include "program.h"
+
+#include "recurse/core/image/image.h"
+
+using namespace programTesting;
+using recurse::Image;
+using recurse::readImage;
+
+namespace {
+
+using FigureProgram = Program;
+
+/** Number of pixels that are not white paper. */
+size_t inkOf(const Image& image) {
+  size_t count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) count += image.at(x, y)[1] < 0.99f;
+  return count;
+}
+
+} // namespace
+
+TEST_F(FigureProgram, EachKindIsAPicture) {
+  for (const std::string kind : {"pyramid", "mis", "cost"}) {
+    const Outcome o = run({"figure", kind, "scene.pbrt", "-o", kind + ".png", "--spp", "2", "-q"});
+    ASSERT_EQ(o.status, 0) << kind << o.err;
+    EXPECT_GT(inkOf(readImage(file(kind + ".png"))), 2u * 24 * 16) << kind;
+  }
+}
+
+TEST_F(FigureProgram, MoreEdgesAreMoreRows) {
+  const auto heightOf = [&](const std::string& edges) {
+    EXPECT_EQ(
+        run({"figure", "pyramid", "scene.pbrt", "-o", "p.png", "--spp", "1", "-q", "--edges", edges}).status,
+        0);
+    return readImage(file("p.png")).height;
+  };
+  const int two = heightOf("2"), three = heightOf("3");
+  EXPECT_GE(three, two + 2 * 16); // a row in both pyramids
+}
+
+TEST_F(FigureProgram, WrongUsageIsRefused) {
+  const auto refused = [&](std::vector<std::string> more, const std::string& part) {
+    std::vector<std::string> words = {"figure", "pyramid", "scene.pbrt", "-o", "p.png"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome o = run(words);
+    EXPECT_EQ(o.status, 2) << part;
+    EXPECT_TRUE(has(o.err, part)) << o.err;
+  };
+  refused({"--edges", "1"}, "--edges");
+  refused({"--edges", "13"}, "--edges");
+  refused({"--edges", "many"}, "--edges");
+  EXPECT_EQ(run({"figure", "square", "scene.pbrt", "-o", "p.png"}).status, 2);
+  EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.doc"}).status, 2);
+  EXPECT_EQ(run({"figure", "mis", "scene.pbrt"}).status, 2);
+  EXPECT_FALSE(std::filesystem::exists(file("p.png")));
+}
+
+TEST_F(FigureProgram, FogIsRefusedByNameOfTheIntegrator) {
+  write("fog.pbrt",
+        scene("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"\" \"fog\"\n"));
+  const Outcome o = run({"figure", "pyramid", "fog.pbrt", "-o", "p.png", "--spp", "1"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "bdpt, which cannot render media")) << o.err;
+}
+
+TEST_F(FigureProgram, InspectRefusesWrongNumbers) {
+  for (const std::string option : {"--shown-light-paths", "--reference-samples"})
+    for (const std::string value : {"-1", "some", "1e30"}) {
+      const Outcome o = run({"inspect", "scene.pbrt", "-o", "p.html", option + "=" + value});
+      EXPECT_EQ(o.status, 2) << option << value;
+      EXPECT_TRUE(has(o.err, option)) << o.err;
+    }
+}
