@@ -18,6 +18,7 @@ RECURSE_PLUG_IN(Implicit)
 RECURSE_PLUG_IN(LoopSubdiv)
 RECURSE_PLUG_IN(CatmullClark)
 RECURSE_PLUG_IN(Curve)
+RECURSE_PLUG_IN(Points)
 RECURSE_PLUG_IN(BezierPatch)
 // Files that become pieces of scenes
 RECURSE_PLUG_IN(MeshFile)

@@ -118,50 +118,50 @@ template <class N> Jet power(const Jet& a, N exponent) {
 
 // ---- interpreter
 
-using Operation = Expression::Operation;
+using Opcode = Expression::Operation;
 using Instruction = Expression::Instruction;
 
 /** Result of an instruction on numbers of any kind; `values` are results of earlier ones. */
 template <class N> N resultOf(const Instruction& i, const std::array<N, 3>& p, const N* values) {
   const N &a = values[i.a], &b = values[i.b];
   switch (i.operation) {
-  case Operation::CONSTANT:
+  case Opcode::CONSTANT:
     return lifted(i.constant, N{});
-  case Operation::X:
+  case Opcode::X:
     return p[0];
-  case Operation::Y:
+  case Opcode::Y:
     return p[1];
-  case Operation::Z:
+  case Opcode::Z:
     return p[2];
-  case Operation::ADD:
+  case Opcode::ADD:
     return a + b;
-  case Operation::SUBTRACT:
+  case Opcode::SUBTRACT:
     return a - b;
-  case Operation::MULTIPLY:
+  case Opcode::MULTIPLY:
     return a * b;
-  case Operation::DIVIDE:
+  case Opcode::DIVIDE:
     return a / b;
-  case Operation::MINIMUM:
+  case Opcode::MINIMUM:
     return minimum(a, b);
-  case Operation::MAXIMUM:
+  case Opcode::MAXIMUM:
     return maximum(a, b);
-  case Operation::NEGATE:
+  case Opcode::NEGATE:
     return -a;
-  case Operation::ABSOLUTE:
+  case Opcode::ABSOLUTE:
     return absolute(a);
-  case Operation::SQUARE_ROOT:
+  case Opcode::SQUARE_ROOT:
     return squareRoot(a);
-  case Operation::SINE:
+  case Opcode::SINE:
     return sine(a);
-  case Operation::COSINE:
+  case Opcode::COSINE:
     return cosine(a);
-  case Operation::EXPONENTIAL:
+  case Opcode::EXPONENTIAL:
     return exponential(a);
-  case Operation::LOGARITHM:
+  case Opcode::LOGARITHM:
     return logarithm(a);
-  case Operation::WHOLE_POWER:
+  case Opcode::WHOLE_POWER:
     return power(a, static_cast<int>(i.constant));
-  case Operation::REAL_POWER:
+  case Opcode::REAL_POWER:
     break;
   }
   return power(a, i.constant);
@@ -178,14 +178,13 @@ template <class N> N run(const std::vector<Instruction>& instructions, const std
 /** A function or an operator of expressions. */
 struct NamedFunction {
   const char* name;
-  Operation operation;
+  Opcode operation;
   bool takesMany; ///< two arguments or more instead of one
 };
 constexpr NamedFunction FUNCTIONS[] = {
-    {"min", Operation::MINIMUM, true},      {"max", Operation::MAXIMUM, true},
-    {"abs", Operation::ABSOLUTE, false},    {"sqrt", Operation::SQUARE_ROOT, false},
-    {"sin", Operation::SINE, false},        {"cos", Operation::COSINE, false},
-    {"exp", Operation::EXPONENTIAL, false}, {"log", Operation::LOGARITHM, false}};
+    {"min", Opcode::MINIMUM, true},       {"max", Opcode::MAXIMUM, true},   {"abs", Opcode::ABSOLUTE, false},
+    {"sqrt", Opcode::SQUARE_ROOT, false}, {"sin", Opcode::SINE, false},     {"cos", Opcode::COSINE, false},
+    {"exp", Opcode::EXPONENTIAL, false},  {"log", Opcode::LOGARITHM, false}};
 
 constexpr const char* ACCEPTED_NAMES = "x y z pi min max abs sqrt sin cos exp log";
 
@@ -225,14 +224,14 @@ class ExpressionParser {
     return c > ' ' && c < 0x7f ? "\"" + std::string(1, c) + "\"" : "this character";
   }
 
-  static bool takesTwo(Operation o) { return o >= Operation::ADD && o <= Operation::MAXIMUM; }
+  static bool takesTwo(Opcode o) { return o >= Opcode::ADD && o <= Opcode::MAXIMUM; }
 
   /** The instructions that an instruction needs; it is the last of them. */
   std::vector<Instruction> usedBy(uint32_t last) const {
     std::vector<bool> isUsed(last + 1, false);
     isUsed[last] = true;
     for (uint32_t i = last + 1; i-- > 0;) {
-      if (!isUsed[i] || list[i].operation < Operation::ADD) continue;
+      if (!isUsed[i] || list[i].operation < Opcode::ADD) continue;
       isUsed[list[i].a] = true;
       if (takesTwo(list[i].operation)) isUsed[list[i].b] = true;
     }
@@ -249,16 +248,16 @@ class ExpressionParser {
     return used;
   }
 
-  bool isConstant(uint32_t i) const { return list[i].operation == Operation::CONSTANT; }
+  bool isConstant(uint32_t i) const { return list[i].operation == Opcode::CONSTANT; }
 
   /** Number of an instruction, a new one unless there is an equal one. `offset` is its place in the text. */
   uint32_t add(const Instruction& wanted, size_t offset) {
     Instruction i = wanted;
-    const bool hasOperand = i.operation >= Operation::ADD, hasTwo = takesTwo(i.operation);
+    const bool hasOperand = i.operation >= Opcode::ADD, hasTwo = takesTwo(i.operation);
     if (hasOperand && isConstant(i.a) && (!hasTwo || isConstant(i.b))) {
       const double operands[] = {list[i.a].constant, list[hasTwo ? i.b : i.a].constant};
       const Instruction local{i.operation, 0, 1, i.constant};
-      i = {Operation::CONSTANT, 0, 0, resultOf<double>(local, {}, operands)};
+      i = {Opcode::CONSTANT, 0, 0, resultOf<double>(local, {}, operands)};
       if (!std::isfinite(i.constant)) fail(offset, "the value of this constant is not finite");
     }
     for (uint32_t k = 0; k < list.size(); ++k)
@@ -269,7 +268,7 @@ class ExpressionParser {
     list.push_back(i);
     return static_cast<uint32_t>(list.size() - 1);
   }
-  uint32_t constant(double x, size_t offset) { return add({Operation::CONSTANT, 0, 0, x}, offset); }
+  uint32_t constant(double x, size_t offset) { return add({Opcode::CONSTANT, 0, 0, x}, offset); }
 
   uint32_t parseSum() {
     if (++level > MOST_LEVELS)
@@ -278,7 +277,7 @@ class ExpressionParser {
     for (char c = next(); c == '+' || c == '-'; c = next()) {
       const size_t offset = at++;
       const uint32_t b = parseProduct();
-      a = add({c == '+' ? Operation::ADD : Operation::SUBTRACT, a, b}, offset);
+      a = add({c == '+' ? Opcode::ADD : Opcode::SUBTRACT, a, b}, offset);
     }
     --level;
     return a;
@@ -291,8 +290,8 @@ class ExpressionParser {
       const uint32_t b = parseSigned();
       // Squares have tighter bounds than products of two ranges.
       const bool isSquare = c == '*' && a == b;
-      a = isSquare ? add({Operation::WHOLE_POWER, a, 0, 2}, offset)
-                   : add({c == '*' ? Operation::MULTIPLY : Operation::DIVIDE, a, b}, offset);
+      a = isSquare ? add({Opcode::WHOLE_POWER, a, 0, 2}, offset)
+                   : add({c == '*' ? Opcode::MULTIPLY : Opcode::DIVIDE, a, b}, offset);
     }
     return a;
   }
@@ -306,7 +305,7 @@ class ExpressionParser {
       offset = at++;
     }
     const uint32_t a = parsePower();
-    return isNegative ? add({Operation::NEGATE, a}, offset) : a;
+    return isNegative ? add({Opcode::NEGATE, a}, offset) : a;
   }
 
   uint32_t parsePower() {
@@ -321,8 +320,8 @@ class ExpressionParser {
 
   uint32_t powerOf(uint32_t a, uint32_t exponent, size_t offset) {
     if (!isConstant(exponent)) // a^b = exp(b log(a))
-      return add({Operation::EXPONENTIAL,
-                  add({Operation::MULTIPLY, exponent, add({Operation::LOGARITHM, a}, offset)}, offset)},
+      return add({Opcode::EXPONENTIAL,
+                  add({Opcode::MULTIPLY, exponent, add({Opcode::LOGARITHM, a}, offset)}, offset)},
                  offset);
     constexpr double MOST_FACTORS = 64;
     const double n = list[exponent].constant;
@@ -331,7 +330,7 @@ class ExpressionParser {
     const bool isWhole = n == std::floor(n);
     if (isWhole && std::abs(n) > MOST_FACTORS)
       fail(offset, "the exponent is too large", "integers from -64 to 64, and other numbers");
-    return add({isWhole ? Operation::WHOLE_POWER : Operation::REAL_POWER, a, 0, n}, offset);
+    return add({isWhole ? Opcode::WHOLE_POWER : Opcode::REAL_POWER, a, 0, n}, offset);
   }
 
   static bool isDigit(char c) { return c >= '0' && c <= '9'; }
@@ -375,9 +374,9 @@ class ExpressionParser {
     const size_t begin = at;
     while (at < text.size() && (isLetter(text[at]) || isDigit(text[at]))) ++at;
     const std::string name = text.substr(begin, at - begin);
-    if (name == "x") return add({Operation::X}, begin);
-    if (name == "y") return add({Operation::Y}, begin);
-    if (name == "z") return add({Operation::Z}, begin);
+    if (name == "x") return add({Opcode::X}, begin);
+    if (name == "y") return add({Opcode::Y}, begin);
+    if (name == "z") return add({Opcode::Z}, begin);
     if (name == "pi") return constant(PI_D, begin);
     for (const NamedFunction& f : FUNCTIONS)
       if (name == f.name) return parseArguments(f, begin);
