@@ -67,7 +67,7 @@ TEST(Shape, TangentsFollowTheSurface) {
     Random random(3);
     const bool hasNormalDerivatives = s.name.rfind("metaballs", 0) != 0;
     int compared = 0;
-    for (int i = 0; i < 4000; ++i) {
+    for (int i = 0; i < 2000; ++i) {
       const auto [origin, direction] = randomLine(random, s);
       for (const Meeting& m : allMeetings(*s.shape, origin, direction)) {
         // Central differences over two coordinates of the hit's point, where those are far from their limits.

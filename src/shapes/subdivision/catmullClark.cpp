@@ -340,7 +340,7 @@ void registerCatmullClark(PlugIns& plugIns) {
              "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5] "
              "\"integer creases\" [4 5  5 7  7 6  6 4] \"float creasesharpness\" [10 10 1.5 10] "
              "\"integer sharpcorners\" [0] \"integer holes\" [0] \"string boundary\" \"corner\"",
-             "\"string scheme\" \"doosabin\" \"integer levels\" 2 \"point3 P\" [0 0 0  1 0 0  1 1 .3  0 1 0  "
+             "\"string scheme\" \"doosabin\" \"integer levels\" 1 \"point3 P\" [0 0 0  1 0 0  1 1 .3  0 1 0  "
              "2 .5 0] "
              "\"integer corners\" [4 3] \"integer indices\" [0 1 2 3  1 4 2] "
              "\"point2 uv\" [0 0  .5 0  .5 1  0 1  1 .5]"}},
