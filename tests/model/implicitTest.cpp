@@ -211,6 +211,30 @@ TEST(Expression, ErrorsPointAtTheCharacter) {
   }
 }
 
+TEST(Expression, AnyTextIsReadOrExplained) {
+  // Random pieces of expressions: an error lies in the text, and what is read has a value.
+  Random random(64);
+  const char* const pieces[] = {"x", "y", "z", "pi", "2", ".5", "1e3", "+",    "-",    "*",    "/",    "^",
+                                "(", ")", ",", " ",  "(", ")",  "x",   "min(", "abs(", "sin(", "log(", "#"};
+  size_t read = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::string text;
+    for (int k = static_cast<int>(random.uniform(1, 12)); k > 0; --k)
+      text += pieces[static_cast<size_t>(random.uniform(0, std::size(pieces)))];
+    try {
+      const Expression f{text};
+      const double value = f.value({.3, .4, .5});
+      const Interval bounds = f.value({Interval(.3), Interval(.4), Interval(.5)});
+      EXPECT_TRUE(bounds.contains(value) || bounds.isPartial || !std::isfinite(value)) << text;
+      ++read;
+    } catch (const ExpressionError& e) {
+      EXPECT_LE(e.offset, text.size()) << text;
+      EXPECT_FALSE(e.message.empty()) << text;
+    }
+  }
+  EXPECT_GT(read, 500u);
+}
+
 TEST(Implicit, MatchesAnalyticShapes) {
   expectSameSolid(*implicit("x^2 + y^2 + z^2 - .81"), *make("sphere", "\"float radius\" .9"), 53);
   // A sphere that touches the box, which is a solid without caps.
