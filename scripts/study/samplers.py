@@ -1,22 +1,20 @@
 #!/usr/bin/env python3
-"""Measures the error of each sampler and its time, and writes doc-files/results/samplers.md and samplers.jpg.
+"""Measures the error of each sampler and its time, and writes doc-files/results/samplers.md.
 
   scripts/study/samplers.py [--program FILE] [--width 160] [--reference 1024]
 
 Renders scenes by `path` with 4, 16 and 64 samples per pixel and each sampler, with several seeds, and compares with a
 reference of independent seed by the default sampler.
 """
-import pathlib
 import re
-import subprocess
 
 import study
 
-SCENES = ('ring', 'cornell-glass', 'dof')
+# By maxdepth: without a limit, the caustic of the ring would be all of its error.
+SCENES = {'ring': 1, 'cornell-glass': -1, 'dof': -1}
 SAMPLERS = ('independent', 'stratified', 'halton', 'sobol', 'zsobol')
 SAMPLES = (4, 16, 64)
 SEEDS = (1, 2)
-SHOWN = 'dof', 4  # scene and samples of the pictures
 
 
 def sceneWith(name, sampler, samples):
@@ -27,6 +25,7 @@ def sceneWith(name, sampler, samples):
     if sampler == 'stratified':
         number = f'"integer xsamples" {root} "integer ysamples" {root}'
     text = re.sub(r'(?m)^Sampler.*$', f'Sampler "{sampler}" {number}', path.read_text())
+    text = re.sub(r'(?m)^Integrator.*$', f'Integrator "path" "integer maxdepth" {SCENES[name]}', text)
     out = path.with_name(f'.{name}-{sampler}-{samples}.pbrt')
     out.write_text(text)
     return out
@@ -37,14 +36,17 @@ def main():
     parser.add_argument('--width', type=int, default=160)
     parser.add_argument('--reference', type=int, default=1024, help='samples per pixel of the reference')
     options = parser.parse_args()
-    study.build('imagemagick')
-    rows, seen, seconds, sheet = '', '', {s: 0 for s in SAMPLERS}, []
+    study.build()
+    rows, seen, seconds = '', '', {s: 0 for s in SAMPLERS}
     for scene in SCENES:
         size = study.sizeOfWidth(study.ROOT / 'scenes' / (scene + '.pbrt'), options.width)
-        common = ('--resolution', size, '--integrator', 'path')
+        common = ('--resolution', size)
         reference = study.temporary(scene + '.exr')
-        study.render(study.ROOT / 'scenes' / (scene + '.pbrt'), reference, *common, '--spp', options.reference,
-                     '--seed', 99)
+        file = sceneWith(scene, 'sobol', options.reference)
+        try:
+            study.render(file, reference, *common, '--seed', 99)
+        finally:
+            file.unlink()
         for samples in SAMPLES:
             errors, flips = {}, {}
             for sampler in SAMPLERS:
@@ -60,20 +62,17 @@ def main():
                     file.unlink()
                 errors[sampler] = sum(n['relmse_trimmed'] for n in numbers) / len(SEEDS)
                 flips[sampler] = sum(n['flip'] for n in numbers) / len(SEEDS)
-                if (scene, samples) == SHOWN:
-                    sheet.append(picture(out))
             for table, values in (('error', errors), ('flip', flips)):
                 line = f'| {scene} | {samples} | ' + ' | '.join('%.3g' % values[s] for s in SAMPLERS) + ' |\n'
                 print(table, line, end='', flush=True)
                 rows, seen = (rows + line, seen) if table == 'error' else (rows, seen + line)
     page = study.ROOT / 'doc-files/results/samplers'
-    subprocess.run(['convert', *sheet, '+append', '-quality', '88', page.with_suffix('.jpg')], check=True)
     header = '| scene | samples | ' + ' | '.join(f'`{s}`' for s in SAMPLERS) + ' |\n| --- | ---: |' + ' ---: |' * len(SAMPLERS)
     times = ', '.join('`%s` %.2f' % (s, seconds[s] / seconds['sobol']) for s in SAMPLERS)
     page.with_suffix('.md').write_text(f"""# What samplers do to the error
 
 Made by `scripts/study/samplers.py --width {options.width} --reference {options.reference}` on {study.provenance()}, by `path` at
-{options.width} pixels of width; not edited by hand. The reference has {options.reference} samples; errors are means over {len(SEEDS)} seeds.
+{options.width} pixels of width (ring: direct light); not edited by hand. The reference has {options.reference} samples; errors are means over {len(SEEDS)} seeds.
 
 Relative mean squared error without the worst thousandth of the pixels (`relmse_trimmed` of `recurse compare`); less is better:
 
@@ -85,18 +84,8 @@ Visible difference (FLIP), which weights errors as an eye does that sees fine no
 {seen}
 Processor time of all renders relative to `sobol`: {times}.
 
-![{SHOWN[0]} with {SHOWN[1]} samples by each sampler: {', '.join(SAMPLERS)}](samplers.jpg)
-
 The default is `sobol`: CONCLUSION
 """)
-
-
-def picture(exr):
-    """Enlarged picture."""
-    png, part = study.temporary('whole.png'), exr.replace('.exr', '.png')
-    study.recurse('develop', exr, '-o', png, '--exposure', '0')
-    subprocess.run(['convert', png, '-scale', '200%', part], check=True)
-    return part
 
 
 main()
