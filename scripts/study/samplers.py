@@ -84,7 +84,10 @@ Visible difference (FLIP), which weights errors as an eye does that sees fine no
 {seen}
 Processor time of all renders relative to `sobol`: {times}.
 
-The default is `sobol`: CONCLUSION
+The default is `sobol`: its error is the least or within an eighth of it everywhere, any number of samples continues the
+sequence, and its pixels are independent, which estimates of the error over neighbours rely on. `zsobol` has the same error,
+and with few samples its noise is less visible: a fifth less at 4 samples where the light is simple. `stratified` is as good if
+the number of samples is that of its cells.
 """)
 
 
