@@ -74,7 +74,7 @@ class EyeBatch {
     Place& place = places[count++];
     const PixelSample numbered{round.seed, static_cast<uint32_t>(x), static_cast<uint32_t>(y), index,
                                round.requestedSamples};
-    CameraPath& path = paths.emplace_back(scene.sampler().sampler(numbered), radiance[paths.size()]);
+    CameraPath& path = paths.emplace_back(scene.sampler(), numbered, radiance[paths.size()]);
     const Filter::Sample f = scene.filter().sample(path.sampler.next2D());
     CameraSample sample{Vec2f(x, y) + 0.5f + f.offset};
     if (usesLens) sample.lens = path.sampler.next2D();
