@@ -72,9 +72,9 @@ class EyeBatch {
   void add(int x, int y, uint32_t index, size_t pixel, std::optional<size_t> pilot) {
     if (abandoned) return;
     Place& place = places[count++];
-    const Sampler sampler = scene.sampler().sampler(
-        {round.seed, static_cast<uint32_t>(x), static_cast<uint32_t>(y), index, round.requestedSamples});
-    CameraPath& path = paths.emplace_back(sampler, radiance[paths.size()]);
+    const PixelSample numbered{round.seed, static_cast<uint32_t>(x), static_cast<uint32_t>(y), index,
+                               round.requestedSamples};
+    CameraPath& path = paths.emplace_back(scene.sampler(), numbered, radiance[paths.size()]);
     const Filter::Sample f = scene.filter().sample(path.sampler.next2D());
     CameraSample sample{Vec2f(x, y) + 0.5f + f.offset};
     if (usesLens) sample.lens = path.sampler.next2D();

@@ -45,7 +45,8 @@ float scrambledRadicalInverse(uint32_t index, uint32_t base, uint64_t seed) {
 
 class HaltonSampler final : public PixelSampler, public SamplePoints {
  public:
-  Sampler sampler(const PixelSample& s) const override {
+  HaltonSampler() : PixelSampler(true) {}
+  Sampler samplerOfPoints(const PixelSample& s) const override {
     return {*this, hashCombine(mixBits(s.seed), s.pixel()), s.index};
   }
   uint32_t strata(uint32_t dimension, uint32_t samples) const override {

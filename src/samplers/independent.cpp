@@ -9,7 +9,8 @@ namespace {
 
 class IndependentSampler final : public PixelSampler, public SamplePoints {
  public:
-  Sampler sampler(const PixelSample& s) const override {
+  IndependentSampler() : PixelSampler(true) {}
+  Sampler samplerOfPoints(const PixelSample& s) const override {
     return {*this, hashCombine(hashCombine(mixBits(s.seed), s.pixel()), s.index), 0};
   }
   uint32_t strata(uint32_t, uint32_t) const override { return 1; }

@@ -9,7 +9,7 @@ namespace {
 
 class SobolSampler final : public PixelSampler {
  public:
-  Sampler sampler(const PixelSample& s) const override { return {s.seed, s.pixel(), s.index}; }
+  SobolSampler() : PixelSampler(false) {}
   uint32_t strata(uint32_t, uint32_t samples) const override { return largestPowerDividing(samples, 2); }
 };
 

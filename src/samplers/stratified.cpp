@@ -12,9 +12,9 @@ namespace {
 class StratifiedSampler final : public PixelSampler, public SamplePoints {
  public:
   StratifiedSampler(uint32_t across, uint32_t down, bool jitter)
-      : across(across), down(down), jitter(jitter) {}
+      : PixelSampler(true), across(across), down(down), jitter(jitter) {}
 
-  Sampler sampler(const PixelSample& s) const override {
+  Sampler samplerOfPoints(const PixelSample& s) const override {
     // Every across · down samples are a set of their own.
     const uint32_t set = s.index / (across * down);
     return {*this, hashCombine(hashCombine(mixBits(s.seed), s.pixel()), set), s.index % (across * down)};

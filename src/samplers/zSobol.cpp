@@ -56,7 +56,8 @@ uint32_t permutedDigits(uint32_t pixel, uint32_t digits, uint64_t hash) {
  */
 class ZSobolSampler final : public PixelSampler, public SamplePoints {
  public:
-  Sampler sampler(const PixelSample& s) const override {
+  ZSobolSampler() : PixelSampler(true) {}
+  Sampler samplerOfPoints(const PixelSample& s) const override {
     const uint32_t bits =
         std::min<uint32_t>(INDEX_BITS, static_cast<uint32_t>(std::bit_width(s.requested - 1)));
     const uint32_t digits = (INDEX_BITS - bits) / 2;

@@ -47,7 +47,8 @@ void SamplePoints::fillSobol(const Pairs& reversedIndices, const Pairs& seeds, f
 }
 
 void Sampler::refill() {
-  if (points) return points->fill(key, reverseBits(reversedIndex), dimension, numbers);
+  if (points) [[unlikely]]
+    return points->fill(key, reverseBits(reversedIndex), dimension, numbers);
   // The hashes are those of SamplePoints::pairHash().
   const Longs hashes = mixBits(key + 0x9e3779b97f4a7c15ull * (dimension + Longs{1, 2, 3, 4}));
   const Words halves = __builtin_shufflevector((Words)hashes, (Words)hashes, 0, 2, 4, 6, 1, 3, 5, 7);

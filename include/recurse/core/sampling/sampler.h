@@ -76,7 +76,7 @@ class Sampler {
 
   /** Sample `index` of the points of a plug-in, which must outlive it. */
   Sampler(const SamplePoints& points, uint64_t key, uint32_t index)
-      : points(&points), key(key), reversedIndex(reverseBits(index)) {}
+      : key(key), reversedIndex(reverseBits(index)), points(&points) {}
 
   /** Next sample in [0, 1). */
   float next1D() { return numbers[next()]; }
@@ -104,11 +104,11 @@ class Sampler {
   }
   void refill();
 
-  const SamplePoints* points = nullptr; ///< null: Sobol' points
   uint64_t key;
   uint32_t reversedIndex;
   uint32_t dimension = 0;
-  float numbers[2 * AT_ONCE]; ///< valid where dimension % AT_ONCE > 0
+  float numbers[2 * AT_ONCE];           ///< valid where dimension % AT_ONCE > 0
+  const SamplePoints* points = nullptr; ///< null: Sobol' points
 };
 
 } // namespace recurse

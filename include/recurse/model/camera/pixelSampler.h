@@ -29,7 +29,10 @@ class PixelSampler {
 
   /** Numbers of a sample. They depend on nothing but the arguments and the parameters. The result refers to
    * this object. */
-  virtual Sampler sampler(const PixelSample& sample) const = 0;
+  Sampler sampler(const PixelSample& sample) const {
+    // The default without a virtual call.
+    return hasPoints ? samplerOfPoints(sample) : Sampler(sample.seed, sample.pixel(), sample.index);
+  }
   /** Number of equal intervals of a dimension, counted from 0 with two for each pair, that hold the same
    * number of samples each, if a pixel has `samples` samples as requested. 1: no stratification. */
   virtual uint32_t strata(uint32_t dimension, uint32_t samples) const = 0;
@@ -38,6 +41,17 @@ class PixelSampler {
 
   int pixelSamples = 16;
   uint64_t seed = 0;
+
+ protected:
+  /** `hasPoints` false: the Sobol' points of Sampler. */
+  explicit PixelSampler(bool hasPoints) : hasPoints(hasPoints) {}
+  /** sampler() of points other than those of Sampler. */
+  virtual Sampler samplerOfPoints(const PixelSample& sample) const {
+    return {sample.seed, sample.pixel(), sample.index};
+  }
+
+ private:
+  bool hasPoints;
 };
 
 /** Parameters "pixelsamples" and "seed", and `more`. */

@@ -210,6 +210,9 @@ struct ForwardControl {
 /** Camera path to be traced: its ray, its samples, and the destination of its radiance. */
 struct CameraPath {
   CameraPath(const Sampler& sampler, PathRadiance& out) : sampler(sampler), out(&out) {}
+  /** Makes the sampler in place: loads of a copy would wait for the stores of the original. */
+  CameraPath(const PixelSampler& points, const PixelSample& sample, PathRadiance& out)
+      : sampler(points.sampler(sample)), out(&out) {}
   CameraRay ray;
   Sampler sampler;
   PathRadiance* out;
