@@ -70,7 +70,6 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   }
   shoot.guide = &guidance.emission;
   shoot.region = &region;
-  shoot.minStartDensity = guidance.minStartDensity;
   shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
   if (scene.hasMedia() && !settings.causticsOnly) {
     if (pass.index == 0) {
@@ -116,7 +115,6 @@ void PhotonPass::learnFrom(const PhotonPass& other) {
   aim = other.aim;
   lights = other.lights;
   guidance = other.guidance;
-  guidance.minStartDensity = guidance.sparsePart = 0;
   region = other.region;
   progressive = other.progressive;
   causticsKnown = other.causticsKnown;
@@ -416,9 +414,6 @@ void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, u
   if (progressive) learnStarts(scene, classes, seed, shoot, control, statistics.counts);
   guidance = recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts,
                                     settings.without != Mechanism::GUIDE);
-  if (scene.hasMedia() || settings.causticsOnly || settings.directLight ||
-      settings.without == Mechanism::SPARSE_LIGHT)
-    guidance.minStartDensity = guidance.sparsePart = 0;
   if (settings.without == Mechanism::SPLITTING) guidance.splitPower = INFINITE;
   noteGuidance(statistics.notes);
 }
@@ -431,10 +426,6 @@ void PhotonPass::noteGuidance(std::vector<std::string>& notes) const {
   if (aim.active())
     notes.push_back(formatted("photons: emission of %zu far lamp%s aimed at surfaces that camera paths hit",
                               aim.lampCount(), aim.lampCount() == 1 ? " is" : "s are"));
-  if (leavesLightToRays())
-    notes.push_back(formatted(
-        "photons: %.3g %% of the light is carried by few strong photons; path tracing samples it instead",
-        100 * double(guidance.sparsePart)));
   if (guidance.emission.active())
     notes.push_back(formatted("photons: emission is guided to surfaces that the camera sees; the variance of "
                               "a photon is %.3g times smaller",

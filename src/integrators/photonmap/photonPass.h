@@ -22,7 +22,6 @@ enum class Mechanism {
   GUIDE,           ///< emission of photons follows useful trial photons
   PORTALS,         ///< photons of infinite lights start where camera paths leave the scene
   AIM,             ///< photons of far lights are aimed at the vertices of camera paths
-  SPARSE_LIGHT,    ///< light whose photons are few and strong is left to rays
   SPLITTING,       ///< strong photons are stored as several weak ones
   JUDGED_RADII,    ///< radii of least expected error instead of the distance of the k-th photon
   MERGE_WEIGHTS    ///< photons and rays that find the same paths are weighted by their densities
@@ -111,12 +110,6 @@ class PhotonPass {
   LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const;
   /** Whether photons of this light are aimed, because it is far from the visible surfaces. */
   bool isAimed(uint32_t light) const { return aim.isAimed(light); }
-  /** Whether some photons would start too sparsely, so that their light is left to rays. */
-  bool leavesLightToRays() const { return guidance.sparsePart > 0; }
-  /** Whether light that arrives straight from there is left to rays; `pdf`: result of pdfLe(). */
-  bool isSparse(const Light& light, const LePdf& pdf) const {
-    return light.isInfinite() && pdf.position < guidance.minStartDensity;
-  }
   /** Probability that a photon starts at a light. */
   float probability(const Scene& scene, uint32_t light) const;
   /** MIS weight of a camera ray against caustic photons, where it has hit an area light through mirrors and

@@ -20,12 +20,8 @@ constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 /** Sums over trial photons. */
 struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
-  /** Trial photons that were stored in the visible region. */
-  struct Arrived {
-    float power;                   ///< power if only one photon was emitted [W]
-    float startDensity, fullPower; ///< see PhotonWalk; `fullPower` scaled like `power`
-  };
-  std::vector<Arrived> powers;
+  /** Powers of the photons stored in the visible region if only one photon was emitted [W]. */
+  std::vector<float> powers;
   uint64_t inRegion = 0;
   double squares = 0, guided = 0; ///< second moments of contributions: unguided, and with the guide in use
   TransportCounts counts;
@@ -50,33 +46,6 @@ float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
   return std::max(OVER_TYPICAL * *middle, static_cast<float>(sum / double(emitted)));
 }
 
-/** Sets the emission density below which rays replace photons of infinite lights after the first surface. */
-void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
-  constexpr float MAX_POWER = 32; // in splitting powers: a stronger photon is visible as a blotch
-  constexpr double WORTH_IT = 4;  // minimum reduction of the photons' variance that outweighs noise of rays
-  double starts = 0, far = 0;
-  for (const Trials::Arrived& a : trials.powers) {
-    if (!(a.startDensity < INFINITE)) continue;
-    starts += double(a.startDensity) * double(a.fullPower);
-    ++far;
-  }
-  if (!(starts > 0)) return;
-  // Infinite lights are chosen by power, so density times power is nearly the same for all starts.
-  const auto least = static_cast<float>(starts / far / double(MAX_POWER * guidance.splitPower));
-  double all = 0, sparse = 0, squares = 0, sparseSquares = 0;
-  for (const Trials::Arrived& a : trials.powers) {
-    const double power = double(a.power);
-    all += power;
-    squares += square(power);
-    if (!(a.startDensity < least)) continue;
-    sparse += power;
-    sparseSquares += square(power);
-  }
-  if (!(squares > WORTH_IT * (squares - sparseSquares))) return;
-  guidance.minStartDensity = least;
-  guidance.sparsePart = static_cast<float>(sparse / all);
-}
-
 Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed,
                    const ShootSettings& settings, const VisibleRegion& region) {
   const size_t batches = (settings.photons + PHOTON_BATCH - 1) / PHOTON_BATCH;
@@ -97,8 +66,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
         ++part.inRegion;
-        part.powers.push_back({maxComponent(p.power) * static_cast<float>(settings.photons),
-                               walk.startDensity(), walk.fullPower() * static_cast<float>(settings.photons)});
+        part.powers.push_back(maxComponent(p.power) * static_cast<float>(settings.photons));
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
       // Isotropic media scatter 1/(4π) of the flux per sr, white surfaces 1/π. Second moments have squares.
@@ -178,10 +146,7 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   const Trials last = learn();
   // A few photons that scatter hundreds of times in media overestimate the gain of a guide.
   if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
-  std::vector<float> powers;
-  for (const Trials::Arrived& a : last.powers) powers.push_back(a.power);
-  guidance.splitPower = splitPowerOf(std::move(powers), trial.photons);
-  leaveToRays(last, guidance);
+  guidance.splitPower = splitPowerOf(last.powers, trial.photons);
   return guidance;
 }
 

@@ -15,8 +15,6 @@ namespace recurse {
 struct PhotonGuidance {
   EmissionGuide emission;
   float splitPower = INFINITE; ///< see ShootSettings; for a single photon emitted [W]
-  float minStartDensity = 0;   ///< see ShootSettings
-  float sparsePart = 0;        ///< fraction of the power in the visible region from starts below that density
 };
 
 /** Result of trial photons without a guide. */

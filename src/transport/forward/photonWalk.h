@@ -45,7 +45,6 @@ class PhotonWalk {
     EmissionGuide::TrainingSample start{{light, part, place.x, place.y, direction.x, direction.y}, 1};
     if (settings.guide && settings.guide->active())
       start.weight = 1 / settings.guide->warp(start.numbers, sampler.next1D());
-    starts.fullPower = 0;
     const float byMedia = starts.byMedia();
     const bool fromMedium = byMedia > 0 && (byMedia >= 1 || sampler.next1D() < byMedia);
     storesDirect = settings.direct || fromMedium;
@@ -61,12 +60,6 @@ class PhotonWalk {
       walk(std::move(next), ownSampler);
     }
     return start;
-  }
-  /** Power of the last photon if it had started with weight 1 [W]. */
-  float fullPower() const { return starts.fullPower; }
-  /** Emission density of the last photon's position if its light is infinite [1/length²]; else infinite. */
-  float startDensity() const {
-    return isInfinite(starts.origin.kind) ? starts.origin.pdf.position : INFINITE;
   }
 
   std::vector<RecordedLightVertex>* record = nullptr; ///< of the next photons; null: they are not recorded
@@ -174,8 +167,7 @@ class PhotonWalk {
     photon.ratio.arrive(photon.ray.direction, hit.point);
     Arrival at{hit, ScatteringPoint(bsdf, hit.point), -photon.ray.direction,
                classes.step(photon.state, PathEvent::D), classes.step(photon.state, PathEvent::S)};
-    const bool isForRays = photon.straight && startDensity() < settings.minStartDensity;
-    const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly || isForRays;
+    const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly;
     at.allowed =
         LobeSet((endsHere ? NO_LOBE : NON_DELTA_LOBES) | (classes.dead(at.afterS) ? NO_LOBE : DELTA_LOBES));
     return at;
