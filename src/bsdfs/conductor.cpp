@@ -103,15 +103,16 @@ float mirrorAlbedo(const Vec3f& wi, const Microfacets& facets, const Vec2f& u) {
 
 class Conductor final : public Material {
  public:
-  Conductor(const ConductorParameters& optics, const Roughness& roughness, bool multiple)
-      : optics(optics), roughness(roughness) {
+  Conductor(const ConductorParameters& optics, const ThinFilmParameters& film, const Roughness& roughness,
+            bool multiple)
+      : optics(optics), film(film), roughness(roughness) {
     if (!multiple) return;
     losses = FacetLosses(roughness, mirrorAlbedo);
-    if (!optics.textured()) meanReflectance = optics.at({}).meanReflectance();
+    if (!optics.textured() && !film.textured()) meanReflectance = opticsAt({}).meanReflectance();
   }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Microfacets facets = roughness.at(point);
-    const ConductorOptics here = optics.at(point);
+    const ConductorOptics here = opticsAt(point);
     if (facets.smooth()) return arena.make<MirrorBsdf>(here);
     if (losses.empty()) return arena.make<SingleScatteringConductor>(here, facets);
     return arena.make<MultipleScatteringConductor>(
@@ -123,7 +124,14 @@ class Conductor final : public Material {
   }
 
  private:
+  ConductorOptics opticsAt(const SurfacePoint& point) const {
+    ConductorOptics here = optics.at(point);
+    here.film = film.at(point);
+    return here;
+  }
+
   ConductorParameters optics;
+  ThinFilmParameters film;
   Roughness roughness;
   FacetLosses losses;                 ///< empty: single scattering only
   std::optional<Rgb> meanReflectance; ///< set where the metal is not textured
@@ -136,6 +144,7 @@ void registerConductor(PlugIns& plugIns) {
   addConductorParameters(parameters);
   addRoughnessParameters(parameters);
   addMultipleScatteringParameter(parameters);
+  addThinFilmParameters(parameters);
   plugIns.materials.add(
       {{.name = "conductor",
         .summary = "A metal: mirror reflection with Fresnel's equations, blurred by roughness.",
@@ -154,10 +163,15 @@ void registerConductor(PlugIns& plugIns) {
                      "\"float roughness\" 1 \"rgb reflectance\" [1 1 1] \"bool multiscatter\" true",
                      "\"float roughness\" .8 \"bool multiscatter\" true \"string distribution\" \"beckmann\"",
                      "\"float uroughness\" .6 \"float vroughness\" .1 \"rgb reflectance\" [1 1 1] "
+                     "\"bool multiscatter\" true",
+                     "\"float thinfilm.thickness\" 250 \"float thinfilm.eta\" 2.2",
+                     "\"float thinfilm.thickness\" 600 \"float roughness\" .1",
+                     "\"float thinfilm.thickness\" 90 \"rgb reflectance\" [.9 .8 .7] \"float roughness\" .5 "
                      "\"bool multiscatter\" true"}},
        [](const Parameters& p, const MaterialContext& c) {
          const Roughness roughness(p, c.textures);
-         return std::make_unique<Conductor>(ConductorParameters(p, c.textures), roughness,
+         return std::make_unique<Conductor>(ConductorParameters(p, c.textures),
+                                            ThinFilmParameters(p, c.textures), roughness,
                                             wantsMultipleScattering(p, roughness));
        }});
 }

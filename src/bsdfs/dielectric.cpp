@@ -5,6 +5,7 @@
 #include "bsdfs/microfacet/dielectricInterface.h"
 #include "bsdfs/microfacet/facetLosses.h"
 #include "bsdfs/microfacet/roughness.h"
+#include "bsdfs/microfacet/thinFilm.h"
 #include "recurse/model/bsdf/dispersion.h"
 #include "recurse/model/scene/plugIns.h"
 
@@ -39,6 +40,71 @@ class DispersiveBsdf final : public Bsdf {
   const DispersiveIndex& index;
   DielectricInterface surface;
   bool isWhite;
+};
+
+/** Smooth interface with a thin film on its outer side. */
+class FilmedDielectricBsdf final : public Bsdf {
+ public:
+  FilmedDielectricBsdf(float eta, const ThinFilm& film) : eta(eta), film(film) {}
+  LobeSet lobes() const override { return MIRROR | REFRACTION; }
+  void deltas(const Vec3f& wi, DeltaScatters& out) const override {
+    const float cosine = std::min(std::abs(wi.z), 1.0f), rel = wi.z > 0 ? eta : 1 / eta;
+    const DielectricFresnel bare = dielectricFresnel(cosine, rel);
+    // Without absorption, both directions of a ray through the film have the same reflectance.
+    const Rgb reflectance =
+        bare.reflectance < 1 ? film.reflectance(wi.z > 0 ? cosine : bare.cosTransmitted, Rgb(eta)) : Rgb(1);
+    if (!isBlack(reflectance)) out.add({{-wi.x, -wi.y, wi.z}, reflectance, 1, MIRROR});
+    if (bare.reflectance < 1)
+      out.add({{-wi.x / rel, -wi.y / rel, -std::copysign(bare.cosTransmitted, wi.z)},
+               1 - reflectance,
+               rel,
+               REFRACTION});
+  }
+  bool lossless() const override { return true; }
+
+ private:
+  float eta;
+  ThinFilm film;
+};
+
+/** Rough interface with a thin film on its outer side, without light that hits several facets. */
+class FilmedRoughDielectric final : public RoughDielectricBsdf {
+ public:
+  FilmedRoughDielectric(const DielectricInterface& surface, const ThinFilm& film)
+      : RoughDielectricBsdf(surface), film(film) {}
+  Rgb value(const Vec3f& wi, const Vec3f& wo) const override {
+    DielectricInterface::Facet f;
+    if (!surface.facet(wi, wo, f)) return BLACK;
+    return surface.valueOf(f, factor(wi, wo, f), wi, wo);
+  }
+  float pdf(const Vec3f& wi, const Vec3f& wo) const override {
+    DielectricInterface::Facet f;
+    if (!surface.facet(wi, wo, f)) return 0;
+    return mean(factor(wi, wo, f)) * surface.pdf(wi, wo, wi.z * wo.z > 0 ? REFLECTION : TRANSMISSION);
+  }
+  std::optional<Vec3f> sample(const Vec3f& wi, const Vec2f& u, float pick) const override {
+    const float side = wi.z > 0 ? 1.0f : -1.0f;
+    const Vec3f m = surface.facets.sampleVisible(wi * side, u) * side;
+    const float c = std::min(glm::dot(wi, m), 1.0f);
+    if (!(c > 0)) return {};
+    const DielectricFresnel bare = dielectricFresnel(c, surface.relative(wi));
+    const float reflected = bare.reflectance < 1
+                                ? mean(film.reflectance(side > 0 ? c : bare.cosTransmitted, Rgb(surface.eta)))
+                                : 1;
+    return surface.sample(wi, u, 0, pick < reflected ? REFLECTION : TRANSMISSION);
+  }
+
+ private:
+  static float mean(const Rgb& c) { return (c.r + c.g + c.b) / 3; }
+  /** Reflectance or transmittance of a facet. */
+  Rgb factor(const Vec3f& wi, const Vec3f& wo, const DielectricInterface::Facet& f) const {
+    const bool isReflection = wi.z * wo.z > 0;
+    if (isReflection && f.fresnel >= 1) return Rgb(1);
+    const Rgb reflectance = film.reflectance(f.cosAbove, Rgb(surface.eta));
+    return isReflection ? reflectance : 1 - reflectance;
+  }
+
+  ThinFilm film;
 };
 
 /** Albedo of single scattering for light from one side (1: above, -1: below), as FacetLosses needs it. */
@@ -117,14 +183,18 @@ class MultipleScatteringDielectric final : public RoughDielectricBsdf {
 class Dielectric final : public Material {
  public:
   Dielectric(float eta, const Roughness& roughness, bool multiple, int rank,
-             std::optional<DispersiveIndex> index)
-      : eta(eta), roughness(roughness), rank(rank), index(std::move(index)) {
+             std::optional<DispersiveIndex> index, const ThinFilmParameters& film)
+      : eta(eta), roughness(roughness), rank(rank), index(std::move(index)), film(film) {
     if (multiple && eta != 1 && !roughness.alwaysSmooth()) losses.emplace(eta, roughness);
   }
   const Bsdf* bsdfAt(const SurfacePoint& point, BsdfArena& arena) const override {
     const Microfacets facets = roughness.at(point);
     if (index && point.wavelength > 0 && facets.smooth())
       return arena.make<DispersiveBsdf>(*index, point.wavelength, point.isWhite);
+    if (const ThinFilm here = film.at(point); here.exists()) {
+      if (eta == 1 || facets.smooth()) return arena.make<FilmedDielectricBsdf>(eta, here);
+      return arena.make<FilmedRoughDielectric>(DielectricInterface{eta, facets}, here);
+    }
     const float relative = rank > 0 ? eta / point.indexOutside : eta;
     if (relative == 1 || facets.smooth()) return arena.make<DielectricBsdf>(relative);
     const DielectricInterface surface{relative, facets};
@@ -147,6 +217,7 @@ class Dielectric final : public Material {
   int rank;                              ///< priority
   std::optional<InterfaceLosses> losses; ///< empty: single scattering only
   std::optional<DispersiveIndex> index;  ///< empty: no dispersion
+  ThinFilmParameters film;
 };
 
 /** Wavelength dependence of the refractive index; empty where one index serves all wavelengths. */
@@ -161,9 +232,9 @@ std::optional<DispersiveIndex> dispersionOf(const Parameters& p, const Roughness
   if (spectrum.values.empty()) return {};
   DispersiveIndex index(spectrum);
   if (index.isConstant()) return {};
-  if (p.integer("priority") > 0 || !roughness.alwaysSmooth()) {
-    p.warn(source, "no dispersion: it needs a smooth dielectric without a priority; this one refracts all "
-                   "light like green light");
+  if (p.integer("priority") > 0 || !roughness.alwaysSmooth() || p.hasValue("thinfilm.thickness")) {
+    p.warn(source, "no dispersion: it needs a smooth dielectric without a priority and without a film; this "
+                   "one refracts all light like green light");
     return {};
   }
   return index;
@@ -193,30 +264,45 @@ void registerDielectric(PlugIns& plugIns) {
                        "file), and the surfaces of the others are ignored. Materials with the same priority "
                        "and eta are one medium. eta is then the absolute index, not relative to the outside")
           .range(0, 1e6));
+  addThinFilmParameters(parameters);
   plugIns.materials.add(
       {{.name = "dielectric",
         .summary =
             "Glass, water and other dielectrics: Fresnel reflection and refraction, blurred by roughness.",
         .parameters = parameters,
-        .examples = {"\"float eta\" 1.5", "\"float eta\" 0.75", "\"float eta\" 1.33 \"integer priority\" 1",
-                     "\"spectrum eta\" \"glass-BK7\"", "\"float eta\" 1.6 \"float abbe\" 30",
+        .examples = {"\"float eta\" 1.5",
+                     "\"float eta\" 0.75",
+                     "\"float eta\" 1.33 \"integer priority\" 1",
+                     "\"spectrum eta\" \"glass-BK7\"",
+                     "\"float eta\" 1.6 \"float abbe\" 30",
                      "\"float roughness\" .002 \"bool remaproughness\" false",
                      "\"float roughness\" .1 \"bool remaproughness\" false",
-                     "\"float roughness\" .4 \"float eta\" .7", "\"float roughness\" 1 \"float eta\" 1.33",
+                     "\"float roughness\" .4 \"float eta\" .7",
+                     "\"float roughness\" 1 \"float eta\" 1.33",
                      "\"float uroughness\" .05 \"float vroughness\" .5",
                      "\"float roughness\" .2 \"float eta\" 2 \"string distribution\" \"beckmann\"",
                      "\"float roughness\" .3 \"bool multiscatter\" true",
                      "\"float roughness\" 1 \"float eta\" .7 \"bool multiscatter\" true",
                      "\"float roughness\" .5 \"float eta\" 2 \"bool multiscatter\" true "
                      "\"string distribution\" \"beckmann\"",
-                     "\"float uroughness\" .05 \"float vroughness\" .5 \"bool multiscatter\" true"}},
+                     "\"float uroughness\" .05 \"float vroughness\" .5 \"bool multiscatter\" true",
+                     "\"float eta\" 1 \"float thinfilm.thickness\" 500",
+                     "\"float thinfilm.thickness\" 110 \"float thinfilm.eta\" 1.38",
+                     "\"float eta\" .75 \"float thinfilm.thickness\" 300 \"float thinfilm.eta\" 1.6",
+                     "\"float roughness\" .1 \"float thinfilm.thickness\" 250",
+                     "\"float roughness\" .3 \"float eta\" .7 \"float thinfilm.thickness\" 400"}},
        [](const Parameters& p, const MaterialContext& c) {
          const Roughness roughness(p, c.textures);
          const bool multiple = wantsMultipleScattering(p, roughness);
          if (multiple && p.integer("priority") > 0)
            p.fail("multiscatter", "multiple scattering is not supported for dielectrics with a priority");
+         const ThinFilmParameters film(p, c.textures);
+         if (film.exists() && p.integer("priority") > 0)
+           p.fail("thinfilm.thickness", "a film is not supported for dielectrics with a priority");
+         if (film.exists() && multiple)
+           p.fail("thinfilm.thickness", "a film is not supported for dielectrics with \"multiscatter\"");
          return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g), roughness, multiple,
-                                             p.integer("priority"), dispersionOf(p, roughness));
+                                             p.integer("priority"), dispersionOf(p, roughness), film);
        }});
 }
 

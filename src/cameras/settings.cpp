@@ -1,5 +1,5 @@
 /** @file
- * Directives that only set parameters: Film, Sampler and Accelerator.
+ * Directives that only set parameters: Film and Accelerator.
  */
 #include <cmath>
 
@@ -118,43 +118,6 @@ void registerRgbFilm(PlugIns& plugIns) {
     return film;
   };
   plugIns.films.add(layered);
-}
-
-void registerSamplers(PlugIns& plugIns) {
-  const auto add = [&](const char* name, std::vector<ParameterSpec> more) {
-    const bool grid = std::string(name) == "stratified";
-    const bool isSobol = std::string(name).ends_with("sobol");
-    if (!grid) more.push_back(integerParameter("pixelsamples", "16", "samples a pixel").range(1, 1 << 30));
-    more.push_back(
-        integerParameter("seed", "0", "seed of the random numbers; another seed gives an independent picture")
-            .range(0, 2147483647));
-    plugIns.samplers.add(
-        {{.name = name,
-          .summary =
-              "Sets the number of samples and the seed; the points are always Owen-scrambled Sobol' points" +
-              std::string(isSobol ? "." : ", with a warning."),
-          .parameters = std::move(more),
-          .examples = {""}},
-         [grid, isSobol](const Parameters& p, const NoContext&) {
-           if (!isSobol)
-             p.warn("",
-                    "\"" + p.plugInName() +
-                        "\" is not available: samples are Owen-scrambled Sobol' points, as with \"sobol\"");
-           auto s = std::make_unique<SamplerSettings>();
-           const int64_t n =
-               grid ? int64_t(p.integer("xsamples")) * p.integer("ysamples") : p.integer("pixelsamples");
-           if (n > (1 << 30)) p.fail("xsamples", "too many samples per pixel");
-           s->pixelSamples = static_cast<int>(n);
-           s->seed = static_cast<uint64_t>(p.integer("seed"));
-           return s;
-         }});
-  };
-  for (const char* name : {"sobol", "paddedsobol", "zsobol", "halton"})
-    add(name, {ignoredParameter(ParameterType::STRING, "randomization", "always Owen scrambling")});
-  for (const char* name : {"independent", "pmj02bn"}) add(name, {});
-  add("stratified", {integerParameter("xsamples", "4", "samples along x").range(1, 32768),
-                     integerParameter("ysamples", "4", "samples along y").range(1, 32768),
-                     ignoredParameter(ParameterType::BOOLEAN, "jitter", "always jittered")});
 }
 
 void registerAccelerators(PlugIns& plugIns) {

@@ -1,6 +1,6 @@
 /** @file
- * Area light with the same radiance in all directions, from one side or both. The radiance is constant or
- * given by a picture.
+ * Area light from one side or both, with the same radiance in all directions or one that falls with a power
+ * of the cosine. The radiance is constant or given by a picture.
  */
 #include "lights/maps/lightProbe.h"
 #include "recurse/core/sampling/sampling.h"
@@ -45,26 +45,60 @@ class Slide {
   bool repeats;
 };
 
+/** Radiance by direction: cosⁿ of the angle to the normal, which is 1 for n = 0. */
+class CosineLobe {
+ public:
+  explicit CosineLobe(double exponent) : exponent(static_cast<float>(exponent)) {}
+
+  bool isEven() const { return exponent == 0; }
+  float at(float cosine) const { return isEven() ? 1 : std::pow(std::max(cosine, 0.0f), exponent); }
+  /** Integral of the lobe times the cosine over the hemisphere: 2π / (n + 2). */
+  float integral() const { return isEven() ? PI : 2 * PI / (exponent + 2); }
+  /** Direction around +z with the density pdf(). */
+  Vec3f sample(const Vec2f& u) const {
+    if (isEven()) return cosineHemisphere(u);
+    // cos² is u^(2 / (n + 2)); its difference from 1 keeps its digits for narrow lobes.
+    const double sine2 = -std::expm1(std::log(1 - double(u.x)) * 2 / (double(exponent) + 2));
+    const auto sine = static_cast<float>(std::sqrt(sine2)), phi = 2 * PI * u.y;
+    return {sine * std::cos(phi), sine * std::sin(phi), static_cast<float>(std::sqrt(1 - sine2))};
+  }
+  /** Density [1/sr] in proportion to the lobe times the cosine. */
+  float pdf(float cosine) const {
+    if (isEven()) return std::max(cosine, 0.0f) * INV_PI;
+    return at(cosine) * std::max(cosine, 0.0f) / integral();
+  }
+
+ private:
+  float exponent;
+};
+
 class DiffuseArea final : public AreaLight {
  public:
-  /** `radiance` is a factor on the picture where there is one. */
-  DiffuseArea(const Shape& shape, const Rgb& radiance, bool twoSided, std::optional<Slide> picture)
-      : AreaLight(shape), constant(radiance), twoSided(twoSided), picture(std::move(picture)) {
+  /** `radiance` along the normal is a factor on the picture where there is one. */
+  DiffuseArea(const Shape& shape, const Rgb& radiance, const CosineLobe& lobe, bool twoSided,
+              std::optional<Slide> picture)
+      : AreaLight(shape), constant(radiance), lobe(lobe), twoSided(twoSided), picture(std::move(picture)) {
     if (this->picture) mean = meanOverShape();
   }
 
   Rgb power() const override {
-    const Rgb flux = constant * (PI * shape().area() * (twoSided ? 2.0f : 1.0f));
+    const Rgb flux = constant * (lobe.integral() * shape().area() * (twoSided ? 2.0f : 1.0f));
     return picture ? flux * mean : flux;
   }
   Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const override {
-    return twoSided || glm::dot(point.geometricNormal, direction) > 0 ? emitted(point) : BLACK;
+    const float cosine = glm::dot(point.geometricNormal, direction);
+    return twoSided || cosine > 0 ? emitted(point) * lobe.at(std::abs(cosine)) : BLACK;
+  }
+  Rgb radianceTowards(const LeSample& sample, const Vec3f& direction) const override {
+    if (lobe.isEven() || isBlack(sample.radiance)) return Light::radianceTowards(sample, direction);
+    const float cosine = glm::dot(sample.normal, direction), before = absDot(sample.normal, sample.direction);
+    return twoSided || cosine > 0 ? sample.radiance * (lobe.at(std::abs(cosine)) / lobe.at(before)) : BLACK;
   }
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override {
     // On a sphere the direction is sampled first, then a point on the side that it leaves from. The densities
     // are equal, but an emission guide can then aim photons by the direction alone.
     if (!twoSided) {
-      const Vec3f direction = uniformSphere(sample.direction), local = cosineHemisphere(sample.place);
+      const Vec3f direction = uniformSphere(sample.direction), local = lobe.sample(sample.place);
       if (const auto s = shape().pointWithNormal(Frame(direction).toWorld(local)))
         return leaving(*s, direction, s->point.geometricNormal, local.z, 1);
     }
@@ -78,7 +112,7 @@ class DiffuseArea final : public AreaLight {
       u.x = 2 * u.x - (u.x < 0.5f ? 0.0f : 1.0f);
       sides = 2;
     }
-    const Vec3f local = cosineHemisphere(u);
+    const Vec3f local = lobe.sample(u);
     return leaving(s, Frame(normal).toWorld(local), normal, local.z, sides);
   }
   LePdf pdfLe(const LeRay& ray) const override {
@@ -87,7 +121,7 @@ class DiffuseArea final : public AreaLight {
     point.geometricNormal = ray.normal;
     const float cosine = glm::dot(ray.normal, ray.direction);
     return {shape().pdfArea(ray.primitive, point),
-            twoSided ? std::abs(cosine) * INV_PI / 2 : std::max(cosine, 0.0f) * INV_PI};
+            twoSided ? lobe.pdf(std::abs(cosine)) / 2 : lobe.pdf(cosine)};
   }
   std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const override {
     std::optional<LiSample> light;
@@ -115,13 +149,14 @@ class DiffuseArea final : public AreaLight {
   /** Emission sample; empty along the surface, where the density is 0. */
   std::optional<LeSample> leaving(const ShapeSample& s, const Vec3f& direction, const Vec3f& normal,
                                   float cosine, float sides) const {
-    if (!(cosine > 0)) return {};
-    const Rgb l = emitted(s.point) * opacity(s.point);
+    const float pdf = lobe.pdf(cosine);
+    if (!(pdf > 0)) return {};
+    const Rgb even = emitted(s.point) * opacity(s.point);
     return LeSample{{s.point.rayOrigin(direction), direction, normal, s.primitive},
-                    l,
+                    even * lobe.at(cosine),
                     s.pdf,
-                    cosine * INV_PI / sides,
-                    l * (PI * sides / s.pdf)};
+                    pdf / sides,
+                    even * (lobe.integral() * sides / s.pdf)};
   }
   Rgb emitted(const SurfacePoint& point) const {
     return picture ? constant * picture->at(point.uv) : constant;
@@ -144,6 +179,7 @@ class DiffuseArea final : public AreaLight {
   }
 
   Rgb constant;
+  CosineLobe lobe;
   bool twoSided;
   std::optional<Slide> picture;
   Rgb mean{1};
@@ -151,6 +187,7 @@ class DiffuseArea final : public AreaLight {
 
 std::unique_ptr<AreaLight> makeDiffuseArea(const Parameters& p, const AreaLightContext& c) {
   const bool twoSided = p.boolean("twosided");
+  const double exponent = p.real("exponent");
   double scale = p.real("scale");
   std::optional<Slide> picture;
   Rgbd colour(1);
@@ -169,9 +206,11 @@ std::unique_ptr<AreaLight> makeDiffuseArea(const Parameters& p, const AreaLightC
     if (!(c.shape.area() > 0))
       p.fail("power", "the shape has no area: are all its vertices on one line?",
              "a shape with an area, or a light \"point\"");
-    scale *= p.real("power") / (double(PI) * double(c.shape.area()) * (twoSided ? 2 : 1) * mean);
+    scale *= p.real("power") * (exponent + 2) / 2 /
+             (double(PI) * double(c.shape.area()) * (twoSided ? 2 : 1) * mean);
   }
-  return std::make_unique<DiffuseArea>(c.shape, Rgb(colour * scale), twoSided, std::move(picture));
+  return std::make_unique<DiffuseArea>(c.shape, Rgb(colour * scale), CosineLobe(exponent), twoSided,
+                                       std::move(picture));
 }
 
 } // namespace
@@ -180,9 +219,16 @@ void registerDiffuseArea(PlugIns& plugIns) {
   plugIns.areaLights.add(
       {{.name = "diffuse",
         .summary =
-            "A surface that emits the same radiance in all directions; it also reflects with its material.",
+            "A surface that emits the same radiance in all directions, or more along its normal; it also "
+            "reflects with its material.",
         .parameters =
-            {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT, "emitted radiance [W/(m² sr)]"),
+            {spectrumParameter("L", "1", SpectrumKind::ILLUMINANT,
+                               "emitted radiance [W/(m² sr)], along the normal"),
+             realParameter(
+                 "exponent", "0",
+                 "n: the radiance falls with cosⁿ of the angle to the normal, for the power 2π / (n + "
+                 "2) times area and L; 0: the same radiance in all directions")
+                 .range(0, 1e4),
              realParameter("scale", "1", "factor on L or on the picture").range(0, 1e30),
              realParameter("power", "", "total power [W]: L, or the mean of the picture, is scaled to it")
                  .positive(),
@@ -191,6 +237,8 @@ void registerDiffuseArea(PlugIns& plugIns) {
                              "picture of the emitted radiance; its lower left corner is at (u, v) = (0, 0)"),
              stringParameter("wrap", "clamp", "lookup outside of the picture").oneOf({"clamp", "repeat"})},
         .examples = {"\"rgb L\" [4 3 2]", "\"float power\" 10 \"bool twosided\" true",
+                     "\"rgb L\" [4 3 2] \"float exponent\" 2.5",
+                     "\"float power\" 10 \"float exponent\" .5 \"bool twosided\" true",
                      "\"string filename\" \"scenes/textures/evening.hdr\" \"bool twosided\" true"}},
        makeDiffuseArea});
 }

@@ -35,6 +35,7 @@ double splatUnit(const Scene& scene) {
 /** Constants of all samples in a round. */
 struct Round {
   uint64_t seed;
+  uint32_t requestedSamples; ///< samples of each pixel as planned
   float sampleSpacing;
   std::optional<float> time; ///< time of all camera rays; none: each draws its own
 };
@@ -66,14 +67,16 @@ class EyeBatch {
       r.recorder = recorder;
     }
   }
-  /** Adds sample `index` of a pixel with its upper left corner at `corner` on the film. `pilot`: number of a
-   * pilot sample, whose luminance goes to the allocation. */
-  void add(uint64_t stream, uint32_t index, size_t pixel, const Vec2f& corner, std::optional<size_t> pilot) {
+  /** Adds sample `index` of the pixel with its upper left corner at (x, y) on the whole film. `pilot`: number
+   * of a pilot sample, whose luminance goes to the allocation. */
+  void add(int x, int y, uint32_t index, size_t pixel, std::optional<size_t> pilot) {
     if (abandoned) return;
     Place& place = places[count++];
-    CameraPath& path = paths.emplace_back(Sampler(round.seed, stream, index), radiance[paths.size()]);
+    const Sampler sampler = scene.sampler().sampler(
+        {round.seed, static_cast<uint32_t>(x), static_cast<uint32_t>(y), index, round.requestedSamples});
+    CameraPath& path = paths.emplace_back(sampler, radiance[paths.size()]);
     const Filter::Sample f = scene.filter().sample(path.sampler.next2D());
-    CameraSample sample{corner + 0.5f + f.offset};
+    CameraSample sample{Vec2f(x, y) + 0.5f + f.offset};
     if (usesLens) sample.lens = path.sampler.next2D();
     sample.time = round.time ? *round.time : scene.camera().timeAt(path.sampler.next1D());
     const std::optional<CameraRay> ray = scene.camera().validRay(sample);
@@ -165,11 +168,11 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
       wanted(settings.samplesPerPixel > 0
                  ? std::max(int64_t(settings.samplesPerPixel), allPasses.minSamples())
                  : int64_t(1) << 31),
+      // Under a time or error limit, points and textures are for the scene's own number of samples.
+      requestedSamples(static_cast<uint32_t>(
+          settings.samplesPerPixel > 0 ? wanted : int64_t(scene.sampler().pixelSamples))),
       // Sample spacing: a sample covers its part of the pixel, at least an eighth of its width as in pbrt.
-      // Under a time or error limit, textures are filtered for the scene's own number of samples.
-      sampleSpacing(
-          std::max(0.125f, 1 / std::sqrt(static_cast<float>(
-                                   settings.samplesPerPixel > 0 ? wanted : scene.sampler().pixelSamples)))),
+      sampleSpacing(std::max(0.125f, 1 / std::sqrt(static_cast<float>(requestedSamples)))),
       moves(scene.moves()), tilesX((film.bounds().width() + TILE - 1) / TILE),
       tilesY((film.bounds().height() + TILE - 1) / TILE) {
   statistics.threads = threadCount();
@@ -241,17 +244,14 @@ SampleRenderer::TileResult
 SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t pixel)>& samplesOf,
                            TransportCounts& counts, const std::atomic<bool>* abandon) {
   const PixelBounds& bounds = film.bounds();
-  Round round{settings.seed, sampleSpacing, {}};
+  Round round{settings.seed, requestedSamples, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
   EyeBatch batch(scene, integrator, classes, counts, round, film, settings.allocation, abandon);
   forEachPixel(tile, [&](size_t pixel, int x, int y) {
-    // Streams are keyed by the position on the whole film, so that a crop has the same samples.
-    const uint64_t stream = uint64_t(uint32_t(y + bounds.y0)) << 32 | uint32_t(x + bounds.x0);
-    const Vec2f corner(float(x + bounds.x0), float(y + bounds.y0));
     const PixelSamples samples = samplesOf(pixel);
     for (uint64_t n = samples.first; n < samples.end; ++n) {
       const uint64_t pilot = samples.firstPilot + (n - samples.first);
-      batch.add(stream, static_cast<uint32_t>(n), pixel, corner,
+      batch.add(x + bounds.x0, y + bounds.y0, static_cast<uint32_t>(n), pixel,
                 pilot < samples.endPilot ? std::optional<size_t>(pilot) : std::nullopt);
     }
   });
@@ -262,14 +262,12 @@ SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t 
 TransportCounts SampleRenderer::renderSamples(int x, int y, uint64_t first, uint64_t end,
                                               PathRecorder* recorder) const {
   const PixelBounds& bounds = film.bounds();
-  Round round{settings.seed, sampleSpacing, {}};
+  Round round{settings.seed, requestedSamples, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
   TransportCounts counts;
   EyeBatch batch(scene, integrator, classes, counts, round, film, nullptr, nullptr, recorder);
   const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
-  const uint64_t stream = uint64_t(uint32_t(y)) << 32 | uint32_t(x);
-  for (uint64_t n = first; n < end; ++n)
-    batch.add(stream, static_cast<uint32_t>(n), pixel, {float(x), float(y)}, std::nullopt);
+  for (uint64_t n = first; n < end; ++n) batch.add(x, y, static_cast<uint32_t>(n), pixel, std::nullopt);
   batch.flush();
   return counts;
 }

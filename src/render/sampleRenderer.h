@@ -87,6 +87,7 @@ class SampleRenderer {
   std::function<void(const std::string&)> log;
   Passes allPasses;
   int64_t wanted;
+  uint32_t requestedSamples; ///< samples of each pixel as planned
   float sampleSpacing;
   bool moves;
   int tilesX, tilesY;

@@ -366,6 +366,7 @@ std::unique_ptr<Shape> makeCsg(const Parameters& p, const ShapeContext& context)
       } catch (const Error& e) {
         throw SceneError(c.location, "the shape cannot be an operand of \"csg\": " + std::string(e.what()),
                          "closed shapes: sphere, box, torus, cylinder and cone with caps, csg, metaballs, "
+                         "implicit, "
                          "triangle meshes without open edges");
       }
       part.operand = operand;

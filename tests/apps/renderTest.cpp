@@ -407,17 +407,10 @@ TEST_F(ProgramRender, WhatIsTakenFromPbrtAndNotDoneIsAWarning) {
           "Film \"rgb\"\nCamera \"perspective\"\n" + header + "\nWorldBegin\nShape \"sphere\"\n");
     return run({"render", "named.pbrt", "--check"}).err;
   };
-  for (const std::string name : {"halton", "independent", "pmj02bn", "stratified"})
-    EXPECT_TRUE(has(warnings("Sampler \"" + name + "\""),
-                    "warning: \"" + name + "\" is not available: samples are Owen-scrambled Sobol' points"))
-        << name;
-  for (const std::string name : {"sobol", "paddedsobol", "zsobol"})
+  EXPECT_TRUE(has(warnings("Sampler \"pmj02bn\""),
+                  "warning: \"pmj02bn\" is not available: samples are Owen-scrambled Sobol' points"));
+  for (const std::string name : {"independent", "stratified", "halton", "sobol", "paddedsobol", "zsobol"})
     EXPECT_FALSE(has(warnings("Sampler \"" + name + "\""), "Sobol")) << name;
-  for (const std::string name : {"samplelights", "samplebsdf"}) {
-    const std::string given = "Integrator \"simplepath\" \"bool " + name + "\" ";
-    EXPECT_TRUE(has(warnings(given + "false"), "warning: \"" + name + "\" false has no effect")) << name;
-    EXPECT_FALSE(has(warnings(given + "true"), name)) << name;
-  }
 }
 
 TEST_F(ProgramRender, WithoutItsDisplayServerItGoesOn) {

@@ -21,9 +21,9 @@ namespace {
 
 const std::set<std::string> INTERFACE_MODULES = {"core",      "scene",  "model", "pathclasses",
                                                  "transport", "render", "report"};
-const std::set<std::string> PLUG_IN_FOLDERS = {"bsdfs",       "shapes",   "lights",   "media",
-                                               "phases",      "cameras",  "textures", "filters",
-                                               "integrators", "tonemaps", "importers"};
+const std::set<std::string> PLUG_IN_FOLDERS = {"bsdfs",    "shapes",      "lights",   "media",
+                                               "phases",   "cameras",     "textures", "filters",
+                                               "samplers", "integrators", "tonemaps", "importers"};
 
 /** The modules that each module may include besides itself. */
 const std::map<std::string, std::set<std::string>> MAY_INCLUDE = [] {

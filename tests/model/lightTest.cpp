@@ -149,6 +149,17 @@ TEST(Lights, NumbersAtTheEndsOfTheirRangeStartNoRayOfDensityZero) {
             }
 }
 
+/** Radiance of an area light in another direction from the place of a sample. */
+static Rgb elsewhere(const LightUse& light, const LeSample& sample, const Vec3f& direction) {
+  const auto& area = dynamic_cast<const AreaLight&>(*light.light);
+  SurfacePoint point;
+  point.position = sample.origin;
+  point.geometricNormal = point.shadingNormal = sample.normal;
+  point.uv = {.5f, .5f}; // somewhere on a picture
+  return sample.radiance *
+         (luminance(area.radiance(point, direction)) / luminance(area.radiance(point, sample.direction)));
+}
+
 TEST(Lights, RadianceIsToldForOtherDirections) {
   for (const LightUse& light : everyLight()) {
     if (light.light->isInfinite()) continue;
@@ -159,14 +170,15 @@ TEST(Lights, RadianceIsToldForOtherDirections) {
       numbers.direction = leRandom(i + 1000).direction;
       const auto other = light->sampleLe(numbers);
       if (!one || !other) continue;
-      // A sphere's place goes by the direction as well; a surface shines evenly on its side.
+      // A sphere's place goes by the direction as well; on a surface the directions are compared at one
+      // place.
       const bool isSurface = light->kind() == LightKind::AREA;
       if (isSurface ? glm::dot(one->normal, other->direction) <= 0
                     : glm::distance(one->normal, other->normal) > 1e-3f)
         continue;
       ++compared;
       const Rgb told = light->radianceTowards(*one, other->direction);
-      const Rgb& expected = isSurface ? one->radiance : other->radiance;
+      const Rgb expected = isSurface ? elsewhere(light, *one, other->direction) : other->radiance;
       for (int c = 0; c < 3; ++c)
         ASSERT_NEAR(told[c], expected[c], 2e-3f * maxComponent(expected)) << light.text;
     }
@@ -254,7 +266,7 @@ TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
   constexpr float RADIUS = 0.6f;
   for (const LightUse& light : everyLight()) {
     Vec3f center(0.75f, 0.5f, -1);
-    if (light->kind() == LightKind::POINT) { // may shine in one direction only
+    if (!light.light->isInfinite()) { // may shine in one direction only
       const auto s = light->sampleLe(leRandom(3));
       ASSERT_TRUE(s) << light.text;
       center = s->origin + s->direction * 1.25f;
@@ -296,6 +308,66 @@ TEST(Lights, PhotonsBringWhatIsSampledTowardsTheLight) {
         << light.text;
     EXPECT_LT(photons.error(), 0.1 * photons.value()) << light.text; // it has seen something
   }
+}
+
+TEST(DiffuseLight, ExponentGivesAPowerOfTheCosine) {
+  Diagnostics diagnostics;
+  const auto disc = plugIns().shapes.make(parseParameterText("disk", "\"float radius\" 2"), {}, diagnostics);
+  const auto make = [&](const std::string& parameters) {
+    auto light = plugIns().areaLights.make(parseParameterText("diffuse", parameters), {*disc}, diagnostics);
+    EXPECT_TRUE(light) << diagnostics.format();
+    return light;
+  };
+  const SurfacePoint point = disc->sampleArea(.5f, {.3f, .6f}).point;
+  for (const double n : {0.0, .5, 1.0, 7.0, 500.0, 1e4}) {
+    const std::string exponent = " \"float exponent\" " + std::to_string(n);
+    const auto one = make("\"rgb L\" [3 2 1]" + exponent),
+               both = make("\"rgb L\" [3 2 1] \"bool twosided\" true" + exponent),
+               scaled = make("\"float power\" 10" + exponent);
+    const double integral = 2 * M_PI / (n + 2), area = 4 * M_PI;
+    EXPECT_NEAR(double(one->power().r), 3 * integral * area, 1e-5 * 3 * integral * area) << n;
+    EXPECT_NEAR(double(both->power().g), 2 * 2 * integral * area, 1e-5 * 4 * integral * area) << n;
+    EXPECT_NEAR(double(luminance(scaled->power())), 10, 1e-4) << n;
+    for (const double cosine : {.02, .3, .9, .9999, 1.0}) {
+      const auto sine = static_cast<float>(std::sqrt(1 - cosine * cosine));
+      const Vec3f up(sine, 0, static_cast<float>(cosine)), down(sine, 0, -up.z);
+      const double expected = 3 * std::pow(double(up.z), n);
+      EXPECT_NEAR(double(one->radiance(point, up).r), expected, 1e-3 * expected + 1e-30) << n;
+      EXPECT_TRUE(isBlack(one->radiance(point, down))) << n;
+      EXPECT_EQ(both->radiance(point, down), both->radiance(point, up)) << n;
+      // Photons start in proportion to radiance times cosine.
+      const LeRay ray{point.position, up, point.geometricNormal};
+      EXPECT_NEAR(double(one->pdfLe(ray).direction), expected / 3 * double(up.z) / integral,
+                  1e-3 * expected / integral + 1e-30)
+          << n;
+      EXPECT_EQ(both->pdfLe(ray).direction, one->pdfLe(ray).direction / 2) << n;
+    }
+    for (uint32_t i = 0; i < 1000; ++i) {
+      const auto s = one->sampleLe(leRandom(i));
+      if (!s) continue;
+      EXPECT_NEAR(double(s->flux.r), double(one->power().r), 1e-4 * double(one->power().r)) << n;
+    }
+  }
+  // Without the exponent, not one bit is different.
+  const auto plain = make("\"rgb L\" [3 2 1]"), zero = make("\"rgb L\" [3 2 1] \"float exponent\" 0");
+  for (uint32_t i = 0; i < 1000; ++i) {
+    const auto a = plain->sampleLe(leRandom(i)), b = zero->sampleLe(leRandom(i));
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(a->direction, b->direction);
+    EXPECT_EQ(a->radiance, Rgb(3, 2, 1));
+    EXPECT_EQ(a->pdfDirection, std::max(cosineHemisphere(leRandom(i).direction).z, 0.0f) * INV_PI);
+    EXPECT_EQ(b->pdfDirection, a->pdfDirection);
+    EXPECT_EQ(b->flux, a->flux);
+  }
+}
+
+TEST(DiffuseLight, BadExponentsAreRefused) {
+  Diagnostics diagnostics;
+  const auto disc = plugIns().shapes.make(parseParameterText("disk", ""), {}, diagnostics);
+  for (const char* exponent : {"-1", "1e5"})
+    EXPECT_FALSE(plugIns().areaLights.make(
+        parseParameterText("diffuse", "\"float exponent\" " + std::string(exponent)), {*disc}, diagnostics));
+  EXPECT_NE(diagnostics.format().find("exponent"), std::string::npos) << diagnostics.format();
 }
 
 TEST(Lights, PowerOfAShapeWithoutAreaIsRefusedForThatReason) {

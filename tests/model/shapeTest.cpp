@@ -63,11 +63,11 @@ TEST(Shape, HitsLieInBoundsAndOnTheRay) {
 }
 
 TEST(Shape, TangentsFollowTheSurface) {
-  Random random(3);
   for (const Specimen& s : specimens()) {
+    Random random(3);
     const bool hasNormalDerivatives = s.name.rfind("metaballs", 0) != 0;
     int compared = 0;
-    for (int i = 0; i < 1000; ++i) {
+    for (int i = 0; i < 2000; ++i) {
       const auto [origin, direction] = randomLine(random, s);
       for (const Meeting& m : allMeetings(*s.shape, origin, direction)) {
         // Central differences over two coordinates of the hit's point, where those are far from their limits.
@@ -98,6 +98,11 @@ TEST(Shape, TangentsFollowTheSurface) {
           return glm::length(Vec3d(a.position) + Vec3d(b.position) - 2.0 * Vec3d(p.position));
         };
         if (moved(x1, x0) > 0.05 * glm::length(px) || moved(y1, y0) > 0.05 * glm::length(py)) continue;
+        // Beside a pole the coordinates bend too much for differences.
+        const auto bends = [&](const SurfacePoint& a, const SurfacePoint& b, const Vec2d& difference) {
+          return glm::length(Vec2d(a.uv) + Vec2d(b.uv) - 2.0 * Vec2d(p.uv)) > 0.02 * glm::length(difference);
+        };
+        if (bends(x1, x0, tx) || bends(y1, y0, ty)) continue;
         EXPECT_GT(std::abs(glm::dot(glm::normalize(normal), Vec3d(p.geometricNormal))), 0.9999) << s.name;
         const Vec3d dpdu = (px * ty.y - py * tx.y) / determinant;
         EXPECT_LT(glm::length(dpdu - Vec3d(p.dpdu)), 0.02 * glm::length(dpdu)) << s.name;

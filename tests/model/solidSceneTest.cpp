@@ -103,6 +103,8 @@ TEST(SolidScene, ErrorsNameThePlace) {
   // What cannot be sampled is no lamp.
   expect(errorsOf("AreaLightSource \"diffuse\"\nShape \"metaballs\" \"point3 P\" [0 0 0]"), "test.pbrt:4:7",
          "cannot be a lamp");
+  expect(errorsOf("AreaLightSource \"diffuse\"\nShape \"implicit\" \"string function\" \"x\""),
+         "test.pbrt:4:7", "cannot be a lamp");
   expect(errorsOf("AreaLightSource \"diffuse\"\nShape \"curve\" \"point3 P\" [0 0 0 0 0 1 0 0 2 0 0 3]"),
          "test.pbrt:4:7", "cannot be a lamp");
 }

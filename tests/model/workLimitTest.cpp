@@ -95,7 +95,7 @@ TEST(WorkLimit, IsOfSurfacesThatARayMeetsAtOnePlace) {
   const std::string positions = "\"point3 P\" [" + repeated("0 0 0  ", 40) + "] \"float radius\" 9";
   for (const std::string& shapes :
        {repeated(ball, 40), repeated(lamp, 40), object + repeated(instance, 40), other + repeated(ball, 40),
-        "Shape \"metaballs\" " + positions,
+        "Shape \"metaballs\" " + positions, "Shape \"points\" " + positions,
         "ObjectBegin \"o\" Shape \"metaballs\" " + positions +
             " ObjectEnd Shape \"csg\" \"string operation\" \"union\" \"string operands\" [ \"o\" \"o\" ]"}) {
     EXPECT_EQ(messagesOf(shapes), "") << shapes;

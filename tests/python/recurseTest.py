@@ -115,7 +115,7 @@ class SceneFiles(InFolder):
     def test_warnings_are_those_of_python(self):
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            recurse.parse(ROOM.replace("WorldBegin", 'Sampler "halton"\nWorldBegin'))
+            recurse.parse(ROOM.replace("WorldBegin", 'Sampler "pmj02bn"\nWorldBegin'))
         self.assertTrue(any("Sobol" in str(w.message) for w in caught), caught)
 
 

@@ -128,7 +128,12 @@ TEST(DirectLight, IrradianceInClosedForm) {
        7 / (2 * M_PI * M_PI * disk * disk) * M_PI * disk * disk / (disk * disk + height * height)},
       {"AreaLightSource \"diffuse\" \"rgb L\" [5 5 5]\nTranslate 0 0 1.5\nShape \"sphere\" \"float radius\" "
        ".3",
-       M_PI * 5 * disk * disk / (height * height)}};
+       M_PI * 5 * disk * disk / (height * height)},
+      // Under the centre of a parallel disc with radiance L cosⁿ: 2π L / (n + 2) (1 - (h² / (r² + h²))^(n/2 +
+      // 1))
+      {"AreaLightSource \"diffuse\" \"rgb L\" [5 5 5] \"float exponent\" 4\nTranslate 0 0 3\n"
+       "ReverseOrientation Shape \"disk\" \"float radius\" .6",
+       2 * M_PI * 5 / 6 * (1 - std::pow(9 / 9.36, 3))}};
   size_t scenes = 0;
   for (const Case& c : cases) {
     const auto scene = sceneFrom(floorUnder("Material \"diffuse\" \"rgb reflectance\" [0 0 0]\n" + c.light));
@@ -202,6 +207,21 @@ TEST(Integrators, AgreeOnGlassAndMirror) {
     if (way.integrator == "path") continue;
     const Rendered r =
         renderScene(*scene, way.integrator, way.parameters, 16); // for sanitizers too: the lamp's edges
+    const double error = std::hypot(truth.standardError(), readsPhotons(way) ? 0 : r.standardError());
+    EXPECT_NEAR(r.mean(), truth.mean(), 4 * error + 0.02 * truth.mean()) << way.integrator << way.parameters;
+  }
+}
+
+TEST(Integrators, AgreeOnALampThatShinesAhead) {
+  // The lamp lights the glass ball and the floor under it much more than the walls.
+  std::string text = glassAndMirrorBox(32);
+  const std::string radiance = "\"rgb L\" [ 25 25 25 ]";
+  text.replace(text.find(radiance), radiance.size(), "\"rgb L\" [ 90 90 90 ] \"float exponent\" 6");
+  const auto scene = sceneFrom(text);
+  const Rendered truth = renderScene(*scene, "path", "", samples(1024));
+  for (const Way& way : dealt(allWays(SANITIZED ? "100000" : "400000"), 1)) {
+    if (way.integrator == "path") continue;
+    const Rendered r = renderScene(*scene, way.integrator, way.parameters, 16);
     const double error = std::hypot(truth.standardError(), readsPhotons(way) ? 0 : r.standardError());
     EXPECT_NEAR(r.mean(), truth.mean(), 4 * error + 0.02 * truth.mean()) << way.integrator << way.parameters;
   }

@@ -188,6 +188,28 @@ TEST(Motion, MovingGlassLosesNoLight) {
   for (size_t i = 0; i < picture.pixels(); ++i) EXPECT_NEAR(picture.value(i).g, 1, 2e-3f) << i;
 }
 
+TEST(Motion, LampsThatShineAheadTurnWithTheirShapes) {
+  // Radiance of one ray for the direction of another, against the radiance that a camera ray finds there.
+  std::string text = underMovingLamp(-1, "Shape \"sphere\" \"float radius\" .3");
+  const std::string lamp = "AreaLightSource \"diffuse\"";
+  text.replace(text.find(lamp), lamp.size(), lamp + " \"float exponent\" 3");
+  const auto scene = sceneFrom(text);
+  const auto& light = dynamic_cast<const AreaLight&>(scene->lights()[0]);
+  for (uint32_t i = 0; i < 200; ++i) {
+    Sampler sampler(1, 8, i);
+    const float time = sampler.next1D();
+    const auto le = light.sampleLe({sampler.next1D(), sampler.next2D(), sampler.next2D(), time});
+    ASSERT_TRUE(le);
+    const Vec3f direction = Frame(le->normal).toWorld(cosineHemisphere(sampler.next2D()));
+    SurfacePoint point;
+    point.position = le->origin;
+    point.geometricNormal = point.shadingNormal = le->normal;
+    point.time = time;
+    const Rgb expected = light.radiance(point, direction), told = light.radianceTowards(*le, direction);
+    EXPECT_NEAR(told.g, expected.g, 2e-3f * expected.g + 1e-5f);
+  }
+}
+
 TEST(Motion, AreaLightsOfMovingShapesKnowTheirDensities) {
   // Sampled densities against those told for the same ray, and the mean of flux against the power at rest.
   const auto scene = sceneFrom(underMovingLamp(-1, "Shape \"sphere\" \"float radius\" .3"));

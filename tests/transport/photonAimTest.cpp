@@ -27,6 +27,8 @@ const std::string FAR_LAMPS[] = {
     FAR_AWAY + "LightSource \"point\" \"rgb I\" [ 9 8 7 ]",
     FAR_AWAY + "LightSource \"spot\" \"rgb I\" [ 9 8 7 ] \"point3 to\" [ -20 30 -47 ] \"float coneangle\" 40",
     FAR_AWAY + "AreaLightSource \"diffuse\" \"rgb L\" [ 9 8 7 ] Shape \"sphere\" \"float radius\" 2",
+    FAR_AWAY + "AreaLightSource \"diffuse\" \"rgb L\" [ 9 8 7 ] \"float exponent\" 2 Shape \"sphere\" "
+               "\"float radius\" 2",
     FAR_AWAY + "AreaLightSource \"diffuse\" \"rgb L\" [ 9 8 7 ] \"bool twosided\" true Shape \"disk\" "
                "\"float radius\" 2"};
 

@@ -130,3 +130,21 @@ AttributeEnd
     EXPECT_LT(error, (SANITIZED ? 0.08 : 0.02) * path.mean());
   }
 }
+
+/** Sampling by chance has the same mean, and more noise. */
+TEST(SimplePath, WithoutSamplingLightsOrBsdfsHasThePictureOfPath) {
+  const std::string steel = "Material \"conductor\" \"float roughness\" .2 \"bool remaproughness\" false "
+                            "\"rgb reflectance\" [.9 .8 .7]";
+  const int n = SANITIZED ? 256 : 1024;
+  for (const std::string& text : {room(GLASS_BALL), room(steel)}) {
+    const Rendered path = renderText(text, "path", "", n);
+    const Rendered plain = renderText(text, "simplepath", "", n);
+    for (const char* parameters : {"\"bool samplelights\" false", "\"bool samplebsdf\" false",
+                                   "\"bool samplelights\" false \"bool samplebsdf\" false"}) {
+      const Rendered chance = renderText(text, "simplepath", parameters, n, 2);
+      EXPECT_NEAR(chance.mean(), path.mean(), 4 * std::hypot(path.standardError(), chance.standardError()))
+          << parameters;
+      EXPECT_GT(chance.standardError(), 1.1 * plain.standardError()) << parameters;
+    }
+  }
+}

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bsdfs/microfacet/fresnel.h"
+#include "bsdfs/microfacet/thinFilm.h"
 #include "recurse/model/texture/texture.h"
 
 namespace recurse {
@@ -13,9 +14,11 @@ namespace recurse {
 /** Complex refractive index eta + i k of each colour channel. */
 struct ConductorOptics {
   Rgb eta{1}, k{0};
+  ThinFilm film{}; ///< on the metal
   /** Fresnel reflectance; `cosine` with the (micro)surface normal, in [0, 1]; rounding above 1 is clamped. */
   Rgb reflectance(float cosine) const {
     const float c = std::min(cosine, 1.0f);
+    if (film.exists()) return film.reflectance(c, eta, k);
     return {conductorFresnel(c, eta.r, k.r), conductorFresnel(c, eta.g, k.g),
             conductorFresnel(c, eta.b, k.b)};
   }
@@ -66,11 +69,11 @@ class ConductorParameters {
 
   bool textured() const { return eta.texture || k.texture || reflectance.texture; }
   ConductorOptics at(const SurfacePoint& point) const {
-    if (!fromReflectance) return {eta.at(point), k.at(point)};
+    if (!fromReflectance) return {eta.at(point), k.at(point), {}};
     // pbrt's meaning of `reflectance`: the conductor with eta 1 that has this reflectance at normal
     // incidence. A reflectance of 1 would need an infinite k; 0.9999 is pbrt's limit.
     const Rgb r = clamp(reflectance.at(point), 0.0f, 0.9999f);
-    return {Rgb(1), 2.0f * sqrt(r) / sqrt(1 - r)};
+    return {Rgb(1), 2.0f * sqrt(r) / sqrt(1 - r), {}};
   }
 
  private:

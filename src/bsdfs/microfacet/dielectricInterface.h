@@ -23,15 +23,27 @@ struct DielectricInterface {
     float weight = 0;
   };
 
+  /** Facet that scatters wi to wo. */
+  struct Facet {
+    Vec3f m{0, 0, 1};   ///< its normal, on the side of wi
+    float fresnel = 0;  ///< reflectance, or transmittance of a refraction
+    float cosAbove = 0; ///< cosine of the ray above with the normal; 0 at total reflection
+    float jacobian =
+        0; ///< refraction: solid angle of normals per solid angle of wo (Walter et al. 2007, eq. 17)
+  };
+
   /** Relative index: the index beyond the interface over the index on the side of w. */
   float relative(const Vec3f& w) const { return w.z > 0 ? eta : 1 / eta; }
 
   /** BRDF or BTDF for flux from wi to wo [1/sr]. */
   float value(const Vec3f& wi, const Vec3f& wo) const {
     Facet f;
-    if (!facet(wi, wo, f)) return 0;
-    if (wi.z * wo.z > 0) return f.fresnel * facets.reflection(wi, wo, f.m);
-    return f.fresnel * facets.density(f.m) * facets.shadowedPair(wi, wo) * absDot(wi, f.m) * f.jacobian;
+    return facet(wi, wo, f) ? valueOf(f, f.fresnel, wi, wo) : 0;
+  }
+  /** Value of a facet with this reflectance or transmittance. */
+  template <class T> T valueOf(const Facet& f, const T& fresnel, const Vec3f& wi, const Vec3f& wo) const {
+    if (wi.z * wo.z > 0) return fresnel * facets.reflection(wi, wo, f.m);
+    return fresnel * facets.density(f.m) * facets.shadowedPair(wi, wo) * absDot(wi, f.m) * f.jacobian;
   }
 
   /** Density of sample() for the same lobes [1/sr]. */
@@ -96,14 +108,6 @@ struct DielectricInterface {
                REFRACTION});
   }
 
- private:
-  /** Facet that scatters wi to wo. */
-  struct Facet {
-    Vec3f m{0, 0, 1};  ///< its normal, on the side of wi
-    float fresnel = 0; ///< reflectance, or transmittance of a refraction
-    float jacobian =
-        0; ///< refraction: solid angle of normals per solid angle of wo (Walter et al. 2007, eq. 17)
-  };
   /** Finds the facet; false where none scatters wi to wo. */
   bool facet(const Vec3f& wi, const Vec3f& wo, Facet& f) const {
     const float product = wi.z * wo.z;
@@ -111,7 +115,9 @@ struct DielectricInterface {
       f.m = halfVector(wi, wo);
       if (wi.z < 0) f.m = -f.m;
       const float c = glm::dot(wi, f.m);
-      f.fresnel = dielectricFresnel(std::clamp(c, 0.0f, 1.0f), relative(wi)).reflectance;
+      const DielectricFresnel fresnel = dielectricFresnel(std::clamp(c, 0.0f, 1.0f), relative(wi));
+      f.fresnel = fresnel.reflectance;
+      f.cosAbove = wi.z > 0 ? std::min(c, 1.0f) : fresnel.cosTransmitted;
       return c > 0;
     }
     if (!(product < 0)) return false;
@@ -129,6 +135,7 @@ struct DielectricInterface {
     const DielectricFresnel fresnel = eta > 1 ? dielectricFresnel(std::min(cosUp, 1.0f), eta)
                                               : dielectricFresnel(std::min(cosDown, 1.0f), 1 / eta);
     f.fresnel = 1 - fresnel.reflectance;
+    f.cosAbove = std::min(cosUp, 1.0f);
     f.jacobian = (wi.z > 0 ? cosDown * square(eta) : cosUp) / length2;
     f.m = wi.z < 0 ? -m : m;
     return true;

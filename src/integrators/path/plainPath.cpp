@@ -35,6 +35,23 @@ RecordedStep recordedStepOf(int recorded, const CameraVertex& vertex, const Scat
   return step;
 }
 
+/** Uniform density over the directions of a hemisphere. */
+class UniformGuide final : public DirectionGuide {
+ public:
+  explicit UniformGuide(const Vec3f& normal) : frame(normal) {}
+
+  float pdf(const Vec3f& direction) const override { return glm::dot(direction, frame.z) > 0 ? DENSITY : 0; }
+  Vec3f sample(Vec2f u, float& density) const override {
+    density = DENSITY;
+    return frame.toWorld(uniformCone(u, 1));
+  }
+  float bsdfProbability() const override { return 0; }
+
+ private:
+  static constexpr float DENSITY = INV_PI / 2;
+  Frame frame;
+};
+
 } // namespace
 
 void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler& lights,
@@ -89,6 +106,9 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
     const int recorded = recorder ? recordVertex(*recorder, recordedStep, vertex) : NOT_RECORDED;
     if (settings.guide && !vertex.medium)
       vertex.scattering->follow(guideAt(*settings.guide, vertex.point(), vertex.wi));
+    std::optional<UniformGuide> uniform;
+    if (!settings.sampleBsdf && !vertex.medium)
+      vertex.scattering->follow(&uniform.emplace(vertex.point().normalTowards(vertex.wi)));
     LightSampleContext place{vertex.point().position};
     if (vertex.isConnectable()) {
       if (!vertex.medium) place = lightSampleContext(lights, vertex.point(), vertex.wi);
@@ -124,6 +144,9 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
 }
 
 std::vector<EstimatorDomain> plainPathDomains(int lightSamples) {
+  if (lightSamples == 0)
+    return {{"emission", "LS*E", "none: found by camera rays through mirrors and glass", "", true},
+            {"emission after scattering", "LS*(D|V)(S|D|V)*E", "none: found by continued rays", "", true}};
   return {{"emission", "LS*E", "none: found by camera rays through mirrors and glass", "", true},
           {"emission after scattering", "LS+(D|V)(S|D|V)*E", "none: found by continued rays",
            "direct light through panes", true},

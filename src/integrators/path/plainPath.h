@@ -13,8 +13,9 @@ class GuideField;
 
 struct PlainPathSettings {
   int maxDepth = -1;                 ///< maximum scattering events of a path; -1: no limit
-  int lightSamples = 1;              ///< shadow rays at each vertex
+  int lightSamples = 1;              ///< shadow rays at each vertex; 0: rays find lights by chance
   const GuideField* guide = nullptr; ///< learned density over directions; null: BSDF sampling
+  bool sampleBsdf = true;            ///< false: uniform directions at opaque surfaces that are not mirrors
 };
 
 /** Adds the radiance along a camera ray to `out`. Lights are sampled by `lights`; for `caustics` see

@@ -12,18 +12,18 @@ namespace {
 
 class SimplePath final : public Integrator {
  public:
-  explicit SimplePath(int maxDepth) : maxDepth(maxDepth) {}
+  explicit SimplePath(const PlainPathSettings& settings) : settings(settings) {}
 
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
                 PathRadiance& out) const override {
-    tracePlainPath(scene, ray, byPower, {maxDepth}, sampler, out);
+    tracePlainPath(scene, ray, byPower, settings, sampler, out);
   }
 
-  std::vector<EstimatorDomain> domains() const override { return plainPathDomains(1); }
+  std::vector<EstimatorDomain> domains() const override { return plainPathDomains(settings.lightSamples); }
   bool supportsMedia(const Scene&) const override { return true; }
 
  private:
-  int maxDepth;
+  PlainPathSettings settings;
   LightSampler byPower; ///< unlearned: chooses by power
 };
 
@@ -33,18 +33,21 @@ void registerSimplePath(PlugIns& plugIns) {
   plugIns.integrators.add(
       {{.name = "simplepath",
         .summary = "A path tracer with short source code, for teaching: the same picture as path, slower.",
-        .parameters = {maxDepthParameter(),
-                       booleanParameter("samplebsdf", "true",
-                                        "BSDFs are always sampled; false only gives a warning"),
-                       booleanParameter("samplelights", "true",
-                                        "lights are always sampled; false only gives a warning")},
-        .examples = {""}},
+        .parameters =
+            {maxDepthParameter(),
+             booleanParameter("samplebsdf", "true",
+                              "directions by the BSDF; false: uniform over the hemisphere, except at mirrors "
+                              "and surfaces that transmit light"),
+             booleanParameter("samplelights", "true",
+                              "shadow rays to the lights; false: rays find lights by chance, and no point "
+                              "lights")},
+        .examples = {"", "\"bool samplelights\" false \"bool samplebsdf\" false"}},
        [](const Parameters& p, const NoContext&) {
-         for (const char* name : {"samplebsdf", "samplelights"})
-           if (!p.boolean(name))
-             p.warn(name,
-                    std::string("\"") + name + "\" false has no effect: BSDFs and lights are both sampled");
-         return std::make_unique<SimplePath>(p.integer("maxdepth"));
+         PlainPathSettings settings;
+         settings.maxDepth = p.integer("maxdepth");
+         settings.lightSamples = p.boolean("samplelights") ? 1 : 0;
+         settings.sampleBsdf = p.boolean("samplebsdf");
+         return std::make_unique<SimplePath>(settings);
        }});
 }
 

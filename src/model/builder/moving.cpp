@@ -103,6 +103,15 @@ std::optional<LeSample> MovingAreaLight::sampleLe(const LeRandom& sample) const 
   return le;
 }
 
+Rgb MovingAreaLight::radianceTowards(const LeSample& sample, const Vec3f& direction) const {
+  const Moment moment(track.at(sample.time));
+  LeSample inShape = sample;
+  inShape.origin = moment.pointToShape(sample.origin);
+  inShape.direction = moment.directionToShape(sample.direction);
+  inShape.normal = moment.normalToShape(sample.normal);
+  return light->radianceTowards(inShape, moment.directionToShape(direction));
+}
+
 LePdf MovingAreaLight::pdfLe(const LeRay& ray) const {
   const Moment moment(track.at(ray.time));
   LeRay inShape = ray;

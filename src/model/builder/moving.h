@@ -22,6 +22,7 @@ class MovingAreaLight final : public AreaLight {
   Rgb radiance(const SurfacePoint& point, const Vec3f& direction) const override;
   std::optional<LeSample> sampleLe(const LeRandom& sample) const override;
   LePdf pdfLe(const LeRay& ray) const override;
+  Rgb radianceTowards(const LeSample& sample, const Vec3f& direction) const override;
   std::optional<LiSample> sampleLi(const Vec3f& point, float pick, const Vec2f& u) const override {
     return sampleLiAt(0, point, pick, u);
   }

@@ -96,9 +96,8 @@ class SceneBuilder {
     }
     scene->pixelFilter =
         all.filters.make(orDefault(description.filter, "gaussian"), {}, diagnostics, overrides.lenient);
-    if (auto s =
-            all.samplers.make(orDefault(description.sampler, "zsobol"), {}, diagnostics, overrides.lenient))
-      scene->samplerSettings = *s;
+    scene->pixelSampler =
+        all.samplers.make(orDefault(description.sampler, "sobol"), {}, diagnostics, overrides.lenient);
     if (description.accelerator.given())
       all.accelerators.make(description.accelerator, {}, diagnostics, overrides.lenient);
     scene->mediumOfCamera = media.number(description.cameraMedium, description.camera.location);

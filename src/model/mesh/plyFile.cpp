@@ -16,7 +16,7 @@ namespace {
 
 class PlyReader {
  public:
-  explicit PlyReader(const FileReference& file) : in(file), header(readPlyHeader(in)) {}
+  PlyReader(const FileReference& file, PlyContent content) : in(file), header(readPlyHeader(in, content)) {}
 
   PlyFile read() {
     for (const PlyElement& e : header.elements) {
@@ -33,6 +33,19 @@ class PlyReader {
     return {std::move(mesh), badNormals, broken.size()};
   }
 
+  PlyPoints readPoints() {
+    header.uvPlaces.clear();
+    for (const PlyElement& e : header.elements) {
+      if (&e != &header.vertexElement()) {
+        skipElement(e);
+        continue;
+      }
+      readVertices();
+      for (const auto& [vertex, what] : broken) refuse(vertex, what);
+    }
+    return {std::move(mesh.positions), std::move(mesh.normals), std::move(radii)};
+  }
+
  private:
   /** Current position, for messages: a line in text files, else a byte offset. */
   uint64_t currentPlace() const {
@@ -45,13 +58,18 @@ class PlyReader {
     throw Error(in.name() + (isLine ? ":" : ": at byte ") + std::to_string(place) + ": " + what);
   }
 
+  struct BrokenVertex {
+    uint64_t place;
+    const char* what;
+  };
+  [[noreturn]] void refuse(uint32_t vertex, const BrokenVertex& b) const {
+    failAt(b.place, "vertex " + std::to_string(vertex) + " has a " + b.what + " that is not finite");
+  }
   void refuseBrokenCorners() const {
     if (broken.empty()) return;
     for (const glm::uvec3& t : mesh.triangles)
       for (int k = 0; k < 3; ++k)
-        if (const auto found = broken.find(t[k]); found != broken.end())
-          failAt(found->second.place,
-                 "vertex " + std::to_string(t[k]) + " has a " + found->second.what + " that is not finite");
+        if (const auto found = broken.find(t[k]); found != broken.end()) refuse(t[k], found->second);
   }
 
   [[noreturn]] void failAtEnd() const {
@@ -191,6 +209,7 @@ class PlyReader {
       mesh.positions.push_back(pickVector<Vec3d>(values, header.positionPlaces, "position"));
       if (!header.normalPlaces.empty())
         mesh.normals.push_back(pickVector<Vec3d>(values, header.normalPlaces, "normal"));
+      if (header.radiusPlace >= 0) radii.push_back(values[size_t(header.radiusPlace)]);
       if (!header.uvPlaces.empty())
         mesh.uvs.push_back(pickVector<Vec2d>(values, header.uvPlaces, "texture coordinate"));
     }
@@ -238,11 +257,8 @@ class PlyReader {
   PlyHeader header;
   MeshData mesh;
   uint64_t badNormals = 0; ///< number of normals that are not finite
-  struct BrokenVertex {
-    uint64_t place;
-    const char* what;
-  };
   std::unordered_map<uint32_t, BrokenVertex> broken;
+  std::vector<double> radii;
 
   // Position in the file, for messages.
   uint64_t reportedLine = 0; ///< line of the last word; 0: the current line
@@ -253,6 +269,10 @@ class PlyReader {
 
 } // namespace
 
-PlyFile readPly(const FileReference& file) { return PlyReader(file).read(); }
+PlyFile readPly(const FileReference& file) { return PlyReader(file, PlyContent::MESH).read(); }
+
+PlyPoints readPlyPoints(const FileReference& file) {
+  return PlyReader(file, PlyContent::POINTS).readPoints();
+}
 
 } // namespace recurse

@@ -40,13 +40,13 @@ namespace {
 /** Reads a header line by line, for messages that name the line. */
 class HeaderReader {
  public:
-  explicit HeaderReader(CompressedFile& in) : in(in) {}
+  HeaderReader(CompressedFile& in, PlyContent content) : in(in), needsFaces(content == PlyContent::MESH) {}
 
   PlyHeader read() {
     readLines();
     findElements();
     findVertexProperties();
-    findFaceProperty();
+    if (needsFaces) findFaceProperty();
     return std::move(header);
   }
 
@@ -160,7 +160,7 @@ class HeaderReader {
       if (header.elements[i].name == "face") face = i;
     }
     if (vertex == NONE || header.vertexElement().count == 0) fail("the file has no vertices");
-    if (face == NONE || header.faceElement().count == 0) fail("the file has no faces");
+    if (needsFaces && (face == NONE || header.faceElement().count == 0)) fail("the file has no faces");
     if (header.vertexElement().count > std::numeric_limits<uint32_t>::max())
       fail("there are too many vertices");
   }
@@ -184,6 +184,8 @@ class HeaderReader {
     findVector({"u", "v"}, header.uvPlaces) || findVector({"s", "t"}, header.uvPlaces) ||
         findVector({"texture_u", "texture_v"}, header.uvPlaces) ||
         findVector({"texture_s", "texture_t"}, header.uvPlaces);
+    std::vector<int> radius;
+    if (findVector({"radius"}, radius)) header.radiusPlace = radius.front();
   }
 
   void findFaceProperty() {
@@ -197,12 +199,13 @@ class HeaderReader {
 
   static constexpr size_t NONE = std::numeric_limits<size_t>::max();
   CompressedFile& in;
+  bool needsFaces;
   PlyHeader header;
   uint64_t line = 0;
 };
 
 } // namespace
 
-PlyHeader readPlyHeader(CompressedFile& in) { return HeaderReader(in).read(); }
+PlyHeader readPlyHeader(CompressedFile& in, PlyContent content) { return HeaderReader(in, content).read(); }
 
 } // namespace recurse

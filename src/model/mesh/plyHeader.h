@@ -39,13 +39,17 @@ struct PlyHeader {
   size_t vertex = 0, face = 0;                             ///< indices into `elements`
   std::vector<int> positionPlaces, normalPlaces, uvPlaces; ///< indices into the vertex's properties
   int indexPlace = -1;                                     ///< index into the face's properties
+  int radiusPlace = -1;                                    ///< index into the vertex's properties; -1: none
 
   const PlyElement& vertexElement() const { return elements[vertex]; }
   const PlyElement& faceElement() const { return elements[face]; }
 };
 
-/** Reads up to the first element. Throws Error for a header that no mesh can follow. */
-PlyHeader readPlyHeader(CompressedFile& in);
+/** What a file must describe: a mesh has faces. */
+enum class PlyContent { MESH, POINTS };
+
+/** Reads up to the first element. Throws Error for a header that the content cannot follow. */
+PlyHeader readPlyHeader(CompressedFile& in, PlyContent content);
 
 /** True for characters that separate the words of a text file. */
 inline bool isPlyBlank(int c) {

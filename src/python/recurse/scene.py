@@ -96,7 +96,7 @@ class Scene:
         """Sets the default integrator of render()."""
         self._setting("Integrator", integrators.make(name, parameters))
 
-    def set_sampler(self, name: str | PlugIn = "zsobol", **parameters: Any) -> None:
+    def set_sampler(self, name: str | PlugIn = "sobol", **parameters: Any) -> None:
         """Sets the default samples per pixel and seed of render()."""
         self._setting("Sampler", samplers.make(name, parameters))
 

@@ -168,6 +168,23 @@ std::unique_ptr<Solid> MappedShape::asSolid() const {
   return std::make_unique<MappedSolid>(*this);
 }
 
+void MappedShape::setSphericalCoordinates(OwnPoint& s) {
+  const Vec3d& p = s.position;
+  const double rho2 = p.x * p.x + p.y * p.y, rho = std::sqrt(rho2), r2 = rho2 + p.z * p.z;
+  const double phi = std::atan2(p.y, p.x);
+  s.uv = {(phi < 0 ? phi + TWO_PI : phi) / TWO_PI, std::atan2(rho, p.z) / PI_D};
+  s.dpdu = s.dpdv = Vec3d(0);
+  if (rho > 0) {
+    const Vec3d du = Vec3d(-p.y, p.x, 0) / (rho2 * TWO_PI),
+                dv = Vec3d(p.x * p.z / rho, p.y * p.z / rho, -rho) / (r2 * PI_D);
+    const double determinant = glm::dot(s.normal, glm::cross(du, dv));
+    if (std::abs(determinant) > 1e-6 * glm::length(du) * glm::length(dv)) {
+      s.dpdu = glm::cross(dv, s.normal) / determinant;
+      s.dpdv = glm::cross(s.normal, du) / determinant;
+    }
+  }
+}
+
 Bounds3d MappedShape::sectorBounds(double radius, double phiMax, double zLow, double zHigh) {
   const double x = radius * std::cos(phiMax), y = radius * std::sin(phiMax);
   const double half = 0.5 * TWO_PI;

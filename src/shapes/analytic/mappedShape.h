@@ -80,6 +80,10 @@ class MappedShape : public Shape {
   /** Bounding box of the sector within `radius` of the z axis, phi = 0 to phiMax [rad], zLow to zHigh. */
   static Bounds3d sectorBounds(double radius, double phiMax, double zLow, double zHigh);
 
+  /** Sets uv, dpdu and dpdv of a point with position and normal: longitude and latitude around the origin,
+   * and the derivatives along the surface. */
+  static void setSphericalCoordinates(OwnPoint& s);
+
   virtual void intersectAll(const Line& line, LineHits& found) const = 0;
   /** Surface point of a part nearest to `near`, which is on the part up to rounding. */
   virtual OwnPoint ownPoint(uint32_t part, const Vec3d& near) const = 0;

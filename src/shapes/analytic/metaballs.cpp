@@ -167,20 +167,7 @@ template <class Field> class Metaballs final : public MappedShape {
     s.normal = steepness > 0 ? -gradient / steepness : Vec3d(0, 0, 1);
     // Rounding of the field moves the surface.
     s.error = steepness > 0 ? std::min(0x1p-48 * strengths / steepness, MAX_ERROR) : MAX_ERROR;
-    // Spherical coordinates around the middle, and their derivatives along the surface.
-    const double rho2 = p.x * p.x + p.y * p.y, rho = std::sqrt(rho2), r2 = rho2 + p.z * p.z;
-    const double phi = std::atan2(p.y, p.x);
-    s.uv = {(phi < 0 ? phi + TWO_PI : phi) / TWO_PI, std::atan2(rho, p.z) / PI_D};
-    s.dpdu = s.dpdv = Vec3d(0);
-    if (rho > 0) {
-      const Vec3d du = Vec3d(-p.y, p.x, 0) / (rho2 * TWO_PI),
-                  dv = Vec3d(p.x * p.z / rho, p.y * p.z / rho, -rho) / (r2 * PI_D);
-      const double determinant = glm::dot(s.normal, glm::cross(du, dv));
-      if (std::abs(determinant) > 1e-6 * glm::length(du) * glm::length(dv)) {
-        s.dpdu = glm::cross(dv, s.normal) / determinant;
-        s.dpdv = glm::cross(s.normal, du) / determinant;
-      }
-    }
+    setSphericalCoordinates(s);
     return s;
   }
 

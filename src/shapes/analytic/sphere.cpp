@@ -6,6 +6,7 @@
 
 #include "recurse/core/math/integrate.h"
 #include "recurse/model/scene/plugIns.h"
+#include "shapes/analytic/ellipsoid.h"
 
 namespace recurse {
 
@@ -18,41 +19,18 @@ struct Sweep {
   double solidAngle() const { return phiMax * (zHigh - zLow); }
 };
 
-double azimuth(const Vec3d& d) {
-  const double phi = std::atan2(d.y, d.x);
-  return phi < 0 ? phi + 2 * PI_D : phi;
-}
-
 class Sphere final : public Shape {
  public:
   Sphere(double radius, const Sweep& sweep, const ShapeContext& context)
-      : linear(Mat3d(context.sceneFromObject) * radius), inverse(glm::inverse(linear)),
-        center(context.sceneFromObject[3]), sweep(sweep), thetaLow(std::acos(sweep.zLow)),
-        thetaHigh(std::acos(sweep.zHigh)), determinant(std::abs(glm::determinant(linear))),
-        side(context.reverseOrientation ? -1 : 1) {
-    for (int i = 0; i < 3; ++i) {
-      magnitude[i] = glm::abs(linear[i]);
-      inverseMagnitude[i] = glm::abs(inverse[i]);
-    }
-    // Bound on the double-precision rounding error of a transform to the unit sphere and back.
-    const Vec3d there = inverseMagnitude * (magnitude * Vec3d(1));
-    unitError = 0x1p-50 * std::max(there.x, std::max(there.y, there.z));
-    // Tests for a rotation with uniform scale, up to the rounding of numbers in the file.
-    const Mat3d gram = glm::transpose(linear) * linear;
-    uniformRadius = std::cbrt(determinant);
-    const double r2 = square(uniformRadius);
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k)
-        if (!(std::abs(gram[i][k] - (i == k ? r2 : 0)) <= 1e-9 * r2)) uniformRadius = 0;
-  }
+      : map(Mat3d(context.sceneFromObject) * radius, context.reverseOrientation),
+        center(context.sceneFromObject[3]),
+        sweep(sweep), angles{sweep.phiMax, std::acos(sweep.zLow), std::acos(sweep.zHigh)} {}
 
   uint32_t primitiveCount() const override { return 1; }
 
   Bounds3f bounds(uint32_t) const override {
     Bounds3d box;
-    Vec3d extent;
-    for (int i = 0; i < 3; ++i)
-      extent[i] = std::sqrt(square(linear[0][i]) + square(linear[1][i]) + square(linear[2][i]));
+    const Vec3d extent = map.extent();
     box.lower = center - extent;
     box.upper = center + extent;
     if (!sweep.whole()) {
@@ -68,7 +46,7 @@ class Sphere final : public Shape {
       Bounds3d part;
       for (int i = 0; i < 8; ++i)
         part.add(center +
-                 linear * Vec3d(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z));
+                 map.linear * Vec3d(i & 1 ? high.x : low.x, i & 2 ? high.y : low.y, i & 4 ? high.z : low.z));
       box.lower = glm::max(box.lower, part.lower);
       box.upper = glm::min(box.upper, part.upper);
     }
@@ -77,9 +55,9 @@ class Sphere final : public Shape {
 
   std::optional<PrimitiveHit> intersect(uint32_t, const Vec3f& origin, const Vec3f& direction, float tMin,
                                         float tMax) const override {
-    const Vec3d o = inverse * (Vec3d(origin) - center), d = inverse * Vec3d(direction);
+    const Vec3d o = map.inverse * (Vec3d(origin) - center), d = map.inverse * Vec3d(direction);
     double ts[2];
-    if (!intersectLine(o, d, ts)) return {};
+    if (!intersectUnitSphere(o, d, ts)) return {};
     for (const double t : ts) {
       const auto rounded = static_cast<float>(t);
       if (!(rounded > tMin && rounded < tMax)) continue;
@@ -95,11 +73,11 @@ class Sphere final : public Shape {
     return pointAt(glm::normalize(Vec3d(parameters.point())));
   }
   SurfacePoint placeAt(uint32_t, const HitParameters& parameters) const override {
-    return placeAt(glm::normalize(Vec3d(parameters.point())));
+    return map.placeAt(center, 1, glm::normalize(Vec3d(parameters.point())));
   }
 
   float area() const override {
-    if (uniformRadius > 0) return static_cast<float>(sweep.solidAngle() * square(uniformRadius));
+    if (map.uniformScale > 0) return static_cast<float>(sweep.solidAngle() * square(map.uniformScale));
     // The area is computed on demand: it is slow, and only the power of lights needs it.
     std::call_once(areaKnown, [this] { ellipsoidArea = stretchedArea(); });
     return static_cast<float>(ellipsoidArea);
@@ -111,14 +89,16 @@ class Sphere final : public Shape {
   }
 
   std::vector<RimPiece> rim() const override {
-    const auto point = [&](double u, double v) { return center + linear * unitPointAt(u, v); };
+    const auto point = [&](double u, double v) { return center + map.linear * angles.pointAt(u, v); };
     const bool isPartial = sweep.phiMax < 2 * PI_D;
     const bool isCutBelow = sweep.zLow > -1;
     return rimOfSweep(point, isPartial, isCutBelow, sweep.zHigh < 1);
   }
 
   uint32_t faceCount() const override { return 1; }
-  SurfacePoint pointOnFace(const FacePoint& p) const override { return pointAt(unitPointAt(p.uv.x, p.uv.y)); }
+  SurfacePoint pointOnFace(const FacePoint& p) const override {
+    return pointAt(angles.pointAt(p.uv.x, p.uv.y));
+  }
   FacePoint facePointOf(uint32_t, const SurfacePoint& point) const override { return {0, point.uv}; }
 
   ShapeSample sampleArea(float, const Vec2f& u) const override {
@@ -132,17 +112,17 @@ class Sphere final : public Shape {
 
   /** Points are uniform on the unit sphere, so that the area stretch of the map divides their density. */
   float pdfArea(uint32_t, const SurfacePoint& point) const override {
-    if (uniformRadius > 0) return 1 / area();
+    if (map.uniformScale > 0) return 1 / area();
     const Vec3d normal = point.geometricNormal;
-    return static_cast<float>(glm::length(glm::transpose(linear) * normal) /
-                              (sweep.solidAngle() * determinant));
+    return static_cast<float>(glm::length(glm::transpose(map.linear) * normal) /
+                              (sweep.solidAngle() * map.determinant));
   }
 
   std::optional<ShapeSample> pointWithNormal(const Vec3f& normal) const override {
     std::optional<ShapeSample> s;
-    if (!(uniformRadius > 0 && sweep.whole())) return s;
+    if (!(map.uniformScale > 0 && sweep.whole())) return s;
     s.emplace();
-    s->point = pointAt(glm::normalize(inverse * (Vec3d(normal) * (side * uniformRadius))));
+    s->point = pointAt(glm::normalize(map.inverse * (Vec3d(normal) * (map.side * map.uniformScale))));
     s->pdf = pdfArea(0, s->point);
     return s;
   }
@@ -152,7 +132,7 @@ class Sphere final : public Shape {
     const double distance2 = glm::dot(away, away);
     if (!coneIsSeen(from, distance2)) return Shape::sampleDirection(from, pick, u);
     // Uniform in the cone around the sphere, in terms of 1 - cosine, which is precise at any distance.
-    const double sin2Max = square(uniformRadius) / distance2;
+    const double sin2Max = square(map.uniformScale) / distance2;
     const double x = double(u.x) * oneMinusCosine(sin2Max);
     const double sin2 = x * (2 - x), cosine = 1 - x;
     // Angle at the sphere's centre between the directions to `from` and to the point that the ray hits.
@@ -165,7 +145,7 @@ class Sphere final : public Shape {
     const Vec3d normal =
         z * std::min(cosAlpha, 1.0) + (tangent * std::cos(phi) + bitangent * std::sin(phi)) * sinAlpha;
     ShapeSample s;
-    s.point = pointAt(glm::normalize(inverse * (normal * uniformRadius)));
+    s.point = pointAt(glm::normalize(map.inverse * (normal * map.uniformScale)));
     s.pdf = conePdf(sin2Max);
     return s;
   }
@@ -173,41 +153,22 @@ class Sphere final : public Shape {
   float pdfDirection(const Vec3f& from, uint32_t primitive, const SurfacePoint& point) const override {
     const Vec3d away = Vec3d(from) - center;
     const double distance2 = glm::dot(away, away);
-    return coneIsSeen(from, distance2) ? conePdf(square(uniformRadius) / distance2)
+    return coneIsSeen(from, distance2) ? conePdf(square(map.uniformScale) / distance2)
                                        : Shape::pdfDirection(from, primitive, point);
   }
 
  private:
-  /** Intersections of a line with the unit sphere, the nearer one first. */
-  static bool intersectLine(const Vec3d& o, const Vec3d& d, double (&t)[2]) {
-    const double a = glm::dot(d, d), b = glm::dot(o, d), c = glm::dot(o, o) - 1;
-    if (!(a > 0)) return false;
-    // Discriminant from the point of the ray nearest to the centre, which keeps its precision when the
-    // sphere is small and far (Haines et al., "Precision Improvements for Ray/Sphere Intersection",
-    // 2019).
-    const Vec3d nearest = o - d * (b / a);
-    double discriminant = 1 - glm::dot(nearest, nearest);
-    if (c < 0) discriminant = std::max(discriminant, 0.0);
-    if (!(discriminant >= 0)) return false;
-    const double root = std::sqrt(discriminant * a);
-    const double q = b < 0 ? root - b : -b - root;
-    t[0] = q / a;
-    t[1] = q != 0 ? c / q : 0;
-    if (t[0] > t[1]) std::swap(t[0], t[1]);
-    return true;
-  }
-
   class WholeSphere final : public Solid {
    public:
     explicit WholeSphere(const Sphere& sphere) : sphere(sphere) {}
     void crossings(const Vec3d& origin, const Vec3d& direction, std::vector<Crossing>& found) const override {
-      const Vec3d o = sphere.inverse * (origin - sphere.center), d = sphere.inverse * direction;
+      const Vec3d o = sphere.map.inverse * (origin - sphere.center), d = sphere.map.inverse * direction;
       double t[2];
-      if (!intersectLine(o, d, t)) return;
+      if (!intersectUnitSphere(o, d, t)) return;
       for (int i = 0; i < 2; ++i)
         found.push_back({t[i], i == 0, 0, HitParameters(Vec3f(glm::normalize(o + d * t[i])))});
     }
-    bool normalsPointIn() const override { return sphere.side < 0; }
+    bool normalsPointIn() const override { return sphere.map.side < 0; }
 
    private:
     const Sphere& sphere;
@@ -216,55 +177,19 @@ class Sphere final : public Shape {
   /** Whether `from` is clearly outside. Points of the sphere itself are rounded to either side of it, and
    * do not count as outside. */
   bool coneIsSeen(const Vec3f& from, double distance2) const {
-    const double surface = uniformRadius * (1 + 1e-4) + 1e-6 * glm::length(Vec3d(from));
-    return uniformRadius > 0 && sweep.whole() && distance2 > square(surface);
+    const double surface = map.uniformScale * (1 + 1e-4) + 1e-6 * glm::length(Vec3d(from));
+    return map.uniformScale > 0 && sweep.whole() && distance2 > square(surface);
   }
   static double oneMinusCosine(double sin2) { return sin2 / (1 + std::sqrt(1 - sin2)); }
   static float conePdf(double sin2Max) {
     return static_cast<float>(1 / (2 * PI_D * oneMinusCosine(sin2Max)));
   }
 
-  /** Point of the unit sphere at (u, v). */
-  Vec3d unitPointAt(double u, double v) const {
-    const double theta = thetaLow + (thetaHigh - thetaLow) * v, phi = sweep.phiMax * u;
-    return {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)};
-  }
-
-  SurfacePoint placeAt(const Vec3d& unit) const {
-    SurfacePoint s;
-    const Vec3d position = center + linear * unit;
-    const Vec3d gradient = glm::transpose(inverse) * unit;
-    const double steepness = glm::length(gradient);
-    const Vec3d normal = gradient * (side / steepness);
-    s.position = Vec3f(position);
-    s.geometricNormal = s.shadingNormal = Vec3f(normal);
-
-    const Vec3d exactError = 0x1p-50 * (magnitude * glm::abs(unit) + glm::abs(center));
-    s.error = positionError(position, exactError, normal, unitError / steepness);
-    return s;
-  }
-
-  SurfacePoint pointAt(const Vec3d& unit) const {
-    SurfacePoint s = placeAt(unit);
-    // Coordinates of pbrt: around in u, from zmin up to zmax in v.
-    const double rho = std::hypot(unit.x, unit.y), theta = std::atan2(rho, unit.z);
-    s.uv = {static_cast<float>(std::min(azimuth(unit) / sweep.phiMax, 1.0)),
-            static_cast<float>(std::clamp((theta - thetaLow) / (thetaHigh - thetaLow), 0.0, 1.0))};
-    const Vec2d outwards = rho > 0 ? Vec2d(unit) / rho : Vec2d(1, 0);
-    const Vec3d dpdu = Vec3d(-unit.y, unit.x, 0) * sweep.phiMax,
-                dpdv = Vec3d(outwards * unit.z, -rho) * (thetaHigh - thetaLow);
-    s.dpdu = Vec3f(linear * dpdu);
-    s.dpdv = Vec3f(linear * dpdv);
-    // The unit sphere's normal is its position.
-    const Vec3d gradient = glm::transpose(inverse) * unit;
-    s.dndu = derivativeOfUnit(gradient, glm::transpose(inverse) * dpdu, side);
-    s.dndv = derivativeOfUnit(gradient, glm::transpose(inverse) * dpdv, side);
-    return s;
-  }
+  SurfacePoint pointAt(const Vec3d& unit) const { return map.pointAt(center, 1, unit, angles); }
 
   /** Integral of the map's area stretch over the part of the unit sphere. */
   double stretchedArea() const {
-    const Mat3d cofactor = glm::transpose(inverse) * determinant;
+    const Mat3d cofactor = glm::transpose(map.inverse) * map.determinant;
     return integrate(
         [&](double z) {
           const double r = std::sqrt(std::max(0.0, 1 - z * z));
@@ -277,15 +202,10 @@ class Sphere final : public Shape {
         sweep.zLow, sweep.zHigh, 1e-7);
   }
 
-  Mat3d linear, inverse; ///< between the unit sphere and the scene
+  EllipsoidMap map;
   Vec3d center;
   Sweep sweep;
-  double thetaLow, thetaHigh;        ///< polar angles of the sweep, from the z axis
-  Mat3d magnitude, inverseMagnitude; ///< absolute values of the matrices
-  double determinant;
-  double side;              ///< -1 where the inside counts as outside
-  double unitError;         ///< bound on the rounding error of a point taken to the unit sphere
-  double uniformRadius = 0; ///< 0 for ellipsoids
+  SphereAngles angles;
   mutable std::once_flag areaKnown;
   mutable double ellipsoidArea = 0;
 };

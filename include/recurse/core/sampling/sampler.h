@@ -1,10 +1,11 @@
 /** @file
  * Samples: Sobol' points with hashed Owen scrambling (Burley, "Practical Hash-based Owen Scrambling", JCGT
- * 9(4), 2020), padded two dimensions at a time. A sample depends only on (seed, stream, index, dimension), so
- * that images do not depend on the number or the order of threads.
+ * 9(4), 2020), padded two dimensions at a time, or the points of a plug-in. A sample depends only on (seed,
+ * stream, index, dimension), so that images do not depend on the number or the order of threads.
  */
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "recurse/core/math/vector.h"
@@ -34,6 +35,37 @@ constexpr uint32_t reverseBits(uint32_t v) {
   return ((v >> 1) & 0x55555555u) | ((v & 0x55555555u) << 1);
 }
 
+/** Owen scrambling of numbers whose bits are reversed: each bit is flipped by a hash of the bits below it. */
+template <class T> constexpr T scrambleReversed(T v, T seed) {
+  // Constants found by N. Vegdahl by optimisation for this permutation ("Building a Better LK Hash", 2021).
+  v ^= v * 0x3d20adeau;
+  v += seed;
+  v *= (seed >> 16) | 1u;
+  v ^= v * 0x05526c56u;
+  v ^= v * 0x53a22864u;
+  return v;
+}
+
+/** Points of samples. A Sampler without one has the Sobol' points. */
+class SamplePoints {
+ public:
+  virtual ~SamplePoints() = default;
+
+  /** Number of pairs of dimensions computed together. */
+  static constexpr unsigned PAIRS = 4;
+  using Pairs = std::array<uint32_t, PAIRS>;
+
+  /** Sets numbers[i] and numbers[PAIRS + i] to the pair of dimensions `first + i` of a sample, in [0, 1). */
+  virtual void fill(uint64_t key, uint32_t index, uint32_t first, float* numbers) const = 0;
+
+  /** Hash of a pair of dimensions, independent for each key and each pair. */
+  static constexpr uint64_t pairHash(uint64_t key, uint32_t pair) {
+    return mixBits(key + 0x9e3779b97f4a7c15ull * (pair + uint64_t(1)));
+  }
+  /** Fills `numbers` with Owen-scrambled Sobol' points; their indices have their bits reversed. */
+  static void fillSobol(const Pairs& reversedIndices, const Pairs& seeds, float* numbers);
+};
+
 /** Samples of one light or camera path: call next1D and next2D in an order that the path determines. Cheap to
  * copy. */
 class Sampler {
@@ -41,6 +73,10 @@ class Sampler {
   /** `stream` distinguishes pixels and photon passes; `index` counts the samples of that stream. */
   Sampler(uint64_t seed, uint64_t stream, uint32_t index)
       : key(hashCombine(mixBits(seed), stream)), reversedIndex(reverseBits(index)) {}
+
+  /** Sample `index` of the points of a plug-in, which must outlive it. */
+  Sampler(const SamplePoints& points, uint64_t key, uint32_t index)
+      : points(&points), key(key), reversedIndex(reverseBits(index)) {}
 
   /** Next sample in [0, 1). */
   float next1D() { return numbers[next()]; }
@@ -58,8 +94,7 @@ class Sampler {
   }
 
  private:
-  /** Number of pairs of dimensions computed together. */
-  static constexpr unsigned AT_ONCE = 4;
+  static constexpr unsigned AT_ONCE = SamplePoints::PAIRS;
 
   unsigned next() {
     const unsigned i = dimension % AT_ONCE;
@@ -69,6 +104,7 @@ class Sampler {
   }
   void refill();
 
+  const SamplePoints* points = nullptr; ///< null: Sobol' points
   uint64_t key;
   uint32_t reversedIndex;
   uint32_t dimension = 0;

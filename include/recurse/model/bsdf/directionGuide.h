@@ -1,5 +1,5 @@
 /** @file
- * Learned density over directions, which is mixed with BSDF sampling.
+ * Density over directions, which is mixed with BSDF sampling.
  */
 #pragma once
 
@@ -7,16 +7,16 @@
 
 namespace recurse {
 
-/** Density over directions at a point that approximates the incident radiance, independent of the BSDF. */
+/** Density over directions at a point, independent of the BSDF. */
 class DirectionGuide {
  public:
   virtual ~DirectionGuide() = default;
 
-  /** Density of a unit direction [1/sr]; may be zero anywhere, since the BSDF is sampled too. */
+  /** Density of a unit direction [1/sr]; may be zero anywhere if the BSDF is sampled too. */
   virtual float pdf(const Vec3f& direction) const = 0;
   /** Samples a unit direction and sets `density` to its density [1/sr]. */
   virtual Vec3f sample(Vec2f u, float& density) const = 0;
-  /** Probability of sampling the BSDF, in (0, 1). */
+  /** Probability of sampling the BSDF, in [0, 1). */
   virtual float bsdfProbability() const = 0;
 };
 

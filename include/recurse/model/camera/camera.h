@@ -1,5 +1,5 @@
 /** @file
- * Cameras and pixel filters, and the settings of film and sampler directives.
+ * Cameras and pixel filters, and the settings of the film directive.
  */
 #pragma once
 
@@ -150,12 +150,6 @@ inline PixelBounds cropOf(const FilmSettings& film, double x0, double x1, double
   const auto pixel = [](double part, int size) { return static_cast<int>(std::ceil(part * size)); };
   return {pixel(x0, film.width), pixel(y0, film.height), pixel(x1, film.width), pixel(y1, film.height)};
 }
-
-/** Settings of the Sampler directive. Recurse uses its own sampler for all names, and these numbers. */
-struct SamplerSettings {
-  int pixelSamples = 16;
-  uint64_t seed = 0;
-};
 
 struct NoContext {};
 

@@ -27,4 +27,14 @@ struct PlyFile {
 /** Throws Error with the location of the fault in the file. */
 PlyFile readPly(const FileReference& file);
 
+/** The vertices of a PLY file, which need no faces. */
+struct PlyPoints {
+  std::vector<Vec3d> positions; ///< finite
+  std::vector<Vec3d> normals;   ///< one for each position, or none; zero for one that is not finite
+  std::vector<double> radii;    ///< one for each position, or none
+};
+
+/** Throws Error with the location of the fault in the file. */
+PlyPoints readPlyPoints(const FileReference& file);
+
 } // namespace recurse

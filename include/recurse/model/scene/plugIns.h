@@ -5,6 +5,7 @@
 
 #include "recurse/model/bsdf/bsdf.h"
 #include "recurse/model/camera/camera.h"
+#include "recurse/model/camera/pixelSampler.h"
 #include "recurse/model/film/toneMap.h"
 #include "recurse/model/light/light.h"
 #include "recurse/model/medium/medium.h"
@@ -32,7 +33,7 @@ struct PlugIns {
   Registry<Camera, CameraContext> cameras{"Camera"};
   Registry<Filter, NoContext> filters{"PixelFilter"};
   Registry<FilmSettings, NoContext> films{"Film"};
-  Registry<SamplerSettings, NoContext> samplers{"Sampler"};
+  Registry<PixelSampler, NoContext> samplers{"Sampler"};
   Registry<AcceleratorSettings, NoContext> accelerators{"Accelerator"};
   Registry<Integrator, NoContext> integrators{"Integrator"};
   Registry<ToneMap, NoContext> toneMaps{"ToneMap"}; ///< for the option --tonemap

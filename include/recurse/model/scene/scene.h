@@ -14,6 +14,7 @@
 #include "recurse/core/math/ray.h"
 #include "recurse/model/bsdf/bsdf.h"
 #include "recurse/model/camera/camera.h"
+#include "recurse/model/camera/pixelSampler.h"
 #include "recurse/model/light/light.h"
 #include "recurse/model/medium/medium.h"
 #include "recurse/model/scene/plugIns.h"
@@ -159,7 +160,7 @@ class Scene {
   }
   const Filter& filter() const { return *pixelFilter; }
   const FilmSettings& film() const { return filmSettings; }
-  const SamplerSettings& sampler() const { return samplerSettings; }
+  const PixelSampler& sampler() const { return *pixelSampler; }
   /** Memory of the geometry and its tree [bytes]. */
   virtual size_t memoryBytes() const = 0;
 
@@ -181,8 +182,8 @@ class Scene {
   std::unique_ptr<Camera> sceneCamera;
   bool shapesMove = false;
   std::unique_ptr<Filter> pixelFilter;
+  std::unique_ptr<PixelSampler> pixelSampler;
   FilmSettings filmSettings;
-  SamplerSettings samplerSettings;
 };
 
 /** Command-line values that replace settings of the scene file. */

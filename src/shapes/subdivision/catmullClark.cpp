@@ -1,7 +1,8 @@
 /** @file
  * Subdivision surfaces of Catmull and Clark, "Recursively Generated B-Spline Surfaces on Arbitrary
  * Topological Meshes" (1978), with creases as in DeRose, Kass, Truong, "Subdivision Surfaces in Character
- * Animation" (1998), by OpenSubdiv: faces are split level by level, then moved to the limit surface.
+ * Animation" (1998), by OpenSubdiv: faces are split level by level, then moved to the limit surface. The
+ * scheme of dooSabin.h has the same parameters.
  */
 #include <algorithm>
 #include <numeric>
@@ -10,9 +11,11 @@
 #include <opensubdiv/far/primvarRefiner.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
+#include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/displacement.h"
 #include "recurse/model/scene/plugIns.h"
+#include "shapes/subdivision/dooSabin.h"
 
 namespace recurse {
 
@@ -237,6 +240,23 @@ ControlMesh controlMesh(const Parameters& p) {
   return mesh;
 }
 
+/** The mesh for the scheme of Doo and Sabin, which has no sharp features. */
+PolygonMesh polygonMesh(const Parameters& p, const ControlMesh& mesh) {
+  const std::pair<const char*, const char*> features[] = {
+      {"creases", "creases"}, {"sharpcorners", "sharp corners"}, {"holes", "holes"}};
+  for (const auto& [name, what] : features)
+    if (p.has(name)) p.fail(name, "only Catmull-Clark surfaces have " + std::string(what));
+  if (mesh.cornersOfBoundary)
+    p.fail("boundary", "only Catmull-Clark surfaces have sharp corners", "\"edge\"");
+  PolygonMesh out;
+  out.positions = mesh.positions;
+  out.uvs = mesh.uvs;
+  out.vertices.assign(mesh.indices.begin(), mesh.indices.end());
+  out.starts = {0};
+  for (const int n : mesh.corners) out.starts.push_back(out.starts.back() + static_cast<uint32_t>(n));
+  return out;
+}
+
 std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext& context) {
   const ControlMesh mesh = controlMesh(p);
   const int levels = p.integer("levels");
@@ -257,8 +277,12 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
         p.fail("creases",
                "no face has an edge between positions " + std::to_string(a) + " and " + std::to_string(b));
     }
+    if (p.string("scheme") == "doosabin")
+      return makeDisplacedMesh(dooSabinSurface(polygonMesh(p, mesh), levels), p, context);
     return makeDisplacedMesh(limitOf(mesh, levels), p, context);
   } catch (const SceneError&) {
+    throw;
+  } catch (const Interrupted&) {
     throw;
   } catch (const Error& e) {
     p.fail("indices", e.what());
@@ -270,8 +294,9 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
 void registerCatmullClark(PlugIns& plugIns) {
   plugIns.shapes.add(
       {{.name = "catmullclark",
-        .summary = "A smooth surface from a control mesh of polygons, by Catmull-Clark subdivision. On its "
-                   "outside the vertices of the faces are counterclockwise.",
+        .summary =
+            "A smooth surface from a control mesh of polygons, by subdivision of Catmull and Clark or of Doo "
+            "and Sabin. On its outside the vertices of the faces are counterclockwise.",
         .parameters = withDisplacement(
             {integerParameter("levels", "3", "number of subdivision steps").range(1, 12),
              arrayParameter(ParameterType::INTEGER, "indices", 0, "",
@@ -300,7 +325,11 @@ void registerCatmullClark(PlugIns& plugIns) {
              stringParameter("boundary", "edge",
                              "boundary of the surface: a smooth curve, or with sharp corners at vertices of "
                              "a single face")
-                 .oneOf({"edge", "corner"})}),
+                 .oneOf({"edge", "corner"}),
+             stringParameter("scheme", "catmullclark",
+                             "\"catmullclark\", or \"doosabin\": closer to the control mesh, whose faces the "
+                             "surface touches in their centres; without sharp features")
+                 .oneOf({"catmullclark", "doosabin"})}),
         .examples =
             {"\"integer levels\" 2 \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1] "
              "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5]",
@@ -310,7 +339,11 @@ void registerCatmullClark(PlugIns& plugIns) {
              "\"integer levels\" 2 \"point3 P\" [0 0 0  1 0 0  0 1 0  1 1 0  0 0 1  1 0 1  0 1 1  1 1 1] "
              "\"integer indices\" [0 2 3 1  4 5 7 6  0 1 5 4  2 6 7 3  0 4 6 2  1 3 7 5] "
              "\"integer creases\" [4 5  5 7  7 6  6 4] \"float creasesharpness\" [10 10 1.5 10] "
-             "\"integer sharpcorners\" [0] \"integer holes\" [0] \"string boundary\" \"corner\""}},
+             "\"integer sharpcorners\" [0] \"integer holes\" [0] \"string boundary\" \"corner\"",
+             "\"string scheme\" \"doosabin\" \"integer levels\" 1 \"point3 P\" [0 0 0  1 0 0  1 1 .3  0 1 0  "
+             "2 .5 0] "
+             "\"integer corners\" [4 3] \"integer indices\" [0 1 2 3  1 4 2] "
+             "\"point2 uv\" [0 0  .5 0  .5 1  0 1  1 .5]"}},
        makeCatmullClark});
 }
 

@@ -1,0 +1,57 @@
+/** @file
+ * Samplers: the points of the samples of pixels.
+ */
+#pragma once
+
+#include <memory>
+
+#include "recurse/core/sampling/sampler.h"
+#include "recurse/scene/parameters/parameters.h"
+
+namespace recurse {
+
+/** Position of a sample. */
+struct PixelSample {
+  uint64_t seed = 0;
+  uint32_t x = 0, y = 0;  ///< pixel of the whole film, so that a crop has the same samples
+  uint32_t index = 0;     ///< number of the sample within its pixel
+  uint32_t requested = 1; ///< samples of each pixel as planned; `index` may exceed it
+
+  /** Number of the pixel; distinct for all films. */
+  uint64_t pixel() const { return uint64_t(y) << 32 | x; }
+};
+
+/** Plug-in of the directive Sampler. Photons and light paths, which belong to no pixel, have the Sobol'
+ * points of Sampler. */
+class PixelSampler {
+ public:
+  virtual ~PixelSampler() = default;
+
+  /** Numbers of a sample. They depend on nothing but the arguments and the parameters. The result refers to
+   * this object. */
+  virtual Sampler sampler(const PixelSample& sample) const = 0;
+  /** Number of equal intervals of a dimension, counted from 0 with two for each pair, that hold the same
+   * number of samples each, if a pixel has `samples` samples as requested. 1: no stratification. */
+  virtual uint32_t strata(uint32_t dimension, uint32_t samples) const = 0;
+  /** Whether the samples of different pixels are independent. */
+  virtual bool hasIndependentPixels() const { return true; }
+
+  int pixelSamples = 16;
+  uint64_t seed = 0;
+};
+
+/** Parameters "pixelsamples" and "seed", and `more`. */
+std::vector<ParameterSpec> pixelSamplerParameters(std::vector<ParameterSpec> more = {});
+/** Parameter "seed". */
+ParameterSpec samplerSeedParameter();
+/** Reads the parameters of pixelSamplerParameters(). */
+std::unique_ptr<PixelSampler> withPixelSamples(std::unique_ptr<PixelSampler> sampler, const Parameters& p);
+
+/** Largest power of `base` that divides `number` > 0. */
+constexpr uint32_t largestPowerDividing(uint32_t number, uint32_t base) {
+  uint32_t power = 1;
+  for (; number % base == 0; number /= base) power *= base;
+  return power;
+}
+
+} // namespace recurse
