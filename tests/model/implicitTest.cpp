@@ -2,7 +2,10 @@
  * Level sets of expressions: the expressions themselves, and the surfaces against analytic shapes, brute
  * force and closed forms.
  */
+#include <ctime>
+
 #include "model/shapeTesting.h"
+#include "sanitized.h"
 #include "shapes/analytic/expression.h"
 
 using namespace recurse;
@@ -389,6 +392,27 @@ TEST(Implicit, IsAnOperandOfCsg) {
       << diagnostics.format();
 }
 
+TEST(Implicit, IsOpenWhereItReachesTheBox) {
+  const struct {
+    const char *function, *rest;
+    bool isOpen;
+  } cases[] = {{"z", "", true},
+               {"z", "\"bool caps\" true", false},
+               {"x^2 + y^2 + z^2 - 1", "", false}, // touches the faces
+               {"x^2 + y^2 + z^2 - 1.001", "", true},
+               {"x^2 + y^2 + z^2 - 1", "\"point3 p2\" [1 1 .999]", true},
+               {"1 - 1000*((x - 1)^2 + (y - .3)^2 + (z - .41)^2)", "", true},  // outside of a ball
+               {"1000*((x - 1)^2 + (y - .3)^2 + (z - .41)^2) - 1", "", true}}; // a small ball in a face
+  for (const auto& c : cases) {
+    const auto shape = implicit(c.function, c.rest);
+    EXPECT_EQ(shape->rim().empty(), !c.isOpen) << c.function << c.rest;
+    if (c.isOpen)
+      EXPECT_THROW(shape->asSolid(), Error) << c.function << c.rest;
+    else
+      EXPECT_TRUE(shape->asSolid()) << c.function << c.rest;
+  }
+}
+
 TEST(Implicit, PolesAndEndsOfTheDomainAreBoundaries) {
   // Inside are x < 0 (the pole), 0 <= x < .25 (the domain of the root), and .2 < x < .5 (log).
   const struct {
@@ -418,8 +442,11 @@ TEST(Implicit, FunctionsThatVanishOnAPieceOfTheRayTakeLimitedTime) {
   for (const char* function : {"sin(x)^2 + cos(x)^2 - 1", "z*(2 + x)", "max(x, 0)",
                                "(x + y)^2 - x^2 - 2*x*y - y^2", "x^63*y^63*z^63"}) {
     const auto shape = implicit(function);
+    const std::clock_t start = std::clock();
     for (int i = 0; i < 20; ++i)
       shape->intersect(0, {-3, .01f * static_cast<float>(i), 0}, {1, 0, 0}, 0, INFINITE);
+    // Twenty rays of 2^14 steps are a tenth of a second; to the last digit they would be hours.
+    EXPECT_LT(double(std::clock() - start) / CLOCKS_PER_SEC, SANITIZED ? 60 : 5) << function;
   }
 }
 

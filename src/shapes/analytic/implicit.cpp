@@ -26,6 +26,12 @@ class Implicit final : public MappedShape {
   }
 
   bool canBeSampled() const override { return false; }
+  /** A piece of zero length where the surface may end at the box: its edge has no known location. */
+  std::vector<RimPiece> rim() const override {
+    if (hasCaps) return {};
+    const Vec3f center(inScene(Vec3d(0)));
+    return {{center, center, center}};
+  }
 
   /** A ray takes about 40 evaluations, and a test of a simple surface as long as 20 instructions. */
   double testsOfRay() const override { return std::max(1.0, 2.0 * double(f.size())); }
