@@ -20,8 +20,6 @@ constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanis
                                                             {"guide", Mechanism::GUIDE},
                                                             {"portals", Mechanism::PORTALS},
                                                             {"aim", Mechanism::AIM},
-                                                            {"sparselight", Mechanism::SPARSE_LIGHT},
-                                                            {"splitting", Mechanism::SPLITTING},
                                                             {"judgedradii", Mechanism::JUDGED_RADII},
                                                             {"mergeweights", Mechanism::MERGE_WEIGHTS}};
 
@@ -119,7 +117,7 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
        stringParameter("without", "nothing",
                        "for studies of one mechanism, switch it off: lights chosen by position, openings for "
                        "shadow rays, guided emission, openings for emission, "
-                       "aiming of far lamps, sparse light sampled by rays, splitting of strong photons, "
+                       "aiming of far lamps, "
                        "radii chosen by error, MIS weights of photons and rays")
            .oneOf(mechanismNames())});
   return more;

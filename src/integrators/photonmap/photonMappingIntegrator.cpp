@@ -66,8 +66,7 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
     path.ray.width += path.ray.spread * hit.t;
     path.distance += hit.t;
     if (hit.areaLight) addEmission(scene, path, hit, out);
-    if (path.share == 0 && path.direct.merged == 0 && !photons.leavesLightToRays() && hit.material &&
-        !(hit.material->lobes() & DELTA_LOBES))
+    if (path.share == 0 && path.direct.merged == 0 && hit.material && !(hit.material->lobes() & DELTA_LOBES))
       return;
     arena.reset();
     drawWavelength(scene, path.wavelength, sampler, hit);
@@ -103,7 +102,7 @@ bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& 
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(-path.ray.direction, Transport::RADIANCE, all);
   float worth[DeltaScatters::MAX_COUNT], total = 0, least = INFINITE;
-  const float part = partToFind(path) * path.etaScale;
+  const float part = path.part * path.etaScale;
   for (int i = 0; i < count; ++i) {
     const Scatter& s = all[size_t(i)];
     worth[i] = maxComponent(path.throughput * s.weight) * square(s.eta) * part;
@@ -260,7 +259,7 @@ void PhotonMapping::visitPhotonBoxes(int levels, const std::function<void(const 
 
 bool PhotonMapping::goesOn(PathState& path, Sampler& sampler) const {
   constexpr int FREE = 2; // number of non-delta surfaces that find most of the light
-  const float worth = maxComponent(path.throughput) * path.etaScale * partToFind(path);
+  const float worth = maxComponent(path.throughput) * path.etaScale * path.part;
   const float chance = path.nonDelta >= FREE ? worth : worth / settings.weightLimit;
   return russianRoulette(std::min(1.0f, chance), path.depth, sampler, path.throughput);
 }

@@ -51,9 +51,6 @@ class PhotonMapping final : public PhotonMapper {
   /** Adds light of non-delta lobes where no photons are stored: shadow rays, and a ray for other light. */
   void addByRays(const Scene& scene, PathState path, const Hit& hit, const ScatteringPoint& scattering,
                  Sampler& sampler, PathRadiance& out) const;
-  /** Upper bound of the path's weight against photons, for roulette. Light that photons leave to rays alone
-   * has the weight 1, and fewer paths would make it fireflies. */
-  float partToFind(const PathState& path) const { return photons.leavesLightToRays() ? 1 : path.part; }
   /** Records the step from unit `wi` to `next`, if there is a recorder. */
   static void recordStep(const ScatteringPoint& scattering, const Vec3f& wi, const Scatter& s,
                          PathState& next, PathRadiance& out);

@@ -47,19 +47,12 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
     if (isBlack(radiance)) continue;
     if (out.recorder)
       recordHit(*out.recorder, path.recordedStep, scene, lights, i, direction, directWeights(path), radiance);
-    const bool mayBeSparse = path.nonDelta > 0 && !path.delta && photons.leavesLightToRays();
-    if (mayBeSparse || isShared(path)) {
+    if (isShared(path)) {
       const EnvironmentLight& light = *scene.environment()[i];
       const uint32_t index = scene.environmentIndices()[i];
       const LePdf pdf = photons.pdfLe(index, light, {path.ray.origin, -direction, Vec3f(0), 0});
-      if (mayBeSparse && photons.isSparse(light, pdf)) {
-        out.add(out.pathClasses().lightStart(), path.camera, path.throughput * radiance);
-        continue;
-      }
-      if (isShared(path)) {
-        addShared(scene, path, index, pdf, radiance, INFINITE, out);
-        continue;
-      }
+      addShared(scene, path, index, pdf, radiance, INFINITE, out);
+      continue;
     }
     if (path.nonDelta > 0 && path.delta && !settings.directLight) {
       const float weight = photons.rayWeight(scene, path.merge, i, path.ray);
@@ -96,7 +89,7 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                    PathRadiance& out) const {
   const Vec3f wi = -path.ray.direction;
   const int panes = panesLeft(settings.maxDepth, path.depth);
-  if (share.merged == 0 && !photons.leavesLightToRays()) {
+  if (share.merged == 0) {
     addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi,
                     path.sharedThroughput() * share.rest, path.camera, settings.lightSamples, NON_DELTA_LOBES,
                     panes, sampler, out);
@@ -117,17 +110,14 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
     if (out.recorder)
       recordLightSample(*out.recorder, path.recordedVertex, scattering, wi, *light, chosen.probability,
                         settings.lightSamples, NON_DELTA_LOBES);
-    if (!photons.isSparse(*chosen.light, pdf)) {
-      radiance *= path.part;
-      const float weight =
-          free.panes > 0 ? share.rest
-                         : share.camera(photons.arrivals(scene, chosen.index, pdf,
-                                                         absDot(light->direction, hit.point.geometricNormal),
-                                                         light->distance, chosen.probability),
-                                        scattering.pdfNonDelta(light->direction, wi));
-      recordWeight(out, weight);
-      radiance *= weight;
-    }
+    const float weight =
+        free.panes > 0 ? share.rest
+                       : share.camera(photons.arrivals(scene, chosen.index, pdf,
+                                                       absDot(light->direction, hit.point.geometricNormal),
+                                                       light->distance, chosen.probability),
+                                      scattering.pdfNonDelta(light->direction, wi));
+    recordWeight(out, weight);
+    radiance *= weight * path.part;
     out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
   }
 }

@@ -22,8 +22,6 @@ enum class Mechanism {
   GUIDE,           ///< emission of photons follows useful trial photons
   PORTALS,         ///< photons of infinite lights start where camera paths leave the scene
   AIM,             ///< photons of far lights are aimed at the vertices of camera paths
-  SPARSE_LIGHT,    ///< light whose photons are few and strong is left to rays
-  SPLITTING,       ///< strong photons are stored as several weak ones
   JUDGED_RADII,    ///< radii of least expected error instead of the distance of the k-th photon
   MERGE_WEIGHTS    ///< photons and rays that find the same paths are weighted by their densities
 };
@@ -111,12 +109,6 @@ class PhotonPass {
   LePdf pdfLe(uint32_t index, const Light& light, const LeRay& ray) const;
   /** Whether photons of this light are aimed, because it is far from the visible surfaces. */
   bool isAimed(uint32_t light) const { return aim.isAimed(light); }
-  /** Whether some photons would start too sparsely, so that their light is left to rays. */
-  bool leavesLightToRays() const { return guidance.sparsePart > 0; }
-  /** Whether light that arrives straight from there is left to rays; `pdf`: result of pdfLe(). */
-  bool isSparse(const Light& light, const LePdf& pdf) const {
-    return light.isInfinite() && pdf.position < guidance.minStartDensity;
-  }
   /** Probability that a photon starts at a light. */
   float probability(const Scene& scene, uint32_t light) const;
   /** MIS weight of a camera ray against caustic photons, where it has hit an area light through mirrors and
@@ -153,7 +145,7 @@ class PhotonPass {
                      ForwardStatistics& statistics);
   /** Selects openings for infinite lights and aims for far lamps, where trial photons show that they pay. */
   void learnStarts(const Scene& scene, const PathClasses& classes, uint64_t seed, const ShootSettings& shoot,
-                   const ForwardControl& control, TransportCounts& counts);
+                   const VisibleRegion& region, const ForwardControl& control, TransportCounts& counts);
   /** Adds notes on the learned guidance. */
   void noteGuidance(std::vector<std::string>& notes) const;
   /** Table of lights by the power of their photons: what portals admit, or the aimed fraction. */
@@ -178,8 +170,7 @@ class PhotonPass {
   LightPortals portals;        ///< learned before the first pass, for all
   PhotonAim aim;               ///< learned before the first pass, for all
   LightTable lights;           ///< result of lightsByPower()
-  PhotonGuidance guidance;     ///< learned before the first pass, for all
-  VisibleRegion region;        ///< learned before the first pass, for all
+  EmissionGuide guide;         ///< learned before the first pass, for all
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays()
   bool progressive = false, tooFew = false, causticsKnown = false;

@@ -303,7 +303,7 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   lift = 2 * scene.bounds().radius;
   places.clear();
   // The number of records is limited by the pixels, since a small image has less use for each.
-  constexpr size_t EVERY = 16, MIN_COUNT = 1024, MAX_COUNT = 16384;
+  constexpr size_t EVERY = 4, MIN_COUNT = 4096, MAX_COUNT = 16384;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   PlaceFinder finder(scene, first, search, rays, counts);
   size_t ofPhotons = 0;

@@ -1,5 +1,5 @@
 /** @file
- * Learning of the emission guide and the splitting power from trial photons.
+ * Learning of the emission guide from trial photons.
  */
 #include "transport/forward/photonGuidance.h"
 
@@ -20,62 +20,17 @@ constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 /** Sums over trial photons. */
 struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
-  /** Trial photons that were stored in the visible region. */
-  struct Arrived {
-    float power;                   ///< power if only one photon was emitted [W]
-    float startDensity, fullPower; ///< see PhotonWalk; `fullPower` scaled like `power`
-  };
-  std::vector<Arrived> powers;
   uint64_t inRegion = 0;
   double squares = 0, guided = 0; ///< second moments of contributions: unguided, and with the guide in use
   TransportCounts counts;
   void add(const Trials& o) {
     useful.insert(useful.end(), o.useful.begin(), o.useful.end());
-    powers.insert(powers.end(), o.powers.begin(), o.powers.end());
     inRegion += o.inRegion;
     squares += o.squares;
     guided += o.guided;
     counts.add(o.counts);
   }
 };
-
-/** Power above which photons are split; large enough that splitting adds no more photons than are emitted.
- */
-float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
-  constexpr float OVER_TYPICAL = 2;
-  if (powers.empty()) return INFINITE;
-  const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
-  std::nth_element(powers.begin(), middle, powers.end());
-  const double sum = std::accumulate(powers.begin(), powers.end(), 0.0);
-  return std::max(OVER_TYPICAL * *middle, static_cast<float>(sum / double(emitted)));
-}
-
-/** Sets the emission density below which rays replace photons of infinite lights after the first surface. */
-void leaveToRays(const Trials& trials, PhotonGuidance& guidance) {
-  constexpr float MAX_POWER = 32; // in splitting powers: a stronger photon is visible as a blotch
-  constexpr double WORTH_IT = 4;  // minimum reduction of the photons' variance that outweighs noise of rays
-  double starts = 0, far = 0;
-  for (const Trials::Arrived& a : trials.powers) {
-    if (!(a.startDensity < INFINITE)) continue;
-    starts += double(a.startDensity) * double(a.fullPower);
-    ++far;
-  }
-  if (!(starts > 0)) return;
-  // Infinite lights are chosen by power, so density times power is nearly the same for all starts.
-  const auto least = static_cast<float>(starts / far / double(MAX_POWER * guidance.splitPower));
-  double all = 0, sparse = 0, squares = 0, sparseSquares = 0;
-  for (const Trials::Arrived& a : trials.powers) {
-    const double power = double(a.power);
-    all += power;
-    squares += square(power);
-    if (!(a.startDensity < least)) continue;
-    sparse += power;
-    sparseSquares += square(power);
-  }
-  if (!(squares > WORTH_IT * (squares - sparseSquares))) return;
-  guidance.minStartDensity = least;
-  guidance.sparsePart = static_cast<float>(sparse / all);
-}
 
 Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed,
                    const ShootSettings& settings, const VisibleRegion& region) {
@@ -97,8 +52,6 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
         ++part.inRegion;
-        part.powers.push_back({maxComponent(p.power) * static_cast<float>(settings.photons),
-                               walk.startDensity(), walk.fullPower() * static_cast<float>(settings.photons)});
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
       // Isotropic media scatter 1/(4π) of the flux per sr, white surfaces 1/π. Second moments have squares.
@@ -138,51 +91,40 @@ StartTrial tryStarts(const Scene& scene, const PathClasses& classes, uint64_t se
   return {trials.inRegion, trials.squares / double(trial.photons)};
 }
 
-PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                             const ShootSettings& settings, const VisibleRegion& region,
-                             const ForwardControl& control, TransportCounts& counts, bool guidesEmission) {
+EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                                 const ShootSettings& settings, const VisibleRegion& region,
+                                 const ForwardControl& control, TransportCounts& counts) {
   constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
   constexpr double MIN_RISE = 1.1, MIN_GAIN = 1.5;
-  PhotonGuidance guidance;
-  if (scene.lights().size() == 0 || region.empty()) return guidance;
-  EmissionGuide& guide = guidance.emission;
+  EmissionGuide guide;
+  if (scene.lights().size() == 0 || region.empty()) return guide;
   ShootSettings trial = settings;
   trial.guide = &guide;
   trial.photons = trialPhotons(settings);
-  uint64_t shot = 0;
   double squares = 0, guided = 0; // sums over all rounds with a guide, each learned from earlier rounds
-  // Shoots rounds of trials until the guide stops improving. Returns the last round.
-  const auto learn = [&] {
-    guide = {};
-    std::vector<EmissionGuide::TrainingSample> useful;
-    for (int round = 1;; ++round) {
-      const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
-      counts.add(trials.counts);
-      if (round > 1) squares += trials.squares;
-      if (round > 1) guided += trials.guided;
-      useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
-      const double before = guide.gain();
-      if (guidesEmission) guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
-      // Few hits are unreliable; many hits of an already good density mean that there is no more to gain.
-      double weight = 0, squared = 0;
-      for (const EmissionGuide::TrainingSample& u : useful) {
-        weight += double(u.weight);
-        squared += square(double(u.weight));
-      }
-      const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
-      if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || round == MAX_ROUNDS ||
-          (round >= ROUNDS && guide.gain() < MIN_RISE * before))
-        return trials;
+  std::vector<EmissionGuide::TrainingSample> useful;
+  // Shoots rounds of trials until the guide stops improving.
+  for (int round = 1; round <= MAX_ROUNDS; ++round) {
+    const Trials trials = shootTrials(scene, classes, hashCombine(seed, uint64_t(round - 1)), trial, region);
+    counts.add(trials.counts);
+    if (round > 1) squares += trials.squares;
+    if (round > 1) guided += trials.guided;
+    useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
+    const double before = guide.gain();
+    guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
+    // Few hits are unreliable; many hits of an already good density mean that there is no more to gain.
+    double weight = 0, squared = 0;
+    for (const EmissionGuide::TrainingSample& u : useful) {
+      weight += double(u.weight);
+      squared += square(double(u.weight));
     }
-  };
-  const Trials last = learn();
+    const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
+    const bool isSettled = round >= ROUNDS && guide.gain() < MIN_RISE * before;
+    if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || isSettled) break;
+  }
   // A few photons that scatter hundreds of times in media overestimate the gain of a guide.
-  if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
-  std::vector<float> powers;
-  for (const Trials::Arrived& a : last.powers) powers.push_back(a.power);
-  guidance.splitPower = splitPowerOf(std::move(powers), trial.photons);
-  leaveToRays(last, guidance);
-  return guidance;
+  if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) return {};
+  return guide;
 }
 
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
@@ -191,7 +133,7 @@ EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes,
   trial.photons = trials;
   trial.maxDepth = maxDepth;
   const VisibleRegion region = probeRegion(scene, {}, counts);
-  return learnGuidance(scene, classes, seed, trial, region, control, counts).emission;
+  return learnEmissionGuide(scene, classes, seed, trial, region, control, counts);
 }
 
 } // namespace recurse

@@ -83,7 +83,6 @@ class PhotonStart {
     }
     origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), probability};
     Rgb flux = emission->flux / (probability * (1 - mediaPart) * static_cast<float>(settings.photons));
-    fullPower = maxComponent(flux);
     if (source.isInfinite()) flux *= settings.outsideTransmittance;
     if (!isUseful(flux)) return {};
     const Ray ray{emission->origin, emission->direction, INFINITE, time};
@@ -102,7 +101,6 @@ class PhotonStart {
   float byMedia() const { return mediaPart; }
 
   PhotonOrigin origin; ///< origin of the last photon that a light emitted
-  float fullPower = 0; ///< power of the last photon if it had started with weight 1 [W]
 
  private:
   const LightTable& lights() const { return settings.lights ? *settings.lights : scene.lights(); }

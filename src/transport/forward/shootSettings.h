@@ -41,12 +41,7 @@ struct ShootSettings {
   /** Light sampler of shadow rays, for Photon::reverseRatio; null: no light is sampled by shadow rays.
    */
   const LightSampler* shadowRays = nullptr;
-  /** Emission density [1/length²] below which photons of infinite lights end at the first non-delta surface,
-   * as each would be visible as a blotch. Rays sample the light beyond that surface. */
-  float minStartDensity = 0;
   KeptInMedia inMedia;
-  const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
-  float splitPower = INFINITE;           ///< approximate power of each photon after a split into at most 256
   LightPathRecorder* lightPaths = nullptr; ///< null: nothing is recorded
 };
 
