@@ -32,6 +32,7 @@ MECHANISMS = [
     ('openings for photons', MAP, ['without=portals']),
     ('openings for shadow rays', MAP, ['without=shadowopenings']),
     ('light choice by place, and these', MAP, ['without=lightlearning']),
+    ('split of strong photons', MAP, ['without=splitting']),
     ('judged radii', MAP, ['without=judgedradii']),
     ('merge weights', MAP, ['without=mergeweights']),
     ('boundary correction', MAP, ['edges=false']),

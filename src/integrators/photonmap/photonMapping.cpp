@@ -20,6 +20,7 @@ constexpr std::pair<const char*, Mechanism> MECHANISMS[] = {{"nothing", Mechanis
                                                             {"guide", Mechanism::GUIDE},
                                                             {"portals", Mechanism::PORTALS},
                                                             {"aim", Mechanism::AIM},
+                                                            {"splitting", Mechanism::SPLITTING},
                                                             {"judgedradii", Mechanism::JUDGED_RADII},
                                                             {"mergeweights", Mechanism::MERGE_WEIGHTS}};
 
@@ -117,7 +118,7 @@ std::vector<ParameterSpec> parameters(std::vector<ParameterSpec> more) {
        stringParameter("without", "nothing",
                        "for studies of one mechanism, switch it off: lights chosen by position, openings for "
                        "shadow rays, guided emission, openings for emission, "
-                       "aiming of far lamps, "
+                       "aiming of far lamps, splitting of strong photons, "
                        "radii chosen by error, MIS weights of photons and rays")
            .oneOf(mechanismNames())});
   return more;

@@ -61,14 +61,16 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
     shoot.media = &emissiveMedia;
   }
   if (pass.index == 0) {
-    guide = {};
+    guidance = {};
     portals = {};
     aim = {};
     const ProcessorTimer timer(learning);
     if (settings.guided && scene.lights().size() > 0)
       learnGuidance(scene, classes, pass.seed, shoot, control, statistics);
   }
-  shoot.guide = &guide;
+  shoot.guide = &guidance.emission;
+  shoot.region = &region;
+  shoot.splitPower = guidance.splitPower / static_cast<float>(shoot.photons);
   if (scene.hasMedia() && !settings.causticsOnly) {
     if (pass.index == 0) {
       const ProcessorTimer timer(learning);
@@ -112,7 +114,8 @@ void PhotonPass::learnFrom(const PhotonPass& other) {
   portals = other.portals;
   aim = other.aim;
   lights = other.lights;
-  guide = other.guide;
+  guidance = other.guidance;
+  region = other.region;
   progressive = other.progressive;
   causticsKnown = other.causticsKnown;
 }
@@ -187,7 +190,7 @@ void PhotonPass::learnMedia(const Scene& scene, const PathClasses& classes, cons
 
 void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                             ForwardStatistics& statistics) {
-  const float counted = static_cast<float>(emitted) * static_cast<float>(guide.gain());
+  const float counted = static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain());
   const LightSampler* sampled = settings.directLight || scene.lights().size() == 0 ? nullptr : &shadowRays;
   // Arrival densities are unknown for photons that media scatter, but known for caustics.
   const RayAlternative toIndirect{counted, scene.hasMedia() ? nullptr : sampled};
@@ -268,7 +271,7 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
   if (&layer == &causticLayer && !settings.directLight) {
     here.settings.weighedAgainstRays = true;
     here.settings.merging =
-        causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guide.gain()) : 0;
+        causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
     constexpr float ALL_TO_PHOTONS = 1e15f;
     if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
   } else {
@@ -299,8 +302,8 @@ void PhotonPass::weighAgainstRays(PhotonQuery& query, float footprint) const {
   errors.variance = stain * variance;
   errors.bias2 = double(place.bias2);
   if (!query.place.known || place.radius > place.around.flat) errors.bias2 += UNSURE_FRACTION * squared;
-  gather.merging =
-      static_cast<float>(double(emitted) * guide.gain() * variance / (errors.variance + errors.bias2));
+  gather.merging = static_cast<float>(double(emitted) * guidance.emission.gain() * variance /
+                                      (errors.variance + errors.bias2));
   // Relative variance of rays where the cache has none, as in scenes with media: most indirect light of a
   // room comes from about a tenth of the directions.
   constexpr double FEW_DIRECTIONS = 10;
@@ -367,8 +370,8 @@ LightTable PhotonPass::lightsByPower(const LightTable& all) const {
 }
 
 void PhotonPass::learnStarts(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                             const ShootSettings& shoot, const VisibleRegion& region,
-                             const ForwardControl& control, TransportCounts& counts) {
+                             const ShootSettings& shoot, const ForwardControl& control,
+                             TransportCounts& counts) {
   LightPortals openings;
   if (settings.without != Mechanism::PORTALS) openings.learn(scene, seed, counts);
   PhotonAim farLamps;
@@ -405,12 +408,13 @@ void PhotonPass::learnStarts(const Scene& scene, const PathClasses& classes, uin
 void PhotonPass::learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
                                const ShootSettings& shoot, const ForwardControl& control,
                                ForwardStatistics& statistics) {
-  const VisibleRegion region = probeRegion(scene, settings.weighting, statistics.counts);
+  region = probeRegion(scene, settings.weighting, statistics.counts);
   lights = lightsByPower(scene.lights());
   // A search for the nearest photons of one map needs photons of nearly equal power.
-  if (progressive) learnStarts(scene, classes, seed, shoot, region, control, statistics.counts);
-  if (settings.without != Mechanism::GUIDE)
-    guide = learnEmissionGuide(scene, classes, seed, shoot, region, control, statistics.counts);
+  if (progressive) learnStarts(scene, classes, seed, shoot, control, statistics.counts);
+  guidance = recurse::learnGuidance(scene, classes, seed, shoot, region, control, statistics.counts,
+                                    settings.without != Mechanism::GUIDE);
+  if (settings.without == Mechanism::SPLITTING) guidance.splitPower = INFINITE;
   noteGuidance(statistics.notes);
 }
 
@@ -422,10 +426,10 @@ void PhotonPass::noteGuidance(std::vector<std::string>& notes) const {
   if (aim.active())
     notes.push_back(formatted("photons: emission of %zu far lamp%s aimed at surfaces that camera paths hit",
                               aim.lampCount(), aim.lampCount() == 1 ? " is" : "s are"));
-  if (guide.active())
+  if (guidance.emission.active())
     notes.push_back(formatted("photons: emission is guided to surfaces that the camera sees; the variance of "
                               "a photon is %.3g times smaller",
-                              guide.gain()));
+                              guidance.emission.gain()));
 }
 
 } // namespace recurse

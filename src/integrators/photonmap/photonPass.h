@@ -22,6 +22,7 @@ enum class Mechanism {
   GUIDE,           ///< emission of photons follows useful trial photons
   PORTALS,         ///< photons of infinite lights start where camera paths leave the scene
   AIM,             ///< photons of far lights are aimed at the vertices of camera paths
+  SPLITTING,       ///< strong photons are stored as several weak ones
   JUDGED_RADII,    ///< radii of least expected error instead of the distance of the k-th photon
   MERGE_WEIGHTS    ///< photons and rays that find the same paths are weighted by their densities
 };
@@ -145,7 +146,7 @@ class PhotonPass {
                      ForwardStatistics& statistics);
   /** Selects openings for infinite lights and aims for far lamps, where trial photons show that they pay. */
   void learnStarts(const Scene& scene, const PathClasses& classes, uint64_t seed, const ShootSettings& shoot,
-                   const VisibleRegion& region, const ForwardControl& control, TransportCounts& counts);
+                   const ForwardControl& control, TransportCounts& counts);
   /** Adds notes on the learned guidance. */
   void noteGuidance(std::vector<std::string>& notes) const;
   /** Table of lights by the power of their photons: what portals admit, or the aimed fraction. */
@@ -170,7 +171,8 @@ class PhotonPass {
   LightPortals portals;        ///< learned before the first pass, for all
   PhotonAim aim;               ///< learned before the first pass, for all
   LightTable lights;           ///< result of lightsByPower()
-  EmissionGuide guide;         ///< learned before the first pass, for all
+  PhotonGuidance guidance;     ///< learned before the first pass, for all
+  VisibleRegion region;        ///< learned before the first pass, for all
   uint64_t emitted = 0;
   double causticRays = 0; ///< see causticVarianceByRays()
   bool progressive = false, tooFew = false, causticsKnown = false;

@@ -1,5 +1,5 @@
 /** @file
- * Learning of the emission guide from trial photons.
+ * Learning of the emission guide and the splitting power from trial photons.
  */
 #include "transport/forward/photonGuidance.h"
 
@@ -20,17 +20,31 @@ constexpr uint64_t TRIAL_STREAM = 0x545249414c53ull;
 /** Sums over trial photons. */
 struct Trials {
   std::vector<EmissionGuide::TrainingSample> useful;
+  /** Powers of the photons stored in the visible region if only one photon was emitted [W]. */
+  std::vector<float> powers;
   uint64_t inRegion = 0;
   double squares = 0, guided = 0; ///< second moments of contributions: unguided, and with the guide in use
   TransportCounts counts;
   void add(const Trials& o) {
     useful.insert(useful.end(), o.useful.begin(), o.useful.end());
+    powers.insert(powers.end(), o.powers.begin(), o.powers.end());
     inRegion += o.inRegion;
     squares += o.squares;
     guided += o.guided;
     counts.add(o.counts);
   }
 };
+
+/** Power above which photons are split; large enough that splitting adds no more photons than are emitted.
+ */
+float splitPowerOf(std::vector<float> powers, uint64_t emitted) {
+  constexpr float OVER_TYPICAL = 2;
+  if (powers.empty()) return INFINITE;
+  const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
+  std::nth_element(powers.begin(), middle, powers.end());
+  const double sum = std::accumulate(powers.begin(), powers.end(), 0.0);
+  return std::max(OVER_TYPICAL * *middle, static_cast<float>(sum / double(emitted)));
+}
 
 Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed,
                    const ShootSettings& settings, const VisibleRegion& region) {
@@ -52,6 +66,7 @@ Trials shootTrials(const Scene& scene, const PathClasses& classes, uint64_t seed
         const auto importance = double(region.importance(p.position));
         if (importance == 0) continue;
         ++part.inRegion;
+        part.powers.push_back(maxComponent(p.power) * static_cast<float>(settings.photons));
         squares += importance * square(double(maxComponent(p.power)) * perPhoton);
       }
       // Isotropic media scatter 1/(4π) of the flux per sr, white surfaces 1/π. Second moments have squares.
@@ -91,40 +106,48 @@ StartTrial tryStarts(const Scene& scene, const PathClasses& classes, uint64_t se
   return {trials.inRegion, trials.squares / double(trial.photons)};
 }
 
-EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                                 const ShootSettings& settings, const VisibleRegion& region,
-                                 const ForwardControl& control, TransportCounts& counts) {
+PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                             const ShootSettings& settings, const VisibleRegion& region,
+                             const ForwardControl& control, TransportCounts& counts, bool guidesEmission) {
   constexpr int ROUNDS = 5, MAX_ROUNDS = 16;
   constexpr double MIN_RISE = 1.1, MIN_GAIN = 1.5;
-  EmissionGuide guide;
-  if (scene.lights().size() == 0 || region.empty()) return guide;
+  PhotonGuidance guidance;
+  if (scene.lights().size() == 0 || region.empty()) return guidance;
+  EmissionGuide& guide = guidance.emission;
   ShootSettings trial = settings;
   trial.guide = &guide;
   trial.photons = trialPhotons(settings);
+  uint64_t shot = 0;
   double squares = 0, guided = 0; // sums over all rounds with a guide, each learned from earlier rounds
-  std::vector<EmissionGuide::TrainingSample> useful;
-  // Shoots rounds of trials until the guide stops improving.
-  for (int round = 1; round <= MAX_ROUNDS; ++round) {
-    const Trials trials = shootTrials(scene, classes, hashCombine(seed, uint64_t(round - 1)), trial, region);
-    counts.add(trials.counts);
-    if (round > 1) squares += trials.squares;
-    if (round > 1) guided += trials.guided;
-    useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
-    const double before = guide.gain();
-    guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
-    // Few hits are unreliable; many hits of an already good density mean that there is no more to gain.
-    double weight = 0, squared = 0;
-    for (const EmissionGuide::TrainingSample& u : useful) {
-      weight += double(u.weight);
-      squared += square(double(u.weight));
+  // Shoots rounds of trials until the guide stops improving. Returns the last round.
+  const auto learn = [&] {
+    guide = {};
+    std::vector<EmissionGuide::TrainingSample> useful;
+    for (int round = 1;; ++round) {
+      const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
+      counts.add(trials.counts);
+      if (round > 1) squares += trials.squares;
+      if (round > 1) guided += trials.guided;
+      useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
+      const double before = guide.gain();
+      if (guidesEmission) guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
+      // Few hits are unreliable; many hits of an already good density mean that there is no more to gain.
+      double weight = 0, squared = 0;
+      for (const EmissionGuide::TrainingSample& u : useful) {
+        weight += double(u.weight);
+        squared += square(double(u.weight));
+      }
+      const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
+      if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || round == MAX_ROUNDS ||
+          (round >= ROUNDS && guide.gain() < MIN_RISE * before))
+        return trials;
     }
-    const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
-    const bool isSettled = round >= ROUNDS && guide.gain() < MIN_RISE * before;
-    if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || isSettled) break;
-  }
+  };
+  const Trials last = learn();
   // A few photons that scatter hundreds of times in media overestimate the gain of a guide.
-  if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) return {};
-  return guide;
+  if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
+  guidance.splitPower = splitPowerOf(last.powers, trial.photons);
+  return guidance;
 }
 
 EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed, int maxDepth,
@@ -133,7 +156,7 @@ EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes,
   trial.photons = trials;
   trial.maxDepth = maxDepth;
   const VisibleRegion region = probeRegion(scene, {}, counts);
-  return learnEmissionGuide(scene, classes, seed, trial, region, control, counts);
+  return learnGuidance(scene, classes, seed, trial, region, control, counts).emission;
 }
 
 } // namespace recurse

@@ -1,15 +1,21 @@
 /** @file
- * Guidance of the emission of photons to the visible region, learned from trial photons before the first
- * pass.
+ * Guidance of photons to the visible region, learned from trial photons before the first pass.
  */
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "transport/emission/emissionGuide.h"
 #include "transport/forward/shoot.h"
 
 namespace recurse {
+
+/** Guidance of photons: their starts and splitting. */
+struct PhotonGuidance {
+  EmissionGuide emission;
+  float splitPower = INFINITE; ///< see ShootSettings; for a single photon emitted [W]
+};
 
 /** Result of trial photons without a guide. */
 struct StartTrial {
@@ -21,11 +27,15 @@ struct StartTrial {
 StartTrial tryStarts(const Scene& scene, const PathClasses& classes, uint64_t seed,
                      const ShootSettings& settings, const VisibleRegion& region, TransportCounts& counts);
 
-/** Learns from trial photons which starts reach the visible region. The trials are few, and the guide is
- * inactive, where most photons reach it anyway. Adds the work of the trials to `counts`. */
-EmissionGuide learnEmissionGuide(const Scene& scene, const PathClasses& classes, uint64_t seed,
-                                 const ShootSettings& settings, const VisibleRegion& region,
-                                 const ForwardControl& control, TransportCounts& counts);
+/**
+ * Learns from trial photons which starts reach the visible region. The trials are few, and the guide is
+ * inactive, where most photons reach it anyway, or without `guidesEmission`. Adds the work of the trials to
+ * `counts`.
+ */
+PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uint64_t seed,
+                             const ShootSettings& settings, const VisibleRegion& region,
+                             const ForwardControl& control, TransportCounts& counts,
+                             bool guidesEmission = true);
 
 /** Learns an emission guide for light paths without a photon map: the starts of paths that reach the visible
  * region. Few other paths from an outdoor sun or sky enter a room. `maxDepth`: see ShootSettings; `trials`:

@@ -54,6 +54,11 @@ class PhotonWalk {
     if (record) photon->record = RecordedLightPath(*record);
     note(*photon, LightVertexKind::START, photon->ray.origin);
     walk(std::move(*photon), sampler);
+    while (!waiting.empty()) {
+      auto [next, ownSampler] = waiting.back();
+      waiting.pop_back();
+      walk(std::move(next), ownSampler);
+    }
     return start;
   }
 
@@ -168,14 +173,15 @@ class PhotonWalk {
     return at;
   }
 
-  /** Scatters a photon by the BSDF of a surface, with Russian roulette if its flux decreases. Returns false
-   * if the photon ends. */
-  bool scatter(PhotonState& photon, const Arrival& at, Sampler& sampler) {
+  /** Scatters a photon by the BSDF of a surface, with Russian roulette if its new flux is below `power`.
+   * Returns false if the photon ends. */
+  bool scatter(PhotonState& photon, const Arrival& at, float power, Sampler& sampler) {
     const SurfacePoint& point = at.hit.point;
     const std::optional<Scatter> s = at.scattering.scatter(at.wi, Transport::FLUX, sampler, at.allowed);
     if (!s) return false;
-    const Rgb before = std::exchange(photon.flux, photon.flux * s->weight);
-    const float chance = std::min(1.0f, maxComponent(photon.flux) / maxComponent(before));
+    const Rgb scattered = photon.flux * s->weight;
+    photon.flux = scattered;
+    const float chance = std::min(1.0f, maxComponent(scattered) / power);
     if (!russianRoulette(chance, photon.depth, sampler, photon.flux)) return false;
     photon.state = s->specular() ? at.afterS : at.afterD;
     photon.event = s->specular() ? PathEvent::S : PathEvent::D;
@@ -191,6 +197,25 @@ class PhotonWalk {
     return true;
   }
 
+  /** Splits a strong photon into several at non-delta lobes; all but one are put on hold. At delta lobes one
+   * photon carries the flux of all, since they would follow the same path. */
+  void split(PhotonState& photon, Arrival& at, Sampler& sampler) {
+    constexpr uint32_t SPLIT = 2000; // number of the fork, unused by other forks of the sampler
+    const int count = splitCount(photon.flux, at.hit.point.position);
+    if (count == 1) return;
+    const float power = maxComponent(photon.flux) / static_cast<float>(count);
+    const auto branch = [&](PhotonState copy, int i) {
+      Sampler own = sampler.fork(SPLIT + static_cast<uint32_t>(i));
+      if (scatter(copy, at, power, own)) waiting.emplace_back(std::move(copy), own);
+    };
+    const LobeSet allowed = at.allowed;
+    at.allowed = LobeSet(allowed & DELTA_LOBES);
+    branch(photon, 0);
+    at.allowed = LobeSet(allowed & NON_DELTA_LOBES);
+    photon.flux /= static_cast<float>(count);
+    for (int i = 1; i < count; ++i) branch(photon, i);
+  }
+
   /** Follows a photon until it ends. */
   void walk(PhotonState photon, Sampler& sampler) {
     Hit hit;
@@ -199,13 +224,24 @@ class PhotonWalk {
         counts.truncatedThroughput += double(maxComponent(photon.flux));
         return;
       }
-      const Arrival at = arrive(photon, hit, *bsdf);
-      const bool isStored = at.scattering.keepsPhotons() && !classes.dead(at.afterD) &&
-                            (!photon.straight || storesDirect) && store(photon, at);
+      Arrival at = arrive(photon, hit, *bsdf);
+      const bool keepsPhotons = at.scattering.keepsPhotons();
+      const bool isStored =
+          keepsPhotons && !classes.dead(at.afterD) && (!photon.straight || storesDirect) && store(photon, at);
       note(photon, LightVertexKind::SURFACE, hit.point.position, isStored);
       ++photon.depth;
-      if (!scatter(photon, at, sampler)) return;
+      if (keepsPhotons) split(photon, at, sampler);
+      if (!scatter(photon, at, maxComponent(photon.flux), sampler)) return;
     }
+  }
+
+  /** Number of photons that a photon is split into. Without a split, the few photons far stronger than most
+   * in the visible region would each light a whole room from one direction. */
+  int splitCount(const Rgb& flux, const Vec3f& position) const {
+    constexpr float MAX_COUNT = 256;
+    const float count = maxComponent(flux) / settings.splitPower;
+    if (!(count > 2) || !settings.region->contains(position)) return 1;
+    return static_cast<int>(std::min(count, MAX_COUNT));
   }
 
   /** Reverse ratio after a non-delta event: from the light's densities at depth 0, else by furtherOn(). */
@@ -258,6 +294,7 @@ class PhotonWalk {
   const ShootSettings& settings;
   TransportCounts& counts;
   StoredPhotons& out;
+  std::vector<std::pair<PhotonState, Sampler>> waiting;
   PhotonStart starts;
   bool storesDirect = true; ///< see ShootSettings::direct
   BsdfArena arena;

@@ -42,6 +42,8 @@ struct ShootSettings {
    */
   const LightSampler* shadowRays = nullptr;
   KeptInMedia inMedia;
+  const VisibleRegion* region = nullptr; ///< region in which strong photons are split; null: none
+  float splitPower = INFINITE;           ///< approximate power of each photon after a split into at most 256
   LightPathRecorder* lightPaths = nullptr; ///< null: nothing is recorded
 };
 
