@@ -117,33 +117,28 @@ PhotonGuidance learnGuidance(const Scene& scene, const PathClasses& classes, uin
   ShootSettings trial = settings;
   trial.guide = &guide;
   trial.photons = trialPhotons(settings);
-  uint64_t shot = 0;
   double squares = 0, guided = 0; // sums over all rounds with a guide, each learned from earlier rounds
-  // Shoots rounds of trials until the guide stops improving. Returns the last round.
-  const auto learn = [&] {
-    guide = {};
-    std::vector<EmissionGuide::TrainingSample> useful;
-    for (int round = 1;; ++round) {
-      const Trials trials = shootTrials(scene, classes, hashCombine(seed, shot++), trial, region);
-      counts.add(trials.counts);
-      if (round > 1) squares += trials.squares;
-      if (round > 1) guided += trials.guided;
-      useful.insert(useful.end(), trials.useful.begin(), trials.useful.end());
-      const double before = guide.gain();
-      if (guidesEmission) guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
-      // Few hits are unreliable; many hits of an already good density mean that there is no more to gain.
-      double weight = 0, squared = 0;
-      for (const EmissionGuide::TrainingSample& u : useful) {
-        weight += double(u.weight);
-        squared += square(double(u.weight));
-      }
-      const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
-      if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || round == MAX_ROUNDS ||
-          (round >= ROUNDS && guide.gain() < MIN_RISE * before))
-        return trials;
+  std::vector<EmissionGuide::TrainingSample> useful;
+  Trials last;
+  // Shoots rounds of trials until the guide stops improving.
+  for (int round = 1; round <= MAX_ROUNDS; ++round) {
+    last = shootTrials(scene, classes, hashCombine(seed, uint64_t(round - 1)), trial, region);
+    counts.add(last.counts);
+    if (round > 1) squares += last.squares;
+    if (round > 1) guided += last.guided;
+    useful.insert(useful.end(), last.useful.begin(), last.useful.end());
+    const double before = guide.gain();
+    if (guidesEmission) guide = EmissionGuide(useful, double(trial.photons) * round, scene.lights().size());
+    // Few hits are unreliable; many hits of an already good density mean that there is no more to gain.
+    double weight = 0, squared = 0;
+    for (const EmissionGuide::TrainingSample& u : useful) {
+      weight += double(u.weight);
+      squared += square(double(u.weight));
     }
-  };
-  const Trials last = learn();
+    const bool wellKnown = square(weight) > squared * double(trial.photons) / 4;
+    const bool isSettled = round >= ROUNDS && guide.gain() < MIN_RISE * before;
+    if (control.stopped() || (wellKnown && guide.gain() < MIN_GAIN) || isSettled) break;
+  }
   // A few photons that scatter hundreds of times in media overestimate the gain of a guide.
   if (guide.gain() < MIN_GAIN || (scene.hasMedia() && squares < guided)) guide = {};
   guidance.splitPower = splitPowerOf(last.powers, trial.photons);
