@@ -116,6 +116,8 @@ void PhotonPass::learnFrom(const PhotonPass& other) {
   lights = other.lights;
   guidance = other.guidance;
   region = other.region;
+  outside = other.outside;
+  outsideTransmittance = other.outsideTransmittance;
   progressive = other.progressive;
   causticsKnown = other.causticsKnown;
 }
