@@ -134,7 +134,7 @@ class Conductor final : public Material {
   ThinFilmParameters film;
   Roughness roughness;
   FacetLosses losses;                 ///< empty: single scattering only
-  std::optional<Rgb> meanReflectance; ///< set where the metal is not textured
+  std::optional<Rgb> meanReflectance; ///< set where neither metal nor film is textured
 };
 
 } // namespace

@@ -221,7 +221,7 @@ class Dielectric final : public Material {
 };
 
 /** Wavelength dependence of the refractive index; empty where one index serves all wavelengths. */
-std::optional<DispersiveIndex> dispersionOf(const Parameters& p, const Roughness& roughness) {
+std::optional<DispersiveIndex> dispersionOf(const Parameters& p, const Roughness& roughness, bool hasFilm) {
   if (!p.boolean("dispersion")) return {};
   SampledSpectrum spectrum = p.sampledSpectrum("eta");
   const char* source = "eta";
@@ -232,7 +232,7 @@ std::optional<DispersiveIndex> dispersionOf(const Parameters& p, const Roughness
   if (spectrum.values.empty()) return {};
   DispersiveIndex index(spectrum);
   if (index.isConstant()) return {};
-  if (p.integer("priority") > 0 || !roughness.alwaysSmooth() || p.hasValue("thinfilm.thickness")) {
+  if (p.integer("priority") > 0 || !roughness.alwaysSmooth() || hasFilm) {
     p.warn(source, "no dispersion: it needs a smooth dielectric without a priority and without a film; this "
                    "one refracts all light like green light");
     return {};
@@ -302,7 +302,8 @@ void registerDielectric(PlugIns& plugIns) {
          if (film.exists() && multiple)
            p.fail("thinfilm.thickness", "a film is not supported for dielectrics with \"multiscatter\"");
          return std::make_unique<Dielectric>(static_cast<float>(p.spectrum("eta").g), roughness, multiple,
-                                             p.integer("priority"), dispersionOf(p, roughness), film);
+                                             p.integer("priority"), dispersionOf(p, roughness, film.exists()),
+                                             film);
        }});
 }
 

@@ -58,7 +58,8 @@ void registerStratifiedSampler(PlugIns& plugIns) {
       {{.name = "stratified",
         .summary = "Each pair of dimensions has one sample in each of xsamples by ysamples cells, and each "
                    "dimension one in each of as many intervals (Chiu, Shirley and Wang 1994). More samples a "
-                   "pixel are further sets of this kind.",
+                   "pixel are further sets of this kind. Error estimates are those of independent samples, "
+                   "which are too large.",
         .parameters = {integerParameter("xsamples", "4", "samples along x").range(1, 32768),
                        integerParameter("ysamples", "4", "samples along y").range(1, 32768),
                        booleanParameter("jitter", "true",

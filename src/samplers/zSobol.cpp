@@ -39,7 +39,7 @@ uint32_t permutedDigits(uint32_t pixel, uint32_t digits, uint64_t hash) {
   uint32_t out = 0;
   for (uint32_t shift = 2 * digits; shift > 0;) {
     shift -= 2;
-    // The 1 in front of the digits tells numbers of different lengths apart.
+    // The leading 1 distinguishes numbers of different lengths.
     const uint64_t above = (pixel | 1ull << (2 * digits)) >> shift >> 2;
     const uint64_t node = mixBits(hash ^ above);
     const uint32_t permutation = DIGIT_PERMUTATIONS[(node >> 32) * DIGIT_PERMUTATIONS.size() >> 32];
@@ -51,8 +51,8 @@ uint32_t permutedDigits(uint32_t pixel, uint32_t digits, uint64_t hash) {
 /**
  * A square block of pixels shares one Sobol' sequence for each pair of dimensions. A pixel has 2^k
  * consecutive points, in the Z-order of the pixels: the union of any aligned square of pixels is an
- * elementary interval of the sequence. Blocks have 2^24 points, which floats can tell apart; they are
- * independent, and so are further 2^k samples of a pixel.
+ * elementary interval of the sequence. Blocks have 2^24 points, 2^23 for odd k: floats distinguish
+ * them. Blocks are independent, and so are further 2^k samples of a pixel.
  */
 class ZSobolSampler final : public PixelSampler, public SamplePoints {
  public:

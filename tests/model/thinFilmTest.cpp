@@ -128,6 +128,13 @@ TEST(ThinFilm, ReflectsAllLightAlongIt) {
   EXPECT_EQ(ThinFilm({400, 1.33f}).reflectance(0, Rgb(1)), Rgb(1));
 }
 
+TEST(ThinFilm, ReflectsAllLightWhereTheIndexOfTheBaseIsZero) {
+  const Rgb found = ThinFilm{300, 1.33f}.reflectance(1, Rgb(0, 1, 1), Rgb(0, 2, 2));
+  EXPECT_EQ(found.r, 1);
+  EXPECT_GT(found.g, 0);
+  EXPECT_LT(found.g, 1);
+}
+
 TEST(ThinFilm, LosesNoLightAndPassesTheSameBothWays) {
   for (const std::string parameters :
        {"\"float eta\" 1.5 \"float thinfilm.thickness\" 300",
@@ -185,6 +192,7 @@ TEST(ThinFilm, WhatIsWrongIsSaid) {
   EXPECT_NE(messages("dielectric", film + "\"integer priority\" 1").find("priority"), std::string::npos);
   EXPECT_NE(messages("dielectric", film + "\"spectrum eta\" \"glass-BK7\"").find("no dispersion"),
             std::string::npos);
+  EXPECT_EQ(messages("dielectric", "\"spectrum eta\" \"glass-BK7\""), "");
   EXPECT_NE(messages("conductor", "\"float thinfilm.eta\" 2").find("there is no film"), std::string::npos);
   EXPECT_NE(messages("conductor", film + "\"float thinfilm.eta\" .9").find("thinfilm.eta"),
             std::string::npos);

@@ -1,5 +1,5 @@
 /** @file
- * Delta lights and specular surfaces, between which only paths by chance would find light.
+ * Light of point, spot and distant lights that an integrator cannot find.
  */
 #include "apps/load/missedLight.h"
 
@@ -11,10 +11,11 @@ namespace recurse::apps {
 
 std::string missedPaths(const LoadedScene& loaded, const std::vector<PathClass>& classes) {
   const SceneContents& contents = loaded.scene->contents();
-  if (contents.deltaLights == 0 || !(contents.lobes & DELTA_LOBES)) return {};
+  if (contents.deltaLights == 0) return {};
   const std::string missed = missedOfDeltaLights(loaded.integrator->domains());
   if (missed.empty()) return {};
-  const PathAutomaton paths = PathAutomaton::compile(missed);
+  const bool hasDelta = (contents.lobes & DELTA_LOBES) != 0;
+  const PathAutomaton paths = PathAutomaton::compile(hasDelta ? missed : "(" + missed + ") & (L(D|V)*E)");
   const bool wanted = std::any_of(classes.begin(), classes.end(), [&](const PathClass& c) {
     return !PathAutomaton::compile(c.expression).intersect(paths).isEmpty();
   });

@@ -295,9 +295,8 @@ class RenderRun {
   std::string missedText() const {
     const std::string missed = missedPaths(loaded, kept.classes);
     if (missed.empty()) return {};
-    return "light of point, spot and distant lights through mirrors or glass is missing, except straight "
-           "through thin panes (" +
-           missed + "): '" + loaded.integratorDirective.type + "' cannot find it; use --integrator photonmap";
+    return "light of point, spot and distant lights is missing (" + missed + "): '" +
+           loaded.integratorDirective.type + "' cannot find it; use --integrator photonmap";
   }
   void render() {
     settings.allocation = kept.allocation ? &*kept.allocation : nullptr;

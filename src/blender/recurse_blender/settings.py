@@ -46,7 +46,7 @@ class RecurseSettings(bpy.types.PropertyGroup):
             line += f' "integer photons" {self.photons}' + (' "integer passes" 0' if self.integrator == "photonmap" else "")
         if self.integrator == "photonmap" and self.caustics_only:
             line += ' "bool causticsonly" true'
-        return [line, f'Sampler "zsobol" "integer pixelsamples" {self.samples} "integer seed" {self.seed}']
+        return [line, f'Sampler "sobol" "integer pixelsamples" {self.samples} "integer seed" {self.seed}']
 
     def options(self):
         """Options that only the command line has."""

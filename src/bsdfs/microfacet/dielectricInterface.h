@@ -27,7 +27,7 @@ struct DielectricInterface {
   struct Facet {
     Vec3f m{0, 0, 1};   ///< its normal, on the side of wi
     float fresnel = 0;  ///< reflectance, or transmittance of a refraction
-    float cosAbove = 0; ///< cosine of the ray above with the normal; 0 at total reflection
+    float cosAbove = 0; ///< cosine of the ray above with the normal; 0 at total reflection from below
     float jacobian =
         0; ///< refraction: solid angle of normals per solid angle of wo (Walter et al. 2007, eq. 17)
   };

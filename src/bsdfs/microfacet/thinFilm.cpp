@@ -44,9 +44,9 @@ class DaylightCoherence {
 
   /** S(D) for 0 <= D < LONGEST. */
   std::array<std::complex<float>, 3> at(double difference) const {
-    const double place = difference / STEP;
-    const auto i = static_cast<size_t>(place);
-    const auto t = static_cast<float>(place - double(i));
+    const double position = difference / STEP;
+    const auto i = static_cast<size_t>(position);
+    const auto t = static_cast<float>(position - double(i));
     const Node &a = nodes[i], &b = nodes[i + 1];
     const float t2 = t * t, t3 = t2 * t;
     std::array<std::complex<float>, 3> out;
@@ -90,12 +90,11 @@ Rgb ThinFilm::reflectance(float cosOutside, const Rgb& baseEta, const Rgb& baseK
                                               (base2 * inFilm + film2 * inBase)};
     for (size_t p = 0; p < 2; ++p) {
       Term& term = terms[size_t(channel)][p];
-      term.ratio = -outer[p] * inner[p];
       const double absorbed = 1 - std::norm(inner[p]);
-      if (absorbed > 0) {
-        term.scale = (1 - square(outer[p])) * absorbed / (1 - std::norm(term.ratio));
-        term.size = term.scale / (1 - std::abs(term.ratio));
-      }
+      if (!(absorbed > 0)) continue; // total reflection, or 0/0 at an index of 0
+      term.ratio = -outer[p] * inner[p];
+      term.scale = (1 - square(outer[p])) * absorbed / (1 - std::norm(term.ratio));
+      term.size = term.scale / (1 - std::abs(term.ratio));
     }
   }
   const double difference = 2 * double(thickness) * inFilm;

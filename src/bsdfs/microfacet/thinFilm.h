@@ -15,8 +15,8 @@ struct ThinFilm {
   float eta = 1.33f;   ///< refractive index over that of the outside, at least 1
 
   bool exists() const { return thickness > 0; }
-  /** Reflectance for unpolarised daylight, where `cosOutside` in [0, 1] is the cosine with the normal of the
-   * ray outside of the film; and of the base with index eta + i k of each colour channel. */
+  /** Reflectance for unpolarised daylight on a base of index eta + i k for each colour channel. `cosOutside`:
+   * cosine of the ray outside of the film with the normal, in [0, 1]. */
   Rgb reflectance(float cosOutside, const Rgb& baseEta, const Rgb& baseK = Rgb(0)) const;
 };
 

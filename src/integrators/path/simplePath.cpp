@@ -39,8 +39,8 @@ void registerSimplePath(PlugIns& plugIns) {
                               "directions by the BSDF; false: uniform over the hemisphere, except at mirrors "
                               "and surfaces that transmit light"),
              booleanParameter("samplelights", "true",
-                              "shadow rays to the lights; false: rays find lights by chance, and no point "
-                              "lights")},
+                              "shadow rays to the lights; false: rays find lights by chance, and no point, "
+                              "spot or distant lights")},
         .examples = {"", "\"bool samplelights\" false \"bool samplebsdf\" false"}},
        [](const Parameters& p, const NoContext&) {
          PlainPathSettings settings;

@@ -1,7 +1,8 @@
 /** @file
  * Samples: Sobol' points with hashed Owen scrambling (Burley, "Practical Hash-based Owen Scrambling", JCGT
  * 9(4), 2020), padded two dimensions at a time, or the points of a plug-in. A sample depends only on (seed,
- * stream, index, dimension), so that images do not depend on the number or the order of threads.
+ * stream, index, planned samples, dimension) and on the parameters of the plug-in, so that images do not
+ * depend on the number or the order of threads.
  */
 #pragma once
 
