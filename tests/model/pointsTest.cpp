@@ -137,7 +137,7 @@ TEST(Points, DiscsAreDiscs) {
   }
 }
 
-TEST(Points, FilesAndListsAreTheSame) {
+TEST(Points, FilesGivePointsNormalsAndRadii) {
   const std::string file = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
                            "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
                            "property float radius\nelement face 1\nproperty list uchar int vertex_indices\n"

@@ -52,6 +52,7 @@ Slope absolute(const Slope& a) {
 }
 Slope squareRoot(const Slope& a) {
   const Interval root = squareRoot(a.value);
+  if (root.low == 0 && root.high == 0) return {root, Interval(0)}; // a is 0 everywhere
   return {root, a.slope * reciprocal(Interval(2) * root)};
 }
 Slope sine(const Slope& a) { return {sine(a.value), a.slope * cosine(a.value)}; }
@@ -271,15 +272,12 @@ class ExpressionParser {
   uint32_t constant(double x, size_t offset) { return add({Opcode::CONSTANT, 0, 0, x}, offset); }
 
   uint32_t parseSum() {
-    if (++level > MOST_LEVELS)
-      fail(at, "the expression is nested too deeply", "up to " + std::to_string(MOST_LEVELS) + " levels");
     uint32_t a = parseProduct();
     for (char c = next(); c == '+' || c == '-'; c = next()) {
       const size_t offset = at++;
       const uint32_t b = parseProduct();
       a = add({c == '+' ? Opcode::ADD : Opcode::SUBTRACT, a, b}, offset);
     }
-    --level;
     return a;
   }
 

@@ -170,7 +170,7 @@ class Implicit final : public MappedShape {
     return f.slope(p);
   }
 
-  /** What intervals say about a piece of a line. */
+  /** Roots of the function in a piece of a line, by interval arithmetic. */
   enum class Piece { NO_ROOT, ONE_ROOT_AT_MOST, UNDECIDED, UNDECIDABLE };
   Piece judge(const Chord& c, double low, double high) const {
     const std::array<Interval, 3> box = boxAlong(c, {low, high});
@@ -178,13 +178,15 @@ class Implicit final : public MappedShape {
     if (value.isEmpty() || value.low > 0 || (value.high < 0 && !value.isPartial)) return Piece::NO_ROOT;
     if (value.isPartial) return Piece::UNDECIDED;
     const Slope s = slopeAlong(c, box);
+    if (s.slope.isEmpty()) return Piece::UNDECIDED;
     if (!s.slope.contains(0)) return Piece::ONE_ROOT_AT_MOST;
     // The mean value theorem gives tighter bounds on short pieces.
     const double center = 0.5 * (low + high);
     const Interval there = f.value(boxAlong(c, Interval(center)));
     const Interval change = s.slope * (Interval(low, high) - Interval(center)), bounds = there + change;
     if (!bounds.contains(0)) return Piece::NO_ROOT;
-    return change.width() <= there.width() ? Piece::UNDECIDABLE : Piece::UNDECIDED; // rounding decides
+    const bool isRounding = std::isfinite(there.width()) && change.width() <= there.width();
+    return isRounding ? Piece::UNDECIDABLE : Piece::UNDECIDED;
   }
 
   /** Adds the roots between low and high, in ascending order; false where the search ends with one. */
@@ -252,7 +254,8 @@ class Implicit final : public MappedShape {
     return s;
   }
 
-  /** Whether the function may be negative on a face of the box, except for spots of no size. */
+  /** Whether the function may be negative on a face of the box; spots smaller than 2^-20 of its diagonal are
+   * ignored. */
   bool reachesFaces() const {
     int steps = 1 << 14;
     for (uint32_t face = 0; face < 6; ++face) {
@@ -273,7 +276,8 @@ class Implicit final : public MappedShape {
     const Interval value = valueIn(low, high);
     if (value.isEmpty() || value.low >= 0) return false;
     const Vec3d center = 0.5 * (low + high);
-    if (valueIn(center, center).high < 0) return true; // in spite of rounding
+    const Interval there = valueIn(center, center);
+    if (!there.isEmpty() && there.high < 0) return true; // in spite of rounding
     constexpr double SPOT = 0x1p-20;
     const Vec3d extent = high - low;
     if (std::max(extent.x, std::max(extent.y, extent.z)) < SPOT) return false;

@@ -15,7 +15,7 @@ namespace recurse {
 
 namespace {
 
-/** What spheres and discs around points share: the points, and sampling by the squares of their radii. */
+/** Base of spheres and discs around points: the points, and sampling by the squares of their radii. */
 class PointCloud : public Shape {
  public:
   PointCloud(const PlyPoints& points, const ShapeContext& context)
@@ -26,6 +26,8 @@ class PointCloud : public Shape {
                        static_cast<float>(points.radii[i])});
       if (!isFinite(spots.back().center) || !std::isfinite(spots.back().radius))
         throw Error("point " + std::to_string(i) + " is too large for single precision");
+      if (!(spots.back().radius > 0))
+        throw Error("the radius of point " + std::to_string(i) + " is too small for single precision");
     }
   }
 

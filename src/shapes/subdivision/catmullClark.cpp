@@ -2,7 +2,7 @@
  * Subdivision surfaces of Catmull and Clark, "Recursively Generated B-Spline Surfaces on Arbitrary
  * Topological Meshes" (1978), with creases as in DeRose, Kass, Truong, "Subdivision Surfaces in Character
  * Animation" (1998), by OpenSubdiv: faces are split level by level, then moved to the limit surface. The
- * scheme of dooSabin.h has the same parameters.
+ * scheme of dooSabin.h takes the same mesh, without creases, corners or holes.
  */
 #include <algorithm>
 #include <numeric>
@@ -265,10 +265,11 @@ std::unique_ptr<Shape> makeCatmullClark(const Parameters& p, const ShapeContext&
   if (faces > MOST_FACES)
     p.fail("levels", "that makes more than " + std::to_string(int(MOST_FACES)) + " faces", "fewer levels");
   // Memory [bytes] and time [s] per face for topology, limits with their tangents, and normals.
-  constexpr double FACE_BYTES = 500, FACE_SECONDS = 2e-6;
+  const double faceBytes = p.string("scheme") == "doosabin" ? 1000 : 500; // corners at boundaries double
+  constexpr double FACE_SECONDS = 2e-6;
   const std::string subject = "subdivision by " + std::to_string(levels) + " levels";
   requireWork(subject, FACE_SECONDS * faces);
-  requireMemory(subject, FACE_BYTES * faces);
+  requireMemory(subject, faceBytes * faces);
   try {
     const std::set<std::pair<int, int>> edges = edgesOf(mesh);
     for (size_t i = 0; i < mesh.creases.size(); i += 2) {

@@ -3,6 +3,7 @@
  */
 #include "shapes/subdivision/dooSabin.h"
 
+#include <span>
 #include <unordered_map>
 
 #include "recurse/core/threads/interrupt.h"
@@ -69,23 +70,32 @@ class Corners {
   std::vector<uint32_t> faces, across;
 };
 
-/** Mean of the values at a face's corners with the weights of the new vertex at its corner `own`. */
-template <class V>
-V cornerPoint(const PolygonMesh& mesh, const std::vector<V>& values, uint32_t face, uint32_t own) {
-  const uint32_t first = mesh.starts[face], n = mesh.starts[face + 1] - first;
-  V sum(0);
-  for (uint32_t k = 0; k < n; ++k) {
-    const double angle = 2 * PI_D * (double(k) - double(own - first)) / n;
-    const double weight = (first + k == own ? n + 5.0 : 3 + 2 * std::cos(angle)) / (4.0 * n);
-    sum += values[mesh.vertices[first + k]] * weight;
+/** New vertices at the corners of a face of n corners: the weight of corner j in that of corner k is
+ * (3 + 2 cos(2π (j - k) / n)) / (4 n), plus 1/4 for j = k. The sums are the Fourier coefficients 0 and 1. */
+template <class V> void addCornerPoints(std::span<const V> corners, std::vector<V>& out) {
+  const double n = double(corners.size());
+  V sum(0), cosines(0), sines(0);
+  for (size_t k = 0; k < corners.size(); ++k) {
+    sum += corners[k];
+    cosines += corners[k] * std::cos(2 * PI_D * double(k) / n);
+    sines += corners[k] * std::sin(2 * PI_D * double(k) / n);
   }
-  return sum;
+  for (size_t k = 0; k < corners.size(); ++k) {
+    const double angle = 2 * PI_D * double(k) / n;
+    out.push_back(corners[k] * 0.25 +
+                  (sum * 1.5 + cosines * std::cos(angle) + sines * std::sin(angle)) / (2 * n));
+  }
 }
 
 template <class V>
 std::vector<V> refinedValues(const PolygonMesh& mesh, const Corners& corners, const std::vector<V>& values) {
-  std::vector<V> out;
-  for (uint32_t c = 0; c < corners.count(); ++c) out.push_back(cornerPoint(mesh, values, corners.face(c), c));
+  std::vector<V> out, ofFace;
+  for (size_t f = 0; f + 1 < mesh.starts.size(); ++f) {
+    checkInterrupted();
+    ofFace.clear();
+    for (uint32_t c = mesh.starts[f]; c < mesh.starts[f + 1]; ++c) ofFace.push_back(values[mesh.vertices[c]]);
+    addCornerPoints<V>(ofFace, out);
+  }
   for (uint32_t c = 0; c < corners.count(); ++c) {
     if (!corners.isBoundary(c)) continue;
     const V &a = values[corners.vertex(c)], &b = values[corners.vertex(corners.next(c))];
@@ -165,19 +175,17 @@ MeshData dooSabinSurface(PolygonMesh mesh, int levels) {
     if (!mesh.uvs.empty()) out.uvs.push_back(centre(mesh, mesh.uvs, f));
     out.normals.push_back(limitNormalOfFace(mesh, f));
   }
+  const std::vector<Vec3d> inner = refinedValues(mesh, corners, mesh.positions); // by corner
   std::vector<uint32_t> middles(corners.count(), 0);
   for (uint32_t c = 0; c < corners.count(); ++c) {
     if (!corners.isBoundary(c)) continue;
     middles[c] = static_cast<uint32_t>(out.positions.size());
     const uint32_t a = corners.vertex(c), b = corners.vertex(corners.next(c));
-    const auto inner = [&](uint32_t corner) {
-      return cornerPoint(mesh, mesh.positions, corners.face(c), corner);
-    };
     const Vec3d middle = 0.5 * (mesh.positions[a] + mesh.positions[b]);
     out.positions.push_back(middle);
     if (!mesh.uvs.empty()) out.uvs.push_back(0.5 * (mesh.uvs[a] + mesh.uvs[b]));
     out.normals.push_back(glm::cross(mesh.positions[b] - mesh.positions[a],
-                                     0.5 * (inner(c) + inner(corners.next(c))) - middle));
+                                     0.5 * (inner[c] + inner[corners.next(c)]) - middle));
   }
   corners.forVertices([&](const std::vector<uint32_t>& around, bool isClosed) {
     std::vector<uint32_t> polygon;
