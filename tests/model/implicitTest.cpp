@@ -147,7 +147,7 @@ TEST(Expression, IntervalsContainEveryValueAndSlope) {
           // Mean value theorem, where the function has no jumps. Positions are rounded, and so are values.
           const double steepest = std::max(std::abs(slope.slope.low), std::abs(slope.slope.high));
           const double rounding =
-              (1e-14 * (1 + std::abs(value) + std::abs(before)) + 1e-15 * steepest) * 8 / width;
+              (1e-14 * (1 + std::abs(value) + std::abs(before)) + 1e-14 * steepest) * 8 / width;
           if (hasBefore && !bounds.isPartial && rounding < 1) {
             EXPECT_GE((value - before) * 8 / width, slope.slope.low - rounding) << text;
             EXPECT_LE((value - before) * 8 / width, slope.slope.high + rounding) << text;
