@@ -303,12 +303,12 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   lift = 2 * scene.bounds().radius;
   places.clear();
   // The number of records is limited by the pixels, since a small image has less use for each.
-  constexpr size_t EVERY = 4, MIN_COUNT = 4096, MAX_COUNT = 16384;
+  constexpr size_t EVERY = 4, MIN_COUNT = 1024, MAX_COUNT = 65536;
   const size_t pixels = size_t(scene.film().width) * size_t(scene.film().height);
   PlaceFinder finder(scene, first, search, rays, counts);
   size_t ofPhotons = 0;
   if (!first.empty())
-    places = finder.find(std::max(EVERY, first.size() / std::clamp(pixels, MIN_COUNT, MAX_COUNT)), seen,
+    places = finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, MIN_COUNT, MAX_COUNT)), seen,
                          ofPhotons);
   std::vector<Photon> lifted(places.size());
   for (size_t i = 0; i < places.size(); ++i)
