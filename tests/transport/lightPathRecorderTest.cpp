@@ -4,6 +4,7 @@
  */
 #include "rendering.h"
 
+#include <algorithm>
 #include <map>
 
 #include "recurse/pathclasses/pathExpression.h"
@@ -169,7 +170,11 @@ TEST(PhotonPaths, AreThoseOfThePhotonsInEachMap) {
                              {"seen", "LS*E | L(S|D)*DS+E"}});
   const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
   for (const auto& entry : plugIns().integrators.entries())
-    for (const std::string& parameters : entry.examples) {
+    for (std::string parameters : entry.examples) {
+      const bool hasPhotons = std::any_of(entry.parameters.begin(), entry.parameters.end(),
+                                          [](const ParameterSpec& p) { return p.name == "photons"; });
+      if (hasPhotons && parameters.find("photons\"") == std::string::npos)
+        parameters += " \"integer photons\" 5000"; // the default takes seconds
       SCOPED_TRACE(entry.name + " " + parameters);
       const auto integrator = integratorFrom(entry.name, parameters);
       integrator->prepare(*scene, classes);

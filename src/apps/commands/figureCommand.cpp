@@ -35,7 +35,7 @@ void checkOptions(const FigureOptions& o) {
   if (!o.render.statistics.empty()) badUsage("--stats: a figure has no statistics");
   if (o.edges && o.kind != "pyramid") badUsage("--edges: only the pyramid has edges");
   if (o.render.integrator.named() && o.kind != "cost")
-    badUsage("--integrator: the " + o.kind + " has integrators of its own; only the cost is of any");
+    badUsage("--integrator: 'figure " + o.kind + "' has a method of its own; 'figure cost' takes any");
 }
 
 /** Makes the integrator, with those parameters of the scene and of the options that it takes. */
