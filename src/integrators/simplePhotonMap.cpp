@@ -6,6 +6,7 @@
 
 #include "recurse/core/threads/processorTime.h"
 #include "recurse/model/scene/plugIns.h"
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/density/gather.h"
 #include "transport/density/storedPhotons.h"
 #include "transport/direct/localShading.h"

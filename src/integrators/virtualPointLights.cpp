@@ -5,6 +5,7 @@
  */
 #include "recurse/core/io/text.h"
 #include "recurse/model/scene/plugIns.h"
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/localShading.h"
 #include "transport/emission/pathEnds.h"
 #include "transport/forward/photonGuidance.h"

@@ -4,7 +4,6 @@
 #include "render/sampleRenderer.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 
 #include "recurse/core/threads/interrupt.h"
@@ -51,17 +50,17 @@ void expose(const FilmSettings& film, PathRadiance& sample) {
   if (film.whiteBalance) sample.transform([&](const Rgb& c) { return *film.whiteBalance * c; });
 }
 
-/** Batch of camera paths: the integrator walks them together, and their radiance is added to the film in the
- * order of add(). */
+/** Batch of up to `capacity` camera paths: the integrator walks them together, and their radiance is added to
+ * the film in the order of add(). */
 class EyeBatch {
  public:
   EyeBatch(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
-           TransportCounts& counts, const Round& round, Film& film, SampleAllocation* allocation,
-           const std::atomic<bool>* abandon, PathRecorder* recorder = nullptr)
+           TransportCounts& counts, const Round& round, Film& film, size_t capacity,
+           SampleAllocation* allocation, const std::atomic<bool>* abandon, PathRecorder* recorder = nullptr)
       : scene(scene), integrator(integrator), round(round), film(film), allocation(allocation),
         recorder(recorder), usesLens(scene.camera().usesLens()), nothing(classes, counts),
-        radiance(CAMERA_BATCH, PathRadiance(classes, counts)) {
-    paths.reserve(CAMERA_BATCH);
+        radiance(capacity, PathRadiance(classes, counts)), places(capacity) {
+    paths.reserve(capacity);
     for (PathRadiance& r : radiance) {
       r.abandon = abandon;
       r.recorder = recorder;
@@ -98,7 +97,7 @@ class EyeBatch {
       if (ray) recorded.origin = ray->origin, recorded.direction = ray->direction;
       recorder->beginSample(recorded);
     }
-    if (count == CAMERA_BATCH || recorder) flush();
+    if (count == places.size() || recorder) flush();
   }
   void flush() {
     walk();
@@ -136,11 +135,11 @@ class EyeBatch {
   }
 
   struct Place {
-    size_t pixel;
-    uint32_t index;
-    float weight;
+    size_t pixel = 0;
+    uint32_t index = 0;
+    float weight = 0;
     std::optional<size_t> pilot;
-    bool seesNothing;
+    bool seesNothing = false;
   };
   const Scene& scene;
   const Integrator& integrator;
@@ -152,7 +151,7 @@ class EyeBatch {
   PathRadiance nothing; ///< stays black
   std::vector<PathRadiance> radiance;
   std::vector<CameraPath> paths; ///< paths of the places with a camera ray
-  std::array<Place, CAMERA_BATCH> places;
+  std::vector<Place> places;
   size_t count = 0; ///< number of places in use
   uint64_t samplesTaken = 0;
   bool abandoned = false;
@@ -246,7 +245,7 @@ SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t 
   const PixelBounds& bounds = film.bounds();
   Round round{settings.seed, requestedSamples, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
-  EyeBatch batch(scene, integrator, classes, counts, round, film, settings.allocation, abandon);
+  EyeBatch batch(scene, integrator, classes, counts, round, film, CAMERA_BATCH, settings.allocation, abandon);
   forEachPixel(tile, [&](size_t pixel, int x, int y) {
     const PixelSamples samples = samplesOf(pixel);
     for (uint64_t n = samples.first; n < samples.end; ++n) {
@@ -265,7 +264,8 @@ TransportCounts SampleRenderer::renderSamples(int x, int y, uint64_t first, uint
   Round round{settings.seed, requestedSamples, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
   TransportCounts counts;
-  EyeBatch batch(scene, integrator, classes, counts, round, film, nullptr, nullptr, recorder);
+  const size_t capacity = recorder ? 1 : std::min<size_t>(CAMERA_BATCH, end - first);
+  EyeBatch batch(scene, integrator, classes, counts, round, film, capacity, nullptr, nullptr, recorder);
   const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
   for (uint64_t n = first; n < end; ++n) batch.add(x, y, static_cast<uint32_t>(n), pixel, std::nullopt);
   batch.flush();

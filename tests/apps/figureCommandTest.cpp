@@ -46,17 +46,63 @@ TEST_F(FigureProgram, WrongUsageIsRefused) {
   const auto refused = [&](std::vector<std::string> more, const std::string& part) {
     std::vector<std::string> words = {"figure", "pyramid", "scene.pbrt", "-o", "p.png"};
     words.insert(words.end(), more.begin(), more.end());
-    const Outcome o = run(words);
+    const Outcome o = runAMinute(words);
     EXPECT_EQ(o.status, 2) << part;
     EXPECT_TRUE(has(o.err, part)) << o.err;
   };
   refused({"--edges", "1"}, "--edges");
   refused({"--edges", "13"}, "--edges");
   refused({"--edges", "many"}, "--edges");
+  refused({"--time-limit", "5s"}, "--spp");
+  refused({"--error-target", ".1"}, "--spp");
+  refused({"--adaptive"}, "--adaptive");
+  refused({"--stats", "s.json"}, "--stats");
+  refused({"--integrator", "path"}, "--integrator");
+  refused({"--photons", "1000"}, "--photons");
+  refused({"--set", "alpha=.5"}, "--set");
+  EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.png", "--integrator", "bdpt"}).status, 2);
+  EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.png", "--edges", "3"}).status, 2);
+  EXPECT_EQ(run({"figure", "cost", "scene.pbrt", "-o", "p.png", "--edges", "3"}).status, 2);
   EXPECT_EQ(run({"figure", "square", "scene.pbrt", "-o", "p.png"}).status, 2);
   EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.doc"}).status, 2);
   EXPECT_EQ(run({"figure", "mis", "scene.pbrt"}).status, 2);
   EXPECT_FALSE(std::filesystem::exists(file("p.png")));
+}
+
+TEST_F(FigureProgram, MaximumDepthHolds) {
+  const auto inkOfBoth = [&](const std::string& header, const std::vector<std::string>& more) {
+    write("depth.pbrt", scene(header));
+    std::vector<std::string> words = {"figure", "mis", "depth.pbrt", "-o", "p.exr", "--spp", "1", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome o = run(words);
+    EXPECT_EQ(o.status, 0) << o.err;
+    return readImage(file("p.exr")).pixels;
+  };
+  const auto all = inkOfBoth("", {}), direct = inkOfBoth("", {"--maxdepth", "0"});
+  EXPECT_NE(all, direct);
+  EXPECT_EQ(inkOfBoth("Integrator \"path\" \"integer maxdepth\" 0\n", {}), direct);
+}
+
+TEST_F(FigureProgram, TooManyPicturesForTheMemoryAreAnError) {
+  const Outcome o = runAMinute({"figure", "pyramid", "scene.pbrt", "-o", "p.png", "--spp", "1", "--edges",
+                                "12", "--resolution", "1920x1080", "--memory", "4G"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "a figure of 176 pictures of 1920x1080 pixels")) << o.err;
+}
+
+TEST_F(FigureProgram, TheTitleOfCostsHasTheSamplesThatWereTaken) {
+  const auto sheet = [&](const std::string& samples) {
+    const Outcome o = run({"figure", "cost", "scene.pbrt", "-o", "c.exr", "--integrator", "photonmap",
+                           "--photons", "1000", "--set", "passes=16", "--spp", samples, "-q"});
+    EXPECT_EQ(o.status, 0) << o.err;
+    Image image = readImage(file("c.exr"));
+    const size_t title = size_t(image.width) * 40 * image.channels.size(); // top of the sheet
+    image.pixels.resize(title);
+    return image.pixels;
+  };
+  const auto four = sheet("4");
+  EXPECT_EQ(four, sheet("16"));
+  EXPECT_NE(four, sheet("17"));
 }
 
 TEST_F(FigureProgram, FogIsRefusedByNameOfTheIntegrator) {
@@ -74,4 +120,7 @@ TEST_F(FigureProgram, InspectRefusesWrongNumbers) {
       EXPECT_EQ(o.status, 2) << option << value;
       EXPECT_TRUE(has(o.err, option)) << o.err;
     }
+  const Outcome o = run({"inspect", "scene.pbrt", "-o", "p.html", "--reference-samples", "1"});
+  EXPECT_EQ(o.status, 2); // no standard error
+  EXPECT_TRUE(has(o.err, "--reference-samples")) << o.err;
 }

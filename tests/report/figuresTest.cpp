@@ -39,29 +39,58 @@ double meanOf(const Image& image) {
   return sum / double(image.pixels.size());
 }
 
+double meanOf(const Image& image, int channel) {
+  double sum = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) sum += double(image.at(x, y)[channel]);
+  return sum / double(image.width * image.height);
+}
+
 std::vector<StrategyPictures> strategiesOf(const Scene& scene, int longest, int samples = FIGURE_SAMPLES) {
   const std::atomic<bool> stop{false};
   return strategyPictures(scene, *integratorFrom("bdpt", ""), *integratorFrom("lightpath", ""),
                           figureSettings(samples), longest, stop);
 }
 
-TEST(StrategyPictures, WeightedPicturesOfALengthAddUpToItsRender) {
-  const auto scene = sceneFrom(mattWalls());
-  const auto strategies = strategiesOf(*scene, 4, 4);
+/** Expects that the weighted pictures of each number of edges add up to the render of these paths. */
+void expectLengthsAddUp(const Scene& scene, int longest, int samples) {
+  const auto strategies = strategiesOf(scene, longest, samples);
   std::vector<PathClass> lengths;
-  for (int edges = 2; edges <= 4; ++edges)
+  for (int edges = 2; edges <= longest; ++edges)
     lengths.push_back({std::to_string(edges), "L(S|D|V){" + std::to_string(edges - 1) + "}E"});
-  const Rendered whole = renderScene(*scene, *integratorFrom("bdpt", ""), PathClasses(lengths), 4, 3);
+  const Rendered whole = renderScene(scene, *integratorFrom("bdpt", ""), PathClasses(lengths), samples, 3);
   const std::vector<double> means = whole.layerMeans();
-  for (int edges = 2; edges <= 4; ++edges) {
+  for (int edges = 2; edges <= longest; ++edges) {
     SCOPED_TRACE(edges);
-    double sum = 0, expected = 0;
-    for (const StrategyPictures& p : strategies)
-      if (p.lightVertices + p.cameraVertices - 1 == edges) sum += meanOf(p.weighted);
-    for (size_t c = 0; c < 3; ++c) expected += means[3 * size_t(edges - 2) + c] / 3;
-    EXPECT_NEAR(sum, expected, 1e-4 * expected);
-    EXPECT_GT(expected, 0);
+    for (size_t c = 0; c < 3; ++c) {
+      double sum = 0;
+      for (const StrategyPictures& p : strategies)
+        if (p.lightVertices + p.cameraVertices - 1 == edges) sum += meanOf(p.weighted, int(c));
+      const double expected = means[3 * size_t(edges - 2) + c];
+      EXPECT_NEAR(sum, expected, 1e-4 * expected);
+      EXPECT_GT(expected, 0);
+    }
   }
+}
+
+TEST(StrategyPictures, WeightedPicturesOfALengthAddUpToItsRender) {
+  expectLengthsAddUp(*sceneFrom(mattWalls()), 4, 4);
+}
+
+TEST(StrategyPictures, LightThroughAPaneIsInTheRowOfItsEdges) {
+  const std::string pane =
+      "Material \"thindielectric\"\n"
+      "Shape \"bilinearmesh\" \"point3 P\" [ -.9 1 -1.2  .9 1 -1.2  -.9 1 1.2  .9 1 1.2 ]\n";
+  expectLengthsAddUp(*sceneFrom(mattWalls() + pane), 4, 16);
+}
+
+/** The scene with a white balance of its film. */
+std::string withWhiteBalance(std::string scene) {
+  return scene.insert(scene.find("\"integer xresolution\""), "\"float whitebalance\" 4000 ");
+}
+
+TEST(StrategyPictures, HaveTheWhiteBalanceOfTheFilm) {
+  expectLengthsAddUp(*sceneFrom(withWhiteBalance(mattWalls())), 3, 4);
 }
 
 TEST(StrategyPictures, EachStrategyAloneEstimatesTheSameLight) {
@@ -112,6 +141,26 @@ TEST(MisPanels, BothTechniquesAloneAndTogetherEstimateTheSameLight) {
   for (size_t i = 0; i < whole.pixels(); ++i)
     for (int c = 0; c < 3; ++c) expected += double(whole.value(i)[c]) / double(3 * whole.pixels());
   EXPECT_NEAR(both, expected, 1e-4 * expected);
+}
+
+TEST(MisPanels, HaveTheWhiteBalanceOfTheFilm) {
+  const auto scene = sceneFrom(withWhiteBalance(mattWalls()));
+  const std::atomic<bool> stop{false};
+  const auto panels = misPanels(*scene, *integratorFrom("path", ""), figureSettings(4), stop);
+  const std::vector<double> means =
+      renderScene(*scene, *integratorFrom("path", ""), PathClasses(), 4, 3).layerMeans();
+  for (int c = 0; c < 3; ++c)
+    EXPECT_NEAR(meanOf(panels.back().image, c), means[size_t(c)], 1e-4 * means[size_t(c)]);
+}
+
+TEST(CostPanels, AreOfOneSampleWherePassesNeedMoreThanWanted) {
+  const auto scene = sceneFrom(mattWalls());
+  const std::atomic<bool> stop{false};
+  const auto rays = [&](int samples) {
+    const auto integrator = integratorFrom("photonmap", "\"integer photons\" 2000 \"integer passes\" 16");
+    return costPanels(*scene, *integrator, figureSettings(samples), stop)[0].name;
+  };
+  EXPECT_EQ(rays(4), rays(16));
 }
 
 TEST(CostPanels, ShowPhotonsOnlyWhereThereAreSome) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "recurse/pathclasses/pathExpression.h"
 #include "recurse/report/inspect/inspect.h"
 #include "report/inspect/sceneMesh.h"
 #include "sceneRendering.h"
@@ -92,14 +93,15 @@ std::string litFloor(const std::string& material) {
          "-2 2 0 ]\n";
 }
 
-std::vector<ReferencePoint> referencesOf(const Scene& scene, const std::string& expression) {
+std::vector<ReferencePoint> referencesOf(const Scene& scene, const std::string& expression,
+                                         int64_t samples = 64, uint64_t seed = 1) {
   const auto path = integratorFrom("path", "");
   const PathClasses classes({{"light", expression}});
   path->prepare(scene, classes);
   std::vector<RecordedPixel> pixels;
   pixels.push_back({4, 3, {}});
   const std::atomic<bool> stop{false};
-  return referencePoints(scene, *path, classes, pixels, 64, 1, stop);
+  return referencePoints(scene, *path, classes, pixels, samples, seed, stop);
 }
 
 TEST(ReferencePoints, IrradianceOfADistantLightIsItsFluxTimesTheCosine) {
@@ -130,6 +132,46 @@ TEST(ReferencePoints, OtherSurfacesAreLeftOut) {
     EXPECT_TRUE(referencesOf(*sceneFrom(litFloor(material)), "L(S|D)*E").empty()) << material;
 }
 
+TEST(ReferencePoints, StandardErrorIsTheSpreadOverSeeds) {
+  constexpr int SEEDS = 200;
+  const auto scene =
+      sceneFrom(litFloor("\"diffuse\"") +
+                "AreaLightSource \"diffuse\" \"rgb L\" [ 9 9 9 ]\n"
+                "Shape \"bilinearmesh\" \"point3 P\" [ -3 1 .5  -3 -1 .5  -3 1 3  -3 -1 3 ]\n");
+  for (const int64_t samples : {2, 16}) {
+    SCOPED_TRACE(samples);
+    double sum = 0, squares = 0, stated = 0;
+    for (uint64_t seed = 0; seed < SEEDS; ++seed) {
+      const std::vector<ReferencePoint> found = referencesOf(*scene, "L(S|D)*E", samples, seed);
+      ASSERT_EQ(found.size(), 1u);
+      const double y = double(luminance(found[0].irradiance));
+      sum += y / SEEDS;
+      squares += y * y / SEEDS;
+      stated += square(double(found[0].standardError)) / SEEDS;
+    }
+    const double variance = (squares - sum * sum) * SEEDS / (SEEDS - 1);
+    EXPECT_GT(variance, 1e-8 * sum * sum);
+    EXPECT_NEAR(std::sqrt(stated), std::sqrt(variance), 0.2 * std::sqrt(variance));
+  }
+}
+
+TEST(ReferencePoints, ThereAreNoneWhereTheirLightIsNotThatOfThePhotons) {
+  const std::string floor = litFloor("\"diffuse\"");
+  const auto countIn = [](const std::string& text) {
+    return referencesOf(*sceneFrom(text), "L(S|D)*E").size();
+  };
+  const std::string shape = "Shape \"sphere\" \"float radius\" .1\n";
+  EXPECT_EQ(countIn(floor + "Translate 1.5 1.5 1\n" + shape), 1u);
+  EXPECT_EQ(countIn(floor + "Translate 1.5 1.5 1\nMaterial \"thindielectric\"\n" + shape), 0u);
+  EXPECT_EQ(countIn(floor + "ActiveTransform EndTime\nTranslate 0 0 1\nActiveTransform All\n" + shape), 0u);
+  EXPECT_EQ(countIn(floor +
+                    "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\n"
+                    "MediumInterface \"fog\" \"\"\nMaterial \"interface\"\n"
+                    "Translate 1.5 1.5 1\n" +
+                    shape),
+            0u);
+}
+
 TEST(PhotonExpression, IsTheUnionOfTheClassesOfThePhotons) {
   const PathClasses classes({{"direct", "LDE"}, {"caustic", "LS+DE"}, {"other", "L(S|D)*D(S|D)*DE"}});
   const auto photonAfter = [&](const std::string& events) {
@@ -138,10 +180,33 @@ TEST(PhotonExpression, IsTheUnionOfTheClassesOfThePhotons) {
       photon.state = classes.step(photon.state, e == 'S' ? PathEvent::S : PathEvent::D);
     return photon;
   };
-  EXPECT_EQ(photonExpression(classes, {photonAfter("S"), photonAfter("SS")}), "(LS+DE)");
-  EXPECT_EQ(photonExpression(classes, {photonAfter("DS"), photonAfter("")}), "(LDE) | (L(S|D)*D(S|D)*DE)");
-  EXPECT_EQ(photonExpression(PathClasses({{"direct", "LDE"}, {"mirrored", "L(S|D)*SE"}}), {photonAfter("D")}),
+  EXPECT_EQ(photonExpression(classes, {photonAfter("S"), photonAfter("SS")}, "all"), "((LS+DE)) & (all)");
+  EXPECT_EQ(photonExpression(classes, {photonAfter("DS"), photonAfter("")}, "all - LE"),
+            "((LDE) | (L(S|D)*D(S|D)*DE)) & (all - LE)");
+  EXPECT_EQ(photonExpression(PathClasses({{"direct", "LDE"}, {"mirrored", "L(S|D)*SE"}}), {photonAfter("D")},
+                             "all"),
             "");
+}
+
+TEST(PhotonExpression, HasTheLightOfTheMapAlone) {
+  const auto scene = sceneFrom(glassAndMirrorBox(8, 1.2));
+  const PathClasses classes({{"caustic", "LS+DE"}, {"rest", "all - LS+DE"}});
+  const auto accepted = [&](const char* parameters) {
+    const auto integrator = integratorFrom("photonmap", parameters);
+    integrator->prepare(*scene, classes);
+    integrator->forward(*scene, classes, {.seed = 1}, {});
+    size_t inMap = 0;
+    const auto photons = photonsOf(*integrator, 100000, inMap);
+    const PathAutomaton light =
+        PathAutomaton::compile(photonExpression(classes, photons, integrator->photonPaths()));
+    std::string words;
+    for (const char* word : {"LDE", "LSDE", "LDDE", "LSDDE"})
+      if (light.accepts(word)) words += std::string(word) + " ";
+    return words;
+  };
+  EXPECT_EQ(accepted("\"integer photons\" 2000"), "LSDE LDDE LSDDE ");
+  EXPECT_EQ(accepted("\"integer photons\" 2000 \"string direct\" \"photons\""), "LDE LSDE LDDE LSDDE ");
+  EXPECT_EQ(accepted("\"integer photons\" 2000 \"bool causticsonly\" true"), "LSDE ");
 }
 
 } // namespace

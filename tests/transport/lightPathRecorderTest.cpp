@@ -4,6 +4,7 @@
  */
 #include "rendering.h"
 
+#include <algorithm>
 #include <map>
 
 #include "recurse/pathclasses/pathExpression.h"
@@ -157,6 +158,41 @@ TEST(PhotonBoxes, ContainThePhotonsOfTheirMap) {
     EXPECT_GE(inside, photons);
     EXPECT_GT(photons, 50u);
   }
+}
+
+TEST(PhotonPaths, AreThoseOfThePhotonsInEachMap) {
+  const auto scene = sceneFrom(glassAndMirrorBox(LIGHT_PATH_SIZE, 1.2));
+  // Classes of light at the last surface, each with many photons where a map has them at all.
+  const PathClasses classes({{"direct", "LDE"},
+                             {"caustic", "LS+DE"},
+                             {"indirect", "L(S|D)*DDE"},
+                             {"caustic of indirect light", "L(S|D)*DS+DE"},
+                             {"seen", "LS*E | L(S|D)*DS+E"}});
+  const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
+  for (const auto& entry : plugIns().integrators.entries())
+    for (std::string parameters : entry.examples) {
+      const bool hasPhotons = std::any_of(entry.parameters.begin(), entry.parameters.end(),
+                                          [](const ParameterSpec& p) { return p.name == "photons"; });
+      if (hasPhotons && parameters.find("photons\"") == std::string::npos)
+        parameters += " \"integer photons\" 5000"; // the default takes seconds
+      SCOPED_TRACE(entry.name + " " + parameters);
+      const auto integrator = integratorFrom(entry.name, parameters);
+      integrator->prepare(*scene, classes);
+      integrator->forward(*scene, classes, {.seed = 5}, {});
+      std::vector<size_t> counts(classes.layerCount());
+      size_t all = 0;
+      integrator->visitPhotons([&](const StoredPhoton& photon) {
+        const LayerMask mask = classes.join(photon.state, seen);
+        for (size_t i = 0; i < counts.size(); ++i) counts[i] += mask >> i & 1;
+        ++all;
+      });
+      if (all == 0) continue;
+      const PathAutomaton carried = PathAutomaton::compile(integrator->photonPaths());
+      for (size_t i = 0; i + 1 < counts.size(); ++i)
+        EXPECT_EQ(counts[i] > 0,
+                  !carried.intersect(PathAutomaton::compile(classes.classes()[i].expression)).isEmpty())
+            << classes.classes()[i].name << " " << counts[i];
+    }
 }
 
 } // namespace

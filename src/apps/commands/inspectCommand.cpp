@@ -68,7 +68,8 @@ PathClasses classesOf(const InspectOptions& o, const Scene& scene) {
 std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathClasses& classes,
                                          const Inspection& inspection, int64_t samples, uint64_t seed,
                                          const std::atomic<bool>& stop) {
-  const std::string expression = photonExpression(classes, inspection.photons);
+  const std::string expression =
+      photonExpression(classes, inspection.photons, loaded.integrator->photonPaths());
   if (samples == 0 || inspection.photons.empty() || expression.empty()) return {};
   ParsedDirective directive;
   directive.type = "path";
@@ -93,6 +94,8 @@ ExitStatus inspectScene(const InspectOptions& o) {
   const auto lightPaths =
       static_cast<uint64_t>(parseCount("--shown-light-paths", o.shownLightPaths, 0, 1000000));
   const int64_t referenceSamples = parseCount("--reference-samples", o.referenceSamples, 0, 100000000);
+  if (referenceSamples == 1)
+    badUsage("--reference-samples: a standard error needs at least 2 samples; 0: none");
   checkFileWritable(o.output);
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
   const ThreadPool pool(plan.threads);
@@ -173,7 +176,7 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
       ->add_option(
           "--reference-samples", o.referenceSamples,
           "Number of samples of path tracing for the irradiance at each recorded pixel, which density "
-          "estimates are compared with; 0: none (default: 4096)")
+          "estimates are compared with, at least 2; 0: none (default: 4096)")
       ->type_name("N");
   command
       ->add_option("--class", o.classes,

@@ -54,6 +54,7 @@ class Auto final : public Integrator {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
     chosen().visitPhotons(visit);
   }
+  std::string photonPaths() const override { return chosen().photonPaths(); }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override {
     chosen().visitPhotonBoxes(levels, visit);
   }

@@ -11,6 +11,7 @@
 
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/density/radiusCache.h"
 #include "transport/density/storedPhotons.h"
 #include "transport/direct/directLight.h"

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "integrators/bidirectional/bidirectional.h"
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/density/boundaryCorrection.h"
 #include "transport/direct/directLight.h"
 #include "transport/paths/recordedSample.h"

@@ -4,6 +4,7 @@
 #include "integrators/path/plainPath.h"
 
 #include "integrators/path/causticPhotons.h"
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/recordedLight.h"
 #include "transport/learning/guideTraining.h"
 #include "transport/paths/walker.h"

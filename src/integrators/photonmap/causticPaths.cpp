@@ -46,6 +46,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override {
     visitMap(photons.caustics().map, true, visit);
   }
+  std::string photonPaths() const override { return "LS+DE"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override {
     visitMapBoxes(photons.caustics().map, true, levels, visit);
   }

@@ -32,6 +32,7 @@ class PhotonMapping final : public PhotonMapper {
   std::vector<EstimatorDomain> domains() const override;
   bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
+  std::string photonPaths() const override { return settings.directLight ? "all" : "all - LDE"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
 
  private:

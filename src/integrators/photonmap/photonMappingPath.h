@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "recurse/transport/integrator/lightPathRecorder.h"
 #include "transport/direct/directLight.h"
 #include "transport/paths/walk.h"
 #include "transport/weights/mergeWeights.h"

@@ -33,6 +33,11 @@ FigurePanel costPanel(const PixelBounds& crop, const std::vector<double>& values
 
 } // namespace
 
+int64_t samplesTaken(const Integrator& integrator, const RenderSettings& settings) {
+  return std::max<int64_t>(settings.samplesPerPixel,
+                           integrator.passes(settings.samplesPerPixel).minSamples());
+}
+
 std::vector<FigurePanel> costPanels(const Scene& scene, Integrator& integrator,
                                     const RenderSettings& settings, const std::atomic<bool>& stop) {
   const PixelBounds& crop = scene.film().crop;
@@ -40,7 +45,7 @@ std::vector<FigurePanel> costPanels(const Scene& scene, Integrator& integrator,
   std::vector<double> rays(pixels), photons(pixels), microseconds(pixels);
   const PathClasses classes;
   Film film(crop, classes.layerCount());
-  const double samples = double(settings.samplesPerPixel);
+  const auto samples = double(samplesTaken(integrator, settings));
   visitCosts(scene, integrator, classes, settings, film, stop,
              [&](int x, int y, const TransportCounts& counts, double seconds) {
                const size_t i = size_t(y - crop.y0) * size_t(crop.width()) + size_t(x - crop.x0);

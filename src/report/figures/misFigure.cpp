@@ -27,7 +27,7 @@ std::vector<FigurePanel> misPanels(const Scene& scene, Integrator& path, const R
       const auto which = [&](const PathRecorder&, const RecordedContribution& c) {
         return isIncluded(c.source) ? int(picture) : -1;
       };
-      addContributions(record, i, j, pictures, which, value);
+      addContributions(scene.film(), record, i, j, pictures, which, value);
     };
     const auto isHit = [](const RecordedSource& s) { return s.technique == PathTechnique::HIT; };
     const auto isLightSample = [](const RecordedSource& s) {

@@ -2,6 +2,7 @@
  * Strategies of bidirectional path tracing.
  */
 #include <algorithm>
+#include <bit>
 #include <string>
 
 #include "recurse/report/figures/figures.h"
@@ -29,16 +30,8 @@ int strategyIndex(int edges, int lightVertices) {
   return index + lightVertices;
 }
 
-/** Vertices of a recorded path on the camera's side, the camera included. */
-int cameraVertices(const PathRecorder& record, const RecordedSource& source) {
-  const bool isHit = source.technique == PathTechnique::HIT;
-  int count = isHit ? 1 : 2; // camera, and the vertex that is joined
-  for (int step = isHit ? source.step : record.vertices()[size_t(source.vertex)].step; step != CAMERA_STEP;
-       step = record.vertices()[size_t(record.steps()[size_t(step)].vertex)].step)
-    ++count;
-  return isHit ? count + 1 : count; // a hit has the light's point as its last vertex
-}
-
+/** Number of vertices that are sampled from the light. Light samples pass panes without vertices of their
+ * own. */
 int lightVertices(const PathRecorder& record, const RecordedSource& source) {
   if (source.technique == PathTechnique::HIT) return 0;
   if (source.technique == PathTechnique::LIGHT_SAMPLE) return 1;
@@ -75,16 +68,17 @@ std::vector<StrategyPictures> strategyPictures(const Scene& scene, Integrator& b
       unweighted = weighted;
   Image weights(crop.width(), crop.height(), {"Y"});
   const auto which = [&](const PathRecorder& record, const RecordedContribution& c) {
-    const int s = lightVertices(record, c.source), edges = s + cameraVertices(record, c.source) - 1;
-    return c.classes == 0 || edges < SHORTEST || edges > longest ? -1 : strategyIndex(edges, s);
+    if (c.classes == 0) return -1;
+    const int edges = SHORTEST + std::countr_zero(c.classes);
+    return strategyIndex(edges, lightVertices(record, c.source));
   };
   Film film(crop, classes.layerCount());
   visitRecords(
       scene, bidirectional, classes, settings, film, stop, [&](int x, int y, const PathRecorder& record) {
         const int i = x - crop.x0, j = y - crop.y0;
-        addContributions(record, i, j, weighted, which,
+        addContributions(scene.film(), record, i, j, weighted, which,
                          [](const PathRecorder&, const RecordedContribution& c) { return c.radiance; });
-        addContributions(record, i, j, unweighted, which,
+        addContributions(scene.film(), record, i, j, unweighted, which,
                          [](const PathRecorder&, const RecordedContribution& c) {
                            return c.source.weight > 0 ? c.radiance / c.source.weight : BLACK;
                          });

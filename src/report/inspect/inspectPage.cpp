@@ -257,7 +257,8 @@ std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, s
   return out;
 }
 
-std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons) {
+std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons,
+                             const std::string& photonPaths) {
   const CameraState seen = classes.step(classes.cameraStart(), PathEvent::D);
   LayerMask all = 0;
   for (const StoredPhoton& photon : photons) {
@@ -268,7 +269,7 @@ std::string photonExpression(const PathClasses& classes, const std::vector<Store
   std::string text;
   for (size_t i = 0; i < classes.layerCount(); ++i)
     if (all >> i & 1) text += (text.empty() ? "(" : " | (") + classes.classes()[i].expression + ")";
-  return text;
+  return text.empty() ? "" : "(" + text + ") & (" + photonPaths + ")";
 }
 
 std::string inspectPage(const Scene& scene, const PathClasses& classes, const Inspection& inspection) {

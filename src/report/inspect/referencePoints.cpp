@@ -29,11 +29,19 @@ Rgb albedoOf(const Scene& scene, const Ray& ray, ReferencePoint& out) {
   return bsdf->albedo(Vec3f(0, 0, 1));
 }
 
+/** Whether the light that leaves a Lambertian surface may be compared with the light of photons there. Fog
+ * attenuates the radiance on its way to the camera; photons of a pass have one time; and light straight
+ * through panes is direct light to some integrators. */
+bool isComparable(const Scene& scene) {
+  return !scene.hasMedia() && !scene.moves() && !(scene.contents().lobes & STRAIGHT);
+}
+
 } // namespace
 
 std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
                                             const PathClasses& classes, std::span<const RecordedPixel> pixels,
                                             int64_t samples, uint64_t seed, const std::atomic<bool>& stop) {
+  if (!isComparable(scene)) return {};
   std::vector<ReferencePoint> points(pixels.size());
   parallelFor(pixels.size(), [&](size_t i) {
     ReferencePoint& p = points[i];
@@ -48,16 +56,19 @@ std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator
     Rgbd sum(0);
     double squares = 0;
     for (p.samples = 0; p.samples < samples && !stop; ++p.samples) {
-      Sampler sampler(hashCombine(seed, i), 0, static_cast<uint32_t>(p.samples));
+      // Samples of one stream are stratified, so that their variance says nothing about the error of the
+      // mean.
+      Sampler sampler(hashCombine(hashCombine(seed, i), static_cast<uint64_t>(p.samples)), 0, 0);
       out.reset();
       integrator.backward(scene, *ray, sampler, out);
       sum += Rgbd(out.total());
       squares += square(double(luminance(out.total() * PI / albedo)));
     }
-    const auto n = double(std::max<int64_t>(p.samples, 1));
+    if (p.samples == 0) return;
+    const auto n = double(p.samples);
     p.irradiance = Rgb(sum / n) * PI / albedo;
-    p.standardError = static_cast<float>(
-        std::sqrt(std::max(0.0, squares / n - square(double(luminance(p.irradiance)))) / n));
+    const double variance = (squares - n * square(double(luminance(p.irradiance)))) / (n - 1);
+    p.standardError = n > 1 ? static_cast<float>(std::sqrt(std::max(0.0, variance) / n)) : INFINITE;
   });
   std::erase_if(points, [](const ReferencePoint& p) { return p.samples == 0; });
   return points;

@@ -28,7 +28,7 @@ Image figureSheet(const std::string& title, const std::string& subtitle,
 /** Strategy of bidirectional path tracing (Veach 1997, section 10.2) and its pictures. */
 struct StrategyPictures {
   int lightVertices = 0, cameraVertices = 0; ///< s and t; paths have s + t - 1 edges
-  Image weighted;   ///< contributions times MIS weights: all strategies of all lengths add up to the picture
+  Image weighted; ///< contributions times MIS weights: they add up to the picture of paths with 2 to N edges
   Image unweighted; ///< an estimate of the paths of this length by the strategy alone
 };
 
@@ -50,6 +50,10 @@ std::vector<FigurePanel> pyramidPanels(const std::vector<StrategyPictures>& stra
  * of a technique alone. `path`: new. */
 std::vector<FigurePanel> misPanels(const Scene& scene, Integrator& path, const RenderSettings& settings,
                                    const std::atomic<bool>& stop);
+
+/** Number of samples of each pixel that a render takes: more than wanted where each of its passes needs one.
+ */
+int64_t samplesTaken(const Integrator& integrator, const RenderSettings& settings);
 
 /** Panels of the cost of a pixel in false colours: rays, photons of density estimates, and processor time
  * [us], with the range in the name. `integrator`: new. Photons are left out if there are none. */

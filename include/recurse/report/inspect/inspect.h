@@ -19,7 +19,7 @@ struct ReferencePoint {
   Vec3f normal{0};         ///< geometric, unit, towards the camera
   uint32_t object = 0;     ///< see Scene::objectName()
   Rgb irradiance{0};       ///< [W/m²]
-  float standardError = 0; ///< of the irradiance's luminance
+  float standardError = 0; ///< of the irradiance's luminance; infinite for one sample
   int64_t samples = 0;
 };
 
@@ -43,15 +43,17 @@ constexpr int BOX_LEVELS = 13;
 /** At most `most` photons, evenly thinned from the map; their power is scaled to include the omitted ones. */
 std::vector<StoredPhoton> photonsOf(const Integrator& integrator, size_t most, size_t& inMap);
 
-/** Classes of the photons among the light that leaves a non-delta surface, as one expression; empty if some
- * photons are in no class. */
-std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons);
+/** Light of `photonPaths` (see Integrator) in the classes of the photons, among the light that leaves a
+ * non-delta surface, as one expression; empty if some photons are in no class. */
+std::string photonExpression(const PathClasses& classes, const std::vector<StoredPhoton>& photons,
+                             const std::string& photonPaths);
 
 /**
  * Estimates the irradiance E = π L / ρ at Lambertian surfaces of albedo ρ from the radiance L of `samples`
  * camera rays through the middle of each pixel. `integrator`: prepared, and after its forward pass.
  * `classes`: one class, of the paths from the light to the camera that count. Pixels are left out whose first
- * surface is not Lambertian, has other lobes, a bump map or a black channel.
+ * surface is not Lambertian, has other lobes, a bump map or a black channel. Scenes that move, or have media
+ * or thin panes, have no points: there this light is not that of the photons.
  */
 std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
                                             const PathClasses& classes, std::span<const RecordedPixel> pixels,

@@ -269,6 +269,9 @@ class Integrator {
   virtual void visitPhotons(const std::function<void(const StoredPhoton&)>& /*visit*/) const {}
   /** Plural name of the points that visitPhotons() visits. */
   virtual std::string photonName() const { return "photons"; }
+  /** Expression of the paths L…DE whose light these points carry to the last surface D. Light straight
+   * through panes may be missing, and media may add paths. */
+  virtual std::string photonPaths() const { return "all"; }
   /** Calls visit(box) for the boxes of the photon maps' trees with less than `levels` splits above them, each
    * box before its parts. */
   virtual void visitPhotonBoxes(int /*levels*/,

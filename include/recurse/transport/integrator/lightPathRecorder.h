@@ -56,7 +56,7 @@ class LightPathRecorder {
   const std::vector<RecordedLightVertex>& vertices() const { return list; }
   /** Number of light paths of the pass. */
   uint64_t pathsEmitted() const { return emitted; }
-  /** Number of light paths that were looked at for the record; some emit nothing. */
+  /** Number of recorded light paths, including those that emit nothing. */
   uint64_t pathsRecorded() const { return step > 0 ? (emitted + step - 1) / step : 0; }
 
  private:
