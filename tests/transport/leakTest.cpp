@@ -50,7 +50,7 @@ TEST_P(Leaks, AreNone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Leaks,
-                         ::testing::Values(Mask{"shade", "-.8 2.5 -.6  -.8 2.17 -.9  0 1 0", 10, 128},
+                         ::testing::Values(Mask{"shade", "-.8 2.5 -.6  -.8 2.17 -.9  0 1 0", 10, 256},
                                            Mask{"wall", "0 1.3 1.8  -1 1.2 .5  0 1 0", 25, 512},
                                            Mask{"floor", "0 .3 -1.2  -.9 0 -1.2  0 1 0", 14, 128},
                                            Mask{"table", "0 .3 -1.2  -.9 .7 -1.2  0 1 0", 14, 128}),

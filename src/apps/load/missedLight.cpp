@@ -15,7 +15,8 @@ std::string missedPaths(const LoadedScene& loaded, const std::vector<PathClass>&
   const std::string missed = missedOfDeltaLights(loaded.integrator->domains());
   if (missed.empty()) return {};
   const bool hasDelta = (contents.lobes & DELTA_LOBES) != 0;
-  const PathAutomaton paths = PathAutomaton::compile(hasDelta ? missed : "(" + missed + ") & (L(D|V)*E)");
+  PathAutomaton paths = PathAutomaton::compile(missed);
+  if (!hasDelta) paths = paths.intersect(PathAutomaton::compile("L(D|V)*E"));
   const bool wanted = std::any_of(classes.begin(), classes.end(), [&](const PathClass& c) {
     return !PathAutomaton::compile(c.expression).intersect(paths).isEmpty();
   });

@@ -54,12 +54,17 @@ int threadCount() {
 }
 
 void parallelFor(size_t count, const std::function<void(size_t)>& body) {
+  // TBB gives its tasks the float mode of the thread that used it first, which may be another.
+  const auto inFloatMode = [&](size_t i) {
+    setThreadFloatMode();
+    body(i);
+  };
   const std::atomic<bool>* const flag = InterruptibleWork::flag();
-  if (!flag) return tbb::parallel_for(size_t{0}, count, body, tbb::simple_partitioner());
+  if (!flag) return tbb::parallel_for(size_t{0}, count, inFloatMode, tbb::simple_partitioner());
   const auto unlessInterrupted = [&](size_t i) {
     const InterruptibleWork iteration(flag);
     checkInterrupted();
-    body(i);
+    inFloatMode(i);
   };
   tbb::parallel_for(size_t{0}, count, unlessInterrupted, tbb::simple_partitioner());
 }
