@@ -344,6 +344,8 @@ class Pictures(InFolder):
             recurse.classes("L(")
 
 
+#: Parameters of which a plug-in needs one of several.
+NEEDED = {"points": {"P": [(0, 0, 0)], "radius": 1}}
 #: Parameters that others must go with.
 TOGETHER = {"v1": {"mapping": "planar"}, "v2": {"mapping": "planar"}, "sigma_a": {"sigma_s": 1}, "sigma_s": {"sigma_a": 1}}
 
@@ -436,6 +438,7 @@ class PlugIns(unittest.TestCase):
                     value = numbers[0] if len(numbers) == 1 else numbers
                 values = {plug_ins.python_name(spec["name"]): value}
                 values |= TOGETHER.get(spec["name"], {})
+                values |= NEEDED.get(info["name"], {})
                 with self.subTest(info["name"], parameter=spec["name"]):
                     self.check_scene(info, values)
 
