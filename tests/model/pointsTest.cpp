@@ -76,7 +76,7 @@ TEST(Points, SpheresAreSpheres) {
       area += double(sphere->area());
       EXPECT_EQ(points->bounds(i).lower, sphere->bounds(0).lower);
       EXPECT_EQ(points->bounds(i).upper, sphere->bounds(0).upper);
-      for (int k = 0; k < 200; ++k) {
+      for (int k = 0; k < 400; ++k) {
         const auto [o, d] = randomLine(random, whole);
         const auto hit = points->intersect(i, o, d, 0, INFINITE),
                    expected = sphere->intersect(0, o, d, 0, INFINITE);
