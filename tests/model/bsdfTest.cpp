@@ -657,7 +657,7 @@ TEST(BsdfPasses, ScatterTakesAllLobesInProportion) {
   forEachBsdf([](const Bsdf& bsdf) {
     const ScatteringPoint s(bsdf, flatPoint());
     for (const Vec3f& wi : incidentDirections()) {
-      const auto N = uint32_t(samples(2048));
+      constexpr uint32_t N = 2048; // no fewer under sanitizers: a bubble transmits little at grazing angles
       Rgbd sum(0), sum2(0);
       for (uint32_t i = 0; i < N; ++i) {
         Sampler each(9, 1, i);
