@@ -143,7 +143,7 @@ class Auto final : public Integrator {
       EstimatorTrial::Figures byBoth = EstimatorTrial::figures(both, mapped);
       byBoth.work += PASS_RAY * shot / pixels;
       byBoth.add(EstimatorTrial::missedVariance(both, mapped));
-      withCaustics = !raysFindAll(scene) || byBoth.errorOver(byPaths) < CLEARLY;
+      withCaustics = !raysFindAll(scene) || byBoth.errorOver(byPaths) < 1;
       if (withCaustics) byPaths = byBoth;
     }
     if (control.stopped()) return;
@@ -162,7 +162,7 @@ class Auto final : public Integrator {
         arePathsBetter ? rival : "photonmap", ratio, rival));
     if (!arePathsBetter) return;
     if (withCaustics) {
-      paths = makeCausticPaths(settings, &lights);
+      paths = makeCausticPaths(settings, &lights, &mapper->photonPass());
       paths->prepare(scene, classes);
       statistics.counts.add(paths->forward(scene, classes, pass, control).counts);
     }

@@ -66,9 +66,8 @@ double EstimatorTrial::Figures::errorOver(const Figures& other) const {
 }
 
 EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds& others) {
-  // Work coefficients fitted to the render times of nineteen scenes, for most to within a fifth. RAY is small
-  // because, with gathers, nearly all rays are short searches for edges.
-  constexpr double RAY = 0.2, GATHER = 5, PHOTON = 0.02, SCATTERED = 0.09;
+  // Work coefficients fitted to the processor times of sixteen scenes, for all to within a factor of 1.5.
+  constexpr double BOUNDARY_RAY = 0.6, GATHER = 3, PHOTON = 0.02, SCATTERED = 0.09;
   constexpr double DARK = 0.01; // fraction of the image's mean square, below which errors are invisible
   std::vector<double> mean(ALL_BLOCKS);
   for (size_t i = 0; i < size_t(PIXELS); ++i)
@@ -95,10 +94,9 @@ EstimatorTrial::Figures EstimatorTrial::figures(const Rounds& own, const Rounds&
   }
   for (const TrialSamples& samples : own) {
     const TransportCounts& c = samples.counts;
-    const double rays = double(c.rays), gathers = double(c.gathers);
-    f.work += (gathers > 0 ? RAY * rays + GATHER * gathers + PHOTON * double(c.photonsFound) +
-                                 SCATTERED * double(c.photonsScattered)
-                           : rays) /
+    f.work += (double(c.rays - c.boundaryRays) + BOUNDARY_RAY * double(c.boundaryRays) +
+               GATHER * double(c.gathers) + PHOTON * double(c.photonsFound) +
+               SCATTERED * double(c.photonsScattered)) /
               (2 * PIXELS);
   }
   return f;

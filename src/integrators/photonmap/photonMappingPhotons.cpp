@@ -30,8 +30,12 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
                                        const PathState& path, const Sampler& sampler,
                                        PathRadiance& out) const {
   const Vec3f wi = -path.ray.direction;
-  if (out.recorder) out.recorder->beginEstimate(path.recordedVertex, &layer == &photons.caustics());
+  const bool isCaustic = &layer == &photons.caustics();
+  const auto beginEstimate = [&] {
+    if (out.recorder) out.recorder->beginEstimate(path.recordedVertex, isCaustic);
+  };
   if (hasRecord(cache, query, scattering, point, path)) {
+    beginEstimate();
     const GatherSettings search = atRecord(layer, query);
     const Rgb e = cache.at(query.place.index, out.counts, [&](TransportCounts& counts) {
       const RadiusCache::Place& place = layer.cache().place(query.place.index);
@@ -49,13 +53,20 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
     if (out.recorder) out.recorder->endEstimate(search.radius, 0);
     return weights;
   }
+  constexpr uint32_t CHANCE = 0x4342; // distinct from other forks of the same sampler
+  const float footprint = path.ray.width * photons.scale();
+  if (query.settings.chance < 1 && sampler.fork(CHANCE).next1D() >= query.settings.chance) {
+    GatherResult weights;
+    weights.merging = mergingUnseen(query.settings, footprint);
+    return weights;
+  }
+  beginEstimate();
   BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
                               query.place.away};
   const GatherResult result =
-      gather(layer.map, query.settings, scattering, point, wi, path.ray.width * photons.scale(),
-             path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr);
+      gather(layer.map, query.settings, scattering, point, wi, footprint, path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr);
   if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
-  KernelRadii& radii = &layer == &photons.caustics() ? out.counts.causticRadii : out.counts.otherRadii;
+  KernelRadii& radii = isCaustic ? out.counts.causticRadii : out.counts.otherRadii;
   radii.add(result.radius, path.ray.width);
   return result;
 }

@@ -111,6 +111,8 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
 void PhotonPass::learnFrom(const PhotonPass& other) {
   causticLayer.choice = other.causticLayer.choice;
   causticLayer.radii = other.causticLayer.radii;
+  indirectLayer.radii = other.indirectLayer.radii;
+  causticChances = other.causticChances;
   portals = other.portals;
   aim = other.aim;
   lights = other.lights;
@@ -220,6 +222,7 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
     ForwardStatistics discarded;
     const bool isCaustic = layer == &causticLayer;
+    if (settings.causticsOnly && !isCaustic) continue; // keeps what learnFrom() took over
     // With photons of direct light the layer also contains shadows.
     const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
@@ -232,7 +235,25 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
     layer->radii = std::move(radii);
   }
   causticsKnown = causticLayer.map.size() >= MIN_CAUSTIC;
+  causticChances.clear();
+  if (judged) learnChances();
   causticRays = judged ? causticVarianceAt(manySeen) : 0;
+}
+
+void PhotonPass::learnChances() {
+  constexpr double PART = 0.1;  // of all light: brighter caustics are always estimated
+  constexpr double LEAST = 0.1; // records with few photons may not know of a caustic near by
+  const RadiusCache& caustics = causticLayer.cache();
+  const RadiusCache& others = indirectLayer.cache();
+  causticChances.assign(caustics.size(), LEAST);
+  for (size_t i = 0; i < caustics.size(); ++i) {
+    const RadiusCache::Place& place = caustics.place(i);
+    double all = std::max(double(place.worth.irradiance), double(place.irradiance));
+    if (others.size() > 0)
+      all += double(others.place(others.at(place.position, place.normal).index).irradiance);
+    if (all > 0)
+      causticChances[i] = static_cast<float>(std::clamp(double(place.irradiance) / (PART * all), LEAST, 1.0));
+  }
 }
 
 double PhotonPass::causticVarianceAt(std::span<const VisiblePoint> seen) const {
@@ -276,6 +297,7 @@ PhotonQuery PhotonPass::query(const PhotonLayer& layer, const SurfacePoint& poin
         causticsKnown ? static_cast<float>(emitted) * static_cast<float>(guidance.emission.gain()) : 0;
     constexpr float ALL_TO_PHOTONS = 1e15f;
     if (settings.without == Mechanism::MERGE_WEIGHTS) here.settings.merging = ALL_TO_PHOTONS;
+    if (!causticChances.empty()) here.settings.chance = causticChances[here.place.index];
   } else {
     here.settings.weighting = settings.weighting;
   }

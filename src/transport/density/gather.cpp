@@ -3,8 +3,6 @@
  */
 #include "transport/density/gather.h"
 
-#include "transport/weights/mergeWeights.h"
-
 #include <bit>
 #include <cfloat>
 
@@ -226,7 +224,9 @@ Support findKernelSupport(const PhotonMap& map, const GatherSettings& settings, 
     return support;
   }
   const auto fit = [&] {
+    const uint64_t before = counts.rays;
     support.fraction = coveredFraction(*boundary, error, settings.kernel, support.region, counts);
+    counts.boundaryRays += counts.rays - before;
     const bool smaller = square(support.region.radius) < 0.99f * support.radius2;
     if (!smaller) return;
     support.radius2 = square(support.region.radius);
@@ -277,6 +277,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   ++out.counts.gathers;
   GatherResult result;
   result.rest = settings.rest;
+  result.merging = mergingUnseen(settings, footprint);
   if (map.empty()) return result;
   GatherRegion place;
   place.center = point.position;
@@ -287,7 +288,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   const Support support = findKernelSupport(map, settings, place, glm::length(point.error), footprint / 2,
                                             boundary, scratch, out.counts);
 
-  result.merging = mergingWithin(settings.merging, support.radius2);
+  if (settings.chance == 1) result.merging = mergingWithin(settings.merging, support.radius2);
   result.rest = settings.restWithin(support.radius2);
   result.radius = support.region.radius;
   if (support.empty) return result;
@@ -315,7 +316,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   if (!estimate.isLambertian()) out.counts.photonsScattered += static_cast<uint64_t>(result.found);
   if (result.found > 0)
     estimate.addTo(out, throughput * ((settings.weighedAgainstRays ? 1 : result.rest) * INV_PI /
-                                      (support.radius2 * support.fraction)));
+                                      (support.radius2 * support.fraction * settings.chance)));
   return result;
 }
 

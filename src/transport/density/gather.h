@@ -11,6 +11,7 @@
 #include "transport/density/boundaryCorrection.h"
 #include "transport/photonmap/kernel.h"
 #include "transport/weights/gatherWeighting.h"
+#include "transport/weights/mergeWeights.h"
 
 namespace recurse {
 
@@ -37,6 +38,9 @@ struct GatherSettings {
    * per unit of kernel area, `rest` the weight of photons whose ratio is unknown. */
   bool weighedAgainstRays = false;
   float merging = 0, rest = 1;
+  /** Probability with which the caller takes the estimate. One that is taken counts 1/chance. Below 1 the MIS
+   * weights are those of the whole `radius`, since the support is unknown where no estimate is taken. */
+  float chance = 1;
   /** Whether the caller's rays add the light that photons lack, and `rest` depends on the support used: on
    * `errors` if photons are weighted; else on its fraction of the area within `radius` (must be set), so that
    * no photon is brighter than over all of that area. */
@@ -48,6 +52,12 @@ struct GatherSettings {
     return weighedAgainstRays ? errors.photonWeight(double(part)) : rest * part;
   }
 };
+
+/** Merging factor of a kernel's support of the whole `settings.radius`, or of a wider pixel: that of an
+ * estimate which is not taken, see GatherSettings::chance. `footprint`: pixel width [scene units]. */
+inline float mergingUnseen(const GatherSettings& settings, float footprint) {
+  return mergingWithin(settings.merging, square(std::max(settings.radius, footprint / 2)));
+}
 
 /** Support and weights that an estimate used. */
 struct GatherResult {

@@ -123,7 +123,7 @@ void GuideTraining::prepare(const Scene& scene, const LightSampler& lights, cons
   constexpr uint64_t STREAM = 0x6775696465ull;
   constexpr double PATHS = 1.0 / 16, MIN_PATHS = 4096; // fraction of the paths in all passes before
   constexpr double PHOTONS = 1;                        // photons for each camera path
-  constexpr size_t MAX_RECORDS = 1 << 20;              // 48 MB
+  constexpr size_t MAX_RECORDS = 200'000;              // 10 MB; more records improve no scene tried
   constexpr float FOOTPRINTS = 4;                      // smallest extent of a cell [pixels]
   if (pass.index == 0) {
     stage = -1;

@@ -61,6 +61,7 @@ struct KernelRadii {
 /** Counters of a render, kept for each thread and then added. */
 struct TransportCounts {
   uint64_t rays = 0;              ///< intersection and occlusion queries
+  uint64_t boundaryRays = 0;      ///< number of these that searched for the ends of surfaces, see gathers
   uint64_t nonFinite = 0;         ///< contributions dropped because they were not finite; must be 0
   double truncatedThroughput = 0; ///< throughput lost to depth and weight limits, summed over camera paths
   uint64_t gathers = 0;           ///< density estimates
@@ -71,6 +72,7 @@ struct TransportCounts {
     causticRadii.add(o.causticRadii);
     otherRadii.add(o.otherRadii);
     rays += o.rays;
+    boundaryRays += o.boundaryRays;
     nonFinite += o.nonFinite;
     truncatedThroughput += o.truncatedThroughput;
     gathers += o.gathers;
