@@ -28,7 +28,7 @@ bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, S
   const RayTransmittance transmittance(*medium, path.ray, end, sampler);
   if (out.recorder) out.recorder->source = {.step = path.recordedStep};
   // Where photons are stored, they include the emission of media.
-  if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), out);
+  if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), path.optical.length, out);
   if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
   const float before = maxComponent(path.throughput);
   path.throughput *= transmittance.to(end);

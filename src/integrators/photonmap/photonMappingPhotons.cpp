@@ -53,7 +53,7 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
                               query.place.away};
   const GatherResult result =
       gather(layer.map, query.settings, scattering, point, wi, path.ray.width * photons.scale(),
-             path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr);
+             path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr, path.optical);
   if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
   KernelRadii& radii = &layer == &photons.caustics() ? out.counts.causticRadii : out.counts.otherRadii;
   radii.add(result.radius, path.ray.width);

@@ -19,12 +19,14 @@ constexpr uint64_t PHOTON_BATCH = 4096;
 /** Photons that walks have stored, by kind. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;
+  std::vector<float> lengths; ///< optical lengths of `onSurfaces`; empty unless the render is transient
   std::vector<VolumePhoton> inMedia;
   std::vector<PhotonBeam> beams;
 
   size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
   void clear() {
     onSurfaces.clear();
+    lengths.clear();
     inMedia.clear();
     beams.clear();
   }
@@ -108,6 +110,7 @@ class PhotonWalk {
       return MediumEvent::ENDED;
     }
     if (classes.dead(after)) return MediumEvent::ENDED;
+    photon.optical.travel(c.t);
     const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
     const float part = settings.inMedia.pointPart;
     const bool asPoint = stored && !asBeam && (part >= 1 || sampler.next1D() < part);
@@ -142,6 +145,7 @@ class PhotonWalk {
         note(photon, LightVertexKind::ESCAPE, ray.at(2 * scene.bounds().radius));
         return nullptr;
       }
+      photon.optical.travel(hit.t);
       arena.reset();
       drawWavelength(scene, photon.wavelength, sampler, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), photon.nesting, arena);
@@ -187,6 +191,7 @@ class PhotonWalk {
     photon.event = s->specular() ? PathEvent::S : PathEvent::D;
     photon.flux *= dispersedColour(point, *s, photon.wavelength);
     photon.nesting.scatters(at.hit, at.wi, s->direction);
+    photon.optical.scatter(s->eta);
     photon.caustic = photon.caustic && s->specular();
     photon.straight = photon.straight && passesPane(scene, at.scattering, *s);
     if (s->specular())
@@ -286,6 +291,7 @@ class PhotonWalk {
     p.caustic = photon.caustic;
     p.reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(p);
+    if (classes.isTransient()) out.lengths.push_back(photon.optical.length);
     return true;
   }
 

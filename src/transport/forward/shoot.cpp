@@ -43,6 +43,7 @@ template <class T> void readBytes(std::span<const std::byte>& bytes, std::vector
 std::vector<std::byte> packed(const StoredPhotons& stored) {
   std::vector<std::byte> out;
   appendBytes(stored.onSurfaces, out);
+  appendBytes(stored.lengths, out);
   appendBytes(stored.inMedia, out);
   appendBytes(stored.beams, out);
   return out;
@@ -50,6 +51,7 @@ std::vector<std::byte> packed(const StoredPhotons& stored) {
 
 void unpack(std::span<const std::byte> bytes, StoredPhotons& stored) {
   readBytes(bytes, stored.onSurfaces);
+  readBytes(bytes, stored.lengths);
   readBytes(bytes, stored.inMedia);
   readBytes(bytes, stored.beams);
 }
@@ -121,6 +123,7 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   shot.stored.reserve(total);
   for (StoredPhotons& s : stored) {
     moveTo(shot.stored, s.onSurfaces);
+    moveTo(shot.lengths, s.lengths);
     moveTo(shot.inMedia, s.inMedia);
     moveTo(shot.beams, s.beams);
   }

@@ -15,6 +15,7 @@ namespace recurse {
 
 struct ShotPhotons {
   std::vector<Photon> stored;        ///< powers are divided by the number of photons emitted
+  std::vector<float> lengths; ///< optical lengths of `stored`; empty unless the render is transient
   std::vector<VolumePhoton> inMedia; ///< normalised like `stored`
   std::vector<PhotonBeam> beams;     ///< normalised like `stored`
   uint64_t emitted = 0;
