@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "recurse/core/io/text.h"
+
 namespace recurse {
 
 namespace {
@@ -19,6 +21,10 @@ std::string TransientFrames::layerName(size_t layer) const {
   if (layer == count + 1) return "after";
   const std::string number = std::to_string(layer - 1);
   return FRAME + std::string(DIGITS - std::min(DIGITS, number.size()), '0') + number;
+}
+
+std::string TransientFrames::text() const {
+  return formatted("%.9g:%.9g:%zu", double(begin), end, count);
 }
 
 bool TransientFrames::isFrameName(const std::string& name) { return name.starts_with(FRAME); }

@@ -17,7 +17,7 @@ class TransientFrames {
   TransientFrames() = default;
   /** `count` > 0 frames of [from, to) [scene units], from < to. */
   TransientFrames(double from, double to, size_t count)
-      : begin(static_cast<float>(from)), perLength(static_cast<float>(double(count) / (to - from))),
+      : begin(static_cast<float>(from)), perLength(static_cast<float>(double(count) / (to - from))), end(to),
         count(count) {}
 
   bool empty() const { return count == 0; }
@@ -30,6 +30,8 @@ class TransientFrames {
     if (!(place >= 0)) return 0;
     return place < static_cast<float>(count) ? 1 + static_cast<size_t>(place) : count + 1;
   }
+  /** The intervals as FROM:TO:FRAMES. */
+  std::string text() const;
   /** Name of a layer: "before", "frame-0000" and so on, "after". */
   std::string layerName(size_t layer) const;
   /** Whether a layer of this name is a frame. */
@@ -38,6 +40,7 @@ class TransientFrames {
  private:
   float begin = 0;     ///< [scene units]
   float perLength = 0; ///< frames per scene unit
+  double end = 0;      ///< [scene units]
   size_t count = 0;
 };
 

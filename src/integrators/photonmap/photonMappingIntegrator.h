@@ -31,7 +31,7 @@ class PhotonMapping final : public PhotonMapper {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
   std::vector<EstimatorDomain> domains() const override;
   bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
-  bool supportsTransient(const Scene& scene) const override { return !scene.hasMedia(); }
+  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
   std::string photonPaths() const override { return settings.directLight ? "all" : "all - LDE"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;

@@ -98,7 +98,7 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   statistics.shootSeconds = secondsSince(start);
 
   start = std::chrono::steady_clock::now();
-  const std::vector<float> lengths = causticsFirst(shot.stored, shot.lengths);
+  const std::vector<float> lengths = causticsFirst(shot.stored, shot.lengths.onSurfaces);
   const auto firstIndirect = std::stable_partition(shot.stored.begin(), shot.stored.end(),
                                                    [](const Photon& p) { return p.caustic; });
   causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
@@ -111,8 +111,9 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   constexpr float WIDEST = 0.05f;       // maximum radius relative to the scene's; wider hides all detail
   constexpr float ONE_DIMENSION = 1.2f; // ratio of the optimal rates 1/5 (blur in one dimension) and 1/6
   const float widest = WIDEST * scene.bounds().radius;
-  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest);
-  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest);
+  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest, shot.lengths.inMedia);
+  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest,
+                           std::move(shot.lengths.beams));
   if (settings.edges) mediaPhotons.points.findBounds(scene, pass.time, statistics.counts);
   statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
   statistics.balanceSeconds = secondsSince(start);

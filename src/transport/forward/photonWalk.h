@@ -19,14 +19,14 @@ constexpr uint64_t PHOTON_BATCH = 4096;
 /** Photons that walks have stored, by kind. */
 struct StoredPhotons {
   std::vector<Photon> onSurfaces;
-  std::vector<float> lengths; ///< optical lengths of `onSurfaces`; empty unless the render is transient
   std::vector<VolumePhoton> inMedia;
   std::vector<PhotonBeam> beams;
+  PhotonPathLengths lengths;
 
   size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
   void clear() {
     onSurfaces.clear();
-    lengths.clear();
+    lengths = {};
     inMedia.clear();
     beams.clear();
   }
@@ -81,6 +81,7 @@ class PhotonWalk {
         flight::sampleDistance(thinnest(medium.at(photon.ray.origin).extinction()), sampler);
     out.beams.push_back({photon.ray.origin, photon.ray.direction, std::min(end, distance), photon.flux / part,
                          number, photon.state.byte});
+    if (classes.isTransient()) out.lengths.beams.push_back(photon.optical.length);
   }
 
   enum class MediumEvent { NONE, SCATTERED, ENDED };
@@ -114,9 +115,11 @@ class PhotonWalk {
     const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
     const float part = settings.inMedia.pointPart;
     const bool asPoint = stored && !asBeam && (part >= 1 || sampler.next1D() < part);
-    if (asPoint)
+    if (asPoint) {
       out.inMedia.push_back(
           {position, packDirection(direction), photon.flux / part, number, photon.state.byte});
+      if (classes.isTransient()) out.lengths.inMedia.push_back(photon.optical.length);
+    }
     note(photon, LightVertexKind::MEDIUM, position, asPoint);
     ++photon.depth;
     const float chance = std::min(1.0f, (photon.flux.r + photon.flux.g + photon.flux.b) / before);
@@ -291,7 +294,7 @@ class PhotonWalk {
     p.caustic = photon.caustic;
     p.reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(p);
-    if (classes.isTransient()) out.lengths.push_back(photon.optical.length);
+    if (classes.isTransient()) out.lengths.onSurfaces.push_back(photon.optical.length);
     return true;
   }
 

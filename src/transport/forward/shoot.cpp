@@ -43,17 +43,21 @@ template <class T> void readBytes(std::span<const std::byte>& bytes, std::vector
 std::vector<std::byte> packed(const StoredPhotons& stored) {
   std::vector<std::byte> out;
   appendBytes(stored.onSurfaces, out);
-  appendBytes(stored.lengths, out);
   appendBytes(stored.inMedia, out);
   appendBytes(stored.beams, out);
+  appendBytes(stored.lengths.onSurfaces, out);
+  appendBytes(stored.lengths.inMedia, out);
+  appendBytes(stored.lengths.beams, out);
   return out;
 }
 
 void unpack(std::span<const std::byte> bytes, StoredPhotons& stored) {
   readBytes(bytes, stored.onSurfaces);
-  readBytes(bytes, stored.lengths);
   readBytes(bytes, stored.inMedia);
   readBytes(bytes, stored.beams);
+  readBytes(bytes, stored.lengths.onSurfaces);
+  readBytes(bytes, stored.lengths.inMedia);
+  readBytes(bytes, stored.lengths.beams);
 }
 
 template <class T> void moveTo(std::vector<T>& all, std::vector<T>& part) {
@@ -123,9 +127,11 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
   shot.stored.reserve(total);
   for (StoredPhotons& s : stored) {
     moveTo(shot.stored, s.onSurfaces);
-    moveTo(shot.lengths, s.lengths);
     moveTo(shot.inMedia, s.inMedia);
     moveTo(shot.beams, s.beams);
+    moveTo(shot.lengths.onSurfaces, s.lengths.onSurfaces);
+    moveTo(shot.lengths.inMedia, s.lengths.inMedia);
+    moveTo(shot.lengths.beams, s.lengths.beams);
   }
   for (const TransportCounts& c : counts) shot.counts.add(c);
   shot.emitted = settings.photons;

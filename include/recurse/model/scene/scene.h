@@ -141,12 +141,12 @@ class Scene {
   /** Refractive indices of nested dielectrics, highest priority first. */
   const std::vector<float>& nestedIndices() const { return nestedDielectrics; }
   /** Whether the scene has media; without any, rays skip all medium queries. */
+  bool hasMedia() const { return !sceneMedia.empty(); }
   bool hasEmissiveMedia() const {
-    for (uint16_t i = 1; i <= mediumCount(); ++i)
-      if (medium(i)->isEmissive()) return true;
+    for (const auto& medium : sceneMedia)
+      if (medium->isEmissive()) return true;
     return false;
   }
-  bool hasMedia() const { return !sceneMedia.empty(); }
   /** Medium by its index in a MediumInterface; null: vacuum. */
   const Medium* medium(uint16_t number) const { return number ? sceneMedia[number - 1u].get() : nullptr; }
   size_t mediumCount() const { return sceneMedia.size(); }
