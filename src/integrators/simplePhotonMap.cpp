@@ -70,9 +70,9 @@ class SimplePhotonMap final : public Integrator {
       const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
       if (!walker.next(path, vertex, sampler, addEmission)) continue;
       if (vertex.isConnectable()) {
-        const GatherResult result = gather(map, search, *vertex.scattering, vertex.point(), vertex.wi,
-                                           path.width, vertex.throughput, vertex.afterD, out, nullptr,
-                                           path.optical);
+        const GatherResult result =
+            gather(map, search, *vertex.scattering, vertex.point(), vertex.wi, path.width, vertex.throughput,
+                   vertex.afterD, out, nullptr, path.optical);
         out.counts.otherRadii.add(result.radius, path.width);
       }
       if (!(vertex.allowed & DELTA_LOBES)) continue;

@@ -9,8 +9,8 @@
 
 namespace recurse {
 
-/** Intervals [from + i w, from + (i + 1) w) of optical path length from the light to the camera. Light outside
- * of all goes to a layer before or after them, so that the layers add up to the picture. */
+/** Intervals [from + i w, from + (i + 1) w) of optical path length from the light to the camera. Light
+ * outside of all goes to a layer before or after them, so that the layers add up to the picture. */
 class TransientFrames {
  public:
   /** No frames: lengths are not used. */

@@ -64,8 +64,7 @@ std::vector<size_t> frameChannels(const Image& picture) {
 Image frameOf(const Image& picture, size_t firstChannel) {
   Image frame(picture.width, picture.height, {"R", "G", "B"});
   for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x)
-      std::copy_n(picture.at(x, y) + firstChannel, 3, frame.at(x, y));
+    for (int x = 0; x < picture.width; ++x) std::copy_n(picture.at(x, y) + firstChannel, 3, frame.at(x, y));
   frame.metadata = picture.metadata;
   return frame;
 }

@@ -147,8 +147,10 @@ void RenderCommandOptions::checkIntegrator(const LoadedScene& loaded) const {
     const auto made = makeIntegrator(directive, false, none);
     if (made && made->supportsTransient(*loaded.scene)) able += " " + entry.name;
   }
-  const std::string message = "\"" + type + "\" does not measure the lengths of paths, as --time-of-flight "
-                              "needs them; these do:" + able;
+  const std::string message = "\"" + type +
+                              "\" does not measure the lengths of paths, as --time-of-flight "
+                              "needs them; these do:" +
+                              able;
   if (render.integrator.named()) badUsage("--integrator: " + message);
   Diagnostics diagnostics;
   diagnostics.error(loaded.integratorDirective.location, message);

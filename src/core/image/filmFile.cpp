@@ -66,9 +66,8 @@ bool runFfmpeg(const TemporaryFolder& folder, const std::string& rate) {
   const pid_t child = ::fork();
   if (child < 0) throw Error("cannot start a process for ffmpeg");
   if (child == 0) {
-    const int log = ::chdir(folder.name.c_str()) == 0
-                        ? ::open("ffmpeg.log", O_WRONLY | O_CREAT | O_TRUNC, 0600)
-                        : -1;
+    const int log =
+        ::chdir(folder.name.c_str()) == 0 ? ::open("ffmpeg.log", O_WRONLY | O_CREAT | O_TRUNC, 0600) : -1;
     const int nothing = ::open("/dev/null", O_RDWR);
     if (log < 0 || nothing < 0 || ::dup2(nothing, STDIN_FILENO) < 0 || ::dup2(nothing, STDOUT_FILENO) < 0 ||
         ::dup2(log, STDERR_FILENO) < 0)
@@ -128,9 +127,8 @@ void FilmFile::add(const Image& encoded) {
 }
 
 void FilmFile::write() const {
-  const std::vector<unsigned char> bytes = isVideo(fileName)
-                                               ? encodeVideo(fileName, frames, framesPerSecond)
-                                               : animatedPng(frames, framesPerSecond);
+  const std::vector<unsigned char> bytes = isVideo(fileName) ? encodeVideo(fileName, frames, framesPerSecond)
+                                                             : animatedPng(frames, framesPerSecond);
   AtomicFile file(fileName);
   file.write(bytes.data(), bytes.size());
   file.commit();

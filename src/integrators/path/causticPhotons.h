@@ -15,8 +15,8 @@ class CausticPhotons {
  public:
   virtual ~CausticPhotons() = default;
   /** Adds the caustics at a vertex with non-delta lobes, seen from unit `wi` with `throughput`; `camera`:
-   * state after its D event; `width`: pixel footprint [scene units]; `optical`: on arrival. Returns the merging factor of the
-   * photons for the ray that continues, see MergeRatio. */
+   * state after its D event; `width`: pixel footprint [scene units]; `optical`: on arrival. Returns the
+   * merging factor of the photons for the ray that continues, see MergeRatio. */
   virtual float add(const Scene& scene, const SurfacePoint& point, const Vec3f& wi,
                     const ScatteringPoint& scattering, const Rgb& throughput, CameraState camera, float width,
                     const OpticalPath& optical, const Sampler& sampler, PathRadiance& out) const = 0;

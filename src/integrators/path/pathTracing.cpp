@@ -314,9 +314,9 @@ class PathTracing final : public Integrator {
         v.merging = 0;
         if (PathRecorder* recorder = w.camera->out->recorder) recorder->source.vertex = v.recorded;
         if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
-          v.merging = settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput,
-                                             v.cameraD, w.width, w.optical, w.camera->sampler,
-                                             *w.camera->out);
+          v.merging =
+              settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput, v.cameraD,
+                                     w.width, w.optical, w.camera->sampler, *w.camera->out);
       }
     }
 

@@ -118,8 +118,8 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       if (scene.hasMedia())
         addSampledLightInMedia(scene, lights, place,
                                {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
-                                vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero,
-                                vertex.afterD, true, path.optical},
+                                vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
+                                true, path.optical},
                                settings.lightSamples, panes, sampler, out);
       else
         addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,

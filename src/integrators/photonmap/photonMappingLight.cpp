@@ -71,8 +71,7 @@ void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_
                                           lights.probability(scene.lights(), from, light));
   const float weight = path.shared.share.camera(arrivals, path.shared.pdf);
   recordWeight(out, weight);
-  out.add(out.pathClasses().lightStart(), path.camera, path.shared.throughput * radiance * weight,
-          length);
+  out.add(out.pathClasses().lightStart(), path.camera, path.shared.throughput * radiance * weight, length);
 }
 
 void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, float length,

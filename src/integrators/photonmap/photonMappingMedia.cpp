@@ -51,8 +51,8 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   const int panes = panesLeft(settings.maxDepth, path.depth + 1);
   OpticalPath optical = path.optical;
   const auto vertex = [&](const Hit& hit, const SpectralPath& spectral) {
-    return LitVertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
-                     path.nesting, spectral, hero,    camera,     false,      optical};
+    return LitVertex{hit,      nullptr, &medium, -direction, NON_DELTA_LOBES, path.nesting,
+                     spectral, hero,    camera,  false,      optical};
   };
   Hit hit;
   if (!medium.isHomogeneous()) {

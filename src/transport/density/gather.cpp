@@ -89,8 +89,7 @@ class Estimate {
       }
       return;
     }
-    forEachPhoton(block, weight,
-                  [&](int lane, const Rgb& power) { sums[block.pathStates[lane]] += power; });
+    forEachPhoton(block, weight, [&](int lane, const Rgb& power) { sums[block.pathStates[lane]] += power; });
   }
 
   /** Adds the photons found in a block to `out`, each by the length of its path; see add() and addTo().

@@ -126,8 +126,8 @@ struct LitVertex {
   const Nesting& nesting;
   const SpectralPath& path; ///< spectral state on arrival
   int hero;
-  CameraState state;      ///< state after the event
-  bool hasBsdfRay = true; ///< false: only shadow rays find light from here
+  CameraState state;        ///< state after the event
+  bool hasBsdfRay = true;   ///< false: only shadow rays find light from here
   OpticalPath optical = {}; ///< on arrival
 
   /** Phase function, or BSDF times the cosine, for light from unit `light`. */

@@ -26,8 +26,8 @@ struct PhotonState {
   PathEvent event = PathEvent::D; ///< last event
   RecordedLightPath record{};
   // Spectral state in media:
-  Rgb pathPdf{1}; ///< see SpectralPath
-  int hero = 0;   ///< colour channel that draws distances
+  Rgb pathPdf{1};        ///< see SpectralPath
+  int hero = 0;          ///< colour channel that draws distances
   OpticalPath optical{}; ///< up to the ray's origin; up to the next event once it is found
 };
 

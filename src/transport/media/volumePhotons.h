@@ -72,8 +72,8 @@ class VolumePhotonMap {
   }
   size_t memoryBytes() const {
     return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) +
-           lengths.capacity() * sizeof(float) + tree.memoryBytes() +
-           boundsOf.capacity() * sizeof(uint32_t) + bounds.capacity() * sizeof(DiscBounds);
+           lengths.capacity() * sizeof(float) + tree.memoryBytes() + boundsOf.capacity() * sizeof(uint32_t) +
+           bounds.capacity() * sizeof(DiscBounds);
   }
 
   /** Calls visit(photon, depth, kernel) for each photon whose disc the ray of unit direction crosses between
