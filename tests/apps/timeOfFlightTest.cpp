@@ -146,6 +146,12 @@ TEST_F(TimeOfFlight, FilmShowsTheLayersWithOneExposure) {
       }
     }
   EXPECT_GT(shown, 100u);
+  // The same film again from the layers.
+  const Outcome again = run({"develop", "f.exr", "-o", "g.apng", "--exposure", "p90", "--tonemap", "none"});
+  ASSERT_EQ(again.status, 0) << again.err;
+  const std::vector<Image> developed = framesOf("g.apng");
+  ASSERT_EQ(developed.size(), frames.size());
+  for (size_t i = 0; i < frames.size(); ++i) EXPECT_EQ(developed[i].pixels, frames[i].pixels) << i;
   // The picture is all light, as without the option.
   ASSERT_EQ(render({"-o", "still.exr", "-o", "still.jpg", "--exposure", "p90", "--tonemap", "none"}).status,
             0);
@@ -186,6 +192,11 @@ TEST_F(TimeOfFlight, ErrorsSayWhatToDo) {
       run({"render", "scene.pbrt", "--integrator", "whitted", "--time-of-flight", "1:2:3", "-o", "f.png"});
   EXPECT_EQ(named.status, 2) << named.err;
   EXPECT_TRUE(has(named.err, "--integrator: \"whitted\" does not measure the lengths of paths")) << named.err;
+  fails({"--time-of-flight", "1:2:3", "--white-balance", "auto", "-o", "f.png"}, "each frame of f.png");
+  ASSERT_EQ(render({"-o", "still.exr"}).status, 0);
+  const Outcome still = run({"develop", "still.exr", "-o", "f.apng"});
+  EXPECT_NE(still.status, 0);
+  EXPECT_TRUE(has(still.err, "f.apng: the picture has no frames")) << still.err;
   write("whitted.pbrt", scene("Integrator \"whitted\"\n"));
   const Outcome o = run({"render", "whitted.pbrt", "--time-of-flight", "1:2:3", "-o", "f.png"});
   EXPECT_EQ(o.status, 3) << o.err;

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "apps/options/optionText.h"
+#include "recurse/core/io/error.h"
 
 namespace recurse::apps {
 
@@ -31,6 +32,13 @@ double parseFrameRate(const std::string& text) {
   if (!(rate >= LEAST && rate <= MOST))
     badUsage("--frame-rate: '" + text + "' is not from 0.01 to 500 frames per second");
   return rate;
+}
+
+void checkFilmOutput(const std::string& fileName, const DevelopOptions& options) {
+  if (options.whiteBalance == "auto")
+    badUsage("--white-balance: auto would colour each frame of " + fileName +
+             " in its own way; give a temperature, such as 5000");
+  checkFilmWritable(fileName);
 }
 
 void FilmFiles::add(const std::string& fileName, const Image& developed) {
@@ -87,6 +95,8 @@ Image brightestOf(const Image& picture, const std::vector<size_t>& frames) {
 double writeTransientFilm(const std::string& fileName, const Image& picture, const DevelopOptions& options,
                           double framesPerSecond) {
   const std::vector<size_t> frames = frameChannels(picture);
+  if (frames.empty())
+    throw Error(fileName + ": the picture has no frames, as 'recurse render --time-of-flight' makes them");
   DevelopSettings settings = options.settings();
   Image brightest = brightestOf(picture, frames);
   applyWhiteBalance(brightest, settings.whiteBalance);

@@ -18,6 +18,10 @@ TransientFrames parseTimeOfFlight(const std::string& text);
 /** Value of --frame-rate. Throws Error (BAD_USAGE). */
 double parseFrameRate(const std::string& text);
 
+/** Throws Error if a film could not be written there, or if these options would change its frames one by
+ * one. */
+void checkFilmOutput(const std::string& fileName, const DevelopOptions& options);
+
 /** Films of an animation, whose frames are rendered one after another. */
 class FilmFiles {
  public:
@@ -35,8 +39,8 @@ class FilmFiles {
 /** Whether this output of a transient render is a film, not the picture. */
 bool isTransientFilm(const std::string& fileName);
 
-/** Writes the frames of a transient picture as a film. One exposure serves all frames: that of a picture
- * with each pixel at its brightest. Returns the exposure [stops]. */
+/** Writes the frames of a transient picture as a film; throws Error if it has none. One exposure serves all
+ * frames: that of a picture with each pixel at its brightest. Returns the exposure [stops]. */
 double writeTransientFilm(const std::string& fileName, const Image& picture, const DevelopOptions& options,
                           double framesPerSecond);
 

@@ -105,7 +105,7 @@ void RenderCommandOptions::checkOutputs(const std::vector<std::string>& outputs)
   for (const std::string& name : outputs) {
     if (isFilmFormat(name) && frames.empty() && timeOfFlight.empty())
       badUsage(name + ": is a film; it needs --frames or --time-of-flight");
-    isFilm(name) ? checkFilmWritable(name) : checkImageWritable(name);
+    isFilm(name) ? checkFilmOutput(name, develop) : checkImageWritable(name);
   }
   viewers.check();
   requireDistinctFiles(written(outputs), {});
