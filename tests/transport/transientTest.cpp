@@ -197,16 +197,17 @@ TEST(Transient, PulseOfAPointLightIsAnExpandingRing) {
 
 TEST(Transient, PhotonsAreSeenWhenTheirWaveFrontPasses) {
   // The kernel reaches over several frames, but each photon counts when its light reaches the pixel.
-  const TransientFrames frames(6, 8, 4);
+  const TransientFrames frames(6, 8, 8);
   const auto scene = sceneFrom(fromAbove(LAMP + FLOOR));
-  const Rendered r = renderClasses(
-      *scene, {"simplephotonmap", "\"integer photons\" 100000 \"float radius\" .4"}, framed(frames), 4, 1);
+  const Way wide = {"simplephotonmap",
+                    "\"integer photons\" 100000 \"integer gatherphotons\" 100000 \"float radius\" .4"};
+  const Rendered r = renderClasses(*scene, wide, framed(frames), 4, 1);
   double right = 0;
   for (size_t p = 0; p < r.pixels(); ++p) {
     const double x = (double(p % SIZE) + .5) * PIXEL - 2, y = 2 - (double(p / SIZE) + .5) * PIXEL;
     right += r.luminanceAt(p, BEFORE + frames.layerOf(float(CAMERA_HEIGHT + fromLamp(x, y))));
   }
-  EXPECT_GT(right / (r.mean() * double(r.pixels())), 0.85) << "the rest is in pixels on borders";
+  EXPECT_GT(right / (r.mean() * double(r.pixels())), 0.75) << "the rest is in pixels on borders";
 }
 
 TEST(Transient, AMirrorSendsTheWholeWay) {
@@ -279,6 +280,15 @@ TEST(Transient, LightIsSlowInWater) {
 TEST(Transient, EstimatorsAgreeOnGlassAndMirrorFrameByFrame) {
   expectSameFrames(glassAndMirrorBox(12, 0.6), {5, 14, 9},
                    {{"path", ""}, {"bdpt", ""}, {"vcm", ""}, PHOTONS, CAUSTICS});
+}
+
+TEST(Transient, EstimatorsAgreeOnCausticsOfAPointFrameByFrame) {
+  // Only photons find them, in a map of their own.
+  expectSameFrames(fromAbove(LAMP + FLOOR +
+                             "Shape \"bilinearmesh\" \"point3 P\" [ -9 2 -9  9 2 -9  -9 2 9  9 2 9 ]\n"
+                             "Material \"dielectric\" \"float eta\" 1.5\nTranslate .8 0 .45\n"
+                             "Shape \"sphere\" \"float radius\" .4\n"),
+                   {5, 11, 12}, {{"bdpt", ""}, {"vcm", ""}, PHOTONS, CAUSTICS});
 }
 
 TEST(Transient, EstimatorsAgreeBehindRoughGlassUnderASkyFrameByFrame) {
