@@ -38,15 +38,17 @@ class SimplePhotonMap final : public Integrator {
     const auto start = std::chrono::steady_clock::now();
     ForwardStatistics statistics;
     std::vector<Photon> stored;
+    std::vector<float> lengths;
     if (control.lightPaths) control.lightPaths->beginPass(photons);
     for (uint64_t i = 0; i < photons && scene.lights().size() > 0 && !control.stopped(); ++i) {
       const Sampler sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM, static_cast<uint32_t>(i));
       RecordedWalk record(control.lightPaths, i, 1 / float(photons));
-      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored, record);
+      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored, lengths, record);
       if (i % 4096 == 0) control.progress(double(i) / double(photons));
     }
     statistics.shootSeconds = secondsSince(start);
     map.build(stored);
+    if (classes.isTransient()) map.setLengths(lengths);
     statistics.photonsEmitted = photons;
     statistics.photonsStored = map.size();
     statistics.photonsRefused = map.refused();
@@ -68,8 +70,9 @@ class SimplePhotonMap final : public Integrator {
       const auto addEmission = [&](const Hit* hit) { addSeenEmission(scene, lights, path, hit, out); };
       if (!walker.next(path, vertex, sampler, addEmission)) continue;
       if (vertex.isConnectable()) {
-        const GatherResult result = gather(map, search, *vertex.scattering, vertex.point(), vertex.wi,
-                                           path.width, vertex.throughput, vertex.afterD, out);
+        const GatherResult result =
+            gather(map, search, *vertex.scattering, vertex.point(), vertex.wi, path.width, vertex.throughput,
+                   vertex.afterD, out, nullptr, path.optical);
         out.counts.otherRadii.add(result.radius, path.width);
       }
       if (!(vertex.allowed & DELTA_LOBES)) continue;
@@ -93,6 +96,7 @@ class SimplePhotonMap final : public Integrator {
     visitMapBoxes(map, false, levels, visit);
   }
   bool supportsFibres() const override { return false; }
+  bool supportsTransient(const Scene&) const override { return true; }
   std::vector<EstimatorDomain> domains() const override {
     return {{"emission", "LS*E", "none: found by rays through mirrors and glass", "", true},
             {"photon map", "L(S|D)*DS*E", "one estimate at the first non-delta surface", ""}};
@@ -104,7 +108,8 @@ class SimplePhotonMap final : public Integrator {
 
   /** Traces a photon until it is absorbed, and stores it at each non-delta surface that it hits. */
   void shootPhoton(const Scene& scene, const PathClasses& classes, float time, Sampler sampler,
-                   TransportCounts& counts, std::vector<Photon>& stored, RecordedWalk& record) const {
+                   TransportCounts& counts, std::vector<Photon>& stored, std::vector<float>& lengths,
+                   RecordedWalk& record) const {
     const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
     if (!start) return;
     Walker<LightState> walker(scene, classes, counts, maxDepth);
@@ -112,13 +117,14 @@ class SimplePhotonMap final : public Integrator {
     LightVertex vertex;
     record.start(path);
     while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
-      if (vertex.isConnectable()) store(vertex, stored);
+      if (vertex.isConnectable()) store(vertex, path.optical.length, stored, lengths);
       record.arrive(path, vertex, vertex.isConnectable());
       if (!walker.scatter(path, vertex, sampler)) return;
     }
   }
 
-  void store(const LightVertex& vertex, std::vector<Photon>& stored) const {
+  void store(const LightVertex& vertex, float length, std::vector<Photon>& stored,
+             std::vector<float>& lengths) const {
     const SurfacePoint& point = vertex.point();
     if (glm::dot(vertex.wi, point.geometricNormal) == 0) return;
     Photon photon;
@@ -128,6 +134,7 @@ class SimplePhotonMap final : public Integrator {
     photon.power = vertex.throughput / float(photons);
     photon.pathState = vertex.state.byte;
     stored.push_back(photon);
+    lengths.push_back(length);
   }
 
   uint64_t photons; ///< number emitted in a pass

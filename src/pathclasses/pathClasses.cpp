@@ -104,6 +104,13 @@ Product multiply(const std::vector<PathClass>& classes, const std::vector<PathAu
 
 PathClasses::PathClasses() : PathClasses(std::vector<PathClass>{{"all", "all"}}) {}
 
+void PathClasses::addFrames(const TransientFrames& frames) {
+  transient = frames;
+  firstFrameLayer = list.size();
+  const std::string expression = list.front().expression;
+  for (size_t i = 0; i < frames.layerCount(); ++i) list.push_back({frames.layerName(i), expression});
+}
+
 PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classes)) {
   const std::vector<PathAutomaton> automata = compileAll(list);
   const Product product = multiply(list, automata);

@@ -9,6 +9,7 @@
 #include "recurse/core/threads/interrupt.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/core/threads/processorTime.h"
+#include "recurse/core/threads/resources.h"
 #include "recurse/scene/parameters/spectrum.h"
 
 namespace recurse {
@@ -183,6 +184,8 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
     integrator.prepare(scene, classes);
   }
   if (integrator.splats()) {
+    requireMemory("the splats of the film", // of all passes, and of one
+                  2 * SplatPlane::bytes(double(film.bounds().area()), double(film.layerCount())));
     film.enableSplats(splatUnit(scene));
     passSplats.emplace(film.bounds(), film.layerCount(), film.splats()->unit());
     passSplatter.emplace(classes, scene.filter(), *passSplats);

@@ -114,6 +114,25 @@ TEST_F(Guide, FramesMoveTheBall) {
   EXPECT_NEAR(centreOfMass(readImage(file("f-0024.exr"))), 16 + right, 0.3);
 }
 
+TEST_F(Guide, LightInFlightArrivesFirstByTheShortestWay) {
+  const Image film = render("light-in-flight", "80x60", "16",
+                            {"--integrator", "path", "--paths", "LDE", "--time-of-flight", "5.5:9:70"});
+  // Length of the first frame with light between these columns and rows.
+  const auto first = [&](int x0, int x1, int y0, int y1) {
+    for (int frame = 0; frame < 70; ++frame) {
+      const int green = film.channel((frame < 10 ? "frame-000" : "frame-00") + std::to_string(frame) + ".G");
+      if (green < 0) return 0.0;
+      for (int y = y0; y < y1; ++y)
+        for (int x = x0; x < x1; ++x)
+          if (film.at(x, y)[green] > 0) return 5.5 + 0.05 * frame;
+    }
+    return 0.0;
+  };
+  // The shortest way over a plane is as long as the straight line from the lamp's mirror image.
+  EXPECT_NEAR(first(18, 62, 2, 20), std::hypot(1.3, 0.4, 1.6 + 5 + 2), 0.051) << "the wall at the back";
+  EXPECT_LT(first(0, 80, 40, 60), 6) << "the floor";
+}
+
 TEST_F(Guide, StillsAddUpToThePicture) {
   const Outcome o = run({"stills", scenePath("stills"), "-q", "-o", "s", "--resolution", "24x24", "--spp",
                          "4", "--integrator", "path"});

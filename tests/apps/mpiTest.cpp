@@ -70,7 +70,9 @@ TEST_F(Mpi, AnyNumberOfRanksMakesTheSamePicture) {
   for (const std::string settings :
        {" --integrator path --spp 40", " --integrator sppm --photons 1000 --spp 9",
         " --integrator photonmap --photons 5000 --spp 6", " --integrator bdpt --spp 7",
-        " --integrator path --adaptive --spp 40", " --integrator sppm --photons 1000 --adaptive --spp 20"}) {
+        " --integrator photonmap --photons 300000 --spp 2 --time-of-flight 2:6:4",
+        " --integrator bdpt --spp 3 --time-of-flight 2:6:4", " --integrator path --adaptive --spp 40",
+        " --integrator sppm --photons 1000 --adaptive --spp 20"}) {
     const std::vector<float> truth = whole(settings);
     const int most = settings.find("path") != std::string::npos ? 3 : 2;
     for (int n = most == 3 ? 1 : 2; n <= most; ++n) {

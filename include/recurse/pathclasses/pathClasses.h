@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "recurse/pathclasses/pathEvent.h"
+#include "recurse/pathclasses/transientFrames.h"
 
 namespace recurse {
 
@@ -43,6 +44,16 @@ class PathClasses {
    * states. */
   explicit PathClasses(std::vector<PathClass> classes);
 
+  /** Adds a film layer for each layer of the frames, after the layers of the classes: the light of the first
+   * class by the lengths of its paths. Called once at most. */
+  void addFrames(const TransientFrames& frames);
+  /** Frames of a transient render; empty: lengths of paths are not used. */
+  const TransientFrames& frames() const { return transient; }
+  bool isTransient() const { return !transient.empty(); }
+  /** Film layer of light of the first class by the optical length of its path [scene units]. */
+  size_t layerOfLength(float length) const { return firstFrameLayer + transient.layerOf(length); }
+
+  /** The film's layers: the classes, and those of addFrames(). */
   const std::vector<PathClass>& classes() const { return list; }
   size_t layerCount() const { return list.size(); }
   /** Number of states of each side; for reports. */
@@ -71,6 +82,8 @@ class PathClasses {
 
  private:
   std::vector<PathClass> list;
+  TransientFrames transient;
+  size_t firstFrameLayer = 0;
   size_t lightStates = 1;
   LightState lightStartState;
   CameraState cameraStartState;

@@ -3,6 +3,7 @@
  */
 #include <filesystem>
 
+#include "apps/animation/filmFiles.h"
 #include "apps/commands/commands.h"
 #include "apps/options/developOptions.h"
 #include "apps/options/optionText.h"
@@ -17,25 +18,35 @@ struct DevelopCommandOptions {
   std::string input;
   std::vector<std::string> outputs;
   DevelopOptions develop;
+  std::string frameRate = "24";
   bool sheet = false, quiet = false;
 };
 
 bool isPage(const std::string& name) { return name.ends_with(".html"); }
 
-ExitStatus developPicture(const DevelopCommandOptions& o) {
-  const DevelopSettings settings = o.develop.settings();
+void checkOutputs(const DevelopCommandOptions& o) {
   for (const std::string& name : o.outputs) {
     if (isPage(name))
       checkFileWritable(name);
+    else if (isFilmFormat(name))
+      checkFilmOutput(name, o.develop);
     else
       checkImageWritable(name);
-    if (!isPage(name) && !isDisplayFormat(name))
-      badUsage("-o: " + name +
-               " is not a picture format for displays; accepted: .png .jpg .jpeg .tif .tiff .html");
+    if (!isPage(name) && !isFilmFormat(name) && !isDisplayFormat(name))
+      badUsage(
+          "-o: " + name +
+          " is not a picture format for displays; accepted: .png .jpg .jpeg .tif .tiff .html, for a film "
+          ".apng .mp4");
     if (isPage(name) && o.develop.toneMap.find(' ') != std::string::npos)
       badUsage("--tonemap: a page has all operators with their defaults; remove --tonemap");
     if (isPage(name) && o.sheet) badUsage("--sheet: not together with the page " + name);
   }
+}
+
+ExitStatus developPicture(const DevelopCommandOptions& o) {
+  const DevelopSettings settings = o.develop.settings();
+  const double frameRate = parseFrameRate(o.frameRate);
+  checkOutputs(o);
   requireDistinctFiles(outputFiles("-o", o.outputs), {{"the input picture", o.input}});
   const Image picture = readImage(o.input);
   Developed developed = o.sheet ? operatorSheet(picture, settings) : develop(picture, settings);
@@ -46,6 +57,8 @@ ExitStatus developPicture(const DevelopCommandOptions& o) {
       writeFileAtomically(name,
                           developPage(picture, settings, std::filesystem::path(o.input).filename().string(),
                                       o.develop.toneMap));
+    else if (isFilmFormat(name))
+      writeTransientFilm(name, picture, o.develop, frameRate);
     else
       writeImage(name, developed.picture, {.encoded = true});
     written += (written.empty() ? "" : ", ") + name;
@@ -69,12 +82,15 @@ void addDevelopCommand(CLI::App& app, Command& chosen) {
   command
       ->add_option("-o,--output", o.outputs,
                    "Picture to write, may be repeated: .png .jpg .tif; .html: a page with sliders for "
-                   "exposure and a choice of tone operators")
+                   "exposure and a choice of tone operators; .apng .mp4: the film of a picture that "
+                   "'recurse render --time-of-flight' has made")
       ->required()
       ->type_name("FILE")
       ->expected(1)
       ->take_all();
   command->add_flag("--sheet", o.sheet, "Write a contact sheet of all tone operators instead of one picture");
+  command->add_option("--frame-rate", o.frameRate, "Frames per second of .apng and .mp4 (default: 24)")
+      ->type_name("FPS");
   o.develop.addTo(*command);
   command->add_flag("-q,--quiet", o.quiet, "Print errors and warnings only");
   command->footer("Order of operations: white balance, exposure, bloom, tone operator, encoding, dither.\n\n"
@@ -86,7 +102,8 @@ void addDevelopCommand(CLI::App& app, Command& chosen) {
                   "  recurse develop picture.exr -o plain.png --exposure 0 --tonemap none\n"
                   "  OCIO=config.ocio recurse develop picture.exr -o film.tif --tonemap none --display ocio\n"
                   "  recurse develop picture.exr -o operators.png --sheet\n"
-                  "  recurse develop picture.exr -o look.html");
+                  "  recurse develop picture.exr -o look.html\n"
+                  "  recurse develop flight.exr -o flight.apng --exposure auto+1 --frame-rate 12");
   command->callback([options, &chosen] { chosen = [options] { return developPicture(*options); }; });
 }
 

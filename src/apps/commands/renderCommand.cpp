@@ -131,7 +131,7 @@ std::string integratorRemark(const RenderOptions& options, const LoadedScene& lo
 std::vector<std::string> outputsOf(const RenderCommandOptions& o, const LoadedScene& loaded) {
   if (!o.outputs.empty() || (o.sampleRange && !o.checkpoint.empty())) return o.outputs;
   const std::string name = defaultOutput(loaded);
-  return {o.frame ? numberedName(name, o.frame->number) : name};
+  return {o.frame && !isFilmFormat(name) ? numberedName(name, o.frame->number) : name};
 }
 
 /** Keeps the errors of single files until all files have been tried. */
@@ -167,6 +167,7 @@ RenderReport reportOf(const RenderResult& result, const RenderCommandOptions& o)
 bool writeResults(RenderResult& result, const RenderCommandOptions& o,
                   const std::vector<std::string>& outputs, const FeatureSettings& features,
                   PictureWriter& writer, FilmViewers& viewers) {
+  std::optional<double> filmStops;
   const RenderReport report = reportOf(result, o);
   Image image = pictureOf(result.film, report);
   const bool isComplete = addFeatures(image, *report.loaded.scene, features, result.stopFlag());
@@ -175,7 +176,15 @@ bool writeResults(RenderResult& result, const RenderCommandOptions& o,
   const auto writePicture = [&](const std::string& name) {
     if (files.attempt([&] { writer.write(name, image); })) written.push_back(name);
   };
-  for (const std::string& name : outputs) writePicture(name);
+  const auto writeFilm = [&](const std::string& name) {
+    if (o.films)
+      o.films->add(name, writer.developedPicture(image));
+    else if (files.attempt([&] {
+               filmStops = writeTransientFilm(name, image, o.develop, parseFrameRate(o.frameRate));
+             }))
+      written.push_back(name);
+  };
+  for (const std::string& name : outputs) o.isFilm(name) ? writeFilm(name) : writePicture(name);
   if (o.frame && !o.frame->stops) o.frame->stops = writer.stops();
   viewers.finish(image, [](const std::string& text) { say(text + "\n"); });
   if (!o.viewers.preview.empty()) writePicture(o.viewers.preview);
@@ -185,7 +194,7 @@ bool writeResults(RenderResult& result, const RenderCommandOptions& o,
     written.push_back(o.render.statistics);
   if (!o.render.quiet)
     say(renderSummary(report, written, !o.render.verbose) + integratorRemark(o.render, report.loaded) +
-        writer.remark());
+        writer.remark(filmStops));
   if (!result.checkpointFailure.empty()) files.attempt([&] { throw Error(result.checkpointFailure); });
   files.throwFailures();
   return isComplete && !result.isInterrupted();
@@ -202,11 +211,13 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   RenderPlan plan = o.plan();
   PictureWriter writer(o.develop);
   const PathClasses classes = o.pathClasses();
+  parseFrameRate(o.frameRate);
   o.checkOutputs(o.outputs);
   const ThreadPool pool(plan.threads > 0 || !cluster() ? plan.threads : cluster()->threads());
   const auto held = std::make_shared<const LoadedScene>(load(o, plan));
   const LoadedScene& loaded = *held;
   if (onLoaded) onLoaded(loaded.files);
+  o.checkIntegrator(loaded);
   if (o.frame) startFrame(*o.frame, held, o);
   if (o.check) {
     if (o.frame && !o.frame->isFirst) return ExitStatus::DONE;
@@ -247,6 +258,7 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
   const int64_t first = parseCount("--frames", range.front(), 0, LAST_FRAME);
   const int64_t last = parseCount("--frames", range.back(), first, LAST_FRAME);
   AnimationFrame frame;
+  FilmFiles films(parseFrameRate(given.frameRate));
   ViewerOptions viewers = given.viewers;
   const bool ownsPage = !viewers.page && (!cluster() || cluster()->leads());
   if (ownsPage) viewers.page = viewers.openPage(titleOf(given), requestStop);
@@ -256,10 +268,14 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
     o.viewers = viewers;
     frame.number = static_cast<int>(n);
     o.frame = &frame;
-    for (std::string& name : o.outputs) name = numberedName(name, frame.number);
+    o.films = &films;
+    for (std::string& name : o.outputs)
+      if (!isFilmFormat(name)) name = numberedName(name, frame.number);
     if (!o.render.statistics.empty()) o.render.statistics = numberedName(o.render.statistics, frame.number);
     status = renderScene(o, onLoaded);
   }
+  for (const std::string& name : films.write())
+    if (!given.render.quiet) say("written: " + name + "\n");
   if (ownsPage && viewers.page) viewers.page->finish(viewers.patience);
   return status;
 }

@@ -147,11 +147,15 @@ std::string DevelopOptions::text(double stops) const {
 
 void PictureWriter::write(const std::string& fileName, const Image& image) {
   if (!isDisplayFormat(fileName)) return writeImage(fileName, image);
+  writeImage(fileName, developedPicture(image), {.encoded = true});
+}
+
+const Image& PictureWriter::developedPicture(const Image& image) {
   if (!developed) {
     developed = develop(image, settings);
     developed->picture.metadata["recurse:developed"] = options.text(developed->stops);
   }
-  writeImage(fileName, developed->picture, {.encoded = true});
+  return developed->picture;
 }
 
 std::optional<double> PictureWriter::stops() const {
@@ -161,9 +165,10 @@ std::optional<double> PictureWriter::stops() const {
   return isBlack ? std::optional<double>() : developed->stops;
 }
 
-std::string PictureWriter::remark() const {
-  if (!developed) return "";
-  return formatted("exposure %+.2f stops", developed->stops) + ", tone operator " + options.toneMap +
+std::string PictureWriter::remark(std::optional<double> filmStops) const {
+  if (developed) filmStops = developed->stops;
+  if (!filmStops) return "";
+  return formatted("exposure %+.2f stops", *filmStops) + ", tone operator " + options.toneMap +
          "; for linear values: --exposure 0 --tonemap none\n";
 }
 

@@ -30,10 +30,13 @@ class PictureWriter {
   explicit PictureWriter(const DevelopOptions& options) : options(options), settings(options.settings()) {}
   /** Writes a picture in the format of its extension. Throws Error. */
   void write(const std::string& fileName, const Image& image);
+  /** The picture as it is written for a display, developed once. */
+  const Image& developedPicture(const Image& image);
   /** Exposure of the pictures for a display [stops]; empty if none was written, and for a black one. */
   std::optional<double> stops() const;
-  /** Line on how pictures for a display were developed; empty if none was written. */
-  std::string remark() const;
+  /** Line on how pictures for a display were developed; empty if none was written. `filmStops`: exposure of
+   * films. */
+  std::string remark(std::optional<double> filmStops = {}) const;
 
  private:
   DevelopOptions options;

@@ -8,6 +8,7 @@
 
 #include "apps/options/optionText.h"
 #include "recurse/core/io/atomicFile.h"
+#include "recurse/model/scene/plugIns.h"
 
 namespace recurse::apps {
 
@@ -33,6 +34,7 @@ constexpr const char* EXAMPLES =
     "  recurse render scene.pbrt -o long.exr --spp 4096 --preview look.png --every 30s\n"
     "  recurse render scene.pbrt -o look.png --watch --time-limit 20s\n"
     "  recurse render scenes/animation.pbrt --frames 0:48 -o film.png\n"
+    "  recurse render scene.pbrt --time-of-flight 0:12:60 -o film.png -o film.exr\n"
     "  recurse render scene.pbrt --check\n\n"
     "Ctrl-C writes the picture of the samples so far; a second Ctrl-C quits without it. Existing files are\n"
     "replaced by complete files only.";
@@ -82,14 +84,29 @@ void addRepetitionOptions(CLI::App& command, RenderCommandOptions& o) {
                   "film.png' writes film-0000.png and so on, '-o film##.png' film00.png. The first frame "
                   "that is not black sets the exposure of .png for all frames; set --exposure if several "
                   "calls render parts of an animation. Unchanged files, shapes and objects are reused "
-                  "between frames. A --time-limit is for each frame")
+                  "between frames. A --time-limit is for each frame. '-o film.apng' (animated PNG) and '-o "
+                  "film.mp4' (by ffmpeg) hold all frames")
       ->type_name("FIRST:LAST");
+  command
+      .add_option("--time-of-flight", o.timeOfFlight,
+                  "Render light in flight: a film of FRAMES frames, each with the light whose path from the "
+                  "lamp to the camera has an optical length [scene units] in its part of FROM to TO. '-o "
+                  "film.png' and .apng are animated PNGs, .mp4 a video (by ffmpeg), all with one exposure; "
+                  ".exr has a layer for each frame, and for light before and after them. For the integrators "
+                  "auto, path, photonmap, bdpt, vcm and the simple ones")
+      ->type_name("FROM:TO:FRAMES");
+  command.add_option("--frame-rate", o.frameRate, "Frames per second of .apng and .mp4 (default: 24)")
+      ->type_name("FPS");
 }
 
 } // namespace
 
 void RenderCommandOptions::checkOutputs(const std::vector<std::string>& outputs) const {
-  for (const std::string& name : outputs) checkImageWritable(name);
+  for (const std::string& name : outputs) {
+    if (isFilmFormat(name) && frames.empty() && timeOfFlight.empty())
+      badUsage(name + ": is a film; it needs --frames or --time-of-flight");
+    isFilm(name) ? checkFilmOutput(name, develop) : checkImageWritable(name);
+  }
   viewers.check();
   requireDistinctFiles(written(outputs), {});
   if (!render.statistics.empty()) checkFileWritable(render.statistics);
@@ -112,8 +129,43 @@ std::vector<OutputFile> RenderCommandOptions::written(const std::vector<std::str
   return out;
 }
 
+bool RenderCommandOptions::isFilm(const std::string& output) const {
+  return timeOfFlight.empty() ? isFilmFormat(output) : isTransientFilm(output);
+}
+
+void RenderCommandOptions::checkIntegrator(const LoadedScene& loaded) const {
+  if (timeOfFlight.empty() || loaded.integrator->supportsTransient(*loaded.scene)) return;
+  const std::string& type = loaded.integratorDirective.type;
+  if (loaded.scene->hasEmissiveMedia())
+    badUsage("--time-of-flight: the scene has a medium that emits light, along whole rays and at no certain "
+             "time");
+  std::string able;
+  for (const auto& entry : plugIns().integrators.entries()) {
+    Diagnostics none;
+    ParsedDirective directive;
+    directive.type = entry.name;
+    const auto made = makeIntegrator(directive, false, none);
+    if (made && made->supportsTransient(*loaded.scene)) able += " " + entry.name;
+  }
+  const std::string message = "\"" + type +
+                              "\" does not measure the lengths of paths, as --time-of-flight "
+                              "needs them; these do:" +
+                              able;
+  if (render.integrator.named()) badUsage("--integrator: " + message);
+  Diagnostics diagnostics;
+  diagnostics.error(loaded.integratorDirective.location, message);
+  diagnostics.throwIfErrors();
+}
+
 PathClasses RenderCommandOptions::pathClasses() const {
   if (!paths.empty() && !classes.empty()) badUsage("--class: cannot be combined with --paths");
+  if (!timeOfFlight.empty()) {
+    if (!classes.empty()) badUsage("--time-of-flight: cannot be combined with --class; --paths EXPR can");
+    if (!frames.empty()) badUsage("--time-of-flight: cannot be combined with --frames");
+    PathClasses all = paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{paths, paths}});
+    all.addFrames(parseTimeOfFlight(timeOfFlight));
+    return all;
+  }
   if (!paths.empty()) return PathClasses(std::vector<PathClass>{{paths, paths}});
   if (classes.empty()) return {};
   std::vector<PathClass> all = {{"all", "all"}};
@@ -124,6 +176,7 @@ PathClasses RenderCommandOptions::pathClasses() const {
 std::string RenderCommandOptions::pathsText() const {
   std::string out = paths.empty() ? "" : " --paths " + shellQuoted(paths);
   for (const std::string& text : classes) out += " --class " + shellQuoted(text);
+  if (!timeOfFlight.empty()) out += " --time-of-flight " + shellQuoted(timeOfFlight);
   return out;
 }
 

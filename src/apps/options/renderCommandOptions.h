@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/animation/filmFiles.h"
 #include "apps/options/developOptions.h"
 #include "apps/options/renderOptions.h"
 #include "apps/run/outputFiles.h"
@@ -27,17 +28,23 @@ struct RenderCommandOptions {
   bool resume = false, throughSpecular = false;
   ExtraLayers extra;
   bool check = false, watch = false, sendScene = false;
-  std::string frames;
+  std::string frames, timeOfFlight;
+  std::string frameRate = "24";
   AnimationFrame* frame = nullptr; ///< current frame of an animation
+  FilmFiles* films = nullptr;      ///< films of the animation
   int reduction = 1;               ///< divisor of the picture's width and height
 
   void addTo(CLI::App& command);
   /** Plan of the render, with --checkpoint and its related options. */
   RenderPlan plan() const;
-  /** Path classes of --paths or --class. */
+  /** Path classes of --paths or --class, and frames of --time-of-flight. */
   PathClasses pathClasses() const;
-  /** Text of --paths and --class, as on a command line. */
+  /** Text of --paths, --class and --time-of-flight, as on a command line. */
   std::string pathsText() const;
+  /** Throws Error if the integrator of the scene does not render what the options ask for. */
+  void checkIntegrator(const LoadedScene& loaded) const;
+  /** Whether an output holds many pictures. */
+  bool isFilm(const std::string& output) const;
   /** Checks before the render that all outputs can be written, each to a file of its own. */
   void checkOutputs(const std::vector<std::string>& outputs) const;
   /** Throws Error (BAD_USAGE) if an output would replace a file of the scene. */

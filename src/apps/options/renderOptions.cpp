@@ -135,22 +135,25 @@ namespace {
 
 /** Everything that the samples of a render depend on, except for the seed. */
 std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const RenderSettings& settings,
-                                              const std::vector<PathClass>& classes, bool adaptive) {
+                                              const PathClasses& classes, bool adaptive) {
   const FilmSettings& film = loaded.scene->film();
   std::string integrator = loaded.integratorDirective.type;
   for (const std::string& setting : settingsOf(loaded.integratorDirective)) integrator += ", " + setting;
   std::string crop;
   for (const int x : {film.crop.x0, film.crop.x1, film.crop.y0, film.crop.y1})
     crop += (crop.empty() ? "" : ",") + std::to_string(x);
-  return {{"version", VERSION},
-          {"scene files (hash)", contentHash(loaded.description)},
-          {"integrator", integrator},
-          {"resolution", std::to_string(film.width) + "x" + std::to_string(film.height)},
-          {"part of the picture in pixels", crop},
-          {"path classes", classesText(classes)},
-          {"samples per pixel",
-           settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"},
-          {"samples go", adaptive ? "where the error is" : ALL_ALIKE}};
+  std::map<std::string, std::string> out = {
+      {"version", VERSION},
+      {"scene files (hash)", contentHash(loaded.description)},
+      {"integrator", integrator},
+      {"resolution", std::to_string(film.width) + "x" + std::to_string(film.height)},
+      {"part of the picture in pixels", crop},
+      {"path classes", classesText(classes.classes())},
+      {"samples per pixel",
+       settings.samplesPerPixel > 0 ? std::to_string(settings.samplesPerPixel) : "as many as fit"},
+      {"samples go", adaptive ? "where the error is" : ALL_ALIKE}};
+  if (classes.isTransient()) out["time of flight"] = classes.frames().text();
+  return out;
 }
 
 Film emptyFilm(const Scene& scene, const PathClasses& classes) {
@@ -195,7 +198,7 @@ class RenderRun {
   RenderResult run() {
     if (options.verbose) say(sceneReport(loaded, classes.layerCount()));
     if (!plan.checkpoint.empty() || cluster())
-      kept.identity = identityOf(loaded, settings, kept.classes, plan.adaptive);
+      kept.identity = identityOf(loaded, settings, classes, plan.adaptive);
     if (cluster()) joinCluster();
     if (!plan.checkpoint.empty()) openCheckpoint();
     settings.limitsFirstPass = plan.limitsFirstPass || (plan.endsWithFirstPicture && firstClasses);
@@ -204,14 +207,9 @@ class RenderRun {
     if (!missed.empty()) log("warning: " + missed);
     render();
     if (!cluster() || cluster()->leads()) complete(missed);
-    return {loaded,
-            settings.seed,
-            kept.classes,
-            optionsText,
-            std::move(isFirst ? first->film : kept.film),
-            statistics,
-            failure,
-            std::move(graceful),
+    return {loaded,           settings.seed, kept.classes,
+            classes.frames(), optionsText,   std::move(isFirst ? first->film : kept.film),
+            statistics,       failure,       std::move(graceful),
             std::move(lock)};
   }
 
@@ -364,7 +362,9 @@ class RenderRun {
 void RenderResult::explainBlackness() {
   if (isInterrupted() || statistics.least == 0 || !missedPaths(loaded, classes).empty()) return;
   const bool isOvertime = statistics.stopReason == StopReason::TIME;
-  const std::string why = blackPictureText(loaded, PathClasses(classes), film, stopFlag(),
+  std::vector<PathClass> whole = classes;
+  whole.resize(classes.size() - frames.layerCount());
+  const std::string why = blackPictureText(loaded, PathClasses(whole), film, stopFlag(),
                                            isOvertime ? PROBE_SECONDS_OVERTIME : PROBE_SECONDS);
   if (why.empty()) return;
   statistics.warnings.push_back(why);

@@ -67,7 +67,7 @@ class DarkScene {
     const SceneContents& contents = scene.contents();
     const bool hasLamps = contents.areaLights + contents.deltaLights > 0;
     const bool hasCaustics = contents.deltaLights > 0 && (contents.lobes & DELTA_LOBES);
-    if (!hasLamps || hasCaustics || hasGlowingMedium()) return "";
+    if (!hasLamps || hasCaustics || scene.hasEmissiveMedia()) return "";
     shine();
     if (lamps.empty() || !shinesFromAfar) return "";
     look();
@@ -115,14 +115,8 @@ class DarkScene {
     return false;
   }
 
-  bool hasGlowingMedium() const {
-    for (uint16_t i = 1; i <= scene.mediumCount(); ++i)
-      if (scene.medium(i)->isEmissive()) return true;
-    return false;
-  }
-
   std::string withoutLight() const {
-    if (hasGlowingMedium()) return "";
+    if (scene.hasEmissiveMedia()) return "";
     if (scene.lights().size() == 0)
       return "the scene has no light: add a LightSource, or an AreaLightSource to a shape";
     for (size_t i = 0; i < scene.lights().size(); ++i)

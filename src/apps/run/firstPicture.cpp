@@ -38,12 +38,15 @@ std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, con
   if (claims.empty()) return classes;
   const PathAutomaton claimed = PathAutomaton::compile(claims);
   if (claimed.subsetOf(PathAutomaton::compile(DIRECT))) return {};
-  std::vector<PathClass> left;
-  for (const PathClass& c : classes.classes()) {
+  std::vector<PathClass> left = classes.classes();
+  left.resize(left.size() - classes.frames().layerCount());
+  for (PathClass& c : left) {
     if (PathAutomaton::compile(c.expression).intersect(claimed).isEmpty()) return {};
-    left.push_back({c.name, "(" + c.expression + ") & (" + claims + ")"});
+    c.expression = "(" + c.expression + ") & (" + claims + ")";
   }
-  return PathClasses(left);
+  PathClasses out(left);
+  if (classes.isTransient()) out.addFrames(classes.frames());
+  return out;
 }
 
 FirstPicture renderFirstPicture(const LoadedScene& loaded, const PathClasses& classes, uint64_t seed,

@@ -316,6 +316,10 @@ Image readImage(const FileReference& file) try {
   throw detail::lacksMemory(file);
 }
 
+std::vector<unsigned char> encodedPng(const Image& encoded) {
+  return encodeImage("frame.png", encoded, {.encoded = true});
+}
+
 void writeImage(const std::string& fileName, const Image& image, const ImageWriteOptions& options) {
   const std::vector<unsigned char> bytes = encodeImage(fileName, image, options);
   AtomicFile file(fileName);

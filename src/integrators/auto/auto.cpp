@@ -22,6 +22,7 @@ class Auto final : public Integrator {
   uint64_t photonsEmitted(const Scene& scene) const override { return mapper->photonsEmitted(scene); }
   bool passHasOneTime() const override { return true; }
   bool supportsMedia(const Scene& scene) const override { return mapper->supportsMedia(scene); }
+  bool supportsTransient(const Scene& scene) const override { return mapper->supportsTransient(scene); }
   std::string choices() const override {
     return "photonmap; path; or path with photons of caustics (photonmap with \"bool causticsonly\" true)";
   }

@@ -81,11 +81,11 @@ class Bidirectional::LightWalk {
     LightSubpath path = start->path;
     record.start(path);
     while (walker.next(path, vertex, sampler, record.escape(path, scene))) {
-      store(stored);
+      store(stored, path.optical.length);
       record.arrive(path, vertex, vertex.isConnectable() && owner.keepsLightPaths());
       if (splatter && !owner.settings.merges) sumTechniques(stored);
       if (splatter && vertex.isConnectable())
-        splat(stored, path.nesting, sampler.fork(static_cast<uint32_t>(vertex.depth)));
+        splat(stored, path, sampler.fork(static_cast<uint32_t>(vertex.depth)));
       const std::optional<Scatter> step = walker.scatter(path, vertex, sampler);
       if (!step) return;
       StoredVertex& last = out.vertices.back();
@@ -97,7 +97,8 @@ class Bidirectional::LightWalk {
   }
 
  private:
-  void store(StoredPath& path) {
+  void store(StoredPath& path, float length) {
+    if (classes.isTransient()) out.lengths.push_back(length);
     StoredVertex& v = out.vertices.emplace_back();
     v.point = vertex.point();
     v.material = vertex.hit.material;
@@ -127,7 +128,7 @@ class Bidirectional::LightWalk {
   }
 
   /** Adds technique C_0: splats the last vertex to the camera. */
-  void splat(const StoredPath& path, const Nesting& nesting, Sampler sampler) {
+  void splat(const StoredPath& path, const LightSubpath& subpath, Sampler sampler) {
     if (classes.join(vertex.afterD, classes.cameraStart()) == 0) return;
     const SurfacePoint& point = vertex.point();
     const auto lens = scene.camera().sampleWi(point.position, sampler.next2D(), time);
@@ -142,7 +143,7 @@ class Bidirectional::LightWalk {
                              (lens->importance / lens->pdf);
     if (isBlack(contribution)) return;
     if (!visible(scene, vertex.hit, vertex.wi,
-                 visibilityTarget(lens->position, lens->direction, lens->distance), nesting, counts))
+                 visibilityTarget(lens->position, lens->direction, lens->distance), subpath.nesting, counts))
       return;
     const double distance = double(lens->distance);
     const bool summed = !owner.settings.merges && path.count > 1 && !out.startsAtPane(path);
@@ -157,7 +158,9 @@ class Bidirectional::LightWalk {
     else
       owner.completePath(scene, weighted, path.end, out.shadowRayStart(path, path.count, lens->direction));
     splatter->add(vertex.afterD, classes.cameraStart(), lens->film,
-                  contribution * static_cast<float>(connectionWeight(weighted, 0)), counts);
+                  contribution * static_cast<float>(connectionWeight(weighted, 0)),
+                  leaving(subpath.optical, *vertex.scattering, vertex.wi, lens->direction).at(lens->distance),
+                  counts);
   }
 
   const Bidirectional& owner;

@@ -36,6 +36,7 @@ class Bidirectional : public Integrator {
   std::string photonName() const override { return "vertices of light paths"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
   bool supportsFibres() const override { return false; }
+  bool supportsTransient(const Scene&) const override { return true; }
   std::vector<EstimatorDomain> domains() const override;
 
  private:

@@ -128,16 +128,17 @@ class Bidirectional::CameraWalk {
       addHit(
           hit->lightIndex,
           {hit->point.position, -towardsLight, hit->point.geometricNormal, hit->primitive, hit->point.time},
-          hit->areaLight->radiance(hit->point, -towardsLight));
+          hit->areaLight->radiance(hit->point, -towardsLight), path.optical.length);
       return;
     }
+    const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, towardsLight));
     for (size_t i = 0; i < scene.environment().size(); ++i)
       addHit(scene.environmentIndices()[i], {path.ray.origin, -towardsLight},
-             scene.environment()[i]->radiance(towardsLight));
+             scene.environment()[i]->radiance(towardsLight), length);
   }
 
-  /** Adds technique C_k: a hit of the light. */
-  void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance) {
+  /** Adds technique C_k: a hit of the light, by a path of optical `length`. */
+  void addHit(uint32_t index, const LeRay& ray, const Rgb& radiance, float length) {
     if (!owner.settings.hits || isBlack(radiance)) return;
     double weight = 1;
     if (vertices.size() > 1) {
@@ -157,7 +158,8 @@ class Bidirectional::CameraWalk {
                               .weight = static_cast<float>(weight),
                               .pdf = path.delta ? 0 : static_cast<float>(path.pdf)};
     }
-    out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight));
+    out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight),
+            length);
   }
 
   /** Adds technique C_k-1: a shadow ray. */
@@ -196,7 +198,8 @@ class Bidirectional::CameraWalk {
     if (out.recorder)
       recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
                         vertex.scattering->pdf(vertex.wi, direction), weight);
-    out.add(afterPanes(classes, free.panes), vertex.afterD, radiance * free.value * weight);
+    out.add(afterPanes(classes, free.panes), vertex.afterD, radiance * free.value * weight,
+            lengthToLight(scene, path.optical, *vertex.scattering, vertex.wi, vertex.point(), *sample));
   }
 
   /** Adds technique C_s: a connection to y_t of the light path, t > 0. */
@@ -239,7 +242,9 @@ class Bidirectional::CameraWalk {
       owner.completePath(scene, full, from.end, owner.subpaths.shadowRayStart(from, t, -direction));
     const double weight = connectionWeight(full, s);
     if (out.recorder) recordJoin(PathTechnique::CONNECTION, from, t, weight);
-    out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(weight));
+    out.add(y.afterD, vertex.afterD, radiance * static_cast<float>(weight),
+            leaving(path.optical, *vertex.scattering, vertex.wi, direction).at(distance) +
+                owner.subpaths.length(from, t));
   }
 
   /** Adds technique M_s: merges with all photons within the radius. */
@@ -291,7 +296,9 @@ class Bidirectional::CameraWalk {
     const WeightedPath full = weighted(from.end, owner.subpaths.shadowRayStart(from, t, vertex.wi));
     const double weight = mergeWeight(full, s);
     if (out.recorder) recordJoin(PathTechnique::MERGE, from, t, weight);
-    out.add(y.state, vertex.afterD, radiance * static_cast<float>(weight));
+    out.add(y.state, vertex.afterD, radiance * static_cast<float>(weight),
+            path.optical.length + lengthNear(vertex.point().position, y.point.position, y.wi,
+                                             owner.subpaths.length(from, t), path.optical.index));
   }
 
   const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {

@@ -8,11 +8,13 @@ namespace recurse {
 void LightSubpaths::clear() {
   paths.clear();
   vertices.clear();
+  lengths.clear();
 }
 
 void LightSubpaths::append(const LightSubpaths& more) {
   const size_t before = vertices.size();
   vertices.insert(vertices.end(), more.vertices.begin(), more.vertices.end());
+  lengths.insert(lengths.end(), more.lengths.begin(), more.lengths.end());
   for (StoredPath path : more.paths) {
     path.first += before;
     paths.push_back(path);
@@ -20,7 +22,8 @@ void LightSubpaths::append(const LightSubpaths& more) {
 }
 
 size_t LightSubpaths::memoryBytes() const {
-  return paths.capacity() * sizeof(StoredPath) + vertices.capacity() * sizeof(StoredVertex);
+  return paths.capacity() * sizeof(StoredPath) + vertices.capacity() * sizeof(StoredVertex) +
+         lengths.capacity() * sizeof(float);
 }
 
 ShadowRayStart LightSubpaths::shadowRayStart(const StoredPath& path, uint32_t count,

@@ -34,6 +34,7 @@ struct StoredPath {
 struct LightSubpaths {
   std::vector<StoredPath> paths;
   std::vector<StoredVertex> vertices;
+  std::vector<float> lengths; ///< optical lengths up to the vertices; empty unless the render is transient
 
   void clear();
   /** Appends the paths of a second list. */
@@ -41,6 +42,10 @@ struct LightSubpaths {
   size_t memoryBytes() const;
   const StoredVertex& vertex(const StoredPath& path, uint32_t number) const {
     return vertices[path.first + number - 1];
+  }
+  /** Optical length from the light to a vertex [scene units]; 0 unless the render is transient. */
+  float length(const StoredPath& path, uint32_t number) const {
+    return lengths.empty() ? 0 : lengths[path.first + number - 1];
   }
   /** Whether the first vertex of the path is a thin pane that it passes straight. */
   bool startsAtPane(const StoredPath& path) const { return path.count > 0 && vertex(path, 1).straight; }

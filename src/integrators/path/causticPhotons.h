@@ -5,6 +5,7 @@
 #pragma once
 
 #include "recurse/transport/integrator/integrator.h"
+#include "transport/paths/opticalPath.h"
 #include "transport/weights/mergeWeights.h"
 
 namespace recurse {
@@ -14,11 +15,11 @@ class CausticPhotons {
  public:
   virtual ~CausticPhotons() = default;
   /** Adds the caustics at a vertex with non-delta lobes, seen from unit `wi` with `throughput`; `camera`:
-   * state after its D event; `width`: pixel footprint [scene units]. Returns the merging factor of the
-   * photons for the ray that continues, see MergeRatio. */
+   * state after its D event; `width`: pixel footprint [scene units]; `optical`: on arrival. Returns the
+   * merging factor of the photons for the ray that continues, see MergeRatio. */
   virtual float add(const Scene& scene, const SurfacePoint& point, const Vec3f& wi,
                     const ScatteringPoint& scattering, const Rgb& throughput, CameraState camera, float width,
-                    const Sampler& sampler, PathRadiance& out) const = 0;
+                    const OpticalPath& optical, const Sampler& sampler, PathRadiance& out) const = 0;
   /** MIS weight of a ray that hits an area light by way of mirrors and glass. */
   virtual float rayWeight(const Scene& scene, const MergeRatio& merge, const Hit& hit,
                           const Vec3f& direction) const = 0;

@@ -24,6 +24,7 @@ struct BatchPath {
   CameraState state;
   float width, spread; ///< footprint of the ray, see Subpath
   float wavelength;    ///< see Subpath
+  OpticalPath optical; ///< see Subpath
   Nesting nesting;
   BsdfRay bsdfRay;
   CausticRay caustic;
@@ -116,6 +117,7 @@ class PathTracing final : public Integrator {
 
   std::vector<EstimatorDomain> domains() const override { return plainPathDomains(lightSamples); }
   bool supportsMedia(const Scene&) const override { return true; }
+  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
 
  private:
   /**
@@ -142,6 +144,7 @@ class PathTracing final : public Integrator {
         w.isScattered = false;
         w.recordedStep = CAMERA_STEP;
         makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
+        w.optical = {0, w.nesting.index(scene)};
         active[i] = &w;
         rays[i] = paths[i].ray;
       }
@@ -173,6 +176,7 @@ class PathTracing final : public Integrator {
           addEnvironment(w, rays[i]);
           continue;
         }
+        w.optical.travel(hit.t);
         if (hit.areaLight) {
           Rgb radiance =
               emittedRadiance(scene, settings.lightSampler, hit, direction, w.bsdfRay, settings.lightSamples);
@@ -181,7 +185,7 @@ class PathTracing final : public Integrator {
           if (PathRecorder* recorder = w.camera->out->recorder)
             recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, hit, direction, w.bsdfRay,
                       radiance);
-          addEmission(w, radiance);
+          addEmission(w, radiance, w.optical.length);
         }
         w.width += w.spread * hit.t;
         drawWavelength(scene, w.wavelength, w.camera->sampler, hit);
@@ -221,6 +225,7 @@ class PathTracing final : public Integrator {
     }
 
     void addEnvironment(const BatchPath& w, const Ray& ray) const {
+      const float length = w.optical.at(lengthFromInfinity(scene, ray.origin, ray.direction));
       for (size_t i = 0; i < scene.environment().size(); ++i) {
         Rgb radiance = environmentRadiance(scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
                                            settings.lightSamples);
@@ -229,15 +234,16 @@ class PathTracing final : public Integrator {
         if (PathRecorder* recorder = w.camera->out->recorder)
           recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
                     radiance);
-        addEmission(w, radiance);
+        addEmission(w, radiance, length);
       }
     }
 
-    void addEmission(const BatchPath& w, const Rgb& radiance) const {
+    /** Adds emission at the end of a path of optical `length`. */
+    void addEmission(const BatchPath& w, const Rgb& radiance, float length) const {
       if (w.isScattered)
-        w.camera->out->add(classes.lightStart(), w.state, w.throughput * radiance);
+        w.camera->out->add(classes.lightStart(), w.state, w.throughput * radiance, length);
       else
-        w.camera->out->addSeen(w.state, w.throughput * radiance);
+        w.camera->out->addSeen(w.state, w.throughput * radiance, length);
     }
 
     /** Traces one shadow ray from each vertex. */
@@ -296,7 +302,8 @@ class PathTracing final : public Integrator {
       if (out.recorder)
         recordLightSample(*out.recorder, v.recorded, *v.scattering, v.wi, light, probability,
                           settings.lightSamples, v.allowed);
-      out.add(state, v.cameraD, radiance);
+      out.add(state, v.cameraD, radiance,
+              lengthToLight(scene, v.path->optical, *v.scattering, v.wi, v.hit->point, light));
     }
 
     /** Adds the caustic photons' contribution at each vertex. */
@@ -307,8 +314,9 @@ class PathTracing final : public Integrator {
         v.merging = 0;
         if (PathRecorder* recorder = w.camera->out->recorder) recorder->source.vertex = v.recorded;
         if (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES)
-          v.merging = settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput,
-                                             v.cameraD, w.width, w.camera->sampler, *w.camera->out);
+          v.merging =
+              settings.caustics->add(scene, v.hit->point, v.wi, *v.scattering, w.throughput, v.cameraD,
+                                     w.width, w.optical, w.camera->sampler, *w.camera->out);
       }
     }
 
@@ -329,6 +337,7 @@ class PathTracing final : public Integrator {
         if (isBlack(w.throughput)) continue;
         w.state = s.specular() ? v.cameraS : v.cameraD;
         w.etaScale *= square(s.eta) * s.rouletteScale;
+        w.optical.scatter(s.eta);
         if (w.depth > ROULETTE_FREE_DEPTH && !russianRoulette(maxComponent(w.throughput) * w.etaScale,
                                                               w.depth, w.camera->sampler, w.throughput))
           continue;

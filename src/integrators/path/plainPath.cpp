@@ -68,11 +68,11 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
   bool isScattered = false;
   PathRecorder* recorder = out.recorder;
   int recordedStep = CAMERA_STEP;
-  const auto add = [&](const Rgb& radiance) {
+  const auto add = [&](const Rgb& radiance, float length) {
     if (isScattered)
-      out.add(classes.lightStart(), path.state, radiance);
+      out.add(classes.lightStart(), path.state, radiance, length);
     else
-      out.addSeen(path.state, radiance);
+      out.addSeen(path.state, radiance, length);
   };
   const auto addEmission = [&](const Hit* hit) {
     const Vec3f& direction = path.ray.direction;
@@ -86,22 +86,23 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), *hit, direction) : 1;
       if (recorder)
         recordHit(*recorder, recordedStep, scene, lights, *hit, direction, last, emitted * weight);
-      add(path.throughput * emitted * weight);
+      add(path.throughput * emitted * weight, path.optical.length);
       return;
     }
+    const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
     for (size_t i = 0; i < scene.environment().size(); ++i) {
       const Rgb emitted =
           environmentRadiance(scene, lights, i, direction, last, settings.lightSamples, inMedia);
       if (isBlack(emitted)) continue;
       const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), i, path.ray) : 1;
       if (recorder) recordHit(*recorder, recordedStep, scene, lights, i, direction, last, emitted * weight);
-      add(path.throughput * emitted * weight);
+      add(path.throughput * emitted * weight, length);
     }
   };
   const auto addMediumEmission = [&](const Rgb& radiance) {
     if (recorder)
       recorder->source = {.technique = PathTechnique::HIT, .step = recordedStep, .end = path.from};
-    add(radiance);
+    add(radiance, path.optical.length);
   };
   while (walker.next(path, vertex, sampler, addEmission, addMediumEmission)) {
     const int recorded = recorder ? recordVertex(*recorder, recordedStep, vertex) : NOT_RECORDED;
@@ -117,18 +118,18 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       if (scene.hasMedia())
         addSampledLightInMedia(scene, lights, place,
                                {vertex.hit, vertex.medium ? nullptr : &*vertex.scattering, vertex.medium,
-                                vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero,
-                                vertex.afterD},
+                                vertex.wi, ALL_LOBES, path.nesting, path.spectral(), path.hero, vertex.afterD,
+                                true, path.optical},
                                settings.lightSamples, panes, sampler, out);
       else
         addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, path.nesting, vertex.wi,
                         vertex.throughput, vertex.afterD, settings.lightSamples, ALL_LOBES, panes, sampler,
-                        out);
+                        out, path.optical);
     }
     float merging = 0;
     if (caustics && vertex.isConnectable() && !vertex.medium)
       merging = caustics->add(scene, vertex.point(), vertex.wi, *vertex.scattering, vertex.throughput,
-                              vertex.afterD, path.width, sampler, out);
+                              vertex.afterD, path.width, path.optical, sampler, out);
     const std::optional<Scatter> s = walker.scatter(path, vertex, sampler);
     if (!s) break;
     if (recorder) recordedStep = recorder->addStep(recordedStepOf(recorded, vertex, *s, path.throughput));

@@ -21,6 +21,7 @@ class SimplePath final : public Integrator {
 
   std::vector<EstimatorDomain> domains() const override { return plainPathDomains(settings.lightSamples); }
   bool supportsMedia(const Scene&) const override { return true; }
+  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
 
  private:
   PlainPathSettings settings;

@@ -26,6 +26,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   }
   bool passHasOneTime() const override { return true; }
   bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
+  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
 
   void prepare(const Scene& scene, const PathClasses& classes) override {
     if (&lights == &ownLights && settings.without != Mechanism::LIGHT_LEARNING)
@@ -74,8 +75,8 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   }
 
   float add(const Scene& scene, const SurfacePoint& point, const Vec3f& wi, const ScatteringPoint& scattering,
-            const Rgb& throughput, CameraState camera, float width, const Sampler& sampler,
-            PathRadiance& out) const override {
+            const Rgb& throughput, CameraState camera, float width, const OpticalPath& optical,
+            const Sampler& sampler, PathRadiance& out) const override {
     constexpr uint32_t FORK = 0x4341, CHANCE = 0x4342; // distinct from other forks of the same sampler
     if (!scattering.keepsPhotons()) return 0;
     const PhotonQuery query = photons.query(photons.caustics(), point, wi, scattering.lobes());
@@ -85,7 +86,7 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
     if (out.recorder) out.recorder->beginEstimate(out.recorder->source.vertex, true);
     const GatherResult result =
         gather(photons.caustics().map, query.settings, scattering, point, wi, width * photons.scale(),
-               throughput, camera, out, photons.hasEdges() ? &boundary : nullptr);
+               throughput, camera, out, photons.hasEdges() ? &boundary : nullptr, optical);
     if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
     out.counts.causticRadii.add(result.radius, width);
     return result.merging;

@@ -27,7 +27,8 @@ ForwardStatistics PhotonMapping::forward(const Scene& scene, const PathClasses& 
   statistics.counts.add(std::exchange(learned, {}));
   recordSampler = Sampler(pass.seed, pass.index, 0);
   const bool oneClass = classes.lightStateCount() == 1; // with several, only some photons count
-  const bool shared = settings.finalGather > 0 && settings.shareIrradiance && oneClass;
+  const bool shared =
+      settings.finalGather > 0 && settings.shareIrradiance && oneClass && !classes.isTransient();
   irradiances.reset(shared ? photons.indirect().cache().size() : 0);
   causticIrradiances.reset(shared ? photons.caustics().cache().size() : 0);
   return statistics;
@@ -40,13 +41,12 @@ void PhotonMapping::backward(const Scene& scene, const CameraRay& ray, Sampler& 
   path.camera = out.pathClasses().cameraStart();
   path.nesting = nestingAt(scene, ray, out.counts);
   path.nesting.startIn(scene.cameraMedium());
+  path.optical.index = path.nesting.index(scene);
   trace(scene, path, sampler, out);
 }
 
 bool hasMediaWithoutEnd(const Scene& scene) {
-  bool emits = false;
-  for (uint16_t i = 1; i <= scene.mediumCount(); ++i) emits = emits || scene.medium(i)->isEmissive();
-  if (!emits) return false;
+  if (!scene.hasEmissiveMedia()) return false;
   TransportCounts counts;
   const Medium* outside = scene.medium(mediumOutside(scene, counts));
   return outside && outside->isEmissive() && !(glm::length(outside->bounds().diagonal()) < INFINITE);
@@ -65,6 +65,7 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
     }
     path.ray.width += path.ray.spread * hit.t;
     path.distance += hit.t;
+    path.optical.travel(hit.t);
     if (hit.areaLight) addEmission(scene, path, hit, out);
     if (path.share == 0 && path.direct.merged == 0 && hit.material && !(hit.material->lobes() & DELTA_LOBES))
       return;

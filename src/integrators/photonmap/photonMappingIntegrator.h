@@ -31,6 +31,7 @@ class PhotonMapping final : public PhotonMapper {
   void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override;
   std::vector<EstimatorDomain> domains() const override;
   bool supportsMedia(const Scene& scene) const override { return !hasMediaWithoutEnd(scene); }
+  bool supportsTransient(const Scene& scene) const override { return !scene.hasEmissiveMedia(); }
   void visitPhotons(const std::function<void(const StoredPhoton&)>& visit) const override;
   std::string photonPaths() const override { return settings.directLight ? "all" : "all - LDE"; }
   void visitPhotonBoxes(int levels, const std::function<void(const PhotonBox&)>& visit) const override;
@@ -84,14 +85,16 @@ class PhotonMapping final : public PhotonMapper {
   static bool isShared(const PathState& path) {
     return path.shared.share.merged > 0 && !path.delta && !path.panes;
   }
+  /** Adds light at the end of a path of optical `length`, shared with photons. */
   void addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
-                 const Rgb& radiance, float distance, PathRadiance& out) const;
+                 const Rgb& radiance, float distance, float length, PathRadiance& out) const;
   /** MIS weights of hit light against shadow rays: none from the camera or through mirrors and glass, where
    * no shadow rays find it. */
   BsdfRay directWeights(const PathState& path) const {
     return path.nonDelta == 0 || path.delta ? BsdfRay() : path.bsdfRay;
   }
-  void addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const;
+  /** Adds light at the end of a path of optical `length` [scene units]. */
+  void addLight(const PathState& path, const Rgb& radiance, float length, PathRadiance& out) const;
 
   // ------------------------------------------------------------------------------------------------ photons
   /** Sets the fraction of the indirect light at the end of the path that is read from the map. */

@@ -27,7 +27,7 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
         hit.lightIndex, *hit.areaLight,
         {hit.point.position, -direction, hit.point.geometricNormal, hit.primitive, hit.point.time});
     addShared(scene, path, hit.lightIndex, pdf, radiance,
-              glm::distance(path.bsdfRay.from.position, hit.point.position), out);
+              glm::distance(path.bsdfRay.from.position, hit.point.position), path.optical.length, out);
     return;
   }
   if (path.nonDelta > 0 && path.delta && !settings.directLight) {
@@ -35,12 +35,13 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
     recordWeight(out, weight);
     radiance *= weight;
   }
-  addLight(path, radiance, out);
+  addLight(path, radiance, path.optical.length, out);
 }
 
 void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
   if (scene.environment().empty()) return;
   const Vec3f& direction = path.ray.direction;
+  const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
   for (size_t i = 0; i < scene.environment().size(); ++i) {
     Rgb radiance =
         environmentRadiance(scene, lights, i, direction, directWeights(path), settings.lightSamples);
@@ -51,7 +52,7 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
       const EnvironmentLight& light = *scene.environment()[i];
       const uint32_t index = scene.environmentIndices()[i];
       const LePdf pdf = photons.pdfLe(index, light, {path.ray.origin, -direction, Vec3f(0), 0});
-      addShared(scene, path, index, pdf, radiance, INFINITE, out);
+      addShared(scene, path, index, pdf, radiance, INFINITE, length, out);
       continue;
     }
     if (path.nonDelta > 0 && path.delta && !settings.directLight) {
@@ -59,28 +60,30 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
       recordWeight(out, weight);
       radiance *= weight;
     }
-    addLight(path, radiance, out);
+    addLight(path, radiance, length, out);
   }
 }
 
 void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_t light, const LePdf& pdf,
-                              const Rgb& radiance, float distance, PathRadiance& out) const {
+                              const Rgb& radiance, float distance, float length, PathRadiance& out) const {
   const LightSampleContext& from = path.bsdfRay.from;
   const float arrivals = photons.arrivals(scene, light, pdf, path.shared.cosine, distance,
                                           lights.probability(scene.lights(), from, light));
   const float weight = path.shared.share.camera(arrivals, path.shared.pdf);
   recordWeight(out, weight);
-  out.add(out.pathClasses().lightStart(), path.camera, path.shared.throughput * radiance * weight);
+  out.add(out.pathClasses().lightStart(), path.camera, path.shared.throughput * radiance * weight, length);
 }
 
-void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
+void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, float length,
+                             PathRadiance& out) const {
   const float share = settings.directLight ? path.lightShare : 1;
   if (!(share > 0) || isBlack(radiance)) return;
   recordWeight(out, share);
+  const Rgb added = path.sharedThroughput() * radiance * share;
   if (path.nonDelta == 0)
-    out.addSeen(path.camera, path.sharedThroughput() * radiance * share);
+    out.addSeen(path.camera, added, length);
   else
-    out.add(out.pathClasses().lightStart(), path.camera, path.sharedThroughput() * radiance * share);
+    out.add(out.pathClasses().lightStart(), path.camera, added, length);
 }
 
 void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
@@ -92,7 +95,7 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
   if (share.merged == 0) {
     addSampledLight(scene, lights, context, scattering, hit, path.nesting, wi,
                     path.sharedThroughput() * share.rest, path.camera, settings.lightSamples, NON_DELTA_LOBES,
-                    panes, sampler, out);
+                    panes, sampler, out, path.optical);
     return;
   }
   if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
@@ -118,7 +121,8 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                       scattering.pdfNonDelta(light->direction, wi));
     recordWeight(out, weight);
     radiance *= weight * path.part;
-    out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
+    out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value,
+            lengthToLight(scene, path.optical, scattering, wi, hit.point, *light));
   }
 }
 

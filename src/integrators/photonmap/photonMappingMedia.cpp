@@ -28,7 +28,7 @@ bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, S
   const RayTransmittance transmittance(*medium, path.ray, end, sampler);
   if (out.recorder) out.recorder->source = {.step = path.recordedStep};
   // Where photons are stored, they include the emission of media.
-  if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), out);
+  if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), path.optical.length, out);
   if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
   const float before = maxComponent(path.throughput);
   path.throughput *= transmittance.to(end);
@@ -49,9 +49,10 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
   if (settings.directLight) return;
   const int hero = std::min(2, static_cast<int>(3 * sampler.fork(HERO).next1D()));
   const int panes = panesLeft(settings.maxDepth, path.depth + 1);
+  OpticalPath optical = path.optical;
   const auto vertex = [&](const Hit& hit, const SpectralPath& spectral) {
-    return LitVertex{hit,          nullptr,  &medium, -direction, NON_DELTA_LOBES,
-                     path.nesting, spectral, hero,    camera,     false};
+    return LitVertex{hit,      nullptr, &medium, -direction, NON_DELTA_LOBES, path.nesting,
+                     spectral, hero,    camera,  false,      optical};
   };
   Hit hit;
   if (!medium.isHomogeneous()) {
@@ -60,6 +61,7 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
                                         [](const Rgb&) {});
     if (!c.scatters || isBlack(spectral.throughput)) return;
     hit.point = pointInMedium(path.ray, c.t);
+    optical.travel(c.t);
     addSampledLightInMedia(scene, lights, {hit.point.position}, vertex(hit, spectral), settings.lightSamples,
                            panes, sampler, out);
     return;
@@ -72,6 +74,8 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
         sampleLightAlong(scene, lights, medium, path.ray, end, rays, which, random);
     if (!s) return;
     hit.point = pointInMedium(path.ray, s->t);
+    optical = path.optical;
+    optical.travel(s->t);
     const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
     addLightInMedia(scene, vertex(hit, spectral), s->light, 1 / s->reciprocalPdf, panes, random, out);
   };
@@ -87,14 +91,18 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
 void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, const Medium& medium, float end,
                                     const RayTransmittance& transmittance, const Rgb& throughput,
                                     CameraState camera, PathRadiance& out) const {
-  const auto add = [&](const Vec3f& flight, const Rgb& scattered, float t, uint8_t pathState) {
+  const auto add = [&](const Vec3f& flight, const Rgb& scattered, float t, uint8_t pathState, float length) {
     const float f = medium.phase->value(-glm::dot(flight, path.ray.direction));
     ++out.counts.photonsFound;
-    out.add(LightState(pathState), camera, throughput * transmittance.to(t) * scattered * f);
+    out.add(LightState(pathState), camera, throughput * transmittance.to(t) * scattered * f,
+            path.optical.at(t) + length);
   };
   const MediaPhotons& inMedia = photons.inMedia();
   inMedia.points.visitAlong(path.ray, end, [&](const VolumePhoton& p, float t, float kernel) {
-    if (p.medium == number) add(unpackDirection(p.direction), p.power * kernel, t, p.pathState);
+    if (p.medium != number) return;
+    const Vec3f flight = unpackDirection(p.direction);
+    add(flight, p.power * kernel, t, p.pathState,
+        lengthNear(path.ray.at(t), p.position, -flight, inMedia.points.pathLength(p), path.optical.index));
   });
   if (inMedia.beams.size() == 0 || !medium.isHomogeneous()) return;
   const MediumPoint point = medium.at(path.ray.origin);
@@ -102,7 +110,7 @@ void PhotonMapping::addPhotonsAlong(const PathState& path, uint16_t number, cons
   inMedia.beams.visitAlong(path.ray, end, [&](const PhotonBeam& b, float s, float t, float kernel) {
     if (b.medium == number)
       add(b.direction, b.power * flight::transmittance(relative, s) * point.scattering * kernel, t,
-          b.pathState);
+          b.pathState, inMedia.beams.pathLength(b) + path.optical.index * s);
   });
 }
 

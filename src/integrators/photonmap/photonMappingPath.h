@@ -45,6 +45,7 @@ struct PathState {
   int depth = 0;        ///< number of scattering events
   int nonDelta = 0;     ///< number of scattering events by non-delta lobes
   float wavelength = 0; ///< wavelength, see Subpath
+  OpticalPath optical;  ///< optical length, see Subpath
   // State since the last non-delta scattering event, or since the camera:
   float distance = 0;                ///< length of the path [scene units]
   bool delta = false;                ///< through mirrors and glass, thin panes excluded
@@ -69,6 +70,7 @@ struct PathState {
     next.throughput *= s.weight;
     next.throughput *= dispersedColour(hit.point, s, next.wavelength);
     next.etaScale *= square(s.eta);
+    next.optical.scatter(s.eta);
     static_cast<Ray&>(next.ray) = spawn(hit.point, s.direction);
     if (s.specular()) {
       (pane ? next.panes : next.delta) = true;

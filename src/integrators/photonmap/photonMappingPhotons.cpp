@@ -64,7 +64,8 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
   BoundaryCorrection boundary{scene, sampler.fork(DeltaScatters::MAX_COUNT + 1), query.place.known,
                               query.place.away};
   const GatherResult result =
-      gather(layer.map, query.settings, scattering, point, wi, footprint, path.sharedThroughput(), path.camera, out, settings.edges ? &boundary : nullptr);
+      gather(layer.map, query.settings, scattering, point, wi, footprint, path.sharedThroughput(),
+             path.camera, out, settings.edges ? &boundary : nullptr, path.optical);
   if (out.recorder) out.recorder->endEstimate(result.radius, result.found);
   KernelRadii& radii = isCaustic ? out.counts.causticRadii : out.counts.otherRadii;
   radii.add(result.radius, path.ray.width);

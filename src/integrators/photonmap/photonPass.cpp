@@ -15,6 +15,17 @@ namespace recurse {
 
 namespace {
 
+/** Lengths of photons in the order of a stable partition: caustic photons first. */
+std::vector<float> causticsFirst(const std::vector<Photon>& photons, const std::vector<float>& lengths) {
+  std::vector<float> ordered;
+  if (lengths.empty()) return ordered;
+  ordered.reserve(lengths.size());
+  for (const bool isCaustic : {true, false})
+    for (size_t i = 0; i < photons.size(); ++i)
+      if (photons[i].caustic == isCaustic) ordered.push_back(lengths[i]);
+  return ordered;
+}
+
 // A single map must suffice for the whole image. Of progressive maps the mean must, and many must come soon.
 constexpr uint64_t ONE_MAP_PHOTONS = 1000000, MIN_PROGRESSIVE_PHOTONS = 65536,
                    MAX_PROGRESSIVE_PHOTONS = 262144;
@@ -87,15 +98,22 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
   statistics.shootSeconds = secondsSince(start);
 
   start = std::chrono::steady_clock::now();
+  const std::vector<float> lengths = causticsFirst(shot.stored, shot.lengths.onSurfaces);
   const auto firstIndirect = std::stable_partition(shot.stored.begin(), shot.stored.end(),
                                                    [](const Photon& p) { return p.caustic; });
   causticLayer.map.build({shot.stored.begin(), firstIndirect}, settings.index);
   indirectLayer.map.build({firstIndirect, shot.stored.end()}, settings.index);
+  if (!lengths.empty()) {
+    const auto caustics = static_cast<size_t>(firstIndirect - shot.stored.begin());
+    causticLayer.map.setLengths(std::span(lengths).first(caustics));
+    indirectLayer.map.setLengths(std::span(lengths).subspan(caustics));
+  }
   constexpr float WIDEST = 0.05f;       // maximum radius relative to the scene's; wider hides all detail
   constexpr float ONE_DIMENSION = 1.2f; // ratio of the optimal rates 1/5 (blur in one dimension) and 1/6
   const float widest = WIDEST * scene.bounds().radius;
-  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest);
-  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest);
+  mediaPhotons.points.build(std::move(shot.inMedia), radiusOverFirst, widest, shot.lengths.inMedia);
+  mediaPhotons.beams.build(std::move(shot.beams), std::pow(radiusOverFirst, ONE_DIMENSION), widest,
+                           std::move(shot.lengths.beams));
   if (settings.edges) mediaPhotons.points.findBounds(scene, pass.time, statistics.counts);
   statistics.photonsRefused = causticLayer.map.refused() + indirectLayer.map.refused();
   statistics.balanceSeconds = secondsSince(start);

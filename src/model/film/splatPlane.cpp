@@ -27,7 +27,8 @@ uint64_t keyOf(uint64_t place, uint64_t index, double value) {
 
 } // namespace
 
-void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value) {
+void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value,
+                     size_t extraLayer) {
   const Vec2f radius = filter.radius();
   // Pixels whose centres are no farther away than the filter's radius.
   const auto first = [](float place, float r, int from) {
@@ -46,15 +47,18 @@ void SplatPlane::add(const Vec2f& film, const Filter& filter, uint64_t layerSet,
       const float weight = filter.value(film - Vec2f(x, y) - 0.5f);
       if (weight == 0) continue;
       const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
-      for (uint64_t rest = layerSet; rest != 0; rest &= rest - 1) {
-        const size_t index = (pixel * layers + static_cast<size_t>(std::countr_zero(rest))) * 3;
+      const auto addToLayer = [&](size_t layer) {
+        const size_t index = (pixel * layers + layer) * 3;
         for (int c = 0; c < 3; ++c)
           if (value[c] != 0) {
             const double contribution = double(value[c]) * double(weight);
             addTo(sums[index + size_t(c)], contribution / unitOfSums, LARGEST,
                   keyOf(place, index + size_t(c), contribution));
           }
-      }
+      };
+      for (uint64_t rest = layerSet; rest != 0; rest &= rest - 1)
+        addToLayer(static_cast<size_t>(std::countr_zero(rest)));
+      if (extraLayer != NO_LAYER) addToLayer(extraLayer);
       // Saturation is counted at the colours already, so that luminance is only clamped.
       const double units =
           std::clamp(double(recurse::luminance(value)) * double(weight) / unitOfSums, -LARGEST, LARGEST);

@@ -76,36 +76,36 @@ class Estimate {
 
   /** Adds the photons found in a block, with kernel shape values in `shape`. */
   void add(const PhotonBlock& block, Float8 shape) {
-    Float8 weight = block.found(shape);
-    if (lambertian) {
-      weight = counted(weight, block);
-      if (states <= MAX_LISTED) {
-        const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
-        // Loops over all states for each block: cheaper than a branch that depends on the photons.
-        const Uint32x8 pathStates = Uint32x8::fromBytes(block.pathStates);
-        for (size_t i = 0; i < listed; ++i) {
-          const Float8 same = equal(pathStates, Uint32x8(list[i]));
-          addLanes(i, {power.x & same, power.y & same, power.z & same});
-        }
-        return;
+    const Float8 weight = weightOf(block, shape);
+    if (lambertian && states <= MAX_LISTED) {
+      const Vec3f8 power = {block.red() * weight, block.green() * weight, block.blue() * weight};
+      // Loops over all states for each block: cheaper than a branch that depends on the photons.
+      const Uint32x8 pathStates = Uint32x8::fromBytes(block.pathStates);
+      for (size_t i = 0; i < listed; ++i) {
+        const Float8 same = equal(pathStates, Uint32x8(list[i]));
+        addLanes(i, {power.x & same, power.y & same, power.z & same});
       }
+      return;
     }
-    if (bent && !lambertian) weight = weight * abs(cosines.of(block).quotient());
-    alignas(32) float w[8];
-    weight.store(w);
-    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
-      const int lane = std::countr_zero(rest);
-      const Rgb power = block.power(lane) * w[lane];
-      sums[block.pathStates[lane]] +=
-          lambertian
-              ? power
-              : power * value(block.direction(lane), block.reverseRatios ? block.reverseRatios[lane] : 0);
-    }
+    forEachPhoton(block, weight, [&](int lane, const Rgb& power) { sums[block.pathStates[lane]] += power; });
+  }
+
+  /** Adds the photons found in a block to `out`, each by the length of its path; see add() and addTo().
+   * `optical`: of the camera path on arrival. */
+  void addByLength(const PhotonMap& map, const SurfacePoint& point, const OpticalPath& optical,
+                   const PhotonBlock& block, Float8 shape, const Rgb& scale, PathRadiance& out) const {
+    const Rgb factor = factorOf(scale);
+    forEachPhoton(block, weightOf(block, shape), [&](int lane, const Rgb& power) {
+      const size_t slot = block.first + static_cast<size_t>(lane);
+      const float arrival = lengthNear(point.position, map.position(slot), block.direction(lane),
+                                       map.length(slot), optical.index);
+      if (!isBlack(power))
+        out.add(LightState(block.pathStates[lane]), cameraState, power * factor, optical.length + arrival);
+    });
   }
 
   void addTo(PathRadiance& out, const Rgb& scale) {
-    // A Lambertian BSDF is constant. Its value for light from the viewer avoids leaks at either normal.
-    const Rgb factor = lambertian ? scale * scattering.value(eye, eye) : scale;
+    const Rgb factor = factorOf(scale);
     const auto addState = [&](size_t state, const Rgb& power) {
       if (!isBlack(power)) out.add(LightState(static_cast<uint8_t>(state)), cameraState, power * factor);
     };
@@ -120,6 +120,31 @@ class Estimate {
  private:
   /** Maximum number of states that are summed in lanes; beyond, photons are added one by one. */
   static constexpr size_t MAX_LISTED = 12;
+
+  /** A Lambertian BSDF is constant. Its value for light from the viewer avoids leaks at either normal. */
+  Rgb factorOf(const Rgb& scale) const { return lambertian ? scale * scattering.value(eye, eye) : scale; }
+
+  /** Weights of the photons found in a block, without those of value(). */
+  Float8 weightOf(const PhotonBlock& block, Float8 shape) const {
+    const Float8 weight = block.found(shape);
+    if (lambertian) return counted(weight, block);
+    return bent ? weight * abs(cosines.of(block).quotient()) : weight;
+  }
+
+  /** Calls visit(lane, power) for the photons found in a block, with their weighted power times the BSDF; a
+   * Lambertian one is left to factorOf(). */
+  template <class Visit>
+  void forEachPhoton(const PhotonBlock& block, Float8 weight, const Visit& visit) const {
+    alignas(32) float w[8];
+    weight.store(w);
+    for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+      const int lane = std::countr_zero(rest);
+      const Rgb power = block.power(lane) * w[lane];
+      visit(lane, lambertian ? power
+                             : power * value(block.direction(lane),
+                                             block.reverseRatios ? block.reverseRatios[lane] : 0));
+    }
+  }
 
   /** BSDF times the photon's weight against rays and MIS weight. */
   Rgb value(const Vec3f& light, float reverseRatio) const {
@@ -273,7 +298,8 @@ PowerSum sumPower(const PhotonMap& map, const Support& support, Kernel kernel, c
 
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
-                    CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary) {
+                    CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary,
+                    const OpticalPath& optical) {
   ++out.counts.gathers;
   GatherResult result;
   result.rest = settings.rest;
@@ -293,7 +319,9 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   result.radius = support.region.radius;
   if (support.empty) return result;
   Estimate estimate(scattering, point, eye, settings, result, out.pathClasses(), cameraState);
-  if (estimate.oneSum()) {
+  const Rgb scale = throughput * ((settings.weighedAgainstRays ? 1 : result.rest) * INV_PI /
+                                  (support.radius2 * support.fraction * settings.chance));
+  if (estimate.oneSum() && !map.hasLengths()) {
     const PowerSum sum = sumPower(map, support, settings.kernel, scratch, estimate.arrives());
     result.found = sum.found;
     estimate.set(sum.power);
@@ -304,7 +332,11 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
         if (block.mask == 0) return;
         result.found += std::popcount(block.mask);
         const Float8 q = min(block.distance2 / Float8(support.radius2), Float8(1));
-        estimate.add(block, kernelShape<decltype(kernel)::value>(q));
+        const Float8 shape = kernelShape<decltype(kernel)::value>(q);
+        if (map.hasLengths())
+          estimate.addByLength(map, point, optical, block, shape, scale, out);
+        else
+          estimate.add(block, shape);
       };
       if (support.byNearest)
         map.visitNearest(scratch, addBlock);
@@ -314,9 +346,7 @@ GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const 
   }
   out.counts.photonsFound += static_cast<uint64_t>(result.found);
   if (!estimate.isLambertian()) out.counts.photonsScattered += static_cast<uint64_t>(result.found);
-  if (result.found > 0)
-    estimate.addTo(out, throughput * ((settings.weighedAgainstRays ? 1 : result.rest) * INV_PI /
-                                      (support.radius2 * support.fraction * settings.chance)));
+  if (result.found > 0 && !map.hasLengths()) estimate.addTo(out, scale);
   return result;
 }
 

@@ -9,6 +9,7 @@
 #include "recurse/model/bsdf/scatteringPoint.h"
 #include "recurse/transport/integrator/integrator.h"
 #include "transport/density/boundaryCorrection.h"
+#include "transport/paths/opticalPath.h"
 #include "transport/photonmap/kernel.h"
 #include "transport/weights/gatherWeighting.h"
 #include "transport/weights/mergeWeights.h"
@@ -72,10 +73,12 @@ struct GatherResult {
  * `throughput`. `cameraState`: state after the D event. A support smaller than `footprint` (pixel width) is
  * widened to it: detail below a pixel is only noise. With `boundary` the estimate divides by the area of
  * surface in the support, see coveredFraction(); supports with too little surface are reduced.
+ * `optical`: of the camera path, for a map with lengths.
  */
 GatherResult gather(const PhotonMap& map, const GatherSettings& settings, const ScatteringPoint& scattering,
                     const SurfacePoint& point, const Vec3f& eye, float footprint, const Rgb& throughput,
-                    CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary = nullptr);
+                    CameraState cameraState, PathRadiance& out, BoundaryCorrection* boundary = nullptr,
+                    const OpticalPath& optical = {});
 
 /** Irradiance [W/m²] of a Lambertian surface by the same estimate, on the side of the unit geometric
  * normal. Photons are weighted for a kernel of `settings.radius`. `error`: bound of the error of the

@@ -101,13 +101,17 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
   density *= vertex.path.pathPdf;
   out.add(afterPanes(out.pathClasses(), panes), vertex.state,
           vertex.path.throughput * f * light.radiance * through.value *
-              (3 / (density.r + density.g + density.b)));
+              (3 / (density.r + density.g + density.b)),
+          vertex.scattering
+              ? lengthToLight(scene, vertex.optical, *vertex.scattering, vertex.wi, vertex.hit.point, light)
+              : vertex.optical.at(distanceToLight(scene, vertex.hit.point.position, light)));
 }
 
 void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
                      const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
-                     LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out) {
+                     LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out,
+                     const OpticalPath& optical) {
   if (!lightIsSampled(scene, out.pathClasses(), cameraState)) return;
   for (int i = 0; i < samples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lightSampler, context, sampler);
@@ -128,7 +132,8 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
     if (isBlack(free.value)) continue;
     if (out.recorder)
       recordSample(*out.recorder, scattering, wi, *light, choice.chosen.probability, samples, allowed);
-    out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value);
+    out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value,
+            lengthToLight(scene, optical, scattering, wi, hit.point, *light));
   }
 }
 

@@ -61,6 +61,13 @@ struct SampledLight {
   }
 };
 
+/** Optical length of the path from a light sample through a surface, at which a walk has arrived from unit
+ * `wi`, back to the walk's start [scene units]. */
+inline float lengthToLight(const Scene& scene, const OpticalPath& optical, const ScatteringPoint& scattering,
+                           const Vec3f& wi, const SurfacePoint& point, const LiSample& light) {
+  return leaving(optical, scattering, wi, light.direction).at(distanceToLight(scene, point.position, light));
+}
+
 /** Contribution of one of `samples` shadow rays along unit `wi`, visibility aside, with MIS weight and
  * `throughput`. If it is black, the shadow ray need not be traced. */
 inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi, const Rgb& throughput,
@@ -79,12 +86,13 @@ inline Rgb unshadowedRadiance(const ScatteringPoint& scattering, const Vec3f& wi
  * panes, seen from unit `wi` with `throughput`. `cameraState`: state after the D event at the point.
  * `allowed`: lobes from which the BSDF ray is sampled. `nesting`: state of the walk that arrived. `context`:
  * the point's context in `lightSampler`. Media on the way must be homogeneous, and the weights of BSDF rays
- * that hit lights must not include them.
+ * that hit lights must not include them. `optical`: the walk's on arrival.
  */
 void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const LightSampleContext& context,
                      const ScatteringPoint& scattering, const Hit& hit, const Nesting& nesting,
                      const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
-                     LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out);
+                     LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out,
+                     const OpticalPath& optical = {});
 
 /** BSDF ray, as needed for the MIS weight of a light that it hits, directly or straight through thin
  * panes. */
@@ -118,8 +126,9 @@ struct LitVertex {
   const Nesting& nesting;
   const SpectralPath& path; ///< spectral state on arrival
   int hero;
-  CameraState state;      ///< state after the event
-  bool hasBsdfRay = true; ///< false: only shadow rays find light from here
+  CameraState state;        ///< state after the event
+  bool hasBsdfRay = true;   ///< false: only shadow rays find light from here
+  OpticalPath optical = {}; ///< on arrival
 
   /** Phase function, or BSDF times the cosine, for light from unit `light`. */
   Rgb value(const Vec3f& light) const {

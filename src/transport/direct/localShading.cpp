@@ -52,7 +52,9 @@ void addSeenEmission(const Scene& scene, const LightSampler& lights, const Camer
   const Vec3f& direction = path.ray.direction;
   const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
                            : environmentRadiance(scene, lights, direction, {}, 1);
-  out.add(out.pathClasses().lightStart(), path.state, path.throughput * radiance);
+  const float length =
+      hit ? path.optical.length : path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
+  out.add(out.pathClasses().lightStart(), path.state, path.throughput * radiance, length);
 }
 
 } // namespace recurse

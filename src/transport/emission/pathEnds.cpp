@@ -108,6 +108,7 @@ std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasse
   path.throughput = emission->flux / (probability * guided);
   path.state = classes.lightStart();
   path.nesting = nestingAt(scene, path.ray, counts);
+  path.optical = opticalStart(scene, path.ray, path.nesting, end.isInfinite());
   path.parallel = end.isInfinite();
   if (path.parallel) {
     end.pdf = double(emission->pdfDirection);

@@ -26,8 +26,9 @@ struct PhotonState {
   PathEvent event = PathEvent::D; ///< last event
   RecordedLightPath record{};
   // Spectral state in media:
-  Rgb pathPdf{1}; ///< see SpectralPath
-  int hero = 0;   ///< colour channel that draws distances
+  Rgb pathPdf{1};        ///< see SpectralPath
+  int hero = 0;          ///< colour channel that draws distances
+  OpticalPath optical{}; ///< up to the ray's origin; up to the next event once it is found
 };
 
 /** Emission of a photon: its light, position and densities. */
@@ -55,6 +56,7 @@ class PhotonStart {
     if (!isUseful(flux)) return {};
     const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
     PhotonState photon{ray, flux, classes.lightStart(), nesting, {}};
+    photon.optical = opticalStart(scene, ray, nesting, false);
     photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     return photon;
   }
@@ -89,6 +91,7 @@ class PhotonStart {
     const ReverseRatio ratio =
         source.isIntersectable() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
     PhotonState photon{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+    photon.optical = opticalStart(scene, ray, photon.nesting, source.isInfinite());
     if (scene.hasMedia()) {
       const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
       photon.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));

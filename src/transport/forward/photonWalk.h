@@ -21,10 +21,12 @@ struct StoredPhotons {
   std::vector<Photon> onSurfaces;
   std::vector<VolumePhoton> inMedia;
   std::vector<PhotonBeam> beams;
+  PhotonPathLengths lengths;
 
   size_t size() const { return onSurfaces.size() + inMedia.size() + beams.size(); }
   void clear() {
     onSurfaces.clear();
+    lengths = {};
     inMedia.clear();
     beams.clear();
   }
@@ -79,6 +81,7 @@ class PhotonWalk {
         flight::sampleDistance(thinnest(medium.at(photon.ray.origin).extinction()), sampler);
     out.beams.push_back({photon.ray.origin, photon.ray.direction, std::min(end, distance), photon.flux / part,
                          number, photon.state.byte});
+    if (classes.isTransient()) out.lengths.beams.push_back(photon.optical.length);
   }
 
   enum class MediumEvent { NONE, SCATTERED, ENDED };
@@ -108,12 +111,15 @@ class PhotonWalk {
       return MediumEvent::ENDED;
     }
     if (classes.dead(after)) return MediumEvent::ENDED;
+    photon.optical.travel(c.t);
     const Vec3f position = photon.ray.at(c.t), direction = photon.ray.direction;
     const float part = settings.inMedia.pointPart;
     const bool asPoint = stored && !asBeam && (part >= 1 || sampler.next1D() < part);
-    if (asPoint)
+    if (asPoint) {
       out.inMedia.push_back(
           {position, packDirection(direction), photon.flux / part, number, photon.state.byte});
+      if (classes.isTransient()) out.lengths.inMedia.push_back(photon.optical.length);
+    }
     note(photon, LightVertexKind::MEDIUM, position, asPoint);
     ++photon.depth;
     const float chance = std::min(1.0f, (photon.flux.r + photon.flux.g + photon.flux.b) / before);
@@ -142,6 +148,7 @@ class PhotonWalk {
         note(photon, LightVertexKind::ESCAPE, ray.at(2 * scene.bounds().radius));
         return nullptr;
       }
+      photon.optical.travel(hit.t);
       arena.reset();
       drawWavelength(scene, photon.wavelength, sampler, hit);
       const Bsdf* bsdf = bsdfAt(scene, hit, ray.direction, Footprint(), photon.nesting, arena);
@@ -187,6 +194,7 @@ class PhotonWalk {
     photon.event = s->specular() ? PathEvent::S : PathEvent::D;
     photon.flux *= dispersedColour(point, *s, photon.wavelength);
     photon.nesting.scatters(at.hit, at.wi, s->direction);
+    photon.optical.scatter(s->eta);
     photon.caustic = photon.caustic && s->specular();
     photon.straight = photon.straight && passesPane(scene, at.scattering, *s);
     if (s->specular())
@@ -286,6 +294,7 @@ class PhotonWalk {
     p.caustic = photon.caustic;
     p.reverseRatio = photon.ratio.value();
     out.onSurfaces.push_back(p);
+    if (classes.isTransient()) out.lengths.onSurfaces.push_back(photon.optical.length);
     return true;
   }
 

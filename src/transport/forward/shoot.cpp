@@ -45,6 +45,9 @@ std::vector<std::byte> packed(const StoredPhotons& stored) {
   appendBytes(stored.onSurfaces, out);
   appendBytes(stored.inMedia, out);
   appendBytes(stored.beams, out);
+  appendBytes(stored.lengths.onSurfaces, out);
+  appendBytes(stored.lengths.inMedia, out);
+  appendBytes(stored.lengths.beams, out);
   return out;
 }
 
@@ -52,6 +55,9 @@ void unpack(std::span<const std::byte> bytes, StoredPhotons& stored) {
   readBytes(bytes, stored.onSurfaces);
   readBytes(bytes, stored.inMedia);
   readBytes(bytes, stored.beams);
+  readBytes(bytes, stored.lengths.onSurfaces);
+  readBytes(bytes, stored.lengths.inMedia);
+  readBytes(bytes, stored.lengths.beams);
 }
 
 template <class T> void moveTo(std::vector<T>& all, std::vector<T>& part) {
@@ -123,6 +129,9 @@ ShotPhotons shootPhotons(const Scene& scene, const PathClasses& classes, const P
     moveTo(shot.stored, s.onSurfaces);
     moveTo(shot.inMedia, s.inMedia);
     moveTo(shot.beams, s.beams);
+    moveTo(shot.lengths.onSurfaces, s.lengths.onSurfaces);
+    moveTo(shot.lengths.inMedia, s.lengths.inMedia);
+    moveTo(shot.lengths.beams, s.lengths.beams);
   }
   for (const TransportCounts& c : counts) shot.counts.add(c);
   shot.emitted = settings.photons;

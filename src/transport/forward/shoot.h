@@ -17,6 +17,7 @@ struct ShotPhotons {
   std::vector<Photon> stored;        ///< powers are divided by the number of photons emitted
   std::vector<VolumePhoton> inMedia; ///< normalised like `stored`
   std::vector<PhotonBeam> beams;     ///< normalised like `stored`
+  PhotonPathLengths lengths;
   uint64_t emitted = 0;
   uint64_t emittedHere = 0; ///< emitted by this process, see PhotonSharing
   uint64_t storedHere = 0;  ///< stored by this process, media included

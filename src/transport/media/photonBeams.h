@@ -31,11 +31,18 @@ inline float thinnest(const Rgb& extinction) {
 class PhotonBeamMap {
  public:
   /** Builds the map. `scale`: factor on the radii that the beams' density calls for; `widest`: their maximum
-   * before scaling [scene units]. Independent of the number of threads. */
-  void build(std::vector<PhotonBeam> beams, float scale, float widest);
+   * before scaling [scene units]. `pathLengths`: see pathLength(), or empty. Independent of the number of
+   * threads. */
+  void build(std::vector<PhotonBeam> beams, float scale, float widest, std::vector<float> pathLengths = {});
   size_t size() const { return beams.size(); }
+  /** Optical length up to the origin of a beam of this map [scene units]; 0 unless the render is
+   * transient. */
+  float pathLength(const PhotonBeam& beam) const {
+    return lengths.empty() ? 0 : lengths[static_cast<size_t>(&beam - beams.data())];
+  }
   size_t memoryBytes() const {
-    return beams.capacity() * sizeof(PhotonBeam) + pieces.capacity() * sizeof(Piece) + tree.memoryBytes();
+    return beams.capacity() * sizeof(PhotonBeam) + pieces.capacity() * sizeof(Piece) +
+           lengths.capacity() * sizeof(float) + tree.memoryBytes();
   }
 
   /** Calls visit(beam, s, t, kernel) for each beam within whose radius the ray of unit direction passes, at
@@ -65,6 +72,7 @@ class PhotonBeamMap {
     float begin, end, radius;
   };
   std::vector<PhotonBeam> beams;
+  std::vector<float> lengths; ///< see pathLength()
   std::vector<Piece> pieces;
   BoxPyramid tree;
 };

@@ -58,15 +58,22 @@ class DiscBounds {
 class VolumePhotonMap {
  public:
   /** Builds the map. `scale`: factor on the radii that the photons' density calls for; `widest`: their
-   * maximum before scaling [scene units]. Independent of the number of threads. */
-  void build(std::vector<VolumePhoton> photons, float scale, float widest);
+   * maximum before scaling [scene units]. `pathLengths`: optical lengths of the photons' paths for transient
+   * renders, else empty. Independent of the number of threads. */
+  void build(std::vector<VolumePhoton> photons, float scale, float widest,
+             const std::vector<float>& pathLengths = {});
   /** Finds surfaces within the radii. The part of a disc beyond them is cut off, and the kernel is
    * renormalised on the remaining part. */
   void findBounds(const Scene& scene, float time, TransportCounts& counts);
   size_t size() const { return photons.size(); }
+  /** Optical length up to a photon of this map [scene units]; 0 unless the render is transient. */
+  float pathLength(const VolumePhoton& photon) const {
+    return lengths.empty() ? 0 : lengths[static_cast<size_t>(&photon - photons.data())];
+  }
   size_t memoryBytes() const {
-    return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) + tree.memoryBytes() +
-           boundsOf.capacity() * sizeof(uint32_t) + bounds.capacity() * sizeof(DiscBounds);
+    return photons.capacity() * sizeof(VolumePhoton) + radii.capacity() * sizeof(float) +
+           lengths.capacity() * sizeof(float) + tree.memoryBytes() + boundsOf.capacity() * sizeof(uint32_t) +
+           bounds.capacity() * sizeof(DiscBounds);
   }
 
   /** Calls visit(photon, depth, kernel) for each photon whose disc the ray of unit direction crosses between
@@ -92,9 +99,13 @@ class VolumePhotonMap {
   }
 
  private:
+  /** Sorts photons and their path lengths by the tree. */
+  void sortByPosition(const std::vector<float>& pathLengths);
+
   BoxPyramid tree; ///< tree of the discs
   std::vector<VolumePhoton> photons;
   std::vector<float> radii;
+  std::vector<float> lengths; ///< see pathLength()
   static constexpr uint32_t NO_BOUNDS = UINT32_MAX;
   std::vector<uint32_t> boundsOf; ///< index into `bounds` by photon; empty if bounds are unused
   std::vector<DiscBounds> bounds;

@@ -27,6 +27,12 @@ class Nesting {
       }
     return around;
   }
+  /** Refractive index at the current point: of the dielectric with the highest priority, 1 outside of all. */
+  float index(const Scene& scene) const {
+    for (size_t i = 0; i < scene.nestedIndices().size(); ++i)
+      if (depth[i] > 0) return scene.nestedIndices()[i];
+    return 1;
+  }
   /** Sets the medium outside of all nested dielectrics, where a walk begins. */
   void startIn(uint16_t medium) { around = medium; }
   /** Corrects the medium before a hit to the one on this side of the boundary. The tracked medium is wrong if

@@ -16,6 +16,7 @@
 #include "recurse/pathclasses/pathClasses.h"
 #include "transport/paths/mediumFlight.h"
 #include "transport/paths/nesting.h"
+#include "transport/paths/opticalPath.h"
 
 namespace recurse {
 
@@ -42,6 +43,7 @@ template <class State> struct Subpath {
   float spread = 0;        ///< growth of the footprint per unit of distance
   float sampleSpacing = 1; ///< see CameraRay
   float wavelength = 0;    ///< wavelength of dispersed light [nm]; 0: white light
+  OpticalPath optical;     ///< up to the ray's origin; up to the next vertex once it is found
   // Spectral state in media:
   Rgb pathPdf{1}, lightPdf{1}; ///< see SpectralPath, whose third member is `throughput`
   int hero = 0;                ///< colour channel that draws distances

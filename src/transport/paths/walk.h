@@ -14,6 +14,7 @@
 #include "recurse/transport/integrator/integrator.h"
 #include "transport/paths/mediumFlight.h"
 #include "transport/paths/nesting.h"
+#include "transport/paths/opticalPath.h"
 
 namespace recurse {
 
@@ -134,6 +135,11 @@ inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
     for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
       crosses(hit, ray.direction);
   });
+}
+
+/** Optical path at the start of a light path along a ray. */
+inline OpticalPath opticalStart(const Scene& scene, const Ray& ray, const Nesting& nesting, bool isInfinite) {
+  return {isInfinite ? lengthFromInfinity(scene, ray.origin, -ray.direction) : 0, nesting.index(scene)};
 }
 
 inline bool hasPanes(const Scene& scene) { return (scene.contents().lobes & STRAIGHT) != 0; }

@@ -18,6 +18,7 @@ inline CameraSubpath startCameraSubpath(const Scene& scene, const PathClasses& c
   path.state = classes.cameraStart();
   path.nesting = nestingAt(scene, ray, counts);
   path.nesting.startIn(scene.cameraMedium());
+  path.optical.index = path.nesting.index(scene);
   path.width = ray.width;
   path.spread = ray.spread;
   path.sampleSpacing = ray.sampleSpacing;
@@ -62,6 +63,7 @@ template <class State> class Walker {
         emission(nullptr);
         return false;
       }
+      path.optical.travel(vertex.hit.t);
       if (vertex.hit.areaLight) emission(&vertex.hit);
       path.width += path.spread * vertex.hit.t;
       arena.reset();
@@ -140,6 +142,7 @@ template <class State> class Walker {
     vertex.hit = Hit();
     vertex.hit.point = pointInMedium(path.ray, c.t);
     vertex.hit.t = c.t;
+    path.optical.travel(c.t);
     return true;
   }
 
@@ -202,6 +205,7 @@ template <class State> class Walker {
     path.throughput *= s.weight;
     path.state = s.specular() ? vertex.afterS : vertex.afterD;
     path.etaScale *= square(s.eta) * s.rouletteScale;
+    path.optical.scatter(s.eta);
   }
 
   void spawnRay(Path& path, const Vertex& vertex, const Scatter& s) const {

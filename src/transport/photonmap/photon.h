@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "recurse/core/math/rgb.h"
 #include "recurse/core/math/vector.h"
@@ -53,5 +54,11 @@ struct Photon {
   float reverseRatio = 0;
 };
 static_assert(sizeof(Photon) <= 40);
+
+/** Optical lengths of the paths of photons of each kind, in the same order [scene units]; empty unless the
+ * render is transient. */
+struct PhotonPathLengths {
+  std::vector<float> onSurfaces, inMedia, beams;
+};
 
 } // namespace recurse

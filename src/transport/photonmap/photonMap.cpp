@@ -251,6 +251,7 @@ void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
   if (photons.size() >= (size_t(1) << 32) - 2 * LEAF_SIZE)
     throw Error("too many photons for one photon map: emit fewer (--photons)");
   indexKind = kind;
+  lengths.clear();
   const size_t mostLeaves = (photons.size() + LEAF_SIZE - 1) / LEAF_SIZE;
   payload.reserve(mostLeaves * LEAF_BLOCKS);
   Builder builder{*this, photons, {reinterpret_cast<float*>(payload.data())}};
@@ -281,6 +282,11 @@ void PhotonMap::build(std::span<const Photon> photons, PhotonIndexKind kind) {
   while (size_t(1) << 3 * levelCount < leafCount) ++levelCount;
   nodes.reserve(lastLevelBegin() + (leafCount + 7) / 8);
   builder.descend(0, 0, box);
+}
+
+void PhotonMap::setLengths(std::span<const float> byEmission) {
+  lengths.resize(photonCount);
+  for (size_t slot = 0; slot < photonCount; ++slot) lengths[slot] = byEmission[emission[slot]];
 }
 
 size_t PhotonMap::childCount(int level, size_t node) const {
@@ -317,7 +323,7 @@ void PhotonMap::visitBoxes(Part part, int split, int levels, const BoxVisitor& v
 
 size_t PhotonMap::memoryBytes() const {
   return nodes.bytes() + leaves.bytes() + payload.bytes() + pathStates.bytes() + reverseRatios.bytes() +
-         emission.bytes() + flannBytes();
+         emission.bytes() + lengths.capacity() * sizeof(float) + flannBytes();
 }
 
 } // namespace recurse

@@ -89,6 +89,9 @@ class PhotonMap {
    * are reused. Throws Error for 2^32 - 64 photons or more.
    */
   void build(std::span<const Photon> photons, PhotonIndexKind kind = PhotonIndexKind::KDTREE);
+  /** Keeps the optical lengths of the photons' paths [scene units], given in the order of emission like the
+   * photons of the last build(); for transient renders. */
+  void setLengths(std::span<const float> byEmission);
 
   PhotonIndexKind kind() const { return indexKind; }
   /** Photons in the map; their slots are 0 … size() − 1. */
@@ -150,6 +153,9 @@ class PhotonMap {
   Vec3f direction(size_t slot) const { return unpackDirection(packedDirection(slot)); }
   uint8_t pathState(size_t slot) const { return pathStates[slot]; }
   float reverseRatio(size_t slot) const { return hasReverseRatios ? reverseRatios[slot] : 0; }
+  /** Whether setLengths() has followed the last build(). */
+  bool hasLengths() const { return !lengths.empty(); }
+  float length(size_t slot) const { return lengths[slot]; }
   /** Index of the photon in the span that build() was given. */
   uint32_t emissionIndex(size_t slot) const { return emission[slot]; }
 
@@ -224,6 +230,7 @@ class PhotonMap {
   LargeArray<float> reverseRatios; ///< in use unless all are 0
   bool hasReverseRatios = false;
   LargeArray<uint32_t> emission;
+  std::vector<float> lengths; ///< of the photons' paths, by slot; empty: not kept
   std::unique_ptr<Flann> flann;
 };
 

@@ -67,6 +67,9 @@ bool isDisplayFormat(const std::string& fileName);
  */
 void writeImage(const std::string& fileName, const Image& image, const ImageWriteOptions& options = {});
 
+/** PNG file of a picture of R, G and B that is encoded for the display, in [0, 1]. Throws Error. */
+std::vector<unsigned char> encodedPng(const Image& encoded);
+
 /** Throws Error when a picture could not be written there: unknown extension, no such folder, not allowed.
  *  Called before a long render. */
 void checkImageWritable(const std::string& fileName);

@@ -78,6 +78,14 @@ class ScatteringPoint {
     return f * (std::abs(localO.z) * shadingNormalFactor(wi, localI, wo, localO));
   }
 
+  /** Refractive index on the side of wo over the index on the side of wi, for the non-delta lobes. */
+  float relativeIndex(const Vec3f& wi, const Vec3f& wo) const {
+    if (!(lobeSet & TRANSMISSION)) return 1;
+    const float cosI = glm::dot(wi, frame.z);
+    if (!(cosI * glm::dot(wo, frame.z) < 0)) return 1;
+    return cosI > 0 ? bsdf.eta() : 1 / bsdf.eta();
+  }
+
   /** Density of wo in scatter() by non-delta lobes [1/sr], for the same allowed lobes. */
   float pdf(const Vec3f& wi, const Vec3f& wo, LobeSet allowed = ALL_LOBES) const {
     if (!(lobeSet & allowed & DELTA_LOBES)) return pdfNonDelta(wi, wo);

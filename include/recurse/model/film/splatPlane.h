@@ -30,8 +30,11 @@ class SplatPlane {
         moments(bounds.area()) {}
 
   /** Adds to each layer of the bit set, around a point [pixels of the whole film]. `value` is finite: the
-   * contribution of one light path for the importance of one pixel (WiSample). Any thread, any time. */
-  void add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value);
+   * contribution of one light path for the importance of one pixel (WiSample). `extraLayer`: another layer,
+   * of any index. Any thread, any time. */
+  void add(const Vec2f& film, const Filter& filter, uint64_t layerSet, const Rgb& value,
+           size_t extraLayer = NO_LAYER);
+  static constexpr size_t NO_LAYER = SIZE_MAX;
   /** Counts light paths, with or without contributions. Callable from any thread. */
   void addPaths(uint64_t count);
   /** Adds the sums of a plane with the same pixels, layers and unit. */

@@ -142,6 +142,11 @@ class Scene {
   const std::vector<float>& nestedIndices() const { return nestedDielectrics; }
   /** Whether the scene has media; without any, rays skip all medium queries. */
   bool hasMedia() const { return !sceneMedia.empty(); }
+  bool hasEmissiveMedia() const {
+    for (const auto& medium : sceneMedia)
+      if (medium->isEmissive()) return true;
+    return false;
+  }
   /** Medium by its index in a MediumInterface; null: vacuum. */
   const Medium* medium(uint16_t number) const { return number ? sceneMedia[number - 1u].get() : nullptr; }
   size_t mediumCount() const { return sceneMedia.size(); }

@@ -88,14 +88,16 @@ class Splatter {
  public:
   Splatter(const PathClasses& classes, const Filter& filter, SplatPlane& plane)
       : classes(classes), filter(filter), plane(plane) {}
-  /** Adds a contribution of the path that consists of these halves, around a point of the film. A
-   * contribution that is not finite is dropped and counted. */
-  void add(LightState light, CameraState eye, const Vec2f& film, const Rgb& contribution,
+  /** Adds a contribution of the path that consists of these halves, around a point of the film. `length`:
+   * optical length of the whole path [scene units], for transient renders only. A contribution that is not
+   * finite is dropped and counted. */
+  void add(LightState light, CameraState eye, const Vec2f& film, const Rgb& contribution, float length,
            TransportCounts& counts) {
     const LayerMask mask = classes.join(light, eye);
     if (mask == 0 || isBlack(contribution)) return;
     if (isFinite(contribution))
-      plane.add(film, filter, mask, whiteBalance ? *whiteBalance * contribution : contribution);
+      plane.add(film, filter, mask, whiteBalance ? *whiteBalance * contribution : contribution,
+                classes.isTransient() ? classes.layerOfLength(length) : SplatPlane::NO_LAYER);
     else
       ++counts.nonFinite;
   }
@@ -134,8 +136,9 @@ class PathRadiance {
     sum *= factor;
     seen *= factor;
   }
-  /** Adds radiance of the path that consists of these halves; dropped and counted if not finite. */
-  void add(LightState light, CameraState eye, const Rgb& radiance) {
+  /** Adds radiance of the path that consists of these halves; dropped and counted if not finite. `length`:
+   * optical length of the whole path [scene units], for transient renders only. */
+  void add(LightState light, CameraState eye, const Rgb& radiance, float length = 0) {
     const LayerMask mask = classes.join(light, eye);
     if (mask == 0) return;
     if (!isFinite(radiance)) {
@@ -147,10 +150,12 @@ class PathRadiance {
     sum += radiance;
     for (LayerMask rest = mask; rest != 0; rest &= rest - 1)
       layers[static_cast<size_t>(__builtin_ctzll(rest))] += radiance;
+    if (classes.isTransient()) [[unlikely]]
+      layers[classes.layerOfLength(length)] += radiance;
   }
   /** Adds radiance of LS*E paths: light seen by the camera without non-delta scattering. */
-  void addSeen(CameraState eye, const Rgb& radiance) {
-    add(classes.lightStart(), eye, radiance);
+  void addSeen(CameraState eye, const Rgb& radiance, float length = 0) {
+    add(classes.lightStart(), eye, radiance, length);
     if (classes.join(classes.lightStart(), eye) != 0 && isFinite(radiance)) seen += radiance;
   }
   const Rgb* values() const { return layers.data(); }
@@ -280,6 +285,8 @@ class Integrator {
                                 const std::function<void(const PhotonBox&)>& /*visit*/) const {}
   /** Whether the integrator renders the media of the scene. */
   virtual bool supportsMedia(const Scene&) const { return false; }
+  /** Whether it measures the lengths of all paths in the scene, for transient renders. */
+  virtual bool supportsTransient(const Scene&) const { return false; }
   /** Whether it renders FIBRE materials, for which light and camera paths have different densities. */
   virtual bool supportsFibres() const { return true; }
   /** Estimators and the domain of each; where the scene determines choices(), the domains chosen in the first

@@ -1,0 +1,44 @@
+/** @file
+ * Films: pictures in sequence, as an animated PNG or, by the program ffmpeg, as MP4.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recurse/core/image/image.h"
+
+namespace recurse {
+
+/** True for the formats that only films have: .apng .mp4. */
+bool isFilmFormat(const std::string& fileName);
+
+/** Throws Error when a film could not be written there: an extension other than .png .apng .mp4, no ffmpeg
+ * for .mp4, or as checkImageWritable(). Called before a long render. */
+void checkFilmWritable(const std::string& fileName);
+
+/** Film in memory, one PNG for each frame, until write(). */
+class FilmFile {
+ public:
+  FilmFile(std::string fileName, double framesPerSecond)
+      : fileName(std::move(fileName)), framesPerSecond(framesPerSecond) {}
+
+  /** Adds a picture of R, G and B, encoded for the display, in [0, 1]. Throws Error if its size differs from
+   * the first one's. */
+  void add(const Image& encoded);
+  /** Writes the film, by its extension. It appears under its name only when it is complete. Throws Error. */
+  void write() const;
+
+ private:
+  std::string fileName;
+  double framesPerSecond;
+  int width = 0, height = 0;
+  std::vector<std::vector<unsigned char>> frames; ///< PNG files
+};
+
+/** Animated PNG (PNG specification, third edition, section 11.3.6) of PNG files with equal headers, which is
+ * repeated without end. */
+std::vector<unsigned char> animatedPng(const std::vector<std::vector<unsigned char>>& frames,
+                                       double framesPerSecond);
+
+} // namespace recurse
