@@ -84,7 +84,8 @@ class Bidirectional::CameraWalk {
     const auto [entry, isNew] = recordedPaths.try_emplace(&from, static_cast<int>(list.size()));
     if (!isNew) return entry->second;
     RecordedLightPath record(list);
-    record.add(LightVertexKind::START, PathEvent::D, from.end.ray.origin, BLACK, classes.lightStart());
+    record.add(LightVertexKind::START, PathEvent::D, from.end.ray.origin, BLACK,
+               classes.lightStart(from.end.index));
     bool wasDelta = false;
     for (uint32_t t = 1; t <= from.count; ++t) {
       const StoredVertex& y = vertexOf(from, t);
@@ -157,7 +158,7 @@ class Bidirectional::CameraWalk {
                               .weight = static_cast<float>(weight),
                               .pdf = path.delta ? 0 : static_cast<float>(path.pdf)};
     }
-    out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight));
+    out.add(classes.lightStart(index), path.state, path.throughput * radiance * static_cast<float>(weight));
   }
 
   /** Adds technique C_k-1: a shadow ray. */
@@ -173,9 +174,13 @@ class Bidirectional::CameraWalk {
         vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction) * sample->radiance / pdf;
     if (isBlack(radiance)) return;
     panes.clear();
+    CameraState state = vertex.afterD;
     const Transmittance free = transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
                                              panesLeft(owner.settings.maxDepth, vertex.depth), out.counts,
-                                             [&](const SurfacePoint& pane) { panes.push_back(pane); });
+                                             [&](const Hit& pane) {
+                                               panes.push_back(pane.point);
+                                               state = stepThroughPane(classes, state, pane);
+                                             });
     if (isBlack(free.value)) return;
     double next = vertex.pdfDirection(vertex.wi, direction);
     copyVertices();
@@ -196,7 +201,7 @@ class Bidirectional::CameraWalk {
     if (out.recorder)
       recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
                         vertex.scattering->pdf(vertex.wi, direction), weight);
-    out.add(afterPanes(classes, free.panes), vertex.afterD, radiance * free.value * weight);
+    out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value * weight);
   }
 
   /** Adds technique C_s: a connection to y_t of the light path, t > 0. */

@@ -68,11 +68,11 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
   bool isScattered = false;
   PathRecorder* recorder = out.recorder;
   int recordedStep = CAMERA_STEP;
-  const auto add = [&](const Rgb& radiance) {
+  const auto add = [&](LightState light, const Rgb& radiance) {
     if (isScattered)
-      out.add(classes.lightStart(), path.state, radiance);
+      out.add(light, path.state, radiance);
     else
-      out.addSeen(path.state, radiance);
+      out.addSeen(light, path.state, radiance);
   };
   const auto addEmission = [&](const Hit* hit) {
     const Vec3f& direction = path.ray.direction;
@@ -86,7 +86,7 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), *hit, direction) : 1;
       if (recorder)
         recordHit(*recorder, recordedStep, scene, lights, *hit, direction, last, emitted * weight);
-      add(path.throughput * emitted * weight);
+      add(classes.lightStart(hit->lightIndex), path.throughput * emitted * weight);
       return;
     }
     for (size_t i = 0; i < scene.environment().size(); ++i) {
@@ -95,13 +95,13 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       if (isBlack(emitted)) continue;
       const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), i, path.ray) : 1;
       if (recorder) recordHit(*recorder, recordedStep, scene, lights, i, direction, last, emitted * weight);
-      add(path.throughput * emitted * weight);
+      add(classes.lightStart(scene.environmentIndices()[i]), path.throughput * emitted * weight);
     }
   };
   const auto addMediumEmission = [&](const Rgb& radiance) {
     if (recorder)
       recorder->source = {.technique = PathTechnique::HIT, .step = recordedStep, .end = path.from};
-    add(radiance);
+    add(startInMedium(scene, classes, path.nesting.medium(scene)), radiance);
   };
   while (walker.next(path, vertex, sampler, addEmission, addMediumEmission)) {
     const int recorded = recorder ? recordVertex(*recorder, recordedStep, vertex) : NOT_RECORDED;

@@ -91,7 +91,7 @@ class PhotonMapping final : public PhotonMapper {
   BsdfRay directWeights(const PathState& path) const {
     return path.nonDelta == 0 || path.delta ? BsdfRay() : path.bsdfRay;
   }
-  void addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const;
+  void addLight(const PathState& path, LightState light, const Rgb& radiance, PathRadiance& out) const;
 
   // ------------------------------------------------------------------------------------------------ photons
   /** Sets the fraction of the indirect light at the end of the path that is read from the map. */

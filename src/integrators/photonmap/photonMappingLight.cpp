@@ -35,7 +35,7 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
     recordWeight(out, weight);
     radiance *= weight;
   }
-  addLight(path, radiance, out);
+  addLight(path, out.pathClasses().lightStart(hit.lightIndex), radiance, out);
 }
 
 void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
@@ -59,7 +59,7 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
       recordWeight(out, weight);
       radiance *= weight;
     }
-    addLight(path, radiance, out);
+    addLight(path, out.pathClasses().lightStart(scene.environmentIndices()[i]), radiance, out);
   }
 }
 
@@ -70,17 +70,18 @@ void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_
                                           lights.probability(scene.lights(), from, light));
   const float weight = path.shared.share.camera(arrivals, path.shared.pdf);
   recordWeight(out, weight);
-  out.add(out.pathClasses().lightStart(), path.camera, path.shared.throughput * radiance * weight);
+  out.add(out.pathClasses().lightStart(light), path.camera, path.shared.throughput * radiance * weight);
 }
 
-void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, PathRadiance& out) const {
+void PhotonMapping::addLight(const PathState& path, LightState light, const Rgb& radiance,
+                             PathRadiance& out) const {
   const float share = settings.directLight ? path.lightShare : 1;
   if (!(share > 0) || isBlack(radiance)) return;
   recordWeight(out, share);
   if (path.nonDelta == 0)
-    out.addSeen(path.camera, path.sharedThroughput() * radiance * share);
+    out.addSeen(light, path.camera, path.sharedThroughput() * radiance * share);
   else
-    out.add(out.pathClasses().lightStart(), path.camera, path.sharedThroughput() * radiance * share);
+    out.add(light, path.camera, path.sharedThroughput() * radiance * share);
 }
 
 void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
@@ -95,7 +96,8 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                     panes, sampler, out);
     return;
   }
-  if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
+  const PathClasses& classes = out.pathClasses();
+  if (!lightIsSampled(scene, classes, path.camera)) return;
   for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lights, context, sampler);
     const std::optional<LiSample> light = choice.sampleLi(hit.point);
@@ -103,7 +105,10 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
     Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
                                       settings.lightSamples, NON_DELTA_LOBES);
     if (isBlack(radiance)) continue;
-    const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts);
+    CameraState state = path.camera;
+    const Transmittance free =
+        transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts,
+                      [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
     if (isBlack(free.value)) continue;
     const ChosenLight& chosen = choice.chosen;
     const LePdf pdf = photons.pdfLe(chosen.index, *chosen.light, light->emitted());
@@ -118,7 +123,7 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                       scattering.pdfNonDelta(light->direction, wi));
     recordWeight(out, weight);
     radiance *= weight * path.part;
-    out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value);
+    out.add(classes.lightStart(chosen.index), state, radiance * free.value);
   }
 }
 

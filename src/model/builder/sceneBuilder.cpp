@@ -70,6 +70,8 @@ class SceneBuilder {
     buildMedia();
     if (!complete) return nullptr;
     scene->materialNames = materials.names();
+    scene->labelsOfMaterials = materials.labels();
+    for (size_t i = 0; i < media.count(); ++i) scene->namesOfMedia.push_back(media.name(i));
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
     warnOfOpenBoundaries(*scene, shapes, media, diagnostics);
@@ -159,8 +161,15 @@ class SceneBuilder {
     scene->sceneContents.media = media.count();
   }
 
+  /** Adds the lamp of a light's directive at a place: that directive, or the emitting shape. */
+  void addLamp(const ParsedDirective& light, const ParsedDirective& place) {
+    const std::string name = givenName(light), placeName = givenName(place);
+    scene->sceneLamps.push_back({name.empty() ? placeName : name, placeName, place.type, place.location});
+  }
+
   void buildLights() {
     std::vector<const Light*> table;
+    std::map<const ShapeDescription*, uint32_t> lampOfShape;
     const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
       if (diagnostics.hasErrors()) return; // the scene's bounds may be unknown
       light->prepare(scene->sceneBounds);
@@ -190,6 +199,9 @@ class SceneBuilder {
       if (track.moves()) light = std::make_unique<MovingAreaLight>(std::move(light), track);
       lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
       ++scene->sceneContents.areaLights;
+      const auto [lamp, isNew] = lampOfShape.try_emplace(p.from, uint32_t(scene->sceneLamps.size()));
+      if (isNew) addLamp(d, p.from->shape);
+      scene->lampsOfLights.push_back(lamp->second);
       scene->mediaOfLights.push_back(p.media.outside);
       keep(std::move(light), d.location);
     };
@@ -210,6 +222,8 @@ class SceneBuilder {
       } else if (light->isDelta()) {
         ++scene->sceneContents.deltaLights;
       }
+      scene->lampsOfLights.push_back(uint32_t(scene->sceneLamps.size()));
+      addLamp(l.light, l.light);
       scene->mediaOfLights.push_back(media.number(l.medium, l.light.location));
       keep(std::move(light), l.light.location);
     }

@@ -11,6 +11,22 @@ namespace {
 
 constexpr int SHADOW_RAYS = 1; ///< number of shadow rays at each vertex
 
+/** Adds the weighted emission of a surface, or of the environment lights if `hit` is null, on a camera path in
+ * `state`. */
+void addEmitted(const Scene& scene, const LightSampler& lights, const Hit* hit, const Vec3f& direction,
+                const BsdfRay& ray, int lightSamples, CameraState state, const Rgb& throughput,
+                PathRadiance& out) {
+  const PathClasses& classes = out.pathClasses();
+  if (hit) {
+    out.add(classes.lightStart(hit->lightIndex), state,
+            throughput * emittedRadiance(scene, lights, *hit, direction, ray, lightSamples));
+    return;
+  }
+  for (size_t i = 0; i < scene.environment().size(); ++i)
+    out.add(classes.lightStart(scene.environmentIndices()[i]), state,
+            throughput * environmentRadiance(scene, lights, i, direction, ray, lightSamples));
+}
+
 /** Adds the emission that a BSDF-sampled ray finds before its next scattering event. */
 void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampleContext& place,
                 const CameraVertex& vertex, const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
@@ -26,9 +42,8 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   CameraWalker walker(scene, classes, out.counts, -1);
   CameraVertex next;
   walker.next(path, next, sampler, [&](const Hit* hit) {
-    const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, s->direction, ray, SHADOW_RAYS)
-                             : environmentRadiance(scene, lights, s->direction, ray, SHADOW_RAYS);
-    out.add(classes.lightStart(), vertex.afterD, vertex.throughput * s->weight * radiance);
+    addEmitted(scene, lights, hit, s->direction, ray, SHADOW_RAYS, vertex.afterD,
+               vertex.throughput * s->weight, out);
   });
 }
 
@@ -38,7 +53,7 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
   const PathClasses& classes = out.pathClasses();
   if (!vertex.isConnectable() || scene.lights().size() == 0 ||
-      classes.join(classes.lightStart(), vertex.afterD) == 0)
+      !classes.isLit(vertex.afterD, false))
     return;
   const LightSampleContext place = lightSampleContext(lights, vertex.point(), vertex.wi);
   addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, nesting, vertex.wi, vertex.throughput,
@@ -50,9 +65,7 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
                      const Hit* hit, PathRadiance& out) {
   const Vec3f& direction = path.ray.direction;
-  const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
-                           : environmentRadiance(scene, lights, direction, {}, 1);
-  out.add(out.pathClasses().lightStart(), path.state, path.throughput * radiance);
+  addEmitted(scene, lights, hit, direction, {}, 1, path.state, path.throughput, out);
 }
 
 } // namespace recurse

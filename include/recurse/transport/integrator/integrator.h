@@ -147,9 +147,9 @@ class PathRadiance {
       layers[static_cast<size_t>(__builtin_ctzll(rest))] += radiance;
   }
   /** Adds radiance of LS*E paths: light seen by the camera without non-delta scattering. */
-  void addSeen(CameraState eye, const Rgb& radiance) {
-    add(classes.lightStart(), eye, radiance);
-    if (classes.join(classes.lightStart(), eye) != 0 && isFinite(radiance)) seen += radiance;
+  void addSeen(LightState light, CameraState eye, const Rgb& radiance) {
+    add(light, eye, radiance);
+    if (classes.join(light, eye) != 0 && isFinite(radiance)) seen += radiance;
   }
   const Rgb* values() const { return layers.data(); }
   /** Sum of all radiance in at least one layer, counted once. */

@@ -1,0 +1,90 @@
+/** @file
+ * Names of a scene's lamps and surfaces.
+ */
+#include "recurse/transport/integrator/sceneNames.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "recurse/core/io/error.h"
+
+namespace recurse {
+
+namespace {
+
+/** Names of lamps, and of media as light sources, each not empty. */
+struct SourceNames {
+  std::vector<std::string> lamps, media;
+};
+
+SourceNames sourceNames(const Scene& scene) {
+  std::set<std::string> taken;
+  for (const Lamp& lamp : scene.lamps()) taken.insert({lamp.name, lamp.shapeName});
+  for (const std::string& name : scene.mediumNames()) taken.insert(name);
+  const auto nameOr = [&](const std::string& given, const std::string& otherwise) {
+    std::string name = given.empty() ? otherwise : given;
+    while (given.empty() && taken.count(name) > 0) name += "_";
+    return name;
+  };
+  SourceNames out;
+  for (const Lamp& lamp : scene.lamps())
+    out.lamps.push_back(nameOr(lamp.name, "light-" + std::to_string(out.lamps.size() + 1)));
+  for (const std::string& medium : scene.mediumNames())
+    out.media.push_back(nameOr(medium, "medium-" + std::to_string(out.media.size() + 1)));
+  return out;
+}
+
+std::string placeOf(const Lamp& lamp) {
+  const SourceLocation& where = lamp.location;
+  if (!where.source) return lamp.kind;
+  return lamp.kind + ", " + std::filesystem::path(where.source->name).filename().string() + ":" +
+         std::to_string(where.line);
+}
+
+} // namespace
+
+PathNames pathNames(const Scene& scene) {
+  PathNames names;
+  const SourceNames sources = sourceNames(scene);
+  for (size_t i = 0; i < scene.lights().size(); ++i) {
+    const Lamp& lamp = scene.lamps()[scene.lampOf(i)];
+    names.lights.push_back({sources.lamps[scene.lampOf(i)]});
+    if (!lamp.shapeName.empty() && lamp.shapeName != lamp.name) names.lights.back().push_back(lamp.shapeName);
+  }
+  for (size_t i = 0; i < scene.mediumCount(); ++i)
+    names.lights.push_back(scene.medium(uint16_t(i + 1))->isEmissive() ? PathNames::List{sources.media[i]}
+                                                                       : PathNames::List());
+  for (uint32_t i = 0; i < scene.objects().size(); ++i) {
+    names.objects.push_back({scene.objects().common(i)});
+    if (std::string numbered = scene.objects()[i]; numbered != names.objects.back().front())
+      names.objects.back().push_back(std::move(numbered));
+  }
+  if (names.objects.empty()) names.objects.emplace_back();
+  for (const std::string& label : scene.materialLabels())
+    names.materials.push_back(label.empty() ? PathNames::List() : PathNames::List{label});
+  if (names.materials.empty()) names.materials.emplace_back();
+  return names;
+}
+
+std::vector<LampGroup> lampGroups(const Scene& scene) {
+  std::vector<LampGroup> groups;
+  std::map<std::string, size_t> known;
+  const auto groupOf = [&](const std::string& name, const std::string& place) -> LampGroup& {
+    const auto [at, isNew] = known.try_emplace(name, groups.size());
+    if (isNew) groups.push_back({name, place});
+    return groups[at->second];
+  };
+  const SourceNames sources = sourceNames(scene);
+  for (size_t i = 0; i < scene.lights().size(); ++i) {
+    const uint32_t lamp = scene.lampOf(i);
+    groupOf(sources.lamps[lamp], placeOf(scene.lamps()[lamp])).power +=
+        double(maxComponent(scene.lights()[i].power()));
+  }
+  for (size_t i = 0; i < scene.mediumCount(); ++i)
+    if (scene.medium(uint16_t(i + 1))->isEmissive()) groupOf(sources.media[i], "emissive medium");
+  return groups;
+}
+
+} // namespace recurse
