@@ -45,10 +45,7 @@ ClassesReport analyseClasses(const std::vector<PathClass>& classes, size_t maxEv
   }
   std::string renderable;
   try {
-    std::vector<std::string> names;
-    for (const PathClass& c : classes)
-      for (const std::string& name : namesIn(c.expression)) names.push_back(name);
-    const PathClasses joint(classes, anyNames(names));
+    const PathClasses joint(classes, anyNames(namesIn(classes)));
     renderable = "rendered at once with " + std::to_string(joint.lightStateCount()) +
                  " states on the side of the light and " + std::to_string(joint.cameraStateCount()) +
                  " on the side of the camera";

@@ -81,6 +81,13 @@ std::vector<std::string> namesIn(std::string_view expression) {
   return names;
 }
 
+std::vector<std::string> namesIn(const std::vector<PathClass>& classes) {
+  std::vector<std::string> names;
+  for (const PathClass& c : classes)
+    for (std::string& name : namesIn(c.expression)) names.push_back(std::move(name));
+  return names;
+}
+
 std::string quotedName(const std::string& name) {
   std::string out = "'";
   for (const char c : name) out += c == '\'' ? "''" : std::string(1, c);

@@ -79,6 +79,7 @@ class PathAlphabet {
 PathNames anyNames(const std::vector<std::string>& names);
 /** Names between quotes in an expression, without a check of its syntax. */
 std::vector<std::string> namesIn(std::string_view expression);
+std::vector<std::string> namesIn(const std::vector<PathClass>& classes);
 /** Reads a quoted name at text[position], `''` being a quote in it; the position becomes that behind it. False
  * if its end is missing. */
 bool readQuoted(std::string_view text, size_t& position, std::string& name);

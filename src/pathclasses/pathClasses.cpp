@@ -56,13 +56,6 @@ std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes, con
   }
 }
 
-/** The first expression with a name. */
-std::string namedExpression(const std::vector<PathClass>& classes) {
-  for (const PathClass& c : classes)
-    if (!namesIn(c.expression).empty()) return c.expression;
-  return {};
-}
-
 /** Throws Error that names the class with most states, which a person can omit. */
 [[noreturn]] void tooLarge(const std::string& what, const std::vector<PathClass>& classes,
                            const std::vector<PathAutomaton>& automata) {
@@ -126,8 +119,8 @@ PathClasses::PathClasses(std::vector<PathClass> classes, const PathNames* names)
   const std::vector<PathAutomaton> automata = compileAll(list, names);
   const PathAlphabet& alphabet = *automata.front().alphabet;
   if (alphabet.hasNames() && !names)
-    throw Error("path classes with names, such as " + quotedName(namesIn(namedExpression(list)).front()) +
-                    ", need a scene",
+    throw Error("the path classes name lights or surfaces, such as " + quotedName(namesIn(list).front()) +
+                    ", which this command does not support",
                 ExitStatus::BAD_USAGE);
   const Product product = multiply(list, automata, alphabet);
   events = product.events;
@@ -190,6 +183,10 @@ PathClasses::PathClasses(std::vector<PathClass> classes, const PathNames* names)
     cameraDead.push_back(cameraIsDead);
   }
   findLit(starts);
+}
+
+void PathClasses::check(const std::vector<PathClass>& classes) {
+  PathClasses(classes, anyNames(namesIn(classes)));
 }
 
 void PathClasses::findLit(const std::vector<LightState>& starts) {

@@ -54,6 +54,9 @@ class PathClasses {
   PathClasses(std::vector<PathClass> classes, const PathNames& names)
       : PathClasses(std::move(classes), &names) {}
 
+  /** Throws Error where the expressions do not compile in any scene. */
+  static void check(const std::vector<PathClass>& classes);
+
   const std::vector<PathClass>& classes() const { return list; }
   size_t layerCount() const { return list.size(); }
   /** Number of states of each side; for reports. */

@@ -112,13 +112,13 @@ std::vector<OutputFile> RenderCommandOptions::written(const std::vector<std::str
   return out;
 }
 
-PathClasses RenderCommandOptions::pathClasses() const {
+std::vector<PathClass> RenderCommandOptions::pathClasses() const {
   if (!paths.empty() && !classes.empty()) badUsage("--class: cannot be combined with --paths");
-  if (!paths.empty()) return PathClasses(std::vector<PathClass>{{paths, paths}});
-  if (classes.empty()) return {};
   std::vector<PathClass> all = {{"all", "all"}};
+  if (!paths.empty()) all = {{paths, paths}};
   for (const std::string& text : classes) all.push_back(parseClass("--class", text));
-  return PathClasses(all);
+  PathClasses::check(all);
+  return all;
 }
 
 std::string RenderCommandOptions::pathsText() const {

@@ -34,8 +34,8 @@ struct RenderCommandOptions {
   void addTo(CLI::App& command);
   /** Plan of the render, with --checkpoint and its related options. */
   RenderPlan plan() const;
-  /** Path classes of --paths or --class. */
-  PathClasses pathClasses() const;
+  /** Path classes of --paths or --class. Throws Error where they do not compile in any scene. */
+  std::vector<PathClass> pathClasses() const;
   /** Text of --paths and --class, as on a command line. */
   std::string pathsText() const;
   /** Checks before the render that all outputs can be written, each to a file of its own. */

@@ -17,6 +17,7 @@
 #include "apps/view/progressDisplay.h"
 #include "recurse/core/image/imageTexture.h"
 #include "recurse/core/threads/resources.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -188,7 +189,7 @@ class RenderRun {
                                                           {},
                                                           emptyFilm(*loaded.scene, classes),
                                                           {}},
-        firstClasses(firstPictureClasses(*loaded.integrator, classes)) {
+        firstClasses(firstPictureClasses(loaded, classes)) {
     if (plan.adaptive) kept.allocation.emplace(kept.film.bounds(), kept.imagingRatio);
   }
 
@@ -364,7 +365,7 @@ class RenderRun {
 void RenderResult::explainBlackness() {
   if (isInterrupted() || statistics.least == 0 || !missedPaths(loaded, classes).empty()) return;
   const bool isOvertime = statistics.stopReason == StopReason::TIME;
-  const std::string why = blackPictureText(loaded, PathClasses(classes), film, stopFlag(),
+  const std::string why = blackPictureText(loaded, sceneClasses(classes, *loaded.scene), film, stopFlag(),
                                            isOvertime ? PROBE_SECONDS_OVERTIME : PROBE_SECONDS);
   if (why.empty()) return;
   statistics.warnings.push_back(why);

@@ -53,9 +53,13 @@ PathNames pathNames(const Scene& scene) {
     names.lights.push_back({sources.lamps[scene.lampOf(i)]});
     if (!lamp.shapeName.empty() && lamp.shapeName != lamp.name) names.lights.back().push_back(lamp.shapeName);
   }
+  // A medium that emits nothing has the names of a source that exists, so that all lights have a name.
+  PathNames::List any = names.lights.empty() ? PathNames::List() : names.lights.front();
+  for (size_t i = 0; i < scene.mediumCount(); ++i)
+    if (scene.medium(uint16_t(i + 1))->isEmissive() && any.empty()) any = {sources.media[i]};
   for (size_t i = 0; i < scene.mediumCount(); ++i)
     names.lights.push_back(scene.medium(uint16_t(i + 1))->isEmissive() ? PathNames::List{sources.media[i]}
-                                                                       : PathNames::List());
+                                                                       : any);
   for (uint32_t i = 0; i < scene.objects().size(); ++i) {
     names.objects.push_back({scene.objects().common(i)});
     if (std::string numbered = scene.objects()[i]; numbered != names.objects.back().front())
@@ -66,6 +70,13 @@ PathNames pathNames(const Scene& scene) {
     names.materials.push_back(label.empty() ? PathNames::List() : PathNames::List{label});
   if (names.materials.empty()) names.materials.emplace_back();
   return names;
+}
+
+PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene) {
+  const bool named = std::any_of(classes.begin(), classes.end(), [](const PathClass& c) {
+    return c.expression.find('\'') != std::string::npos;
+  });
+  return named ? PathClasses(std::move(classes), pathNames(scene)) : PathClasses(std::move(classes));
 }
 
 std::vector<LampGroup> lampGroups(const Scene& scene) {

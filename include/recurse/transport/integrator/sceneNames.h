@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "recurse/model/scene/scene.h"
-#include "recurse/pathclasses/pathNames.h"
+#include "recurse/pathclasses/pathClasses.h"
 
 namespace recurse {
 
@@ -15,6 +15,9 @@ namespace recurse {
  * objects by Hit::object; materials by Material::number. A lamp without a name is called `light-N` by its
  * number, an emissive medium without a name `medium-N`. */
 PathNames pathNames(const Scene& scene);
+
+/** Path classes whose expressions may name lamps and surfaces of the scene. */
+PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene);
 
 /** Light sources of one name. */
 struct LampGroup {
