@@ -1,7 +1,7 @@
 /** @file
- * Alphabet of path words, private to path expressions and path classes: L, S, D, V, E, and further letters L, S
- * and D for lights and surfaces with names. A kind is a set of names that a light or a surface has, out of the
- * names in the expressions; each kind has letters of its own.
+ * Alphabet of path words, private to path expressions and path classes: L, S, D, V, E, and further letters L,
+ * S and D for lights and surfaces with names. A kind is a set of names that a light or a surface has, out of
+ * the names in the expressions; each kind has letters of its own.
  */
 #pragma once
 
@@ -80,8 +80,8 @@ PathNames anyNames(const std::vector<std::string>& names);
 /** Names between quotes in an expression, without a check of its syntax. */
 std::vector<std::string> namesIn(std::string_view expression);
 std::vector<std::string> namesIn(const std::vector<PathClass>& classes);
-/** Reads a quoted name at text[position], `''` being a quote in it; the position becomes that behind it. False
- * if its end is missing. */
+/** Reads a quoted name at text[position], `''` being a quote in it; the position becomes that behind it.
+ * False if its end is missing. */
 bool readQuoted(std::string_view text, size_t& position, std::string& name);
 /** A name as expressions write it. */
 std::string quotedName(const std::string& name);

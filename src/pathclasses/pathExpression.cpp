@@ -42,8 +42,7 @@ class WordLister {
     for (size_t n = 1; n <= maxEvents; ++n) {
       completes.emplace_back(dfa.size());
       for (uint32_t s = 0; s < dfa.size(); ++s)
-        for (const size_t e : events)
-          completes[n][s] = completes[n][s] || completes[n - 1][dfa.target(s, e)];
+        for (const size_t e : events) completes[n][s] = completes[n][s] || completes[n - 1][dfa.target(s, e)];
     }
   }
 
@@ -90,7 +89,8 @@ std::string lettersTo(const Dfa& dfa, const PathAlphabet& alphabet, uint32_t sta
       continue;
     }
     for (const size_t letter : letters)
-      if (leads(letter)) add(alphabet.text(letter) + (alphabet.text(letter).size() == 1 ? " without these names" : ""));
+      if (leads(letter))
+        add(alphabet.text(letter) + (alphabet.text(letter).size() == 1 ? " without these names" : ""));
   }
   return out;
 }

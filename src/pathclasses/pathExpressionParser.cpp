@@ -104,7 +104,8 @@ class Parser {
       fail(position, "'" + character + "' has nothing on one side",
            "an expression on both sides; A? for nothing or A");
     if (c == '\'')
-      fail(position, "a name has no letter before it", "L'lamp' for lights, D'floor' and S'glass' for surfaces");
+      fail(position, "a name has no letter before it",
+           "L'lamp' for lights, D'floor' and S'glass' for surfaces");
     if (c >= 'A' && c <= 'Z')
       fail(position, "'" + character + "' is no path letter",
            "L light, S specular, D diffuse or glossy, V scattering in a medium, E camera (eye)");
@@ -136,7 +137,8 @@ class Parser {
   /** An operand of a set operation outside of all parentheses is a class, so it must have paths. */
   Part operand(Part part) {
     if (depth == 0 && empty == PathAutomaton::Empty::REFUSED)
-      refuseEmpty({combination(part.dfa, allPaths(alphabet), SetOperation::AND, effort), part.at, part.whole});
+      refuseEmpty(
+          {combination(part.dfa, allPaths(alphabet), SetOperation::AND, effort), part.at, part.whole});
     return part;
   }
 
@@ -187,7 +189,8 @@ class Parser {
     Part part = sequence();
     if (!complemented) return part;
     operationAt = at;
-    part.dfa = combination(allPaths(alphabet), part.dfa, odd ? SetOperation::AND_NOT : SetOperation::AND, effort);
+    part.dfa =
+        combination(allPaths(alphabet), part.dfa, odd ? SetOperation::AND_NOT : SetOperation::AND, effort);
     return {std::move(part.dfa), at, true};
   }
 
@@ -278,7 +281,8 @@ class Parser {
     const bool isOther = std::find(others.begin(), others.end(), name) != others.end();
     constexpr size_t MOST = 8;
     std::vector<std::string> near = nearestNames(name, known);
-    if (near.empty()) near.assign(known.begin(), known.begin() + std::ptrdiff_t(std::min(MOST, known.size())));
+    if (near.empty())
+      near.assign(known.begin(), known.begin() + std::ptrdiff_t(std::min(MOST, known.size())));
     fail(at,
          std::string("the scene has no ") + (isLight ? "light" : "surface") + " named " + quotedName(name) +
              (isOther ? (isLight ? ": it is a surface" : ": it is a light") : ""),
@@ -366,8 +370,7 @@ std::vector<PathAutomaton> PathAutomaton::compileAll(const std::vector<PathClass
     expressions.push_back(c.expression);
     named = named || c.expression.find('\'') != std::string::npos;
   }
-  const auto alphabet =
-      named ? std::make_shared<const PathAlphabet>(expressions, names) : WITHOUT_NAMES;
+  const auto alphabet = named ? std::make_shared<const PathAlphabet>(expressions, names) : WITHOUT_NAMES;
   std::vector<PathAutomaton> automata;
   for (const std::string& e : expressions)
     automata.push_back(PathAutomaton(Parser(e, empty, *alphabet).parse(), alphabet));

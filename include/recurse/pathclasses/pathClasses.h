@@ -111,7 +111,7 @@ class PathClasses {
   size_t lightStates = 1, events = 3;
   LightState lightStartState;
   CameraState cameraStartState;
-  std::vector<LightState> startOfLight;                              ///< empty without names
+  std::vector<LightState> startOfLight;                             ///< empty without names
   std::vector<uint8_t> kindOfObject, kindOfMaterial, kindOfSurface; ///< empty without names
   size_t materialKinds = 1;
   std::vector<uint8_t> lightNext, lightDead, cameraDead, cameraLit;

@@ -65,7 +65,8 @@ PathClasses classesOf(const InspectOptions& o, const Scene& scene) {
   const PathNames names = pathNames(scene);
   PathClasses out(planStills(classes, &names).classes, names);
   // The photons' surfaces are not known.
-  if (out.distinguishesSurfaces()) badUsage("--class: the classes of inspect can name lights, but no surfaces");
+  if (out.distinguishesSurfaces())
+    badUsage("--class: the classes of inspect can name lights, but no surfaces");
   return out;
 }
 

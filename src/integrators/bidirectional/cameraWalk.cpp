@@ -175,12 +175,12 @@ class Bidirectional::CameraWalk {
     if (isBlack(radiance)) return;
     panes.clear();
     CameraState state = vertex.afterD;
-    const Transmittance free = transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
-                                             panesLeft(owner.settings.maxDepth, vertex.depth), out.counts,
-                                             [&](const Hit& pane) {
-                                               panes.push_back(pane.point);
-                                               state = stepThroughPane(classes, state, pane);
-                                             });
+    const Transmittance free =
+        transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
+                      panesLeft(owner.settings.maxDepth, vertex.depth), out.counts, [&](const Hit& pane) {
+                        panes.push_back(pane.point);
+                        state = stepThroughPane(classes, state, pane);
+                      });
     if (isBlack(free.value)) return;
     double next = vertex.pdfDirection(vertex.wi, direction);
     copyVertices();

@@ -47,8 +47,9 @@ void addSurfaceParameters(PlugIns& plugIns) {
   const auto name = [](const std::string& meaning) {
     return std::vector<ParameterSpec>{stringParameter("name", "", meaning)};
   };
-  plugIns.shapes.addToAll(name("name of the surface in path expressions and Cryptomattes, outside of ObjectBegin"),
-                          [](Shape&, const Parameters&, const ShapeContext&) {});
+  plugIns.shapes.addToAll(
+      name("name of the surface in path expressions and Cryptomattes, outside of ObjectBegin"),
+      [](Shape&, const Parameters&, const ShapeContext&) {});
   plugIns.lights.addToAll(name("name of the lamp in path expressions"),
                           [](Light&, const Parameters&, const LightContext&) {});
   plugIns.areaLights.addToAll(name("name of the lamp in path expressions; by default that of its shape"),

@@ -45,7 +45,8 @@ std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
   if (lamps.empty()) throw Error("--by light: the scene has no lamps", ExitStatus::BAD_USAGE);
   const size_t each = std::max<size_t>(classes.size(), 1), most = MAX_LAYERS / each;
   if (most == 0 || (most == 1 && lamps.size() > 1))
-    throw Error("--by light: " + std::to_string(classes.size()) + " classes are too many to be divided by light",
+    throw Error("--by light: " + std::to_string(classes.size()) +
+                    " classes are too many to be divided by light",
                 ExitStatus::BAD_USAGE);
   double leastPower = -1;
   if (lamps.size() > most) {

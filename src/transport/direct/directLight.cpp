@@ -17,7 +17,8 @@ float bsdfRayWeight(int lightSamples, float lightPdf, float pdf, const SpectralP
 }
 
 /** Traces a shadow ray from a vertex to the light, through media, thin panes and surfaces that are hidden or
- * do not scatter. Calls passed(const Hit&) for each pane; the transmittance is black if the light is occluded.
+ * do not scatter. Calls passed(const Hit&) for each pane; the transmittance is black if the light is
+ * occluded.
  */
 template <class Passed>
 void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, Nesting nesting,

@@ -117,8 +117,8 @@ struct LitVertex {
   }
 };
 
-/** Adds the light of one sample of light number `index`, through media and at most `maxPanes` thin panes. `pdf`:
- * density of all samples together, including the choice of the light. */
+/** Adds the light of one sample of light number `index`, through media and at most `maxPanes` thin panes.
+ * `pdf`: density of all samples together, including the choice of the light. */
 void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, uint32_t index,
                      float pdf, int maxPanes, Sampler& sampler, PathRadiance& out);
 

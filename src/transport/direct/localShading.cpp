@@ -11,8 +11,8 @@ namespace {
 
 constexpr int SHADOW_RAYS = 1; ///< number of shadow rays at each vertex
 
-/** Adds the weighted emission of a surface, or of the environment lights if `hit` is null, on a camera path in
- * `state`. */
+/** Adds the weighted emission of a surface, or of the environment lights if `hit` is null, on a camera path
+ * in `state`. */
 void addEmitted(const Scene& scene, const LightSampler& lights, const Hit* hit, const Vec3f& direction,
                 const BsdfRay& ray, int lightSamples, CameraState state, const Rgb& throughput,
                 PathRadiance& out) {
@@ -52,9 +52,7 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
 void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
   const PathClasses& classes = out.pathClasses();
-  if (!vertex.isConnectable() || scene.lights().size() == 0 ||
-      !classes.isLit(vertex.afterD, false))
-    return;
+  if (!vertex.isConnectable() || scene.lights().size() == 0 || !classes.isLit(vertex.afterD, false)) return;
   const LightSampleContext place = lightSampleContext(lights, vertex.point(), vertex.wi);
   addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, nesting, vertex.wi, vertex.throughput,
                   vertex.afterD, SHADOW_RAYS, NON_DELTA_LOBES, NO_PANES, sampler, out);

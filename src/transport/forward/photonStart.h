@@ -50,7 +50,8 @@ class PhotonStart {
   std::optional<PhotonState> fromMedium(const EmissionGuide::TrainingSample& start, float time,
                                         Sampler& sampler) {
     const auto& n = start.numbers;
-    auto [position, nesting, power, medium] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
+    auto [position, nesting, power, medium] =
+        settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
     const Rgb flux = power * (start.weight / mediaPart / static_cast<float>(settings.photons));
     const LightState state = startInMedium(scene, classes, medium);
     if (!isUseful(flux, state)) return {};

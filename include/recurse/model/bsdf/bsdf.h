@@ -158,8 +158,8 @@ class Material {
    * MediumInterface. */
   std::unique_ptr<const ParsedDirective> filling;
   uint32_t number = 0; ///< index in Scene::materialLabels()
-  int nesting = -1; ///< index among the scene's solids with priority, highest priority first; -1: no
-                    ///< priority. Solids of equal priority, refractive index and medium share one index
+  int nesting = -1;    ///< index among the scene's solids with priority, highest priority first; -1: no
+                       ///< priority. Solids of equal priority, refractive index and medium share one index
 };
 
 /** Arguments of makers of materials besides parameters. */
