@@ -92,7 +92,8 @@ ExitStatus renderStills(const StillsOptions& o) {
   const RenderReport report = result.report("recurse stills", classOptions);
   Stills stills = makeStills(result.film, stillsPlan, loaded.scene->film().imagingRatio);
   stills.image.metadata = metadataOf(report);
-  stills.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  stills.title = stills.scene = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  if (o.by == "light" && asked.empty()) noteLamps(stills, lampGroups(*loaded.scene));
   stills.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
                  " samples per pixel";
   if (result.isInterrupted()) stills.label += ", interrupted";

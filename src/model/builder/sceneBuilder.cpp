@@ -8,6 +8,7 @@
 #include "model/builder/rayWork.h"
 #include "model/builder/shapeGroups.h"
 #include "model/embree/embreeScene.h"
+#include "model/light/scaledLight.h"
 #include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/triangleMesh.h"
 #include "recurse/model/scene/importExpansion.h"
@@ -163,8 +164,42 @@ class SceneBuilder {
 
   /** Adds the lamp of a light's directive at a place: that directive, or the emitting shape. */
   void addLamp(const ParsedDirective& light, const ParsedDirective& place) {
-    const std::string name = givenName(light), placeName = givenName(place);
-    scene->sceneLamps.push_back({name.empty() ? placeName : name, placeName, place.type, place.location});
+    const std::string shapeName = givenName(place);
+    std::string name = givenName(light);
+    if (name.empty()) name = shapeName;
+    if (name.empty()) {
+      name = "light-" + std::to_string(scene->sceneLamps.size() + 1);
+      while (isGivenName(name)) name += "_";
+    }
+    scene->sceneLamps.push_back({name, shapeName, place.type, place.location});
+  }
+
+  bool isGivenName(const std::string& name) const {
+    const auto isOfShape = [&](const ShapeDescription& s) { return givenName(s.shape) == name; };
+    const auto isOfLight = [&](const LightDescription& l) { return givenName(l.light) == name; };
+    const auto isOfArea = [&](const ParsedDirective& d) { return givenName(d) == name; };
+    return std::any_of(description.shapes.begin(), description.shapes.end(), isOfShape) ||
+           std::any_of(description.lights.begin(), description.lights.end(), isOfLight) ||
+           std::any_of(description.areaLights.begin(), description.areaLights.end(), isOfArea);
+  }
+
+  /** Product of the LightScale directives of a lamp. */
+  Rgb scaleOf(const Lamp& lamp) const {
+    Rgbd scale(1);
+    for (const LightScaleDescription& s : description.lightScales)
+      if (s.lamp == lamp.name || s.lamp == lamp.shapeName) scale *= s.scale;
+    return Rgb(scale);
+  }
+
+  void checkLightScales() {
+    std::vector<std::string> names;
+    for (const Lamp& lamp : scene->sceneLamps) names.insert(names.end(), {lamp.name, lamp.shapeName});
+    std::erase(names, "");
+    for (const LightScaleDescription& s : description.lightScales)
+      if (std::find(names.begin(), names.end(), s.lamp) == names.end())
+        diagnostics.error(s.location, "there is no lamp named \"" + s.lamp + "\"",
+                          names.empty() ? "no LightScale: the scene has no lamp"
+                                        : quotedList(nearestNames(s.lamp, names)));
   }
 
   void buildLights() {
@@ -197,10 +232,12 @@ class SceneBuilder {
           plugIns().areaLights.make(d, {*p.shape}, diagnostics, overrides.lenient);
       if (!light) return;
       if (track.moves()) light = std::make_unique<MovingAreaLight>(std::move(light), track);
-      lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
-      ++scene->sceneContents.areaLights;
       const auto [lamp, isNew] = lampOfShape.try_emplace(p.from, uint32_t(scene->sceneLamps.size()));
       if (isNew) addLamp(d, p.from->shape);
+      if (const Rgb scale = scaleOf(scene->sceneLamps[lamp->second]); scale != Rgb(1))
+        light = scaledAreaLight(std::move(light), scale);
+      lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
+      ++scene->sceneContents.areaLights;
       scene->lampsOfLights.push_back(lamp->second);
       scene->mediaOfLights.push_back(p.media.outside);
       keep(std::move(light), d.location);
@@ -215,6 +252,10 @@ class SceneBuilder {
           l.light, {recentred(l.worldFromLight, scene->sceneOrigin), scene->sceneOrigin}, diagnostics,
           overrides.lenient);
       if (!light) continue;
+      scene->lampsOfLights.push_back(uint32_t(scene->sceneLamps.size()));
+      addLamp(l.light, l.light);
+      if (const Rgb scale = scaleOf(scene->sceneLamps.back()); scale != Rgb(1))
+        light = scaledLight(std::move(light), scale);
       if (const auto* e = dynamic_cast<const EnvironmentLight*>(light.get())) {
         scene->environmentLights.push_back(e);
         scene->environmentLightIndices.push_back(static_cast<uint32_t>(table.size()));
@@ -222,11 +263,10 @@ class SceneBuilder {
       } else if (light->isDelta()) {
         ++scene->sceneContents.deltaLights;
       }
-      scene->lampsOfLights.push_back(uint32_t(scene->sceneLamps.size()));
-      addLamp(l.light, l.light);
       scene->mediaOfLights.push_back(media.number(l.medium, l.light.location));
       keep(std::move(light), l.light.location);
     }
+    if (!diagnostics.hasErrors()) checkLightScales();
     scene->lightTable.build(table);
   }
 

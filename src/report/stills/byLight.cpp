@@ -3,6 +3,8 @@
  */
 #include <algorithm>
 #include <cctype>
+#include <cmath>
+#include <functional>
 #include <set>
 
 #include "recurse/core/io/error.h"
@@ -38,7 +40,23 @@ std::string lightLetter(const std::string& name) {
   return out + "'";
 }
 
+std::string lightOf(const LampGroup& lamp) { return lightLetter(lamp.name) + ".*E"; }
+
 } // namespace
+
+void noteLamps(Stills& stills, const std::vector<LampGroup>& lamps) {
+  std::vector<std::string> others;
+  for (const LampGroup& lamp : lamps) {
+    const auto own = std::find_if(stills.layers.begin() + 1, stills.layers.end(),
+                                  [&](const StillLayer& layer) { return layer.expression == lightOf(lamp); });
+    if (lamp.isMedium) continue; // has no LightScale
+    if (own != stills.layers.end())
+      own->lamps = {lamp.name};
+    else
+      others.push_back(lamp.name);
+  }
+  if (!others.empty()) stills.layers.back().lamps = others;
+}
 
 std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
                                       const std::vector<PathClass>& classes) {
@@ -51,7 +69,7 @@ std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
   double leastPower = -1;
   if (lamps.size() > most) {
     std::vector<double> powers;
-    for (const LampGroup& lamp : lamps) powers.push_back(lamp.power);
+    for (const LampGroup& lamp : lamps) powers.push_back(lamp.isMedium ? INFINITY : lamp.power);
     std::sort(powers.begin(), powers.end(), std::greater<>());
     leastPower = powers[most - 1]; // as strong as the first that gets no layer
   }
@@ -59,10 +77,9 @@ std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
   std::vector<PathClass> byLamp;
   std::string own;
   for (const LampGroup& lamp : lamps) {
-    if (lamp.power <= leastPower) continue;
-    const std::string letter = lightLetter(lamp.name);
-    byLamp.push_back({layerName(lamp.name, taken), letter + ".*E"});
-    own += letter;
+    if (lamp.power <= leastPower && !lamp.isMedium) continue;
+    byLamp.push_back({layerName(lamp.name, taken), lightOf(lamp)});
+    own += lightLetter(lamp.name);
   }
   if (byLamp.size() < lamps.size())
     byLamp.push_back({layerName("other-lights", taken), own.empty() ? "all" : "all - [" + own + "].*E"});

@@ -14,25 +14,16 @@ namespace recurse {
 
 namespace {
 
-/** Names of lamps, and of media as light sources, each not empty. */
-struct SourceNames {
-  std::vector<std::string> lamps, media;
-};
-
-SourceNames sourceNames(const Scene& scene) {
+/** Names of media as light sources: never those of lamps, of other media or empty. */
+std::vector<std::string> mediumSources(const Scene& scene) {
   std::set<std::string> taken;
   for (const Lamp& lamp : scene.lamps()) taken.insert({lamp.name, lamp.shapeName});
-  for (const std::string& name : scene.mediumNames()) taken.insert(name);
-  const auto nameOr = [&](const std::string& given, const std::string& otherwise) {
-    std::string name = given.empty() ? otherwise : given;
-    while (given.empty() && taken.count(name) > 0) name += "_";
-    return name;
-  };
-  SourceNames out;
-  for (const Lamp& lamp : scene.lamps())
-    out.lamps.push_back(nameOr(lamp.name, "light-" + std::to_string(out.lamps.size() + 1)));
-  for (const std::string& medium : scene.mediumNames())
-    out.media.push_back(nameOr(medium, "medium-" + std::to_string(out.media.size() + 1)));
+  std::vector<std::string> out;
+  for (const std::string& medium : scene.mediumNames()) {
+    std::string name = medium.empty() ? "medium-" + std::to_string(out.size() + 1) : medium;
+    while (!taken.insert(name).second) name += "_";
+    out.push_back(name);
+  }
   return out;
 }
 
@@ -47,19 +38,18 @@ std::string placeOf(const Lamp& lamp) {
 
 PathNames pathNames(const Scene& scene) {
   PathNames names;
-  const SourceNames sources = sourceNames(scene);
+  const std::vector<std::string> media = mediumSources(scene);
   for (size_t i = 0; i < scene.lights().size(); ++i) {
     const Lamp& lamp = scene.lamps()[scene.lampOf(i)];
-    names.lights.push_back({sources.lamps[scene.lampOf(i)]});
+    names.lights.push_back({lamp.name});
     if (!lamp.shapeName.empty() && lamp.shapeName != lamp.name) names.lights.back().push_back(lamp.shapeName);
   }
   // A medium that emits nothing has the names of a source that exists, so that all lights have a name.
   PathNames::List any = names.lights.empty() ? PathNames::List() : names.lights.front();
   for (size_t i = 0; i < scene.mediumCount(); ++i)
-    if (scene.medium(uint16_t(i + 1))->isEmissive() && any.empty()) any = {sources.media[i]};
+    if (scene.medium(uint16_t(i + 1))->isEmissive() && any.empty()) any = {media[i]};
   for (size_t i = 0; i < scene.mediumCount(); ++i)
-    names.lights.push_back(scene.medium(uint16_t(i + 1))->isEmissive() ? PathNames::List{sources.media[i]}
-                                                                       : any);
+    names.lights.push_back(scene.medium(uint16_t(i + 1))->isEmissive() ? PathNames::List{media[i]} : any);
   for (uint32_t i = 0; i < scene.objects().size(); ++i) {
     names.objects.push_back({scene.objects().common(i)});
     if (std::string numbered = scene.objects()[i]; numbered != names.objects.back().front())
@@ -82,19 +72,15 @@ PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene) {
 std::vector<LampGroup> lampGroups(const Scene& scene) {
   std::vector<LampGroup> groups;
   std::map<std::string, size_t> known;
-  const auto groupOf = [&](const std::string& name, const std::string& place) -> LampGroup& {
-    const auto [at, isNew] = known.try_emplace(name, groups.size());
-    if (isNew) groups.push_back({name, place});
-    return groups[at->second];
-  };
-  const SourceNames sources = sourceNames(scene);
   for (size_t i = 0; i < scene.lights().size(); ++i) {
-    const uint32_t lamp = scene.lampOf(i);
-    groupOf(sources.lamps[lamp], placeOf(scene.lamps()[lamp])).power +=
-        double(maxComponent(scene.lights()[i].power()));
+    const Lamp& lamp = scene.lamps()[scene.lampOf(i)];
+    const auto [at, isNew] = known.try_emplace(lamp.name, groups.size());
+    if (isNew) groups.push_back({lamp.name, placeOf(lamp)});
+    groups[at->second].power += double(maxComponent(scene.lights()[i].power()));
   }
+  const std::vector<std::string> media = mediumSources(scene);
   for (size_t i = 0; i < scene.mediumCount(); ++i)
-    if (scene.medium(uint16_t(i + 1))->isEmissive()) groupOf(sources.media[i], "emissive medium");
+    if (scene.medium(uint16_t(i + 1))->isEmissive()) groups.push_back({media[i], "emissive medium", 0, true});
   return groups;
 }
 

@@ -36,12 +36,17 @@ StillsPlan planStills(const std::vector<PathClass>& asked, const PathNames* name
 std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
                                       const std::vector<PathClass>& classes = {});
 
+struct Stills;
+/** Sets the lamps of layers that are classesByLight(lamps). */
+void noteLamps(Stills& stills, const std::vector<LampGroup>& lamps);
+
 /** One layer of the stills. */
 struct StillLayer {
   std::string name, expression;
   Rgb mean{0};        ///< over the picture
   double share = 0;   ///< fraction of the whole picture's mean luminance
   float exposure = 0; ///< of this layer [stops]: shows the 98th percentile of its luminance as 0.9
+  std::vector<std::string> lamps{}; ///< names of the lamps whose light it is, in stills by light alone
 };
 
 /** Display value to which automaticExposure() maps the 98th percentile of the luminance. */
@@ -54,6 +59,7 @@ struct Stills {
   bool additive = false;          ///< the classes add up to the picture
   std::vector<std::string> remarks;
   std::string title, label; ///< scene, and settings of the render: for headings
+  std::string scene;        ///< file of the scene, without its folder; empty if unknown
 
   /** Layer as a separate picture. */
   Image layerImage(size_t layer) const;

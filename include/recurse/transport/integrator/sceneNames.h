@@ -23,7 +23,8 @@ PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene);
 struct LampGroup {
   std::string name;  ///< in path expressions
   std::string place; ///< kind and place in the file, such as `point, scene.pbrt:12`
-  double power = 0;  ///< sum over its lights [W], in the strongest channel
+  double power = 0;  ///< sum over its lights [W], in the strongest channel; unknown for media
+  bool isMedium = false;
 };
 
 /** All light sources by their names, in the order of the scene: lamps, then emissive media. */
