@@ -9,6 +9,7 @@
 
 #include "recurse/core/io/error.h"
 #include "recurse/report/stills/stills.h"
+#include "recurse/scene/directives/loader.h"
 #include "recurse/transport/integrator/sceneNames.h"
 
 using namespace recurse;
@@ -363,6 +364,48 @@ TEST(LightGroups, LayersAreTheLightOfALampAlone) {
         EXPECT_LT(error, 0.1 * alone.mean(c)) << way.integrator << " " << lamps[i] << ": too vague to tell";
       }
   }
+}
+
+/** Area, point and environment lights, one by the name of its shape, one by its number. */
+TEST(LightGroups, LightScaleMultipliesTheLightOfALamp) {
+  const ThreadPool pool;
+  const std::string scales = R"(
+LightScale "key" "rgb scale" [ .5 1 2 ]
+LightScale "bulb" "rgb scale" [ 4 4 4 ]
+LightScale "light-3" "rgb scale" [ 0 0 0 ]
+LightScale "Sky's glow" "rgb scale" [ 3 2 1 ]
+LightScale "Sky's glow" "rgb scale" [ .5 .5 .5 ]
+)";
+  const double factors[4][3] = {{.5, 1, 2}, {4, 4, 4}, {0, 0, 0}, {1.5, 1, .5}};
+  const auto scene = sceneFrom(roomOfLamps(16)), scaled = sceneFrom(scales + roomOfLamps(16));
+  const PathClasses classes = sceneClasses(classesByLight(lampGroups(*scene)), *scene);
+  for (const Way& way : {Way{"path", ""}, Way{"bdpt", ""}, Way{"vcm", ""}}) {
+    const BatchMeans before = classMeans(*scene, way, classes, samples(12), 8),
+                     after =
+                         classMeans(*scaled, way, sceneClasses(classes.classes(), *scaled), samples(12), 8);
+    for (size_t i = 0; i < 4; ++i)
+      for (size_t c = 0; c < 3; ++c) {
+        const double expected = factors[i][c] * before.mean(3 * i + c);
+        const double error =
+            std::hypot(factors[i][c] * before.standardError(3 * i + c), after.standardError(3 * i + c));
+        EXPECT_NEAR(after.mean(3 * i + c), expected, 6 * error) << way.integrator << " lamp " << i;
+        EXPECT_LE(error, 0.1 * expected) << way.integrator << " lamp " << i << ": too vague to tell";
+      }
+  }
+}
+
+TEST(LightGroups, LightScaleOfAnUnknownLampIsAnError) {
+  Diagnostics diagnostics;
+  const SceneDescription description = parseScene(
+      "LightScale \"kye\" \"rgb scale\" [ 2 2 2 ]\n" + roomOfLamps(8), "scene.pbrt", "", diagnostics);
+  EXPECT_FALSE(diagnostics.hasErrors());
+  EXPECT_EQ(buildScene(description, {}, diagnostics), nullptr);
+  ASSERT_EQ(diagnostics.all().size(), 1u);
+  const Diagnostic& error = diagnostics.all().front();
+  EXPECT_EQ(error.message, "there is no lamp named \"kye\"");
+  EXPECT_EQ(error.accepted, "\"key\"");
+  EXPECT_EQ(error.location.line, 1);
+  EXPECT_EQ(error.location.column, 12);
 }
 
 TEST(LightGroups, EmissiveMediaAreLamps) {

@@ -27,6 +27,7 @@ std::string layerName(const std::string& lamp, std::set<std::string>& taken) {
     if (plain || !(name.empty() || name.back() == '-')) name += plain ? c : '-';
   }
   while (!name.empty() && !std::isalnum(static_cast<unsigned char>(name.front()))) name.erase(0, 1);
+  while (!name.empty() && name.back() == '-') name.pop_back();
   if (name.empty()) name = "light";
   std::string unique = name;
   for (int i = 2; !taken.insert(lowerCase(unique)).second; ++i) unique = name + "-" + std::to_string(i);
