@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "recurse/pathclasses/pathExpression.h"
+#include "recurse/pathclasses/pathEvent.h"
 #include "recurse/pathclasses/pathNames.h"
 
 namespace recurse {
