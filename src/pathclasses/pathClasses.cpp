@@ -150,7 +150,12 @@ PathClasses::PathClasses(std::vector<PathClass> classes, const PathNames* names)
       lightNext[block[s] * events + e] = static_cast<uint8_t>(block[product.next[s * events + e]]);
   }
 
-  // Camera side, from "E" backwards.
+  makeCameraSide(outputs, automata);
+  findLit(starts);
+}
+
+void PathClasses::makeCameraSide(const std::vector<LayerMask>& outputs,
+                                 const std::vector<PathAutomaton>& automata) {
   std::unordered_map<Row, uint32_t, HashRow> number;
   std::vector<const Row*> rows;
   const auto visit = [&](Row row) {
@@ -182,7 +187,6 @@ PathClasses::PathClasses(std::vector<PathClass> classes, const PathNames* names)
       }
     cameraDead.push_back(cameraIsDead);
   }
-  findLit(starts);
 }
 
 void PathClasses::check(const std::vector<PathClass>& classes) {

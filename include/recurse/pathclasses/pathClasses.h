@@ -15,6 +15,8 @@
 
 namespace recurse {
 
+class PathAutomaton;
+
 /** A set of film layers, one bit each: at most 64 classes at once. */
 using LayerMask = uint64_t;
 
@@ -105,6 +107,9 @@ class PathClasses {
 
   PathClasses(std::vector<PathClass> classes, const PathNames* names);
   static size_t column(PathEvent e, SurfaceKind kind) { return size_t(kind.index) * 3 + size_t(e); }
+  /** Makes the automaton that reads from "E" backwards. `outputs`: classes that accept E after a light state.
+   */
+  void makeCameraSide(const std::vector<LayerMask>& outputs, const std::vector<PathAutomaton>& automata);
   void findLit(const std::vector<LightState>& starts);
 
   std::vector<PathClass> list;

@@ -202,22 +202,24 @@ class SceneBuilder {
                                         : quotedList(nearestNames(s.lamp, names)));
   }
 
+  /** Prepares and checks a light, and adds it to the table. */
+  void keep(std::unique_ptr<Light> light, const SourceLocation& where, std::vector<const Light*>& table) {
+    if (diagnostics.hasErrors()) return; // the scene's bounds may be unknown
+    light->prepare(scene->sceneBounds);
+    // The origin of a photon is checked as the light's position.
+    const std::optional<LeSample> emission = light->sampleLe({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
+    if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
+      diagnostics.error(where, "the light's power is too large for single precision");
+    else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))
+      diagnostics.error(where, "the light is too far from the scene for single precision",
+                        "coordinates below 1e18");
+    table.push_back(light.get());
+    scene->ownLights.push_back(std::move(light));
+  }
+
   void buildLights() {
     std::vector<const Light*> table;
     std::map<const ShapeDescription*, uint32_t> lampOfShape;
-    const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
-      if (diagnostics.hasErrors()) return; // the scene's bounds may be unknown
-      light->prepare(scene->sceneBounds);
-      // The origin of a photon is checked as the light's position.
-      const std::optional<LeSample> emission = light->sampleLe({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
-      if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
-        diagnostics.error(where, "the light's power is too large for single precision");
-      else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))
-        diagnostics.error(where, "the light is too far from the scene for single precision",
-                          "coordinates below 1e18");
-      table.push_back(light.get());
-      scene->ownLights.push_back(std::move(light));
-    };
     const auto addAreaLight = [&](const ShapeGroups::Placed& p, const MatrixTrack& track) {
       if (p.from->areaLight < 0 || context.enoughErrors()) return;
       const ParsedDirective& d = description.areaLights[static_cast<size_t>(p.from->areaLight)];
@@ -240,7 +242,7 @@ class SceneBuilder {
       ++scene->sceneContents.areaLights;
       scene->lampsOfLights.push_back(lamp->second);
       scene->mediaOfLights.push_back(p.media.outside);
-      keep(std::move(light), d.location);
+      keep(std::move(light), d.location, table);
     };
     for (const ShapeGroups::Placed& p : shapes.groups().front().placed) addAreaLight(p, Mat4d(1));
     for (const ShapeGroups::Instance& i : shapes.instances())
@@ -264,7 +266,7 @@ class SceneBuilder {
         ++scene->sceneContents.deltaLights;
       }
       scene->mediaOfLights.push_back(media.number(l.medium, l.light.location));
-      keep(std::move(light), l.light.location);
+      keep(std::move(light), l.light.location, table);
     }
     if (!diagnostics.hasErrors()) checkLightScales();
     scene->lightTable.build(table);
