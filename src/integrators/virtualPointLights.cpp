@@ -3,6 +3,8 @@
  * that the camera sees. The geometry term is bounded, and paths that continue add the bias that this causes
  * (Kollig and Keller 2004, "Illumination in the Presence of Weak Singularities").
  */
+#include <set>
+
 #include "recurse/core/io/text.h"
 #include "recurse/model/scene/plugIns.h"
 #include "recurse/transport/integrator/lightPathRecorder.h"
@@ -43,11 +45,18 @@ struct VirtualLight {
 
 /** Whether a path class contains paths with D events on both sides of a virtual light's connection. */
 bool joinsVirtualLights(const PathClasses& classes) {
-  for (size_t i = 0; i < classes.lightStateCount(); ++i)
+  std::set<uint8_t> light;
+  std::set<uint16_t> camera;
+  for (size_t kind = 0; kind < classes.surfaceKindCount(); ++kind) {
+    const SurfaceKind surface(static_cast<uint8_t>(kind));
+    for (size_t i = 0; i < classes.lightStateCount(); ++i)
+      light.insert(classes.step(LightState(static_cast<uint8_t>(i)), PathEvent::D, surface).byte);
     for (size_t j = 0; j < classes.cameraStateCount(); ++j)
-      if (classes.join(classes.step(LightState(static_cast<uint8_t>(i)), PathEvent::D),
-                       classes.step(CameraState(static_cast<uint16_t>(j)), PathEvent::D)) != 0)
-        return true;
+      camera.insert(classes.step(CameraState(static_cast<uint16_t>(j)), PathEvent::D, surface).index);
+  }
+  for (const uint8_t i : light)
+    for (const uint16_t j : camera)
+      if (classes.join(LightState(i), CameraState(j)) != 0) return true;
   return false;
 }
 

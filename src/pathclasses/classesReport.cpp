@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "pathclasses/pathAlphabet.h"
 #include "recurse/core/io/error.h"
 #include "recurse/pathclasses/pathClasses.h"
 
@@ -15,11 +16,10 @@ namespace {
 /** Words in one line for each length of path. */
 std::string byLength(const std::vector<std::string>& words) {
   std::string out;
-  size_t length = 0;
+  size_t listed = SIZE_MAX;
   for (const std::string& word : words) {
-    if (word.size() != length) {
-      length = word.size();
-      const size_t events = length - 2;
+    if (const size_t events = eventCount(word); events != listed) {
+      listed = events;
       out += std::string(out.empty() ? "" : "\n") + "  " + std::to_string(events) +
              (events == 1 ? " event: " : " events:");
     }
@@ -35,17 +35,17 @@ std::string padded(const std::string& text, size_t width) {
 } // namespace
 
 ClassesReport analyseClasses(const std::vector<PathClass>& classes, size_t maxEvents, size_t mostPerLength) {
-  std::vector<PathAutomaton> automata;
+  const std::vector<PathAutomaton> automata =
+      PathAutomaton::compileAll(classes, PathAutomaton::Empty::ALLOWED);
   std::vector<ClassesReport::Entry> entries;
-  for (const PathClass& c : classes) {
-    automata.push_back(PathAutomaton::compile(c.expression, PathAutomaton::Empty::ALLOWED));
-    std::vector<std::string> examples = automata.back().exampleWords(maxEvents, mostPerLength);
-    if (examples.empty() && !automata.back().isEmpty()) examples = {automata.back().shortestWord()};
-    entries.push_back({c, automata.back(), std::move(examples)});
+  for (size_t i = 0; i < classes.size(); ++i) {
+    std::vector<std::string> examples = automata[i].exampleWords(maxEvents, mostPerLength);
+    if (examples.empty() && !automata[i].isEmpty()) examples = {automata[i].shortestWord()};
+    entries.push_back({classes[i], automata[i], std::move(examples)});
   }
   std::string renderable;
   try {
-    const PathClasses joint(classes);
+    const PathClasses joint(classes, anyNames(namesIn(classes)));
     renderable = "rendered at once with " + std::to_string(joint.lightStateCount()) +
                  " states on the side of the light and " + std::to_string(joint.cameraStateCount()) +
                  " on the side of the camera";

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 #include <unordered_map>
+#include <utility>
 
 #include "pathclasses/pathExpressionDfa.h"
 #include "recurse/core/io/error.h"
@@ -31,25 +32,28 @@ struct HashRow {
   }
 };
 
-std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes) {
+std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes, const PathNames* names) {
   if (classes.empty()) throw Error("no path class is given", ExitStatus::BAD_USAGE);
   if (classes.size() > MAX_CLASSES)
     throw Error(std::to_string(classes.size()) + " path classes: at most " + std::to_string(MAX_CLASSES) +
                     " can be rendered at once",
                 ExitStatus::BAD_USAGE);
-  std::vector<PathAutomaton> automata;
-  std::set<std::string> names;
+  std::set<std::string> known;
   for (const PathClass& c : classes) {
     if (c.name.empty()) throw Error("the path class " + c.expression + " has no name", ExitStatus::BAD_USAGE);
-    if (!names.insert(c.name).second)
+    if (!known.insert(c.name).second)
       throw Error("two path classes are called '" + c.name + "'", ExitStatus::BAD_USAGE);
-    try {
-      automata.push_back(PathAutomaton::compile(c.expression));
-    } catch (const Error& e) {
-      throw Error("class '" + c.name + "': " + e.what(), e.status());
-    }
   }
-  return automata;
+  try {
+    return PathAutomaton::compileAll(classes, PathAutomaton::Empty::REFUSED, names);
+  } catch (const Error&) {
+    for (const PathClass& c : classes) try {
+        PathAutomaton::compile(c.expression, PathAutomaton::Empty::REFUSED, names);
+      } catch (const Error& e) {
+        throw Error("class '" + c.name + "': " + e.what(), e.status());
+      }
+    throw;
+  }
 }
 
 /** Throws Error that names the class with most states, which a person can omit. */
@@ -64,14 +68,19 @@ std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes) {
               ExitStatus::BAD_USAGE);
 }
 
-/** Product automaton of all classes after L, not minimised. */
+/** Product automaton of all classes after L, not minimised. Its first states are those after L, one for each
+ * kind of light or fewer. */
 struct Product {
-  std::vector<uint32_t> next;    ///< PATH_EVENTS entries for each state
+  size_t events;                 ///< letters of an event: PATH_EVENTS for each kind of surface
+  std::vector<uint32_t> starts;  ///< state after L of each kind of light
+  std::vector<uint32_t> next;    ///< `events` entries for each state
   std::vector<LayerMask> output; ///< classes that accept if E is next
 };
 
-Product multiply(const std::vector<PathClass>& classes, const std::vector<PathAutomaton>& automata) {
+Product multiply(const std::vector<PathClass>& classes, const std::vector<PathAutomaton>& automata,
+                 const PathAlphabet& alphabet) {
   Product product;
+  product.events = PATH_EVENTS * alphabet.surfaceKinds().size();
   std::map<std::vector<uint32_t>, uint32_t> number;
   std::vector<const std::vector<uint32_t>*> tuples;
   const auto visit = [&](const std::vector<uint32_t>& tuple) {
@@ -88,13 +97,15 @@ Product multiply(const std::vector<PathClass>& classes, const std::vector<PathAu
     return at->second;
   };
   std::vector<uint32_t> tuple(automata.size());
-  for (size_t c = 0; c < automata.size(); ++c)
-    tuple[c] = automata[c].next(automata[c].start(), PathLetter::L);
-  visit(tuple);
+  for (size_t kind = 0; kind < alphabet.lightKinds().size(); ++kind) {
+    for (size_t c = 0; c < automata.size(); ++c)
+      tuple[c] = automata[c].next(automata[c].start(), alphabet.light(kind));
+    product.starts.push_back(visit(tuple));
+  }
   for (size_t s = 0; s < tuples.size(); ++s)
-    for (size_t e = 0; e < PATH_EVENTS; ++e) {
-      for (size_t c = 0; c < automata.size(); ++c)
-        tuple[c] = automata[c].next((*tuples[s])[c], static_cast<PathLetter>(e));
+    for (size_t e = 0; e < product.events; ++e) {
+      const size_t letter = alphabet.event(e % PATH_EVENTS, e / PATH_EVENTS);
+      for (size_t c = 0; c < automata.size(); ++c) tuple[c] = automata[c].next((*tuples[s])[c], letter);
       product.next.push_back(visit(tuple));
     }
   return product;
@@ -111,26 +122,47 @@ void PathClasses::addFrames(const TransientFrames& frames) {
   for (size_t i = 0; i < frames.layerCount(); ++i) list.push_back({frames.layerName(i), expression});
 }
 
-PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classes)) {
-  const std::vector<PathAutomaton> automata = compileAll(list);
-  const Product product = multiply(list, automata);
+PathClasses::PathClasses(std::vector<PathClass> classes, const PathNames* names) : list(std::move(classes)) {
+  const std::vector<PathAutomaton> automata = compileAll(list, names);
+  const PathAlphabet& alphabet = *automata.front().alphabet;
+  if (alphabet.hasNames() && !names)
+    throw Error("the path classes name lights or surfaces, such as " + quotedName(namesIn(list).front()) +
+                    ", which this command does not support",
+                ExitStatus::BAD_USAGE);
+  const Product product = multiply(list, automata, alphabet);
+  events = product.events;
 
   // Light side: states that are equivalent for all classes are merged.
-  const std::vector<uint32_t> block = coarsestPartition(product.next, PATH_EVENTS, product.output);
+  const std::vector<uint32_t> block = coarsestPartition(product.next, events, product.output);
   lightStates = *std::max_element(block.begin(), block.end()) + 1;
   if (lightStates > MAX_LIGHT_STATES)
     tooLarge(std::to_string(MAX_LIGHT_STATES) + " states, which is what a photon has room for", list,
              automata);
-  lightStartState = LightState(static_cast<uint8_t>(block[0]));
-  lightNext.resize(lightStates * PATH_EVENTS);
+  std::vector<LightState> starts; // by kind of light
+  for (const uint32_t s : product.starts) starts.emplace_back(static_cast<uint8_t>(block[s]));
+  lightStartState = starts.front();
+  if (starts.size() > 1)
+    for (const uint8_t kind : alphabet.lightKindOf) startOfLight.push_back(starts[kind]);
+  if (alphabet.surfaceKinds().size() > 1) {
+    kindOfObject = alphabet.objectKindOf;
+    kindOfMaterial = alphabet.materialKindOf;
+    kindOfSurface = alphabet.surfaceKindOf;
+    materialKinds = alphabet.materialKinds;
+  }
+  lightNext.resize(lightStates * events);
   Row outputs(lightStates);
   for (size_t s = 0; s < block.size(); ++s) {
     outputs[block[s]] = product.output[s];
-    for (size_t e = 0; e < PATH_EVENTS; ++e)
-      lightNext[block[s] * PATH_EVENTS + e] = static_cast<uint8_t>(block[product.next[s * PATH_EVENTS + e]]);
+    for (size_t e = 0; e < events; ++e)
+      lightNext[block[s] * events + e] = static_cast<uint8_t>(block[product.next[s * events + e]]);
   }
 
-  // Camera side, from "E" backwards.
+  makeCameraSide(outputs, automata);
+  findLit(starts);
+}
+
+void PathClasses::makeCameraSide(const std::vector<LayerMask>& outputs,
+                                 const std::vector<PathAutomaton>& automata) {
   std::unordered_map<Row, uint32_t, HashRow> number;
   std::vector<const Row*> rows;
   const auto visit = [&](Row row) {
@@ -144,9 +176,9 @@ PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classe
   };
   cameraStartState = CameraState(visit(outputs));
   for (size_t w = 0; w < rows.size(); ++w)
-    for (size_t e = 0; e < PATH_EVENTS; ++e) {
+    for (size_t e = 0; e < events; ++e) {
       Row row(lightStates);
-      for (size_t q = 0; q < lightStates; ++q) row[q] = (*rows[w])[lightNext[q * PATH_EVENTS + e]];
+      for (size_t q = 0; q < lightStates; ++q) row[q] = (*rows[w])[lightNext[q * events + e]];
       cameraNext.push_back(visit(std::move(row)));
     }
 
@@ -161,6 +193,30 @@ PathClasses::PathClasses(std::vector<PathClass> classes) : list(std::move(classe
         lightDead[q] = 0;
       }
     cameraDead.push_back(cameraIsDead);
+  }
+}
+
+void PathClasses::check(const std::vector<PathClass>& classes) {
+  PathClasses(classes, anyNames(namesIn(classes)));
+}
+
+void PathClasses::findLit(const std::vector<LightState>& starts) {
+  // States that S events lead to from those after L.
+  std::vector<LightState> reached = starts;
+  std::vector<uint8_t> seen(lightStates);
+  for (const LightState s : starts) seen[s.byte] = 1;
+  for (size_t i = 0; i < reached.size(); ++i)
+    for (size_t kind = 0; kind < events / PATH_EVENTS; ++kind) {
+      const LightState after = step(reached[i], PathEvent::S, SurfaceKind(static_cast<uint8_t>(kind)));
+      if (std::exchange(seen[after.byte], uint8_t(1)) == 0) reached.push_back(after);
+    }
+  const auto joins = [this](const std::vector<LightState>& light, CameraState eye) {
+    return std::any_of(light.begin(), light.end(), [&](LightState s) { return join(s, eye) != 0; });
+  };
+  for (size_t i = 0; i < cameraDead.size(); ++i) {
+    const CameraState eye(static_cast<uint16_t>(i));
+    cameraLit.push_back(
+        static_cast<uint8_t>((joins(starts, eye) ? LIT : 0) | (joins(reached, eye) ? LIT_THROUGH_PANES : 0)));
   }
 }
 

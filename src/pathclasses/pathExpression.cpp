@@ -4,6 +4,7 @@
 #include "recurse/pathclasses/pathExpression.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "pathclasses/pathExpressionDfa.h"
@@ -14,34 +15,43 @@ namespace {
 
 constexpr std::string_view LETTERS = "SDVLE"; // in the order of PathLetter
 
-uint32_t after(const Dfa& dfa, uint32_t state, PathLetter letter) {
-  return dfa.next[state][static_cast<size_t>(letter)];
-}
-
-Dfa combined(const Dfa& a, const Dfa& b, SetOperation operation) {
+Dfa combinedSets(const Dfa& a, const Dfa& b, SetOperation operation) {
   Effort effort;
   return combination(a, b, operation, effort);
+}
+
+/** Letters of an alphabet in the order of LETTERS, each followed by its letters with names. */
+std::vector<size_t> sortedLetters(const PathAlphabet& alphabet, const std::vector<size_t>& bases) {
+  std::vector<size_t> out;
+  for (const size_t base : bases)
+    for (size_t letter = 0; letter < alphabet.size(); ++letter)
+      if (alphabet.base(letter) == base) out.push_back(letter);
+  return out;
 }
 
 /** Appends up to `most` words with `events` events between L and E, in the order of the letters. */
 class WordLister {
  public:
-  WordLister(const Dfa& dfa, size_t maxEvents) : dfa(dfa) {
+  WordLister(const Dfa& dfa, const PathAlphabet& alphabet, size_t maxEvents)
+      : dfa(dfa), alphabet(alphabet), events(sortedLetters(alphabet, {0, 1, 2})),
+        lights(sortedLetters(alphabet, {3})) {
     // completes[n][s]: some word of n events and E leads from s to acceptance.
     completes.emplace_back(dfa.size());
-    for (uint32_t s = 0; s < dfa.size(); ++s) completes[0][s] = dfa.accepting[after(dfa, s, PathLetter::E)];
+    for (uint32_t s = 0; s < dfa.size(); ++s)
+      completes[0][s] = dfa.accepting[dfa.target(s, size_t(PathLetter::E))];
     for (size_t n = 1; n <= maxEvents; ++n) {
       completes.emplace_back(dfa.size());
       for (uint32_t s = 0; s < dfa.size(); ++s)
-        for (size_t e = 0; e < PATH_EVENTS; ++e)
-          completes[n][s] = completes[n][s] || completes[n - 1][dfa.next[s][e]];
+        for (const size_t e : events) completes[n][s] = completes[n][s] || completes[n - 1][dfa.target(s, e)];
     }
   }
 
-  void list(size_t events, size_t most, std::vector<std::string>& out) {
+  void list(size_t count, size_t most, std::vector<std::string>& out) {
     wanted = out.size() + most;
-    word.assign(1, 'L');
-    extend(after(dfa, 0, PathLetter::L), events, out);
+    for (const size_t light : lights) {
+      word = alphabet.text(light);
+      extend(dfa.target(0, light), count, out);
+    }
   }
 
  private:
@@ -51,18 +61,39 @@ class WordLister {
       out.push_back(word + "E");
       return;
     }
-    for (size_t e = 0; e < PATH_EVENTS; ++e) {
-      word.push_back(LETTERS[e]);
-      extend(dfa.next[state][e], left - 1, out);
-      word.pop_back();
+    for (const size_t e : events) {
+      const size_t length = word.size();
+      word += alphabet.text(e);
+      extend(dfa.target(state, e), left - 1, out);
+      word.resize(length);
     }
   }
 
   const Dfa& dfa;
+  const PathAlphabet& alphabet;
+  const std::vector<size_t> events, lights;
   std::vector<std::vector<uint8_t>> completes;
   std::string word;
   size_t wanted = 0;
 };
+
+/** Letters that lead from a state to another, in words. */
+std::string lettersTo(const Dfa& dfa, const PathAlphabet& alphabet, uint32_t state, uint32_t target) {
+  std::string out;
+  const auto add = [&out](const std::string& text) { out += (out.empty() ? "" : " or ") + text; };
+  for (const size_t base : {3, 0, 1, 2, 4}) {
+    const std::vector<size_t> letters = sortedLetters(alphabet, {base});
+    const auto leads = [&](size_t letter) { return dfa.target(state, letter) == target; };
+    if (std::all_of(letters.begin(), letters.end(), leads)) {
+      add(std::string(1, LETTERS[base]));
+      continue;
+    }
+    for (const size_t letter : letters)
+      if (leads(letter))
+        add(alphabet.text(letter) + (alphabet.text(letter).size() == 1 ? " without these names" : ""));
+  }
+  return out;
+}
 
 /** Partial expression during state elimination; its kind determines the need for parentheses. */
 struct Text {
@@ -78,6 +109,13 @@ Text letterText(uint32_t letters) {
   for (size_t a = 0; a < PATH_EVENTS; ++a)
     if (letters >> a & 1u) text += LETTERS[a];
   return {Text::ATOM, text.size() == 1 ? text : "[" + text + "]", letters};
+}
+
+bool dependsOnNames(const Dfa& dfa, const PathAlphabet& alphabet) {
+  for (uint32_t state = 0; state < dfa.size(); ++state)
+    for (size_t letter = 0; letter < dfa.letters; ++letter)
+      if (dfa.target(state, letter) != dfa.target(state, alphabet.base(letter))) return true;
+  return false;
 }
 
 std::string grouped(const Text& t, Text::Kind atLeast) {
@@ -117,44 +155,60 @@ Text then(const Text& a, const Text& b) {
 
 } // namespace
 
-PathAutomaton::PathAutomaton(Dfa dfa) : dfa(std::make_shared<const Dfa>(std::move(dfa))) {}
+PathAutomaton::PathAutomaton(Dfa dfa, std::shared_ptr<const PathAlphabet> alphabet)
+    : dfa(std::make_shared<const Dfa>(std::move(dfa))), alphabet(std::move(alphabet)) {}
 
 size_t PathAutomaton::stateCount() const { return dfa->size(); }
-uint32_t PathAutomaton::next(uint32_t state, PathLetter letter) const { return after(*dfa, state, letter); }
+uint32_t PathAutomaton::next(uint32_t state, size_t letter) const { return dfa->target(state, letter); }
 bool PathAutomaton::accepting(uint32_t state) const { return dfa->accepting[state]; }
 
 bool PathAutomaton::accepts(std::string_view word) const {
   uint32_t state = start();
-  for (const char c : word) {
-    const size_t letter = LETTERS.find(c);
-    if (letter == std::string_view::npos) return false;
-    state = dfa->next[state][letter];
+  while (!word.empty()) {
+    const size_t letter = alphabet->take(word);
+    if (letter == alphabet->size()) return false;
+    state = dfa->target(state, letter);
   }
   return dfa->accepting[state];
 }
 
+template <class Combine>
+PathAutomaton PathAutomaton::combined(const PathAutomaton& other, const Combine& combine) const {
+  if (alphabet == other.alphabet) return PathAutomaton(combine(*dfa, *other.dfa), alphabet);
+  const bool named = alphabet->hasNames(), otherNamed = other.alphabet->hasNames();
+  if (named && otherNamed) throw std::logic_error("path expressions with names compiled apart");
+  const auto& common = named ? alphabet : other.alphabet;
+  return PathAutomaton(combine(named ? *dfa : withNames(*dfa, *common),
+                               otherNamed ? *other.dfa : withNames(*other.dfa, *common)),
+                       common);
+}
+
 PathAutomaton PathAutomaton::unite(const PathAutomaton& other) const {
-  return PathAutomaton(combined(*dfa, *other.dfa, SetOperation::OR));
+  return combined(other, [](const Dfa& a, const Dfa& b) { return combinedSets(a, b, SetOperation::OR); });
 }
 PathAutomaton PathAutomaton::intersect(const PathAutomaton& other) const {
-  return PathAutomaton(combined(*dfa, *other.dfa, SetOperation::AND));
+  return combined(other, [](const Dfa& a, const Dfa& b) { return combinedSets(a, b, SetOperation::AND); });
 }
 PathAutomaton PathAutomaton::difference(const PathAutomaton& other) const {
-  return PathAutomaton(combined(*dfa, *other.dfa, SetOperation::AND_NOT));
+  return combined(other,
+                  [](const Dfa& a, const Dfa& b) { return combinedSets(a, b, SetOperation::AND_NOT); });
 }
 PathAutomaton PathAutomaton::complement() const {
-  return PathAutomaton(combined(allPaths(), *dfa, SetOperation::AND_NOT));
+  return PathAutomaton(combinedSets(allPaths(*alphabet), *dfa, SetOperation::AND_NOT), alphabet);
 }
 
 bool PathAutomaton::isEmpty() const { return dfa->dead(0); }
-bool PathAutomaton::equivalent(const PathAutomaton& other) const { return *dfa == *other.dfa; }
+bool PathAutomaton::equivalent(const PathAutomaton& other) const {
+  if (dfa->letters == other.dfa->letters) return *dfa == *other.dfa;
+  return subsetOf(other) && other.subsetOf(*this);
+}
 bool PathAutomaton::subsetOf(const PathAutomaton& other) const { return difference(other).isEmpty(); }
 
 std::vector<std::string> PathAutomaton::exampleWords(size_t maxEvents, size_t mostPerLength) const {
   // Scenes with media are rare: paths without V come first.
   const PathAutomaton surfaces = compile("L[SD]*E");
   const Dfa without = *intersect(surfaces).dfa, with = *difference(surfaces).dfa;
-  WordLister first(without, maxEvents), second(with, maxEvents);
+  WordLister first(without, *alphabet, maxEvents), second(with, *alphabet, maxEvents);
   std::vector<std::string> out;
   for (size_t events = 0; events <= maxEvents; ++events) {
     const size_t before = out.size();
@@ -168,13 +222,14 @@ std::string PathAutomaton::shortestWord() const {
   // Breadth-first search; `words` grows during the loop.
   std::vector<std::pair<uint32_t, std::string>> words = {{start(), ""}};
   std::vector<uint8_t> seen(dfa->size());
+  const std::vector<size_t> letters = sortedLetters(*alphabet, {0, 1, 2, 3, 4});
   for (size_t i = 0; i < words.size(); ++i) {
     const auto [state, word] = words[i];
     if (dfa->accepting[state]) return word;
-    for (size_t a = 0; a < PATH_LETTERS; ++a)
-      if (const uint32_t target = dfa->next[state][a];
+    for (const size_t a : letters)
+      if (const uint32_t target = dfa->target(state, a);
           !dfa->dead(target) && !std::exchange(seen[target], uint8_t(1)))
-        words.emplace_back(target, word + LETTERS[a]);
+        words.emplace_back(target, word + alphabet->text(a));
   }
   return {};
 }
@@ -182,6 +237,7 @@ std::string PathAutomaton::shortestWord() const {
 std::string PathAutomaton::describe() const {
   if (isEmpty()) return "  no path\n";
   constexpr uint32_t MAX_COUNT = 40;
+  const std::vector<size_t> letters = sortedLetters(*alphabet, {3, 0, 1, 2, 4});
   std::string out;
   for (uint32_t s = 0; s < dfa->size(); ++s) {
     if (s >= MAX_COUNT) return out + "  ... (" + std::to_string(dfa->size()) + " states)\n";
@@ -189,14 +245,11 @@ std::string PathAutomaton::describe() const {
     // Letters with the same target are listed together, in the order of the letters.
     std::string line;
     std::vector<uint32_t> told;
-    for (const PathLetter l : {PathLetter::L, PathLetter::S, PathLetter::D, PathLetter::V, PathLetter::E}) {
-      const uint32_t target = next(s, l);
+    for (const size_t l : letters) {
+      const uint32_t target = dfa->target(s, l);
       if (dfa->dead(target) || std::find(told.begin(), told.end(), target) != told.end()) continue;
       told.push_back(target);
-      std::string letters;
-      for (const PathLetter m : {PathLetter::L, PathLetter::S, PathLetter::D, PathLetter::V, PathLetter::E})
-        if (next(s, m) == target) letters += std::string(letters.empty() ? "" : " or ") + LETTERS[size_t(m)];
-      line += (line.empty() ? "" : "; ") + letters;
+      line += (line.empty() ? "" : "; ") + lettersTo(*dfa, *alphabet, s, target);
       line += dfa->accepting[target] ? " ends the path"
               : target == s          ? " stays"
                                      : " to " + std::to_string(target);
@@ -207,7 +260,7 @@ std::string PathAutomaton::describe() const {
 }
 
 std::string PathAutomaton::toExpression(size_t longest) const {
-  if (isEmpty()) return {};
+  if (isEmpty() || dependsOnNames(*dfa, *alphabet)) return {};
   // State elimination over the states between L and E. Two additional nodes represent "L was read" and "E is
   // next".
   std::vector<uint32_t> states;
@@ -223,7 +276,7 @@ std::string PathAutomaton::toExpression(size_t longest) const {
     for (size_t j = 0; j < first; ++j) {
       uint32_t letters = 0;
       for (uint32_t e = 0; e < PATH_EVENTS; ++e)
-        if (dfa->next[states[i]][e] == states[j]) letters |= 1u << e;
+        if (dfa->target(states[i], e) == states[j]) letters |= 1u << e;
       edge[i][j] = letterText(letters);
     }
   }
@@ -259,6 +312,17 @@ std::string PathAutomaton::toExpression(size_t longest) const {
   std::string out(1, 'L');
   out += grouped(inner, inner.text.empty() ? Text::EMPTY_WORD : Text::SEQUENCE) + "E";
   return out.size() <= longest ? out : std::string();
+}
+
+size_t eventCount(std::string_view word) {
+  size_t letters = 0;
+  std::string name;
+  for (size_t i = 0; i < word.size();)
+    if (word[i] != '\'')
+      ++letters, ++i;
+    else if (!readQuoted(word, i, name))
+      break;
+  return letters < 2 ? 0 : letters - 2;
 }
 
 std::vector<PathOverlap> findOverlaps(const std::vector<PathAutomaton>& sets) {

@@ -25,11 +25,8 @@ struct HashStates {
 
 /** Minimal automaton of a deterministic, complete and reachable one. */
 Dfa minimised(const Dfa& dfa) {
-  std::vector<uint32_t> next;
-  next.reserve(dfa.size() * PATH_LETTERS);
-  for (const auto& row : dfa.next) next.insert(next.end(), row.begin(), row.end());
   const std::vector<uint64_t> colours(dfa.accepting.begin(), dfa.accepting.end());
-  const std::vector<uint32_t> block = coarsestPartition(next, PATH_LETTERS, colours);
+  const std::vector<uint32_t> block = coarsestPartition(dfa.next, dfa.letters, colours);
 
   // Breadth-first order makes the numbering depend only on the language.
   std::vector<uint32_t> number(dfa.size(), UINT32_MAX);
@@ -44,11 +41,11 @@ Dfa minimised(const Dfa& dfa) {
   };
   visit(0);
   Dfa out;
+  out.letters = dfa.letters;
   for (size_t i = 0; i < order.size(); ++i) {
     const uint32_t state = order[i];
     out.accepting.push_back(dfa.accepting[state]);
-    auto& row = out.next.emplace_back();
-    for (size_t a = 0; a < PATH_LETTERS; ++a) row[a] = visit(dfa.next[state][a]);
+    for (size_t a = 0; a < dfa.letters; ++a) out.next.push_back(visit(dfa.target(state, a)));
   }
   return out;
 }
@@ -65,13 +62,15 @@ struct Piece {
 /** Subset construction: states are sets of states of all pieces, which are numbered piece after piece. */
 class SubsetConstruction {
  public:
-  SubsetConstruction(const std::vector<Piece>& pieces, Effort& effort) : pieces(pieces), effort(effort) {
+  SubsetConstruction(const std::vector<Piece>& pieces, size_t letters, Effort& effort)
+      : pieces(pieces), effort(effort) {
     for (uint32_t p = 0; p < pieces.size(); ++p) {
       offset.push_back(static_cast<uint32_t>(pieceOf.size()));
       effort.spend(pieces[p].dfa->size());
       pieceOf.insert(pieceOf.end(), pieces[p].dfa->size(), p);
     }
     seenIn.resize(pieceOf.size(), 0);
+    out.letters = letters;
   }
 
   /** `acceptsEmpty` adds the empty word. */
@@ -87,15 +86,14 @@ class SubsetConstruction {
 
     for (size_t s = 0; s < subsets.size(); ++s) {
       const std::vector<uint32_t>& from = *subsets[s];
-      out.next.emplace_back();
-      for (size_t a = 0; a < PATH_LETTERS; ++a) {
+      for (size_t a = 0; a < out.letters; ++a) {
         effort.spend(from.size() + 1);
         begin();
         for (const uint32_t g : from) {
           const uint32_t base = offset[pieceOf[g]];
-          add(base + pieces[pieceOf[g]].dfa->next[g - base][a]);
+          add(base + pieces[pieceOf[g]].dfa->target(g - base, a));
         }
-        out.next[s][a] = finish();
+        out.next.push_back(finish());
       }
     }
     return std::move(out);
@@ -148,8 +146,8 @@ class SubsetConstruction {
   Dfa out;
 };
 
-Dfa determinised(const std::vector<Piece>& pieces, bool acceptsEmpty, Effort& effort) {
-  return minimised(SubsetConstruction(pieces, effort).run(acceptsEmpty));
+Dfa determinised(const std::vector<Piece>& pieces, bool acceptsEmpty, size_t letters, Effort& effort) {
+  return minimised(SubsetConstruction(pieces, letters, effort).run(acceptsEmpty));
 }
 
 } // namespace
@@ -160,7 +158,8 @@ void Effort::spend(size_t steps) {
 }
 
 bool Dfa::dead(uint32_t state) const {
-  return !accepting[state] && std::all_of(next[state].begin(), next[state].end(),
+  const auto first = next.begin() + std::ptrdiff_t(state * letters);
+  return !accepting[state] && std::all_of(first, first + std::ptrdiff_t(letters),
                                           [state](uint32_t target) { return target == state; });
 }
 
@@ -233,14 +232,13 @@ std::vector<uint32_t> coarsestPartition(const std::vector<uint32_t>& next, size_
   return blockOf;
 }
 
-Dfa oneLetter(uint32_t letters) {
+Dfa oneLetter(const LetterSet& letters, size_t size) {
   Dfa dfa; // start, end, dead
+  dfa.letters = size;
   dfa.accepting = {0, 1, 0};
-  dfa.next.resize(3);
-  for (uint32_t a = 0; a < PATH_LETTERS; ++a) {
-    dfa.next[0][a] = (letters >> a) & 1u ? 1 : 2;
-    dfa.next[1][a] = dfa.next[2][a] = 2;
-  }
+  dfa.next.assign(3 * size, 2);
+  for (size_t a = 0; a < size; ++a)
+    if (letters[a]) dfa.next[a] = 1;
   return minimised(dfa);
 }
 
@@ -251,13 +249,13 @@ Dfa concatenation(const std::vector<Dfa>& parts, Effort& effort) {
     pieces.push_back(
         {&parts[p], p == 0, last, last ? std::vector<uint32_t>{} : std::vector<uint32_t>{p + 1}});
   }
-  return determinised(pieces, parts.empty(), effort);
+  return determinised(pieces, false, parts.front().letters, effort);
 }
 
 Dfa alternation(const std::vector<Dfa>& parts, Effort& effort) {
   std::vector<Piece> pieces;
   for (const Dfa& part : parts) pieces.push_back({&part, true, true, {}});
-  return determinised(pieces, false, effort);
+  return determinised(pieces, false, parts.front().letters, effort);
 }
 
 Dfa repetition(const Dfa& part, size_t least, size_t most, Effort& effort) {
@@ -270,11 +268,12 @@ Dfa repetition(const Dfa& part, size_t least, size_t most, Effort& effort) {
     if (p + 1 == copies && !bounded) piece.followers = {p};
     pieces.push_back(std::move(piece));
   }
-  return determinised(pieces, least == 0, effort);
+  return determinised(pieces, least == 0, part.letters, effort);
 }
 
 Dfa combination(const Dfa& a, const Dfa& b, SetOperation operation, Effort& effort) {
   Dfa out;
+  out.letters = a.letters;
   std::unordered_map<uint64_t, uint32_t> number;
   std::vector<std::pair<uint32_t, uint32_t>> pairs;
   const auto visit = [&](uint32_t s, uint32_t t) {
@@ -292,21 +291,38 @@ Dfa combination(const Dfa& a, const Dfa& b, SetOperation operation, Effort& effo
   };
   visit(0, 0);
   for (size_t i = 0; i < pairs.size(); ++i) {
-    effort.spend(PATH_LETTERS);
+    effort.spend(out.letters);
     const auto [s, t] = pairs[i];
-    out.next.emplace_back();
-    for (size_t l = 0; l < PATH_LETTERS; ++l) out.next[i][l] = visit(a.next[s][l], b.next[t][l]);
+    for (size_t l = 0; l < out.letters; ++l) out.next.push_back(visit(a.target(s, l), b.target(t, l)));
   }
   return minimised(out);
 }
 
-const Dfa& allPaths() {
-  static const Dfa dfa = [] {
-    Effort effort;
-    const Dfa event = oneLetter(0b00111), light = oneLetter(0b01000), eye = oneLetter(0b10000);
-    return concatenation({light, repetition(event, 0, UNBOUNDED, effort), eye}, effort);
-  }();
-  return dfa;
+namespace {
+
+Dfa newAllPaths(const PathAlphabet& alphabet) {
+  Effort effort;
+  const auto letters = [&](const LetterSet& set) { return oneLetter(set, alphabet.size()); };
+  const Dfa event = letters(alphabet.events()), light = letters(alphabet.lettersOf(3)),
+            eye = letters(alphabet.lettersOf(4));
+  return concatenation({light, repetition(event, 0, UNBOUNDED, effort), eye}, effort);
+}
+
+} // namespace
+
+Dfa allPaths(const PathAlphabet& alphabet) {
+  static const Dfa withoutNames = newAllPaths(PathAlphabet());
+  return alphabet.hasNames() ? newAllPaths(alphabet) : withoutNames;
+}
+
+Dfa withNames(const Dfa& dfa, const PathAlphabet& alphabet) {
+  Dfa out;
+  out.letters = alphabet.size();
+  out.accepting = dfa.accepting;
+  for (size_t state = 0; state < dfa.size(); ++state)
+    for (size_t letter = 0; letter < out.letters; ++letter)
+      out.next.push_back(dfa.target(state, alphabet.base(letter)));
+  return out;
 }
 
 } // namespace recurse

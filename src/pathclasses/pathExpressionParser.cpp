@@ -14,12 +14,18 @@ namespace recurse {
 namespace {
 
 constexpr size_t MAX_LENGTH = 4096, MAX_DEPTH = 100, MAX_REPEAT = 1000;
-constexpr uint32_t EVENT_LETTERS = 0b111;
 
-std::optional<uint32_t> letterBit(char c) {
+/** Index of a letter without a name; nothing for another character. */
+std::optional<size_t> baseLetter(char c) {
   const size_t at = std::string_view("SDVLE").find(c);
   if (at == std::string_view::npos) return std::nullopt;
-  return 1u << at;
+  return at;
+}
+
+std::string quotedNames(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + quotedName(name);
+  return out;
 }
 
 bool isLower(char c) { return c >= 'a' && c <= 'z'; }
@@ -34,7 +40,8 @@ std::string namesOfClasses() {
 
 class Parser {
  public:
-  Parser(const std::string& text, PathAutomaton::Empty empty) : text(text), empty(empty) {}
+  Parser(const std::string& text, PathAutomaton::Empty empty, const PathAlphabet& alphabet)
+      : text(text), empty(empty), alphabet(alphabet) {}
 
   Dfa parse() {
     if (text.size() > MAX_LENGTH)
@@ -43,7 +50,7 @@ class Parser {
       Part whole = alternatives();
       skipSpaces();
       if (!atEnd()) unexpected();
-      whole.dfa = combination(whole.dfa, allPaths(), SetOperation::AND, effort);
+      whole.dfa = combination(whole.dfa, allPaths(alphabet), SetOperation::AND, effort);
       if (empty == PathAutomaton::Empty::REFUSED) refuseEmpty(whole);
       return std::move(whole.dfa);
     } catch (const AutomatonTooLarge& e) {
@@ -96,6 +103,9 @@ class Parser {
     if (c == '|' || c == '&' || c == '-')
       fail(position, "'" + character + "' has nothing on one side",
            "an expression on both sides; A? for nothing or A");
+    if (c == '\'')
+      fail(position, "a name has no letter before it",
+           "L'lamp' for lights, D'floor' and S'glass' for surfaces");
     if (c >= 'A' && c <= 'Z')
       fail(position, "'" + character + "' is no path letter",
            "L light, S specular, D diffuse or glossy, V scattering in a medium, E camera (eye)");
@@ -127,7 +137,8 @@ class Parser {
   /** An operand of a set operation outside of all parentheses is a class, so it must have paths. */
   Part operand(Part part) {
     if (depth == 0 && empty == PathAutomaton::Empty::REFUSED)
-      refuseEmpty({combination(part.dfa, allPaths(), SetOperation::AND, effort), part.at, part.whole});
+      refuseEmpty(
+          {combination(part.dfa, allPaths(alphabet), SetOperation::AND, effort), part.at, part.whole});
     return part;
   }
 
@@ -178,7 +189,8 @@ class Parser {
     Part part = sequence();
     if (!complemented) return part;
     operationAt = at;
-    part.dfa = combination(allPaths(), part.dfa, odd ? SetOperation::AND_NOT : SetOperation::AND, effort);
+    part.dfa =
+        combination(allPaths(alphabet), part.dfa, odd ? SetOperation::AND_NOT : SetOperation::AND, effort);
     return {std::move(part.dfa), at, true};
   }
 
@@ -238,18 +250,44 @@ class Parser {
   Part atom() {
     const char c = peek();
     const size_t at = position;
-    if (const auto bit = letterBit(c)) {
-      ++position;
-      return {oneLetter(*bit), at, false};
-    }
+    if (baseLetter(c)) return {oneLetter(letters(), alphabet.size()), at, false};
     if (isLower(c)) return namedClass();
-    if (take('.')) return {oneLetter(EVENT_LETTERS), at, false};
+    if (take('.')) return {oneLetter(alphabet.events(), alphabet.size()), at, false};
     if (take('(')) return group(at, ')');
     if (take('[')) {
       if (auto letters = letterSet(at)) return std::move(*letters);
       return group(at, ']');
     }
     unexpected();
+  }
+
+  /** Parses a letter, with a name or without. */
+  LetterSet letters() {
+    const size_t base = *baseLetter(text[position++]);
+    if (peek() != '\'') return alphabet.lettersOf(base);
+    const size_t at = position;
+    std::string name;
+    if (!readQuoted(text, position, name)) fail(at, "this name has no end", "L'lamp', with '' for a ' in it");
+    if (base == size_t(PathLetter::V) || base == size_t(PathLetter::E))
+      fail(at, "V and E have no names", "L'lamp' for lights, D'floor' and S'glass' for surfaces");
+    const LetterSet set = alphabet.named(base, name);
+    if (set.none()) unknownName(at, name, base == size_t(PathLetter::L));
+    return set;
+  }
+
+  [[noreturn]] void unknownName(size_t at, const std::string& name, bool isLight) const {
+    const std::vector<std::string>& known = isLight ? alphabet.knownLights() : alphabet.knownSurfaces();
+    const std::vector<std::string>& others = isLight ? alphabet.knownSurfaces() : alphabet.knownLights();
+    const bool isOther = std::find(others.begin(), others.end(), name) != others.end();
+    constexpr size_t MOST = 8;
+    std::vector<std::string> near = nearestNames(name, known);
+    if (near.empty())
+      near.assign(known.begin(), known.begin() + std::ptrdiff_t(std::min(MOST, known.size())));
+    fail(at,
+         std::string("the scene has no ") + (isLight ? "light" : "surface") + " named " + quotedName(name) +
+             (isOther ? (isLight ? ": it is a surface" : ": it is a light") : ""),
+         near.empty() ? std::string("no name: the scene has none for ") + (isLight ? "lights" : "surfaces")
+                      : quotedNames(near) + (known.size() > near.size() ? ", ..." : ""));
   }
 
   Part group(size_t at, char close) {
@@ -273,17 +311,14 @@ class Parser {
   std::optional<Part> letterSet(size_t at) {
     const size_t begin = position;
     const bool negated = take('^');
-    uint32_t letters = 0;
-    while (const auto bit = letterBit(peek())) {
-      letters |= *bit;
-      ++position;
-    }
+    LetterSet set;
+    while (baseLetter(peek())) set |= letters();
     if (peek() == ']' && !atEnd()) {
-      if (letters == 0) fail(at, "these brackets hold no letter", "[SD], [^S] or [A|B]");
+      if (set.none()) fail(at, "these brackets hold no letter", "[SD], [^S] or [A|B]");
       ++position;
-      if (negated) letters = EVENT_LETTERS & ~letters;
-      if (letters == 0) fail(at, "this leaves none of S, D and V", "[SD], [^S] or [A|B]");
-      return Part{oneLetter(letters), at, false};
+      if (negated) set = alphabet.events() & ~set;
+      if (set.none()) fail(at, "this leaves none of S, D and V", "[SD], [^S] or [A|B]");
+      return Part{oneLetter(set, alphabet.size()), at, false};
     }
     if (negated) {
       if (atEnd()) fail(at, "this has no matching ']'", "");
@@ -300,7 +335,7 @@ class Parser {
     std::vector<std::string> names;
     for (const NamedPathClass& c : namedPathClasses()) {
       // The expressions of named classes contain only letters, so the recursion ends here.
-      if (c.name == name) return {Parser(c.expression, empty).parse(), at, true};
+      if (c.name == name) return {Parser(c.expression, empty, alphabet).parse(), at, true};
       names.push_back(c.name);
     }
     const std::vector<std::string> near = nearestNames(name, names, 1);
@@ -315,14 +350,31 @@ class Parser {
 
   const std::string& text;
   PathAutomaton::Empty empty;
+  const PathAlphabet& alphabet;
   Effort effort;
   size_t position = 0, depth = 0, operationAt = 0;
 };
 
 } // namespace
 
-PathAutomaton PathAutomaton::compile(const std::string& expression, Empty empty) {
-  return PathAutomaton(Parser(expression, empty).parse());
+PathAutomaton PathAutomaton::compile(const std::string& expression, Empty empty, const PathNames* names) {
+  return compileAll({{expression, expression}}, empty, names).front();
+}
+
+std::vector<PathAutomaton> PathAutomaton::compileAll(const std::vector<PathClass>& classes, Empty empty,
+                                                     const PathNames* names) {
+  static const auto WITHOUT_NAMES = std::make_shared<const PathAlphabet>();
+  std::vector<std::string> expressions;
+  bool named = false;
+  for (const PathClass& c : classes) {
+    expressions.push_back(c.expression);
+    named = named || c.expression.find('\'') != std::string::npos;
+  }
+  const auto alphabet = named ? std::make_shared<const PathAlphabet>(expressions, names) : WITHOUT_NAMES;
+  std::vector<PathAutomaton> automata;
+  for (const std::string& e : expressions)
+    automata.push_back(PathAutomaton(Parser(e, empty, *alphabet).parse(), alphabet));
+  return automata;
 }
 
 const std::vector<NamedPathClass>& namedPathClasses() {

@@ -12,6 +12,7 @@
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/render/featureLayers.h"
 #include "recurse/scene/directives/loader.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::python {
 
@@ -43,11 +44,10 @@ apps::RenderOptions parsedOptions(const std::string& fileName, const std::vector
   return out;
 }
 
-PathClasses pathClassesOf(const std::vector<PathClass>& classes) {
-  if (classes.empty()) return {};
+PathClasses pathClassesOf(const std::vector<PathClass>& classes, const Scene& scene) {
   std::vector<PathClass> all = {{"all", "all"}};
   all.insert(all.end(), classes.begin(), classes.end());
-  return PathClasses(all);
+  return sceneClasses(all, scene);
 }
 
 bool isSame(const apps::LoadOverrides& a, const apps::LoadOverrides& b) {
@@ -87,10 +87,10 @@ RenderResult PythonScene::render(const RenderRequest& request,
   apps::RenderPlan plan = options.plan();
   plan.overrides.lenient |= built.lenient;
   plan.endsWithFirstPicture = true;
-  const PathClasses classes = pathClassesOf(request.classes);
   requireFeatureLayers(request.features);
   const Work work(warnings, plan.threads);
   require(plan.overrides);
+  const PathClasses classes = pathClassesOf(request.classes, *loaded.scene);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
   apps::withdrawStop();
   apps::RenderResult result =
@@ -111,9 +111,9 @@ PathLists PythonScene::paths(const RenderRequest& request, int x, int y, int64_t
   const apps::RenderOptions options = parsedOptions(fileName, request.options);
   apps::RenderPlan plan = options.plan();
   plan.overrides.lenient |= built.lenient;
-  const PathClasses classes = pathClassesOf(request.classes);
   const Work work(warnings, plan.threads);
   require(plan.overrides);
+  const PathClasses classes = pathClassesOf(request.classes, *loaded.scene);
   apps::replaceIntegrator(loaded, options.integrator, plan.overrides.lenient);
   apps::withdrawStop();
   const apps::GracefulStop graceful;

@@ -5,6 +5,7 @@ It must load without errors and without any network, and show at a pixel what th
 
 import base64
 import json
+import os
 import re
 import struct
 import zlib
@@ -36,6 +37,30 @@ def displayed(linear, exposure):
     return 255 * (12.92 * x if x <= 0.0031308 else 1.055 * x ** (1 / 2.4) - 0.055)
 
 
+def linear(byte):
+    x = byte / 255
+    return x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4
+
+
+# Three lamps of different kinds, one of them without a name.
+LAMPS = """
+Film "rgb" "integer xresolution" 32 "integer yresolution" 32
+LookAt 0 -5 1.6  0 0 .8  0 0 1
+Camera "perspective" "float fov" 45
+WorldBegin
+Material "diffuse" "rgb reflectance" [ .7 .6 .5 ]
+Shape "bilinearmesh" "point3 P" [ -2 -2 0  2 -2 0  -2 2 0  2 2 0 ]
+Shape "bilinearmesh" "point3 P" [ -2 2 0  2 2 0  -2 2 3  2 2 3 ]
+AttributeBegin
+AreaLightSource "diffuse" "rgb L" [ 9 8 7 ] "string name" "key \\"left\\""
+Translate -.6 0 .8
+Shape "sphere" "float radius" .25
+AttributeEnd
+LightSource "spot" "point3 from" [ 0 -1 2.6 ] "point3 to" [ 1 1 .5 ] "rgb I" [ 6 5 4 ] "float coneangle" 40
+LightSource "infinite" "rgb L" [ .2 .25 .4 ] "string name" "sky"
+"""
+
+
 class StillsPage(OfflinePage):
     @classmethod
     def make(cls):
@@ -45,6 +70,11 @@ class StillsPage(OfflinePage):
         recurse("stills", *common, "-o", cls.photons, "--integrator", "photonmap", "--photons", "20k")
         recurse("stills", *common, "-o", cls.path, "--integrator", "path", "--compare", cls.photons)
         recurse("stills", *common, "-o", cls.overlap, "--class", "a=LD+E", "--class", "b=L[SD]E")
+        cls.lamps = folder + "/lamps"
+        with open(folder + "/scene.pbrt", "w", encoding="utf-8") as file:
+            file.write(LAMPS)
+        recurse("stills", folder + "/scene.pbrt", "-q", "--spp", "64", "--integrator", "path", "-o", cls.lamps,
+                "--by", "light")
 
     def open(self, folder):
         browser.open(folder + "/index.html", "document.body.dataset.ready")
@@ -72,7 +102,7 @@ class StillsPage(OfflinePage):
             self.assertTrue(low - 1.5 <= shown <= high + 1.5, (shown, low, high))
 
     def checkbox(self, index):
-        return f"document.querySelectorAll('#classes input')[{index}]"
+        return f"document.querySelectorAll('#classes input[type=checkbox]')[{index}]"
 
     def testPixelsAreStoredExactlyEnough(self):
         with open(self.photons + "/index.html", encoding="utf-8") as file:
@@ -182,6 +212,77 @@ class StillsPage(OfflinePage):
                          "s.selectedIndex = 3; s.dispatchEvent(new Event('change')); })()")
         self.assertTrue(self.text("#nameB").startswith(self.names[0]), self.text("#nameB"))
         self.assertColours(self.values("#pixelCompared"), path[self.names[0]])
+
+    def setPower(self, index, stops=None, colour=None):
+        for name, value in (("stops", stops), ("colour", colour)):
+            if value is not None:
+                browser.evaluate(f"(() => {{ const i = document.querySelectorAll('#classes .{name}')[{index}];"
+                                 f"i.value = '{value}'; i.dispatchEvent(new Event('input')); }})()")
+
+    def saved(self, button):
+        """Name and content of the file that the button saves."""
+        name, content = browser.evaluate(
+            "new Promise((done) => { let name, content; const tell = () => { if (name && content) done([name, content]); };"
+            "URL.createObjectURL = (blob) => { const reader = new FileReader();"
+            "reader.onload = () => { content = reader.result; tell(); }; reader.readAsDataURL(blob); return '#'; };"
+            "HTMLAnchorElement.prototype.click = function () { name = this.download; tell(); };"
+            f"document.getElementById('{button}').click(); }})")
+        return name, base64.b64decode(content.split(",")[1])
+
+    @staticmethod
+    def layersOf(folder):
+        with open(folder + "/index.html", encoding="utf-8") as file:
+            data = json.loads(re.search(r'id="data">(.*?)</script>', file.read(), re.S).group(1))
+        return {layer["name"]: layer for layer in data["sets"][0]["layers"]}
+
+    def testPowersOfLampsChangeTheSumAtOnce(self):
+        self.open(self.lamps)
+        expected = pixelOf(self.lamps, PIXEL)
+        self.assertEqual(self.names, ["key-left", "light-2", "sky"])
+        self.markPixel()
+        before = self.text("#exposureText")
+        self.setPower(0, stops=-2)
+        self.setPower(2, stops=1.5, colour="#ff8040")
+        factors = {"key-left": [0.25] * 3, "light-2": [1] * 3,
+                   "sky": [2 ** 1.5 * linear(byte) for byte in (0xff, 0x80, 0x40)]}
+        total = [sum(expected[n][c] * factors[n][c] for n in self.names) for c in range(3)]
+        self.assertColours(self.values("#sumValue"), total)
+        self.assertColours(self.values("#pixelShown"), total)
+        self.assertShows(total)
+        self.assertEqual(self.text("#exposureText"), before, "the exposure is kept")
+        browser.click("document.getElementById('keepExposure')")
+        self.assertNotEqual(self.text("#exposureText"), before, "the exposure follows")
+        self.assertShows(total)
+        name, png = self.saved("savePng")
+        self.assertEqual(name, "scene-relit.png")
+        self.assertTrue(png.startswith(b"\x89PNG"))
+        self.assertEqual(struct.unpack(">II", png[16:24]), (SIZE, SIZE))
+        browser.click("document.getElementById('resetPowers')")
+        self.assertColours(self.values("#sumValue"), expected[""])
+
+    def testSavedSceneHasThePowersOfThePage(self):
+        self.open(self.lamps)
+        self.setPower(0, stops=-2)
+        self.setPower(1, colour="#80ff40")
+        browser.click(self.checkbox(2))
+        name, text = self.saved("saveScene")
+        self.assertEqual(name, "scene-relit.pbrt")
+        folder = os.path.dirname(self.lamps)
+        with open(folder + "/" + name, "wb") as file:
+            file.write(text)
+        relit = folder + "/relit"
+        recurse("stills", folder + "/" + name, "-q", "--spp", "64", "--integrator", "path", "-o", relit, "--by", "light")
+        factors = [[0.25] * 3, [linear(byte) for byte in (0x80, 0xff, 0x40)], [0] * 3]
+        before, after = self.layersOf(self.lamps), self.layersOf(relit)
+        self.assertEqual(set(before), set(after))
+        for layer, factor in zip(self.names, factors):
+            for c in range(3):
+                expected = before[layer]["mean"][c] * factor[c]
+                self.assertAlmostEqual(after[layer]["mean"][c], expected, delta=0.03 * expected + 1e-9, msg=(layer, c))
+
+    def testSceneIsSavedForLampsOnly(self):
+        self.open(self.photons)
+        self.assertTrue(browser.evaluate("document.getElementById('saveScene').hidden"))
 
     def testOverlapsAreTold(self):
         self.open(self.overlap)

@@ -48,10 +48,11 @@ TEST(Reference, EveryDirectiveOfTheFormat) {
                            "MakeNamedMedium",
                            "ActiveTransform",
                            "TransformTimes",
-                           "Animate"})
+                           "Animate",
+                           "LightScale"})
     EXPECT_CONTAINS(page, "| `" + std::string(name) + "` |");
   const auto infos = directiveInfos();
-  EXPECT_EQ(infos.size(), 41u);
+  EXPECT_EQ(infos.size(), 42u);
   for (size_t i = 1; i < infos.size(); ++i) EXPECT_LT(infos[i - 1].name, infos[i].name);
   for (const DirectiveInfo& d : infos) EXPECT_FALSE(d.summary.empty());
   EXPECT_CONTAINS(page, "\"integer seed\"");

@@ -2,7 +2,7 @@
  * Path classes at run time: the film layers of a light path. A path is a word over L, S, D, V and E (Heckbert
  * 1990), a class a regular language of such words. The light side carries the state of a DFA of all classes;
  * the camera side carries the state of the reverse automaton: a set of light states for each class. Joining
- * the two is one look-up.
+ * the two is one look-up. Lights and surfaces with names that the expressions use have events of their own.
  */
 #pragma once
 
@@ -11,9 +11,12 @@
 #include <vector>
 
 #include "recurse/pathclasses/pathEvent.h"
+#include "recurse/pathclasses/pathNames.h"
 #include "recurse/pathclasses/transientFrames.h"
 
 namespace recurse {
+
+class PathAutomaton;
 
 /** A set of film layers, one bit each: at most 64 classes at once. */
 using LayerMask = uint64_t;
@@ -32,6 +35,13 @@ class CameraState {
   uint16_t index;
 };
 
+/** Kind of a surface: which of the names in the expressions it has. Only PathClasses makes it. */
+class SurfaceKind {
+ public:
+  explicit constexpr SurfaceKind(uint8_t index = 0) : index(index) {}
+  uint8_t index;
+};
+
 /**
  * Several path expressions compiled together. The default is the single class of all paths, whose walks cost
  * next to nothing.
@@ -42,7 +52,13 @@ class PathClasses {
   PathClasses();
   /** Compiles the expressions; throws Error with the column of a syntax error, or when there are too many
    * states. */
-  explicit PathClasses(std::vector<PathClass> classes);
+  explicit PathClasses(std::vector<PathClass> classes) : PathClasses(std::move(classes), nullptr) {}
+  /** The same with the names of the scene in which the walks are. */
+  PathClasses(std::vector<PathClass> classes, const PathNames& names)
+      : PathClasses(std::move(classes), &names) {}
+
+  /** Throws Error where the expressions do not compile in any scene. */
+  static void check(const std::vector<PathClass>& classes);
 
   /** Adds a film layer for each layer of the frames, after the layers of the classes: the light of the first
    * class by the lengths of its paths. Called once at most. */
@@ -60,20 +76,37 @@ class PathClasses {
   size_t lightStateCount() const { return lightStates; }
   size_t cameraStateCount() const { return cameraDead.size(); }
 
-  /** State after reading L. */
+  /** State after reading L, of a light without a name. */
   LightState lightStart() const { return lightStartState; }
+  /** State after reading L, of a light by its index in PathNames. */
+  LightState lightStart(size_t light) const {
+    return startOfLight.empty() ? lightStartState : startOfLight[light];
+  }
   /** State after reading E, from the end of the word. */
   CameraState cameraStart() const { return cameraStartState; }
-  LightState step(LightState s, PathEvent e) const {
-    return LightState(lightNext[size_t(s.byte) * 3 + static_cast<size_t>(e)]);
+  /** Whether events depend on the surface: SurfaceKinds other than the default exist. */
+  bool distinguishesSurfaces() const { return !kindOfSurface.empty(); }
+  size_t surfaceKindCount() const { return events / 3; }
+  /** Kind of a surface by the index of its object and the number of its material in PathNames. */
+  SurfaceKind surfaceKind(size_t object, size_t material) const {
+    if (kindOfSurface.empty()) return SurfaceKind();
+    return SurfaceKind(kindOfSurface[kindOfObject[object] * materialKinds + kindOfMaterial[material]]);
   }
-  CameraState step(CameraState s, PathEvent e) const {
-    return CameraState(cameraNext[size_t(s.index) * 3 + static_cast<size_t>(e)]);
+  LightState step(LightState s, PathEvent e, SurfaceKind kind = SurfaceKind()) const {
+    return LightState(lightNext[size_t(s.byte) * events + column(e, kind)]);
+  }
+  CameraState step(CameraState s, PathEvent e, SurfaceKind kind = SurfaceKind()) const {
+    return CameraState(cameraNext[size_t(s.index) * events + column(e, kind)]);
   }
   /** True when no continuation of the light walk is in any class: the photon may be dropped. */
   bool dead(LightState s) const { return lightDead[s.byte] != 0; }
   /** True when no light path completes the word of the camera walk: the camera path may end. */
   bool dead(CameraState s) const { return cameraDead[s.index] != 0; }
+  /** Whether some class contains a path from a light that reaches the last vertex of the camera walk at once,
+   * and with `throughPanes` also by any number of S events between. */
+  bool isLit(CameraState s, bool throughPanes) const {
+    return (cameraLit[s.index] & (throughPanes ? LIT_THROUGH_PANES : LIT)) != 0;
+  }
   /** Classes of the path that consists of both halves. Exactly one of them has read the event at the vertex
    * where they are joined. */
   LayerMask join(LightState light, CameraState eye) const {
@@ -81,13 +114,25 @@ class PathClasses {
   }
 
  private:
+  static constexpr uint8_t LIT = 1, LIT_THROUGH_PANES = 2;
+
+  PathClasses(std::vector<PathClass> classes, const PathNames* names);
+  static size_t column(PathEvent e, SurfaceKind kind) { return size_t(kind.index) * 3 + size_t(e); }
+  /** Makes the automaton that reads from "E" backwards. `outputs`: classes that accept E after a light state.
+   */
+  void makeCameraSide(const std::vector<LayerMask>& outputs, const std::vector<PathAutomaton>& automata);
+  void findLit(const std::vector<LightState>& starts);
+
   std::vector<PathClass> list;
   TransientFrames transient;
   size_t firstFrameLayer = 0;
-  size_t lightStates = 1;
+  size_t lightStates = 1, events = 3;
   LightState lightStartState;
   CameraState cameraStartState;
-  std::vector<uint8_t> lightNext, lightDead, cameraDead;
+  std::vector<LightState> startOfLight;                             ///< empty without names
+  std::vector<uint8_t> kindOfObject, kindOfMaterial, kindOfSurface; ///< empty without names
+  size_t materialKinds = 1;
+  std::vector<uint8_t> lightNext, lightDead, cameraDead, cameraLit;
   std::vector<uint16_t> cameraNext;
   std::vector<LayerMask> joined;
 };

@@ -20,6 +20,8 @@ namespace recurse {
 enum class PathLetter : uint8_t { S, D, V, L, E };
 
 struct Dfa;
+class PathAlphabet;
+struct PathNames;
 
 /** Set of paths, as the unique minimal deterministic automaton that accepts it. Cheap to copy. */
 class PathAutomaton {
@@ -27,10 +29,16 @@ class PathAutomaton {
   enum class Empty { REFUSED, ALLOWED };
 
   /** Compiles an expression. Throws Error (BAD_USAGE) with the column. A set without paths is refused unless
-   * `empty` allows it. */
-  static PathAutomaton compile(const std::string& expression, Empty empty = Empty::REFUSED);
+   * `empty` allows it. `names`: names of the scene, outside of which none is allowed; null: any name is. */
+  static PathAutomaton compile(const std::string& expression, Empty empty = Empty::REFUSED,
+                               const PathNames* names = nullptr);
+  /** Compiles expressions to be combined: sets with names have letters for the names in all expressions that
+   * were compiled with them. Sets without names may be combined with any. */
+  static std::vector<PathAutomaton> compileAll(const std::vector<PathClass>& classes,
+                                               Empty empty = Empty::REFUSED,
+                                               const PathNames* names = nullptr);
 
-  /** Whether the word, such as "LSDE", is in the set; false for an invalid word. */
+  /** Whether the word, such as "LSDE" or "L'lamp'DE", is in the set; false for an invalid word. */
   bool accepts(std::string_view word) const;
 
   PathAutomaton unite(const PathAutomaton& other) const;
@@ -52,19 +60,27 @@ class PathAutomaton {
    * there are very many. */
   std::string describe() const;
   /** Expression of the set without set operations; empty when none of up to `longest` characters was
-   * found. */
+   * found, and where the set depends on names. */
   std::string toExpression(size_t longest = 100) const;
 
   // The automaton itself: states are numbered in the order of first visit from `start()`, which is 0.
   size_t stateCount() const;
   uint32_t start() const { return 0; }
-  uint32_t next(uint32_t state, PathLetter letter) const;
+  uint32_t next(uint32_t state, PathLetter letter) const { return next(state, size_t(letter)); }
+  uint32_t next(uint32_t state, size_t letter) const; ///< by its index in the alphabet
   bool accepting(uint32_t state) const;
 
  private:
-  explicit PathAutomaton(Dfa dfa);
+  PathAutomaton(Dfa dfa, std::shared_ptr<const PathAlphabet> alphabet);
+  /** Result of a set operation on two sets. */
+  template <class Combine> PathAutomaton combined(const PathAutomaton& other, const Combine& combine) const;
+  friend class PathClasses;
   std::shared_ptr<const Dfa> dfa;
+  std::shared_ptr<const PathAlphabet> alphabet;
 };
+
+/** Number of scattering events in a word. */
+size_t eventCount(std::string_view word);
 
 /** Two sets with common paths: their indices in the list, and their shortest common path. */
 struct PathOverlap {

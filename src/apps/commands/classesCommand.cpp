@@ -55,7 +55,8 @@ void addClassesCommand(CLI::App& app, Command& chosen) {
   command->footer(
       "A path is a word: L the light source, D a diffuse or glossy event, S a mirror or smooth refraction,\n"
       "V an event in a medium, E the camera (eye). Expressions are regular expressions over these letters,\n"
-      "with the class names, '.', '[..]', '|', '*', '+', '?', '{2,3}', '!', '&' and '-'.\n\n"
+      "with the class names, '.', '[..]', '|', '*', '+', '?', '{2,3}', '!', '&' and '-'. A name after a\n"
+      "letter restricts it to lights or surfaces of that name in the scene: L'lamp'SD'floor'E.\n\n"
       "Examples:\n"
       "  recurse classes\n"
       "  recurse classes 'LS+DE'\n"

@@ -12,6 +12,7 @@
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/report/inspect/inspect.h"
 #include "recurse/report/stills/stills.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -61,7 +62,12 @@ PathClasses classesOf(const InspectOptions& o, const Scene& scene) {
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
   if (classes.empty()) classes = defaultStillClasses(scene.hasMedia());
-  return PathClasses(planStills(classes).classes);
+  const PathNames names = pathNames(scene);
+  PathClasses out(planStills(classes, &names).classes, names);
+  // The photons' surfaces are not known.
+  if (out.distinguishesSurfaces())
+    badUsage("--class: the classes of inspect can name lights, but no surfaces");
+  return out;
 }
 
 /** Irradiance by `path` at the recorded pixels, of the light that the photons carry. */
@@ -79,7 +85,7 @@ std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathCl
   Diagnostics diagnostics;
   const std::unique_ptr<Integrator> path = makeIntegrator(directive, false, diagnostics);
   diagnostics.throwIfErrors();
-  const PathClasses ofPhotons({{"photons", expression}});
+  const PathClasses ofPhotons = sceneClasses({{"photons", expression}}, *loaded.scene);
   path->prepare(*loaded.scene, ofPhotons);
   ForwardControl control;
   control.stop = &stop;

@@ -17,6 +17,7 @@
 #include "recurse/core/io/files.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/render/featureLayers.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -210,12 +211,13 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   if (o.frame && o.frame->stops) o.develop.exposure = formatted("%.17g", *o.frame->stops);
   RenderPlan plan = o.plan();
   PictureWriter writer(o.develop);
-  const PathClasses classes = o.pathClasses();
+  o.pathClasses(); // reports errors before the scene is loaded
   parseFrameRate(o.frameRate);
   o.checkOutputs(o.outputs);
   const ThreadPool pool(plan.threads > 0 || !cluster() ? plan.threads : cluster()->threads());
   const auto held = std::make_shared<const LoadedScene>(load(o, plan));
   const LoadedScene& loaded = *held;
+  const PathClasses classes = o.pathClasses(*loaded.scene);
   if (onLoaded) onLoaded(loaded.files);
   o.checkIntegrator(loaded);
   if (o.frame) startFrame(*o.frame, held, o);

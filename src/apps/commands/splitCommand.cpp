@@ -10,6 +10,7 @@
 #include "apps/options/renderOptions.h"
 #include "recurse/core/io/atomicFile.h"
 #include "recurse/core/io/terminalText.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -125,8 +126,7 @@ ExitStatus splitRender(SplitOptions o) {
   Job job;
   job.samples = samplesToSplit(plan);
   job.parts = parseCount("--parts", o.parts, 1, std::min(job.samples, MAX_PARTS));
-  const PathClasses classes =
-      o.paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{o.paths, o.paths}});
+  if (!o.paths.empty()) PathClasses::check({{o.paths, o.paths}});
   // Jobs run in any folder.
   o.render.scene = std::filesystem::absolute(o.render.scene).string();
   job.folder = std::filesystem::absolute(o.folder).lexically_normal();
@@ -134,6 +134,9 @@ ExitStatus splitRender(SplitOptions o) {
   requireOneLine("-o", job.folder.string());
   requireOneLine("--paths", o.paths);
   const LoadedScene loaded = loadAndBuild(o.render.scene, plan.overrides, o.render.integrator);
+  const PathClasses classes = o.paths.empty()
+                                  ? PathClasses()
+                                  : sceneClasses(std::vector<PathClass>{{o.paths, o.paths}}, *loaded.scene);
   job.passes = loaded.integrator->passes(static_cast<int>(job.samples));
   if (job.passes.minSamples() > job.samples)
     badUsage("--spp: " + std::to_string(job.passes.minSamples()) + " passes need at least one sample each");

@@ -13,6 +13,7 @@
 #include "recurse/core/threads/parallel.h"
 #include "recurse/pathclasses/pathExpression.h"
 #include "recurse/report/stills/stills.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -22,15 +23,28 @@ namespace fs = std::filesystem;
 
 struct StillsOptions {
   RenderOptions render;
-  std::string folder, compare;
+  std::string folder, compare, by;
   std::vector<std::string> classes;
 };
 
-/** Plan of the requested classes. */
-StillsPlan planOf(const StillsOptions& o) {
+/** The requested classes. Throws Error, before the scene is loaded, for those that are wrong in any scene. */
+std::vector<PathClass> askedClasses(const StillsOptions& o) {
   std::vector<PathClass> classes;
   for (const std::string& text : o.classes) classes.push_back(parseClass("--class", text));
-  return planStills(classes);
+  if (!classes.empty()) planStills(classes);
+  return classes;
+}
+
+/** Plan of the classes, divided by light where --by asks for this. */
+StillsPlan planOf(const StillsOptions& o, std::vector<PathClass> classes, const Scene& scene) {
+  const PathNames names = pathNames(scene);
+  if (classes.empty() && o.by != "light") return planStills(defaultStillClasses(scene.hasMedia()));
+  if (o.by != "light") return planStills(classes, &names);
+  const std::vector<LampGroup> lamps = lampGroups(scene);
+  if (!classes.empty()) classes = planStills(classes, &names).classes;
+  StillsPlan plan = planStills(classesByLight(lamps, classes), &names);
+  for (const LampGroup& lamp : lamps) plan.remarks.push_back(lamp.name + " is " + lamp.place);
+  return plan;
 }
 
 /** Throws Error if statistics or inputs are among the files that the folder gets. */
@@ -57,8 +71,7 @@ void checkComparable(const Stills& other, const Scene& scene, const std::string&
 
 ExitStatus renderStills(const StillsOptions& o) {
   const RenderPlan plan = o.render.plan();
-  std::optional<StillsPlan> asked;
-  if (!o.classes.empty()) asked = planOf(o);
+  const std::vector<PathClass> asked = askedClasses(o);
   if (!o.render.statistics.empty()) checkFileWritable(o.render.statistics);
   std::optional<Stills> other;
   if (!o.compare.empty()) other = readStills(o.compare);
@@ -70,16 +83,17 @@ ExitStatus renderStills(const StillsOptions& o) {
   checkFiles(o, loaded.files);
   checkStillsWritable(o.folder);
   const FileLock lock(folderName(o.folder));
-  const StillsPlan stillsPlan = asked ? *asked : planStills(defaultStillClasses(loaded.scene->hasMedia()));
-  const PathClasses classes(stillsPlan.classes);
+  const StillsPlan stillsPlan = planOf(o, asked, *loaded.scene);
+  const PathClasses classes = sceneClasses(stillsPlan.classes, *loaded.scene);
 
-  std::string classOptions;
+  std::string classOptions = o.by.empty() ? "" : " --by " + o.by;
   for (const std::string& text : o.classes) classOptions += " --class " + shellQuoted(text);
   const RenderResult result = renderLoaded(loaded, classes, plan, o.render);
   const RenderReport report = result.report("recurse stills", classOptions);
   Stills stills = makeStills(result.film, stillsPlan, loaded.scene->film().imagingRatio);
   stills.image.metadata = metadataOf(report);
-  stills.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  stills.title = stills.scene = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  if (o.by == "light" && asked.empty()) noteLamps(stills, lampGroups(*loaded.scene));
   stills.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
                  " samples per pixel";
   if (result.isInterrupted()) stills.label += ", interrupted";
@@ -121,6 +135,12 @@ void addStillsCommand(CLI::App& app, Command& chosen) {
       ->expected(1)
       ->take_all();
   command
+      ->add_option("--by", o.by,
+                   "A layer for the light of each lamp, by its name in the scene file or its number; with "
+                   "--class, one for each class and lamp")
+      ->type_name("light")
+      ->check(CLI::IsMember({"light"}));
+  command
       ->add_option("--compare", o.compare,
                    "Other stills of the same size, a folder or an EXR file, to compare on the page")
       ->type_name("DIR|EXR");
@@ -134,6 +154,8 @@ void addStillsCommand(CLI::App& app, Command& chosen) {
       "Examples:\n"
       "  recurse stills scene.pbrt -o stills\n"
       "  recurse stills scene.pbrt -o stills --class caustic=LS+DE --class mirrored=LDS+E --spp 64\n"
+      "  recurse stills scene.pbrt -o lamps --by light\n"
+      "  recurse stills scene.pbrt -o floor --class \"floor=L'lamp'S*D'floor'E\"\n"
       "  recurse stills scene.pbrt -o path --integrator path --compare stills");
   command->callback([options, &chosen] { chosen = [options] { return renderStills(*options); }; });
 }

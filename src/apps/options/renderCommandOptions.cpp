@@ -157,20 +157,24 @@ void RenderCommandOptions::checkIntegrator(const LoadedScene& loaded) const {
   diagnostics.throwIfErrors();
 }
 
-PathClasses RenderCommandOptions::pathClasses() const {
+PathClasses RenderCommandOptions::pathClasses(const Scene& scene) const {
+  PathClasses all = sceneClasses(pathClasses(), scene);
+  if (!timeOfFlight.empty()) all.addFrames(parseTimeOfFlight(timeOfFlight));
+  return all;
+}
+
+std::vector<PathClass> RenderCommandOptions::pathClasses() const {
   if (!paths.empty() && !classes.empty()) badUsage("--class: cannot be combined with --paths");
   if (!timeOfFlight.empty()) {
     if (!classes.empty()) badUsage("--time-of-flight: cannot be combined with --class; --paths EXPR can");
     if (!frames.empty()) badUsage("--time-of-flight: cannot be combined with --frames");
-    PathClasses all = paths.empty() ? PathClasses() : PathClasses(std::vector<PathClass>{{paths, paths}});
-    all.addFrames(parseTimeOfFlight(timeOfFlight));
-    return all;
+    parseTimeOfFlight(timeOfFlight);
   }
-  if (!paths.empty()) return PathClasses(std::vector<PathClass>{{paths, paths}});
-  if (classes.empty()) return {};
   std::vector<PathClass> all = {{"all", "all"}};
+  if (!paths.empty()) all = {{paths, paths}};
   for (const std::string& text : classes) all.push_back(parseClass("--class", text));
-  return PathClasses(all);
+  PathClasses::check(all);
+  return all;
 }
 
 std::string RenderCommandOptions::pathsText() const {

@@ -17,6 +17,7 @@
 #include "apps/view/progressDisplay.h"
 #include "recurse/core/image/imageTexture.h"
 #include "recurse/core/threads/resources.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -191,7 +192,7 @@ class RenderRun {
                                                           {},
                                                           emptyFilm(*loaded.scene, classes),
                                                           {}},
-        firstClasses(firstPictureClasses(*loaded.integrator, classes)) {
+        firstClasses(firstPictureClasses(loaded, classes)) {
     if (plan.adaptive) kept.allocation.emplace(kept.film.bounds(), kept.imagingRatio);
   }
 
@@ -364,7 +365,7 @@ void RenderResult::explainBlackness() {
   const bool isOvertime = statistics.stopReason == StopReason::TIME;
   std::vector<PathClass> whole = classes;
   whole.resize(classes.size() - frames.layerCount());
-  const std::string why = blackPictureText(loaded, PathClasses(whole), film, stopFlag(),
+  const std::string why = blackPictureText(loaded, sceneClasses(whole, *loaded.scene), film, stopFlag(),
                                            isOvertime ? PROBE_SECONDS_OVERTIME : PROBE_SECONDS);
   if (why.empty()) return;
   statistics.warnings.push_back(why);

@@ -4,6 +4,7 @@
 #include "apps/run/firstPicture.h"
 
 #include "recurse/pathclasses/pathExpression.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
 
@@ -33,8 +34,8 @@ std::unique_ptr<Integrator> pathTracerThatLearnsNothing(int maxDepth) {
   return makeIntegrator(directive, false, none);
 }
 
-std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, const PathClasses& classes) {
-  const std::string claims = integrator.claims();
+std::optional<PathClasses> firstPictureClasses(const LoadedScene& loaded, const PathClasses& classes) {
+  const std::string claims = loaded.integrator->claims();
   if (claims.empty()) return classes;
   const PathAutomaton claimed = PathAutomaton::compile(claims);
   if (claimed.subsetOf(PathAutomaton::compile(DIRECT))) return {};
@@ -44,7 +45,7 @@ std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, con
     if (PathAutomaton::compile(c.expression).intersect(claimed).isEmpty()) return {};
     c.expression = "(" + c.expression + ") & (" + claims + ")";
   }
-  PathClasses out(left);
+  PathClasses out = sceneClasses(left, *loaded.scene);
   if (classes.isTransient()) out.addFrames(classes.frames());
   return out;
 }

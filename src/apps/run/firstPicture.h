@@ -25,7 +25,7 @@ struct FirstPicture {
  * Path classes of a first picture: `classes`, without the paths that the integrator leaves out. None for an
  * integrator of direct light only, which begins with its samples, and if a class would be empty.
  */
-std::optional<PathClasses> firstPictureClasses(const Integrator& integrator, const PathClasses& classes);
+std::optional<PathClasses> firstPictureClasses(const LoadedScene& loaded, const PathClasses& classes);
 
 /**
  * Renders one sample of each pixel by path tracing with lights selected by power, which learns nothing. Ends

@@ -84,7 +84,8 @@ class Bidirectional::CameraWalk {
     const auto [entry, isNew] = recordedPaths.try_emplace(&from, static_cast<int>(list.size()));
     if (!isNew) return entry->second;
     RecordedLightPath record(list);
-    record.add(LightVertexKind::START, PathEvent::D, from.end.ray.origin, BLACK, classes.lightStart());
+    record.add(LightVertexKind::START, PathEvent::D, from.end.ray.origin, BLACK,
+               classes.lightStart(from.end.index));
     bool wasDelta = false;
     for (uint32_t t = 1; t <= from.count; ++t) {
       const StoredVertex& y = vertexOf(from, t);
@@ -158,7 +159,7 @@ class Bidirectional::CameraWalk {
                               .weight = static_cast<float>(weight),
                               .pdf = path.delta ? 0 : static_cast<float>(path.pdf)};
     }
-    out.add(classes.lightStart(), path.state, path.throughput * radiance * static_cast<float>(weight),
+    out.add(classes.lightStart(index), path.state, path.throughput * radiance * static_cast<float>(weight),
             length);
   }
 
@@ -175,9 +176,13 @@ class Bidirectional::CameraWalk {
         vertex.throughput * vertex.scattering->evaluate(vertex.wi, direction) * sample->radiance / pdf;
     if (isBlack(radiance)) return;
     panes.clear();
-    const Transmittance free = transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
-                                             panesLeft(owner.settings.maxDepth, vertex.depth), out.counts,
-                                             [&](const SurfacePoint& pane) { panes.push_back(pane); });
+    CameraState state = vertex.afterD;
+    const Transmittance free =
+        transmittance(scene, vertex.hit, vertex.wi, *sample, path.nesting,
+                      panesLeft(owner.settings.maxDepth, vertex.depth), out.counts, [&](const Hit& pane) {
+                        panes.push_back(pane.point);
+                        state = stepThroughPane(classes, state, pane);
+                      });
     if (isBlack(free.value)) return;
     double next = vertex.pdfDirection(vertex.wi, direction);
     copyVertices();
@@ -198,7 +203,7 @@ class Bidirectional::CameraWalk {
     if (out.recorder)
       recordLightSample(*out.recorder, recordedVertex, *sample, pdf,
                         vertex.scattering->pdf(vertex.wi, direction), weight);
-    out.add(afterPanes(classes, free.panes), vertex.afterD, radiance * free.value * weight,
+    out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value * weight,
             lengthToLight(scene, path.optical, *vertex.scattering, vertex.wi, vertex.point(), *sample));
   }
 

@@ -52,7 +52,7 @@ struct Vertex {
 struct Shadow {
   const Vertex* vertex;
   const LiSample* light;
-  float probability; ///< selection probability of the light
+  ChosenLight chosen;
   Rgb radiance;
 };
 
@@ -185,7 +185,7 @@ class PathTracing final : public Integrator {
           if (PathRecorder* recorder = w.camera->out->recorder)
             recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, hit, direction, w.bsdfRay,
                       radiance);
-          addEmission(w, radiance, w.optical.length);
+          addEmission(w, classes.lightStart(hit.lightIndex), radiance, w.optical.length);
         }
         w.width += w.spread * hit.t;
         drawWavelength(scene, w.wavelength, w.camera->sampler, hit);
@@ -212,8 +212,9 @@ class PathTracing final : public Integrator {
               recorder->addVertex(w.recordedStep, hit, direction, v.scattering->lobes(), w.throughput);
         if (const GuideField* guide = settings.activeGuide())
           v.scattering->follow(guideAt(*guide, hit.point, v.wi));
-        v.cameraD = classes.step(w.state, PathEvent::D);
-        v.cameraS = classes.step(w.state, PathEvent::S);
+        const SurfaceKind kind = surfaceKind(classes, hit);
+        v.cameraD = classes.step(w.state, PathEvent::D, kind);
+        v.cameraS = classes.step(w.state, PathEvent::S, kind);
         v.allowed = LobeSet((classes.dead(v.cameraD) ? NO_LOBE : NON_DELTA_LOBES) |
                             (classes.dead(v.cameraS) ? NO_LOBE : DELTA_LOBES));
         v.sampleLight = (v.scattering->lobes() & v.allowed & NON_DELTA_LOBES) != 0 &&
@@ -234,16 +235,16 @@ class PathTracing final : public Integrator {
         if (PathRecorder* recorder = w.camera->out->recorder)
           recordHit(*recorder, w.recordedStep, scene, settings.lightSampler, i, ray.direction, w.bsdfRay,
                     radiance);
-        addEmission(w, radiance, length);
+        addEmission(w, classes.lightStart(scene.environmentIndices()[i]), radiance, length);
       }
     }
 
     /** Adds emission at the end of a path of optical `length`. */
-    void addEmission(const BatchPath& w, const Rgb& radiance, float length) const {
+    void addEmission(const BatchPath& w, LightState light, const Rgb& radiance, float length) const {
       if (w.isScattered)
-        w.camera->out->add(classes.lightStart(), w.state, w.throughput * radiance, length);
+        w.camera->out->add(light, w.state, w.throughput * radiance, length);
       else
-        w.camera->out->addSeen(w.state, w.throughput * radiance, length);
+        w.camera->out->addSeen(light, w.state, w.throughput * radiance, length);
     }
 
     /** Traces one shadow ray from each vertex. */
@@ -270,12 +271,12 @@ class PathTracing final : public Integrator {
         ++counts.rays;
         makeAt(shadowRays[count], [&] { return shadowRay(v.hit->point, *lights[i]); });
         if (shadowRays[count].direction == Vec3f(0)) { // coincident: no occlusion
-          addSampled(v, *lights[i], choices[i].chosen.probability, classes.lightStart(), radiance);
+          addSampled(v, *lights[i], choices[i].chosen, v.cameraD, radiance);
           continue;
         }
         shadows[count].vertex = &v;
         shadows[count].light = &*lights[i];
-        shadows[count].probability = choices[i].chosen.probability;
+        shadows[count].chosen = choices[i].chosen;
         shadows[count].radiance = radiance;
         ++count;
       }
@@ -283,26 +284,27 @@ class PathTracing final : public Integrator {
       for (size_t i = 0; i < count; ++i) {
         const Vertex& v = *shadows[i].vertex;
         if (!blocked[i]) {
-          addSampled(v, *shadows[i].light, shadows[i].probability, classes.lightStart(), shadows[i].radiance);
+          addSampled(v, *shadows[i].light, shadows[i].chosen, v.cameraD, shadows[i].radiance);
           continue;
         }
+        CameraState state = v.cameraD;
         const Transmittance free =
             throughPanes(scene, shadowRays[i], *v.hit, v.wi, *shadows[i].light, v.path->nesting,
-                         panesLeft(settings.maxDepth, v.path->depth), counts);
+                         panesLeft(settings.maxDepth, v.path->depth), counts,
+                         [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
         if (!isBlack(free.value))
-          addSampled(v, *shadows[i].light, shadows[i].probability, afterPanes(classes, free.panes),
-                     shadows[i].radiance * free.value);
+          addSampled(v, *shadows[i].light, shadows[i].chosen, state, shadows[i].radiance * free.value);
       }
     }
 
-    /** Adds the contribution of a shadow ray. `probability`: selection probability of the light. */
-    void addSampled(const Vertex& v, const LiSample& light, float probability, LightState state,
+    /** Adds the contribution of a shadow ray. `state`: of the camera path up to the light. */
+    void addSampled(const Vertex& v, const LiSample& light, const ChosenLight& chosen, CameraState state,
                     const Rgb& radiance) const {
       PathRadiance& out = *v.path->camera->out;
       if (out.recorder)
-        recordLightSample(*out.recorder, v.recorded, *v.scattering, v.wi, light, probability,
+        recordLightSample(*out.recorder, v.recorded, *v.scattering, v.wi, light, chosen.probability,
                           settings.lightSamples, v.allowed);
-      out.add(state, v.cameraD, radiance,
+      out.add(classes.lightStart(chosen.index), state, radiance,
               lengthToLight(scene, v.path->optical, *v.scattering, v.wi, v.hit->point, light));
     }
 

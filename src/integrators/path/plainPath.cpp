@@ -68,11 +68,11 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
   bool isScattered = false;
   PathRecorder* recorder = out.recorder;
   int recordedStep = CAMERA_STEP;
-  const auto add = [&](const Rgb& radiance, float length) {
+  const auto add = [&](LightState light, const Rgb& radiance, float length) {
     if (isScattered)
-      out.add(classes.lightStart(), path.state, radiance, length);
+      out.add(light, path.state, radiance, length);
     else
-      out.addSeen(path.state, radiance, length);
+      out.addSeen(light, path.state, radiance, length);
   };
   const auto addEmission = [&](const Hit* hit) {
     const Vec3f& direction = path.ray.direction;
@@ -86,7 +86,7 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), *hit, direction) : 1;
       if (recorder)
         recordHit(*recorder, recordedStep, scene, lights, *hit, direction, last, emitted * weight);
-      add(path.throughput * emitted * weight, path.optical.length);
+      add(classes.lightStart(hit->lightIndex), path.throughput * emitted * weight, path.optical.length);
       return;
     }
     const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
@@ -96,13 +96,13 @@ void tracePlainPath(const Scene& scene, const CameraRay& ray, const LightSampler
       if (isBlack(emitted)) continue;
       const float weight = shared ? caustics->rayWeight(scene, caustic.ratio(), i, path.ray) : 1;
       if (recorder) recordHit(*recorder, recordedStep, scene, lights, i, direction, last, emitted * weight);
-      add(path.throughput * emitted * weight, length);
+      add(classes.lightStart(scene.environmentIndices()[i]), path.throughput * emitted * weight, length);
     }
   };
   const auto addMediumEmission = [&](const Rgb& radiance) {
     if (recorder)
       recorder->source = {.technique = PathTechnique::HIT, .step = recordedStep, .end = path.from};
-    add(radiance, path.optical.length);
+    add(startInMedium(scene, classes, path.nesting.medium(scene)), radiance, path.optical.length);
   };
   while (walker.next(path, vertex, sampler, addEmission, addMediumEmission)) {
     const int recorded = recorder ? recordVertex(*recorder, recordedStep, vertex) : NOT_RECORDED;

@@ -97,8 +97,9 @@ void PhotonMapping::trace(const Scene& scene, PathState path, Sampler& sampler, 
 bool PhotonMapping::followDelta(const Scene& scene, PathState& path, const Hit& hit,
                                 const ScatteringPoint& scattering, Sampler& sampler,
                                 PathRadiance& out) const {
-  path.camera = out.pathClasses().step(path.camera, PathEvent::S);
-  if (!scattering.hasDelta() || out.pathClasses().dead(path.camera)) return false;
+  const PathClasses& classes = out.pathClasses();
+  path.camera = classes.step(path.camera, PathEvent::S, surfaceKind(classes, hit));
+  if (!scattering.hasDelta() || classes.dead(path.camera)) return false;
   path.merge.arrive(path.ray.direction, hit.point);
   std::array<Scatter, DeltaScatters::MAX_COUNT> all;
   const int count = scattering.deltaScatters(-path.ray.direction, Transport::RADIANCE, all);
@@ -145,8 +146,9 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
     addByRays(scene, std::move(path), hit, scattering, sampler, out);
     return;
   }
-  path.camera = out.pathClasses().step(path.camera, PathEvent::D);
-  if (out.pathClasses().dead(path.camera) || !goesOn(path, sampler)) return;
+  const PathClasses& classes = out.pathClasses();
+  path.camera = classes.step(path.camera, PathEvent::D, surfaceKind(classes, hit));
+  if (classes.dead(path.camera) || !goesOn(path, sampler)) return;
   const Vec3f wi = -path.ray.direction;
   PhotonShare direct = std::exchange(path.direct, {});
   direct.ratio.arrive(path.ray.direction, hit.point);
@@ -210,11 +212,12 @@ void PhotonMapping::addNonDelta(const Scene& scene, PathState path, const Hit& h
 
 void PhotonMapping::addByRays(const Scene& scene, PathState path, const Hit& hit,
                               const ScatteringPoint& scattering, Sampler& sampler, PathRadiance& out) const {
-  path.camera = out.pathClasses().step(path.camera, PathEvent::D);
+  const PathClasses& classes = out.pathClasses();
+  path.camera = classes.step(path.camera, PathEvent::D, surfaceKind(classes, hit));
   path.part *= std::exchange(path.share, 1);
   path.direct = {};
   path.shared = {};
-  if (out.pathClasses().dead(path.camera) || !goesOn(path, sampler)) return;
+  if (classes.dead(path.camera) || !goesOn(path, sampler)) return;
   const Vec3f wi = -path.ray.direction;
   const LightSampleContext context = lightSampleContext(lights, hit.point, wi);
   addDirectLight(scene, path, context, {}, hit, scattering, sampler, out);

@@ -94,7 +94,8 @@ class PhotonMapping final : public PhotonMapper {
     return path.nonDelta == 0 || path.delta ? BsdfRay() : path.bsdfRay;
   }
   /** Adds light at the end of a path of optical `length` [scene units]. */
-  void addLight(const PathState& path, const Rgb& radiance, float length, PathRadiance& out) const;
+  void addLight(const PathState& path, LightState light, const Rgb& radiance, float length,
+                PathRadiance& out) const;
 
   // ------------------------------------------------------------------------------------------------ photons
   /** Sets the fraction of the indirect light at the end of the path that is read from the map. */

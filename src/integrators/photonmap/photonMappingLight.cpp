@@ -35,7 +35,7 @@ void PhotonMapping::addEmission(const Scene& scene, const PathState& path, const
     recordWeight(out, weight);
     radiance *= weight;
   }
-  addLight(path, radiance, path.optical.length, out);
+  addLight(path, out.pathClasses().lightStart(hit.lightIndex), radiance, path.optical.length, out);
 }
 
 void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, PathRadiance& out) const {
@@ -60,7 +60,7 @@ void PhotonMapping::addEnvironment(const Scene& scene, const PathState& path, Pa
       recordWeight(out, weight);
       radiance *= weight;
     }
-    addLight(path, radiance, length, out);
+    addLight(path, out.pathClasses().lightStart(scene.environmentIndices()[i]), radiance, length, out);
   }
 }
 
@@ -71,19 +71,20 @@ void PhotonMapping::addShared(const Scene& scene, const PathState& path, uint32_
                                           lights.probability(scene.lights(), from, light));
   const float weight = path.shared.share.camera(arrivals, path.shared.pdf);
   recordWeight(out, weight);
-  out.add(out.pathClasses().lightStart(), path.camera, path.shared.throughput * radiance * weight, length);
+  out.add(out.pathClasses().lightStart(light), path.camera, path.shared.throughput * radiance * weight,
+          length);
 }
 
-void PhotonMapping::addLight(const PathState& path, const Rgb& radiance, float length,
+void PhotonMapping::addLight(const PathState& path, LightState light, const Rgb& radiance, float length,
                              PathRadiance& out) const {
   const float share = settings.directLight ? path.lightShare : 1;
   if (!(share > 0) || isBlack(radiance)) return;
   recordWeight(out, share);
   const Rgb added = path.sharedThroughput() * radiance * share;
   if (path.nonDelta == 0)
-    out.addSeen(path.camera, added, length);
+    out.addSeen(light, path.camera, added, length);
   else
-    out.add(out.pathClasses().lightStart(), path.camera, added, length);
+    out.add(light, path.camera, added, length);
 }
 
 void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
@@ -98,7 +99,8 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                     panes, sampler, out, path.optical);
     return;
   }
-  if (!lightIsSampled(scene, out.pathClasses(), path.camera)) return;
+  const PathClasses& classes = out.pathClasses();
+  if (!lightIsSampled(scene, classes, path.camera)) return;
   for (int i = 0; i < settings.lightSamples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lights, context, sampler);
     const std::optional<LiSample> light = choice.sampleLi(hit.point);
@@ -106,7 +108,10 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
     Rgb radiance = unshadowedRadiance(scattering, wi, path.throughput, *light, choice.chosen.probability,
                                       settings.lightSamples, NON_DELTA_LOBES);
     if (isBlack(radiance)) continue;
-    const Transmittance free = transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts);
+    CameraState state = path.camera;
+    const Transmittance free =
+        transmittance(scene, hit, wi, *light, path.nesting, panes, out.counts,
+                      [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
     if (isBlack(free.value)) continue;
     const ChosenLight& chosen = choice.chosen;
     const LePdf pdf = photons.pdfLe(chosen.index, *chosen.light, light->emitted());
@@ -121,7 +126,7 @@ void PhotonMapping::addDirectLight(const Scene& scene, const PathState& path,
                                       scattering.pdfNonDelta(light->direction, wi));
     recordWeight(out, weight);
     radiance *= weight * path.part;
-    out.add(afterPanes(out.pathClasses(), free.panes), path.camera, radiance * free.value,
+    out.add(classes.lightStart(chosen.index), state, radiance * free.value,
             lengthToLight(scene, path.optical, scattering, wi, hit.point, *light));
   }
 }

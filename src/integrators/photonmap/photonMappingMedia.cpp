@@ -28,7 +28,9 @@ bool PhotonMapping::passMedium(const Scene& scene, PathState& path, float end, S
   const RayTransmittance transmittance(*medium, path.ray, end, sampler);
   if (out.recorder) out.recorder->source = {.step = path.recordedStep};
   // Where photons are stored, they include the emission of media.
-  if (path.byRays || settings.directLight) addLight(path, transmittance.emitted(), path.optical.length, out);
+  if (path.byRays || settings.directLight)
+    addLight(path, startInMedium(scene, out.pathClasses(), number), transmittance.emitted(),
+             path.optical.length, out);
   if (path.depth != settings.maxDepth) addScattering(scene, path, number, end, transmittance, sampler, out);
   const float before = maxComponent(path.throughput);
   path.throughput *= transmittance.to(end);
@@ -77,7 +79,8 @@ void PhotonMapping::addScattering(const Scene& scene, const PathState& path, uin
     optical = path.optical;
     optical.travel(s->t);
     const SpectralPath spectral{throughput * transmittance.to(s->t) * scattering};
-    addLightInMedia(scene, vertex(hit, spectral), s->light, 1 / s->reciprocalPdf, panes, random, out);
+    addLightInMedia(scene, vertex(hit, spectral), s->light, s->index, 1 / s->reciprocalPdf, panes, random,
+                    out);
   };
   int i = 0;
   for (; i < rays.area && !out.abandoned(); ++i) addRay(i, sampler);

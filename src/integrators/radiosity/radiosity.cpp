@@ -195,11 +195,12 @@ class Radiosity final : public Integrator {
       const size_t side = sideOf(wi, hit.point);
       const Rgb albedo = scattering.value(wi, hit.point.normalTowards(wi)) * PI;
       const float perArea = 1 / patches.area(patch);
+      const SurfaceKind kind = surfaceKind(classes, hit);
       const double before = powerOf(2 * patch + side);
       for (size_t s = 0; s < states; ++s) {
         if (isBlack(power[s])) continue;
         if (!direct) received[this->at(patch, side, s)] += power[s] * perArea;
-        const LightState after = classes.step(LightState(static_cast<uint8_t>(s)), PathEvent::D);
+        const LightState after = classes.step(LightState(static_cast<uint8_t>(s)), PathEvent::D, kind);
         if (!classes.dead(after)) unshot[this->at(patch, side, after.byte)] += power[s] * albedo;
       }
       const double after = powerOf(2 * patch + side);

@@ -9,7 +9,9 @@ namespace recurse {
 
 namespace {
 
+/** Name of a shape outside of objects: the given one, else its file, else its kind. */
 std::string nameOf(const ShapeDescription& s) {
+  if (const std::string name = givenName(s.shape); !name.empty()) return name;
   for (const ParsedParameter& p : s.shape.parameters)
     if (p.name == "filename" && p.strings.size() == 1)
       return std::filesystem::path(p.strings[0]).stem().string();
@@ -17,6 +19,12 @@ std::string nameOf(const ShapeDescription& s) {
 }
 
 } // namespace
+
+std::string givenName(const ParsedDirective& directive) {
+  for (const ParsedParameter& p : directive.parameters)
+    if (p.name == "name" && p.strings.size() == 1) return p.strings[0];
+  return {};
+}
 
 uint32_t ObjectNames::add(const std::string& name) {
   const auto [found, isNew] = known.try_emplace(name, uint32_t(names.size()));

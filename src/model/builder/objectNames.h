@@ -9,6 +9,9 @@
 
 namespace recurse {
 
+/** The parameter "name" of a directive; empty without. */
+std::string givenName(const ParsedDirective& directive);
+
 /** All parts of an instance are one object. */
 class ObjectNamer {
  public:

@@ -8,6 +8,7 @@
 #include "model/builder/rayWork.h"
 #include "model/builder/shapeGroups.h"
 #include "model/embree/embreeScene.h"
+#include "model/light/scaledLight.h"
 #include "recurse/core/threads/resources.h"
 #include "recurse/model/mesh/triangleMesh.h"
 #include "recurse/model/scene/importExpansion.h"
@@ -70,6 +71,8 @@ class SceneBuilder {
     buildMedia();
     if (!complete) return nullptr;
     scene->materialNames = materials.names();
+    scene->labelsOfMaterials = materials.labels();
+    for (size_t i = 0; i < media.count(); ++i) scene->namesOfMedia.push_back(media.name(i));
     buildTrees();
     if (diagnostics.hasErrors()) return nullptr;
     warnOfOpenBoundaries(*scene, shapes, media, diagnostics);
@@ -159,21 +162,64 @@ class SceneBuilder {
     scene->sceneContents.media = media.count();
   }
 
+  /** Adds the lamp of a light's directive at a place: that directive, or the emitting shape. */
+  void addLamp(const ParsedDirective& light, const ParsedDirective& place) {
+    const std::string shapeName = givenName(place);
+    std::string name = givenName(light);
+    if (name.empty()) name = shapeName;
+    if (name.empty()) {
+      name = "light-" + std::to_string(scene->sceneLamps.size() + 1);
+      while (isGivenName(name)) name += "_";
+    }
+    scene->sceneLamps.push_back({name, shapeName, place.type, place.location});
+  }
+
+  bool isGivenName(const std::string& name) const {
+    const auto isOfShape = [&](const ShapeDescription& s) { return givenName(s.shape) == name; };
+    const auto isOfLight = [&](const LightDescription& l) { return givenName(l.light) == name; };
+    const auto isOfArea = [&](const ParsedDirective& d) { return givenName(d) == name; };
+    return std::any_of(description.shapes.begin(), description.shapes.end(), isOfShape) ||
+           std::any_of(description.lights.begin(), description.lights.end(), isOfLight) ||
+           std::any_of(description.areaLights.begin(), description.areaLights.end(), isOfArea);
+  }
+
+  /** Product of the LightScale directives of a lamp. */
+  Rgb scaleOf(const Lamp& lamp) const {
+    Rgbd scale(1);
+    for (const LightScaleDescription& s : description.lightScales)
+      if (s.lamp == lamp.name || s.lamp == lamp.shapeName) scale *= s.scale;
+    return Rgb(scale);
+  }
+
+  void checkLightScales() {
+    std::vector<std::string> names;
+    for (const Lamp& lamp : scene->sceneLamps) names.insert(names.end(), {lamp.name, lamp.shapeName});
+    std::erase(names, "");
+    for (const LightScaleDescription& s : description.lightScales)
+      if (std::find(names.begin(), names.end(), s.lamp) == names.end())
+        diagnostics.error(s.location, "there is no lamp named \"" + s.lamp + "\"",
+                          names.empty() ? "no LightScale: the scene has no lamp"
+                                        : quotedList(nearestNames(s.lamp, names)));
+  }
+
+  /** Prepares and checks a light, and adds it to the table. */
+  void keep(std::unique_ptr<Light> light, const SourceLocation& where, std::vector<const Light*>& table) {
+    if (diagnostics.hasErrors()) return; // the scene's bounds may be unknown
+    light->prepare(scene->sceneBounds);
+    // The origin of a photon is checked as the light's position.
+    const std::optional<LeSample> emission = light->sampleLe({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
+    if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
+      diagnostics.error(where, "the light's power is too large for single precision");
+    else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))
+      diagnostics.error(where, "the light is too far from the scene for single precision",
+                        "coordinates below 1e18");
+    table.push_back(light.get());
+    scene->ownLights.push_back(std::move(light));
+  }
+
   void buildLights() {
     std::vector<const Light*> table;
-    const auto keep = [&](std::unique_ptr<Light> light, const SourceLocation& where) {
-      if (diagnostics.hasErrors()) return; // the scene's bounds may be unknown
-      light->prepare(scene->sceneBounds);
-      // The origin of a photon is checked as the light's position.
-      const std::optional<LeSample> emission = light->sampleLe({0.5f, Vec2f(0.5f), Vec2f(0.25f)});
-      if (!isFinite(light->power()) || (emission && !isFinite(emission->flux)))
-        diagnostics.error(where, "the light's power is too large for single precision");
-      else if (emission && !(representable(emission->origin) && isUnit(emission->direction)))
-        diagnostics.error(where, "the light is too far from the scene for single precision",
-                          "coordinates below 1e18");
-      table.push_back(light.get());
-      scene->ownLights.push_back(std::move(light));
-    };
+    std::map<const ShapeDescription*, uint32_t> lampOfShape;
     const auto addAreaLight = [&](const ShapeGroups::Placed& p, const MatrixTrack& track) {
       if (p.from->areaLight < 0 || context.enoughErrors()) return;
       const ParsedDirective& d = description.areaLights[static_cast<size_t>(p.from->areaLight)];
@@ -188,10 +234,15 @@ class SceneBuilder {
           plugIns().areaLights.make(d, {*p.shape}, diagnostics, overrides.lenient);
       if (!light) return;
       if (track.moves()) light = std::make_unique<MovingAreaLight>(std::move(light), track);
+      const auto [lamp, isNew] = lampOfShape.try_emplace(p.from, uint32_t(scene->sceneLamps.size()));
+      if (isNew) addLamp(d, p.from->shape);
+      if (const Rgb scale = scaleOf(scene->sceneLamps[lamp->second]); scale != Rgb(1))
+        light = scaledAreaLight(std::move(light), scale);
       lightOf[p.shape] = {light.get(), static_cast<uint32_t>(table.size())};
       ++scene->sceneContents.areaLights;
+      scene->lampsOfLights.push_back(lamp->second);
       scene->mediaOfLights.push_back(p.media.outside);
-      keep(std::move(light), d.location);
+      keep(std::move(light), d.location, table);
     };
     for (const ShapeGroups::Placed& p : shapes.groups().front().placed) addAreaLight(p, Mat4d(1));
     for (const ShapeGroups::Instance& i : shapes.instances())
@@ -203,6 +254,10 @@ class SceneBuilder {
           l.light, {recentred(l.worldFromLight, scene->sceneOrigin), scene->sceneOrigin}, diagnostics,
           overrides.lenient);
       if (!light) continue;
+      scene->lampsOfLights.push_back(uint32_t(scene->sceneLamps.size()));
+      addLamp(l.light, l.light);
+      if (const Rgb scale = scaleOf(scene->sceneLamps.back()); scale != Rgb(1))
+        light = scaledLight(std::move(light), scale);
       if (const auto* e = dynamic_cast<const EnvironmentLight*>(light.get())) {
         scene->environmentLights.push_back(e);
         scene->environmentLightIndices.push_back(static_cast<uint32_t>(table.size()));
@@ -211,8 +266,9 @@ class SceneBuilder {
         ++scene->sceneContents.deltaLights;
       }
       scene->mediaOfLights.push_back(media.number(l.medium, l.light.location));
-      keep(std::move(light), l.light.location);
+      keep(std::move(light), l.light.location, table);
     }
+    if (!diagnostics.hasErrors()) checkLightScales();
     scene->lightTable.build(table);
   }
 

@@ -113,6 +113,7 @@ const Material* SceneMaterials::makeMaterial(const ParsedDirective& d) {
                           "priority and eta of one of the others");
     nested.push_back(m.get());
   }
+  m->number = uint32_t(materials.size());
   materials.push_back(std::move(m));
   return materials.back().get();
 }
@@ -192,6 +193,13 @@ std::map<const Material*, std::string> SceneMaterials::names() const {
     if (const Material* m = materialsByIndex[i].second)
       out[m] = kinds[kinds.add(kind.empty() ? "diffuse" : kind)];
   }
+  return out;
+}
+
+std::vector<std::string> SceneMaterials::labels() const {
+  std::vector<std::string> out(materials.size());
+  for (const auto& [name, m] : materialsByName)
+    if (m.material) out[m.material->number] = name;
   return out;
 }
 

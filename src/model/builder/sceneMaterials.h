@@ -32,6 +32,8 @@ class SceneMaterials final : public TextureLookup {
   void fillNested(const Material& m, const MediumInterface& media, const SourceLocation& where);
   /** Names of the made materials: the name in the file, or the kind with a number. */
   std::map<const Material*, std::string> names() const;
+  /** Names in the file by Material::number; empty for a material without a name. */
+  std::vector<std::string> labels() const;
   /** Numbers the dielectrics with priority, highest first, with refractive index and medium of each. */
   void numberNested(std::vector<float>& indices, std::vector<uint16_t>& media);
 

@@ -28,6 +28,8 @@ class SceneMedia {
     const std::string& name = used[number - 1u].name;
     return name.empty() ? "the medium of the material" : "medium \"" + name + "\"";
   }
+  /** Name of medium `index` + 1; empty for the filling of a material. */
+  const std::string& name(size_t index) const { return used[index].name; }
   /** Makes medium `index` + 1 and its phase function, each with the parameters of the directive that it
    * declares. Null after an error. */
   std::shared_ptr<Medium> make(size_t index, float maxExtinction) const;

@@ -44,6 +44,16 @@ void readDetail(Material& material, const Parameters& p, const MaterialContext& 
 } // namespace
 
 void addSurfaceParameters(PlugIns& plugIns) {
+  const auto name = [](const std::string& meaning) {
+    return std::vector<ParameterSpec>{stringParameter("name", "", meaning)};
+  };
+  plugIns.shapes.addToAll(
+      name("name of the surface in path expressions and Cryptomattes, outside of ObjectBegin"),
+      [](Shape&, const Parameters&, const ShapeContext&) {});
+  plugIns.lights.addToAll(name("name of the lamp in path expressions"),
+                          [](Light&, const Parameters&, const LightContext&) {});
+  plugIns.areaLights.addToAll(name("name of the lamp in path expressions; by default that of its shape"),
+                              [](AreaLight&, const Parameters&, const AreaLightContext&) {});
   plugIns.shapes.addToAll({realParameter("alpha", "1",
                                          "opacity: the probability that a ray hits the surface; other rays "
                                          "pass through. An area light with opacity 0 is invisible, but emits")

@@ -106,19 +106,20 @@ std::string joined(const std::vector<std::string>& list, const std::string& sepa
 
 } // namespace
 
-StillsPlan planStills(const std::vector<PathClass>& asked) {
+StillsPlan planStills(const std::vector<PathClass>& asked, const PathNames* names) {
   if (asked.empty()) badUsage("no path class is given");
   checkNames(asked);
   StillsPlan plan;
   plan.classes = asked;
-  std::vector<PathAutomaton> automata;
   for (const PathClass& c : asked) {
     try {
-      automata.push_back(PathAutomaton::compile(c.expression));
+      PathAutomaton::compile(c.expression, PathAutomaton::Empty::REFUSED, names);
     } catch (const Error& error) {
       badUsage("class " + c.name + ": " + error.what());
     }
   }
+  const std::vector<PathAutomaton> automata =
+      PathAutomaton::compileAll(asked, PathAutomaton::Empty::REFUSED, names);
   const PathAutomaton all = PathAutomaton::compile("all");
   const std::vector<PathOverlap> overlaps = findOverlaps(automata);
   for (const PathOverlap& o : overlaps)

@@ -9,6 +9,7 @@ async function start() {
   const pixels = data.width * data.height;
   const view = new View(element("view"), data.width, data.height);
   const ticked = set.classes.map(() => true);
+  const powers = set.classes.map(() => ({ ...UNCHANGED }));
   let shown = set.additive ? SUM : BEAUTY;
   let compared = null; // { set, what }
   let lastCompared = null;
@@ -21,8 +22,10 @@ async function start() {
 
   const sums = new Map(); // sum of each set, until a class is ticked
   function sumOf(from) {
-    if (!sums.has(from))
-      sums.set(from, addUp(ticked.map((on, i) => on && counterpart(from, i)).filter(Boolean), pixels));
+    if (!sums.has(from)) {
+      const used = [...ticked.keys()].filter((i) => ticked[i] && counterpart(from, i));
+      sums.set(from, addUp(used.map((i) => counterpart(from, i)), pixels, used.map((i) => factorOf(powers[i]))));
+    }
     return sums.get(from);
   }
   const resolved = (what) => (what === SAME ? shown : what);
@@ -74,8 +77,17 @@ async function start() {
       row.querySelector("button").setAttribute("aria-pressed", shown === c);
       row.querySelector("input").checked = ticked[c];
       row.classList.toggle("off", !ticked[c]);
+      const { stops, colour } = powers[c];
+      row.querySelector(".stops").value = stops;
+      row.querySelector(".colour").value = colour;
+      row.querySelector("output").textContent = `${stops < 0 ? "−" : "+"}${Math.abs(stops).toFixed(1)}`;
+      row.classList.toggle("changed", stops !== 0 || colour !== UNCHANGED.colour);
     });
-    const share = set.classes.reduce((sum, layer, c) => sum + (ticked[c] ? layer.share : 0), 0);
+    const scaledShare = (layer, c) => {
+      const before = luminance(...layer.mean), f = factorOf(powers[c]);
+      return before > 0 ? layer.share * luminance(...layer.mean.map((v, k) => v * f[k])) / before : 0;
+    };
+    const share = set.classes.reduce((sum, layer, c) => sum + (ticked[c] ? scaledShare(layer, c) : 0), 0);
     element("sumShare").textContent =
       `${ticked.filter(Boolean).length} of ${ticked.length}, ${formatShare(share)}`;
     element("exposure").value = exposure;
@@ -86,12 +98,20 @@ async function start() {
 
   const show = (what) => { shown = what; update(); };
   const setExposure = (stops) => { exposure = Math.min(Math.max(stops, -12), 16); update(); };
-  function tick(changes) {
-    changes.forEach(([c, on]) => { ticked[c] = on; });
+  function sumChanged() {
     sums.clear();
     shown = SUM; // the sum has changed, so it is shown
     paintThumbnail(element("showSum"), sumOf(set), set.beauty.exposure);
-    update();
+    if (element("keepExposure").checked) update();
+    else setExposure(automaticExposure(sumOf(set)));
+  }
+  function tick(changes) {
+    changes.forEach(([c, on]) => { ticked[c] = on; });
+    sumChanged();
+  }
+  function setPowers(changes) {
+    changes.forEach(([c, change]) => Object.assign(powers[c], change));
+    sumChanged();
   }
   const ownExposure = () => shown === BEAUTY ? set.beauty.exposure
     : shown === SUM ? automaticExposure(sumOf(set)) : set.classes[shown].exposure;
@@ -110,7 +130,9 @@ async function start() {
       const row = document.createElement("li");
       row.innerHTML = `<input type="checkbox" checked><button type="button" class="row">
         <canvas class="thumbnail" width="56" height="56"></canvas><span class="text"><b></b>
-        <span class="share"></span><code></code><span class="value"></span></span></button>`;
+        <span class="share"></span><code></code><span class="value"></span></span></button>
+        <span class="power"><input type="range" class="stops" min="-6" max="6" step="0.1" value="0">
+        <output></output><input type="color" class="colour" value="#ffffff"></span>`;
       const find = (selector) => row.querySelector(selector);
       find("b").textContent = layer.name;
       find("code").textContent = find("code").title = layer.expression;
@@ -119,6 +141,10 @@ async function start() {
       find("input").setAttribute("aria-label", `${layer.name} in the sum`);
       find("input").addEventListener("change", (event) => tick([[c, event.target.checked]]));
       find("button").addEventListener("click", () => show(c));
+      find(".stops").setAttribute("aria-label", `power of ${layer.name} in stops`);
+      find(".colour").setAttribute("aria-label", `colour of ${layer.name}`);
+      find(".stops").addEventListener("input", (event) => setPowers([[c, { stops: Number(event.target.value) }]]));
+      find(".colour").addEventListener("input", (event) => setPowers([[c, { colour: event.target.value }]]));
       element("classes").append(row);
       rows.push(row);
       paintThumbnail(row, layer.values, layer.exposure);
@@ -146,6 +172,18 @@ async function start() {
     }
     select.addEventListener("change", () => compareWith(select.selectedOptions[0].choice ?? null));
   }
+
+  function save(name, blob) {
+    const link = document.createElement("a");
+    link.download = name;
+    link.href = URL.createObjectURL(blob);
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  }
+  const savedName = (ending) => `${set.title.replace(/\.[^.]*$/, "")}-relit.${ending}`;
+  const sceneText = () =>
+    relitScene(set.scene, set.classes, powers.map((power, c) => (ticked[c] ? factorOf(power) : [0, 0, 0])));
+  const isByLight = Boolean(set.scene) && set.classes.every((layer) => layer.lamps);
 
   const toggleCompare = () => compareWith(compared ? null
     : lastCompared ?? { set: other ?? set, what: other ? SAME : BEAUTY });
@@ -191,6 +229,11 @@ async function start() {
   click("showSum", () => show(SUM));
   click("tickAll", () => tick(ticked.map((_, c) => [c, true])));
   click("tickNone", () => tick(ticked.map((_, c) => [c, false])));
+  click("resetPowers", () => setPowers(powers.map((_, c) => [c, UNCHANGED])));
+  click("savePng", () => view.pictures[0].toBlob((blob) => save(savedName("png"), blob)));
+  click("saveScene", () => save(savedName("pbrt"), new Blob([sceneText()], { type: "text/plain" })));
+  element("saveScene").hidden = !isByLight;
+  element("keepExposure").addEventListener("change", sumChanged);
   click("commonExposure", () => setExposure(set.beauty.exposure));
   click("ownExposure", () => setExposure(ownExposure()));
   click("zoomIn", () => view.zoomBy(2));

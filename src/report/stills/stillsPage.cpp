@@ -24,6 +24,7 @@ nlohmann::ordered_json setJson(const Stills& stills) {
                                    {"mean", {layer.mean.r, layer.mean.g, layer.mean.b}},
                                    {"share", layer.share},
                                    {"exposure", layer.exposure}};
+    if (!layer.lamps.empty()) json["lamps"] = layer.lamps;
     // Where the classes add up to the whole picture, the page adds them.
     if (i > 0 || !stills.additive) addPixels(json, stills.layerImage(i));
     layers.push_back(std::move(json));
@@ -34,6 +35,7 @@ nlohmann::ordered_json setJson(const Stills& stills) {
           {"software", metadata("Software")},
           {"additive", stills.additive},
           {"remarks", stills.remarks},
+          {"scene", stills.scene},
           {"layers", std::move(layers)}};
 }
 

@@ -7,6 +7,7 @@
 #include "recurse/core/io/text.h"
 #include "recurse/scene/parameters/spectrum.h"
 #include "scene/directives/sceneParser.h"
+#include "scene/directives/track.h"
 #include "scene/parameters/parameterParser.h"
 
 namespace recurse {
@@ -29,7 +30,24 @@ const std::vector<ParameterSpec>& optionSpecs() {
   return SPECS;
 }
 
+const std::vector<ParameterSpec>& lightScaleSpecs() {
+  static const std::vector<ParameterSpec> SPECS = {
+      spectrumParameter("scale", "1 1 1", SpectrumKind::ILLUMINANT, "factor on red, green and blue")};
+  return SPECS;
+}
+
 namespace sceneFile {
+
+void SceneParser::lightScale(const Token& t) {
+  const SourceLocation where = tokens->peek().location();
+  const ParsedDirective d = takePlugIn(t);
+  Diagnostics found;
+  const Parameters p = bindParameters(d, lightScaleSpecs(), found, false);
+  for (const Diagnostic& one : found.all())
+    one.severity == Severity::ERROR ? log.error(one.location, one.message, one.accepted)
+                                    : log.warning(one.location, one.message, one.accepted);
+  if (!found.hasErrors()) scene.lightScales.push_back({d.type, where, p.spectrum("scale")});
+}
 
 void SceneParser::takeSetting(const Token& directive, ParsedDirective& slot) {
   ParsedDirective d = takePlugIn(directive);

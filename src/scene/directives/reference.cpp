@@ -78,7 +78,8 @@ std::string directiveReference() {
          "with zeros up to a width `\"cloth$n%04d.ply\"`, and with braces before letters, or if the "
          "name has other characters than letters, digits and '_', `\"cloth${n}b.ply\"`. Other texts "
          "after `$` do not change.\n\n" +
-         parameterTable(trackSpecs());
+         parameterTable(trackSpecs()) + "\n`LightScale \"lamp\"` takes:\n\n" +
+         parameterTable(lightScaleSpecs());
 }
 
 std::string plugInReference(const std::vector<const PlugInInfo*>& plugIns) {

@@ -54,6 +54,11 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
       {"Include", "\"file\"", ANYWHERE, "Inserts the text of another file.", &P::doNothing},
       {"Integrator", "\"name\" parameters", BEFORE_WORLD, "The algorithm that computes light.",
        &P::integrator},
+      {"LightScale", "\"lamp\" parameters", ANYWHERE,
+       "Multiplies the light of the lamps of a name, given before or after: the parameter \"name\" of a "
+       "light "
+       "or of its shape, or the number that `recurse stills --by light` shows, such as \"light-3\".",
+       &P::lightScale},
       {"LightSource", "\"name\" parameters", IN_WORLD, "A light without a surface.", &P::lightSource},
       {"LookAt", "eye.xyz target.xyz up.xyz", ANYWHERE,
        "Transform of a camera at a point that looks at another point.", &P::lookAt},

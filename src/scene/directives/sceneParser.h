@@ -116,6 +116,7 @@ class SceneParser {
   void camera(const Token&);
   void colorSpace(const Token&);
   void option(const Token&);
+  void lightScale(const Token&);
   void worldBegin(const Token&);
 
   // track.cpp

@@ -36,5 +36,7 @@ class Track {
 
 /** Parameters of an Animate directive. */
 const std::vector<ParameterSpec>& trackSpecs();
+/** Parameters of a LightScale directive. */
+const std::vector<ParameterSpec>& lightScaleSpecs();
 
 } // namespace recurse

@@ -17,23 +17,26 @@ float bsdfRayWeight(int lightSamples, float lightPdf, float pdf, const SpectralP
 }
 
 /** Traces a shadow ray from a vertex to the light, through media, thin panes and surfaces that are hidden or
- * do not scatter. Returns the number of panes; the transmittance is black if the light is occluded. */
-int transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, Nesting nesting,
-                         const LiSample& light, int hero, int maxPanes, Sampler& sampler,
-                         SpectralTransmittance& sum, TransportCounts& counts) {
+ * do not scatter. Calls passed(const Hit&) for each pane; the transmittance is black if the light is
+ * occluded.
+ */
+template <class Passed>
+void transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, Nesting nesting,
+                          const LiSample& light, int hero, int maxPanes, Sampler& sampler,
+                          SpectralTransmittance& sum, TransportCounts& counts, const Passed& passed) {
   Ray ray = shadowRay(from.point, light);
-  if (ray.direction == Vec3f(0)) return 0;
+  if (ray.direction == Vec3f(0)) return;
   const bool panes = maxPanes > 0 && hasPanes(scene);
   ++counts.rays;
   if (scene.occluded(ray) && !panes && scene.nestedIndices().empty()) {
     sum.value = BLACK;
-    return 0;
+    return;
   }
   nesting.scatters(from, wi, light.direction);
   constexpr float MIN_REST = 1 - 16 * std::numeric_limits<float>::epsilon(); // as in shadowRay()
   BsdfArena arena;
   Hit hit;
-  for (int passed = 0;;) {
+  for (int count = 0;;) {
     const bool isHit = intersect(scene, ray, hit, counts);
     if (isHit) nesting.approach(hit, light.direction);
     if (const Medium* medium = scene.medium(nesting.medium(scene))) {
@@ -42,21 +45,22 @@ int transmittanceToLight(const Scene& scene, const Hit& from, const Vec3f& wi, N
       unit.direction = light.direction;
       trackTransmittance(*medium, unit, (isHit ? hit.t : ray.tMax) * length, hero, sampler, sum);
     }
-    if (isBlack(sum.value) || !isHit) return passed;
+    if (isBlack(sum.value) || !isHit) return;
     arena.reset();
     if (const Bsdf* bsdf = bsdfAt(scene, hit, light.direction, Footprint(), nesting, arena)) {
-      if (passed++ < maxPanes)
+      if (count++ < maxPanes)
         sum.value *= paneTransmittance(ScatteringPoint(*bsdf, hit.point), -light.direction);
       else
         sum.value = BLACK;
-      if (isBlack(sum.value)) return passed;
+      if (isBlack(sum.value)) return;
+      passed(hit);
     }
     nesting.enterMedium(hit, light.direction);
     // Keeps the direction: if aimed at the target again, a ray could turn back to a surface that it grazes.
     ray.origin = originBehind(ray, hit);
     if (light.distance < INFINITE)
       ray.tMax = MIN_REST * glm::dot(light.target - ray.origin, ray.direction) / lengthSquared(ray.direction);
-    if (!(ray.tMax > 0)) return passed;
+    if (!(ray.tMax > 0)) return;
   }
 }
 
@@ -78,19 +82,22 @@ void addSampledLightInMedia(const Scene& scene, const LightSampler& lightSampler
     const SampledLight choice(scene.lights(), lightSampler, context, sampler);
     const std::optional<LiSample> light = choice.sampleLi(vertex.hit.point);
     if (!light || !(light->pdf > 0)) continue;
-    addLightInMedia(scene, vertex, *light,
+    addLightInMedia(scene, vertex, *light, choice.chosen.index,
                     choice.chosen.probability * light->pdf * static_cast<float>(samples), maxPanes, sampler,
                     out);
   }
 }
 
-void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, float pdf,
-                     int maxPanes, Sampler& sampler, PathRadiance& out) {
+void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, uint32_t index,
+                     float pdf, int maxPanes, Sampler& sampler, PathRadiance& out) {
   const Rgb f = vertex.value(light.direction);
   if (isBlack(f)) return;
   SpectralTransmittance through;
-  const int panes = transmittanceToLight(scene, vertex.hit, vertex.wi, vertex.nesting, light, vertex.hero,
-                                         maxPanes, sampler, through, out.counts);
+  const PathClasses& classes = out.pathClasses();
+  CameraState state = vertex.state;
+  transmittanceToLight(scene, vertex.hit, vertex.wi, vertex.nesting, light, vertex.hero, maxPanes, sampler,
+                       through, out.counts,
+                       [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); });
   if (isBlack(through.value)) return;
   Rgb density = through.lightPdf * pdf;
   const float bsdfPdf = !light.delta && vertex.hasBsdfRay ? vertex.pdf(light.direction) : 0;
@@ -99,7 +106,7 @@ void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample
     recordLightSample(*out.recorder, out.recorder->source.vertex, light, pdf, bsdfPdf,
                       recorded::weightOf(through.lightPdf * pdf, density));
   density *= vertex.path.pathPdf;
-  out.add(afterPanes(out.pathClasses(), panes), vertex.state,
+  out.add(classes.lightStart(index), state,
           vertex.path.throughput * f * light.radiance * through.value *
               (3 / (density.r + density.g + density.b)),
           vertex.scattering
@@ -112,7 +119,8 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
                      const Vec3f& wi, const Rgb& throughput, CameraState cameraState, int samples,
                      LobeSet allowed, int maxPanes, Sampler& sampler, PathRadiance& out,
                      const OpticalPath& optical) {
-  if (!lightIsSampled(scene, out.pathClasses(), cameraState)) return;
+  const PathClasses& classes = out.pathClasses();
+  if (!lightIsSampled(scene, classes, cameraState)) return;
   for (int i = 0; i < samples && !out.abandoned(); ++i) {
     const SampledLight choice(scene.lights(), lightSampler, context, sampler);
     const std::optional<LiSample> light = choice.sampleLi(hit.point);
@@ -121,18 +129,20 @@ void addSampledLight(const Scene& scene, const LightSampler& lightSampler, const
         unshadowedRadiance(scattering, wi, throughput, *light, choice.chosen.probability, samples, allowed);
     if (isBlack(radiance)) continue;
     Transmittance free;
+    CameraState state = cameraState;
+    const auto passPane = [&](const Hit& pane) { state = stepThroughPane(classes, state, pane); };
     if (scene.hasMedia()) {
       SpectralTransmittance through;
-      free.panes = transmittanceToLight(scene, hit, wi, nesting, *light, NO_HERO, maxPanes, sampler, through,
-                                        out.counts);
+      transmittanceToLight(scene, hit, wi, nesting, *light, NO_HERO, maxPanes, sampler, through, out.counts,
+                           passPane);
       free.value = through.value;
     } else {
-      free = transmittance(scene, hit, wi, *light, nesting, maxPanes, out.counts);
+      free = transmittance(scene, hit, wi, *light, nesting, maxPanes, out.counts, passPane);
     }
     if (isBlack(free.value)) continue;
     if (out.recorder)
       recordSample(*out.recorder, scattering, wi, *light, choice.chosen.probability, samples, allowed);
-    out.add(afterPanes(out.pathClasses(), free.panes), cameraState, radiance * free.value,
+    out.add(classes.lightStart(choice.chosen.index), state, radiance * free.value,
             lengthToLight(scene, optical, scattering, wi, hit.point, *light));
   }
 }

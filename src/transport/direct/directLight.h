@@ -24,23 +24,10 @@ inline LightSampleContext lightSampleContext(const LightSampler& lightSampler, c
   return lightSampler.at(point.position, point.normalTowards(wi));
 }
 
-/** State of a light subpath after this number of thin panes. */
-inline LightState afterPanes(const PathClasses& classes, int panes) {
-  LightState state = classes.lightStart();
-  for (; panes > 0; --panes) state = classes.step(state, PathEvent::S);
-  return state;
-}
-
 /** Whether the scene has lights to sample, and some path class contains paths from them to a vertex with
  * `cameraState`, the state after its D event. */
 inline bool lightIsSampled(const Scene& scene, const PathClasses& classes, CameraState cameraState) {
-  if (scene.lights().size() == 0) return false;
-  // More panes than there are states lead to no new state.
-  const int panes = hasPanes(scene) ? static_cast<int>(classes.lightStateCount()) : 0;
-  LightState state = classes.lightStart();
-  for (int i = 0; i <= panes; ++i, state = classes.step(state, PathEvent::S))
-    if (classes.join(state, cameraState) != 0) return true;
-  return false;
+  return scene.lights().size() > 0 && classes.isLit(cameraState, hasPanes(scene));
 }
 
 /** Random numbers of one shadow ray, and the light that they select. */
@@ -139,10 +126,10 @@ struct LitVertex {
   }
 };
 
-/** Adds the light of one sample, through media and at most `maxPanes` thin panes. `pdf`: density of all
- * samples together, including the choice of the light. */
-void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, float pdf,
-                     int maxPanes, Sampler& sampler, PathRadiance& out);
+/** Adds the light of one sample of light number `index`, through media and at most `maxPanes` thin panes.
+ * `pdf`: density of all samples together, including the choice of the light. */
+void addLightInMedia(const Scene& scene, const LitVertex& vertex, const LiSample& light, uint32_t index,
+                     float pdf, int maxPanes, Sampler& sampler, PathRadiance& out);
 
 /** Variant of addSampledLight() for scenes with media, for a walk that continues by the BSDF or the phase
  * function and weights the lights it hits by emittedRadiance() and environmentRadiance(). */

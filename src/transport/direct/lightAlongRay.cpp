@@ -62,7 +62,7 @@ std::optional<LightAlongRay> sampleLightAlong(const Scene& scene, const LightSam
     sum += weight;
     const float chance = weight / sum;
     if (pick < chance) {
-      kept = {t, *light, 0};
+      kept = {t, *light, choice.chosen.index, 0};
       keptWorth = worth;
       pick /= chance;
     } else {

@@ -76,6 +76,7 @@ struct RaysToLights {
 struct LightAlongRay {
   float t = 0;             ///< distance along the ray
   LiSample light;          ///< light sample at that distance
+  uint32_t index = 0;      ///< number of the light
   float reciprocalPdf = 0; ///< RIS estimate of 1/pdf of distance, lamp and direction [length·sr]
 };
 

@@ -11,6 +11,25 @@ namespace {
 
 constexpr int SHADOW_RAYS = 1; ///< number of shadow rays at each vertex
 
+/** Adds the weighted emission of a surface, or of the environment lights if `hit` is null, at the end of a
+ * camera path in `state`. */
+void addEmitted(const Scene& scene, const LightSampler& lights, const Hit* hit, const CameraSubpath& path,
+                const BsdfRay& ray, int lightSamples, CameraState state, const Rgb& throughput,
+                PathRadiance& out) {
+  const PathClasses& classes = out.pathClasses();
+  const Vec3f& direction = path.ray.direction;
+  if (hit) {
+    out.add(classes.lightStart(hit->lightIndex), state,
+            throughput * emittedRadiance(scene, lights, *hit, direction, ray, lightSamples),
+            path.optical.length);
+    return;
+  }
+  const float length = path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
+  for (size_t i = 0; i < scene.environment().size(); ++i)
+    out.add(classes.lightStart(scene.environmentIndices()[i]), state,
+            throughput * environmentRadiance(scene, lights, i, direction, ray, lightSamples), length);
+}
+
 /** Adds the emission that a BSDF-sampled ray finds before its next scattering event. */
 void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampleContext& place,
                 const CameraVertex& vertex, const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
@@ -26,9 +45,8 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   CameraWalker walker(scene, classes, out.counts, -1);
   CameraVertex next;
   walker.next(path, next, sampler, [&](const Hit* hit) {
-    const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, s->direction, ray, SHADOW_RAYS)
-                             : environmentRadiance(scene, lights, s->direction, ray, SHADOW_RAYS);
-    out.add(classes.lightStart(), vertex.afterD, vertex.throughput * s->weight * radiance);
+    addEmitted(scene, lights, hit, path, ray, SHADOW_RAYS, vertex.afterD,
+               vertex.throughput * s->weight, out);
   });
 }
 
@@ -37,9 +55,7 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
 void addDirectLight(const Scene& scene, const LightSampler& lights, const CameraVertex& vertex,
                     const Nesting& nesting, Sampler& sampler, PathRadiance& out) {
   const PathClasses& classes = out.pathClasses();
-  if (!vertex.isConnectable() || scene.lights().size() == 0 ||
-      classes.join(classes.lightStart(), vertex.afterD) == 0)
-    return;
+  if (!vertex.isConnectable() || scene.lights().size() == 0 || !classes.isLit(vertex.afterD, false)) return;
   const LightSampleContext place = lightSampleContext(lights, vertex.point(), vertex.wi);
   addSampledLight(scene, lights, place, *vertex.scattering, vertex.hit, nesting, vertex.wi, vertex.throughput,
                   vertex.afterD, SHADOW_RAYS, NON_DELTA_LOBES, NO_PANES, sampler, out);
@@ -49,12 +65,7 @@ void addDirectLight(const Scene& scene, const LightSampler& lights, const Camera
 
 void addSeenEmission(const Scene& scene, const LightSampler& lights, const CameraSubpath& path,
                      const Hit* hit, PathRadiance& out) {
-  const Vec3f& direction = path.ray.direction;
-  const Rgb radiance = hit ? emittedRadiance(scene, lights, *hit, direction, {}, 1)
-                           : environmentRadiance(scene, lights, direction, {}, 1);
-  const float length =
-      hit ? path.optical.length : path.optical.at(lengthFromInfinity(scene, path.ray.origin, direction));
-  out.add(out.pathClasses().lightStart(), path.state, path.throughput * radiance, length);
+  addEmitted(scene, lights, hit, path, {}, 1, path.state, path.throughput, out);
 }
 
 } // namespace recurse

@@ -210,6 +210,7 @@ EmissiveMedia::Sample EmissiveMedia::sample(const Scene& scene, float time, floa
     const Vec3f corner(float(cell % CELLS), float(cell / CELLS % CELLS), float(cell / CELLS / CELLS));
     sample.position = pointOf(source->probed, (corner + place) / float(CELLS));
   }
+  sample.medium = source->medium;
   sample.power = emissionAt(scene, source->medium, sample.position, time, sample.nesting, counts);
   double density = double(EVEN_PART) / volumeOf(source->whole);
   const Vec3f cell = (sample.position - source->probed.lower) / source->probed.diagonal() * float(CELLS);

@@ -89,7 +89,8 @@ std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasse
   float pick = n[0];
   const size_t index = scene.lights().chooseIndex(pick);
   const float probability = scene.lights().probability(index);
-  if (!(probability > 0) || classes.dead(classes.lightStart())) return {};
+  const LightState state = classes.lightStart(index);
+  if (!(probability > 0) || classes.dead(state)) return {};
   const Light& light = scene.lights()[index];
   const std::optional<LeSample> emission = light.sampleLe({n[1], {n[2], n[3]}, {n[4], n[5]}, time});
   if (!emission || isBlack(emission->flux)) return {};
@@ -106,7 +107,7 @@ std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasse
   path.ray = {emission->origin, emission->direction, INFINITE, time};
   path.from = emission->origin;
   path.throughput = emission->flux / (probability * guided);
-  path.state = classes.lightStart();
+  path.state = state;
   path.nesting = nestingAt(scene, path.ray, counts);
   path.optical = opticalStart(scene, path.ray, path.nesting, end.isInfinite());
   path.parallel = end.isInfinite();

@@ -51,11 +51,13 @@ class PhotonStart {
   std::optional<PhotonState> fromMedium(const EmissionGuide::TrainingSample& start, float time,
                                         Sampler& sampler) {
     const auto& n = start.numbers;
-    auto [position, nesting, power] = settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
+    auto [position, nesting, power, medium] =
+        settings.media->sample(scene, time, n[0], {n[1], n[2], n[3]}, counts);
     const Rgb flux = power * (start.weight / mediaPart / static_cast<float>(settings.photons));
-    if (!isUseful(flux)) return {};
+    const LightState state = startInMedium(scene, classes, medium);
+    if (!isUseful(flux, state)) return {};
     const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
-    PhotonState photon{ray, flux, classes.lightStart(), nesting, {}};
+    PhotonState photon{ray, flux, state, nesting, {}};
     photon.optical = opticalStart(scene, ray, nesting, false);
     photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     return photon;
@@ -86,11 +88,12 @@ class PhotonStart {
     origin = {source.kind(), pdf, emission->origin, static_cast<uint32_t>(index), probability};
     Rgb flux = emission->flux / (probability * (1 - mediaPart) * static_cast<float>(settings.photons));
     if (source.isInfinite()) flux *= settings.outsideTransmittance;
-    if (!isUseful(flux)) return {};
+    const LightState state = classes.lightStart(index);
+    if (!isUseful(flux, state)) return {};
     const Ray ray{emission->origin, emission->direction, INFINITE, time};
     const ReverseRatio ratio =
         source.isIntersectable() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
-    PhotonState photon{ray, flux * start.weight, classes.lightStart(), nestingAt(scene, ray, counts), ratio};
+    PhotonState photon{ray, flux * start.weight, state, nestingAt(scene, ray, counts), ratio};
     photon.optical = opticalStart(scene, ray, photon.nesting, source.isInfinite());
     if (scene.hasMedia()) {
       const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
@@ -120,13 +123,13 @@ class PhotonStart {
     return static_cast<float>(std::clamp(byMedia / (byMedia + byLights), 1 - MAX_PART, MAX_PART));
   }
 
-  /** Whether a photon with this initial flux is followed. Counts fluxes that are not finite. */
-  bool isUseful(const Rgb& flux) {
+  /** Whether a photon with this initial flux and state is followed. Counts fluxes that are not finite. */
+  bool isUseful(const Rgb& flux, LightState state) {
     if (!recurse::isFinite(flux)) {
       ++counts.nonFinite;
       return false;
     }
-    return !isBlack(flux) && !classes.dead(classes.lightStart());
+    return !isBlack(flux) && !classes.dead(state);
   }
 
   const Scene& scene;

@@ -172,8 +172,10 @@ class PhotonWalk {
 
   Arrival arrive(PhotonState& photon, const Hit& hit, const Bsdf& bsdf) const {
     photon.ratio.arrive(photon.ray.direction, hit.point);
+    const SurfaceKind kind = surfaceKind(classes, hit);
     Arrival at{hit, ScatteringPoint(bsdf, hit.point), -photon.ray.direction,
-               classes.step(photon.state, PathEvent::D), classes.step(photon.state, PathEvent::S)};
+               classes.step(photon.state, PathEvent::D, kind),
+               classes.step(photon.state, PathEvent::S, kind)};
     const bool endsHere = classes.dead(at.afterD) || settings.causticsOnly;
     at.allowed =
         LobeSet((endsHere ? NO_LOBE : NON_DELTA_LOBES) | (classes.dead(at.afterS) ? NO_LOBE : DELTA_LOBES));

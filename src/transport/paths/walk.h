@@ -178,12 +178,28 @@ inline int panesLeft(int maxDepth, int depth) {
 
 /** Callback for callers that need no information on the panes a shadow ray passed. */
 struct IgnorePane {
-  void operator()(const SurfacePoint&) const {}
+  void operator()(const Hit&) const {}
 };
+
+/** Kind of the surface of a hit in the path classes. */
+inline SurfaceKind surfaceKind(const PathClasses& classes, const Hit& hit) {
+  if (!classes.distinguishesSurfaces()) return SurfaceKind();
+  return classes.surfaceKind(hit.object, hit.material ? hit.material->number : 0);
+}
+
+/** State of a camera path that a shadow ray continues through a pane. */
+inline CameraState stepThroughPane(const PathClasses& classes, CameraState state, const Hit& pane) {
+  return classes.step(state, PathEvent::S, surfaceKind(classes, pane));
+}
+
+/** State of light that a medium emits. */
+inline LightState startInMedium(const Scene& scene, const PathClasses& classes, uint16_t medium) {
+  return classes.lightStart(scene.lights().size() + medium - 1);
+}
 
 /** Transmittance along an occluded shadow ray: up to `maxPanes` thin panes, and the surfaces hidden by nested
  * dielectrics, transmit light. `nesting` is the state of the walk that arrived at the point from `wi`. Calls
- * passed(const SurfacePoint&) for each pane on the ray. */
+ * passed(const Hit&) for each pane on the ray. */
 template <class Passed = IgnorePane>
 Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const Vec3f& wi,
                            const LiSample& light, Nesting nesting, int maxPanes, TransportCounts& counts,
@@ -202,7 +218,7 @@ Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const V
       if (!bsdf) return {};
       sum.value *= paneTransmittance(ScatteringPoint(*bsdf, hit.point), -light.direction);
       if (isBlack(sum.value)) return {};
-      passed(hit.point);
+      passed(hit);
     }
     ray = shadowRay(hit.point, light);
     if (ray.direction == Vec3f(0)) break;
@@ -211,7 +227,7 @@ Transmittance throughPanes(const Scene& scene, Ray ray, const Hit& from, const V
 }
 
 /** Transmittance from the light to the point, at which a walk arrived from `wi`. Calls passed(const
- * SurfacePoint&) for each pane on the ray. */
+ * Hit&) for each pane on the ray. */
 template <class Passed = IgnorePane>
 Transmittance transmittance(const Scene& scene, const Hit& from, const Vec3f& wi, const LiSample& light,
                             const Nesting& nesting, int maxPanes, TransportCounts& counts,

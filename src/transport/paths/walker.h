@@ -190,8 +190,9 @@ template <class State> class Walker {
     vertex.wi = -path.ray.direction;
     vertex.throughput = path.throughput;
     vertex.state = path.state;
-    vertex.afterD = classes.step(path.state, PathEvent::D);
-    vertex.afterS = classes.step(path.state, PathEvent::S);
+    const SurfaceKind kind = surfaceKind(classes, vertex.hit);
+    vertex.afterD = classes.step(path.state, PathEvent::D, kind);
+    vertex.afterS = classes.step(path.state, PathEvent::S, kind);
     vertex.allowed = LobeSet((classes.dead(vertex.afterD) ? NO_LOBE : NON_DELTA_LOBES) |
                              (classes.dead(vertex.afterS) ? NO_LOBE : DELTA_LOBES));
     vertex.depth = path.depth;

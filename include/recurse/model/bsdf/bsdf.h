@@ -157,8 +157,9 @@ class Material {
   /** Medium inside of shapes of the material, as a directive describes it; null: the medium of their
    * MediumInterface. */
   std::unique_ptr<const ParsedDirective> filling;
-  int nesting = -1; ///< index among the scene's solids with priority, highest priority first; -1: no
-                    ///< priority. Solids of equal priority, refractive index and medium share one index
+  uint32_t number = 0; ///< index in Scene::materialLabels()
+  int nesting = -1;    ///< index among the scene's solids with priority, highest priority first; -1: no
+                       ///< priority. Solids of equal priority, refractive index and medium share one index
 };
 
 /** Arguments of makers of materials besides parameters. */

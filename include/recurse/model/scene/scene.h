@@ -52,6 +52,9 @@ class ObjectNames {
   uint32_t add(const std::string& name);
   /** Name of an object, with a number where several have the same, `tree.2`. Stable for the same scene. */
   std::string operator[](uint32_t object) const;
+  /** The name without a number. */
+  const std::string& common(uint32_t object) const { return names[objects[object].name]; }
+  uint32_t size() const { return uint32_t(objects.size()); }
 
  private:
   struct Object {
@@ -61,6 +64,14 @@ class ObjectNames {
   std::vector<std::string> names;
   std::vector<uint32_t> copies; ///< number of objects for each of names
   std::vector<Object> objects;
+};
+
+/** Lamp: the lights that one directive makes, such as those of all instances of an emitting shape. */
+struct Lamp {
+  std::string name;      ///< of the light's directive, else of its shape, else `light-N`
+  std::string shapeName; ///< of an emitting shape
+  std::string kind;
+  SourceLocation location;
 };
 
 /** Light chosen from the table. */
@@ -134,6 +145,15 @@ class Scene {
   const SceneContents& contents() const { return sceneContents; }
   /** Name of the object of a hit. */
   std::string objectName(uint32_t object) const { return objectNames[object]; }
+  const ObjectNames& objects() const { return objectNames; }
+  /** Lamps in the order of the light table. */
+  const std::vector<Lamp>& lamps() const { return sceneLamps; }
+  /** Index of the lamp of a light of the table. */
+  uint32_t lampOf(size_t light) const { return lampsOfLights[light]; }
+  /** Names that the file gives to materials, by Material::number; empty for a material without. */
+  const std::vector<std::string>& materialLabels() const { return labelsOfMaterials; }
+  /** Names of media, by their index less one; empty for the filling of a material. */
+  const std::vector<std::string>& mediumNames() const { return namesOfMedia; }
   /** Name of a material in the file, or its kind with a number; empty for one without a name. */
   std::string materialName(const Material* material) const;
   /** Maximum number of dielectrics with priority in a scene, equal ones counted once. */
@@ -179,6 +199,9 @@ class Scene {
   SceneContents sceneContents;
   ObjectNames objectNames;
   std::map<const Material*, std::string> materialNames;
+  std::vector<Lamp> sceneLamps;
+  std::vector<uint32_t> lampsOfLights;
+  std::vector<std::string> labelsOfMaterials, namesOfMedia;
   std::vector<float> nestedDielectrics;
   std::vector<std::shared_ptr<Medium>> sceneMedia;
   std::vector<uint16_t> nestedMedia;   ///< one for each of nestedDielectrics, if there are media

@@ -10,6 +10,7 @@
 #include "recurse/core/image/image.h"
 #include "recurse/model/film/film.h"
 #include "recurse/pathclasses/pathClasses.h"
+#include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse {
 
@@ -25,8 +26,19 @@ struct StillsPlan {
 };
 
 /** Plans the classes. Throws Error (BAD_USAGE) for names that are invalid for layers and files, for
- * expressions that do not compile, and for too many classes. */
-StillsPlan planStills(const std::vector<PathClass>& asked);
+ * expressions that do not compile, and for too many classes. `names`: of the scene; null: any name is
+ * allowed. */
+StillsPlan planStills(const std::vector<PathClass>& asked, const PathNames* names = nullptr);
+
+/** Classes by light: the paths from each lamp, or with classes those of each class from each lamp. The lamps
+ * of least power share the layer `other-lights` where there would be too many. Throws Error (BAD_USAGE) for a
+ * scene without lamps. */
+std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
+                                      const std::vector<PathClass>& classes = {});
+
+struct Stills;
+/** Sets the lamps of layers that are classesByLight(lamps). */
+void noteLamps(Stills& stills, const std::vector<LampGroup>& lamps);
 
 /** One layer of the stills. */
 struct StillLayer {
@@ -34,6 +46,7 @@ struct StillLayer {
   Rgb mean{0};        ///< over the picture
   double share = 0;   ///< fraction of the whole picture's mean luminance
   float exposure = 0; ///< of this layer [stops]: shows the 98th percentile of its luminance as 0.9
+  std::vector<std::string> lamps{}; ///< names of the lamps whose light it is, in stills by light alone
 };
 
 /** Display value to which automaticExposure() maps the 98th percentile of the luminance. */
@@ -46,6 +59,7 @@ struct Stills {
   bool additive = false;          ///< the classes add up to the picture
   std::vector<std::string> remarks;
   std::string title, label; ///< scene, and settings of the render: for headings
+  std::string scene;        ///< file of the scene, without its folder; empty if unknown
 
   /** Layer as a separate picture. */
   Image layerImage(size_t layer) const;

@@ -62,6 +62,13 @@ struct TextureDescription {
   Mat4d worldFromTexture{1};
 };
 
+/** LightScale directive. */
+struct LightScaleDescription {
+  std::string lamp;
+  SourceLocation location;
+  Rgbd scale{1};
+};
+
 /** Description of an Animate directive. */
 struct TrackDescription {
   std::string name;
@@ -90,6 +97,7 @@ struct SceneDescription {
   std::map<std::string, ObjectDescription> objects;
   std::vector<InstanceDescription> instances;
   std::vector<LightDescription> lights;
+  std::vector<LightScaleDescription> lightScales;
   std::vector<std::string> importNotes;   ///< features that importers imported or skipped
   std::vector<std::string> importedFiles; ///< paths of all files that importers read
 };

@@ -154,9 +154,9 @@ class PathRadiance {
       layers[classes.layerOfLength(length)] += radiance;
   }
   /** Adds radiance of LS*E paths: light seen by the camera without non-delta scattering. */
-  void addSeen(CameraState eye, const Rgb& radiance, float length = 0) {
-    add(classes.lightStart(), eye, radiance, length);
-    if (classes.join(classes.lightStart(), eye) != 0 && isFinite(radiance)) seen += radiance;
+  void addSeen(LightState light, CameraState eye, const Rgb& radiance, float length = 0) {
+    add(light, eye, radiance, length);
+    if (classes.join(light, eye) != 0 && isFinite(radiance)) seen += radiance;
   }
   const Rgb* values() const { return layers.data(); }
   /** Sum of all radiance in at least one layer, counted once. */

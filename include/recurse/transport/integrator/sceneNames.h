@@ -1,0 +1,33 @@
+/** @file
+ * Names of a scene's lamps and surfaces for path expressions.
+ */
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recurse/model/scene/scene.h"
+#include "recurse/pathclasses/pathClasses.h"
+
+namespace recurse {
+
+/** Names for path classes: lights by their number in the light table, then media by their index less one;
+ * objects by Hit::object; materials by Material::number. A lamp without a name is called `light-N` by its
+ * number, an emissive medium without a name `medium-N`. */
+PathNames pathNames(const Scene& scene);
+
+/** Path classes whose expressions may name lamps and surfaces of the scene. */
+PathClasses sceneClasses(std::vector<PathClass> classes, const Scene& scene);
+
+/** Light sources of one name. */
+struct LampGroup {
+  std::string name;  ///< in path expressions
+  std::string place; ///< kind and place in the file, such as `point, scene.pbrt:12`
+  double power = 0;  ///< sum over its lights [W], in the strongest channel; unknown for media
+  bool isMedium = false;
+};
+
+/** All light sources by their names, in the order of the scene: lamps, then emissive media. */
+std::vector<LampGroup> lampGroups(const Scene& scene);
+
+} // namespace recurse
