@@ -281,6 +281,33 @@ TEST(LightGroups, WeakestOfManyLampsShareALayer) {
   EXPECT_NO_THROW(PathClasses(plan.classes, names));
 }
 
+TEST(LightGroups, EqualLampsAndManyMediaGetLayersToo) {
+  std::vector<LampGroup> bulbs, media;
+  for (int i = 0; i < 100; ++i) {
+    bulbs.push_back({"bulb" + std::to_string(i), "", 1});
+    media.push_back({"fire" + std::to_string(i), "", 0, true});
+  }
+  for (const std::vector<LampGroup>& lamps : {bulbs, media}) {
+    const std::vector<PathClass> classes = classesByLight(lamps);
+    EXPECT_LE(classes.size(), 62u);
+    EXPECT_GE(classes.size(), 60u);
+    EXPECT_EQ(classes.front().name, lamps.front().name);
+    EXPECT_EQ(classes.back().name, "other-lights");
+  }
+}
+
+TEST(LightGroups, NameOfALampGoesBeforeThatOfItsShape) {
+  const auto scene = sceneFrom(R"(
+Camera "perspective" WorldBegin
+LightSource "point" "string name" "bulb"
+AreaLightSource "diffuse" "string name" "key"
+Shape "sphere" "string name" "bulb")");
+  const PathNames names = pathNames(*scene);
+  ASSERT_EQ(names.lights.size(), 2u);
+  for (const PathNames::List& light : names.lights) EXPECT_EQ(light.size(), 1u);
+  EXPECT_EQ(lampGroups(*scene).size(), 2u);
+}
+
 /** One shadow ray of three ways to the lamp through the pane, photons, connections and merges. */
 TEST(LightGroups, LayersByLightAddUpToThePicture) {
   const ThreadPool pool;

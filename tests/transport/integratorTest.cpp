@@ -200,6 +200,44 @@ TEST(Gather, UniformIrradianceIsEstimatedWithoutBias) {
     }
 }
 
+TEST(Gather, EstimateTakenByChanceCountsMore) {
+  const auto scene = sceneFrom(floorUnder(""));
+  Hit hit;
+  ASSERT_TRUE(scene->intersect({Vec3f(0, 0, 1), Vec3f(0, 0, -1), INFINITE}, hit));
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> coordinate(-.5f, .5f);
+  std::vector<Photon> photons(20000);
+  for (Photon& p : photons) {
+    p.position = {coordinate(random), coordinate(random), 0};
+    p.normal = packDirection({0, 0, 1});
+    p.direction = packDirection(glm::normalize(Vec3f(.2f, .3f, 1)));
+    p.power = Rgb(1.0f / 20000);
+    p.reverseRatio = .05f;
+  }
+  PhotonMap map;
+  map.build(photons);
+  const PathClasses all;
+  BsdfArena arena;
+  const ScatteringPoint scattering(*hit.material->bsdfAt(hit.point, arena), hit.point);
+  GatherSettings settings;
+  settings.radius = .2f;
+  settings.weighedAgainstRays = true;
+  settings.merging = 1;
+  const auto gathered = [&](float chance) {
+    settings.chance = chance;
+    TransportCounts counts;
+    PathRadiance out(all, counts);
+    const GatherResult result = gather(map, settings, scattering, hit.point, {0, 0, 1}, 0, Rgb(1),
+                                       all.step(all.cameraStart(), PathEvent::D), out);
+    // The ray that goes on has the weight that it has where no estimate is taken.
+    EXPECT_EQ(result.merging, mergingUnseen(settings, 0));
+    return out.total().r;
+  };
+  const float always = gathered(1);
+  EXPECT_GT(always, 0);
+  EXPECT_NEAR(gathered(.25f) / always, 4, 1e-5);
+}
+
 TEST(Integrators, AgreeOnGlassAndMirror) {
   const auto scene = sceneFrom(glassAndMirrorBox(32));
   const Rendered truth = renderScene(*scene, "path", "", samples(1024));

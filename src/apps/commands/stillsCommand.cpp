@@ -1,10 +1,12 @@
 /** @file
  * `recurse stills`: one render with a picture for each class of paths.
  */
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 
 #include "apps/commands/commands.h"
+#include "apps/load/modelScene.h"
 #include "apps/options/optionText.h"
 #include "apps/options/renderOptions.h"
 #include "apps/run/outputFiles.h"
@@ -37,13 +39,15 @@ std::vector<PathClass> askedClasses(const StillsOptions& o) {
 
 /** Plan of the classes, divided by light where --by asks for this. */
 StillsPlan planOf(const StillsOptions& o, std::vector<PathClass> classes, const Scene& scene) {
-  const PathNames names = pathNames(scene);
   if (classes.empty() && o.by != "light") return planStills(defaultStillClasses(scene.hasMedia()));
+  const PathNames names = pathNames(scene);
   if (o.by != "light") return planStills(classes, &names);
   const std::vector<LampGroup> lamps = lampGroups(scene);
   if (!classes.empty()) classes = planStills(classes, &names).classes;
   StillsPlan plan = planStills(classesByLight(lamps, classes), &names);
-  for (const LampGroup& lamp : lamps) plan.remarks.push_back(lamp.name + " is " + lamp.place);
+  constexpr size_t MOST_REMARKS = 62; // as many as there are layers
+  for (size_t i = 0; i < std::min(lamps.size(), MOST_REMARKS); ++i)
+    plan.remarks.push_back(lamps[i].name + " is " + lamps[i].place);
   return plan;
 }
 
@@ -92,7 +96,8 @@ ExitStatus renderStills(const StillsOptions& o) {
   const RenderReport report = result.report("recurse stills", classOptions);
   Stills stills = makeStills(result.film, stillsPlan, loaded.scene->film().imagingRatio);
   stills.image.metadata = metadataOf(report);
-  stills.title = stills.scene = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  stills.title = o.render.scene.substr(o.render.scene.find_last_of('/') + 1);
+  if (!isModelFile(o.render.scene)) stills.scene = stills.title;
   if (o.by == "light" && asked.empty()) noteLamps(stills, lampGroups(*loaded.scene));
   stills.label = loaded.integratorDirective.type + ", " + formatted("%.4g", report.samplesPerPixel()) +
                  " samples per pixel";

@@ -163,7 +163,7 @@ class Auto final : public Integrator {
         arePathsBetter ? rival : "photonmap", ratio, rival));
     if (!arePathsBetter) return;
     if (withCaustics) {
-      paths = makeCausticPaths(settings, &lights, &mapper->photonPass());
+      paths = makeCausticPaths(settings, &lights);
       paths->prepare(scene, classes);
       statistics.counts.add(paths->forward(scene, classes, pass, control).counts);
     }

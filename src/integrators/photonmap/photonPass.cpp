@@ -129,7 +129,6 @@ ForwardStatistics PhotonPass::run(const Scene& scene, const PathClasses& classes
 void PhotonPass::learnFrom(const PhotonPass& other) {
   causticLayer.choice = other.causticLayer.choice;
   causticLayer.radii = other.causticLayer.radii;
-  indirectLayer.radii = other.indirectLayer.radii;
   causticChances = other.causticChances;
   portals = other.portals;
   aim = other.aim;
@@ -240,7 +239,6 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
   for (PhotonLayer* layer : {&indirectLayer, &causticLayer}) {
     ForwardStatistics discarded;
     const bool isCaustic = layer == &causticLayer;
-    if (settings.causticsOnly && !isCaustic) continue; // keeps what learnFrom() took over
     // With photons of direct light the layer also contains shadows.
     const LightDetail detail = isCaustic && !settings.directLight ? LightDetail::FINE : LightDetail::SMOOTH;
     layer->choice = chooseGather(scene, layer->map, seen, requested, progressive, settings.directLight,
@@ -259,18 +257,16 @@ void PhotonPass::learnRadii(const Scene& scene, const PathClasses& classes, cons
 }
 
 void PhotonPass::learnChances() {
-  constexpr double PART = 0.1;  // of all light: brighter caustics are always estimated
-  constexpr double LEAST = 0.1; // records with few photons may not know of a caustic near by
-  const RadiusCache& caustics = causticLayer.cache();
-  const RadiusCache& others = indirectLayer.cache();
-  causticChances.assign(caustics.size(), LEAST);
-  for (size_t i = 0; i < caustics.size(); ++i) {
-    const RadiusCache::Place& place = caustics.place(i);
-    double all = std::max(double(place.worth.irradiance), double(place.irradiance));
-    if (others.size() > 0)
-      all += double(others.place(others.at(place.position, place.normal).index).irradiance);
+  constexpr double PART = 0.1;  // of caustics and direct light: brighter caustics are always estimated
+  constexpr float LEAST = 0.1f; // records with few photons may not know of a caustic near by
+  const RadiusCache& cache = causticLayer.cache();
+  causticChances.assign(cache.size(), LEAST);
+  for (size_t i = 0; i < cache.size(); ++i) {
+    const RadiusCache::Place& place = cache.place(i);
+    const double all = std::max(double(place.worth.irradiance), double(place.irradiance));
     if (all > 0)
-      causticChances[i] = static_cast<float>(std::clamp(double(place.irradiance) / (PART * all), LEAST, 1.0));
+      causticChances[i] =
+          static_cast<float>(std::clamp(double(place.irradiance) / (PART * all), double(LEAST), 1.0));
   }
 }
 

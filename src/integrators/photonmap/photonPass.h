@@ -80,8 +80,8 @@ class PhotonPass {
   ForwardStatistics run(const Scene& scene, const PathClasses& classes, const Pass& pass,
                         const ForwardControl& control, const LightSampler& shadowRays);
 
-  /** Takes over the starts of photons, the radii, and the light at the records that `other` has learned, so
-   * that passes after the first may run without the first. */
+  /** Takes over the starts of photons and the radii of caustics that `other` has learned, so that passes
+   * after the first may run without the first. */
   void learnFrom(const PhotonPass& other);
 
   /** Calls `use` with the maps of `other`, a pass after the first, and then restores the maps. */
@@ -157,8 +157,8 @@ class PhotonPass {
   void learnMedia(const Scene& scene, const PathClasses& classes, const Pass& pass, ShootSettings shoot,
                   const ForwardControl& control, ForwardStatistics& statistics);
   /** Learns the probability of an estimate of caustics at each of their records: proportional to their part
-   * of all light there. The variance of estimates that are not taken is then small beside that of other
-   * light. */
+   * of caustics and direct light there, so that the variance of a choice is small beside that of other light.
+   */
   void learnChances();
   void learnRadii(const Scene& scene, const PathClasses& classes, const LightSampler& shadowRays,
                   ForwardStatistics& statistics);

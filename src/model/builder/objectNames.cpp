@@ -21,9 +21,13 @@ std::string nameOf(const ShapeDescription& s) {
 } // namespace
 
 std::string givenName(const ParsedDirective& directive) {
-  for (const ParsedParameter& p : directive.parameters)
-    if (p.name == "name" && p.strings.size() == 1) return p.strings[0];
-  return {};
+  const auto lastIn = [](const std::vector<ParsedParameter>& all) -> std::string {
+    for (auto p = all.rbegin(); p != all.rend(); ++p)
+      if (p->name == "name" && p->strings.size() == 1) return p->strings[0];
+    return {};
+  };
+  const std::string own = lastIn(directive.parameters);
+  return own.empty() && directive.attributes ? lastIn(*directive.attributes) : own;
 }
 
 uint32_t ObjectNames::add(const std::string& name) {

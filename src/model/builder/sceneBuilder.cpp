@@ -2,6 +2,8 @@
  * Construction of the scene from its description: plug-ins, light table, trees.
  */
 #include <map>
+#include <optional>
+#include <set>
 
 #include "model/builder/objectNames.h"
 #include "model/builder/openBoundaries.h"
@@ -164,37 +166,40 @@ class SceneBuilder {
 
   /** Adds the lamp of a light's directive at a place: that directive, or the emitting shape. */
   void addLamp(const ParsedDirective& light, const ParsedDirective& place) {
-    const std::string shapeName = givenName(place);
     std::string name = givenName(light);
-    if (name.empty()) name = shapeName;
+    if (name.empty()) name = givenName(place);
     if (name.empty()) {
+      if (!givenNames) givenNames = allGivenNames();
       name = "light-" + std::to_string(scene->sceneLamps.size() + 1);
-      while (isGivenName(name)) name += "_";
+      while (givenNames->count(name) > 0) name += "_";
     }
-    scene->sceneLamps.push_back({name, shapeName, place.type, place.location});
+    scene->sceneLamps.push_back({name, place.type, place.location});
   }
 
-  bool isGivenName(const std::string& name) const {
-    const auto isOfShape = [&](const ShapeDescription& s) { return givenName(s.shape) == name; };
-    const auto isOfLight = [&](const LightDescription& l) { return givenName(l.light) == name; };
-    const auto isOfArea = [&](const ParsedDirective& d) { return givenName(d) == name; };
-    return std::any_of(description.shapes.begin(), description.shapes.end(), isOfShape) ||
-           std::any_of(description.lights.begin(), description.lights.end(), isOfLight) ||
-           std::any_of(description.areaLights.begin(), description.areaLights.end(), isOfArea);
+  /** Names that the scene gives to lights and shapes. */
+  std::set<std::string> allGivenNames() const {
+    std::set<std::string> names;
+    const auto add = [&](const std::vector<ShapeDescription>& shapes) {
+      for (const ShapeDescription& s : shapes) names.insert(givenName(s.shape));
+    };
+    add(description.shapes);
+    for (const auto& [name, object] : description.objects) add(object.shapes);
+    for (const LightDescription& l : description.lights) names.insert(givenName(l.light));
+    for (const ParsedDirective& d : description.areaLights) names.insert(givenName(d));
+    return names;
   }
 
   /** Product of the LightScale directives of a lamp. */
   Rgb scaleOf(const Lamp& lamp) const {
     Rgbd scale(1);
     for (const LightScaleDescription& s : description.lightScales)
-      if (s.lamp == lamp.name || s.lamp == lamp.shapeName) scale *= s.scale;
+      if (s.lamp == lamp.name) scale *= s.scale;
     return Rgb(scale);
   }
 
   void checkLightScales() {
     std::vector<std::string> names;
-    for (const Lamp& lamp : scene->sceneLamps) names.insert(names.end(), {lamp.name, lamp.shapeName});
-    std::erase(names, "");
+    for (const Lamp& lamp : scene->sceneLamps) names.push_back(lamp.name);
     for (const LightScaleDescription& s : description.lightScales)
       if (std::find(names.begin(), names.end(), s.lamp) == names.end())
         diagnostics.error(s.location, "there is no lamp named \"" + s.lamp + "\"",
@@ -322,6 +327,7 @@ class SceneBuilder {
   SceneMedia media;
   ShapeGroups shapes;
   std::map<const Shape*, std::pair<const AreaLight*, uint32_t>> lightOf;
+  std::optional<std::set<std::string>> givenNames; ///< see allGivenNames(); found when first needed
 };
 
 std::unique_ptr<Scene> buildScene(const SceneDescription& description, const SceneOverrides& overrides,

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <functional>
+#include <numeric>
 #include <set>
 
 #include "recurse/core/io/error.h"
@@ -47,16 +47,18 @@ std::string lightOf(const LampGroup& lamp) { return lightLetter(lamp.name) + ".*
 
 void noteLamps(Stills& stills, const std::vector<LampGroup>& lamps) {
   std::vector<std::string> others;
+  bool isMediumAmongOthers = false;
   for (const LampGroup& lamp : lamps) {
     const auto own = std::find_if(stills.layers.begin() + 1, stills.layers.end(),
                                   [&](const StillLayer& layer) { return layer.expression == lightOf(lamp); });
-    if (lamp.isMedium) continue; // has no LightScale
-    if (own != stills.layers.end())
-      own->lamps = {lamp.name};
-    else
+    if (own == stills.layers.end()) {
       others.push_back(lamp.name);
+      isMediumAmongOthers = isMediumAmongOthers || lamp.isMedium;
+    } else if (!lamp.isMedium) { // a medium has no LightScale
+      own->lamps = {lamp.name};
+    }
   }
-  if (!others.empty()) stills.layers.back().lamps = others;
+  if (!others.empty() && !isMediumAmongOthers) stills.layers.back().lamps = others;
 }
 
 std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
@@ -67,20 +69,20 @@ std::vector<PathClass> classesByLight(const std::vector<LampGroup>& lamps,
     throw Error("--by light: " + std::to_string(classes.size()) +
                     " classes are too many to be divided by light",
                 ExitStatus::BAD_USAGE);
-  double leastPower = -1;
-  if (lamps.size() > most) {
-    std::vector<double> powers;
-    for (const LampGroup& lamp : lamps) powers.push_back(lamp.isMedium ? INFINITY : lamp.power);
-    std::sort(powers.begin(), powers.end(), std::greater<>());
-    leastPower = powers[most - 1]; // as strong as the first that gets no layer
-  }
+  std::vector<size_t> byPower(lamps.size());
+  std::iota(byPower.begin(), byPower.end(), size_t{0});
+  const auto powerOf = [](const LampGroup& lamp) { return lamp.isMedium ? double(INFINITY) : lamp.power; };
+  std::stable_sort(byPower.begin(), byPower.end(),
+                   [&](size_t i, size_t j) { return powerOf(lamps[i]) > powerOf(lamps[j]); });
+  std::vector<bool> isShown(lamps.size(), lamps.size() <= most);
+  for (size_t k = 0; k + 1 < most && k < lamps.size(); ++k) isShown[byPower[k]] = true;
   std::set<std::string> taken = {"beauty", "rest", "all"};
   std::vector<PathClass> byLamp;
   std::string own;
-  for (const LampGroup& lamp : lamps) {
-    if (lamp.power <= leastPower && !lamp.isMedium) continue;
-    byLamp.push_back({layerName(lamp.name, taken), lightOf(lamp)});
-    own += lightLetter(lamp.name);
+  for (size_t i = 0; i < lamps.size(); ++i) {
+    if (!isShown[i]) continue;
+    byLamp.push_back({layerName(lamps[i].name, taken), lightOf(lamps[i])});
+    own += lightLetter(lamps[i].name);
   }
   if (byLamp.size() < lamps.size())
     byLamp.push_back({layerName("other-lights", taken), own.empty() ? "all" : "all - [" + own + "].*E"});

@@ -24,7 +24,8 @@ function factorOf(power) {
 
 /** Scene file in which the lamps have the powers of the layers; `included` is the file of the scene. */
 function relitScene(included, layers, factors) {
-  const quoted = (text) => `"${text.replace(/[\\"]/g, "\\$&")}"`;
+  const escapes = { "\n": "\\n", "\r": "\\r", "\t": "\\t", "\b": "\\b", "\f": "\\f" };
+  const quoted = (text) => `"${text.replace(/[\\"]/g, "\\$&").replace(/[\n\r\t\x08\f]/g, (c) => escapes[c])}"`;
   const lines = layers.flatMap((layer, k) => (factors[k].every((f) => f === 1) ? []
     : layer.lamps.map((lamp) => `LightScale ${quoted(lamp)} "rgb scale" [ ${factors[k].join(" ")} ]`)));
   return [`# Powers of lamps from the page of stills. Belongs beside the scene file.`, ...lines,

@@ -45,8 +45,7 @@ void addBsdfRay(const Scene& scene, const LightSampler& lights, const LightSampl
   CameraWalker walker(scene, classes, out.counts, -1);
   CameraVertex next;
   walker.next(path, next, sampler, [&](const Hit* hit) {
-    addEmitted(scene, lights, hit, path, ray, SHADOW_RAYS, vertex.afterD,
-               vertex.throughput * s->weight, out);
+    addEmitted(scene, lights, hit, path, ray, SHADOW_RAYS, vertex.afterD, vertex.throughput * s->weight, out);
   });
 }
 

@@ -17,7 +17,7 @@ namespace {
 /** Names of media as light sources: never those of lamps, of other media or empty. */
 std::vector<std::string> mediumSources(const Scene& scene) {
   std::set<std::string> taken;
-  for (const Lamp& lamp : scene.lamps()) taken.insert({lamp.name, lamp.shapeName});
+  for (const Lamp& lamp : scene.lamps()) taken.insert(lamp.name);
   std::vector<std::string> out;
   for (const std::string& medium : scene.mediumNames()) {
     std::string name = medium.empty() ? "medium-" + std::to_string(out.size() + 1) : medium;
@@ -40,9 +40,7 @@ PathNames pathNames(const Scene& scene) {
   PathNames names;
   const std::vector<std::string> media = mediumSources(scene);
   for (size_t i = 0; i < scene.lights().size(); ++i) {
-    const Lamp& lamp = scene.lamps()[scene.lampOf(i)];
-    names.lights.push_back({lamp.name});
-    if (!lamp.shapeName.empty() && lamp.shapeName != lamp.name) names.lights.back().push_back(lamp.shapeName);
+    names.lights.push_back({scene.lamps()[scene.lampOf(i)].name});
   }
   // A medium that emits nothing has the names of a source that exists, so that all lights have a name.
   PathNames::List any = names.lights.empty() ? PathNames::List() : names.lights.front();

@@ -68,8 +68,7 @@ class ObjectNames {
 
 /** Lamp: the lights that one directive makes, such as those of all instances of an emitting shape. */
 struct Lamp {
-  std::string name;      ///< of the light's directive, else of its shape, else `light-N`
-  std::string shapeName; ///< of an emitting shape
+  std::string name; ///< of the light's directive, else of its shape, else `light-N`
   std::string kind;
   SourceLocation location;
 };
