@@ -264,15 +264,16 @@ TEST(Transient, ObliqueLightFromFarSweepsOverTheFloor) {
 
 TEST(Transient, LightIsSlowInWater) {
   // Lamp, floor and camera are in a box of water.
-  expectPulse(LAMP + FLOOR +
-                  "Material \"dielectric\" \"float eta\" 1.25 \"integer priority\" 1\n"
-                  "Shape \"box\" \"point3 p1\" [ -10 -10 -1 ] \"point3 p2\" [ 10 10 6 ]\n",
-              "LDE", {7.5, 10, 8},
-              {[](double x, double y) { return 1.25 * (CAMERA_HEIGHT + fromLamp(x, y)); }, underLamp},
-              {{{"path", ""}, .01},
-               {{"photonmap", "\"integer photons\" 1000"}, .01},
-               {{"bdpt", ""}, .2},
-               {{"vcm", ""}, .2}});
+  for (const std::string priority : {"", "\"integer priority\" 1"})
+    expectPulse(LAMP + FLOOR + "Material \"dielectric\" \"float eta\" 1.25 " + priority +
+                    "\n"
+                    "Shape \"box\" \"point3 p1\" [ -10 -10 -1 ] \"point3 p2\" [ 10 10 6 ]\n",
+                "LDE", {7.5, 10, 8},
+                {[](double x, double y) { return 1.25 * (CAMERA_HEIGHT + fromLamp(x, y)); }, underLamp},
+                {{{"path", ""}, .01},
+                 {{"photonmap", "\"integer photons\" 1000"}, .01},
+                 {{"bdpt", ""}, .2},
+                 {{"vcm", ""}, .2}});
 }
 
 TEST(Transient, EstimatorsAgreeOnGlassAndMirrorFrameByFrame) {
