@@ -22,6 +22,7 @@ class Subsurface final : public Material {
     return LobeSet((eta != 1 && roughness.neverSmooth() ? NO_LOBE : MIRROR | REFRACTION) |
                    (eta == 1 || roughness.alwaysSmooth() ? NO_LOBE : NON_DELTA_LOBES | ANISOTROPIC));
   }
+  float indexInside() const override { return eta; }
 
  private:
   float eta;

@@ -43,7 +43,8 @@ class SimplePhotonMap final : public Integrator {
     for (uint64_t i = 0; i < photons && scene.lights().size() > 0 && !control.stopped(); ++i) {
       const Sampler sampler(hashCombine(pass.seed, pass.index), PHOTON_STREAM, static_cast<uint32_t>(i));
       RecordedWalk record(control.lightPaths, i, 1 / float(photons));
-      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored, lengths, record);
+      shootPhoton(scene, classes, pass.time, sampler, statistics.counts, stored,
+                  classes.isTransient() ? &lengths : nullptr, record);
       if (i % 4096 == 0) control.progress(double(i) / double(photons));
     }
     statistics.shootSeconds = secondsSince(start);
@@ -108,7 +109,7 @@ class SimplePhotonMap final : public Integrator {
 
   /** Traces a photon until it is absorbed, and stores it at each non-delta surface that it hits. */
   void shootPhoton(const Scene& scene, const PathClasses& classes, float time, Sampler sampler,
-                   TransportCounts& counts, std::vector<Photon>& stored, std::vector<float>& lengths,
+                   TransportCounts& counts, std::vector<Photon>& stored, std::vector<float>* lengths,
                    RecordedWalk& record) const {
     const std::optional<LightStart> start = startLightSubpath(scene, classes, time, sampler, counts);
     if (!start) return;
@@ -124,7 +125,7 @@ class SimplePhotonMap final : public Integrator {
   }
 
   void store(const LightVertex& vertex, float length, std::vector<Photon>& stored,
-             std::vector<float>& lengths) const {
+             std::vector<float>* lengths) const {
     const SurfacePoint& point = vertex.point();
     if (glm::dot(vertex.wi, point.geometricNormal) == 0) return;
     Photon photon;
@@ -134,7 +135,7 @@ class SimplePhotonMap final : public Integrator {
     photon.power = vertex.throughput / float(photons);
     photon.pathState = vertex.state.byte;
     stored.push_back(photon);
-    lengths.push_back(length);
+    if (lengths) lengths->push_back(length);
   }
 
   uint64_t photons; ///< number emitted in a pass

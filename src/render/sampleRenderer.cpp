@@ -184,8 +184,9 @@ SampleRenderer::SampleRenderer(const Scene& scene, Integrator& integrator, const
     integrator.prepare(scene, classes);
   }
   if (integrator.splats()) {
-    requireMemory("the splats of the film", // of all passes, and of one
-                  2 * SplatPlane::bytes(double(film.bounds().area()), double(film.layerCount())));
+    requireMemory("the splats of the film", // of all passes unless they are resumed, and of one
+                  (film.splats() ? 1 : 2) *
+                      SplatPlane::bytes(double(film.bounds().area()), double(film.layerCount())));
     film.enableSplats(splatUnit(scene));
     passSplats.emplace(film.bounds(), film.layerCount(), film.splats()->unit());
     passSplatter.emplace(classes, scene.filter(), *passSplats);

@@ -14,6 +14,7 @@ namespace {
 class Drago final : public ToneMap {
  public:
   explicit Drago(float bias) : exponent(std::log(bias) / std::log(0.5f)) {}
+  bool measuresPicture() const override { return true; }
   void apply(Image& picture) const override {
     // White is at least ten times the grey card: the curve is not defined for less.
     const float white = std::max(10 * GREY_CARD, luminanceQuantile(picture, 0.999));

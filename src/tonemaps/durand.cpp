@@ -42,6 +42,7 @@ std::vector<float> bilateral(const std::vector<float>& field, int width, int hei
 class Durand final : public ToneMap {
  public:
   Durand(float sigmaSpace, float sigmaRange) : sigmaSpace(sigmaSpace), sigmaRange(sigmaRange) {}
+  bool measuresPicture() const override { return true; }
   bool isLocal() const override { return true; }
   float haloBound() const override { return 0.05f; }
 

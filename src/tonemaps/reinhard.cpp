@@ -11,6 +11,7 @@ namespace {
 class Reinhard final : public ToneMap {
  public:
   explicit Reinhard(float white) : white(white) {}
+  bool measuresPicture() const override { return white == 0; }
   void apply(Image& picture) const override {
     const float w = white > 0 ? white : std::max(1.0f, luminanceQuantile(picture, 0.999));
     // Equation 4 with L = s · luminance and L_white = s · w; s keeps the grey card.

@@ -121,12 +121,12 @@ TEST_F(Guide, LightInFlightArrivesFirstByTheShortestWay) {
   const auto first = [&](int x0, int x1, int y0, int y1) {
     for (int frame = 0; frame < 70; ++frame) {
       const int green = film.channel((frame < 10 ? "frame-000" : "frame-00") + std::to_string(frame) + ".G");
-      if (green < 0) return 0.0;
+      if (green < 0) return double(INFINITY);
       for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x)
           if (film.at(x, y)[green] > 0) return 5.5 + 0.05 * frame;
     }
-    return 0.0;
+    return double(INFINITY);
   };
   // The shortest way over a plane is as long as the straight line from the lamp's mirror image.
   EXPECT_NEAR(first(18, 62, 2, 20), std::hypot(1.3, 0.4, 1.6 + 5 + 2), 0.051) << "the wall at the back";

@@ -97,7 +97,7 @@ class TimeOfFlight : public Program {
     const Outcome o = render(more);
     EXPECT_NE(o.status, 0);
     EXPECT_TRUE(has(o.err, words)) << o.err;
-    EXPECT_FALSE(exists("f.png") || exists("f.mp4"));
+    for (const char* name : {"f.png", "f.apng", "f.mp4", "f.exr"}) EXPECT_FALSE(exists(name)) << name;
   }
   /** Runs the program with only `folder`/bin in the PATH. */
   int runWithOwnPath(const std::string& arguments) const {
@@ -184,6 +184,8 @@ TEST_F(TimeOfFlight, ErrorsSayWhatToDo) {
   failsFor("3:3:5", "TO must be larger");
   failsFor("1:2:0", "from 1 to 9999");
   failsFor("1e6:1000001:9000", "too short");
+  failsFor("0:1e31:9", "'0:1e31:9': lengths are from -1e30 to 1e30");
+  failsFor("-1e31:0:9", "from -1e30 to 1e30");
   fails({"--time-of-flight", "1:2:3", "--class", "d=LDE", "-o", "f.png"}, "cannot be combined with --class");
   fails({"--time-of-flight", "1:2:3", "--frames", "0:3", "-o", "f.png"}, "cannot be combined with --frames");
   fails({"--time-of-flight", "1:2:3", "--frame-rate", "0", "-o", "f.png"}, "--frame-rate: '0'");
@@ -193,6 +195,12 @@ TEST_F(TimeOfFlight, ErrorsSayWhatToDo) {
   EXPECT_EQ(named.status, 2) << named.err;
   EXPECT_TRUE(has(named.err, "--integrator: \"whitted\" does not measure the lengths of paths")) << named.err;
   fails({"--time-of-flight", "1:2:3", "--white-balance", "auto", "-o", "f.png"}, "each frame of f.png");
+  for (const std::string toneMap : {"reinhard", "drago", "durand"})
+    fails({"--time-of-flight", "1:2:3", "--tonemap", toneMap, "-o", "f.png"},
+          "--tonemap: " + toneMap + " would adapt to each frame of f.png");
+  ASSERT_EQ(
+      render({"--time-of-flight", "2:6:2", "--tonemap", "reinhard \"float white\" 4", "-o", "g.png"}).status,
+      0);
   ASSERT_EQ(render({"-o", "still.exr"}).status, 0);
   const Outcome still = run({"develop", "still.exr", "-o", "f.apng"});
   EXPECT_NE(still.status, 0);
@@ -240,4 +248,15 @@ TEST_F(TimeOfFlight, FfmpegMakesMp4WhereItIsInstalled) {
   EXPECT_NE(runWithOwnPath(arguments), 0);
   EXPECT_TRUE(has(contents(file("log")), "f.mp4: ffmpeg failed: no such codec")) << contents(file("log"));
   EXPECT_FALSE(exists("f.mp4"));
+}
+
+TEST_F(TimeOfFlight, AFilmThatCannotBeWrittenLosesNoOtherFilm) {
+  write("scene.pbrt", "Animate \"x\" \"float times\" [ 0 2 ] \"float values\" [ -.5 .5 ]\n" +
+                          scene("", "Translate $x .5 0\nShape \"sphere\" \"float radius\" .3\n"));
+  writeFfmpeg("echo no such codec >&2\nexit 1\n");
+  EXPECT_NE(runWithOwnPath("--frames 0:1 -o a.mp4 -o b.apng -o c.apng"), 0);
+  EXPECT_TRUE(has(contents(file("log")), "a.mp4: ffmpeg failed: no such codec")) << contents(file("log"));
+  EXPECT_FALSE(exists("a.mp4"));
+  EXPECT_EQ(framesOf("b.apng").size(), 2u);
+  EXPECT_EQ(framesOf("c.apng").size(), 2u);
 }

@@ -111,6 +111,22 @@ TEST(ToneMaps, BrighterLightNeverBecomesDarker) {
   });
 }
 
+TEST(ToneMaps, OnlyThoseThatMeasureThePictureChangeTheRestBesideBrightLight) {
+  size_t measuring = 0;
+  forEachToneMap([&](const ToneMap& toneMap) {
+    if (toneMap.isLocal() && !toneMap.measuresPicture()) return; // neighbours, not the whole picture
+    const auto beside = [&](float light) {
+      return mapped(toneMap, pictureOf(64, 8, [&](float x, float) { return Rgb(x < 0.9f ? 1 : light); }))
+          .rgb(0, 4)
+          .g;
+    };
+    const float change = std::abs(beside(1000) / beside(1) - 1);
+    EXPECT_EQ(change > 0.001f, toneMap.measuresPicture()) << change;
+    measuring += toneMap.measuresPicture();
+  });
+  EXPECT_GE(measuring, 3u);
+}
+
 TEST(ToneMaps, DoNotDependOnTheSizeOfThePicture) {
   const auto scene = [](float x, float y) {
     const float shade = 1 + 0.3f * std::sin(20 * x) * std::cos(15 * y);

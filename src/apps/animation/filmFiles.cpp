@@ -18,6 +18,9 @@ TransientFrames parseTimeOfFlight(const std::string& text) {
   if (parts.size() != 3)
     badUsage(option + ": '" + text + "' is not FROM:TO:FRAMES, such as 0:10:50: lengths in scene units");
   const double from = parseReal(option, parts[0]), to = parseReal(option, parts[1]);
+  constexpr double LONGEST = 1e30; // single precision holds lengths up to 3.4e38
+  if (!(std::abs(from) <= LONGEST && std::abs(to) <= LONGEST))
+    badUsage(option + ": '" + text + "': lengths are from -1e30 to 1e30");
   const int64_t frames = parseCount(option, parts[2], 1, MAX_FRAMES);
   if (!(from < to)) badUsage(option + ": '" + text + "': TO must be larger than FROM");
   constexpr double RESOLVED = 1e-5; // of a length; single precision resolves 1e-7
@@ -38,6 +41,9 @@ void checkFilmOutput(const std::string& fileName, const DevelopOptions& options)
   if (options.whiteBalance == "auto")
     badUsage("--white-balance: auto would colour each frame of " + fileName +
              " in its own way; give a temperature, such as 5000");
+  if (options.settings().toneMap->measuresPicture())
+    badUsage("--tonemap: " + options.toneMap + " would adapt to each frame of " + fileName +
+             ", which flickers; choose another, such as filmic or reinhard \"float white\" 4");
   checkFilmWritable(fileName);
 }
 
@@ -45,14 +51,13 @@ void FilmFiles::add(const std::string& fileName, const Image& developed) {
   films.try_emplace(fileName, fileName, framesPerSecond).first->second.add(developed);
 }
 
-std::vector<std::string> FilmFiles::write() const {
-  std::vector<std::string> names;
-  for (const auto& [name, film] : films) {
-    film.write();
-    names.push_back(name);
-  }
-  return names;
+std::vector<std::string> FilmFiles::names() const {
+  std::vector<std::string> out;
+  for (const auto& [name, film] : films) out.push_back(name);
+  return out;
 }
+
+void FilmFiles::write(const std::string& fileName) const { films.at(fileName).write(); }
 
 bool isTransientFilm(const std::string& fileName) {
   return isFilmFormat(fileName) || lowerCase(fileName).ends_with(".png");

@@ -28,8 +28,9 @@ class FilmFiles {
   explicit FilmFiles(double framesPerSecond) : framesPerSecond(framesPerSecond) {}
   /** Adds a developed picture to a film. */
   void add(const std::string& fileName, const Image& developed);
-  /** Writes the films of all frames so far, and returns their names. */
-  std::vector<std::string> write() const;
+  std::vector<std::string> names() const;
+  /** Writes a film of all its frames so far. Throws Error. */
+  void write(const std::string& fileName) const;
 
  private:
   double framesPerSecond;

@@ -276,9 +276,11 @@ ExitStatus renderFrames(const RenderCommandOptions& given, const OnLoaded& onLoa
     if (!o.render.statistics.empty()) o.render.statistics = numberedName(o.render.statistics, frame.number);
     status = renderScene(o, onLoaded);
   }
-  for (const std::string& name : films.write())
-    if (!given.render.quiet) say("written: " + name + "\n");
+  Attempts files;
+  for (const std::string& name : films.names())
+    if (files.attempt([&] { films.write(name); }) && !given.render.quiet) say("written: " + name + "\n");
   if (ownsPage && viewers.page) viewers.page->finish(viewers.patience);
+  files.throwFailures();
   return status;
 }
 

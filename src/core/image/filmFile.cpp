@@ -3,6 +3,7 @@
  */
 #include "recurse/core/image/filmFile.h"
 
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -43,8 +44,12 @@ bool hasFfmpeg() {
 /** Folder for the time of a conversion. */
 class TemporaryFolder {
  public:
-  TemporaryFolder() : name((fs::temp_directory_path() / "recurse-film-XXXXXX").string()) {
-    if (!::mkdtemp(name.data())) throw Error("cannot make a folder in " + fs::temp_directory_path().string());
+  TemporaryFolder() {
+    std::error_code failure;
+    const fs::path parent = fs::temp_directory_path(failure);
+    if (failure) throw Error("there is no folder for temporary files; is $TMPDIR one?");
+    name = (parent / "recurse-film-XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw Error("cannot make a folder in " + parent.string());
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -79,8 +84,10 @@ bool runFfmpeg(const TemporaryFolder& folder, const std::string& rate) {
     ::_exit(1);
   }
   int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  pid_t ended;
+  do ended = ::waitpid(child, &status, 0);
+  while (ended < 0 && errno == EINTR);
+  return ended == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 /** MP4 file of PNG files. */

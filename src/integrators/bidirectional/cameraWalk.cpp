@@ -302,8 +302,9 @@ class Bidirectional::CameraWalk {
     const double weight = mergeWeight(full, s);
     if (out.recorder) recordJoin(PathTechnique::MERGE, from, t, weight);
     out.add(y.state, vertex.afterD, radiance * static_cast<float>(weight),
-            path.optical.length + lengthNear(vertex.point().position, y.point.position, y.wi,
-                                             owner.subpaths.length(from, t), path.optical.index));
+            path.optical.length +
+                lengthNear(vertex.point().position, y.point.position, y.wi, owner.subpaths.length(from, t),
+                           leaving(path.optical, *vertex.scattering, vertex.wi, y.wi).index));
   }
 
   const StoredVertex& vertexOf(const StoredPath& from, uint32_t number) const {

@@ -144,7 +144,7 @@ class PathTracing final : public Integrator {
         w.isScattered = false;
         w.recordedStep = CAMERA_STEP;
         makeAt(w.nesting, [&] { return nestingAt(scene, paths[i].ray, counts); });
-        w.optical = {0, w.nesting.index(scene)};
+        w.optical = {0, indexAtStart(scene, classes, paths[i].ray, w.nesting, counts)};
         active[i] = &w;
         rays[i] = paths[i].ray;
       }

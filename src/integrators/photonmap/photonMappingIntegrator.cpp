@@ -41,7 +41,7 @@ void PhotonMapping::backward(const Scene& scene, const CameraRay& ray, Sampler& 
   path.camera = out.pathClasses().cameraStart();
   path.nesting = nestingAt(scene, ray, out.counts);
   path.nesting.startIn(scene.cameraMedium());
-  path.optical.index = path.nesting.index(scene);
+  path.optical.index = indexAtStart(scene, out.pathClasses(), ray, path.nesting, out.counts);
   trace(scene, path, sampler, out);
 }
 

@@ -97,8 +97,9 @@ class Estimate {
     const Rgb factor = factorOf(scale);
     forEachPhoton(block, weightOf(block, shape), [&](int lane, const Rgb& power) {
       const size_t slot = block.first + static_cast<size_t>(lane);
-      const float arrival = lengthNear(point.position, map.position(slot), block.direction(lane),
-                                       map.length(slot), optical.index);
+      const Vec3f light = block.direction(lane);
+      const float arrival = lengthNear(point.position, map.position(slot), light, map.length(slot),
+                                       leaving(optical, scattering, eye, light).index);
       if (!isBlack(power))
         out.add(LightState(block.pathStates[lane]), cameraState, power * factor, optical.length + arrival);
     });

@@ -109,7 +109,7 @@ std::optional<LightStart> startLightSubpath(const Scene& scene, const PathClasse
   path.throughput = emission->flux / (probability * guided);
   path.state = state;
   path.nesting = nestingAt(scene, path.ray, counts);
-  path.optical = opticalStart(scene, path.ray, path.nesting, end.isInfinite());
+  path.optical = opticalStart(scene, classes, path.ray, path.nesting, end.isInfinite(), counts);
   path.parallel = end.isInfinite();
   if (path.parallel) {
     end.pdf = double(emission->pdfDirection);

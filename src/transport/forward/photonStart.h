@@ -58,7 +58,7 @@ class PhotonStart {
     if (!isUseful(flux, state)) return {};
     const Ray ray{position, uniformSphere({n[4], n[5]}), INFINITE, time};
     PhotonState photon{ray, flux, state, nesting, {}};
-    photon.optical = opticalStart(scene, ray, nesting, false);
+    photon.optical = opticalStart(scene, classes, ray, nesting, false, counts);
     photon.hero = std::min(2, static_cast<int>(3 * sampler.next1D()));
     return photon;
   }
@@ -94,7 +94,7 @@ class PhotonStart {
     const ReverseRatio ratio =
         source.isIntersectable() ? ReverseRatio::atLight(*emission, pdf, probability) : ReverseRatio();
     PhotonState photon{ray, flux * start.weight, state, nestingAt(scene, ray, counts), ratio};
-    photon.optical = opticalStart(scene, ray, photon.nesting, source.isInfinite());
+    photon.optical = opticalStart(scene, classes, ray, photon.nesting, source.isInfinite(), counts);
     if (scene.hasMedia()) {
       const uint16_t declared = source.isInfinite() ? settings.outside : scene.lightMedium(index);
       photon.nesting.startIn(declared ? declared : mediumAround(scene, ray, 0, counts));

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "recurse/model/scene/scene.h"
 
@@ -108,6 +109,36 @@ class Nesting {
 
   std::array<uint8_t, Scene::MAX_NESTED> depth{}; ///< number of shapes of each that contain the point
   uint16_t around = 0;                            ///< index of the medium outside of all nested dielectrics
+};
+
+/** Crossings by one ray of the surfaces of dielectrics without a priority. Solids are closed, so the ray
+ * leaves those around its origin once more than it enters them. */
+class DielectricCrossings {
+ public:
+  void add(const Hit& hit, const Vec3f& direction) {
+    if (!hit.material || isNested(hit) || hit.material->indexInside() == 1) return;
+    const int step = glm::dot(direction, hit.point.geometricNormal) < 0 ? -1 : 1;
+    for (Count& c : left)
+      if (c.material == hit.material) {
+        c.times += step;
+        return;
+      }
+    left.push_back({hit.material, step});
+  }
+  /** Product of the refractive indices, each relative to the outside, of the solids around the origin. */
+  float indexAtOrigin() const {
+    float index = 1;
+    for (const Count& c : left)
+      for (int i = 0; i < c.times; ++i) index *= c.material->indexInside();
+    return index;
+  }
+
+ private:
+  struct Count {
+    const Material* material;
+    int times; ///< negative at open shapes
+  };
+  std::vector<Count> left;
 };
 
 } // namespace recurse

@@ -137,9 +137,23 @@ inline Nesting nestingAt(const Scene& scene, Ray ray, TransportCounts& counts) {
   });
 }
 
-/** Optical path at the start of a light path along a ray. */
-inline OpticalPath opticalStart(const Scene& scene, const Ray& ray, const Nesting& nesting, bool isInfinite) {
-  return {isInfinite ? lengthFromInfinity(scene, ray.origin, -ray.direction) : 0, nesting.index(scene)};
+/** Refractive index at the origin of a ray, in the state `nesting`; that of dielectrics without a priority
+ * counts in transient renders only. */
+inline float indexAtStart(const Scene& scene, const PathClasses& classes, Ray ray, const Nesting& nesting,
+                          TransportCounts& counts) {
+  const float index = nesting.index(scene);
+  if (!classes.isTransient() || !(scene.contents().lobes & (REFRACTION | TRANSMISSION))) return index;
+  DielectricCrossings crossings;
+  for (Hit hit; intersectPosition(scene, ray, hit, counts); ray = spawn(hit.point, ray.direction))
+    crossings.add(hit, ray.direction);
+  return index * crossings.indexAtOrigin();
+}
+
+/** Optical path at the start of a light path along a ray, in the state `nesting`. */
+inline OpticalPath opticalStart(const Scene& scene, const PathClasses& classes, const Ray& ray,
+                                const Nesting& nesting, bool isInfinite, TransportCounts& counts) {
+  return {isInfinite ? lengthFromInfinity(scene, ray.origin, -ray.direction) : 0,
+          indexAtStart(scene, classes, ray, nesting, counts)};
 }
 
 inline bool hasPanes(const Scene& scene) { return (scene.contents().lobes & STRAIGHT) != 0; }

@@ -18,7 +18,7 @@ inline CameraSubpath startCameraSubpath(const Scene& scene, const PathClasses& c
   path.state = classes.cameraStart();
   path.nesting = nestingAt(scene, ray, counts);
   path.nesting.startIn(scene.cameraMedium());
-  path.optical.index = path.nesting.index(scene);
+  path.optical.index = indexAtStart(scene, classes, ray, path.nesting, counts);
   path.width = ray.width;
   path.spread = ray.spread;
   path.sampleSpacing = ray.sampleSpacing;

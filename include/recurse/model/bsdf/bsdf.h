@@ -149,7 +149,7 @@ class Material {
   /** Priority of nested dielectrics. Above 0: a solid that may overlap others; where solids overlap, only the
    * one of highest priority exists. Its BSDF uses the point's indexOutside. */
   virtual int priority() const { return 0; }
-  /** Refractive index inside of a material with a priority. */
+  /** Refractive index inside of a closed shape, relative to the outside without a priority. */
   virtual float indexInside() const { return 1; }
 
   std::shared_ptr<const SurfaceDetail> detail; ///< applied before bsdfAt; null: none
