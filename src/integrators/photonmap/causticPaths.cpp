@@ -77,11 +77,10 @@ class CausticPaths final : public PhotonMapper, private CausticPhotons {
   float add(const Scene& scene, const SurfacePoint& point, const Vec3f& wi, const ScatteringPoint& scattering,
             const Rgb& throughput, CameraState camera, float width, const OpticalPath& optical,
             const Sampler& sampler, PathRadiance& out) const override {
-    constexpr uint32_t FORK = 0x4341, CHANCE = 0x4342; // distinct from other forks of the same sampler
+    constexpr uint32_t FORK = 0x4341; // distinct from other forks of the same sampler
     if (!scattering.keepsPhotons()) return 0;
     const PhotonQuery query = photons.query(photons.caustics(), point, wi, scattering.lobes());
-    if (query.settings.chance < 1 && sampler.fork(CHANCE).next1D() >= query.settings.chance)
-      return mergingUnseen(query.settings, width * photons.scale());
+    if (!isTaken(query.settings, sampler)) return mergingUnseen(query.settings, width * photons.scale());
     BoundaryCorrection boundary{scene, sampler.fork(FORK), query.place.known, query.place.away};
     if (out.recorder) out.recorder->beginEstimate(out.recorder->source.vertex, true);
     const GatherResult result =

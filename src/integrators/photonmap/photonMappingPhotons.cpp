@@ -53,9 +53,8 @@ GatherResult PhotonMapping::addPhotons(const Scene& scene, const PhotonLayer& la
     if (out.recorder) out.recorder->endEstimate(search.radius, 0);
     return weights;
   }
-  constexpr uint32_t CHANCE = 0x4342; // distinct from other forks of the same sampler
   const float footprint = path.ray.width * photons.scale();
-  if (query.settings.chance < 1 && sampler.fork(CHANCE).next1D() >= query.settings.chance) {
+  if (!isTaken(query.settings, sampler)) {
     GatherResult weights;
     weights.merging = mergingUnseen(query.settings, footprint);
     return weights;

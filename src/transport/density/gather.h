@@ -60,6 +60,12 @@ inline float mergingUnseen(const GatherSettings& settings, float footprint) {
   return mergingWithin(settings.merging, square(std::max(settings.radius, footprint / 2)));
 }
 
+/** Chooses whether an estimate is taken, see GatherSettings::chance; `sampler` does not advance. */
+inline bool isTaken(const GatherSettings& settings, const Sampler& sampler) {
+  constexpr uint32_t FORK = 0x4342; // distinct from other forks of the same sampler
+  return settings.chance == 1 || sampler.fork(FORK).next1D() < settings.chance;
+}
+
 /** Support and weights that an estimate used. */
 struct GatherResult {
   float radius = 0;  ///< radius of the support [scene units]
