@@ -35,6 +35,7 @@ class RandomSceneWriter {
     const auto& integrator = anyOf(plugIns().integrators);
     scene.integrator = integrator.name;
     scene.parameters = integratorParameters(integrator);
+    rendersMedia = supportsMedia(scene);
     scene.samplesPerPixel = 1 + below(2);
     if (chance(0.15)) scene.classes = {{"caustics", "LS+DE"}, {"all", "L(S|D|V)*E"}};
     if (chance(0.3)) size = powerOfTen(-6, 6);
@@ -160,6 +161,15 @@ class RandomSceneWriter {
 
   // ------------------------------------------------------------------------------------------- the scene
 
+  static bool supportsMedia(const RandomScene& scene) {
+    try {
+      static const std::unique_ptr<Scene> empty = sceneFrom("WorldBegin\n");
+      return integratorFrom(scene.integrator, scene.parameters)->supportsMedia(*empty);
+    } catch (const Error&) { // parameters that are refused
+      return false;
+    }
+  }
+
   std::string view() {
     const auto pixels = [&] { return std::to_string(chance(0.3) ? 1 : 1 + below(8)); };
     const double away = size * (chance(0.5) ? 4 : uniform(0.1, 3));
@@ -181,7 +191,7 @@ class RandomSceneWriter {
       text += joined({"Texture \"", name, "\" \"", type, "\" "});
       text += chance(0.5) ? "\"constant\"\n" : joined({"\"", entry.name, "\" ", parametersOf(entry), "\n"});
     }
-    const bool hasMedia = chance(0.25); // which few integrators render
+    const bool hasMedia = chance(rendersMedia ? 0.4 : 0.03);
     for (const char* name : {"mist", "smoke"}) {
       if (!hasMedia) break;
       const auto& entry = anyOf(plugIns().media);
@@ -326,6 +336,7 @@ class RandomSceneWriter {
   }
 
   uint64_t state;
+  bool rendersMedia = false;    ///< whether the integrator of the scene does
   double size = 1;              ///< of the scene
   std::array<double, 3> seen{}; ///< point in the middle of the view, in units of `size`
   std::vector<std::string> media, materials;

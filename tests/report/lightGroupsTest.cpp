@@ -362,6 +362,9 @@ TEST(LightGroups, MaterialsAndObjectsNameTheirSurfaces) {
   for (const double mean : rendered.layerMeans()) EXPECT_GT(mean, 0);
 }
 
+/** Relative standard error from which a comparison of means tells nothing. */
+constexpr double VAGUE = SANITIZED ? 0.4 : 0.1; // sanitizers have an eighth of the samples
+
 TEST(LightGroups, LayersAreTheLightOfALampAlone) {
   const ThreadPool pool;
   const auto scene = sceneFrom(roomOfLamps(16));
@@ -388,7 +391,7 @@ TEST(LightGroups, LayersAreTheLightOfALampAlone) {
         const double bias = way.integrator == "photonmap" ? 0.03 : 0;
         EXPECT_NEAR(means.mean(3 * i + c), alone.mean(c), 5 * error + bias * alone.mean(c))
             << way.integrator << " " << lamps[i];
-        EXPECT_LT(error, 0.1 * alone.mean(c)) << way.integrator << " " << lamps[i] << ": too vague to tell";
+        EXPECT_LT(error, VAGUE * alone.mean(c)) << way.integrator << " " << lamps[i] << ": too vague to tell";
       }
   }
 }
@@ -419,7 +422,7 @@ LightScale "Sky's glow" "rgb scale" [ .5 .5 .5 ]
             std::hypot(factors[i][c] * before.standardError(3 * i + c), after.standardError(3 * i + c));
         EXPECT_NEAR(after.mean(3 * i + c), expected, 5 * error + bias * expected)
             << way.integrator << " lamp " << i;
-        EXPECT_LE(error, 0.1 * expected) << way.integrator << " lamp " << i << ": too vague to tell";
+        EXPECT_LE(error, VAGUE * expected) << way.integrator << " lamp " << i << ": too vague to tell";
       }
   }
 }
