@@ -1,0 +1,220 @@
+#!/usr/bin/env python3
+"""Builds doc-files/course as students do, and with the solutions, and tests what its checks say.
+
+  courseTest.py SOURCE_DIR BUILD_DIR PREFIX [CMAKE OPTION...]
+
+PREFIX has the installed library. With gaps, all of them are missing; solved, all are right and the marks of the pictures
+are clean. The third program has the solutions with switches: COURSE_OPEN lists gaps that are open, as path:3, and wrong
+fillings, as path:3:2 for the second one of WRONG["path"][3].
+"""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+
+SOURCE, BUILD, PREFIX = (Path(argument).resolve() for argument in sys.argv[1:4])
+OPTIONS = sys.argv[4:]
+COURSE = SOURCE / "doc-files" / "course"
+sys.dont_write_bytecode = True
+handout = SourceFileLoader("handout", str(COURSE / "handout")).load_module()
+
+EXERCISES = {"path": "pathTracer.cpp", "photons": "photonMapper.cpp"}
+GAPS = {"path": 10, "photons": 8}
+
+# Wrong fillings of gaps: (statement, what the hint must say). A gap with several functions has its first one filled.
+WRONG = {
+    "path": {
+        1: [("return lampRadiance;", "nothing behind"),
+            ("return lampRadiance * std::max(0.0f, cosLamp);", "does not depend on the cosine")],
+        2: [("return albedo;", "factor of pi is missing"),
+            ("return albedo / (2 * PI);", "is pi, not 2 pi"),
+            ("return albedo * (2 / PI);", "2 times too large")],
+        3: [("{ const float s = std::sqrt(1 - u.x * u.x), a = 2 * PI * u.y;"
+             " return {Vec3f(s * std::cos(a), s * std::sin(a), u.x), INV_PI / 2}; }", "uniform over the hemisphere"),
+            ("{ const float s = std::sqrt(u.x), a = 2 * PI * u.y, z = std::sqrt(1 - u.x);"
+             " return {Vec3f(s * std::cos(a), s * std::sin(a), z), z}; }", "to 3.142"),
+            ("{ const float s = std::sqrt(u.x), a = PI * u.y, z = std::sqrt(1 - u.x);"
+             " return {Vec3f(s * std::cos(a), s * std::sin(a), z), z * INV_PI}; }", "not uniform around"),
+            ("{ const float s = u.x, a = 2 * PI * u.y, z = std::sqrt(1 - u.x);"
+             " return {Vec3f(s * std::cos(a), s * std::sin(a), z), z * INV_PI}; }", "length"),
+            ("{ const float s = std::sqrt(u.x), a = 2 * PI * u.y, z = std::sqrt(1 - u.x);"
+             " return {Vec3f(s * std::cos(a), s * std::sin(a), z), INV_PI / 2}; }", "always 0.159")],
+        4: [("return bsdf / pdf;", "cosine is missing"),
+            ("return bsdf * cosine;", "division by the density is missing"),
+            ("return bsdf * cosine * pdf;", "divisor, not a factor"),
+            ("return bsdf * (cosine / pdf * INV_PI);", "a second time")],
+        5: [("return bsdf * lampRadiance * (c.cosLamp / (c.distance2 * pdfArea));", "cosine at the surface is missing"),
+            ("return bsdf * lampRadiance * (c.cosSurface / (c.distance2 * pdfArea));", "cosine at the lamp is missing"),
+            ("return bsdf * lampRadiance * (1 / (c.distance2 * pdfArea));", "both cosines"),
+            ("return bsdf * lampRadiance * (c.cosSurface * c.cosLamp / pdfArea);", "squared distance is missing"),
+            ("return bsdf * lampRadiance * (c.cosSurface * c.cosLamp / (c.distance2 * c.distance2 * pdfArea));",
+             "squared twice"),
+            ("return bsdf * lampRadiance * (c.cosSurface * c.cosLamp / c.distance2);", "division by the density"),
+            ("return bsdf * lampRadiance * (c.cosSurface * c.cosLamp / (PI * c.distance2 * pdfArea));",
+             "pi times too small.*disc: 0.318 times")],
+        6: [("return u < maxComponent(throughput);", "must be divided"),
+            ("return true;", "no path ever ends"),
+            ("{ if (u >= 0.5f) return false; throughput *= 2.0f * 2.0f; return true; }", "mean over all u")],
+        7: [("return wo;", "goes back"), ("return -wo;", "into the mirror"), ("return {wo.x, -wo.y, wo.z};", "0.6, 0, 0.8")],
+        8: [("eta = 1 / eta;", "upside down"),
+            ("{ const float c = std::sqrt(1 - (1 - wo.z * wo.z) / (eta * eta)); const float f = 0.04f;"
+             " return Refraction{Vec3f(-wo.x / eta, -wo.y / eta, -c), f}; }", "square root of a negative"),
+            ("{ const float s2 = (1 - wo.z * wo.z) / (eta * eta); if (s2 >= 1) return {};"
+             " return Refraction{Vec3f(-wo.x / eta, -wo.y / eta, std::sqrt(1 - s2)), 0.04f}; }", "behind the surface"),
+            ("{ const float s2 = (1 - wo.z * wo.z) / (eta * eta); if (s2 >= 1) return {}; const float c = std::sqrt(1 - s2);"
+             " return Refraction{Vec3f(-wo.x / eta, -wo.y / eta, -c), 0.04f + 0.96f * std::pow(1 - wo.z, 5.0f)}; }", "Schlick"),
+            ("{ const float s2 = (1 - wo.z * wo.z) / (eta * eta); if (s2 >= 1) return {}; const float c = std::sqrt(1 - s2);"
+             " const float p = (eta * wo.z - c) / (eta * wo.z + c);"
+             " return Refraction{Vec3f(-wo.x / eta, -wo.y / eta, -c), p * p}; }", "one polarisation")],
+        9: [("return pdfArea * cosLamp / distance2;", "other way round"),
+            ("return pdfArea * distance2;", "cosine at the lamp is missing")],
+        10: [("return 1;", "LDE is counted twice"), ("return misWeight(pdfLamp, pdfRay);", "exchanged")],
+    },
+    "photons": {
+        1: [("return lampRadiance * (1 / (pdfArea * pdfDirection * float(photons)));", "cosine at the lamp"),
+            ("return lampRadiance * (cosine / (pdfArea * pdfDirection));", "divide by their number"),
+            ("return lampRadiance * (cosine / (pdfArea * float(photons)));", "density of the direction"),
+            ("return lampRadiance * (cosine * INV_PI / (pdfArea * pdfDirection * float(photons)));",
+             "pi times too small.*0.318 times the power")],
+        2: [("return {true, history.specular > 0 && history.diffuse == 0};", "at mirrors or glass"),
+            ("{ const bool is = kind == Surface::Kind::DIFFUSE; return {is, is && history.diffuse == 0}; }",
+             "LDE, which is counted twice"),
+            ("{ const bool is = kind == Surface::Kind::DIFFUSE; return {is, is && history.specular > 0}; }",
+             "scattered diffusely before"),
+            ("{ const bool is = kind == Surface::Kind::DIFFUSE; return {is && history.diffuse + history.specular > 0,"
+             " is && history.specular > 0 && history.diffuse == 0}; }", "needs them for LDDE"),
+            ("{ const bool is = kind == Surface::Kind::DIFFUSE; return {is, false}; }", "caustic map lacks")],
+        3: [("{ power *= reflectance; return u < maxComponent(reflectance); }", "lost twice"),
+            ("{ power *= reflectance; return true; }", "no path ever ends"),
+            ("return u < maxComponent(reflectance);", "mean over all u")],
+        4: [("return planeDistance < radius2;", "visit parts of the tree|miss photons"),
+            ("return true;", "too far away"),
+            ("return 4 * planeDistance * planeDistance < radius2;", "miss photons")],
+        5: [("{ Rgb flux(0); for (const NearPhoton& p : photons) flux += p.power; return bsdf * flux / radius2; }", "pi is missing"),
+            ("{ Rgb flux(0); for (const NearPhoton& p : photons) flux += p.power; return flux / (PI * radius2); }", "BSDF is missing"),
+            ("{ Rgb flux(0); for (const NearPhoton& p : photons) flux += p.power; return bsdf * flux / (4 * PI * radius2); }",
+             "surface of the sphere")],
+        6: [("return (1 - std::sqrt(distance2 / radius2)) / (PI * radius2);", "3 times too small.*0.3333"),
+            ("return 1 / (PI * radius2);", "constant kernel"),
+            ("return 2 * (1 - distance2 / radius2) / (PI * radius2);", "parabola")],
+        7: [("return bsdf * radiance / pdf;", "cosine is missing"), ("return bsdf * radiance * cosine;", "division by the density")],
+        8: [("{ const Vec3f d = cosineHemisphere(sampler.next2D()); const Seen s = seeThrough(scene, rayFrom(surface, d), sampler, counts);"
+             " return s.surface ? surface.colour * (s.emitted + s.weight * estimate(*s.surface)) : BLACK; }", "a lamp emits is added"),
+            ("{ const Vec3f d = cosineHemisphere(sampler.next2D()); const auto s = traceRay(scene, rayFrom(surface, d), counts);"
+             " return s ? surface.colour * estimate(*s) : BLACK; }", "radiance of a mirror"),
+            ("{ const Vec3f d = cosineHemisphere(sampler.next2D()); const Seen s = seeThrough(scene, rayFrom(surface, d), sampler, counts);"
+             " return s.surface ? surface.colour * estimate(*s.surface) : BLACK; }", "Seen::weight"),
+            ("{ const Vec3f d = cosineHemisphere(sampler.next2D()); const Seen s = seeThrough(scene, rayFrom(surface, d), sampler, counts);"
+             " return s.surface ? surface.colour * (1 / PI) * s.weight * estimate(*s.surface) : BLACK; }", "pi times too small")],
+    },
+}
+# Gaps whose check needs another one.
+DEPENDENT = {("path", 9): {10: "waits for gap 9, whose weights it takes"}}
+
+
+def switched(exercise, text):
+    """A solved file in which each gap can be opened, or filled wrongly, by COURSE_OPEN."""
+    filled = set()
+
+    def fill(number, indent, solution, statement):
+        name = f"{exercise}:{number}"
+        out = f'{indent}if (static const bool OPEN = isOpen("{name}"); OPEN) {statement}\n'
+        if number not in filled:
+            for i, (wrong, _) in enumerate(WRONG[exercise][number]):
+                out += f'{indent}if (static const bool OPEN = isOpen("{name}:{i}"); OPEN) {wrong}\n'
+        filled.add(number)
+        return out + solution
+
+    head = ("#include <cmath>\n#include <cstdlib>\n#include <string>\n"
+            "static bool isOpen(const std::string& name) {\n"
+            '  const char* open = std::getenv("COURSE_OPEN");\n'
+            '  return open && (" " + std::string(open) + " ").find(" " + name + " ") != std::string::npos;\n}\n')
+    return head + handout.with_gaps(text, fill)
+
+
+def run(*command, environment=None):
+    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            env={**os.environ, **(environment or {})})
+    return result.returncode, result.stdout
+
+
+def build():
+    shutil.rmtree(BUILD / "handout", ignore_errors=True)
+    BUILD.mkdir(parents=True, exist_ok=True)
+    steps = [[COURSE / "handout", BUILD / "handout"]]
+    for variant in ("solved", "switched"):
+        (BUILD / variant).mkdir(exist_ok=True)
+    for exercise, name in EXERCISES.items():
+        text = (COURSE / "solutions" / name).read_text()
+        (BUILD / "solved" / name).write_text(text)
+        (BUILD / "switched" / name).write_text(switched(exercise, text))
+    steps.append(["cmake", "-S", SOURCE / "tests" / "course", "-B", BUILD, f"-DCOURSE={BUILD / 'handout'}",
+                  f"-DCMAKE_PREFIX_PATH={PREFIX}", *OPTIONS])
+    steps.append(["cmake", "--build", BUILD])
+    for step in steps:
+        status, output = run(*step)
+        if status != 0:
+            sys.exit(f"{output}\n{step[0]} failed")
+
+
+class Check:
+    """What `course check` says."""
+
+    def __init__(self, program, exercise, *arguments, open=""):
+        self.status, self.output = run(BUILD / program, "check", exercise, *arguments, environment={"COURSE_OPEN": open})
+        self.gaps = {int(number): verdict for number, verdict in
+                     re.findall(r"^ *(\d+)  .{30}(.*)$", self.output, re.M)}
+
+
+class CourseTest(unittest.TestCase):
+    def test_exercises_are_what_the_solutions_make(self):
+        status, output = run(COURSE / "handout", "--check")
+        self.assertEqual(status, 0, output)
+
+    def test_handout_has_no_solutions(self):
+        names = {str(path.relative_to(BUILD / "handout")) for path in (BUILD / "handout").rglob("*")}
+        self.assertIn("pathTracer.cpp", names)
+        self.assertFalse([name for name in names if "solution" in name or "handout" in name], names)
+        for name in EXERCISES.values():
+            text = (BUILD / "handout" / name).read_text()
+            self.assertNotIn("solution", text)
+            self.assertNotIn("handout", text)
+            for _, solution, _ in handout.blocks((COURSE / "solutions" / name).read_text()):
+                self.assertNotIn(solution, text)
+
+    def test_all_gaps_are_missing_at_first(self):
+        for exercise, count in GAPS.items():
+            check = Check("course/course", exercise)
+            self.assertEqual(check.status, 1, check.output)
+            self.assertEqual(check.gaps, {gap: "missing" for gap in range(1, count + 1)})
+
+    def test_all_gaps_are_right_with_the_solutions(self):
+        for exercise, count in GAPS.items():
+            check = Check("bin/solved", exercise)
+            self.assertEqual(check.gaps, {gap: "right" for gap in range(1, count + 1)})
+            self.assertEqual(check.status, 0, check.output)
+
+    def test_each_open_gap_is_found(self):
+        for exercise, count in GAPS.items():
+            for gap in range(1, count + 1):
+                check = Check("bin/switched", exercise, "--no-picture", open=f"{exercise}:{gap}")
+                expected = {other: "right" for other in range(1, count + 1)}
+                expected |= {gap: "missing"} | DEPENDENT.get((exercise, gap), {})
+                self.assertEqual(check.gaps, expected, f"{exercise} {gap}")
+
+    def test_wrong_fillings_get_a_hint(self):
+        for exercise, gaps in WRONG.items():
+            for gap, fillings in gaps.items():
+                for i, (statement, hint) in enumerate(fillings):
+                    check = Check("bin/switched", exercise, "--no-picture", open=f"{exercise}:{gap}:{i}")
+                    self.assertRegex(check.gaps[gap], f"^wrong: .*({hint})", f"{exercise} {gap}: {statement}")
+                    others = [other for other, verdict in check.gaps.items() if verdict != "right" and other != gap]
+                    self.assertEqual(others, [], f"{exercise} {gap}: {statement}")
+
+
+build()
+unittest.main(argv=sys.argv[:1])
