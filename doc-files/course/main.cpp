@@ -19,7 +19,8 @@ constexpr const char* USAGE = R"(Usage:
 The exit status is 0 if everything is right, 1 if not, 2 for a wrong command.
 )";
 
-constexpr int PHOTONS = 200000, NEAREST = 50;
+constexpr int PHOTONS = 100000, NEAREST = 30;
+constexpr int PATH_SAMPLES = 64, PHOTON_SAMPLES = 32; ///< of a pixel of the picture that is marked
 
 bool isPath(const std::string& exercise) {
   if (exercise == "path") return true;
@@ -32,23 +33,10 @@ std::unique_ptr<Tracer> tracerOf(const std::string& exercise) {
 }
 
 int check(const std::string& exercise, bool withPicture) {
-  const std::vector<Gap> gaps = isPath(exercise) ? pathTracerGaps() : photonMapperGaps();
-  size_t right = 0;
-  for (const Gap& gap : gaps) {
-    const Verdict verdict = gap.check();
-    right += verdict.state == State::RIGHT;
-    const char* state = verdict.state == State::RIGHT     ? "right"
-                        : verdict.state == State::MISSING ? "missing"
-                        : verdict.state == State::WRONG   ? "wrong: "
-                                                          : "";
-    std::printf("%2d  %-30s%s%s\n", gap.number, gap.name.c_str(), state, verdict.hint.c_str());
-  }
-  std::printf("\n%zu of %zu gaps are right\n", right, gaps.size());
-  bool isRight = right == gaps.size();
-  if (withPicture) {
-    std::printf("\n");
-    isRight = markPicture(*tracerOf(exercise), exercise) && isRight;
-  }
+  bool isRight = checkGaps(isPath(exercise) ? pathTracerGaps() : photonMapperGaps());
+  if (withPicture)
+    isRight = markPicture(*tracerOf(exercise), exercise, isPath(exercise) ? PATH_SAMPLES : PHOTON_SAMPLES) &&
+              isRight;
   return isRight ? 0 : 1;
 }
 

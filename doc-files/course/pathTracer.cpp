@@ -1,6 +1,6 @@
 /** @file
- * Exercise 1: a path tracer (Kajiya 1986, "The Rendering Equation") with light sampling and multiple importance
- * sampling (Veach 1997, chapters 8 and 9). README.md explains each gap.
+ * Exercise 1: a path tracer (Kajiya 1986, "The Rendering Equation") with light sampling and multiple
+ * importance sampling (Veach 1997, chapters 8 and 9). README.md explains each gap.
  */
 #include "frame/pathTracer.h"
 
@@ -41,14 +41,15 @@ Vec3f mirrored(const Vec3f& wo) {
   return Vec3f(0, 0, 1); // gap 7 is open
 }
 
-// Gap 8: direction into glass, and the fraction of the light that is reflected. eta: refractive index behind the
-// surface over the index on the side of wo. Empty: total internal reflection.
+// Gap 8: direction into glass, and the fraction of the light that is reflected. eta: refractive index behind
+// the surface over the index on the side of wo. Empty: total internal reflection.
 std::optional<Refraction> refracted(const Vec3f& wo, float eta) {
   return Refraction{-wo, 0}; // gap 8 is open
 }
 
-// Gap 9: density of a lamp point by solid angle [1/sr] instead of area, as its surroundings see it; and the MIS
-// weight of a sample that one technique has found with the density pdf, and another would find with otherPdf.
+// Gap 9: density of a lamp point by solid angle [1/sr] instead of area, as its surroundings see it; and the
+// MIS weight of a sample that one technique has found with the density pdf, and another would find with
+// otherPdf.
 float pdfSolidAngle(float pdfArea, float distance2, float cosLamp) {
   return 0; // gap 9 is open
 }
@@ -56,8 +57,9 @@ float misWeight(float pdf, float otherPdf) {
   return 1; // gap 9 is open
 }
 
-// Gap 10: weight of the emission of a lamp that a ray hits. lastWasDelta: the ray comes from the camera, a mirror
-// or glass; else from a diffuse surface, with the density pdfRay. pdfLamp: density of light sampling. [1/sr]
+// Gap 10: weight of the emission of a lamp that a ray hits. lastWasDelta: the ray comes from the camera, a
+// mirror or glass; else from a diffuse surface, with the density pdfRay. pdfLamp: density of light sampling.
+// [1/sr]
 float emissionWeight(bool lastWasDelta, float pdfRay, float pdfLamp) {
   if (lastWasDelta) return 1;
   return 0; // gap 10 is open

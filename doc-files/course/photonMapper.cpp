@@ -1,6 +1,6 @@
 /** @file
- * Exercise 2: a photon mapper with a caustic map and a global map (Jensen 2001, "Realistic Image Synthesis Using
- * Photon Mapping"). README.md explains each gap.
+ * Exercise 2: a photon mapper with a caustic map and a global map (Jensen 2001, "Realistic Image Synthesis
+ * Using Photon Mapping"). README.md explains each gap.
  */
 #include "frame/photonMapper.h"
 
@@ -8,14 +8,14 @@
 
 namespace course::photon {
 
-// Gap 1: power of a photon [W] that leaves a lamp with a cosine to its normal, from a point of the density pdfArea
-// [1/length²] in a direction of the density pdfDirection [1/sr]; one of so many photons.
+// Gap 1: power of a photon [W] that leaves a lamp with a cosine to its normal, from a point of the density
+// pdfArea [1/length²] in a direction of the density pdfDirection [1/sr]; one of so many photons.
 Rgb photonPower(const Rgb& lampRadiance, float cosine, float pdfArea, float pdfDirection, int photons) {
   return BLACK; // gap 1 is open
 }
 
-// Gap 2: maps that store a photon that arrives at a surface with this history. The direct light LDE is no matter of
-// the maps' visible part; README.md has the table of the paths.
+// Gap 2: maps that store a photon that arrives at a surface with this history. The direct light LDE is no
+// matter of the maps' visible part; README.md has the table of the paths.
 Maps mapsOf(Surface::Kind kind, const PhotonHistory& history) {
   return {}; // gap 2 is open
 }
@@ -45,8 +45,8 @@ Rgb directLight(const Rgb& bsdf, float cosine, const Rgb& radiance, float pdf) {
   return BLACK; // gap 7 is open
 }
 
-// Gap 8: radiance that a diffuse surface reflects of the light from other diffuse surfaces. One ray samples it:
-// seeThrough() follows it to a diffuse surface, of which estimate() gives the radiance.
+// Gap 8: radiance that a diffuse surface reflects of the light from other diffuse surfaces. One ray samples
+// it: seeThrough() follows it to a diffuse surface, of which estimate() gives the radiance.
 Rgb finalGather(const Scene& scene, const Surface& surface, const Estimate& estimate, Sampler& sampler,
                 TransportCounts& counts) {
   return BLACK; // gap 8 is open
@@ -61,7 +61,8 @@ class PhotonMapper final : public Tracer {
     ForwardStatistics statistics;
     std::vector<Photon> global, caustic;
     for (int i = 0; i < photons && !control.stopped(); ++i)
-      shootPhoton(scene, Sampler(pass.seed, 0x70686f746f6e73, uint32_t(i)), global, caustic, statistics.counts);
+      shootPhoton(scene, Sampler(pass.seed, 0x70686f746f6e73, uint32_t(i)), global, caustic,
+                  statistics.counts);
     globalMap.build(std::move(global));
     causticMap.build(std::move(caustic));
     maxRadius = 0.1f * scene.bounds().radius;
@@ -70,14 +71,14 @@ class PhotonMapper final : public Tracer {
     return statistics;
   }
 
-  Rgb radiance(const Scene& scene, const Ray& ray, Sampler& sampler,
-               TransportCounts& counts) const override {
+  Rgb radiance(const Scene& scene, const Ray& ray, Sampler& sampler, TransportCounts& counts) const override {
     const Seen seen = seeThrough(scene, ray, sampler, counts);
     if (!seen.surface) return seen.emitted;
     const Surface& surface = *seen.surface;
     const Estimate estimate = [this](const Surface& s) { return fromGlobalMap(s); };
-    return seen.emitted + seen.weight * (sampledLight(scene, surface, sampler, counts) + fromCausticMap(surface) +
-                                         finalGather(scene, surface, estimate, sampler, counts));
+    return seen.emitted +
+           seen.weight * (sampledLight(scene, surface, sampler, counts) + fromCausticMap(surface) +
+                          finalGather(scene, surface, estimate, sampler, counts));
   }
 
   std::vector<EstimatorDomain> domains() const override {

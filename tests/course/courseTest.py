@@ -4,10 +4,8 @@
   courseTest.py SOURCE_DIR BUILD_DIR PREFIX [CMAKE OPTION...]
 
 PREFIX has the installed library. With gaps, all of them are missing; solved, all are right and the marks of the pictures
-are clean. The third program has the solutions with switches: COURSE_OPEN lists gaps that are open, as path:3, and wrong
-fillings, as path:3:2 for the second one of WRONG["path"][3].
+are clean. A third program has the solutions with switches, which open gaps and fill them wrongly.
 """
-import os
 import re
 import shutil
 import subprocess
@@ -113,32 +111,32 @@ WRONG = {
     },
 }
 # Gaps whose check needs another one.
-DEPENDENT = {("path", 9): {10: "waits for gap 9, whose weights it takes"}}
+DEPENDENT = {("path", 9): {10: "waits its weights are those of gap 9, which is open"}}
+
+
+# Numbers of the openings: (exercise, gap, None) is the open gap, (exercise, gap, i) a wrong filling.
+NUMBERS = {key: number for number, key in enumerate(
+    (exercise, gap, i) for exercise, gaps in WRONG.items() for gap, fillings in gaps.items()
+    for i in [None, *range(len(fillings))])}
 
 
 def switched(exercise, text):
-    """A solved file in which each gap can be opened, or filled wrongly, by COURSE_OPEN."""
+    """A solved file in which each gap can be opened, or filled wrongly, by a switch."""
     filled = set()
 
-    def fill(number, indent, solution, statement):
-        name = f"{exercise}:{number}"
-        out = f'{indent}if (static const bool OPEN = isOpen("{name}"); OPEN) {statement}\n'
-        if number not in filled:
-            for i, (wrong, _) in enumerate(WRONG[exercise][number]):
-                out += f'{indent}if (static const bool OPEN = isOpen("{name}:{i}"); OPEN) {wrong}\n'
-        filled.add(number)
+    def fill(gap, indent, solution, statement):
+        out = f"{indent}if (openings[{NUMBERS[exercise, gap, None]}]) {statement}\n"
+        if gap not in filled:
+            for i, (wrong, _) in enumerate(WRONG[exercise][gap]):
+                out += f"{indent}if (openings[{NUMBERS[exercise, gap, i]}]) {wrong}\n"
+        filled.add(gap)
         return out + solution
 
-    head = ("#include <cmath>\n#include <cstdlib>\n#include <string>\n"
-            "static bool isOpen(const std::string& name) {\n"
-            '  const char* open = std::getenv("COURSE_OPEN");\n'
-            '  return open && (" " + std::string(open) + " ").find(" " + name + " ") != std::string::npos;\n}\n')
-    return head + handout.with_gaps(text, fill)
+    return '#include <cmath>\n#include "openings.h"\n' + handout.with_gaps(text, fill)
 
 
-def run(*command, environment=None):
-    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                            env={**os.environ, **(environment or {})})
+def run(*command):
+    result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     return result.returncode, result.stdout
 
 
@@ -161,13 +159,22 @@ def build():
             sys.exit(f"{output}\n{step[0]} failed")
 
 
-class Check:
-    """What `course check` says."""
+def verdicts(output):
+    """The verdict on each gap, with its hint in one line."""
+    found = re.findall(r"^ *(\d+)  .{30}(\w+)\n((?:    .*\n)*)", output, re.M)
+    return {int(gap): " ".join([state, *hint.split()]) for gap, state, hint in found}
 
-    def __init__(self, program, exercise, *arguments, open=""):
-        self.status, self.output = run(BUILD / program, "check", exercise, *arguments, environment={"COURSE_OPEN": open})
-        self.gaps = {int(number): verdict for number, verdict in
-                     re.findall(r"^ *(\d+)  .{30}(.*)$", self.output, re.M)}
+
+def answers(commands):
+    """What the program with switches says: commands are (command, exercise, openings)."""
+    commands = list(commands)
+    lines = [" ".join([command, exercise, *(str(NUMBERS[opening]) for opening in openings)])
+             for command, exercise, openings in commands]
+    result = subprocess.run([BUILD / "bin/switched"], input="\n".join(lines) + "\n", stdout=subprocess.PIPE, text=True)
+    assert result.returncode == 0, result.stdout
+    out = result.stdout.split("-----\n")[:-1]
+    assert len(out) == len(commands), result.stdout
+    return out
 
 
 class CourseTest(unittest.TestCase):
@@ -188,32 +195,45 @@ class CourseTest(unittest.TestCase):
 
     def test_all_gaps_are_missing_at_first(self):
         for exercise, count in GAPS.items():
-            check = Check("course/course", exercise)
-            self.assertEqual(check.status, 1, check.output)
-            self.assertEqual(check.gaps, {gap: "missing" for gap in range(1, count + 1)})
+            status, output = run(BUILD / "course/course", "check", exercise)
+            self.assertEqual(status, 1, output)
+            self.assertEqual(verdicts(output), {gap: "missing" for gap in range(1, count + 1)})
+            self.assertRegex(output, r"direct +\d.*missing")
 
-    def test_all_gaps_are_right_with_the_solutions(self):
+    def test_all_gaps_and_the_marks_are_right_with_the_solutions(self):
         for exercise, count in GAPS.items():
-            check = Check("bin/solved", exercise)
-            self.assertEqual(check.gaps, {gap: "right" for gap in range(1, count + 1)})
-            self.assertEqual(check.status, 0, check.output)
+            status, output = run(BUILD / "bin/solved", "check", exercise)
+            self.assertEqual(verdicts(output), {gap: "right" for gap in range(1, count + 1)})
+            self.assertEqual(status, 0, output)
+            states = re.findall(r"^[\w-]+ +[\d.]+ %    (\w+)", output, re.M)
+            self.assertEqual(states, ["right"] * 8, output)
 
     def test_each_open_gap_is_found(self):
-        for exercise, count in GAPS.items():
-            for gap in range(1, count + 1):
-                check = Check("bin/switched", exercise, "--no-picture", open=f"{exercise}:{gap}")
-                expected = {other: "right" for other in range(1, count + 1)}
-                expected |= {gap: "missing"} | DEPENDENT.get((exercise, gap), {})
-                self.assertEqual(check.gaps, expected, f"{exercise} {gap}")
+        openings = [key for key in NUMBERS if key[2] is None]
+        for key, output in zip(openings, answers(("check", key[0], [key]) for key in openings)):
+            exercise, gap, _ = key
+            expected = {other: "right" for other in range(1, GAPS[exercise] + 1)}
+            self.assertEqual(verdicts(output), expected | {gap: "missing"} | DEPENDENT.get((exercise, gap), {}), key)
 
     def test_wrong_fillings_get_a_hint(self):
-        for exercise, gaps in WRONG.items():
-            for gap, fillings in gaps.items():
-                for i, (statement, hint) in enumerate(fillings):
-                    check = Check("bin/switched", exercise, "--no-picture", open=f"{exercise}:{gap}:{i}")
-                    self.assertRegex(check.gaps[gap], f"^wrong: .*({hint})", f"{exercise} {gap}: {statement}")
-                    others = [other for other, verdict in check.gaps.items() if verdict != "right" and other != gap]
-                    self.assertEqual(others, [], f"{exercise} {gap}: {statement}")
+        openings = [key for key in NUMBERS if key[2] is not None]
+        for key, output in zip(openings, answers(("check", key[0], [key]) for key in openings)):
+            exercise, gap, i = key
+            statement, hint = WRONG[exercise][gap][i]
+            found = verdicts(output)
+            self.assertRegex(found[gap], f"^wrong .*({hint})", f"{key}: {statement}")
+            self.assertEqual([other for other, verdict in found.items() if verdict != "right" and other != gap], [], key)
+
+    def test_pictures_show_mistakes(self):
+        cases = [("path", [("path", 9, None), ("path", 10, 0)], r"direct .*doubled +2"),  # emission counted twice
+                 ("path", [("path", 2, 0)], r"reflect\s+more\s+light\s+than\s+they\s+receive"),  # without 1 / pi
+                 ("path", [("path", 5, 0)], r"direct .*scaled +1\.[2-6]"),                    # without a cosine
+                 ("path", [("path", 7, None)], r"mirrored-direct .*(scaled|missing)"),
+                 ("photons", [("photons", 2, 1)], r"direct .*doubled +(2|1\.9)"),        # direct light in the caustic map
+                 ("photons", [("photons", 8, None)], r"indirect-1 .*missing")]
+        outputs = answers(("mark", exercise, openings) for exercise, openings, _ in cases)
+        for (_, openings, expected), output in zip(cases, outputs):
+            self.assertRegex(output, expected, openings)
 
 
 build()

@@ -34,12 +34,15 @@ std::vector<Gap> photonMapperGaps();
 /** Text as by printf. */
 std::string text(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
+/** Text in lines of at most 100 characters, each with the indent. */
+std::string wrapped(const std::string& words, const std::string& indent);
+
 /** Whether a number is another one up to rounding, or up to a relative tolerance. */
 bool isNear(double a, double b, double tolerance = 1e-4);
 bool isNear(const Rgb& a, const Rgb& b, double tolerance = 1e-4);
 
 /** A factor in words: "pi times too large". */
-std::string factorInWords(double factor);
+std::string factorInWords(double factor, double tolerance = 0.003);
 
 /** A formula evaluated for several arguments, one value each. */
 using Values = std::vector<Rgb>;
@@ -62,9 +65,12 @@ struct RouletteCase {
 Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
                       const std::function<bool(Rgb& value, const Rgb& factor, float u)>& survives);
 
-/** Renders a scene with a tracer, and marks the picture by the classes of paths of a reference, which is kept in a
- * file for the next time. Prints the marks; true where nothing is wrong. */
-bool markPicture(Tracer& tracer, const std::string& name);
+/** Runs the checks and prints the verdicts; true where all gaps are right. */
+bool checkGaps(const std::vector<Gap>& gaps);
+
+/** Renders the room with a tracer, and marks the picture by the classes of paths of a reference, which is
+ * kept in a file for the next time. Prints the marks; true where nothing is wrong. */
+bool markPicture(Tracer& tracer, const std::string& name, int samples);
 
 /** Renders a scene file to a picture. */
 void renderPicture(Tracer& tracer, const std::string& scene, const std::string& output, int samples);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <sstream>
 
 #include "checks/checks.h"
 
@@ -18,6 +19,19 @@ std::string text(const char* format, ...) {
   return buffer;
 }
 
+std::string wrapped(const std::string& words, const std::string& indent) {
+  std::istringstream in(words);
+  std::string out, line, word;
+  while (in >> word) {
+    if (!line.empty() && indent.size() + line.size() + word.size() >= 100) {
+      out += indent + line + "\n";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+  }
+  return out + indent + line + "\n";
+}
+
 bool isNear(double a, double b, double tolerance) {
   return std::abs(a - b) <= tolerance * std::max(std::abs(a), std::abs(b)) + 1e-7;
 }
@@ -26,14 +40,15 @@ bool isNear(const Rgb& a, const Rgb& b, double tolerance) {
          isNear(double(a.b), double(b.b), tolerance);
 }
 
-std::string factorInWords(double factor) {
+std::string factorInWords(double factor, double tolerance) {
   constexpr struct {
     double factor;
     const char* name;
-  } KNOWN[] = {{PI_D, "pi"}, {2 * PI_D, "2 pi"}, {4 * PI_D, "4 pi"}, {PI_D / 2, "pi / 2"}, {2, "2"}, {4, "4"}, {3, "3"}};
+  } KNOWN[] = {{PI_D, "pi"}, {2 * PI_D, "2 pi"}, {4 * PI_D, "4 pi"}, {PI_D / 2, "pi / 2"}, {2, "2"}, {4, "4"},
+               {3, "3"}};
   for (const auto& known : KNOWN) {
-    if (isNear(factor, known.factor, 0.003)) return std::string(known.name) + " times too large";
-    if (isNear(factor * known.factor, 1, 0.003)) return std::string(known.name) + " times too small";
+    if (isNear(factor, known.factor, tolerance)) return std::string(known.name) + " times too large";
+    if (isNear(factor * known.factor, 1, tolerance)) return std::string(known.name) + " times too small";
   }
   return text("%.4g times the right value", factor);
 }
@@ -104,13 +119,16 @@ Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
     if (isNear(mean, expected, 0.003) || !hint.empty()) continue;
     const double chance = double(survivors) / COUNT;
     if (isUnchanged && survivors < COUNT && c.factor == Rgb(1))
-      hint = text("survivors must be divided by their probability: the mean is %.3g times what it was", chance);
+      hint =
+          text("survivors must be divided by their probability: the mean is %.3g times what it was", chance);
     else if (isOnlyScaled && survivors < COUNT)
-      hint = text("light is lost twice: survivors are multiplied by the reflectance, and only %.3g of the paths survive; "
+      hint = text("light is lost twice: survivors are multiplied by the reflectance, and only %.3g of the "
+                  "paths survive; "
                   "divide by that probability",
                   chance);
     else
-      hint = text("the mean over all u is (%.3g, %.3g, %.3g) instead of (%.3g, %.3g, %.3g), with %.3g of the paths alive",
+      hint = text("the mean over all u is (%.3g, %.3g, %.3g) instead of (%.3g, %.3g, %.3g), with %.3g of the "
+                  "paths alive",
                   double(mean.r), double(mean.g), double(mean.b), double(expected.r), double(expected.g),
                   double(expected.b), chance);
   }
@@ -118,6 +136,19 @@ Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
   if (!hint.empty()) return wrong(hint);
   if (isEndless) return wrong("no path ever ends: the probability must fall with the light that is left");
   return {};
+}
+
+bool checkGaps(const std::vector<Gap>& gaps) {
+  size_t right = 0;
+  for (const Gap& gap : gaps) {
+    const Verdict verdict = gap.check();
+    right += verdict.state == State::RIGHT;
+    constexpr const char* STATES[] = {"right", "missing", "wrong", "waits"};
+    std::printf("%2d  %-30s%s\n", gap.number, gap.name.c_str(), STATES[size_t(verdict.state)]);
+    if (!verdict.hint.empty()) std::printf("%s", wrapped(verdict.hint, "    ").c_str());
+  }
+  std::printf("\n%zu of %zu gaps are right\n", right, gaps.size());
+  return right == gaps.size();
 }
 
 } // namespace course

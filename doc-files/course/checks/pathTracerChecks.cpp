@@ -21,9 +21,10 @@ Verdict checkEmission() {
     byCosine.push_back(lamp * std::max(cosine, 0.0f));
     everywhere.push_back(lamp);
   }
-  return judge(values, expected,
-               {{"the lamp must emit nothing behind it", everywhere},
-                {"radiance does not depend on the cosine here, which is part of the geometry term", byCosine}});
+  return judge(
+      values, expected,
+      {{"the lamp must emit nothing behind it", everywhere},
+       {"radiance does not depend on the cosine here, which is part of the geometry term", byCosine}});
 }
 
 Verdict checkBsdf() {
@@ -36,7 +37,8 @@ Verdict checkBsdf() {
     byHemisphere.push_back(albedo * (INV_PI / 2));
   }
   return judge(values, expected,
-               {{"a factor of pi is missing: the integral of BSDF times cosine over the hemisphere is pi times the albedo, "
+               {{"a factor of pi is missing: the integral of BSDF times cosine over the hemisphere is pi "
+                 "times the albedo, "
                  "so that the surface reflects more than it receives",
                  withoutPi},
                 {"the integral of the cosine over the hemisphere is pi, not 2 pi", byHemisphere}});
@@ -48,9 +50,11 @@ struct Moments {
 };
 
 Verdict checkSampledDirections(const Moments& m) {
-  if (isNear(m.z, 0.5, 0.01)) return wrong("the mean cosine is 0.5: directions are uniform over the hemisphere");
+  if (isNear(m.z, 0.5, 0.01))
+    return wrong("the mean cosine is 0.5: directions are uniform over the hemisphere");
   if (!isNear(m.z, 2.0 / 3, 0.01) || !isNear(m.z2, 0.5, 0.01))
-    return wrong(text("the mean cosine is %.3f instead of 2/3: the density is not in proportion to the cosine", m.z));
+    return wrong(
+        text("the mean cosine is %.3f instead of 2/3: the density is not in proportion to the cosine", m.z));
   if (std::abs(m.x) > 0.01 || std::abs(m.y) > 0.01 || std::abs(m.xy) > 0.01 || !isNear(m.x2, 0.25, 0.02))
     return wrong("directions are not uniform around the normal: does the angle phi go from 0 to 2 pi?");
   return {};
@@ -88,8 +92,12 @@ Verdict checkSampling() {
   }
   if (isMissing) return {State::MISSING, ""};
   if (const Verdict v = checkSampledDirections(m); v.state != State::RIGHT) return v;
-  if (isConstant) return wrong(text("the directions are right, but their density is always %.3g: it is in proportion to the cosine", first));
-  if (!isProportional) return wrong("the directions are right, but their density is not in proportion to the cosine");
+  if (isConstant)
+    return wrong(
+        text("the directions are right, but their density is always %.3g: it is in proportion to the cosine",
+             first));
+  if (!isProportional)
+    return wrong("the directions are right, but their density is not in proportion to the cosine");
   if (!isNear(integral, 1, 1e-3))
     return wrong(text("the density does not integrate to one over the hemisphere, but to %.4g", integral));
   return {};
@@ -121,7 +129,8 @@ template <class Function> Values directLightBy(const Function& function) {
   Values values;
   for (const auto& [surface, lamp, distance2, pdf] :
        {std::array{0.5f, 0.8f, 4.0f, 0.5f}, std::array{0.9f, 0.3f, 0.25f, 2.0f}})
-    values.push_back(function(Rgb(0.1f, 0.2f, 0.3f), Rgb(5, 4, 3), Connection{Vec3f(0, 0, 1), surface, lamp, distance2}, pdf));
+    values.push_back(function(Rgb(0.1f, 0.2f, 0.3f), Rgb(5, 4, 3),
+                              Connection{Vec3f(0, 0, 1), surface, lamp, distance2}, pdf));
   return values;
 }
 
@@ -140,27 +149,41 @@ double discIrradiance() {
 
 Verdict checkDirectLight() {
   const auto by = [](const auto& factor) {
-    return directLightBy([&](const Rgb& f, const Rgb& lamp, const Connection& c, float pdf) { return f * lamp * factor(c, pdf); });
+    return directLightBy([&](const Rgb& f, const Rgb& lamp, const Connection& c, float pdf) {
+      return f * lamp * factor(c, pdf);
+    });
   };
   Verdict verdict = judge(
       directLightBy(directLight),
       by([](const Connection& c, float pdf) { return c.cosSurface * c.cosLamp / (c.distance2 * pdf); }),
-      {{"the cosine at the surface is missing", by([](const Connection& c, float pdf) { return c.cosLamp / (c.distance2 * pdf); })},
-       {"the cosine at the lamp is missing", by([](const Connection& c, float pdf) { return c.cosSurface / (c.distance2 * pdf); })},
-       {"both cosines of the geometry term are missing", by([](const Connection& c, float pdf) { return 1 / (c.distance2 * pdf); })},
-       {"the division by the squared distance is missing", by([](const Connection& c, float pdf) { return c.cosSurface * c.cosLamp / pdf; })},
-       {"the distance is squared twice: distance2 is the square", by([](const Connection& c, float pdf) { return c.cosSurface * c.cosLamp / (square(c.distance2) * pdf); })},
-       {"the distance must be squared", by([](const Connection& c, float pdf) { return c.cosSurface * c.cosLamp / (std::sqrt(c.distance2) * pdf); })},
-       {"the division by the density is missing", by([](const Connection& c, float) { return c.cosSurface * c.cosLamp / c.distance2; })},
-       {"the density is a divisor, not a factor", by([](const Connection& c, float pdf) { return c.cosSurface * c.cosLamp / c.distance2 * pdf; })}});
+      {{"the cosine at the surface is missing",
+        by([](const Connection& c, float pdf) { return c.cosLamp / (c.distance2 * pdf); })},
+       {"the cosine at the lamp is missing",
+        by([](const Connection& c, float pdf) { return c.cosSurface / (c.distance2 * pdf); })},
+       {"both cosines of the geometry term are missing",
+        by([](const Connection& c, float pdf) { return 1 / (c.distance2 * pdf); })},
+       {"the division by the squared distance is missing",
+        by([](const Connection& c, float pdf) { return c.cosSurface * c.cosLamp / pdf; })},
+       {"the distance is squared twice: distance2 is the square", by([](const Connection& c, float pdf) {
+          return c.cosSurface * c.cosLamp / (square(c.distance2) * pdf);
+        })},
+       {"the distance must be squared", by([](const Connection& c, float pdf) {
+          return c.cosSurface * c.cosLamp / (std::sqrt(c.distance2) * pdf);
+        })},
+       {"the division by the density is missing",
+        by([](const Connection& c, float) { return c.cosSurface * c.cosLamp / c.distance2; })},
+       {"the density is a divisor, not a factor",
+        by([](const Connection& c, float pdf) { return c.cosSurface * c.cosLamp / c.distance2 * pdf; })}});
   if (verdict.state == State::WRONG)
-    verdict.hint += text(" (irradiance in the middle below a disc: %.3g times the closed form)", discIrradiance());
+    verdict.hint +=
+        text(" (irradiance in the middle below a disc: %.3g times the closed form)", discIrradiance());
   return verdict;
 }
 
 Verdict checkRoulette() {
-  return judgeRoulette({{Rgb(0.5f, 0.2f, 0.1f)}, {Rgb(0.02f, 0.03f, 0.05f)}, {Rgb(0.9f, 0.3f, 0.6f)}, {Rgb(2, 1, 0.5f)}},
-                       [](Rgb& value, const Rgb&, float u) { return survivesRoulette(value, u); });
+  return judgeRoulette(
+      {{Rgb(0.5f, 0.2f, 0.1f)}, {Rgb(0.02f, 0.03f, 0.05f)}, {Rgb(0.9f, 0.3f, 0.6f)}, {Rgb(2, 1, 0.5f)}},
+      [](Rgb& value, const Rgb&, float u) { return survivesRoulette(value, u); });
 }
 
 bool isNearVector(const Vec3f& a, const Vec3f& b) { return glm::length(a - b) < 1e-4f; }
@@ -187,9 +210,11 @@ Verdict checkMirror() {
   if (isRight) return {};
   if (isMissing) return {State::MISSING, ""};
   if (isBack) return wrong("the light goes back to where it came from");
-  if (isThrough) return wrong("the direction points into the mirror: both directions point away from the surface");
+  if (isThrough)
+    return wrong("the direction points into the mirror: both directions point away from the surface");
   const Vec3f wi = mirrored({0.6f, 0, 0.8f});
-  return wrong(text("(0.6, 0, 0.8) is mirrored to (%.3g, %.3g, %.3g) instead of (-0.6, 0, 0.8)", double(wi.x), double(wi.y), double(wi.z)));
+  return wrong(text("(0.6, 0, 0.8) is mirrored to (%.3g, %.3g, %.3g) instead of (-0.6, 0, 0.8)", double(wi.x),
+                    double(wi.y), double(wi.z)));
 }
 
 /** Fresnel reflectance for (perpendicular, parallel) polarisation. */
@@ -212,29 +237,37 @@ Verdict checkRefractedDirection(const Vec3f& wo, float eta) {
   if (!r) return wrong("total internal reflection where there is none: is eta upside down?");
   const Vec3f expected(-wo.x / eta, -wo.y / eta, -std::sqrt(1 - sin2));
   if (isNearVector(r->direction, expected)) return {};
-  if (isNearVector(r->direction, {expected.x, expected.y, -expected.z})) return wrong("the direction must point behind the surface: z < 0");
+  if (isNearVector(r->direction, {expected.x, expected.y, -expected.z}))
+    return wrong("the direction must point behind the surface: z < 0");
   if (isNearVector(r->direction, {-expected.x, -expected.y, expected.z}))
     return wrong("the refracted ray must cross the normal: x and y change their signs");
-  if (isNear(double(r->direction.x), double(-wo.x * eta), 1e-3)) return wrong("eta is upside down: sine behind the surface = sine / eta");
-  if (!isNear(double(glm::length(r->direction)), 1, 1e-3)) return wrong(text("the direction has the length %.3g instead of 1", double(glm::length(r->direction))));
-  return wrong(text("the sine behind the surface is %.4g instead of %.4g", double(std::hypot(r->direction.x, r->direction.y)), double(std::sqrt(sin2))));
+  if (isNear(double(r->direction.x), double(-wo.x * eta), 1e-3))
+    return wrong("eta is upside down: sine behind the surface = sine / eta");
+  if (!isNear(double(glm::length(r->direction)), 1, 1e-3))
+    return wrong(text("the direction has the length %.3g instead of 1", double(glm::length(r->direction))));
+  return wrong(text("the sine behind the surface is %.4g instead of %.4g",
+                    double(std::hypot(r->direction.x, r->direction.y)), double(std::sqrt(sin2))));
 }
 
 Verdict checkReflectance(float cosine, float eta) {
   const std::optional<Refraction> r = refracted({std::sqrt(1 - cosine * cosine), 0, cosine}, eta);
   if (!r) return wrong("total internal reflection where there is none: is eta upside down?");
   const auto [s, p] = polarisedReflectances(double(cosine), double(eta));
-  const double own = double(r->reflectance), expected = (s + p) / 2, normal = square((double(eta) - 1) / (double(eta) + 1));
+  const double own = double(r->reflectance), expected = (s + p) / 2,
+               normal = square((double(eta) - 1) / (double(eta) + 1));
   if (isNear(own, expected, 1e-3)) return {};
   const double inside = std::sqrt(1 - (1 - double(cosine) * double(cosine)) / double(eta * eta));
-  if (isNear(own, normal + (1 - normal) * std::pow(1 - double(cosine), 5), 1e-3) || isNear(own, normal + (1 - normal) * std::pow(1 - inside, 5), 1e-3))
+  if (isNear(own, normal + (1 - normal) * std::pow(1 - double(cosine), 5), 1e-3) ||
+      isNear(own, normal + (1 - normal) * std::pow(1 - inside, 5), 1e-3))
     return wrong("this is Schlick's approximation; the gap is Fresnel's formula");
   if (isNear(own, 1 - expected, 1e-3)) return wrong("this is the fraction that is refracted");
-  if (isNear(own, s + p, 1e-3)) return wrong("unpolarised light has the mean of both polarisations, not the sum");
+  if (isNear(own, s + p, 1e-3))
+    return wrong("unpolarised light has the mean of both polarisations, not the sum");
   if (isNear(own, (std::sqrt(s) + std::sqrt(p)) / 2, 1e-3)) return wrong("the amplitudes must be squared");
   if (!isNear(s, p, 1e-3) && (isNear(own, s, 1e-3) || isNear(own, p, 1e-3)))
     return wrong("this is one polarisation only; unpolarised light has the mean of both");
-  return wrong(text("the reflectance at the cosine %.3g and eta %.3g is %.4g instead of %.4g", double(cosine), double(eta), own, expected));
+  return wrong(text("the reflectance at the cosine %.3g and eta %.3g is %.4g instead of %.4g", double(cosine),
+                    double(eta), own, expected));
 }
 
 Verdict checkGlass() {
@@ -262,27 +295,32 @@ Verdict checkPdfSolidAngle() {
     timesCosine.emplace_back(pdf * distance2 * cosine);
     distance.emplace_back(pdf * std::sqrt(distance2) / cosine);
   }
-  return judge(values, expected,
-               {{"pdfSolidAngle: cosine / distance2 is solid angle per area; a density is the other way round", inverse},
-                {"pdfSolidAngle: the cosine at the lamp is missing", withoutCosine},
-                {"pdfSolidAngle: the cosine is a divisor, not a factor", timesCosine},
-                {"pdfSolidAngle: the distance must be squared", distance}});
+  return judge(
+      values, expected,
+      {{"pdfSolidAngle: cosine / distance2 is solid angle per area; a density is the other way round",
+        inverse},
+       {"pdfSolidAngle: the cosine at the lamp is missing", withoutCosine},
+       {"pdfSolidAngle: the cosine is a divisor, not a factor", timesCosine},
+       {"pdfSolidAngle: the distance must be squared", distance}});
 }
 
-bool isMisWeightOpen() {
-  return misWeight(1, 1) == 1 && misWeight(1, 4) == 1 && misWeight(4, 1) == 1;
-}
+bool isMisWeightOpen() { return misWeight(1, 1) == 1 && misWeight(1, 4) == 1 && misWeight(4, 1) == 1; }
 
 Verdict checkMisWeight() {
   if (isMisWeightOpen()) return {State::MISSING, ""};
   for (const auto& [a, b] : {std::pair{1.0f, 1.0f}, {1.0f, 4.0f}, {0.2f, 3.0f}, {50.0f, 0.1f}}) {
     const double one = double(misWeight(a, b)), other = double(misWeight(b, a));
-    if (!isNear(one + other, 1, 1e-3)) return wrong(text("misWeight: the weights of both techniques must add up to 1, but %.3g + %.3g = %.3g", one, other, one + other));
+    if (!isNear(one + other, 1, 1e-3))
+      return wrong(text("misWeight: the weights of both techniques must add up to 1, but %.3g + %.3g = %.3g",
+                        one, other, one + other));
     if (!(one >= 0 && one <= 1)) return wrong("misWeight: a weight is below 0 or above 1");
   }
   const double more = double(misWeight(4, 1));
-  if (isNear(more, 0.5)) return wrong("misWeight: weights of 1/2 give the right mean, but the noise of both techniques; use the densities");
-  if (more < 0.5) return wrong("misWeight: the technique with the higher density must have the larger weight");
+  if (isNear(more, 0.5))
+    return wrong(
+        "misWeight: weights of 1/2 give the right mean, but the noise of both techniques; use the densities");
+  if (more < 0.5)
+    return wrong("misWeight: the technique with the higher density must have the larger weight");
   if (misWeight(1, 0) != 1) return wrong("misWeight: a technique that alone finds a path has the weight 1");
   return {};
 }
@@ -292,12 +330,14 @@ Verdict checkMis() {
   if (pdf.state == State::WRONG) return pdf;
   if (weight.state == State::WRONG) return weight;
   if (pdf.state != weight.state)
-    return wrong(std::string("a part is missing: ") + (pdf.state == State::MISSING ? "pdfSolidAngle" : "misWeight"));
+    return wrong(std::string("a part is missing: ") +
+                 (pdf.state == State::MISSING ? "pdfSolidAngle" : "misWeight"));
   return pdf;
 }
 
 Verdict checkEmissionWeight() {
-  if (emissionWeight(true, 0, 2) != 1) return wrong("after the camera, a mirror or glass no shadow ray finds the lamp: the weight is 1");
+  if (emissionWeight(true, 0, 2) != 1)
+    return wrong("after the camera, a mirror or glass no shadow ray finds the lamp: the weight is 1");
   const std::array<std::pair<float, float>, 3> densities{{{1, 1}, {0.2f, 3}, {3, 0.2f}}};
   bool isZero = true, isOne = true, isRight = true, isSwapped = true;
   for (const auto& [ray, lamp] : densities) {
@@ -308,10 +348,13 @@ Verdict checkEmissionWeight() {
     isSwapped = isSwapped && isNear(weight, double(misWeight(lamp, ray)));
   }
   if (isZero) return {State::MISSING, ""};
-  if (isMisWeightOpen()) return {State::WAITS, "waits for gap 9, whose weights it takes"};
+  if (isMisWeightOpen()) return {State::WAITS, "its weights are those of gap 9, which is open"};
   if (isRight) return {};
-  if (isOne) return wrong("after a diffuse surface shadow rays count this light, too: LDE is counted twice; take the MIS weight");
-  if (isSwapped) return wrong("the densities are exchanged: this technique is the ray, the other one light sampling");
+  if (isOne)
+    return wrong("after a diffuse surface shadow rays count this light, too: LDE is counted twice; take the "
+                 "MIS weight");
+  if (isSwapped)
+    return wrong("the densities are exchanged: this technique is the ray, the other one light sampling");
   return wrong(text("with the densities 0.2 and 3 the weight is %.3g instead of misWeight(0.2, 3) = %.3g",
                     double(emissionWeight(false, 0.2f, 3)), double(misWeight(0.2f, 3))));
 }
@@ -319,11 +362,16 @@ Verdict checkEmissionWeight() {
 } // namespace
 
 std::vector<Gap> pathTracerGaps() {
-  return {{1, "emitted radiance", checkEmission},     {2, "BSDF of a diffuse surface", checkBsdf},
-          {3, "cosine-weighted direction", checkSampling}, {4, "weight of a scattering event", checkScatteringWeight},
-          {5, "direct light", checkDirectLight},      {6, "Russian roulette", checkRoulette},
-          {7, "mirror", checkMirror},                 {8, "glass", checkGlass},
-          {9, "densities and MIS weights", checkMis}, {10, "lamps hit by chance", checkEmissionWeight}};
+  return {{1, "emitted radiance", checkEmission},
+          {2, "BSDF of a diffuse surface", checkBsdf},
+          {3, "cosine-weighted direction", checkSampling},
+          {4, "weight of a scattering event", checkScatteringWeight},
+          {5, "direct light", checkDirectLight},
+          {6, "Russian roulette", checkRoulette},
+          {7, "mirror", checkMirror},
+          {8, "glass", checkGlass},
+          {9, "densities and MIS weights", checkMis},
+          {10, "lamps hit by chance", checkEmissionWeight}};
 }
 
 } // namespace course

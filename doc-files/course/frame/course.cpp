@@ -55,8 +55,8 @@ std::optional<Surface> traceRay(const Scene& scene, const Ray& ray, TransportCou
     surface.lampIndex = hit.lightIndex;
     surface.lampRadiance = hit.areaLight->radiance(hit.point, hit.point.geometricNormal);
     surface.lampCosine = glm::dot(viewer, hit.point.geometricNormal);
-    surface.lampPdfArea = scene.lights().probability(hit.lightIndex) *
-                          hit.areaLight->shape().pdfArea(hit.primitive, hit.point);
+    surface.lampPdfArea =
+        scene.lights().probability(hit.lightIndex) * hit.areaLight->shape().pdfArea(hit.primitive, hit.point);
     surface.distance2 = square(hit.t);
   }
   return surface;
@@ -151,8 +151,7 @@ void Tracer::prepare(const Scene& scene, const PathClasses& classes) {
 
 void Tracer::backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const {
   const PathClasses& classes = out.pathClasses();
-  out.add(classes.lightStart(), classes.cameraStart(),
-          radiance(scene, ray, sampler, out.counts));
+  out.add(classes.lightStart(), classes.cameraStart(), radiance(scene, ray, sampler, out.counts));
 }
 
 } // namespace course

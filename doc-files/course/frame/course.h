@@ -25,10 +25,10 @@ struct Surface {
   };
   Kind kind = Kind::BLACK;
   SurfacePoint point;
-  Frame frame;   ///< its z axis is the normal on the viewer's side
-  Vec3f wo;      ///< unit direction to the viewer, in the frame: wo.z > 0
-  Rgb colour{0}; ///< DIFFUSE: albedo; MIRROR: reflectance
-  float eta = 1; ///< GLASS: refractive index behind the surface over the index on the viewer's side
+  Frame frame;         ///< its z axis is the normal on the viewer's side
+  Vec3f wo;            ///< unit direction to the viewer, in the frame: wo.z > 0
+  Rgb colour{0};       ///< DIFFUSE: albedo; MIRROR: reflectance
+  float eta = 1;       ///< GLASS: refractive index behind the surface over the index on the viewer's side
   DeltaScatters steps; ///< MIRROR, GLASS: directions of reflection and refraction, for specularStep()
 
   bool isLamp = false;

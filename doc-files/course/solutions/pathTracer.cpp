@@ -1,6 +1,6 @@
 /** @file
- * Exercise 1: a path tracer (Kajiya 1986, "The Rendering Equation") with light sampling and multiple importance
- * sampling (Veach 1997, chapters 8 and 9). README.md explains each gap.
+ * Exercise 1: a path tracer (Kajiya 1986, "The Rendering Equation") with light sampling and multiple
+ * importance sampling (Veach 1997, chapters 8 and 9). README.md explains each gap.
  */
 #include "frame/pathTracer.h"
 
@@ -60,8 +60,8 @@ Vec3f mirrored(const Vec3f& wo) {
   // } handout: return Vec3f(0, 0, 1);
 }
 
-// Gap 8: direction into glass, and the fraction of the light that is reflected. eta: refractive index behind the
-// surface over the index on the side of wo. Empty: total internal reflection.
+// Gap 8: direction into glass, and the fraction of the light that is reflected. eta: refractive index behind
+// the surface over the index on the side of wo. Empty: total internal reflection.
 std::optional<Refraction> refracted(const Vec3f& wo, float eta) {
   // solution 8 {
   const float sin2 = (1 - wo.z * wo.z) / (eta * eta);
@@ -74,8 +74,9 @@ std::optional<Refraction> refracted(const Vec3f& wo, float eta) {
   // } handout: return Refraction{-wo, 0};
 }
 
-// Gap 9: density of a lamp point by solid angle [1/sr] instead of area, as its surroundings see it; and the MIS
-// weight of a sample that one technique has found with the density pdf, and another would find with otherPdf.
+// Gap 9: density of a lamp point by solid angle [1/sr] instead of area, as its surroundings see it; and the
+// MIS weight of a sample that one technique has found with the density pdf, and another would find with
+// otherPdf.
 float pdfSolidAngle(float pdfArea, float distance2, float cosLamp) {
   // solution 9 {
   return pdfArea * distance2 / cosLamp;
@@ -87,8 +88,9 @@ float misWeight(float pdf, float otherPdf) {
   // } handout: return 1;
 }
 
-// Gap 10: weight of the emission of a lamp that a ray hits. lastWasDelta: the ray comes from the camera, a mirror
-// or glass; else from a diffuse surface, with the density pdfRay. pdfLamp: density of light sampling. [1/sr]
+// Gap 10: weight of the emission of a lamp that a ray hits. lastWasDelta: the ray comes from the camera, a
+// mirror or glass; else from a diffuse surface, with the density pdfRay. pdfLamp: density of light sampling.
+// [1/sr]
 float emissionWeight(bool lastWasDelta, float pdfRay, float pdfLamp) {
   if (lastWasDelta) return 1;
   // solution 10 {
