@@ -103,7 +103,7 @@ class PhotonMapper final : public Tracer {
       const std::optional<Surface> hit = traceRay(scene, ray, counts);
       if (!hit) return;
       const Maps maps = mapsOf(hit->kind, history);
-      const Photon photon{hit->point.position, hit->frame.z, power};
+      const Photon photon{hit->point.position, hit->frame.z, power, 0};
       if (maps.global) global.push_back(photon);
       if (maps.caustic) caustic.push_back(photon);
       if (hit->kind == Surface::Kind::BLACK) return;

@@ -40,10 +40,13 @@ WRONG = {
             ("{ const float s = u.x, a = 2 * PI * u.y, z = std::sqrt(1 - u.x);"
              " return {Vec3f(s * std::cos(a), s * std::sin(a), z), z * INV_PI}; }", "length"),
             ("{ const float s = std::sqrt(u.x), a = 2 * PI * u.y, z = std::sqrt(1 - u.x);"
-             " return {Vec3f(s * std::cos(a), s * std::sin(a), z), INV_PI / 2}; }", "always 0.159")],
+             " return {Vec3f(s * std::cos(a), s * std::sin(a), z), INV_PI / 2}; }", "always 0.159"),
+            ("{ const float s = std::sqrt(u.x), a = 2 * PI * u.y, z = std::sqrt(1 - u.x);"
+             " return {Vec3f(s * std::cos(a), s * std::sin(a), z), z * s * INV_PI}; }", "over solid angle has none")],
         4: [("return bsdf / pdf;", "cosine is missing"),
             ("return bsdf * cosine;", "division by the density is missing"),
             ("return bsdf * cosine * pdf;", "divisor, not a factor"),
+            ("return bsdf * PI;", "cosine-weighted directions only"),
             ("return bsdf * (cosine / pdf * INV_PI);", "a second time")],
         5: [("return bsdf * lampRadiance * (c.cosLamp / (c.distance2 * pdfArea));", "cosine at the surface is missing"),
             ("return bsdf * lampRadiance * (c.cosSurface / (c.distance2 * pdfArea));", "cosine at the lamp is missing"),
@@ -56,6 +59,8 @@ WRONG = {
              "pi times too small.*disc: 0.318 times")],
         6: [("return u < maxComponent(throughput);", "must be divided"),
             ("return true;", "no path ever ends"),
+            ("{ const float p = luminance(throughput); if (u >= p) return false; throughput /= p; return true; }",
+             "limit the probability to 1"),
             ("{ if (u >= 0.5f) return false; throughput *= 2.0f * 2.0f; return true; }", "mean over all u")],
         7: [("return wo;", "goes back"), ("return -wo;", "into the mirror"), ("return {wo.x, -wo.y, wo.z};", "0.6, 0, 0.8")],
         8: [("eta = 1 / eta;", "upside down"),
@@ -76,6 +81,7 @@ WRONG = {
         1: [("return lampRadiance * (1 / (pdfArea * pdfDirection * float(photons)));", "cosine at the lamp"),
             ("return lampRadiance * (cosine / (pdfArea * pdfDirection));", "divide by their number"),
             ("return lampRadiance * (cosine / (pdfArea * float(photons)));", "density of the direction"),
+            ("return lampRadiance * (PI / (pdfArea * float(photons)));", "cosine-weighted directions only"),
             ("return lampRadiance * (cosine * INV_PI / (pdfArea * pdfDirection * float(photons)));",
              "pi times too small.*0.318 times the power")],
         2: [("return {true, history.specular > 0 && history.diffuse == 0};", "at mirrors or glass"),
@@ -110,14 +116,33 @@ WRONG = {
              " return s.surface ? surface.colour * (1 / PI) * s.weight * estimate(*s.surface) : BLACK; }", "pi times too small")],
     },
 }
+# Right fillings that differ from the solutions.
+RIGHT = {
+    ("path", 3): ["{ const Vec2f d = uniformDisk(u); const float z = std::sqrt(1 - d.x * d.x - d.y * d.y);"
+                  " return {Vec3f(d.x, d.y, z), z * INV_PI}; }"],
+    ("path", 6): ["{ const float p = std::min(1.0f, luminance(throughput)); if (u > p) return false;"
+                  " throughput /= p; return true; }",
+                  "{ const float p = std::min(0.95f, (throughput.r + throughput.g + throughput.b) / 3);"
+                  " if (u > p) return false; throughput /= p; return true; }"],
+    ("path", 9): ["return pdfArea / (cosLamp / distance2);"],
+    ("path", 10): ["return pdfRay == 0 ? 0 : misWeight(pdfRay, pdfLamp);"],
+    ("photons", 3): ["{ const float p = (reflectance.r + reflectance.g + reflectance.b) / 3; if (u > p) return false;"
+                     " power *= reflectance / p; return true; }"],
+    ("photons", 4): ["return std::abs(planeDistance) < std::sqrt(radius2);"],
+    ("photons", 8): ["{ const Vec3f d = uniformCone(sampler.next2D(), 1);"
+                     " const Seen s = seeThrough(scene, rayFrom(surface, d), sampler, counts);"
+                     " return s.surface ? surface.colour * (2 * d.z) * s.weight * estimate(*s.surface) : BLACK; }"],
+}
+
 # Gaps whose check needs another one.
 DEPENDENT = {("path", 9): {10: "waits its weights are those of gap 9, which is open"}}
 
 
-# Numbers of the openings: (exercise, gap, None) is the open gap, (exercise, gap, i) a wrong filling.
+# Numbers of the openings: (exercise, gap, None) is the open gap, (exercise, gap, i) a wrong filling,
+# (exercise, gap, "right0") a right one.
 NUMBERS = {key: number for number, key in enumerate(
     (exercise, gap, i) for exercise, gaps in WRONG.items() for gap, fillings in gaps.items()
-    for i in [None, *range(len(fillings))])}
+    for i in [None, *range(len(fillings)), *(f"right{i}" for i in range(len(RIGHT.get((exercise, gap), []))))])}
 
 
 def switched(exercise, text):
@@ -129,10 +154,12 @@ def switched(exercise, text):
         if gap not in filled:
             for i, (wrong, _) in enumerate(WRONG[exercise][gap]):
                 out += f"{indent}if (openings[{NUMBERS[exercise, gap, i]}]) {wrong}\n"
+            for i, right in enumerate(RIGHT.get((exercise, gap), [])):
+                out += f"{indent}if (openings[{NUMBERS[exercise, gap, f'right{i}']}]) {right}\n"
         filled.add(gap)
         return out + solution
 
-    return '#include <cmath>\n#include "openings.h"\n' + handout.with_gaps(text, fill)
+    return '#include <cmath>\n#include <recurse/core/sampling/sampling.h>\n#include "openings.h"\n' + handout.with_gaps(text, fill)
 
 
 def run(*command):
@@ -216,7 +243,7 @@ class CourseTest(unittest.TestCase):
             self.assertEqual(verdicts(output), expected | {gap: "missing"} | DEPENDENT.get((exercise, gap), {}), key)
 
     def test_wrong_fillings_get_a_hint(self):
-        openings = [key for key in NUMBERS if key[2] is not None]
+        openings = [key for key in NUMBERS if isinstance(key[2], int)]
         for key, output in zip(openings, answers(("check", key[0], [key]) for key in openings)):
             exercise, gap, i = key
             statement, hint = WRONG[exercise][gap][i]
@@ -224,11 +251,16 @@ class CourseTest(unittest.TestCase):
             self.assertRegex(found[gap], f"^wrong .*({hint})", f"{key}: {statement}")
             self.assertEqual([other for other, verdict in found.items() if verdict != "right" and other != gap], [], key)
 
+    def test_other_right_fillings_are_right(self):
+        openings = [key for key in NUMBERS if isinstance(key[2], str)]
+        for key, output in zip(openings, answers(("check", key[0], [key]) for key in openings)):
+            self.assertEqual(set(verdicts(output).values()), {"right"}, f"{key}: {output}")
+
     def test_pictures_show_mistakes(self):
         cases = [("path", [("path", 9, None), ("path", 10, 0)], r"direct .*doubled +2"),  # emission counted twice
                  ("path", [("path", 2, 0)], r"reflect\s+more\s+light\s+than\s+they\s+receive"),  # without 1 / pi
                  ("path", [("path", 5, 0)], r"direct .*scaled +1\.[2-6]"),                    # without a cosine
-                 ("path", [("path", 7, None)], r"mirrored-direct .*(scaled|missing)"),
+                 ("path", [("path", 7, None)], r"mirrored-emission .*missing"),
                  ("photons", [("photons", 2, 1)], r"direct .*doubled +(2|1\.9)"),        # direct light in the caustic map
                  ("photons", [("photons", 8, None)], r"indirect-1 .*missing")]
         outputs = answers(("mark", exercise, openings) for exercise, openings, _ in cases)

@@ -96,7 +96,7 @@ Verdict judge(const Values& values, const Values& expected, const std::vector<Mi
 
 Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
                       const std::function<bool(Rgb&, const Rgb&, float)>& survives) {
-  constexpr int COUNT = 4096;
+  constexpr int COUNT = 65536;
   int survivorsOfAll = 0;
   bool isEndless = true;
   std::string hint;
@@ -116,7 +116,7 @@ Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
     const Rgb mean(sum), expected = c.before * c.factor;
     const bool shouldEnd = maxComponent(expected) < 0.5f;
     if (shouldEnd && survivors < COUNT) isEndless = false;
-    if (isNear(mean, expected, 0.003) || !hint.empty()) continue;
+    if (isNear(mean, expected, 0.005) || !hint.empty()) continue;
     const double chance = double(survivors) / COUNT;
     if (isUnchanged && survivors < COUNT && c.factor == Rgb(1))
       hint =
@@ -126,6 +126,8 @@ Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
                   "paths survive; "
                   "divide by that probability",
                   chance);
+    else if (survivors == COUNT && luminance(mean) < luminance(expected))
+      hint = "no path ends here, and yet light is lost: limit the probability to 1 before you divide by it";
     else
       hint = text("the mean over all u is (%.3g, %.3g, %.3g) instead of (%.3g, %.3g, %.3g), with %.3g of the "
                   "paths alive",

@@ -64,7 +64,7 @@ Verdict checkSampling() {
   constexpr int N = 128;
   Moments m;
   double integral = 0; // of pdf over solid angle, if it is in proportion to the cosine
-  bool isProportional = true, isConstant = true, isMissing = true;
+  bool isProportional = true, isConstant = true, hasSine = true, isMissing = true;
   double first = 0;
   for (int i = 0; i < N * N; ++i) {
     const Vec2f u((float(i % N) + 0.5f) / N, (float(i / N) + 0.5f) / N);
@@ -83,6 +83,7 @@ Verdict checkSampling() {
     }
     isProportional = isProportional && isNear(ratio, integral, 1e-3);
     isConstant = isConstant && isNear(pdf, first, 1e-3);
+    hasSine = hasSine && isNear(pdf, z * std::sqrt(std::max(0.0, 1 - z * z)) / PI_D, 1e-3);
     m.z += z / (N * N);
     m.z2 += z * z / (N * N);
     m.x += x / (N * N);
@@ -96,6 +97,10 @@ Verdict checkSampling() {
     return wrong(
         text("the directions are right, but their density is always %.3g: it is in proportion to the cosine",
              first));
+  if (hasSine)
+    return wrong(
+        "the directions are right, but their density has a factor sin(theta): that is the density over the "
+        "angles theta and phi, and the one over solid angle has none");
   if (!isProportional)
     return wrong("the directions are right, but their density is not in proportion to the cosine");
   if (!isNear(integral, 1, 1e-3))
@@ -108,20 +113,22 @@ Verdict checkScatteringWeight() {
     Rgb bsdf;
     float cosine, pdf;
   };
-  Values values, expected, withoutCosine, withoutPdf, timesPdf, withPi;
+  Values values, expected, withoutCosine, withoutPdf, timesPdf, withPi, onlyCosine;
   for (const Case& c : {Case{Rgb(0.1f, 0.2f, 0.3f), 0.5f, 0.2f}, Case{Rgb(0.05f, 0.3f, 0.2f), 0.8f, 0.7f}}) {
     values.push_back(scatteringWeight(c.bsdf, c.cosine, c.pdf));
     expected.push_back(c.bsdf * (c.cosine / c.pdf));
     withoutCosine.push_back(c.bsdf / c.pdf);
     withoutPdf.push_back(c.bsdf * c.cosine);
     timesPdf.push_back(c.bsdf * (c.cosine * c.pdf));
+    onlyCosine.push_back(c.bsdf * PI);
     withPi.push_back(c.bsdf * (c.cosine / c.pdf * INV_PI));
   }
   return judge(values, expected,
                {{"the cosine is missing: the rendering equation has BSDF times cosine", withoutCosine},
                 {"the division by the density is missing", withoutPdf},
                 {"the density is a divisor, not a factor", timesPdf},
-                {"1 / pi is part of the BSDF already, and here a second time", withPi}});
+                {"1 / pi is part of the BSDF already, and here a second time", withPi},
+                {"cosine / pdf is pi for cosine-weighted directions only: use the arguments", onlyCosine}});
 }
 
 /** Direct light by a function of (BSDF, lamp, connection, density), for two connections. */

@@ -33,6 +33,8 @@ Verdict checkPhotonPower() {
       values, by([](const Case& c) { return c.cosine / (c.pdfArea * c.pdfDirection * float(c.photons)); }),
       {{"the cosine at the lamp is missing",
         by([](const Case& c) { return 1 / (c.pdfArea * c.pdfDirection * float(c.photons)); })},
+       {"cosine / pdfDirection is pi for cosine-weighted directions only: use the arguments",
+        by([](const Case& c) { return PI / (c.pdfArea * float(c.photons)); })},
        {"the photons must share the power: divide by their number",
         by([](const Case& c) { return c.cosine / (c.pdfArea * c.pdfDirection); })},
        {"the division by the density of the direction is missing",
@@ -106,7 +108,7 @@ int wrongSearches() {
     const Vec2f xy = sampler.next2D();
     return Vec3f(xy.x, xy.y, sampler.next1D());
   };
-  for (int i = 0; i < 1000; ++i) all.push_back({somewhere(), Vec3f(0, 0, 1), Rgb(1)});
+  for (int i = 0; i < 1000; ++i) all.push_back({somewhere(), Vec3f(0, 0, 1), Rgb(1), 0});
   PhotonTree tree;
   tree.build(all);
   int wrong = 0;

@@ -11,11 +11,14 @@ namespace course::photon {
 
 namespace {
 
-/** Axis along which a part of the array is split: x, y and z by turns. */
-int axisOf(size_t partSize, size_t allSize) {
-  int axis = 0;
-  for (; partSize < allSize; partSize = 2 * partSize + 1) axis = (axis + 1) % 3;
-  return axis;
+/** Axis along which the photons extend farthest. */
+int longestAxis(std::span<const Photon> photons) {
+  Vec3f low = photons.front().position, high = low;
+  for (const Photon& photon : photons) {
+    low = glm::min(low, photon.position);
+    high = glm::max(high, photon.position);
+  }
+  return widestAxis(high - low);
 }
 
 } // namespace
@@ -49,10 +52,11 @@ void PhotonTree::build(std::vector<Photon> all) {
 
 void PhotonTree::sort(std::span<Photon> part) {
   if (part.size() < 2) return;
-  const int axis = axisOf(part.size(), photons.size());
+  const int axis = longestAxis(part);
   const size_t middle = part.size() / 2;
   std::nth_element(part.begin(), part.begin() + long(middle), part.end(),
                    [axis](const Photon& a, const Photon& b) { return a.position[axis] < b.position[axis]; });
+  part[middle].axis = axis;
   sort(part.first(middle));
   sort(part.subspan(middle + 1));
 }
@@ -73,8 +77,7 @@ void PhotonTree::search(std::span<const Photon> part, Search& state) const {
   if (part.empty()) return;
   const size_t middle = part.size() / 2;
   const Photon& split = part[middle];
-  const int axis = axisOf(part.size(), photons.size());
-  const float planeDistance = state.point[axis] - split.position[axis];
+  const float planeDistance = state.point[split.axis] - split.position[split.axis];
   const std::span<const Photon> below = part.first(middle), above = part.subspan(middle + 1);
   search(planeDistance < 0 ? below : above, state);
   state.add(split);

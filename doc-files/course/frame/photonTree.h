@@ -15,6 +15,7 @@ struct Photon {
   Vec3f position;
   Vec3f normal; ///< of the surface, on the side of the photon
   Rgb power;    ///< flux [W]
+  int axis = 0; ///< along which the tree is split here: 0 is x, 1 y, 2 z
 };
 
 /** Photon that a search has found. */
