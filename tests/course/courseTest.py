@@ -56,7 +56,9 @@ WRONG = {
              "squared twice"),
             ("return bsdf * lampRadiance * (c.cosSurface * c.cosLamp / c.distance2);", "division by the density"),
             ("return bsdf * lampRadiance * (c.cosSurface * c.cosLamp / (PI * c.distance2 * pdfArea));",
-             "pi times too small.*disc: 0.318 times")],
+             "a second time.*disc: 0.318 times"),
+            ("return bsdf * lampRadiance * (2 * c.cosSurface * c.cosLamp / (c.distance2 * pdfArea));",
+             "2 times too large.*disc: 2 times")],
         6: [("return u < maxComponent(throughput);", "must be divided"),
             ("return true;", "no path ever ends"),
             ("{ const float p = luminance(throughput); if (u >= p) return false; throughput /= p; return true; }",
@@ -81,6 +83,7 @@ WRONG = {
         1: [("return lampRadiance * (1 / (pdfArea * pdfDirection * float(photons)));", "cosine at the lamp"),
             ("return lampRadiance * (cosine / (pdfArea * pdfDirection));", "divide by their number"),
             ("return lampRadiance * (cosine / (pdfArea * float(photons)));", "density of the direction"),
+            ("return lampRadiance * (1 / float(photons));", "radiance is no power"),
             ("return lampRadiance * (PI / (pdfArea * float(photons)));", "cosine-weighted directions only"),
             ("return lampRadiance * (cosine * INV_PI / (pdfArea * pdfDirection * float(photons)));",
              "pi times too small.*0.318 times the power")],
@@ -91,6 +94,8 @@ WRONG = {
              "scattered diffusely before"),
             ("{ const bool is = kind == Surface::Kind::DIFFUSE; return {is && history.diffuse + history.specular > 0,"
              " is && history.specular > 0 && history.diffuse == 0}; }", "needs them for LDDE"),
+            ("{ const bool is = kind == Surface::Kind::DIFFUSE, caustic = history.specular > 0 && history.diffuse == 0;"
+             " return {is && !caustic, is && caustic}; }", "global map lacks photons: .*caustics"),
             ("{ const bool is = kind == Surface::Kind::DIFFUSE; return {is, false}; }", "caustic map lacks")],
         3: [("{ power *= reflectance; return u < maxComponent(reflectance); }", "lost twice"),
             ("{ power *= reflectance; return true; }", "no path ever ends"),
@@ -108,6 +113,8 @@ WRONG = {
         7: [("return bsdf * radiance / pdf;", "cosine is missing"), ("return bsdf * radiance * cosine;", "division by the density")],
         8: [("{ const Vec3f d = cosineHemisphere(sampler.next2D()); const Seen s = seeThrough(scene, rayFrom(surface, d), sampler, counts);"
              " return s.surface ? surface.colour * (s.emitted + s.weight * estimate(*s.surface)) : BLACK; }", "a lamp emits is added"),
+            ("{ const Vec3f d = uniformCone(sampler.next2D(), 1); const Seen s = seeThrough(scene, rayFrom(surface, d), sampler, counts);"
+             " return s.surface ? surface.colour * s.weight * estimate(*s.surface) : BLACK; }", "directions are uniform"),
             ("{ const Vec3f d = cosineHemisphere(sampler.next2D()); const auto s = traceRay(scene, rayFrom(surface, d), counts);"
              " return s ? surface.colour * estimate(*s) : BLACK; }", "radiance of a mirror"),
             ("{ const Vec3f d = cosineHemisphere(sampler.next2D()); const Seen s = seeThrough(scene, rayFrom(surface, d), sampler, counts);"
@@ -205,6 +212,12 @@ def answers(commands):
 
 
 class CourseTest(unittest.TestCase):
+    def test_solutions_are_not_installed(self):
+        installed = [path.name for path in PREFIX.glob("share/doc/*/doc-files/course/*")]
+        self.assertIn("pathTracer.cpp", installed)
+        self.assertNotIn("solutions", installed)
+        self.assertNotIn("handout", installed)
+
     def test_exercises_are_what_the_solutions_make(self):
         status, output = run(COURSE / "handout", "--check")
         self.assertEqual(status, 0, output)
@@ -213,6 +226,10 @@ class CourseTest(unittest.TestCase):
         names = {str(path.relative_to(BUILD / "handout")) for path in (BUILD / "handout").rglob("*")}
         self.assertIn("pathTracer.cpp", names)
         self.assertFalse([name for name in names if "solution" in name or "handout" in name], names)
+        page = (BUILD / "handout" / "README.md").read_text()
+        self.assertNotIn("teachers", page)
+        for link in re.findall(r"\]\(([^)]*)\)", page):
+            self.assertIn(link, names)
         for name in EXERCISES.values():
             text = (BUILD / "handout" / name).read_text()
             self.assertNotIn("solution", text)

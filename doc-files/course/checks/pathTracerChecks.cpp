@@ -177,6 +177,9 @@ Verdict checkDirectLight() {
        {"the distance must be squared", by([](const Connection& c, float pdf) {
           return c.cosSurface * c.cosLamp / (std::sqrt(c.distance2) * pdf);
         })},
+       {"1 / pi is part of the BSDF already, and here a second time", by([](const Connection& c, float pdf) {
+          return c.cosSurface * c.cosLamp * INV_PI / (c.distance2 * pdf);
+        })},
        {"the division by the density is missing",
         by([](const Connection& c, float) { return c.cosSurface * c.cosLamp / c.distance2; })},
        {"the density is a divisor, not a factor",
@@ -337,7 +340,7 @@ Verdict checkMis() {
   if (pdf.state == State::WRONG) return pdf;
   if (weight.state == State::WRONG) return weight;
   if (pdf.state != weight.state)
-    return wrong(std::string("a part is missing: ") +
+    return wrong(std::string("the other half of the gap is open: ") +
                  (pdf.state == State::MISSING ? "pdfSolidAngle" : "misWeight"));
   return pdf;
 }

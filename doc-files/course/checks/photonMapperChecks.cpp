@@ -33,6 +33,8 @@ Verdict checkPhotonPower() {
       values, by([](const Case& c) { return c.cosine / (c.pdfArea * c.pdfDirection * float(c.photons)); }),
       {{"the cosine at the lamp is missing",
         by([](const Case& c) { return 1 / (c.pdfArea * c.pdfDirection * float(c.photons)); })},
+       {"radiance is no power: the cosine and both densities are missing",
+        by([](const Case& c) { return 1 / float(c.photons); })},
        {"cosine / pdfDirection is pi for cosine-weighted directions only: use the arguments",
         by([](const Case& c) { return PI / (c.pdfArea * float(c.photons)); })},
        {"the photons must share the power: divide by their number",
@@ -89,7 +91,10 @@ Verdict checkMaps() {
   if (lacksCaustic) return wrong("the caustic map lacks photons that came through mirrors or glass only");
   if (lacksDirect)
     return wrong("the global map lacks photons straight from the lamp: the final gather needs them for LDDE");
-  if (lacksOther) return wrong("the global map lacks photons: it has every photon at a diffuse surface");
+  if (lacksOther)
+    return wrong("the global map lacks photons: it has every photon at a diffuse surface, those of caustics "
+                 "too, which light "
+                 "other surfaces");
   return {};
 }
 
@@ -279,6 +284,8 @@ Verdict checkFinalGather() {
   if (isNear(lit.mean, expected, 0.02)) return {};
   if (isNear(lit.mean, Rgb(0.8f, 0.6f, 0.4f), 0.02))
     return wrong("the reflectance of mirrors on the way, Seen::weight, is missing");
+  if (isNear(lit.mean, Rgb(0.8f, 0.6f, 0.4f) * 0.933f, 0.02)) // of all directions the ball fills 1 - cos 30°
+    return wrong("the directions are uniform, and their weight is that of cosine-weighted ones");
   if (isNear(lit.mean, Rgb(0.875f), 0.02)) return wrong("the albedo of the surface is missing");
   const double factor = double(lit.mean.r / expected.r);
   if (isNear(lit.mean, expected * float(factor), 0.02))
