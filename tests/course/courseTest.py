@@ -273,6 +273,33 @@ class CourseTest(unittest.TestCase):
         for key, output in zip(openings, answers(("check", key[0], [key]) for key in openings)):
             self.assertEqual(set(verdicts(output).values()), {"right"}, f"{key}: {output}")
 
+    def test_lamps_are_sampled_by_their_density(self):
+        area, density = map(float, answers([("lamps", "path", [])])[0].split())
+        self.assertLess(abs(area), 0.003)
+        self.assertLess(density, 1e-4)
+
+    def test_scenes_of_other_kinds_are_refused(self):
+        lamp = 'AttributeBegin AreaLightSource "diffuse" Shape "disk" AttributeEnd '
+        worlds = {"diffuse surfaces": lamp + 'Material "conductor" "float roughness" .3 Shape "sphere"',
+                  "diffuse surfaces, ": lamp + 'Material "diffuse" Shape "sphere" Material "orennayar" Shape "disk"',
+                  "lamps on surfaces only": 'LightSource "point"',
+                  "one side only": 'AreaLightSource "diffuse" "bool twosided" true Shape "disk"',
+                  "": lamp}
+        for exercise in GAPS:
+            for message, world in worlds.items():
+                scene, picture = BUILD / "scene.pbrt", BUILD / "picture.exr"
+                scene.write_text('Film "rgb" "integer xresolution" 8 "integer yresolution" 8 LookAt 0 0 3  0 0 0  0 1 0 '
+                                 'Camera "perspective" WorldBegin ' + world)
+                picture.unlink(missing_ok=True)
+                status, output = run(BUILD / "bin/solved", "render", exercise, scene, picture, "1")
+                self.assertEqual((status, picture.exists()), (1, False) if message else (0, True), output)
+                self.assertIn(message, output)
+
+    def test_wrong_commands_have_the_status_2(self):
+        for command in ([], ["check"], ["check", "paths"], ["check", "path", "--picture"], ["render", "path", "a.pbrt"],
+                        ["render", "path", "a.pbrt", "a.exr", "0"]):
+            self.assertEqual(run(BUILD / "course/course", *command)[0], 2, command)
+
     def test_pictures_show_mistakes(self):
         cases = [("path", [("path", 9, None), ("path", 10, 0)], r"direct .*doubled +2"),  # emission counted twice
                  ("path", [("path", 2, 0)], r"reflect\s+more\s+light\s+than\s+they\s+receive"),  # without 1 / pi

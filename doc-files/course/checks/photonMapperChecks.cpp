@@ -138,10 +138,10 @@ Verdict checkTree() {
       visitsTooMany = visitsTooMany || (visits && !needed);
     }
   if (isMissing) return {State::MISSING, ""};
-  if (misses)
+  if (const int count = wrongSearches(); misses || count > 0)
     return wrong(text("searches miss photons on the far side: %d of 200 did not find the nearest 20; compare "
                       "squares of distances",
-                      wrongSearches()));
+                      count));
   if (visitsTooMany)
     return wrong("the photons are right, but searches visit parts of the tree that are too far away: compare "
                  "the squared "

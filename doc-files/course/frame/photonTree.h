@@ -1,5 +1,5 @@
 /** @file
- * Photons in a balanced kd-tree, and the search for the nearest ones (Jensen 2001, sections 6.1 and 6.2).
+ * Photons in a balanced kd-tree, and the search for the nearest ones (Jensen 2001, chapter 6).
  */
 #pragma once
 
