@@ -47,9 +47,8 @@ std::optional<Refraction> refracted(const Vec3f& wo, float eta) {
   return Refraction{-wo, 0}; // gap 8 is open
 }
 
-// Gap 9: density of a lamp point by solid angle [1/sr] instead of area, as its surroundings see it; and the
-// MIS weight of a sample that one technique has found with the density pdf, and another would find with
-// otherPdf.
+// Gap 9: density of a lamp point by solid angle [1/sr], from its density by area [1/length²]; and the MIS
+// weight of a sample that was found with the density pdf, and by the other technique with otherPdf.
 float pdfSolidAngle(float pdfArea, float distance2, float cosLamp) {
   return 0; // gap 9 is open
 }
@@ -57,9 +56,8 @@ float misWeight(float pdf, float otherPdf) {
   return 1; // gap 9 is open
 }
 
-// Gap 10: weight of the emission of a lamp that a ray hits. lastWasDelta: the ray comes from the camera, a
-// mirror or glass; else from a diffuse surface, with the density pdfRay. pdfLamp: density of light sampling.
-// [1/sr]
+// Gap 10: weight of the emission of a lamp that a ray hits. The ray comes from the camera, a mirror or glass
+// if lastWasDelta, else from a diffuse surface with the density pdfRay; light sampling has pdfLamp [1/sr].
 float emissionWeight(bool lastWasDelta, float pdfRay, float pdfLamp) {
   if (lastWasDelta) return 1;
   return 0; // gap 10 is open
@@ -127,7 +125,8 @@ class PathTracer final : public Tracer {
            misWeight(pdfLamp, pdfRay);
   }
 
-  /** Reflects with the probability of the Fresnel reflectance, else refracts. */
+  /** Reflects with the probability of the Fresnel reflectance, else refracts. The factor 1/η² of radiance is
+   * left out: camera and lamps are outside of the glass, where it cancels. */
   static Vec3f throughGlass(const Surface& surface, Sampler& sampler) {
     const std::optional<Refraction> refraction = refracted(surface.wo, surface.eta);
     const bool reflects = !refraction || sampler.next1D() < refraction->reflectance;

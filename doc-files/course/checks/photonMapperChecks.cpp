@@ -113,14 +113,15 @@ int wrongSearches() {
     const Vec2f xy = sampler.next2D();
     return Vec3f(xy.x, xy.y, sampler.next1D());
   };
-  for (int i = 0; i < 1000; ++i) all.push_back({somewhere(), Vec3f(0, 0, 1), Rgb(1), 0});
+  for (int i = 0; i < 1000; ++i) all.push_back({somewhere(), Vec3f(0, 0, i % 2 ? 1 : -1), Rgb(1), 0});
   PhotonTree tree;
   tree.build(all);
   int wrong = 0;
   for (int i = 0; i < 200; ++i) {
     const Vec3f point = somewhere();
     std::vector<float> distances;
-    for (const Photon& photon : all) distances.push_back(lengthSquared(photon.position - point));
+    for (const Photon& photon : all)
+      if (photon.normal.z > 0) distances.push_back(lengthSquared(photon.position - point));
     std::sort(distances.begin(), distances.end());
     const NearPhotons found = tree.nearest(point, Vec3f(0, 0, 1), 20, 10);
     if (found.photons.size() != 20 || found.radius2 != distances[20]) ++wrong;

@@ -8,16 +8,16 @@
 
 namespace course::photon {
 
-// Gap 1: power of a photon [W] that leaves a lamp with a cosine to its normal, from a point of the density
-// pdfArea [1/length²] in a direction of the density pdfDirection [1/sr]; one of so many photons.
+// Gap 1: power [W] of one of `photons` photons. It leaves a lamp with a cosine to the normal, from a point of
+// the density pdfArea [1/length²], in a direction of the density pdfDirection [1/sr].
 Rgb photonPower(const Rgb& lampRadiance, float cosine, float pdfArea, float pdfDirection, int photons) {
   // solution 1 {
   return lampRadiance * (cosine / (pdfArea * pdfDirection * float(photons)));
   // } handout: return BLACK;
 }
 
-// Gap 2: maps that store a photon that arrives at a surface with this history. The direct light LDE is no
-// matter of the maps' visible part; README.md has the table of the paths.
+// Gap 2: maps that store a photon that arrives at a surface with this history. The table of paths in
+// README.md says what each map accounts for.
 Maps mapsOf(Surface::Kind kind, const PhotonHistory& history) {
   // solution 2 {
   const bool isStored = kind == Surface::Kind::DIFFUSE;
@@ -25,7 +25,8 @@ Maps mapsOf(Surface::Kind kind, const PhotonHistory& history) {
   // } handout: return {};
 }
 
-// Gap 3: Russian roulette by u in [0, 1) at a surface that reflects so much. False: the photon is absorbed.
+// Gap 3: Russian roulette by u in [0, 1) at a surface with a reflectance. False: the photon is absorbed. The
+// expected power must be the reflected power.
 bool survivesScattering(Rgb& power, const Rgb& reflectance, float u) {
   // solution 3 {
   const float probability = std::min(1.0f, maxComponent(reflectance));
