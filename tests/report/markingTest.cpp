@@ -248,6 +248,21 @@ TEST(Marking, ThirtyMistakesAreFound) {
   EXPECT_EQ(count, 30);
 }
 
+TEST(Marking, ExamplePathIsAtSurfacesIfThereIsOne) {
+  const auto adviceOn = [](const std::string& expression) {
+    ClassMark mark;
+    mark.name = "class";
+    mark.expression = expression;
+    mark.state = ClassState::MISSING;
+    Marking marking;
+    marking.classes = {mark};
+    return markingStatements(marking).at(0).advice;
+  };
+  EXPECT_NE(adviceOn("all - (LS*E|LDE|LD+S+E)").find("lamp, mirror or glass, diffuse or glossy surface, eye"),
+            std::string::npos);
+  EXPECT_NE(adviceOn("LVE").find("lamp, medium, eye"), std::string::npos);
+}
+
 TEST(Marking, ThirtyRightPicturesAreRight) {
   unsigned seed = 100;
   for (const Exercise& exercise : exercises()) {

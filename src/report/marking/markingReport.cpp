@@ -31,12 +31,15 @@ std::string nameOf(const ClassMark& mark) {
   return mark.expression == mark.name ? mark.name : mark.expression + " (" + mark.name + ")";
 }
 
-/** One of the shortest paths of a class in words; empty where its expression is unknown. */
+/** One of the shortest paths of a class in words, without media if there is one; empty where its expression
+ * is unknown. */
 std::string exampleOf(const ClassMark& mark) {
   if (mark.expression.empty()) return {};
   std::string word;
   try {
-    word = PathAutomaton::compile(mark.expression).shortestWord();
+    const PathAutomaton all = PathAutomaton::compile(mark.expression);
+    const PathAutomaton atSurfaces = all.intersect(PathAutomaton::compile("L(S|D)*E"));
+    word = (atSurfaces.isEmpty() ? all : atSurfaces).shortestWord();
   } catch (const Error&) { // expression of a foreign program
     return {};
   }

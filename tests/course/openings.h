@@ -1,0 +1,9 @@
+/** @file
+ * Switches in the solutions, which courseTest.py puts there.
+ */
+#pragma once
+
+#include <bitset>
+
+/** Gaps that are open, and wrong fillings, by the numbers that courseTest.py gives them. */
+inline std::bitset<1000> openings;
