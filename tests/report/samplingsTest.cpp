@@ -31,7 +31,7 @@ std::string floorUnderSky(int size) {
 std::string floorUnderDisc(const std::string& material = "\"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]") {
   return view(1, 1, "0 .5 -3  0 0 0  0 1 0", perspective(1)) +
          "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb "
-         XTranslate 0 1 0\nRotate 90 1 0 0\nShape \"disk\"\nAttributeEnd\nMaterial " +
+         "reflectance\" [ 0 0 0 ]\nTranslate 0 1 0\nRotate 90 1 0 0\nShape \"disk\"\nAttributeEnd\nMaterial " +
          material + "\nShape \"bilinearmesh\" \"point3 P\" [ -9 0 -9  -9 0 9  9 0 -9  9 0 9 ]\n";
 }
 

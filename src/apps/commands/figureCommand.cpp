@@ -86,13 +86,16 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
                   "alone. Rows have exposures of their own.\n\n"
                   "estimate: maps of all light by photonmap; --spp is the number of paths of path tracing, which "
                   "is the\n"
-                  "truth for the bias. acne: the last picture has the rule of the program.\n\n"
+                  "truth for the bias. acne: the last picture has the rule of the program.\n"
+                  "patches: by radiosity; --set patchsize=R sets the longest edge of a patch (default: 0.15 of the\n"
+                  "scene's radius).\n\n"
                   "Examples:\n"
                   "  recurse figure pyramid scene.pbrt -o pyramid.png --resolution 160x160 --spp 16\n"
                   "  recurse figure mis scene.pbrt -o mis.png --spp 4\n"
                   "  recurse figure samplings scene.pbrt -o samplings.svg --spp 64\n"
                   "  recurse figure estimate scene.pbrt -o estimate.png --photons 100k --spp 256\n"
                   "  recurse figure acne scene.pbrt -o acne.png --offsets 0,1e-6,1e-3,.1\n"
+                  "  recurse figure patches scene.pbrt -o patches.png --set patchsize=.2\n"
                   "  recurse figure cost scene.pbrt -o cost.png --integrator photonmap");
   command->callback([options, &chosen] { chosen = [options] { return drawFigure(*options); }; });
 }

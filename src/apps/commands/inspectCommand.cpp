@@ -134,6 +134,10 @@ ExitStatus inspectScene(const InspectOptions& o) {
   inspection.photonName = loaded.integrator->photonName();
   loaded.integrator->visitPhotonBoxes(BOX_LEVELS,
                                       [&](const PhotonBox& box) { inspection.boxes.push_back(box); });
+  loaded.integrator->visitPatches([&](const RadiosityPatch& patch) { inspection.patches.push_back(patch); });
+  inspection.factorRays = formFactorRays(inspection.patches.size());
+  inspection.factors = formFactors(scene, *loaded.integrator, inspection.patches, inspection.factorRays,
+                                   plan.settings(scene).seed, graceful.flag());
   inspection.references =
       referencesOf(loaded, classes, inspection, referenceSamples, plan.settings(scene).seed, graceful.flag());
   if (graceful.flag()) return ExitStatus::INTERRUPTED;

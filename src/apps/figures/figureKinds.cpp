@@ -127,6 +127,22 @@ FigureDrawing drawAcne(const FigureRun& run) {
                                              run.settings.seed, run.stop)));
 }
 
+FigureDrawing drawPatches(const FigureRun& run) {
+  constexpr double DEFAULT_SIZE = 0.15; // of the scene's radius
+  run.requireMemoryFor(3, 3, 2);
+  ParsedDirective directive = run.directive("radiosity");
+  if (std::none_of(directive.parameters.begin(), directive.parameters.end(),
+                   [](const ParsedParameter& p) { return p.name == "patchsize"; })) {
+    ParsedParameter size;
+    size.type = "float";
+    size.name = "patchsize";
+    size.numbers = {DEFAULT_SIZE * double(run.loaded.scene->bounds().radius)};
+    directive.parameters.push_back(size);
+  }
+  return figureSheet("radiosity", run.subtitle(),
+                     patchesPanels(*run.loaded.scene, *run.made(directive), run.settings, run.stop));
+}
+
 FigureDrawing drawCost(const FigureRun& run) {
   run.requireMemoryFor(3, 3);
   const int64_t samples = samplesTaken(*run.loaded.integrator, run.settings);
@@ -173,6 +189,7 @@ const std::vector<FigureKind>& figureKinds() {
        checkEstimate, drawEstimate},
       {"acne", "shadow acne and light leaks by the offset of shadow rays", Method::NONE, {"--offsets"},
        [](const FigureOptions& o) { offsetsOf(o); }, drawAcne},
+      {"patches", "patches of radiosity, and their light interpolated", Method::OWN, {}, nullptr, drawPatches},
       {"cost", "rays, photons and time of a sample", Method::ANY, {}, nullptr, drawCost},
   };
   return KINDS;

@@ -175,6 +175,14 @@ void FilmViewers::show(const RenderProgress& progress) {
   if (live) live->show(progress);
 }
 
+void FilmViewers::answerPixels(std::shared_ptr<PixelQueries> queries) {
+  if (live) live->setQueries(std::move(queries));
+}
+
+FilmViewers::~FilmViewers() {
+  if (live) live->setQueries(nullptr);
+}
+
 void FilmViewers::finish(const Image& picture, const std::function<void(const std::string&)>& say) {
   const auto end =
       Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience));

@@ -141,6 +141,12 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
 std::vector<float> defaultOffsets(const Scene& scene);
 std::vector<FigurePanel> acnePanels(std::vector<AcnePicture> pictures);
 
+/** Panels of radiosity: patches in the colour of their indirect radiosity with lines of the mesh, the same
+ * light interpolated between corners, and the picture with direct light. `radiosity`: new. Throws Error if it
+ * divides no surface of the scene. */
+std::vector<FigurePanel> patchesPanels(const Scene& scene, Integrator& radiosity,
+                                       const RenderSettings& settings, const std::atomic<bool>& stop);
+
 /** Number of samples of each pixel that a render takes: more than wanted where each of its passes needs one.
  */
 int64_t samplesTaken(const Integrator& integrator, const RenderSettings& settings);
