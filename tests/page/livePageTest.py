@@ -16,7 +16,11 @@ import unittest
 import urllib.error
 import urllib.request
 
-from pageTest import PROGRAM, SCENE, Page, browser, main
+import browser as chromium
+
+chromium.FLAGS = [flag for flag in chromium.FLAGS if flag != "--disable-gpu"] + chromium.WEBGL_FLAGS
+
+from pageTest import PROGRAM, SCENE, Page, browser, main  # noqa: E402 (the browser starts at once)
 
 SIZE = 32
 
@@ -118,6 +122,67 @@ class LivePage(Page):
         self.assertEqual([c for c in browser.complaints if "ERR_CONNECTION" not in c], [])
         self.assertTrue(all(url.startswith((self.render.url, "data:")) for url in browser.requests), browser.requests)
 
+    def inFrame(self, expression):
+        return browser.evaluate("(() => { const d = document.getElementById('pathsPage').contentDocument;"
+                                f"return {expression}; }})()")
+
+    def askPixel(self, x, y):
+        """Clicks a pixel, and waits for the page with its paths. Returns that page's data."""
+        before = browser.evaluate("document.body.dataset.answered ?? ''")
+        browser.clickAt(*self.place((x, y), SIZE))
+        until(lambda: browser.evaluate("document.body.dataset.answered ?? ''") != before)
+        until(lambda: self.inFrame("d?.body?.dataset?.ready ?? ''") == "yes"
+              and self.inFrame("d.getElementById('pixelName').textContent") == f"{x}, {y}")
+        return self.inFrame("JSON.parse(d.getElementById('data').textContent)")
+
+    def testAClickOnAPixelShowsItsPaths(self):
+        browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
+        data = self.askPixel(9, 24)
+        pixel, = data["pixels"]
+        self.assertEqual((pixel["x"], pixel["y"]), (9, 24))
+        # The contributions of a sample are what it adds to the picture.
+        self.assertGreater(len(pixel["samples"]), 0)
+        for first, last, _, _, total in pixel["samples"]:
+            for c in range(3):
+                self.assertAlmostEqual(sum(k[10][c] for k in pixel["contributions"][first:last]), total[c],
+                                       delta=1e-4 * max(total))
+        linear = json.loads(self.render.get("pixel?x=9&y=24"))
+        self.assertLess(abs(pixel["value"][1] - linear[1]), 5 * linear[1])
+        # The table has the contributions, and for one of them its vertices.
+        rows = self.inFrame("d.getElementById('contributions').rows.length")
+        self.assertEqual(rows, 1 + min(200, len(pixel["contributions"])))
+        self.inFrame("d.getElementById('contributions').rows[1].click()")
+        self.assertEqual(self.inFrame("d.getElementById('vertices').rows[1].cells[1].textContent"), "camera")
+        self.assertGreater(self.inFrame("Number(d.getElementById('view').dataset.segments)"), 0)
+        # Another pixel has other paths; the render has gone on.
+        other = self.askPixel(20, 9)["pixels"][0]
+        self.assertNotEqual(other["samples"], pixel["samples"])
+        before = self.render.state()["samples_per_pixel"]
+        until(lambda: self.render.state()["samples_per_pixel"] > before)
+        browser.click("document.getElementById('closePaths')")
+        self.assertTrue(browser.evaluate("document.getElementById('paths').hidden"))
+        self.assertEqual(browser.complaints, [])
+
+    def testQuestionsAreChecked(self):
+        until(lambda: self.render.state()["version"] > 0)
+        def post(path):
+            return urllib.request.urlopen(urllib.request.Request(self.render.url + path, b""), timeout=60)
+        for path in ("ask?x=99&y=0", "ask?x=0", "ask?x=a&y=1"):
+            with self.assertRaises(urllib.error.HTTPError) as caught:
+                post(path)
+            self.assertEqual(caught.exception.code, 400, path)
+            caught.exception.close()
+        with self.assertRaises(urllib.error.HTTPError) as caught:
+            self.render.get("paths")
+        self.assertEqual(caught.exception.code, 404)
+        caught.exception.close()
+        for path in ("reference?position=0,0&normal=0,0,1", "reference?position=0,0,0&normal=0,0,2",
+                     "reference?position=0,0,0&normal=0,0,1"):  # the last one: path tracing has no photons
+            with self.assertRaises(urllib.error.HTTPError) as caught:
+                self.render.get(path)
+            self.assertEqual(caught.exception.code, 400, path)
+            caught.exception.close()
+
     def testRefusesWhatItDoesNotKnow(self):
         until(lambda: self.render.state()["version"] > 0)
         for path in ("shown?tonemap=filmc", "shown?exposure=bright", "pixel?x=99&y=0", "pixel?x=a&y=0", "nothing"):
@@ -138,6 +203,34 @@ class LivePage(Page):
         other = subprocess.run([PROGRAM, "render", SCENE, "-o", os.devnull + ".exr", "--live", "--live-address",
                                 "127.0.0.1:" + port], stderr=subprocess.PIPE, text=True)
         self.assertNotEqual(other.returncode, 0)
+
+
+class LivePhotonPage(Page):
+    """A render with photons: path tracing at any clicked point of a surface."""
+
+    def setUp(self):
+        self.render = Render("--live", "--integrator", "photonmap", "--set", "passes=1", "--photons", "100k", "--direct",
+                             "photons")
+        self.assertIsNotNone(self.render.url)
+
+    tearDown, inFrame, askPixel = LivePage.tearDown, LivePage.inFrame, LivePage.askPixel
+
+    def testPathTracingIsAskedAtAClickedPoint(self):
+        browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
+        data = self.askPixel(16, 3)
+        self.assertGreater(data["photons"]["count"], 1000)
+        box = self.inFrame("(() => { const f = document.getElementById('pathsPage').getBoundingClientRect();"
+                           "const v = d.getElementById('view').getBoundingClientRect();"
+                           "return [f.left + v.left, f.top + v.top, v.width, v.height]; })()")
+        browser.clickAt(box[0] + 0.5 * box[2], box[1] + 0.4 * box[3])
+        until(lambda: self.inFrame("d.getElementById('view').dataset.reference ?? ''"))
+        reference = float(self.inFrame("d.getElementById('view').dataset.reference"))
+        texts = self.inFrame("[...d.querySelectorAll('#estimateText dd')].map((e) => e.textContent)")
+        names = self.inFrame("[...d.querySelectorAll('#estimateText dt')].map((e) => e.textContent)")
+        estimate, error = map(float, texts[names.index("luminance")].split(" ± "))
+        self.assertTrue(any(name.startswith("luminance by 16384 paths") for name in names), names)
+        self.assertAlmostEqual(reference, estimate, delta=5 * error + 0.15 * reference)
+        self.assertEqual(browser.complaints, [])
 
 
 class DisplayServer(unittest.TestCase):

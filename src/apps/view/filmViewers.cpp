@@ -76,8 +76,8 @@ void ViewerOptions::addTo(CLI::App& command) {
   command
       .add_flag(
           "--live", live,
-          "Serve a web page with the picture so far, exposure, tone operator, pixel values, remaining time, "
-          "and a button to stop and keep the picture. Anyone who has the printed address can watch and stop")
+          "Serve a web page with the picture so far, exposure, tone operator, pixel values, the paths of a "
+          "clicked pixel, remaining time, and a button to stop and keep the picture. Anyone who has the printed address can watch and stop")
       ->group(group);
   command
       .add_option("--live-address", liveAddress,

@@ -206,7 +206,8 @@ HttpAnswer LiveServer::Parts::pixel(const HttpRequest& request) {
 HttpAnswer LiveServer::Parts::paths() {
   HttpAnswer out;
   out.type = "text/html; charset=utf-8";
-  out.body = answering()->page();
+  const std::shared_ptr<const Image> image = newest();
+  if (image) out.body = answering()->page(*image);
   return out.body.empty() ? refusal(404, "No pixel has been answered yet.") : out;
 }
 
@@ -294,6 +295,8 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
     } catch (const std::exception& error) { // such as lack of memory, which the render needs more
       out = refusal(500, error.what());
     }
+    // The page shows that of a pixel in a frame; nobody else may show either of them.
+    const std::string ancestors = request.path == parts->root + "paths" ? "'self'" : "'none'";
     out.headers.insert(
         out.headers.end(),
         {{"Cache-Control", "no-store"},
@@ -301,7 +304,8 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
          {"X-Content-Type-Options", "nosniff"},
          {"Content-Security-Policy",
           "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
-          "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'self'"}});
+          "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors " +
+              ancestors}});
     return out;
   };
   try {

@@ -3,10 +3,11 @@
  */
 #include "apps/view/pixelQueries.h"
 
+#include <algorithm>
+
 #include "recurse/core/io/error.h"
 #include "recurse/core/threads/parallel.h"
 #include "recurse/model/scene/plugIns.h"
-#include "recurse/report/stills/stills.h"
 #include "recurse/transport/integrator/sceneNames.h"
 
 namespace recurse::apps {
@@ -15,12 +16,13 @@ namespace {
 
 constexpr int64_t RECORDED_SAMPLES = 16;
 constexpr size_t SHOWN_PHOTONS = 100000;
-constexpr int64_t REFERENCE_PATHS = 2048;
+constexpr int64_t REFERENCE_PATHS = 16384;
 
-/** Picture of the mean of a pixel's samples alone: the page of the render shows the whole picture. */
-Image pictureOfPixel(const RecordedPixel& pixel) {
-  Image image(1, 1, {"R", "G", "B"});
-  for (int c = 0; c < 3; ++c) image.pixels[size_t(c)] = pixel.value()[c];
+/** R, G and B of a picture. */
+Image colourOf(const Image& picture) {
+  Image image(picture.width, picture.height, {"R", "G", "B"});
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) std::copy_n(picture.at(x, y), 3, image.at(x, y));
   return image;
 }
 
@@ -56,7 +58,6 @@ void PixelQueries::answer(const RenderPause& pause) {
   pixel.x = crop.x0 + now.x;
   pixel.y = crop.y0 + now.y;
   pause.record(pixel.x, pixel.y, RECORDED_SAMPLES, pixel.record);
-  inspection->picture = pictureOfPixel(pixel);
   inspection->pixels.push_back(std::move(pixel));
   const Integrator& integrator = pause.integrator();
   inspection->photons = photonsOf(integrator, SHOWN_PHOTONS, inspection->photonsInMap);
@@ -74,13 +75,15 @@ void PixelQueries::answer(const RenderPause& pause) {
   waits = false;
 }
 
-std::string PixelQueries::page() {
-  std::shared_ptr<const Inspection> inspection;
+std::string PixelQueries::page(const Image& picture) {
+  std::shared_ptr<Inspection> inspection;
   {
     const std::lock_guard<std::mutex> guard(mutex);
     inspection = answered;
   }
-  return inspection ? inspectPage(scene, classes, *inspection) : "";
+  if (!inspection) return "";
+  inspection->picture = colourOf(picture); // the render's thread does not use a published answer
+  return inspectPage(scene, classes, *inspection);
 }
 
 void PixelQueries::prepareReferences(const std::string& expression) {

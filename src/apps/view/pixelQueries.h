@@ -34,8 +34,9 @@ class PixelQueries {
   /** Replaces the question. Throws Error (BAD_USAGE) for a pixel outside of the crop window. */
   void ask(int x, int y);
   PixelQuestion question() const;
-  /** Page of the latest answer, see inspectPage(); empty: there is none yet. */
-  std::string page();
+  /** Page of the latest answer, see inspectPage(), with a picture of the crop window; empty: there is no answer
+   * yet. */
+  std::string page(const Image& picture);
   /** Irradiance by path tracing at a surface point, as JSON. Throws Error with the reason where there is
    * none. */
   std::string reference(const Vec3f& position, const Vec3f& normal);
@@ -57,7 +58,7 @@ class PixelQueries {
   std::atomic<bool> waits{false};
   mutable std::mutex mutex; ///< guards the members below
   PixelQuestion asked;
-  std::shared_ptr<const Inspection> answered; ///< null: none
+  std::shared_ptr<Inspection> answered; ///< null: none
   std::string photonPaths;                    ///< light of the answer's photons as an expression; empty: none
   // References, in the page's thread only:
   std::string referencePaths;
