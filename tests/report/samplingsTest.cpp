@@ -76,14 +76,20 @@ TEST(Samplings, OnlyLightSamplesFindAPointLight) {
                             "LightSource \"point\" \"rgb I\" [ 8 8 8 ] \"point3 from\" [ 0 2 0 ]\nMaterial "
                             "\"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"bilinearmesh\" \"point3 P\" "
                             "[ -9 0 -9  -9 0 9  9 0 -9  9 0 9 ]\n";
-  const SamplingsFigure figure = samplingsOf(*sceneFrom(scene), 64);
+  const SamplingsFigure figure = samplingsOf(*sceneFrom(scene), 4096);
   const double expected = 8.0 / 4 * 0.5 / PI_D;
   for (size_t s = 0; s < 3; ++s) {
     EXPECT_EQ(figure.panels[s].image.pixels[0], 0);
     EXPECT_NEAR(figure.plot.curves[s].points.back().y, 1, 0.1); // all of the light is missing
   }
   EXPECT_NEAR(double(figure.panels[3].image.pixels[0]), expected, 1e-3 * expected);
-  EXPECT_NEAR(double(figure.panels[4].image.pixels[0]), expected, 0.4 * expected); // half of the samples
+  EXPECT_NEAR(double(figure.panels[4].image.pixels[0]), expected, 0.06 * expected); // half of the samples
+}
+
+TEST(Samplings, AllAreBlackInTheShadow) {
+  const std::string blocker = "Shape \"bilinearmesh\" \"point3 P\" [ -9 .9 -2  -9 .9 2  9 .9 -2  9 .9 2 ]\n";
+  const SamplingsFigure figure = samplingsOf(*sceneFrom(floorUnderDisc() + blocker), 1000);
+  for (const FigurePanel& panel : figure.panels) EXPECT_EQ(panel.image.pixels[0], 0) << panel.name;
 }
 
 TEST(Samplings, TransmittedLightIsSampledOnBothSides) {
