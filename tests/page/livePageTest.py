@@ -60,7 +60,7 @@ class Render:
         self.folder.cleanup()
 
 
-def until(condition, seconds=60):
+def until(condition, seconds=300):
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:

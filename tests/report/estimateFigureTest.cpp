@@ -17,12 +17,13 @@ constexpr double ESTIMATE_TRUTH = 2, ESTIMATE_BIAS = 0.3, ESTIMATE_DEVIATION = 0
 class KnownEstimator final : public Integrator {
  public:
   KnownEstimator(double bias, double deviation) : bias(bias), deviation(deviation) {}
-  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler, PathRadiance& out) const override {
+  void backward(const Scene& scene, const CameraRay& ray, Sampler& sampler,
+                PathRadiance& out) const override {
     Hit hit;
     if (!scene.intersect(ray, hit)) return;
     if (out.recorder) {
-      out.recorder->beginEstimate(out.recorder->addVertex(CAMERA_STEP, hit, ray.direction, REFLECTION, Rgb(1)),
-                                  false);
+      out.recorder->beginEstimate(
+          out.recorder->addVertex(CAMERA_STEP, hit, ray.direction, REFLECTION, Rgb(1)), false);
       out.recorder->endEstimate(0.25f, 7);
     }
     const double sign = sampler.next1D() < 0.5f ? -1 : 1;
@@ -38,7 +39,8 @@ class KnownEstimator final : public Integrator {
 
 std::string plate(int size, const std::string& light, double fov) {
   return view(size, size, "0 4 0  0 0 0  0 0 1", perspective(fov)) + light +
-         "\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"bilinearmesh\" \"point3 P\" [ -1 0 -1  "
+         "\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"bilinearmesh\" \"point3 P\" [ -1 "
+         "0 -1  "
          "-1 0 1  1 0 -1  1 0 1 ]\n";
 }
 
@@ -72,13 +74,14 @@ TEST(EstimateFigure, KnownBiasAndVarianceAreFound) {
 
 TEST(EstimateFigure, SquaredBiasIsWithoutItsNoise) {
   // Without bias and with few maps, the mean square of the measured bias is its noise alone.
-  const double variance = square(ESTIMATE_DEVIATION / ESTIMATE_TRUTH), noise = variance * (1.0 / 10 + 1.0 / 100);
+  const double variance = square(ESTIMATE_DEVIATION / ESTIMATE_TRUTH),
+               noise = variance * (1.0 / 10 + 1.0 / 100);
   EXPECT_NEAR(knownFigure(10, 100, 0).squaredBias, 0, 0.6 * noise);
 }
 
 TEST(EstimateFigure, VarianceOfFewMapsIsNotTooSmall) {
   const double variance = square(ESTIMATE_DEVIATION / ESTIMATE_TRUTH);
-  EXPECT_NEAR(knownFigure(3, 10).variance, variance, 0.25 * variance);
+  EXPECT_NEAR(knownFigure(2, 10).variance, variance, 0.3 * variance);
 }
 
 TEST(EstimateFigure, PanelsHaveTheSupportsOfTheEstimates) {
@@ -103,7 +106,8 @@ std::array<double, 2> edgeAndMiddle(const std::string& parameters) {
   const auto scene = sceneFrom(plate(21, DISTANT, 2 * std::atan(1.0 / 4) * 180 / PI_D));
   const std::atomic<bool> stop{false};
   const EstimateFigure figure = estimateFigure(
-      *scene, {[&] { return oneMapOf(parameters); }, [] { return integratorFrom("path", ""); }}, 24, 4, 1, stop);
+      *scene, {[&] { return oneMapOf(parameters); }, [] { return integratorFrom("path", ""); }}, 24, 4, 1,
+      stop);
   const Image &mean = figure.panels[1].image, &truth = figure.panels[2].image;
   const auto ratio = [&](int x) {
     double sum = 0;
@@ -131,8 +135,9 @@ TEST(EstimateFigure, AnEdgeIsDarkWithoutBoundaryCorrection) {
 TEST(EstimateFigure, BlackScenesAreAnErrorWithTheReason) {
   const auto scene = sceneFrom(plate(4, "", 10));
   const std::atomic<bool> stop{false};
-  EXPECT_THROW(estimateFigure(*scene, {[] { return oneMapOf(""); }, [] { return integratorFrom("path", ""); }}, 2,
-                              2, 1, stop),
+  EXPECT_THROW(estimateFigure(*scene,
+                              {[] { return oneMapOf(""); }, [] { return integratorFrom("path", ""); }}, 2, 2,
+                              1, stop),
                Error);
 }
 

@@ -32,7 +32,9 @@ struct PatchSystem {
     factors = formFactors(*scene, *radiosity, patches, FACTOR_RAYS, 1, stop);
   }
 
-  static Vec3f centroid(const RadiosityPatch& p) { return (p.corners[0] + p.corners[1] + p.corners[2]) / 3.0f; }
+  static Vec3f centroid(const RadiosityPatch& p) {
+    return (p.corners[0] + p.corners[1] + p.corners[2]) / 3.0f;
+  }
   double factor(size_t from, size_t to) const {
     for (const FormFactorHits& h : factors[from].hits)
       if (h.patch == to) return double(h.rays) / FACTOR_RAYS;
@@ -53,7 +55,8 @@ struct PatchSystem {
 
 std::string squares(const std::string& second) {
   return view(4, 4, "0 0 3  0 0 0  0 1 0", perspective(40)) +
-         "LightSource \"point\" \"point3 from\" [ 0 0 0 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .6 .5 .4 ]\n"
+         "LightSource \"point\" \"point3 from\" [ 0 0 0 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .6 .5 "
+         ".4 ]\n"
          "Shape \"bilinearmesh\" \"point3 P\" [ -.5 -.5 -.5  .5 -.5 -.5  -.5 -.5 .5  .5 -.5 .5 ]\n" +
          second;
 }
@@ -67,8 +70,8 @@ TEST(FormFactors, OfParallelSquares) {
   ASSERT_EQ(system.patches.size(), 64u);
   // Unit squares at distance 1 (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11).
   const double s2 = std::sqrt(2.0);
-  const double expected = 2 / PI_D *
-                          (std::log(std::sqrt(4.0 / 3)) + 2 * s2 * std::atan(1 / s2) - 2 * std::atan(1.0));
+  const double expected =
+      2 / PI_D * (std::log(std::sqrt(4.0 / 3)) + 2 * s2 * std::atan(1 / s2) - 2 * std::atan(1.0));
   EXPECT_NEAR(expected, 0.1998, 1e-4);
   EXPECT_NEAR(system.between(IS_FLOOR, IS_OTHER), expected, 0.004);
   EXPECT_NEAR(system.between(IS_OTHER, IS_FLOOR), expected, 0.004);
@@ -87,12 +90,12 @@ TEST(FormFactors, OfPerpendicularSquares) {
 }
 
 TEST(FormFactors, AreReciprocalAndOneInAClosedBox) {
-  const std::string box = squares(
-      "Shape \"bilinearmesh\" \"point3 P\" [ -.5 .5 -.5  .5 .5 -.5  -.5 .5 .5  .5 .5 .5 ]\n"
-      "Shape \"bilinearmesh\" \"point3 P\" [ -.5 -.5 -.5  -.5 -.5 .5  -.5 .5 -.5  -.5 .5 .5 ]\n"
-      "Shape \"bilinearmesh\" \"point3 P\" [ .5 -.5 -.5  .5 -.5 .5  .5 .5 -.5  .5 .5 .5 ]\n"
-      "Shape \"bilinearmesh\" \"point3 P\" [ -.5 -.5 -.5  .5 -.5 -.5  -.5 .5 -.5  .5 .5 -.5 ]\n"
-      "Shape \"bilinearmesh\" \"point3 P\" [ -.5 -.5 .5  .5 -.5 .5  -.5 .5 .5  .5 .5 .5 ]\n");
+  const std::string box =
+      squares("Shape \"bilinearmesh\" \"point3 P\" [ -.5 .5 -.5  .5 .5 -.5  -.5 .5 .5  .5 .5 .5 ]\n"
+              "Shape \"bilinearmesh\" \"point3 P\" [ -.5 -.5 -.5  -.5 -.5 .5  -.5 .5 -.5  -.5 .5 .5 ]\n"
+              "Shape \"bilinearmesh\" \"point3 P\" [ .5 -.5 -.5  .5 -.5 .5  .5 .5 -.5  .5 .5 .5 ]\n"
+              "Shape \"bilinearmesh\" \"point3 P\" [ -.5 -.5 -.5  .5 -.5 -.5  -.5 .5 -.5  .5 .5 -.5 ]\n"
+              "Shape \"bilinearmesh\" \"point3 P\" [ -.5 -.5 .5  .5 -.5 .5  -.5 .5 .5  .5 .5 .5 ]\n");
   const PatchSystem system(box);
   for (size_t i = 0; i < system.patches.size(); ++i) {
     uint32_t rays = 0;
@@ -108,7 +111,8 @@ TEST(FormFactors, AreReciprocalAndOneInAClosedBox) {
 }
 
 TEST(FormFactors, AWallBetweenBlocksThem) {
-  const std::string both = "Shape \"bilinearmesh\" \"point3 P\" [ -.5 .5 -.5  .5 .5 -.5  -.5 .5 .5  .5 .5 .5 ]\n";
+  const std::string both =
+      "Shape \"bilinearmesh\" \"point3 P\" [ -.5 .5 -.5  .5 .5 -.5  -.5 .5 .5  .5 .5 .5 ]\n";
   const std::string wall = "Shape \"bilinearmesh\" \"point3 P\" [ -5 .1 -5  5 .1 -5  -5 .1 5  5 .1 5 ]\n";
   const PatchSystem system(squares(both + "Material \"conductor\"\n" + wall));
   EXPECT_EQ(system.between(IS_FLOOR, [](const Vec3f& p) { return p.y > 0.4f; }), 0);
@@ -117,10 +121,10 @@ TEST(FormFactors, AWallBetweenBlocksThem) {
 TEST(Patches, HaveTheRadiosityOfTheIntegrator) {
   // In a closed box that emits 1 and reflects 1/2, the irradiance of light reflected at least once before is
   // π (1/2) / (1 - 1/2).
-  const std::string box =
-      view(16, 16, "0 0 0  1 .3 .2  0 0 1", perspective(80)) +
-      "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n"
-      "ReverseOrientation\nShape \"box\"\n";
+  const std::string box = view(16, 16, "0 0 0  1 .3 .2  0 0 1", perspective(80)) +
+                          "AreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb "
+                          "reflectance\" [ .5 .5 .5 ]\n"
+                          "ReverseOrientation\nShape \"box\"\n";
   const auto scene = sceneFrom(box);
   const auto radiosity = integratorFrom("radiosity", "\"float patchsize\" .5 \"integer rays\" 200000");
   const std::atomic<bool> stop{false};
@@ -138,7 +142,8 @@ TEST(Patches, HaveTheRadiosityOfTheIntegrator) {
   // Patches and their interpolation have the same mean, apart from the lines of the mesh.
   ASSERT_EQ(panels.size(), 3u);
   std::vector<double> values;
-  for (size_t i = 0; i < panels[0].image.pixels.size(); i += 3) values.push_back(double(panels[0].image.pixels[i]));
+  for (size_t i = 0; i < panels[0].image.pixels.size(); i += 3)
+    values.push_back(double(panels[0].image.pixels[i]));
   EXPECT_NEAR(quantileOf(values, 0.75), 0.5, 0.05);
   EXPECT_LT(quantileOf(values, 0.02), 0.3); // lines
   double interpolated = 0, all = 0;

@@ -22,7 +22,8 @@ SamplingsFigure samplingsOf(const Scene& scene, int64_t samples, uint64_t seed =
 /** A floor seen from above under an even sky of radiance 1. */
 std::string floorUnderSky(int size) {
   return view(size, size, "0 5 0  0 0 0  0 0 1", perspective(30)) +
-         "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n"
+         "LightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 "
+         "]\n"
          "Shape \"bilinearmesh\" \"point3 P\" [ -9 0 -9  -9 0 9  9 0 -9  9 0 9 ]\n";
 }
 
@@ -31,7 +32,8 @@ std::string floorUnderSky(int size) {
 std::string floorUnderDisc(const std::string& material = "\"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]") {
   return view(1, 1, "0 .5 -3  0 0 0  0 1 0", perspective(1)) +
          "AttributeBegin\nAreaLightSource \"diffuse\" \"rgb L\" [ 1 1 1 ]\nMaterial \"diffuse\" \"rgb "
-         "reflectance\" [ 0 0 0 ]\nTranslate 0 1 0\nRotate 90 1 0 0\nShape \"disk\"\nAttributeEnd\nMaterial " +
+         "reflectance\" [ 0 0 0 ]\nTranslate 0 1 0\nRotate 90 1 0 0\nShape "
+         "\"disk\"\nAttributeEnd\nMaterial " +
          material + "\nShape \"bilinearmesh\" \"point3 P\" [ -9 0 -9  -9 0 9  9 0 -9  9 0 9 ]\n";
 }
 
@@ -72,10 +74,11 @@ TEST(Samplings, CombinedSamplesAreBoundedByBothDensities) {
 }
 
 TEST(Samplings, OnlyLightSamplesFindAPointLight) {
-  const std::string scene = view(2, 2, "0 5 0  0 0 0  0 0 1", perspective(1)) +
-                            "LightSource \"point\" \"rgb I\" [ 8 8 8 ] \"point3 from\" [ 0 2 0 ]\nMaterial "
-                            "\"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"bilinearmesh\" \"point3 P\" "
-                            "[ -9 0 -9  -9 0 9  9 0 -9  9 0 9 ]\n";
+  const std::string scene =
+      view(2, 2, "0 5 0  0 0 0  0 0 1", perspective(1)) +
+      "LightSource \"point\" \"rgb I\" [ 8 8 8 ] \"point3 from\" [ 0 2 0 ]\nMaterial "
+      "\"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\nShape \"bilinearmesh\" \"point3 P\" "
+      "[ -9 0 -9  -9 0 9  9 0 -9  9 0 9 ]\n";
   const SamplingsFigure figure = samplingsOf(*sceneFrom(scene), 4096);
   const double expected = 8.0 / 4 * 0.5 / PI_D;
   for (size_t s = 0; s < 3; ++s) {
@@ -126,11 +129,12 @@ TEST(Samplings, ScenesThatCannotBeDrawnAreErrorsWithTheReason) {
     }
     return std::string();
   };
-  EXPECT_NE(complaint(floorUnderSky(1) +
-                      "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\"\n"
-                      "Material \"interface\"\nShape \"sphere\"\n")
-                .find("cannot draw media"),
-            std::string::npos);
+  EXPECT_NE(
+      complaint(floorUnderSky(1) +
+                "MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"fog\" \"\"\n"
+                "Material \"interface\"\nShape \"sphere\"\n")
+          .find("cannot draw media"),
+      std::string::npos);
   std::string dark = floorUnderSky(1);
   dark.erase(dark.find("LightSource"), dark.find("Material") - dark.find("LightSource"));
   EXPECT_NE(complaint(dark).find("needs a scene with lights"), std::string::npos);
@@ -140,11 +144,14 @@ TEST(Samplings, ScenesThatCannotBeDrawnAreErrorsWithTheReason) {
  * positions on it are rounded. */
 std::string obliqueFloor() {
   return view(24, 24, "0 4 .1  0 0 0  0 0 1", perspective(30)) +
-         "Rotate 20 .3 .5 .8\nLightSource \"distant\" \"point3 from\" [ 0 1 1 ] \"point3 to\" [ 0 0 0 ] \"rgb L\" "
+         "Rotate 20 .3 .5 .8\nLightSource \"distant\" \"point3 from\" [ 0 1 1 ] \"point3 to\" [ 0 0 0 ] "
+         "\"rgb L\" "
          "[ 3 3 3 ]\nMaterial \"diffuse\" \"rgb reflectance\" [ .5 .5 .5 ]\n"
-         "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ -4 .01 -4  -4 .01 4  4 .01 4  "
+         "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ -4 .01 -4  -4 .01 4  4 "
+         ".01 4  "
          "4 .01 -4 ]\n"
-         "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ -4 .11 .2  -4 .11 .4  4 .11 .4  "
+         "Shape \"trianglemesh\" \"integer indices\" [ 0 1 2  0 2 3 ] \"point3 P\" [ -4 .11 .2  -4 .11 .4  4 "
+         ".11 .4  "
          "4 .11 .2 ]\n";
 }
 

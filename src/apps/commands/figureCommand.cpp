@@ -71,7 +71,8 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
   command->add_option("-o,--output", o.output, "Picture to write, or .svg")->required()->type_name("FILE");
   command->add_option("--edges", o.edges, "pyramid: edges of the longest paths, 2 to 12 (default: 5)")
       ->type_name("N");
-  command->add_option("--maps", o.maps, "estimate: number of independent photon maps, at least 2 (default: 16)")
+  command
+      ->add_option("--maps", o.maps, "estimate: number of independent photon maps, at least 2 (default: 16)")
       ->type_name("N");
   command
       ->add_option("--offsets", o.offsets,
@@ -79,24 +80,25 @@ void addFigureCommand(CLI::App& app, Command& chosen) {
                    "radius)")
       ->type_name("D,D...");
   o.render.addTo(*command);
-  command->footer("pyramid: s vertices are sampled from the light and t from the camera. The upper pyramid "
-                  "has the weighted\n"
-                  "contributions, which add up to the picture of paths with 2 to N edges; below, each "
-                  "strategy stands\n"
-                  "alone. Rows have exposures of their own.\n\n"
-                  "estimate: maps of all light by photonmap; --spp is the number of paths of path tracing, which "
-                  "is the\n"
-                  "truth for the bias. acne: the last picture has the rule of the program.\n"
-                  "patches: by radiosity; --set patchsize=R sets the longest edge of a patch (default: 0.15 of the\n"
-                  "scene's radius).\n\n"
-                  "Examples:\n"
-                  "  recurse figure pyramid scene.pbrt -o pyramid.png --resolution 160x160 --spp 16\n"
-                  "  recurse figure mis scene.pbrt -o mis.png --spp 4\n"
-                  "  recurse figure samplings scene.pbrt -o samplings.svg --spp 64\n"
-                  "  recurse figure estimate scene.pbrt -o estimate.png --photons 100k --spp 256\n"
-                  "  recurse figure acne scene.pbrt -o acne.png --offsets 0,1e-6,1e-3,.1\n"
-                  "  recurse figure patches scene.pbrt -o patches.png --set patchsize=.2\n"
-                  "  recurse figure cost scene.pbrt -o cost.png --integrator photonmap");
+  command->footer(
+      "pyramid: s vertices are sampled from the light and t from the camera. The upper pyramid "
+      "has the weighted\n"
+      "contributions, which add up to the picture of paths with 2 to N edges; below, each "
+      "strategy stands\n"
+      "alone. Rows have exposures of their own.\n\n"
+      "estimate: maps of all light by photonmap; --spp is the number of paths of path tracing, which "
+      "is the\n"
+      "truth for the bias. acne: the last picture has the rule of the program.\n"
+      "patches: by radiosity; --set patchsize=R sets the longest edge of a patch (default: 0.15 of the\n"
+      "scene's radius).\n\n"
+      "Examples:\n"
+      "  recurse figure pyramid scene.pbrt -o pyramid.png --resolution 160x160 --spp 16\n"
+      "  recurse figure mis scene.pbrt -o mis.png --spp 4\n"
+      "  recurse figure samplings scene.pbrt -o samplings.svg --spp 64\n"
+      "  recurse figure estimate scene.pbrt -o estimate.png --photons 100k --spp 256\n"
+      "  recurse figure acne scene.pbrt -o acne.png --offsets 0,1e-6,1e-3,.1\n"
+      "  recurse figure patches scene.pbrt -o patches.png --set patchsize=.2\n"
+      "  recurse figure cost scene.pbrt -o cost.png --integrator photonmap");
   command->callback([options, &chosen] { chosen = [options] { return drawFigure(*options); }; });
 }
 

@@ -46,8 +46,8 @@ FigureDrawing drawMis(const FigureRun& run) {
 
 FigureDrawing drawSamplings(const FigureRun& run) {
   run.requireMemoryFor(5, 5);
-  const SamplingsFigure figure = samplingsFigure(*run.loaded.scene, run.settings.samplesPerPixel,
-                                                 run.settings.seed, run.stop);
+  const SamplingsFigure figure =
+      samplingsFigure(*run.loaded.scene, run.settings.samplesPerPixel, run.settings.seed, run.stop);
   return figureSheet("samplings of direct light", run.subtitle(), figure.panels, &figure.plot);
 }
 
@@ -93,14 +93,15 @@ FigureDrawing drawEstimate(const FigureRun& run) {
   setParameter(photonMap, direct);
   path.type = "path";
   std::erase_if(path.parameters, [](const ParsedParameter& p) { return p.name != "maxdepth"; });
-  const EstimateFigure figure = estimateFigure(
-      *run.loaded.scene, {[&] { return run.made(photonMap); }, [&] { return run.made(path); }}, maps,
-      run.settings.samplesPerPixel, run.settings.seed, run.stop);
+  const EstimateFigure figure =
+      estimateFigure(*run.loaded.scene, {[&] { return run.made(photonMap); }, [&] { return run.made(path); }},
+                     maps, run.settings.samplesPerPixel, run.settings.seed, run.stop);
   return figureSheet("layers of a photon estimate",
-                     run.scene + formatted(", RMS bias %.2g and standard deviation %.2g of the mean; standard "
-                                           "error of the bias %.2g",
-                                           std::sqrt(std::max(0.0, figure.squaredBias)),
-                                           std::sqrt(figure.variance), figure.biasError),
+                     run.scene +
+                         formatted(", RMS bias %.2g and standard deviation %.2g of the mean; standard "
+                                   "error of the bias %.2g",
+                                   std::sqrt(std::max(0.0, figure.squaredBias)), std::sqrt(figure.variance),
+                                   figure.biasError),
                      figure.panels);
 }
 
@@ -180,16 +181,37 @@ void FigureRun::requireMemoryFor(int panels, int cells, int layers) const {
 const std::vector<FigureKind>& figureKinds() {
   using Method = FigureKind::Method;
   static const std::vector<FigureKind> KINDS = {
-      {"pyramid", "strategies of bidirectional path tracing", Method::OWN, {"--edges"},
-       [](const FigureOptions& o) { edgesOf(o); }, drawPyramid},
+      {"pyramid",
+       "strategies of bidirectional path tracing",
+       Method::OWN,
+       {"--edges"},
+       [](const FigureOptions& o) { edgesOf(o); },
+       drawPyramid},
       {"mis", "light samples, BSDF samples, and both", Method::OWN, {}, nullptr, drawMis},
-      {"samplings", "direct light by uniform, cosine, BSDF and light sampling and by both, with their errors",
-       Method::NONE, {}, nullptr, drawSamplings},
-      {"estimate", "number, radius, bias and variance of a photon estimate", Method::OWN, {"--maps"},
-       checkEstimate, drawEstimate},
-      {"acne", "shadow acne and light leaks by the offset of shadow rays", Method::NONE, {"--offsets"},
-       [](const FigureOptions& o) { offsetsOf(o); }, drawAcne},
-      {"patches", "patches of radiosity, and their light interpolated", Method::OWN, {}, nullptr, drawPatches},
+      {"samplings",
+       "direct light by uniform, cosine, BSDF and light sampling and by both, with their errors",
+       Method::NONE,
+       {},
+       nullptr,
+       drawSamplings},
+      {"estimate",
+       "number, radius, bias and variance of a photon estimate",
+       Method::OWN,
+       {"--maps"},
+       checkEstimate,
+       drawEstimate},
+      {"acne",
+       "shadow acne and light leaks by the offset of shadow rays",
+       Method::NONE,
+       {"--offsets"},
+       [](const FigureOptions& o) { offsetsOf(o); },
+       drawAcne},
+      {"patches",
+       "patches of radiosity, and their light interpolated",
+       Method::OWN,
+       {},
+       nullptr,
+       drawPatches},
       {"cost", "rays, photons and time of a sample", Method::ANY, {}, nullptr, drawCost},
   };
   return KINDS;

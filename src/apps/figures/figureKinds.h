@@ -54,9 +54,9 @@ struct FigureRun {
 struct FigureKind {
   /** Integrators of a kind. */
   enum class Method {
-    ANY,   ///< the scene's or the one of --integrator
-    OWN,   ///< certain integrators, with the parameters of the options
-    NONE   ///< none, and no parameters
+    ANY, ///< the scene's or the one of --integrator
+    OWN, ///< certain integrators, with the parameters of the options
+    NONE ///< none, and no parameters
   };
   const char* name;
   const char* description; ///< for --help

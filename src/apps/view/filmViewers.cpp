@@ -77,7 +77,8 @@ void ViewerOptions::addTo(CLI::App& command) {
       .add_flag(
           "--live", live,
           "Serve a web page with the picture so far, exposure, tone operator, pixel values, the paths of a "
-          "clicked pixel, remaining time, and a button to stop and keep the picture. Anyone who has the printed address can watch and stop")
+          "clicked pixel, remaining time, and a button to stop and keep the picture. Anyone who has the "
+          "printed address can watch and stop")
       ->group(group);
   command
       .add_option("--live-address", liveAddress,

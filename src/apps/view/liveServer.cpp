@@ -106,7 +106,7 @@ struct LiveServer::Parts {
   std::mutex mutex; ///< guards the members below
   std::shared_ptr<const Image> picture;
   std::shared_ptr<PixelQueries> queries; ///< null: none are answered
-  uint64_t version = 0, fetched = 0; ///< of pictures: newest, and latest one fetched
+  uint64_t version = 0, fetched = 0;     ///< of pictures: newest, and latest one fetched
   RenderProgress progress;
   bool finished = false, stopped = false;
   double developSeconds = 0;
@@ -213,7 +213,8 @@ HttpAnswer LiveServer::Parts::paths() {
 
 /** Path tracing at the surface point `position` with the normal `normal`. */
 HttpAnswer LiveServer::Parts::reference(const HttpRequest& request) {
-  return json(answering()->reference(vectorParameter(request, "position"), vectorParameter(request, "normal")));
+  return json(
+      answering()->reference(vectorParameter(request, "position"), vectorParameter(request, "normal")));
 }
 
 /** Asks for the paths of the pixel `x`, `y`; the state says when there is an answer. */

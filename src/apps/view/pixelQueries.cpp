@@ -30,8 +30,8 @@ Image colourOf(const Image& picture) {
 
 PixelQueries::PixelQueries(std::shared_ptr<const Scene> ofRender, const PathClasses& classes,
                            std::string title, std::string label, int maxDepth, uint64_t seed)
-    : owner(std::move(ofRender)), scene(*owner), classes(classes), title(std::move(title)), label(std::move(label)), maxDepth(maxDepth),
-      seed(seed) {}
+    : owner(std::move(ofRender)), scene(*owner), classes(classes), title(std::move(title)),
+      label(std::move(label)), maxDepth(maxDepth), seed(seed) {}
 
 void PixelQueries::ask(int x, int y) {
   const PixelBounds& crop = scene.film().crop;
@@ -64,9 +64,9 @@ void PixelQueries::answer(const RenderPause& pause) {
   inspection->shownPhotons = SHOWN_PHOTONS;
   inspection->photonName = integrator.photonName();
   integrator.visitPhotonBoxes(BOX_LEVELS, [&](const PhotonBox& box) { inspection->boxes.push_back(box); });
-  const std::string expression = inspection->photons.empty()
-                                     ? ""
-                                     : photonExpression(classes, inspection->photons, integrator.photonPaths());
+  const std::string expression =
+      inspection->photons.empty() ? ""
+                                  : photonExpression(classes, inspection->photons, integrator.photonPaths());
   const std::lock_guard<std::mutex> guard(mutex);
   answered = std::move(inspection);
   photonPaths = expression;

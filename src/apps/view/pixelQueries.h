@@ -16,7 +16,7 @@ namespace recurse::apps {
 
 /** Question about a pixel, and whether it has been answered. */
 struct PixelQuestion {
-  int x = 0, y = 0; ///< from the upper left corner of the crop window
+  int x = 0, y = 0;    ///< from the upper left corner of the crop window
   uint64_t number = 0; ///< counted from 1; 0: none
   bool isAnswered = false;
 };
@@ -34,8 +34,8 @@ class PixelQueries {
   /** Replaces the question. Throws Error (BAD_USAGE) for a pixel outside of the crop window. */
   void ask(int x, int y);
   PixelQuestion question() const;
-  /** Page of the latest answer, see inspectPage(), with a picture of the crop window; empty: there is no answer
-   * yet. */
+  /** Page of the latest answer, see inspectPage(), with a picture of the crop window; empty: there is no
+   * answer yet. */
   std::string page(const Image& picture);
   /** Irradiance by path tracing at a surface point, as JSON. Throws Error with the reason where there is
    * none. */
@@ -59,7 +59,7 @@ class PixelQueries {
   mutable std::mutex mutex; ///< guards the members below
   PixelQuestion asked;
   std::shared_ptr<Inspection> answered; ///< null: none
-  std::string photonPaths;                    ///< light of the answer's photons as an expression; empty: none
+  std::string photonPaths;              ///< light of the answer's photons as an expression; empty: none
   // References, in the page's thread only:
   std::string referencePaths;
   std::unique_ptr<PathClasses> referenceClasses;

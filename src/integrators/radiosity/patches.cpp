@@ -169,7 +169,8 @@ std::vector<Patches::Face> Patches::facesOf(const Scene& scene) {
     const bool isMesh = shape->triangleMesh() != nullptr;
     const uint32_t number = isMesh ? shape->primitiveCount() : shape->faceCount();
     for (uint32_t i = 0; i < number; ++i)
-      all.push_back(Face{.shape = shape, .material = scene.shapes()[s].material, .number = i, .isTriangle = isMesh});
+      all.push_back(
+          Face{.shape = shape, .material = scene.shapes()[s].material, .number = i, .isTriangle = isMesh});
   }
   return all;
 }

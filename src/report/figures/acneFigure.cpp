@@ -77,11 +77,11 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
       for (int c = 0; c < 3; ++c)
         out[k].image.pixels[3 * p + size_t(c)] += ray.contribution[c] / static_cast<float>(samples);
     };
-    const bool blockedByRule =
-        isBlocked(scene, from, from.rayOrigin(ray.light.direction), ray.light);
+    const bool blockedByRule = isBlocked(scene, from, from.rayOrigin(ray.light.direction), ray.light);
     add(rule, blockedByRule, blockedByRule);
     for (size_t k = 0; k < rule; ++k)
-      add(k, isBlocked(scene, from, originAt(from, ray.light.direction, offsets[k]), ray.light), blockedByRule);
+      add(k, isBlocked(scene, from, originAt(from, ray.light.direction, offsets[k]), ray.light),
+          blockedByRule);
   };
   visitViews(scene, stop, [&](size_t p, const PixelView& view) {
     for (AcnePicture& picture : out)
@@ -105,7 +105,8 @@ std::vector<AcnePicture> acnePictures(const Scene& scene, const std::vector<floa
 
 std::vector<float> defaultOffsets(const Scene& scene) {
   std::vector<float> out;
-  for (const float part : {0.0f, 1e-7f, 1e-6f, 1e-4f, 1e-2f, 0.1f}) out.push_back(part * scene.bounds().radius);
+  for (const float part : {0.0f, 1e-7f, 1e-6f, 1e-4f, 1e-2f, 0.1f})
+    out.push_back(part * scene.bounds().radius);
   return out;
 }
 
@@ -118,8 +119,8 @@ std::vector<FigurePanel> acnePanels(std::vector<AcnePicture> pictures) {
     const std::string name = p.offset < 0 ? "by the error of the position"
                                           : formatted("%.2g: %.1f %% acne, %.1f %% leaks", double(p.offset),
                                                       100 * p.acne, 100 * p.leaks);
-    panels.push_back({std::move(p.image), name, static_cast<int>(k / COLUMNS),
-                      static_cast<float>(k % COLUMNS), exposure});
+    panels.push_back(
+        {std::move(p.image), name, static_cast<int>(k / COLUMNS), static_cast<float>(k % COLUMNS), exposure});
   }
   return panels;
 }

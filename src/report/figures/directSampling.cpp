@@ -62,9 +62,9 @@ class DirectEstimator {
     Rgb sum = BLACK;
     const auto add = [&](const Rgb& radiance, float pdfLight) {
       if (isBlack(radiance)) return;
-      const float all = sampling == DirectSampling::COMBINED ? (1 - COMBINED_PROBABILITY) * density +
-                                                                   COMBINED_PROBABILITY * pdfLight
-                                                             : density;
+      const float all = sampling == DirectSampling::COMBINED
+                            ? (1 - COMBINED_PROBABILITY) * density + COMBINED_PROBABILITY * pdfLight
+                            : density;
       sum += visible.weight * f * radiance / all;
     };
     followRay(scene, {from.rayOrigin(*direction), *direction, INFINITE, from.time}, [&](const Hit* hit) {
@@ -85,8 +85,7 @@ class DirectEstimator {
 
   std::optional<Vec3f> sampleDirection(DirectSampling sampling, Sampler& sampler, float& density) const {
     if (sampling == DirectSampling::BSDF || sampling == DirectSampling::COMBINED) {
-      const std::optional<Scatter> s =
-          scattering.scatterNonDelta(visible.wi, Transport::RADIANCE, sampler);
+      const std::optional<Scatter> s = scattering.scatterNonDelta(visible.wi, Transport::RADIANCE, sampler);
       if (!s) return {};
       density = s->pdf;
       return s->direction;

@@ -29,7 +29,9 @@ struct EstimateSupports {
     radius[pixel] += double(e.radius);
     ++estimates[pixel];
   }
-  bool hasPhotons() const { return std::any_of(photons.begin(), photons.end(), [](double n) { return n > 0; }); }
+  bool hasPhotons() const {
+    return std::any_of(photons.begin(), photons.end(), [](double n) { return n > 0; });
+  }
   /** Mean of a sum for one estimate; NaN in pixels without any. */
   std::vector<double> mean(const std::vector<double>& sum) const {
     std::vector<double> out(sum.size());
@@ -72,7 +74,8 @@ template <class Use> void forMiddleRays(const Scene& scene, const std::atomic<bo
     for (size_t column = 0; column < width && !stop; ++column) {
       const CameraSample middle{.film = Vec2f(crop.x0 + int(column), crop.y0 + int(row)) + 0.5f,
                                 .time = scene.camera().timeAt(0.5f)};
-      if (const std::optional<CameraRay> ray = scene.camera().validRay(middle)) use(row * width + column, *ray);
+      if (const std::optional<CameraRay> ray = scene.camera().validRay(middle))
+        use(row * width + column, *ray);
     }
   });
 }
@@ -87,7 +90,8 @@ void shootFor(const Scene& scene, Integrator& integrator, const PathClasses& cla
 
 std::vector<double> finite(const std::vector<double>& values) {
   std::vector<double> out;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(out), [](double x) { return std::isfinite(x); });
+  std::copy_if(values.begin(), values.end(), std::back_inserter(out),
+               [](double x) { return std::isfinite(x); });
   if (out.empty()) out.push_back(0);
   return out;
 }
@@ -98,7 +102,8 @@ ColourScale scaleFrom0(const std::vector<double>& values, const char* unit) {
 
 void addSupports(const PixelBounds& crop, const EstimateSupports& supports, const std::string& of,
                  std::vector<FigurePanel>& panels, int row, float column) {
-  const std::vector<double> photons = supports.mean(supports.photons), radius = supports.mean(supports.radius);
+  const std::vector<double> photons = supports.mean(supports.photons),
+                            radius = supports.mean(supports.radius);
   panels.push_back(scaledPanel(crop, photons, scaleFrom0(photons, "photons"), "number" + of, row, column));
   panels.push_back(
       scaledPanel(crop, radius, scaleFrom0(radius, "scene units"), "radius" + of, row, column + 1));
@@ -135,8 +140,8 @@ void addMap(const Scene& scene, const PathClasses& classes, Integrator& photonMa
   ++data.byMaps.count;
 }
 
-void addPaths(const Scene& scene, const PathClasses& classes, Integrator& path, int64_t samples, uint64_t seed,
-              const std::atomic<bool>& stop, EstimateData& data) {
+void addPaths(const Scene& scene, const PathClasses& classes, Integrator& path, int64_t samples,
+              uint64_t seed, const std::atomic<bool>& stop, EstimateData& data) {
   shootFor(scene, path, classes, seed, stop);
   forMiddleRays(scene, stop, [&](size_t p, const CameraRay& ray) {
     TransportCounts counts;
@@ -167,7 +172,8 @@ void addErrors(const EstimateData& data, double mean, EstimateFigure& figure) {
   std::vector<double> bias(pixels), deviation(pixels), biasError(pixels), sizes;
   for (size_t p = 0; p < pixels; ++p) {
     const double variance = data.byMaps.variance(p) / square(mean);
-    const double error2 = variance / data.byMaps.count + data.byPaths.variance(p) / square(mean) / data.byPaths.count;
+    const double error2 =
+        variance / data.byMaps.count + data.byPaths.variance(p) / square(mean) / data.byPaths.count;
     bias[p] = (data.byMaps.mean(p) - data.byPaths.mean(p)) / mean;
     deviation[p] = std::sqrt(variance);
     biasError[p] = std::sqrt(error2);
@@ -181,8 +187,8 @@ void addErrors(const EstimateData& data, double mean, EstimateFigure& figure) {
       scaledPanel(data.crop, bias, {-largest, largest, "of the mean", true}, "bias", 1, 0));
   figure.panels.push_back(
       scaledPanel(data.crop, deviation, scaleFrom0(deviation, "of the mean"), "standard deviation", 1, 1));
-  figure.panels.push_back(scaledPanel(data.crop, biasError, {0, largest, "of the mean"},
-                                      "standard error of the bias", 1, 2));
+  figure.panels.push_back(
+      scaledPanel(data.crop, biasError, {0, largest, "of the mean"}, "standard error of the bias", 1, 2));
 }
 
 } // namespace
@@ -202,7 +208,8 @@ EstimateFigure estimateFigure(const Scene& scene, const EstimateMethods& methods
   if (stop) return figure;
   double mean = 0;
   for (size_t p = 0; p < data.crop.area(); ++p) mean += data.byPaths.mean(p) / double(data.crop.area());
-  if (!(mean > 0)) throw Error("the figure needs light on surfaces that store photons; path tracing finds none");
+  if (!(mean > 0))
+    throw Error("the figure needs light on surfaces that store photons; path tracing finds none");
   addPictures(data, figure.panels);
   addErrors(data, mean, figure);
   const bool hasCaustics = data.causticSupports.hasPhotons();

@@ -97,9 +97,10 @@ std::string svgText(const FigureDrawing& drawing) {
   for (const FigureDrawing::Picture& p : drawing.pictures) {
     Image encoded = p.image;
     for (float& x : encoded.pixels) x = srgbFromLinear(x);
-    svg += formatted("<image x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" style=\"image-rendering:pixelated\" ",
-                     p.x, p.y, p.image.width, p.image.height) +
-           "href=\"data:image/png;base64," + base64(encodedPng(encoded)) + "\"/>\n";
+    svg +=
+        formatted("<image x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" style=\"image-rendering:pixelated\" ",
+                  p.x, p.y, p.image.width, p.image.height) +
+        "href=\"data:image/png;base64," + base64(encodedPng(encoded)) + "\"/>\n";
   }
   for (const FigureDrawing::Line& line : drawing.lines) {
     svg += "<polyline fill=\"none\" stroke=\"" + svgColour(line.colour) +
@@ -111,11 +112,12 @@ std::string svgText(const FigureDrawing& drawing) {
   }
   for (const FigureDrawing::Text& t : drawing.texts) {
     constexpr int BASELINE = 7; // [dots] below the upper edge
-    svg += formatted("<text x=\"%d\" y=\"%d\" font-family=\"monospace\" font-size=\"%d\" xml:space=\"preserve\" "
-                     "textLength=\"%d\" ",
-                     t.x, t.y + BASELINE * t.size, 10 * t.size,
-                     LETTER_STEP * t.size * static_cast<int>(t.text.size())) +
-           "fill=\"" + svgColour(t.colour) + "\">" + escapedHtml(t.text) + "</text>\n";
+    svg +=
+        formatted("<text x=\"%d\" y=\"%d\" font-family=\"monospace\" font-size=\"%d\" xml:space=\"preserve\" "
+                  "textLength=\"%d\" ",
+                  t.x, t.y + BASELINE * t.size, 10 * t.size,
+                  LETTER_STEP * t.size * static_cast<int>(t.text.size())) +
+        "fill=\"" + svgColour(t.colour) + "\">" + escapedHtml(t.text) + "</text>\n";
   }
   return svg + "</svg>\n";
 }

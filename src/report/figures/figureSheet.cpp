@@ -35,8 +35,7 @@ std::string scaleText(const ColourScale& scale) {
 Image scaleBar(const ColourScale& scale, int width) {
   Image bar(width, SCALE_HEIGHT, {"R", "G", "B"});
   for (int x = 0; x < width; ++x) {
-    const Rgb colour =
-        scale.colour(scale.low + (scale.high - scale.low) * (double(x) + 0.5) / double(width));
+    const Rgb colour = scale.colour(scale.low + (scale.high - scale.low) * (double(x) + 0.5) / double(width));
     for (int y = 0; y < SCALE_HEIGHT; ++y)
       for (int c = 0; c < 3; ++c) bar.at(x, y)[c] = colour[c];
   }
@@ -54,8 +53,8 @@ struct FigureGrid {
       columns = std::max(columns, p.column + 1);
       rows = std::max(rows, p.row + 1);
       hasScale = hasScale || p.scale;
-      const int text = std::max(textWidth(p.name, FIGURE_TEXT),
-                                p.scale ? textWidth(scaleText(*p.scale), FIGURE_TEXT) : 0);
+      const int text =
+          std::max(textWidth(p.name, FIGURE_TEXT), p.scale ? textWidth(scaleText(*p.scale), FIGURE_TEXT) : 0);
       stepX = std::max({stepX, p.image.width, text});
       stepY = std::max(stepY, p.image.height);
     }
@@ -70,7 +69,8 @@ void drawPanel(FigureDrawing& drawing, const FigurePanel& panel, int x, int y) {
   drawing.texts.push_back({x, y, panel.name, BLACK, FIGURE_TEXT});
   if (!panel.scale) return;
   drawing.pictures.push_back({x, y + NAME_HEIGHT - 1, scaleBar(*panel.scale, panel.image.width)});
-  drawing.texts.push_back({x, y + NAME_HEIGHT + SCALE_HEIGHT + 2, scaleText(*panel.scale), Rgb(0.1f), FIGURE_TEXT});
+  drawing.texts.push_back(
+      {x, y + NAME_HEIGHT + SCALE_HEIGHT + 2, scaleText(*panel.scale), Rgb(0.1f), FIGURE_TEXT});
 }
 
 } // namespace
@@ -101,15 +101,17 @@ FigureDrawing figureSheet(const std::string& title, const std::string& subtitle,
   const FigureGrid grid(panels);
   const int top = FIGURE_MARGIN + TITLE_HEIGHT + NAME_HEIGHT;
   FigureDrawing drawing;
-  drawing.width = FIGURE_MARGIN + std::max({static_cast<int>(std::ceil(grid.columns * static_cast<float>(grid.stepX))),
-                                            textWidth(title, FIGURE_TITLE) + FIGURE_MARGIN,
-                                            textWidth(subtitle, FIGURE_TEXT) + FIGURE_MARGIN,
-                                            plot ? MIN_PLOT_WIDTH + FIGURE_MARGIN : 0});
+  drawing.width =
+      FIGURE_MARGIN +
+      std::max({static_cast<int>(std::ceil(grid.columns * static_cast<float>(grid.stepX))),
+                textWidth(title, FIGURE_TITLE) + FIGURE_MARGIN,
+                textWidth(subtitle, FIGURE_TEXT) + FIGURE_MARGIN, plot ? MIN_PLOT_WIDTH + FIGURE_MARGIN : 0});
   drawing.height = top + grid.rows * grid.stepY;
   drawing.texts.push_back({FIGURE_MARGIN, FIGURE_MARGIN, title, BLACK, FIGURE_TITLE});
   drawing.texts.push_back({FIGURE_MARGIN, FIGURE_MARGIN + TITLE_HEIGHT, subtitle, Rgb(0.2f), FIGURE_TEXT});
   for (const FigurePanel& p : panels)
-    drawPanel(drawing, p, FIGURE_MARGIN + static_cast<int>(std::lround(p.column * static_cast<float>(grid.stepX))),
+    drawPanel(drawing, p,
+              FIGURE_MARGIN + static_cast<int>(std::lround(p.column * static_cast<float>(grid.stepX))),
               top + p.row * grid.stepY);
   if (plot) {
     drawPlot(drawing, *plot, FIGURE_MARGIN, drawing.height, drawing.width - 2 * FIGURE_MARGIN);

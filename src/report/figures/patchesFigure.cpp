@@ -47,7 +47,9 @@ std::vector<SeenPatch> seenPatches(const Scene& scene, const Integrator& radiosi
 bool isOnMesh(const std::vector<SeenPatch>& seen, const PixelBounds& crop, size_t pixel) {
   const auto width = size_t(crop.width());
   if (seen[pixel].patch == NO_PATCH) return false;
-  const auto differs = [&](size_t other) { return seen[other].patch != NO_PATCH && !(seen[other] == seen[pixel]); };
+  const auto differs = [&](size_t other) {
+    return seen[other].patch != NO_PATCH && !(seen[other] == seen[pixel]);
+  };
   return ((pixel + 1) % width != 0 && differs(pixel + 1)) ||
          (pixel + width < seen.size() && differs(pixel + width));
 }
@@ -82,8 +84,9 @@ std::vector<FigurePanel> patchesPanels(const Scene& scene, Integrator& radiosity
   std::vector<RadiosityPatch> patches;
   radiosity.visitPatches([&](const RadiosityPatch& patch) { patches.push_back(patch); });
   if (patches.empty())
-    throw Error("the figure needs shapes at rest with one diffuse material, outside of objects, which radiosity "
-                "divides into patches; the scene has none");
+    throw Error(
+        "the figure needs shapes at rest with one diffuse material, outside of objects, which radiosity "
+        "divides into patches; the scene has none");
   const Image indirect = layerPicture(film, INDIRECT), all = layerPicture(film, ALL);
   const float exposure = automaticExposure(indirect);
   const Image byPatch = patchPicture(film.bounds(), seenPatches(scene, radiosity), patches);

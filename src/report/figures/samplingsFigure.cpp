@@ -34,8 +34,8 @@ std::vector<int64_t> checkpointsUpTo(int64_t samples) {
 /** Sums over the pixels of a row; added in the order of rows, for any number of threads the same. */
 struct RowErrors {
   std::array<std::vector<double>, DIRECT_SAMPLINGS> squares; ///< by sampling and checkpoint
-  double reference = 0;          ///< sum of luminances
-  double referenceVariance = 0;  ///< sum of the variances of their means
+  double reference = 0;                                      ///< sum of luminances
+  double referenceVariance = 0;                              ///< sum of the variances of their means
 };
 
 /** Estimates of one pixel. */
@@ -45,13 +45,15 @@ class PixelSamplings {
       : scene(scene), view(view), seed(seed) {}
 
   /** Mean of the samples of a stream. Calls use(n, mean) after each sample. */
-  template <class Use> Rgb mean(DirectSampling sampling, uint64_t stream, int64_t samples, const Use& use) const {
+  template <class Use>
+  Rgb mean(DirectSampling sampling, uint64_t stream, int64_t samples, const Use& use) const {
     Rgbd sum(0);
     for (int64_t i = 0; i < samples; ++i) {
       // Independent samples: those of one stream are stratified, and their error falls faster.
       Sampler sampler(hashCombine(hashCombine(seed, stream), uint64_t(i)), 0, 0);
       Rgb light = BLACK;
-      for (const VisiblePoint& point : view.points) light += sampleDirectLight(scene, point, sampling, sampler);
+      for (const VisiblePoint& point : view.points)
+        light += sampleDirectLight(scene, point, sampling, sampler);
       sum += Rgbd(light);
       use(i + 1, light, Rgb(sum / double(i + 1)));
     }
@@ -69,7 +71,9 @@ std::array<Rgb, DIRECT_SAMPLINGS> addPixel(const PixelSamplings& pixel, int64_t 
                                            const std::vector<int64_t>& checkpoints, RowErrors& row) {
   const int64_t count = REFERENCE_SAMPLES * samples;
   double squares = 0;
-  const auto addSquare = [&](int64_t, const Rgb& light, const Rgb&) { squares += square(double(luminance(light))); };
+  const auto addSquare = [&](int64_t, const Rgb& light, const Rgb&) {
+    squares += square(double(luminance(light)));
+  };
   const double reference =
       double(luminance(pixel.mean(DirectSampling::COMBINED, REFERENCE_STREAM, count, addSquare)));
   row.reference += reference;
@@ -99,8 +103,7 @@ SamplingsFigure samplingsFigure(const Scene& scene, int64_t samples, uint64_t se
     const auto means = addPixel(PixelSamplings(scene, view, hashCombine(seed, p)), samples, checkpoints,
                                 rows[p / size_t(crop.width())]);
     for (size_t s = 0; s < DIRECT_SAMPLINGS; ++s)
-      for (size_t c = 0; c < 3; ++c)
-        pictures[s].pixels[3 * p + c] = view.emission[int(c)] + means[s][int(c)];
+      for (size_t c = 0; c < 3; ++c) pictures[s].pixels[3 * p + c] = view.emission[int(c)] + means[s][int(c)];
   });
   RowErrors sum = empty;
   for (const RowErrors& row : rows) {
@@ -120,10 +123,11 @@ SamplingsFigure samplingsFigure(const Scene& scene, int64_t samples, uint64_t se
       const double squares = std::max(0.0, sum.squares[s][i] - sum.referenceVariance);
       const double pixels = double(crop.area());
       curve.points.emplace_back(double(checkpoints[i]),
-                                sum.reference > 0 ? std::sqrt(squares / pixels) / (sum.reference / pixels) : 0);
+                                sum.reference > 0 ? std::sqrt(squares / pixels) / (sum.reference / pixels)
+                                                  : 0);
     }
-    figure.panels.push_back({std::move(pictures[s]), name + formatted(", error %.2g", curve.points.back().y), 0,
-                             static_cast<float>(s), exposure});
+    figure.panels.push_back({std::move(pictures[s]), name + formatted(", error %.2g", curve.points.back().y),
+                             0, static_cast<float>(s), exposure});
     figure.plot.curves.push_back(std::move(curve));
   }
   return figure;

@@ -244,11 +244,15 @@ Json patchesJson(const Inspection& inspection) {
     }
     ends.push_back(static_cast<uint32_t>(columns.size()));
   }
-  return {{"count", inspection.patches.size()},     {"rays", inspection.factorRays},
-          {"positions", encodedNumbers(positions)}, {"radiosities", encodedNumbers(radiosities)},
+  return {{"count", inspection.patches.size()},
+          {"rays", inspection.factorRays},
+          {"positions", encodedNumbers(positions)},
+          {"radiosities", encodedNumbers(radiosities)},
           {"areas", encodedNumbers(areas)},
-          {"sides", encodedNumbers(sides)},         {"ends", encodedNumbers(ends)},
-          {"columns", encodedNumbers(columns)},     {"hits", encodedNumbers(rays)}};
+          {"sides", encodedNumbers(sides)},
+          {"ends", encodedNumbers(ends)},
+          {"columns", encodedNumbers(columns)},
+          {"hits", encodedNumbers(rays)}};
 }
 
 Json referenceJson(const Scene& scene, const ReferencePoint& r) {
@@ -336,13 +340,14 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
                      {"references", referencesJson(scene, inspection.references)},
                      {"patches", patchesJson(inspection)},
                      {"live", inspection.isLive}};
-  return htmlPage({page::INSPECT_HTML,
-                   inspection.title + " · light in the scene",
-                   {page::PAGE_CSS, page::INSPECT_CSS},
-                   {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
-                   {page::PIXELS_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::ESTIMATE_JS,
-                    page::PHOTON_VIEW_JS, page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS, page::PATCH_VIEW_JS, page::INSPECT_JS}},
-                  data);
+  return htmlPage(
+      {page::INSPECT_HTML,
+       inspection.title + " · light in the scene",
+       {page::PAGE_CSS, page::INSPECT_CSS},
+       {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
+       {page::PIXELS_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::ESTIMATE_JS, page::PHOTON_VIEW_JS,
+        page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS, page::PATCH_VIEW_JS, page::INSPECT_JS}},
+      data);
 }
 
 } // namespace recurse

@@ -31,8 +31,8 @@ struct FigurePanel {
   Image image; ///< R, G, B, linear
   std::string name;
   int row = 0;
-  float column = 0;   ///< a pyramid has panels halfway between columns
-  float exposure = 0; ///< [stops]
+  float column = 0;                      ///< a pyramid has panels halfway between columns
+  float exposure = 0;                    ///< [stops]
   std::optional<ColourScale> scale = {}; ///< drawn below the picture, for false colours
 };
 

@@ -18,7 +18,7 @@ struct FormFactorHits {
 
 /** Form factors from one side of a patch to all other patches; those that are not listed are 0. */
 struct FormFactors {
-  size_t side = 0; ///< 0: outer
+  size_t side = 0;                  ///< 0: outer
   std::vector<FormFactorHits> hits; ///< by increasing patch
 };
 

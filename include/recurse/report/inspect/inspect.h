@@ -40,7 +40,7 @@ struct Inspection {
   std::vector<RadiosityPatch> patches; ///< empty: the integrator divides no surfaces
   std::vector<FormFactors> factors;    ///< of each patch
   uint32_t factorRays = 0;             ///< rays for each patch
-  bool isLive = false;                 ///< the program serves the page, and answers referenceAt() for any point
+  bool isLive = false; ///< the program serves the page, and answers referenceAt() for any point
 };
 
 /** Number of levels of photonBoxes(): the last one has up to 4096 boxes, enough for a clear picture. */
