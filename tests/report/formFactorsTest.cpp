@@ -118,6 +118,12 @@ TEST(FormFactors, AWallBetweenBlocksThem) {
   EXPECT_EQ(system.between(IS_FLOOR, [](const Vec3f& p) { return p.y > 0.4f; }), 0);
 }
 
+TEST(FormFactors, RaysOfAPageAreBounded) {
+  EXPECT_EQ(formFactorRays(10), 16384u); // hits have 16 bits in the page
+  EXPECT_EQ(formFactorRays(1000), 4000u);
+  EXPECT_EQ(formFactorRays(1000000), 64u);
+}
+
 TEST(Patches, HaveTheRadiosityOfTheIntegrator) {
   // In a closed box that emits 1 and reflects 1/2, the irradiance of light reflected at least once before is
   // π (1/2) / (1 - 1/2).
