@@ -36,13 +36,13 @@ void continueFrom(RenderStatistics& now, const RenderStatistics& before) {
 }
 
 /** Rounds of samples over the whole picture, and the photon maps that they need. */
-class RenderLoop {
+class RenderLoop final : private RenderPause {
  public:
   RenderLoop(const Scene& scene, Integrator& integrator, const PathClasses& classes,
              const RenderSettings& settings, Film& film, const std::atomic<bool>& stop,
              const std::function<void(const RenderProgress&)>& progress,
              const std::function<void(const std::string&)>& log)
-      : settings(settings), film(film), stop(stop), log(log), start(startOf(settings)),
+      : settings(settings), method(integrator), film(film), stop(stop), log(log), start(startOf(settings)),
         processorStart(processorSeconds() - settings.from.statistics.processorSeconds), reporter(progress),
         rule(settings, film.totalSamples() > 0),
         // Learning is skipped when the time is up before the first sample.
@@ -84,8 +84,15 @@ class RenderLoop {
     while (isGoingOn() && preparePass() && renderRound()) {
       if (saves.isDue(elapsed())) save();
       if (looks.isDue(elapsed())) look();
+      if (isAsked()) settings.answer(*this);
       isPausing = false;
     }
+  }
+  bool isAsked() const { return settings.isAsked && settings.isAsked(); }
+  const Integrator& integrator() const override { return method; }
+  void record(int x, int y, int64_t count, PathRecorder& recorder) const override {
+    const int64_t begin = std::max(renderer.passBegin(pass), sample - count);
+    renderer.recordAside(x, y, uint64_t(begin), uint64_t(std::max(sample, begin + 1)), recorder);
   }
   bool isGoingOn() const {
     return sample < last && !stop && !abandon && !rule.isTimeUp(elapsed()) &&
@@ -160,7 +167,7 @@ class RenderLoop {
       samplesDone += taken;
       raysDone += counts.rays;
       if (taken == 0) return;
-      if (saves.isDue(elapsed()) || looks.isDue(elapsed())) isPausing = true;
+      if (saves.isDue(elapsed()) || looks.isDue(elapsed()) || isAsked()) isPausing = true;
       reporter.tell([&] { return pictureProgress(state(), settings); });
     });
     return tilesDone == tileCounts.size();
@@ -225,6 +232,7 @@ class RenderLoop {
   }
 
   const RenderSettings& settings;
+  const Integrator& method;
   Film& film;
   const std::atomic<bool>& stop;
   const std::function<void(const std::string&)>& log;

@@ -264,12 +264,22 @@ SampleRenderer::renderTile(size_t tile, const std::function<PixelSamples(size_t 
 
 TransportCounts SampleRenderer::renderSamples(int x, int y, uint64_t first, uint64_t end,
                                               PathRecorder* recorder) const {
-  const PixelBounds& bounds = film.bounds();
+  return renderInto(film, x, y, first, end, recorder);
+}
+
+void SampleRenderer::recordAside(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder) const {
+  Film aside({x, y, x + 1, y + 1}, classes.layerCount());
+  renderInto(aside, x, y, first, end, &recorder);
+}
+
+TransportCounts SampleRenderer::renderInto(Film& to, int x, int y, uint64_t first, uint64_t end,
+                                           PathRecorder* recorder) const {
+  const PixelBounds& bounds = to.bounds();
   Round round{settings.seed, requestedSamples, sampleSpacing, {}};
   if (!moves || integrator.passHasOneTime()) round.time = timeOf(pass);
   TransportCounts counts;
   const size_t capacity = recorder ? 1 : std::min<size_t>(CAMERA_BATCH, end - first);
-  EyeBatch batch(scene, integrator, classes, counts, round, film, capacity, nullptr, nullptr, recorder);
+  EyeBatch batch(scene, integrator, classes, counts, round, to, capacity, nullptr, nullptr, recorder);
   const size_t pixel = size_t(y - bounds.y0) * size_t(bounds.width()) + size_t(x - bounds.x0);
   for (uint64_t n = first; n < end; ++n) batch.add(x, y, static_cast<uint32_t>(n), pixel, std::nullopt);
   batch.flush();

@@ -72,6 +72,8 @@ class SampleRenderer {
   TransportCounts recordSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder) const {
     return renderSamples(x, y, first, end, &recorder);
   }
+  /** Does the same without a change of the film. */
+  void recordAside(int x, int y, uint64_t first, uint64_t end, PathRecorder& recorder) const;
   /** Renders these samples into the film and returns the counts; `recorder` may be null. */
   TransportCounts renderSamples(int x, int y, uint64_t first, uint64_t end, PathRecorder* recorder) const;
 
@@ -97,6 +99,8 @@ class SampleRenderer {
   std::optional<Splatter> passSplatter;
 
   float timeOf(int64_t pass) const;
+  TransportCounts renderInto(Film& to, int x, int y, uint64_t first, uint64_t end,
+                             PathRecorder* recorder) const;
 };
 
 } // namespace recurse

@@ -24,11 +24,38 @@ size_t inkOf(const Image& image) {
 } // namespace
 
 TEST_F(FigureProgram, EachKindIsAPicture) {
-  for (const std::string kind : {"pyramid", "mis", "cost"}) {
+  for (const std::string kind : {"pyramid", "mis", "samplings", "estimate", "acne", "patches", "cost"}) {
     const Outcome o = run({"figure", kind, "scene.pbrt", "-o", kind + ".png", "--spp", "2", "-q"});
     ASSERT_EQ(o.status, 0) << kind << o.err;
     EXPECT_GT(inkOf(readImage(file(kind + ".png"))), 2u * 24 * 16) << kind;
   }
+}
+
+TEST_F(FigureProgram, WritesSvg) {
+  const Outcome o = run({"figure", "samplings", "scene.pbrt", "-o", "s.svg", "--spp", "2", "-q"});
+  ASSERT_EQ(o.status, 0) << o.err;
+  const std::string svg = contents(file("s.svg"));
+  EXPECT_TRUE(svg.starts_with("<svg "));
+  EXPECT_TRUE(has(svg, ">samplings of direct light</text>"));
+  size_t pictures = 0;
+  for (size_t at = svg.find("<image "); at != std::string::npos; at = svg.find("<image ", at + 1)) ++pictures;
+  EXPECT_EQ(pictures, 5u);
+}
+
+TEST_F(FigureProgram, OptionsOfAKindChangeItsFigure) {
+  const auto sheetOf = [&](const std::string& kind, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"figure", kind, "scene.pbrt", "-o", "o.exr", "--spp", "2", "-q"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome o = run(words);
+    EXPECT_EQ(o.status, 0) << kind << o.err;
+    return readImage(file("o.exr"));
+  };
+  EXPECT_NE(sheetOf("estimate", {"--photons", "2000", "--maps", "2"}).pixels,
+            sheetOf("estimate", {"--photons", "2000", "--maps", "3"}).pixels);
+  EXPECT_NE(sheetOf("estimate", {"--photons", "2000", "--maps", "2"}).pixels,
+            sheetOf("estimate", {"--photons", "2000", "--maps", "2", "--gather-photons", "5"}).pixels);
+  EXPECT_LT(sheetOf("acne", {"--offsets", "0"}).height, sheetOf("acne", {"--offsets", "0,1,2,3,4"}).height);
+  EXPECT_NE(sheetOf("patches", {"--set", "patchsize=.3"}).pixels, sheetOf("patches", {}).pixels);
 }
 
 TEST_F(FigureProgram, MoreEdgesAreMoreRows) {
@@ -60,6 +87,28 @@ TEST_F(FigureProgram, WrongUsageIsRefused) {
   refused({"--integrator", "path"}, "--integrator");
   refused({"--photons", "1000"}, "--photons");
   refused({"--set", "alpha=.5"}, "--set");
+  const auto refusedOf = [&](const std::string& kind, const std::vector<std::string>& more,
+                             const std::string& part) {
+    std::vector<std::string> words = {"figure", kind, "scene.pbrt", "-o", "p.png"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome o = runAMinute(words);
+    EXPECT_EQ(o.status, 2) << kind << part;
+    EXPECT_TRUE(has(o.err, part)) << o.err;
+  };
+  for (const std::string kind : {"samplings", "acne"}) {
+    refusedOf(kind, {"--photons", "1000"}, "--photons: 'figure " + kind + "' has no integrator");
+    refusedOf(kind, {"--set", "alpha=.5"}, "--set: 'figure " + kind + "' has no integrator");
+    refusedOf(kind, {"--integrator", "path"}, "--integrator");
+    refusedOf(kind, {"--maps", "3"}, "--maps");
+  }
+  refusedOf("estimate", {"--maps", "1"}, "--maps");
+  refusedOf("estimate", {"--spp", "1"}, "--spp");
+  refusedOf("estimate", {"--direct", "shadowrays"}, "--direct");
+  refusedOf("estimate", {"--set", "passes=3"}, "--set passes");
+  refusedOf("estimate", {"--offsets", "1"}, "--offsets");
+  refusedOf("acne", {"--offsets", "-1"}, "--offsets");
+  refusedOf("acne", {"--offsets", "0,a"}, "--offsets");
+  refusedOf("patches", {"--photons", "1000"}, "--photons");
   EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.png", "--integrator", "bdpt"}).status, 2);
   EXPECT_EQ(run({"figure", "mis", "scene.pbrt", "-o", "p.png", "--edges", "3"}).status, 2);
   EXPECT_EQ(run({"figure", "cost", "scene.pbrt", "-o", "p.png", "--edges", "3"}).status, 2);
@@ -111,6 +160,19 @@ TEST_F(FigureProgram, FogIsRefusedByNameOfTheIntegrator) {
   const Outcome o = run({"figure", "pyramid", "fog.pbrt", "-o", "p.png", "--spp", "1"});
   EXPECT_EQ(o.status, 1);
   EXPECT_TRUE(has(o.err, "bdpt, which cannot render media")) << o.err;
+}
+
+TEST_F(FigureProgram, FogIsRefusedByFiguresOfSurfaces) {
+  write("fog.pbrt",
+        scene("MakeNamedMedium \"fog\" \"string type\" \"homogeneous\"\nMediumInterface \"\" \"fog\"\n"));
+  for (const std::string kind : {"samplings", "estimate", "acne"}) {
+    const Outcome o = run({"figure", kind, "fog.pbrt", "-o", "p.png", "--spp", "2"});
+    EXPECT_EQ(o.status, 1) << kind;
+    EXPECT_TRUE(has(o.err, "cannot draw media")) << o.err;
+  }
+  const Outcome o = run({"figure", "patches", "fog.pbrt", "-o", "p.png", "--spp", "2"});
+  EXPECT_EQ(o.status, 1);
+  EXPECT_TRUE(has(o.err, "radiosity, which cannot render media")) << o.err;
 }
 
 TEST_F(FigureProgram, InspectRefusesWrongNumbers) {

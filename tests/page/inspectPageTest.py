@@ -398,5 +398,72 @@ class LimitOfPhotons(OfflinePage):
         self.assertTrue(browser.evaluate("document.getElementById('atPixel').disabled"))
 
 
+class RadiosityPage(OfflinePage):
+    """Patches of radiosity, and form factors from a clicked one."""
+
+    @classmethod
+    def make(cls):
+        cls.page = cls.temporary.name + "/radiosity.html"
+        recurse("inspect", SCENE, "-o", cls.page, "-q", "--integrator", "radiosity", "--set", "patchsize=.3", "--spp", "1",
+                "--resolution", "48x48", "--pixel", "24,40")
+        browser.open(cls.page, "document.body.dataset.ready === 'yes'")
+        cls.data = browser.evaluate("JSON.parse(document.getElementById('data').textContent)")
+
+    def setUp(self):
+        browser.settle()
+
+    change, colours = InspectPage.change, InspectPage.colours
+
+    def decoded(self, name, code):
+        bytes = zlib.decompress(base64.b64decode(self.data["patches"][name]))
+        size = struct.calcsize(code)
+        count = len(bytes) // size
+        ordered = b"".join(bytes[k * count + i:k * count + i + 1] for i in range(count) for k in range(size))
+        return struct.unpack("<%d%s" % (count, code), ordered)
+
+    def test1FormFactorsAreReciprocal(self):
+        count, rays = self.data["patches"]["count"], self.data["patches"]["rays"]
+        areas, ends = self.decoded("areas", "f"), self.decoded("ends", "I")
+        columns, hits = self.decoded("columns", "I"), self.decoded("hits", "H")
+        self.assertEqual((len(areas), len(ends), ends[-1]), (count, count, len(columns)))
+        factors = {}
+        for i in range(count):
+            row = range(ends[i - 1] if i else 0, ends[i])
+            self.assertLessEqual(sum(hits[k] for k in row), rays)
+            for k in row:
+                factors[i, columns[k]] = hits[k] / rays
+        large = [(i, j) for (i, j), f in factors.items() if f > 0.03 and factors.get((j, i), 0) > 0]
+        self.assertGreater(len(large), 20)
+        for i, j in large:
+            a, b = areas[i] * factors[i, j], areas[j] * factors[j, i]
+            error = (areas[i] ** 2 * factors[i, j] / rays + areas[j] ** 2 * factors[j, i] / rays) ** 0.5
+            self.assertAlmostEqual(a, b, delta=6 * error)
+
+    def test2AClickShowsTheFormFactorsOfAPatch(self):
+        self.assertEqual(browser.evaluate("document.getElementById('view').dataset.patches"), str(self.data["patches"]["count"]))
+        before = self.colours()
+        self.assertGreater(before, 10)
+        browser.clickAt(*browser.evaluate("(() => { const b = document.getElementById('view').getBoundingClientRect();"
+                                          "return [b.left + b.width / 2, b.top + b.height * .85]; })()"))
+        patch = int(browser.evaluate("document.getElementById('view').dataset.patch"))
+        self.assertGreaterEqual(patch, 0)
+        texts = self.texts("#patchText dd")
+        self.assertTrue(texts[0].startswith(f"{patch}, "), texts)
+        total = float(texts[3].split(" ")[0])
+        ends, hits = self.decoded("ends", "I"), self.decoded("hits", "H")
+        expected = sum(hits[ends[patch - 1] if patch else 0:ends[patch]]) / self.data["patches"]["rays"]
+        self.assertAlmostEqual(total, expected, delta=6e-4)
+        self.assertGreater(total, 0.1)
+        listed = [float(text) for text in self.texts("#factors tr td:nth-child(2)")]
+        self.assertEqual(listed, sorted(listed, reverse=True))
+        self.assertGreater(len(listed), 3)
+        # The next patch of the list is chosen by a click.
+        browser.evaluate("document.getElementById('factors').rows[1].click()")
+        browser.settle()
+        self.assertNotEqual(int(browser.evaluate("document.getElementById('view').dataset.patch")), patch)
+        self.change("showPatches", "checked", False)
+        self.assertEqual(browser.evaluate("document.getElementById('view').dataset.patches"), "0")
+
+
 if __name__ == "__main__":
     main()

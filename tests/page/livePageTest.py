@@ -16,7 +16,11 @@ import unittest
 import urllib.error
 import urllib.request
 
-from pageTest import PROGRAM, SCENE, Page, browser, main
+import browser as chromium
+
+chromium.FLAGS = [flag for flag in chromium.FLAGS if flag != "--disable-gpu"] + chromium.WEBGL_FLAGS
+
+from pageTest import PROGRAM, SCENE, Page, browser, main  # noqa: E402 (the browser starts at once)
 
 SIZE = 32
 
@@ -24,11 +28,11 @@ SIZE = 32
 class Render:
     """A render under way with a page."""
 
-    def __init__(self, *options):
+    def __init__(self, *options, integrator="path"):
         self.folder = tempfile.TemporaryDirectory(prefix="recurse-live-page-")
         self.output = self.folder.name + "/out.exr"
         self.process = subprocess.Popen(
-            [PROGRAM, "render", SCENE, "-o", self.output, "--resolution", f"{SIZE}x{SIZE}", "--integrator", "path",
+            [PROGRAM, "render", SCENE, "-o", self.output, "--resolution", f"{SIZE}x{SIZE}", "--integrator", integrator,
              "--spp", "1000000000", "--progress", "off", *options],
             stderr=subprocess.PIPE, text=True)
         self.url = None
@@ -56,7 +60,7 @@ class Render:
         self.folder.cleanup()
 
 
-def until(condition, seconds=60):
+def until(condition, seconds=300):
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
@@ -71,6 +75,8 @@ class LivePage(Page):
         self.assertTrue(self.render.url.startswith("http://127.0.0.1:"))
 
     def tearDown(self):
+        browser.call("Page.navigate", url="about:blank")  # else the page asks the next render
+        browser.settle()
         self.render.close()
 
     def shownPixel(self, x, y):
@@ -107,8 +113,13 @@ class LivePage(Page):
         # Values of a pixel.
         browser.clickAt(*self.place((9, 24), SIZE))
         until(lambda: len(self.text("#pixelShown").split()) == 3)
-        for shown, value in zip(self.text("#pixelShown").split(), linear):
-            self.assertAlmostEqual(float(shown), value, delta=0.1 * value + 0.01)
+
+        def showsItsValue():  # which changes while the picture grows
+            linear = json.loads(self.render.get("pixel?x=9&y=24"))
+            return all(abs(float(shown) - value) < 0.01 * value + 1e-4
+                       for shown, value in zip(self.text("#pixelShown").split(), linear))
+
+        until(showsItsValue)
 
         # The button ends the render, which writes what there is.
         browser.click("document.getElementById('stop')")
@@ -117,6 +128,67 @@ class LivePage(Page):
         until(lambda: self.text("#phase") in ("ended", "finished"))
         self.assertEqual([c for c in browser.complaints if "ERR_CONNECTION" not in c], [])
         self.assertTrue(all(url.startswith((self.render.url, "data:")) for url in browser.requests), browser.requests)
+
+    def inFrame(self, expression):
+        return browser.evaluate("(() => { const d = document.getElementById('pathsPage').contentDocument;"
+                                f"return {expression}; }})()")
+
+    def askPixel(self, x, y):
+        """Clicks a pixel, and waits for the page with its paths. Returns that page's data."""
+        before = browser.evaluate("document.body.dataset.answered ?? ''")
+        browser.clickAt(*self.place((x, y), SIZE))
+        until(lambda: browser.evaluate("document.body.dataset.answered ?? ''") != before)
+        until(lambda: self.inFrame("d?.body?.dataset?.ready ?? ''") == "yes"
+              and self.inFrame("d.getElementById('pixelName').textContent") == f"{x}, {y}")
+        return self.inFrame("JSON.parse(d.getElementById('data').textContent)")
+
+    def testAClickOnAPixelShowsItsPaths(self):
+        browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
+        data = self.askPixel(9, 24)
+        pixel, = data["pixels"]
+        self.assertEqual((pixel["x"], pixel["y"]), (9, 24))
+        # The contributions of a sample are what it adds to the picture.
+        self.assertGreater(len(pixel["samples"]), 0)
+        for first, last, _, _, total in pixel["samples"]:
+            for c in range(3):
+                self.assertAlmostEqual(sum(k[10][c] for k in pixel["contributions"][first:last]), total[c],
+                                       delta=1e-4 * max(total))
+        linear = json.loads(self.render.get("pixel?x=9&y=24"))
+        self.assertLess(abs(pixel["value"][1] - linear[1]), 5 * linear[1])
+        # The table has the contributions, and for one of them its vertices.
+        rows = self.inFrame("d.getElementById('contributions').rows.length")
+        self.assertEqual(rows, 1 + min(200, len(pixel["contributions"])))
+        self.inFrame("d.getElementById('contributions').rows[1].click()")
+        self.assertEqual(self.inFrame("d.getElementById('vertices').rows[1].cells[1].textContent"), "camera")
+        self.assertGreater(self.inFrame("Number(d.getElementById('view').dataset.segments)"), 0)
+        # Another pixel has other paths; the render has gone on.
+        other = self.askPixel(20, 9)["pixels"][0]
+        self.assertNotEqual(other["samples"], pixel["samples"])
+        before = self.render.state()["samples_per_pixel"]
+        until(lambda: self.render.state()["samples_per_pixel"] > before)
+        browser.click("document.getElementById('closePaths')")
+        self.assertTrue(browser.evaluate("document.getElementById('paths').hidden"))
+        self.assertEqual(browser.complaints, [])
+
+    def testQuestionsAreChecked(self):
+        until(lambda: self.render.state()["version"] > 0)
+        def post(path):
+            return urllib.request.urlopen(urllib.request.Request(self.render.url + path, b""), timeout=60)
+        for path in ("ask?x=99&y=0", "ask?x=0", "ask?x=a&y=1"):
+            with self.assertRaises(urllib.error.HTTPError) as caught:
+                post(path)
+            self.assertEqual(caught.exception.code, 400, path)
+            caught.exception.close()
+        with self.assertRaises(urllib.error.HTTPError) as caught:
+            self.render.get("paths")
+        self.assertEqual(caught.exception.code, 404)
+        caught.exception.close()
+        for path in ("reference?position=0,0&normal=0,0,1", "reference?position=0,0,0&normal=0,0,2",
+                     "reference?position=0,0,0&normal=0,0,1"):  # the last one: path tracing has no photons
+            with self.assertRaises(urllib.error.HTTPError) as caught:
+                self.render.get(path)
+            self.assertEqual(caught.exception.code, 400, path)
+            caught.exception.close()
 
     def testRefusesWhatItDoesNotKnow(self):
         until(lambda: self.render.state()["version"] > 0)
@@ -138,6 +210,34 @@ class LivePage(Page):
         other = subprocess.run([PROGRAM, "render", SCENE, "-o", os.devnull + ".exr", "--live", "--live-address",
                                 "127.0.0.1:" + port], stderr=subprocess.PIPE, text=True)
         self.assertNotEqual(other.returncode, 0)
+
+
+class LivePhotonPage(Page):
+    """A render with photons: path tracing at any clicked point of a surface."""
+
+    def setUp(self):
+        self.render = Render("--live", "--set", "passes=1", "--photons", "100k", "--direct", "photons",
+                             integrator="photonmap")
+        self.assertIsNotNone(self.render.url)
+
+    tearDown, inFrame, askPixel = LivePage.tearDown, LivePage.inFrame, LivePage.askPixel
+
+    def testPathTracingIsAskedAtAClickedPoint(self):
+        browser.openUrl(self.render.url, "Number(document.body.dataset.version) > 0")
+        data = self.askPixel(16, 3)
+        self.assertGreater(data["photons"]["count"], 1000)
+        box = self.inFrame("(() => { const f = document.getElementById('pathsPage').getBoundingClientRect();"
+                           "const v = d.getElementById('view').getBoundingClientRect();"
+                           "return [f.left + v.left, f.top + v.top, v.width, v.height]; })()")
+        browser.clickAt(box[0] + 0.5 * box[2], box[1] + 0.4 * box[3])
+        until(lambda: self.inFrame("d.getElementById('view').dataset.reference ?? ''"))
+        reference = float(self.inFrame("d.getElementById('view').dataset.reference"))
+        texts = self.inFrame("[...d.querySelectorAll('#estimateText dd')].map((e) => e.textContent)")
+        names = self.inFrame("[...d.querySelectorAll('#estimateText dt')].map((e) => e.textContent)")
+        estimate, error = map(float, texts[names.index("luminance")].split(" ± "))
+        self.assertTrue(any(name.startswith("luminance by 16384 paths") for name in names), names)
+        self.assertAlmostEqual(reference, estimate, delta=5 * error + 0.15 * reference)
+        self.assertEqual(browser.complaints, [])
 
 
 class DisplayServer(unittest.TestCase):

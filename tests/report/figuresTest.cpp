@@ -123,7 +123,7 @@ TEST(PyramidPanels, HaveARowForEachLength) {
   EXPECT_EQ(panels[3].column, 0);
   EXPECT_EQ(panels[6].name, "s=3 t=1");
   EXPECT_EQ(panels[0].exposure, panels[2].exposure);
-  const Image sheet = figureSheet("title", "", panels);
+  const FigureDrawing sheet = figureSheet("title", "", panels);
   EXPECT_GE(sheet.width, 4 * FIGURE_SIZE);
   EXPECT_GE(sheet.height, 2 * FIGURE_SIZE);
 }

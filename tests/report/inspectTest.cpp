@@ -119,6 +119,26 @@ TEST(ReferencePoints, IrradianceOfADistantLightIsItsFluxTimesTheCosine) {
   EXPECT_NEAR(found[0].normal.z, 1, 1e-6f);
 }
 
+TEST(ReferencePoints, AnyPointOfTheFloorHasTheSameIrradiance) {
+  const auto scene = sceneFrom(litFloor("\"diffuse\" \"rgb reflectance\" [ .5 .6 .7 ]"));
+  const auto path = integratorFrom("simplepath", "");
+  const PathClasses classes(std::vector<PathClass>{{"light", "all"}});
+  const std::atomic<bool> stop{false};
+  const Vec3f point = Vec3f(1.7f, -1.9f, 0) - Vec3f(scene->origin()); // outside of the picture
+  const auto found = referenceAt(*scene, *path, classes, point, {0, 0, 1}, 16, 1, stop);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(glm::length(found->position - point), 0, 1e-5f);
+  EXPECT_EQ(found->samples, 16);
+  const double expected = REFERENCE_FLUX * std::cos(REFERENCE_ANGLE);
+  EXPECT_NEAR(double(found->irradiance.r), expected, 1e-3 * expected);
+  // The other side is dark; a mirror has none.
+  const auto below = referenceAt(*scene, *path, classes, point, {0, 0, -1}, 16, 1, stop);
+  ASSERT_TRUE(below);
+  EXPECT_EQ(below->irradiance.r, 0);
+  const auto mirror = sceneFrom(litFloor("\"conductor\""));
+  EXPECT_FALSE(referenceAt(*mirror, *path, classes, point, {0, 0, 1}, 16, 1, stop));
+}
+
 TEST(ReferencePoints, OnlyTheLightOfTheClassCounts) {
   const auto scene = sceneFrom(litFloor("\"diffuse\""));
   const std::vector<ReferencePoint> found = referencesOf(*scene, "L(S|D)+DE");
@@ -170,6 +190,40 @@ TEST(ReferencePoints, ThereAreNoneWhereTheirLightIsNotThatOfThePhotons) {
                     "Translate 1.5 1.5 1\n" +
                     shape),
             0u);
+}
+
+TEST(RenderPause, RecordsTheSamplesOfTheRenderAndLeavesTheFilmAlone) {
+  const auto scene = sceneFrom(glassAndMirrorBox(24, 1.2));
+  for (const auto& [name, parameters] :
+       {std::pair("path", ""), {"photonmap", "\"integer photons\" 2000 \"integer passes\" 4"}}) {
+    SCOPED_TRACE(name);
+    RenderSettings settings;
+    settings.samplesPerPixel = 8;
+    const std::atomic<bool> stop{false};
+    Film plain(scene->film().crop, 1), asked(scene->film().crop, 1);
+    render(*scene, *integratorFrom(name, parameters), PathClasses(), settings, plain, stop, nullptr, nullptr);
+    std::vector<RecordedPixel> truth(1);
+    truth[0].x = 7;
+    truth[0].y = 15;
+    recordPixels(*scene, *integratorFrom(name, parameters), PathClasses(), settings, 8, truth, stop);
+    int answers = 0;
+    bool seenPhotons = false;
+    settings.isAsked = [] { return true; };
+    settings.answer = [&](const RenderPause& pause) {
+      ++answers;
+      PathRecorder record;
+      pause.record(7, 15, 3, record);
+      ASSERT_GE(record.samples().size(), 1u);
+      ASSERT_LE(record.samples().size(), 3u);
+      for (const RecordedSample& s : record.samples())
+        EXPECT_EQ(s.total, truth[0].record.samples()[s.index].total) << s.index;
+      pause.integrator().visitPhotons([&](const StoredPhoton&) { seenPhotons = true; });
+    };
+    render(*scene, *integratorFrom(name, parameters), PathClasses(), settings, asked, stop, nullptr, nullptr);
+    EXPECT_GE(answers, 4);
+    EXPECT_EQ(seenPhotons, std::string(name) == "photonmap");
+    for (size_t p = 0; p < plain.bounds().area(); ++p) ASSERT_EQ(plain.value(p, 0), asked.value(p, 0));
+  }
 }
 
 TEST(PhotonExpression, IsTheUnionOfTheClassesOfThePhotons) {

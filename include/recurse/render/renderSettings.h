@@ -65,6 +65,17 @@ struct RenderPosition {
  * was begun [steps along rows and columns]. */
 constexpr int FIRST_SAMPLE_REACH = 6;
 
+/** A render between rounds, while no thread renders. */
+class RenderPause {
+ public:
+  virtual ~RenderPause() = default;
+  /** The integrator, with the photons of its latest pass. */
+  virtual const Integrator& integrator() const = 0;
+  /** Records the latest samples of a pixel that the latest pass serves, at most `count`, as they were
+   * rendered; the film does not change. The pixel must be within the crop window. */
+  virtual void record(int x, int y, int64_t count, PathRecorder& recorder) const = 0;
+};
+
 struct RenderSettings {
   int samplesPerPixel = 16;   ///< 0: until the time limit or the error target
   double timeLimit = 0;       ///< seconds for the whole render; 0: none
@@ -89,6 +100,9 @@ struct RenderSettings {
    * seconds. Returns the seconds until the next call. */
   std::function<double()> look = {};
   double lookAfter = 0;
+  /** Whether somebody waits for answer(), asked by any thread; the round then ends soon. */
+  std::function<bool()> isAsked = {};
+  std::function<void(const RenderPause&)> answer = {};
 };
 
 } // namespace recurse

@@ -134,6 +134,10 @@ ExitStatus inspectScene(const InspectOptions& o) {
   inspection.photonName = loaded.integrator->photonName();
   loaded.integrator->visitPhotonBoxes(BOX_LEVELS,
                                       [&](const PhotonBox& box) { inspection.boxes.push_back(box); });
+  loaded.integrator->visitPatches([&](const RadiosityPatch& patch) { inspection.patches.push_back(patch); });
+  inspection.factorRays = formFactorRays(inspection.patches.size());
+  inspection.factors = formFactors(scene, *loaded.integrator, inspection.patches, inspection.factorRays,
+                                   plan.settings(scene).seed, graceful.flag());
   inspection.references =
       referencesOf(loaded, classes, inspection, referenceSamples, plan.settings(scene).seed, graceful.flag());
   if (graceful.flag()) return ExitStatus::INTERRUPTED;
@@ -197,7 +201,7 @@ void addInspectCommand(CLI::App& app, Command& chosen) {
       "integrator sampled for it, coloured by class, with a table of their vertices and contributions.\n"
       "Click a surface to show the photons around that point and their density estimate, and a marked\n"
       "point to compare it with path tracing. Play the flight of the photons, and show the boxes of the\n"
-      "photon map's tree.\n\n"
+      "photon map's tree. With --integrator radiosity, click a patch to show its form factors.\n\n"
       "Examples:\n"
       "  recurse inspect scene.pbrt -o look.html\n"
       "  recurse inspect scene.pbrt -o look.html --integrator path --pixel 100,80 --pixel 20,7\n"

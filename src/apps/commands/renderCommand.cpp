@@ -205,6 +205,20 @@ std::string titleOf(const RenderCommandOptions& o) {
   return std::filesystem::path(o.render.scene).filename().string();
 }
 
+/** Lets the live page ask for the paths of pixels. */
+void answerPixels(const std::shared_ptr<const LoadedScene>& loaded, const PathClasses& classes,
+                  const std::string& title, FilmViewers& viewers, RenderPlan& plan) {
+  int maxDepth = -1;
+  for (const ParsedParameter& p : loaded->integratorDirective.parameters)
+    if (p.name == "maxdepth") maxDepth = static_cast<int>(p.numbers.front());
+  const auto queries = std::make_shared<PixelQueries>(
+      std::shared_ptr<const Scene>(loaded, loaded->scene.get()), classes, title,
+      loaded->integratorDirective.type + ", during the render", maxDepth, plan.settings(*loaded->scene).seed);
+  viewers.answerPixels(queries);
+  plan.isAsked = [queries] { return queries->isAsked(); };
+  plan.answer = [queries](const RenderPause& pause) { queries->answer(pause); };
+}
+
 ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoaded = {}) {
   const bool leads = !cluster() || cluster()->leads();
   RenderCommandOptions o = leads ? given : given.withoutOutputs();
@@ -238,6 +252,7 @@ ExitStatus renderScene(const RenderCommandOptions& given, const OnLoaded& onLoad
   FilmViewers viewers(o.viewers, o.develop, titleOf(o), requestStop);
   if (o.viewers.any())
     plan.look = [&](const auto& picture, const auto& say) { return viewers.look(picture, say); };
+  if (o.viewers.live && !cluster()) answerPixels(held, classes, titleOf(o), viewers, plan);
   plan.endsWithFirstPicture = true;
   RenderResult result = renderLoaded(loaded, classes, plan, o.render,
                                      [&](const RenderProgress& progress) { viewers.show(progress); });

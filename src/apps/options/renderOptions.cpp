@@ -203,6 +203,8 @@ class RenderRun {
     if (cluster()) joinCluster();
     if (!plan.checkpoint.empty()) openCheckpoint();
     settings.limitsFirstPass = plan.limitsFirstPass || (plan.endsWithFirstPicture && firstClasses);
+    settings.isAsked = plan.isAsked;
+    settings.answer = plan.answer;
     if (plan.look) beginLooking();
     const std::string missed = missedText();
     if (!missed.empty()) log("warning: " + missed);

@@ -37,6 +37,9 @@ struct RenderPlan {
   using Look = std::function<double(const std::function<Image()>& picture,
                                     const std::function<void(const std::string&)>& say)>;
   Look look;
+  /** Questions to the running render; see RenderSettings. Both or none are set. */
+  std::function<bool()> isAsked;
+  std::function<void(const RenderPause&)> answer;
   /** True if a FirstPicture replaces a picture without a sample at the time limit. */
   bool endsWithFirstPicture = false;
   bool limitsFirstPass = false; ///< see RenderSettings; set too if a FirstPicture may replace the picture

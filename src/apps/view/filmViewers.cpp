@@ -76,8 +76,9 @@ void ViewerOptions::addTo(CLI::App& command) {
   command
       .add_flag(
           "--live", live,
-          "Serve a web page with the picture so far, exposure, tone operator, pixel values, remaining time, "
-          "and a button to stop and keep the picture. Anyone who has the printed address can watch and stop")
+          "Serve a web page with the picture so far, exposure, tone operator, pixel values, the paths of a "
+          "clicked pixel, remaining time, and a button to stop and keep the picture. Anyone who has the "
+          "printed address can watch and stop")
       ->group(group);
   command
       .add_option("--live-address", liveAddress,
@@ -173,6 +174,14 @@ double FilmViewers::look(const std::function<Image()>& picture,
 
 void FilmViewers::show(const RenderProgress& progress) {
   if (live) live->show(progress);
+}
+
+void FilmViewers::answerPixels(std::shared_ptr<PixelQueries> queries) {
+  if (live) live->setQueries(std::move(queries));
+}
+
+FilmViewers::~FilmViewers() {
+  if (live) live->setQueries(nullptr);
 }
 
 void FilmViewers::finish(const Image& picture, const std::function<void(const std::string&)>& say) {

@@ -77,10 +77,15 @@ class FilmViewers {
   /** `stop` is called when a viewer wants the render to end. Throws Error if a viewer cannot begin. */
   FilmViewers(const ViewerOptions& options, const DevelopOptions& develop, const std::string& title,
               std::function<void()> stop);
+  ~FilmViewers();
+  FilmViewers(const FilmViewers&) = delete;
+  FilmViewers& operator=(const FilmViewers&) = delete;
 
   /** Shows a picture of the film to all viewers that are due. Returns the time until the next is due [s]. */
   double look(const std::function<Image()>& picture, const std::function<void(const std::string&)>& say);
   void show(const RenderProgress& progress);
+  /** Lets a page ask for the paths of pixels as long as the viewers exist. Without a page nobody asks. */
+  void answerPixels(std::shared_ptr<PixelQueries> queries);
   /** Shows the last picture. The caller writes the preview, like its other outputs. */
   void finish(const Image& picture, const std::function<void(const std::string&)>& say);
 

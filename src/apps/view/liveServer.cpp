@@ -74,6 +74,17 @@ HttpAnswer json(const std::string& text) {
 
 Json numberOrNull(double value) { return std::isfinite(value) && value >= 0 ? Json(value) : Json(nullptr); }
 
+/** Vector of three numbers between commas. */
+Vec3f vectorParameter(const HttpRequest& request, const std::string& name) {
+  const auto given = request.parameters.find(name);
+  const std::vector<std::string> numbers =
+      given == request.parameters.end() ? std::vector<std::string>() : split(given->second, ',');
+  if (numbers.size() != 3) badUsage(name + ": needs three numbers");
+  Vec3f out;
+  for (int k = 0; k < 3; ++k) out[k] = static_cast<float>(parseReal(name, numbers[size_t(k)]));
+  return out;
+}
+
 std::string pageText(const std::string& title) {
   const Json data = {{"title", title}, {"operators", plugIns().toneMaps.names()}};
   return htmlPage({page::LIVE_HTML,
@@ -94,7 +105,8 @@ struct LiveServer::Parts {
 
   std::mutex mutex; ///< guards the members below
   std::shared_ptr<const Image> picture;
-  uint64_t version = 0, fetched = 0; ///< of pictures: newest, and latest one fetched
+  std::shared_ptr<PixelQueries> queries; ///< null: none are answered
+  uint64_t version = 0, fetched = 0;     ///< of pictures: newest, and latest one fetched
   RenderProgress progress;
   bool finished = false, stopped = false;
   double developSeconds = 0;
@@ -104,6 +116,15 @@ struct LiveServer::Parts {
     const std::lock_guard<std::mutex> guard(mutex);
     return picture;
   }
+  /** What answers questions about pixels. Throws Error if nobody does. */
+  std::shared_ptr<PixelQueries> answering() {
+    const std::lock_guard<std::mutex> guard(mutex);
+    if (!queries) throw Error("The render answers no questions about pixels now.");
+    return queries;
+  }
+  HttpAnswer paths();
+  HttpAnswer reference(const HttpRequest& request);
+  HttpAnswer ask(const HttpRequest& request);
   HttpAnswer answer(const HttpRequest& request);
   HttpAnswer answerGet(const std::string& what, const HttpRequest& request);
   HttpAnswer answerPost(const std::string& what, const HttpRequest& request);
@@ -116,6 +137,7 @@ struct LiveServer::Parts {
 std::string LiveServer::Parts::stateJson() {
   const std::lock_guard<std::mutex> guard(mutex);
   lastVisit = Clock::now();
+  const PixelQuestion question = queries ? queries->question() : PixelQuestion();
   const Json state = {{"version", version},
                       {"width", picture ? picture->width : 0},
                       {"height", picture ? picture->height : 0},
@@ -127,7 +149,10 @@ std::string LiveServer::Parts::stateJson() {
                       {"rays_per_second", progress.raysPerSecond},
                       {"error", numberOrNull(progress.error)},
                       {"stopped", stopped},
-                      {"finished", finished}};
+                      {"finished", finished},
+                      {"answers_pixels", queries != nullptr},
+                      {"question", question.number},
+                      {"answered", question.isAnswered}};
   return state.dump();
 }
 
@@ -177,10 +202,38 @@ HttpAnswer LiveServer::Parts::pixel(const HttpRequest& request) {
   return json(Json::array({value(c.r), value(c.g), value(c.b)}).dump());
 }
 
+/** Page with the paths of the pixel of the latest answer. */
+HttpAnswer LiveServer::Parts::paths() {
+  HttpAnswer out;
+  out.type = "text/html; charset=utf-8";
+  const std::shared_ptr<const Image> image = newest();
+  if (image) out.body = answering()->page(*image);
+  return out.body.empty() ? refusal(404, "No pixel has been answered yet.") : out;
+}
+
+/** Path tracing at the surface point `position` with the normal `normal`. */
+HttpAnswer LiveServer::Parts::reference(const HttpRequest& request) {
+  return json(
+      answering()->reference(vectorParameter(request, "position"), vectorParameter(request, "normal")));
+}
+
+/** Asks for the paths of the pixel `x`, `y`; the state says when there is an answer. */
+HttpAnswer LiveServer::Parts::ask(const HttpRequest& request) {
+  const auto coordinate = [&](const char* name) {
+    const auto given = request.parameters.find(name);
+    return int(parseCount(name, given == request.parameters.end() ? "" : given->second, 0, 1 << 30));
+  };
+  const std::shared_ptr<PixelQueries> queries = answering();
+  queries->ask(coordinate("x"), coordinate("y"));
+  return json(Json{{"question", queries->question().number}}.dump());
+}
+
 HttpAnswer LiveServer::Parts::answerGet(const std::string& what, const HttpRequest& request) {
   if (what == "state") return json(stateJson());
   if (what == "shown") return shownPicture(request);
   if (what == "pixel") return pixel(request);
+  if (what == "paths") return paths();
+  if (what == "reference") return reference(request);
   if (!what.empty()) return refusal(404, "There is no such page.");
   HttpAnswer out;
   out.type = "text/html; charset=utf-8";
@@ -192,6 +245,7 @@ HttpAnswer LiveServer::Parts::answerPost(const std::string& what, const HttpRequ
   const std::string origin = request.header("origin");
   if (!origin.empty() && origin != "http://" + request.header("host"))
     return refusal(403, "Only the page itself may do this.");
+  if (what == "ask") return ask(request);
   if (what != "stop") return refusal(404, "There is no such page.");
   {
     const std::lock_guard<std::mutex> guard(mutex);
@@ -242,6 +296,8 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
     } catch (const std::exception& error) { // such as lack of memory, which the render needs more
       out = refusal(500, error.what());
     }
+    // The page shows that of a pixel in a frame; nobody else may show either of them.
+    const std::string ancestors = request.path == parts->root + "paths" ? "'self'" : "'none'";
     out.headers.insert(
         out.headers.end(),
         {{"Cache-Control", "no-store"},
@@ -249,7 +305,8 @@ LiveServer::LiveServer(const std::string& address, const std::vector<std::string
          {"X-Content-Type-Options", "nosniff"},
          {"Content-Security-Policy",
           "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
-          "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"}});
+          "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors " +
+              ancestors}});
     return out;
   };
   try {
@@ -281,6 +338,11 @@ void LiveServer::show(Image picture) {
 void LiveServer::show(const RenderProgress& progress) {
   const std::lock_guard<std::mutex> guard(parts->mutex);
   parts->progress = progress;
+}
+
+void LiveServer::setQueries(std::shared_ptr<PixelQueries> queries) {
+  const std::lock_guard<std::mutex> guard(parts->mutex);
+  parts->queries = std::move(queries);
 }
 
 void LiveServer::begin() {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/view/pixelQueries.h"
 #include "recurse/core/image/image.h"
 #include "recurse/render/render.h"
 
@@ -29,6 +30,8 @@ class LiveServer {
   double cost() const;
   void show(Image picture);
   void show(const RenderProgress& progress);
+  /** Sets what answers questions about pixels; null: nobody does. */
+  void setQueries(std::shared_ptr<PixelQueries> queries);
   /** Notes the start of a render, possibly one of several, without a request to stop it. */
   void begin();
   /** Notes the end of the render. An open page has `patience` [s] to fetch the last picture. */

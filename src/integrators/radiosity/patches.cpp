@@ -10,6 +10,7 @@
 #include "recurse/core/io/text.h"
 #include "recurse/core/sampling/sampler.h"
 #include "recurse/model/bsdf/bsdf.h"
+#include "recurse/model/bsdf/surfaceDetail.h"
 #include "recurse/model/mesh/triangleMesh.h"
 #include "recurse/model/texture/texture.h"
 
@@ -168,7 +169,8 @@ std::vector<Patches::Face> Patches::facesOf(const Scene& scene) {
     const bool isMesh = shape->triangleMesh() != nullptr;
     const uint32_t number = isMesh ? shape->primitiveCount() : shape->faceCount();
     for (uint32_t i = 0; i < number; ++i)
-      all.push_back(Face{.shape = shape, .number = i, .isTriangle = isMesh});
+      all.push_back(
+          Face{.shape = shape, .material = scene.shapes()[s].material, .number = i, .isTriangle = isMesh});
   }
   return all;
 }
@@ -211,6 +213,22 @@ std::array<Vec2d, 3> Patches::cornerCoordinates(uint32_t patch) const {
   const Face& face = faces[faceOfPatch[patch]];
   const std::array<glm::uvec2, 3> grid = face.cell(patch).corners();
   return {face.atGrid(grid[0]), face.atGrid(grid[1]), face.atGrid(grid[2])};
+}
+
+RadiosityPatch Patches::describe(uint32_t patch) const {
+  const Face& face = faces[faceOfPatch[patch]];
+  const std::array<Vec2d, 3> corners = cornerCoordinates(patch);
+  RadiosityPatch out;
+  for (size_t k = 0; k < 3; ++k) out.corners[k] = face.pointAt(corners[k]).position;
+  SurfacePoint centroid = face.pointAt(within(corners, 1.0 / 3, 1.0 / 3));
+  out.normal = centroid.geometricNormal;
+  out.area = areas[patch];
+  if (face.material->detail) face.material->detail->apply(centroid);
+  BsdfArena arena;
+  const Bsdf* bsdf = face.material->bsdfAt(centroid, arena);
+  for (size_t side = 0; side < 2; ++side)
+    out.albedo[side] = bsdf ? bsdf->albedo(Vec3f(0, 0, side == 0 ? 1 : -1)) : BLACK;
+  return out;
 }
 
 float Patches::opaqueArea(uint32_t patch) const {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <vector>
 
-#include "recurse/model/scene/scene.h"
+#include "recurse/transport/integrator/integrator.h"
 
 namespace recurse {
 
@@ -39,6 +39,8 @@ class Patches {
   /** Area of the patch where alpha leaves it opaque [scene units²]. */
   float area(uint32_t patch) const { return areas[patch]; }
   std::array<uint32_t, 3> corners(uint32_t patch) const;
+  /** Corners, normal, area and albedo of the patch; nothing of the light. */
+  RadiosityPatch describe(uint32_t patch) const;
   /** Samples an opaque point of the patch, uniform in the surface's coordinates. */
   SurfacePoint sample(uint32_t patch, Sampler& sampler) const;
 
@@ -56,6 +58,7 @@ class Patches {
   /** Face with a grid: a triangle of a mesh, or a face of other shapes by its coordinates. */
   struct Face {
     const Shape* shape = nullptr;
+    const Material* material = nullptr;
     uint32_t number = 0; ///< primitive of the mesh, or face of the shape
     bool isTriangle = false;
     glm::uvec2 divisions{1};

@@ -76,6 +76,24 @@ class Radiosity final : public Integrator {
     }
   }
 
+  void visitPatches(const std::function<void(const RadiosityPatch&)>& visit) const override {
+    for (uint32_t p = 0; p < patches.count(); ++p) {
+      RadiosityPatch out = patches.describe(p);
+      for (size_t side = 0; side < 2; ++side) {
+        out.received[side] = BLACK;
+        for (size_t s = 0; s < states; ++s) out.received[side] += received[at(p, side, s)];
+      }
+      visit(out);
+    }
+  }
+  std::optional<uint32_t> patchAt(const Hit& hit) const override {
+    const std::optional<PatchPoint> found = patches.find(hit);
+    return found ? std::optional(found->patch) : std::nullopt;
+  }
+  SurfacePoint samplePatch(uint32_t patch, Sampler& sampler) const override {
+    return patches.sample(patch, sampler);
+  }
+
   std::string claims() const override { return "LD*E"; }
   std::string suppositions() const override {
     return "that indirect light is constant or changes linearly over a patch, and only diffuse surfaces "

@@ -32,17 +32,17 @@ Rgb rgbFromOklch(float lightness, float chroma, float hue) {
   return clamp(convert(low), 0, 1);
 }
 
-/** Diverging scale: −1 blue, 0 light grey, 1 red. */
-Rgb divergingColour(float t) {
-  const float amount = std::abs(t);
-  return rgbFromOklch(0.92f - 0.45f * amount, 0.22f * amount, t < 0 ? 0.71f : 0.07f);
-}
-
 } // namespace
 
 Rgb falseColour(float t) {
   t = std::clamp(t, 0.0f, 1.0f);
   return rgbFromOklch(0.22f + 0.70f * t, 0.13f + 0.05f * t, 0.83f - 0.53f * t);
+}
+
+Rgb divergingColour(float t) {
+  t = std::clamp(t, -1.0f, 1.0f);
+  const float amount = std::abs(t);
+  return rgbFromOklch(0.92f - 0.45f * amount, 0.22f * amount, t < 0 ? 0.71f : 0.07f);
 }
 
 Image errorMap(const Image& image, const Image& reference, ErrorMap kind) {
@@ -59,7 +59,7 @@ Image errorMap(const Image& image, const Image& reference, ErrorMap kind) {
       }
       Rgb colour(1, 0, 1);
       if (std::isfinite(relative))
-        colour = kind == ErrorMap::SIGNED ? divergingColour(std::clamp(2 * relative, -1.0f, 1.0f))
+        colour = kind == ErrorMap::SIGNED ? divergingColour(2 * relative)
                                           : falseColour(1 + std::log10(std::max(relative, 1e-6f)) / 3);
       for (int c = 0; c < 3; ++c) map.at(x, y)[c] = colour[c];
     }

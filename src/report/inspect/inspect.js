@@ -31,7 +31,7 @@ function isLeftHanded(rays) {
 }
 
 /** Negates x in all data of the page if the axes are left-handed. `data.mirror`: factor that restores x. */
-function mirror(data, { mesh, photons, lightPaths, boxes }) {
+function mirror(data, { mesh, photons, lightPaths, boxes, patches }) {
   data.mirror = isLeftHanded(data.camera) ? -1 : 1;
   if (data.mirror > 0) return;
   const turn = (v) => { v[0] = -v[0]; };
@@ -40,7 +40,7 @@ function mirror(data, { mesh, photons, lightPaths, boxes }) {
   for (const ray of data.camera) if (ray) [ray.origin, ray.direction].forEach(turn);
   for (const box of [...mesh.boxes, ...data.media]) box.forEach(turn);
   for (const array of [mesh.positions, photons.positions, photons.normals, photons.directions, lightPaths.positions,
-    boxes.bounds]) turnAll(array);
+    boxes.bounds, patches.positions]) turnAll(array);
   for (const reference of data.references) [reference.position, reference.normal].forEach(turn);
   for (const { samples, vertices, steps, contributions, lightVertices } of data.pixels) {
     for (const vertex of lightVertices) turn(vertex[2]);
@@ -108,7 +108,7 @@ function onClick(canvas, act) {
   });
 }
 
-function connect(data, view, photonView, others) {
+function connect(data, view, photonView, patchView, others) {
   element("wire").addEventListener("input", () => view.setWireFrame(element("wire").checked));
   element("opacity").addEventListener("input", () => view.setOpacity(Number(element("opacity").value)));
   const cut = () => {
@@ -127,6 +127,10 @@ function connect(data, view, photonView, others) {
       cut();
     });
   onClick(element("view"), (event) => {
+    if (patchView.isShown) {
+      patchView.pick(event.clientX, event.clientY);
+      return;
+    }
     const hit = view.pick(event.clientX, event.clientY);
     element("where").textContent = hit
       ? `${hit.name}: ${worldText(data, hit.point.toArray())}` : "";
@@ -149,7 +153,8 @@ async function start() {
   const values = await decodeLayer(data.picture, data.picture.width * data.picture.height);
   const mesh = await decodeMesh(data.mesh), photons = await decodePhotons(data.photons);
   const lightPaths = await decodeLightPaths(data.lightPaths), boxes = await decodeBoxes(data.boxes);
-  mirror(data, { mesh, photons, lightPaths, boxes });
+  const patches = await decodePatches(data.patches);
+  mirror(data, { mesh, photons, lightPaths, boxes, patches });
   let paths = null, photonView = null;
   const choose = (pixel) => {
     paths.show(pixel);
@@ -162,8 +167,9 @@ async function start() {
   view.renderer.render(view.scene, view.camera);
   paths = new PathView(view, data);
   photonView = new PhotonView(view, data, photons);
-  connect(data, view, photonView, [new FlightView(view, data, lightPaths), new BoxView(view, boxes)]
-    .filter((other) => other.isUsed));
+  const patchView = new PatchView(view, data, patches);
+  connect(data, view, photonView, patchView,
+    [new FlightView(view, data, lightPaths), new BoxView(view, boxes), patchView].filter((other) => other.isUsed));
   remarks(data, mesh);
   picture.draw(null);
   if (data.pixels.length > 0) choose(data.pixels[Math.floor(data.pixels.length / 2)]);

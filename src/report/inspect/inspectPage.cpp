@@ -225,17 +225,50 @@ Json lightPathsJson(const PathClasses& classes, const LightPathRecorder& record)
           {"kinds", encodedNumbers(kinds)},    {"classes", encodedNumbers(classOfVertex)}};
 }
 
+Json patchesJson(const Inspection& inspection) {
+  std::vector<float> positions, radiosities, areas;
+  std::vector<uint8_t> sides;
+  std::vector<uint32_t> ends, columns;
+  std::vector<uint16_t> rays;
+  for (size_t i = 0; i < inspection.patches.size(); ++i) {
+    const RadiosityPatch& patch = inspection.patches[i];
+    const FormFactors& factors = inspection.factors[i];
+    for (const Vec3f& p : patch.corners) positions.insert(positions.end(), {p.x, p.y, p.z});
+    const Rgb radiosity = patch.radiosity(factors.side);
+    radiosities.insert(radiosities.end(), {radiosity.r, radiosity.g, radiosity.b});
+    areas.push_back(patch.area);
+    sides.push_back(static_cast<uint8_t>(factors.side));
+    for (const FormFactorHits& hits : factors.hits) {
+      columns.push_back(hits.patch);
+      rays.push_back(static_cast<uint16_t>(hits.rays));
+    }
+    ends.push_back(static_cast<uint32_t>(columns.size()));
+  }
+  return {{"count", inspection.patches.size()},
+          {"rays", inspection.factorRays},
+          {"positions", encodedNumbers(positions)},
+          {"radiosities", encodedNumbers(radiosities)},
+          {"areas", encodedNumbers(areas)},
+          {"sides", encodedNumbers(sides)},
+          {"ends", encodedNumbers(ends)},
+          {"columns", encodedNumbers(columns)},
+          {"hits", encodedNumbers(rays)}};
+}
+
+Json referenceJson(const Scene& scene, const ReferencePoint& r) {
+  return {{"x", r.x},
+          {"y", r.y},
+          {"position", numbers(r.position)},
+          {"normal", numbers(r.normal)},
+          {"object", scene.objectName(r.object)},
+          {"irradiance", numbers(r.irradiance)},
+          {"error", shortened(double(r.standardError))},
+          {"samples", r.samples}};
+}
+
 Json referencesJson(const Scene& scene, const std::vector<ReferencePoint>& references) {
   Json out = Json::array();
-  for (const ReferencePoint& r : references)
-    out.push_back({{"x", r.x},
-                   {"y", r.y},
-                   {"position", numbers(r.position)},
-                   {"normal", numbers(r.normal)},
-                   {"object", scene.objectName(r.object)},
-                   {"irradiance", numbers(r.irradiance)},
-                   {"error", shortened(double(r.standardError))},
-                   {"samples", r.samples}});
+  for (const ReferencePoint& r : references) out.push_back(referenceJson(scene, r));
   return out;
 }
 
@@ -272,6 +305,10 @@ std::string photonExpression(const PathClasses& classes, const std::vector<Store
   return text.empty() ? "" : "(" + text + ") & (" + photonPaths + ")";
 }
 
+std::string referenceText(const Scene& scene, const ReferencePoint& reference) {
+  return referenceJson(scene, reference).dump();
+}
+
 std::string inspectPage(const Scene& scene, const PathClasses& classes, const Inspection& inspection) {
   const Vec3d origin = scene.origin();
   Json classList = Json::array();
@@ -300,14 +337,17 @@ std::string inspectPage(const Scene& scene, const PathClasses& classes, const In
                      {"photons", photonsJson(classes, inspection)},
                      {"boxes", boxesJson(inspection.boxes)},
                      {"lightPaths", lightPathsJson(classes, inspection.lightPaths)},
-                     {"references", referencesJson(scene, inspection.references)}};
-  return htmlPage({page::INSPECT_HTML,
-                   inspection.title + " · light in the scene",
-                   {page::PAGE_CSS, page::INSPECT_CSS},
-                   {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
-                   {page::PIXELS_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::ESTIMATE_JS,
-                    page::PHOTON_VIEW_JS, page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS, page::INSPECT_JS}},
-                  data);
+                     {"references", referencesJson(scene, inspection.references)},
+                     {"patches", patchesJson(inspection)},
+                     {"live", inspection.isLive}};
+  return htmlPage(
+      {page::INSPECT_HTML,
+       inspection.title + " · light in the scene",
+       {page::PAGE_CSS, page::INSPECT_CSS},
+       {page::THREE_MIN_JS, page::ORBIT_CONTROLS_JS},
+       {page::PIXELS_JS, page::SCENE_VIEW_JS, page::PATH_VIEW_JS, page::ESTIMATE_JS, page::PHOTON_VIEW_JS,
+        page::FLIGHT_VIEW_JS, page::BOX_VIEW_JS, page::PATCH_VIEW_JS, page::INSPECT_JS}},
+      data);
 }
 
 } // namespace recurse

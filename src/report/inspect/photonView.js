@@ -100,10 +100,27 @@ class PhotonView {
     if (this.photons.count === 0) return;
     this.estimate = new Estimate(this.photons, this.view.mesh, { point, normal }, this.data.radius);
     this.reference = irradiance ? { value: irradiance, y: luminance(...irradiance), error, samples } : null;
-    Object.assign(this, { point, normal, name });
+    Object.assign(this, { point, normal, name, answer: null });
     element("estimate").hidden = false;
     this.limits = [this.estimate.smallest, this.estimate.largest];
     this.setNumber(Math.min(100, this.estimate.found.length));
+    if (this.data.live && !irradiance) this.ask(point, normal);
+  }
+
+  /** Asks the program that renders for path tracing at this very point. */
+  async ask(point, normal) {
+    const world = (v) => [v.x * this.data.mirror, v.y, v.z].join();
+    const query = new URLSearchParams({ position: world(point), normal: world(normal) });
+    this.answer = "the program is asked";
+    this.setRadius(this.radius);
+    const answer = await fetch(`reference?${query}`).then((a) => (a.ok ? a.json() : a.text()), () => "the render has ended");
+    if (this.point !== point) return; // another one has been clicked
+    this.answer = typeof answer === "string" ? answer : null;
+    if (!this.answer)
+      this.reference = { value: answer.irradiance, y: luminance(...answer.irradiance), error: answer.error,
+        samples: answer.samples };
+    element("view").dataset.reference = this.answer ?? this.reference.y;
+    this.setRadius(this.radius);
   }
 
   radiusAt(slider) { return this.limits[0] * (this.limits[1] / this.limits[0]) ** slider; }
@@ -130,6 +147,7 @@ class PhotonView {
         [`luminance by ${reference.samples} paths`, `${numberText(reference.y)} ± ${numberText(reference.error)}`],
         ["difference", reference.y > 0 ? `${(100 * (y / reference.y - 1)).toFixed(1)} %, `
           + `${((y - reference.y) / Math.hypot(error, reference.error)).toFixed(1)} standard errors` : "–"]);
+    else if (this.data.live) rows.push(["path tracing", this.answer ?? "–"]);
     else rows.push(["path tracing", this.references.length > 0 ? "at the white points only" : "–"]);
     element("estimateText").replaceChildren(...rows.flatMap(([name, text]) => {
       const dt = document.createElement("dt"), dd = document.createElement("dd");

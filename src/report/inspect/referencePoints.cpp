@@ -36,6 +36,32 @@ bool isComparable(const Scene& scene) {
   return !scene.hasMedia() && !scene.moves() && !(scene.contents().lobes & STRAIGHT);
 }
 
+/** Estimates the irradiance where the ray arrives, with samples of these seeds. Leaves p.samples at 0 where
+ * the surface is not Lambertian. */
+void estimateReference(const Scene& scene, const Integrator& integrator, const PathClasses& classes,
+                       const CameraRay& ray, int64_t samples, uint64_t seed, const std::atomic<bool>& stop,
+                       ReferencePoint& p) {
+  const Rgb albedo = albedoOf(scene, ray, p);
+  if (!(albedo.r > 0 && albedo.g > 0 && albedo.b > 0)) return;
+  TransportCounts counts;
+  PathRadiance out(classes, counts);
+  Rgbd sum(0);
+  double squares = 0;
+  for (p.samples = 0; p.samples < samples && !stop; ++p.samples) {
+    // Samples of one stream are stratified, so that their variance says nothing about the error of the mean.
+    Sampler sampler(hashCombine(seed, static_cast<uint64_t>(p.samples)), 0, 0);
+    out.reset();
+    integrator.backward(scene, ray, sampler, out);
+    sum += Rgbd(out.total());
+    squares += square(double(luminance(out.total() * PI / albedo)));
+  }
+  if (p.samples == 0) return;
+  const auto n = double(p.samples);
+  p.irradiance = Rgb(sum / n) * PI / albedo;
+  const double variance = (squares - n * square(double(luminance(p.irradiance)))) / (n - 1);
+  p.standardError = n > 1 ? static_cast<float>(std::sqrt(std::max(0.0, variance) / n)) : INFINITE;
+}
+
 } // namespace
 
 std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator& integrator,
@@ -47,31 +73,25 @@ std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator
     ReferencePoint& p = points[i];
     p.x = pixels[i].x;
     p.y = pixels[i].y;
-    const std::optional<CameraRay> ray = middleRay(scene, p);
-    if (!ray) return;
-    const Rgb albedo = albedoOf(scene, *ray, p);
-    if (!(albedo.r > 0 && albedo.g > 0 && albedo.b > 0)) return;
-    TransportCounts counts;
-    PathRadiance out(classes, counts);
-    Rgbd sum(0);
-    double squares = 0;
-    for (p.samples = 0; p.samples < samples && !stop; ++p.samples) {
-      // Samples of one stream are stratified, so that their variance says nothing about the error of the
-      // mean.
-      Sampler sampler(hashCombine(hashCombine(seed, i), static_cast<uint64_t>(p.samples)), 0, 0);
-      out.reset();
-      integrator.backward(scene, *ray, sampler, out);
-      sum += Rgbd(out.total());
-      squares += square(double(luminance(out.total() * PI / albedo)));
-    }
-    if (p.samples == 0) return;
-    const auto n = double(p.samples);
-    p.irradiance = Rgb(sum / n) * PI / albedo;
-    const double variance = (squares - n * square(double(luminance(p.irradiance)))) / (n - 1);
-    p.standardError = n > 1 ? static_cast<float>(std::sqrt(std::max(0.0, variance) / n)) : INFINITE;
+    if (const std::optional<CameraRay> ray = middleRay(scene, p))
+      estimateReference(scene, integrator, classes, *ray, samples, hashCombine(seed, i), stop, p);
   });
   std::erase_if(points, [](const ReferencePoint& p) { return p.samples == 0; });
   return points;
+}
+
+std::optional<ReferencePoint> referenceAt(const Scene& scene, const Integrator& integrator,
+                                          const PathClasses& classes, const Vec3f& position,
+                                          const Vec3f& normal, int64_t samples, uint64_t seed,
+                                          const std::atomic<bool>& stop) {
+  constexpr float ABOVE = 1e-3f; // of the scene's radius
+  if (!isComparable(scene)) return {};
+  CameraRay ray;
+  ray.origin = position + normal * (ABOVE * scene.bounds().radius);
+  ray.direction = -normal;
+  ReferencePoint p;
+  estimateReference(scene, integrator, classes, ray, samples, seed, stop, p);
+  return p.samples > 0 ? std::optional(p) : std::nullopt;
 }
 
 } // namespace recurse

@@ -220,17 +220,24 @@ class SceneView {
     });
   }
 
-  /** Surface at a position of the window: point, unit normal towards the viewer, name; null if there is none. */
-  pick(clientX, clientY) {
+  /** First intersection of a mesh with the ray at a position of the window, of what the cut leaves; undefined if there
+   * is none. Its normal is on the viewer's side. */
+  firstHit(mesh, clientX, clientY) {
     const box = this.canvas.getBoundingClientRect(), ray = new THREE.Raycaster();
     ray.setFromCamera({ x: 2 * (clientX - box.left) / box.width - 1, y: 1 - 2 * (clientY - box.top) / box.height },
       this.camera);
     const clipped = this.material.clippingPlanes?.length > 0;
-    const hit = ray.intersectObject(this.surface).find((h) => !clipped || this.plane.distanceToPoint(h.point) >= 0);
-    if (!hit) return null;
+    const hit = ray.intersectObject(mesh).find((h) => !clipped || this.plane.distanceToPoint(h.point) >= 0);
+    if (!hit) return undefined;
     const normal = hit.face.normal.clone();
     if (normal.dot(ray.ray.direction) > 0) normal.negate();
-    return { point: hit.point, normal, name: this.mesh.names[this.mesh.objects[hit.faceIndex]] };
+    return { point: hit.point, normal, faceIndex: hit.faceIndex };
+  }
+
+  /** Surface at a position of the window: point, unit normal towards the viewer, name; null if there is none. */
+  pick(clientX, clientY) {
+    const hit = this.firstHit(this.surface, clientX, clientY);
+    return hit ? { ...hit, name: this.mesh.names[this.mesh.objects[hit.faceIndex]] } : null;
   }
 
   /** Replaces the object of that name; null removes it. */

@@ -12,6 +12,8 @@ const live = {
   errors: [], // [seconds, relative error]
   asked: "", // query of the last request for the picture
   ended: false,
+  question: null, // { number, pixel } of the latest question about a pixel
+  asking: "", // pixel of that question
 };
 
 const exposure = () => {
@@ -58,7 +60,10 @@ function showPicture(bytes, size) {
   const [width, height] = size.split("x").map(Number);
   if (live.size !== size) {
     live.view = new View($("view"), width, height);
-    live.view.onPixel = fetchPixel;
+    live.view.onPixel = () => {
+      fetchPixel();
+      askPaths();
+    };
     live.view.onZoom = (zoom) => { $("zoomText").textContent = `${(100 * zoom).toFixed(0)} %`; };
     live.size = size;
   }
@@ -91,6 +96,35 @@ async function fetchPixel() {
   } catch { /* the next poll detects the end of the render */ }
 }
 
+/** Asks for the paths of the marked pixel, once. The program answers between two rounds of samples. */
+async function askPaths() {
+  const pixel = live.view?.marked;
+  if (!pixel || live.ended || !live.state?.answers_pixels || live.asking === pixel.join()) return;
+  live.asking = pixel.join();
+  const answer = await fetch(`ask?x=${pixel[0]}&y=${pixel[1]}`, { method: "POST" }).catch(() => null);
+  if (!answer?.ok) return;
+  live.question = { number: (await answer.json()).question, pixel };
+  $("paths").hidden = false;
+  $("pathsStatus").textContent = `Pixel ${pixel.join(", ")}: waiting for the end of the round`;
+}
+
+/** Shows the paths once the program has answered the latest question. */
+function showPaths() {
+  const { question, state } = live;
+  if (!question || question.isShown || state.question !== question.number || !state.answered) return;
+  question.isShown = true;
+  $("pathsStatus").textContent = `Paths of pixel ${question.pixel.join(", ")}`;
+  $("pathsPage").src = $("pathsAlone").href = `paths?question=${question.number}`;
+  $("pathsAlone").hidden = false;
+  document.body.dataset.answered = question.number;
+}
+
+function closePaths() {
+  Object.assign(live, { question: null, asking: "" });
+  $("paths").hidden = true;
+  $("pathsPage").removeAttribute("src");
+}
+
 function showState() {
   const s = live.state, none = (value, text) => (value === null ? "–" : text(value));
   $("phase").textContent = s.finished ? "finished" : s.stopped ? "stopping" : s.phase || "–";
@@ -102,6 +136,8 @@ function showState() {
   $("error").textContent = none(s.error, (e) => e.toPrecision(3));
   $("label").textContent = s.width ? `${s.width}x${s.height} pixels` : "waiting for the first samples";
   $("stop").disabled = s.stopped || s.finished;
+  $("pathsHelp").hidden = !s.answers_pixels;
+  showPaths();
   if (s.elapsed < (live.errors.at(-1)?.[0] ?? 0)) live.errors = []; // a new render has begun
   const last = live.errors.at(-1);
   if (s.error !== null && s.elapsed > 0 && (!last || last[1] !== s.error)) live.errors.push([s.elapsed, s.error]);
@@ -167,6 +203,7 @@ function start() {
   $("zoomIn").addEventListener("click", () => live.view?.zoomBy(1.5));
   $("zoomOut").addEventListener("click", () => live.view?.zoomBy(1 / 1.5));
   $("fit").addEventListener("click", () => live.view?.fit());
+  $("closePaths").addEventListener("click", closePaths);
   $("stop").addEventListener("click", async () => {
     $("stop").disabled = true;
     await fetch("stop", { method: "POST" });

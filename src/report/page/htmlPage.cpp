@@ -14,8 +14,6 @@
 
 namespace recurse {
 
-namespace {
-
 std::string base64(const std::vector<unsigned char>& bytes) {
   static constexpr char DIGITS[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string out;
@@ -27,6 +25,8 @@ std::string base64(const std::vector<unsigned char>& bytes) {
   }
   return out;
 }
+
+namespace {
 
 std::vector<unsigned char> deflated(const std::vector<unsigned char>& bytes) {
   uLongf size = compressBound(static_cast<uLong>(bytes.size()));
@@ -76,7 +76,15 @@ std::string forHtml(const nlohmann::ordered_json& json) {
   return out;
 }
 
-std::string escaped(const std::string& text) {
+void replaceMark(std::string& page, const std::string& mark, const std::string& text) {
+  const size_t at = page.find(mark);
+  if (at == std::string::npos) throw Error("internal error: the page has no " + mark);
+  page.replace(at, mark.size(), text);
+}
+
+} // namespace
+
+std::string escapedHtml(const std::string& text) {
   std::string out;
   for (char c : text) switch (c) {
     case '<':
@@ -93,14 +101,6 @@ std::string escaped(const std::string& text) {
     }
   return out;
 }
-
-void replaceMark(std::string& page, const std::string& mark, const std::string& text) {
-  const size_t at = page.find(mark);
-  if (at == std::string::npos) throw Error("internal error: the page has no " + mark);
-  page.replace(at, mark.size(), text);
-}
-
-} // namespace
 
 void addPixels(nlohmann::ordered_json& json, const Image& image) {
   const int scale = scaleOf(image);
@@ -134,7 +134,7 @@ std::string htmlPage(const HtmlPage& parts, const nlohmann::ordered_json& data) 
               "<script type=\"application/json\" id=\"data\">" + forHtml(data) + "</script>");
   replaceMark(page, "<!--CONTENT-->\n", std::string(parts.content));
   replaceMark(page, "<!--STYLE-->", "<style>\n" + joined(parts.styles) + "</style>");
-  replaceMark(page, "<!--TITLE-->", "<title>" + escaped(parts.title) + "</title>");
+  replaceMark(page, "<!--TITLE-->", "<title>" + escapedHtml(parts.title) + "</title>");
   return page;
 }
 

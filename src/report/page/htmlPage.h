@@ -26,6 +26,12 @@ template <class T> std::string encodedNumbers(const std::vector<T>& numbers) {
   return encodedBytes(std::as_bytes(std::span(numbers)), sizeof(T));
 }
 
+/** Bytes in base 64 (RFC 4648, section 4). */
+std::string base64(const std::vector<unsigned char>& bytes);
+
+/** Text for HTML, SVG and XML, outside of attributes. */
+std::string escapedHtml(const std::string& text);
+
 /** Parts of a page. */
 struct HtmlPage {
   std::string_view content; ///< header and main element; frame.html is around them

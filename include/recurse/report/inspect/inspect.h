@@ -4,11 +4,13 @@
  */
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "recurse/core/image/image.h"
 #include "recurse/render/recordPixels.h"
+#include "recurse/report/inspect/formFactors.h"
 
 namespace recurse {
 
@@ -35,6 +37,10 @@ struct Inspection {
   std::vector<PhotonBox> boxes;      ///< of the photon map's tree
   LightPathRecorder lightPaths{0};
   std::vector<ReferencePoint> references;
+  std::vector<RadiosityPatch> patches; ///< empty: the integrator divides no surfaces
+  std::vector<FormFactors> factors;    ///< of each patch
+  uint32_t factorRays = 0;             ///< rays for each patch
+  bool isLive = false; ///< the program serves the page, and answers referenceAt() for any point
 };
 
 /** Number of levels of photonBoxes(): the last one has up to 4096 boxes, enough for a clear picture. */
@@ -59,7 +65,17 @@ std::vector<ReferencePoint> referencePoints(const Scene& scene, const Integrator
                                             const PathClasses& classes, std::span<const RecordedPixel> pixels,
                                             int64_t samples, uint64_t seed, const std::atomic<bool>& stop);
 
-/** Self-contained page. */
+/** Does the same for any surface point, on the side of its unit normal, by rays against the normal; empty
+ * where the surface is not Lambertian, or the light is not comparable. */
+std::optional<ReferencePoint> referenceAt(const Scene& scene, const Integrator& integrator,
+                                          const PathClasses& classes, const Vec3f& position,
+                                          const Vec3f& normal, int64_t samples, uint64_t seed,
+                                          const std::atomic<bool>& stop);
+
+/** Reference point as the JSON of the page. */
+std::string referenceText(const Scene& scene, const ReferencePoint& reference);
+
+/** Self-contained page; a live one asks the program for references at clicked points. */
 std::string inspectPage(const Scene& scene, const PathClasses& classes, const Inspection& inspection);
 
 } // namespace recurse

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -247,6 +248,17 @@ struct PhotonBox {
   bool caustic = false; ///< see StoredPhoton
 };
 
+/** Patch of a radiosity solution, a triangle. */
+struct RadiosityPatch {
+  std::array<Vec3f, 3> corners; ///< on the surface [scene units], relative to Scene::origin()
+  Vec3f normal;                 ///< geometric, unit, at the centroid, on the outer side
+  float area = 0;               ///< where alpha leaves it opaque [scene units²]
+  std::array<Rgb, 2> received;  ///< irradiance without direct light, on the outer and the inner side [W/m²]
+  std::array<Rgb, 2> albedo;    ///< at the centroid, on both sides
+  /** Radiosity without the reflection of direct light, on the outer or the inner side [W/m²]. */
+  Rgb radiosity(size_t side) const { return albedo[side] * received[side]; }
+};
+
 class Integrator {
  public:
   virtual ~Integrator() = default;
@@ -283,6 +295,12 @@ class Integrator {
    * box before its parts. */
   virtual void visitPhotonBoxes(int /*levels*/,
                                 const std::function<void(const PhotonBox&)>& /*visit*/) const {}
+  /** Calls visit(patch) for the patches of the latest forward(), if the integrator divides surfaces. */
+  virtual void visitPatches(const std::function<void(const RadiosityPatch&)>& /*visit*/) const {}
+  /** Index of the patch at a hit, in the order of visitPatches(); none where the surface is not divided. */
+  virtual std::optional<uint32_t> patchAt(const Hit&) const { return {}; }
+  /** Samples a point of a patch, uniform in the surface's coordinates. The patch must exist. */
+  virtual SurfacePoint samplePatch(uint32_t /*patch*/, Sampler&) const { return {}; }
   /** Whether the integrator renders the media of the scene. */
   virtual bool supportsMedia(const Scene&) const { return false; }
   /** Whether it measures the lengths of all paths in the scene, for transient renders. */

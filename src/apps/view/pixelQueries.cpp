@@ -1,0 +1,124 @@
+/** @file
+ * Answers to questions about pixels.
+ */
+#include "apps/view/pixelQueries.h"
+
+#include <algorithm>
+
+#include "recurse/core/io/error.h"
+#include "recurse/core/threads/parallel.h"
+#include "recurse/model/scene/plugIns.h"
+#include "recurse/transport/integrator/sceneNames.h"
+
+namespace recurse::apps {
+
+namespace {
+
+constexpr int64_t RECORDED_SAMPLES = 16;
+constexpr size_t SHOWN_PHOTONS = 100000;
+constexpr int64_t REFERENCE_PATHS = 16384;
+
+/** R, G and B of a picture. */
+Image colourOf(const Image& picture) {
+  Image image(picture.width, picture.height, {"R", "G", "B"});
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) std::copy_n(picture.at(x, y), 3, image.at(x, y));
+  return image;
+}
+
+} // namespace
+
+PixelQueries::PixelQueries(std::shared_ptr<const Scene> ofRender, const PathClasses& classes,
+                           std::string title, std::string label, int maxDepth, uint64_t seed)
+    : owner(std::move(ofRender)), scene(*owner), classes(classes), title(std::move(title)),
+      label(std::move(label)), maxDepth(maxDepth), seed(seed) {}
+
+void PixelQueries::ask(int x, int y) {
+  const PixelBounds& crop = scene.film().crop;
+  if (x < 0 || y < 0 || x >= crop.width() || y >= crop.height())
+    throw Error("the pixel is outside of the picture", ExitStatus::BAD_USAGE);
+  const std::lock_guard<std::mutex> guard(mutex);
+  asked = {x, y, asked.number + 1, false};
+  waits = true;
+}
+
+PixelQuestion PixelQueries::question() const {
+  const std::lock_guard<std::mutex> guard(mutex);
+  return asked;
+}
+
+void PixelQueries::answer(const RenderPause& pause) {
+  const PixelQuestion now = question();
+  const PixelBounds& crop = scene.film().crop;
+  auto inspection = std::make_shared<Inspection>();
+  inspection->title = title;
+  inspection->label = label;
+  inspection->isLive = true;
+  RecordedPixel pixel;
+  pixel.x = crop.x0 + now.x;
+  pixel.y = crop.y0 + now.y;
+  pause.record(pixel.x, pixel.y, RECORDED_SAMPLES, pixel.record);
+  inspection->pixels.push_back(std::move(pixel));
+  const Integrator& integrator = pause.integrator();
+  inspection->photons = photonsOf(integrator, SHOWN_PHOTONS, inspection->photonsInMap);
+  inspection->shownPhotons = SHOWN_PHOTONS;
+  inspection->photonName = integrator.photonName();
+  integrator.visitPhotonBoxes(BOX_LEVELS, [&](const PhotonBox& box) { inspection->boxes.push_back(box); });
+  const std::string expression =
+      inspection->photons.empty() ? ""
+                                  : photonExpression(classes, inspection->photons, integrator.photonPaths());
+  const std::lock_guard<std::mutex> guard(mutex);
+  answered = std::move(inspection);
+  photonPaths = expression;
+  if (asked.number != now.number) return; // another question has come meanwhile
+  asked.isAnswered = true;
+  waits = false;
+}
+
+std::string PixelQueries::page(const Image& picture) {
+  std::shared_ptr<Inspection> inspection;
+  {
+    const std::lock_guard<std::mutex> guard(mutex);
+    inspection = answered;
+  }
+  if (!inspection) return "";
+  inspection->picture = colourOf(picture); // the render's thread does not use a published answer
+  return inspectPage(scene, classes, *inspection);
+}
+
+void PixelQueries::prepareReferences(const std::string& expression) {
+  if (path && referencePaths == expression) return;
+  ParsedDirective directive;
+  directive.type = "simplepath"; // learns nothing, so that the first answer comes soon
+  ParsedParameter depth;
+  depth.type = "integer";
+  depth.name = "maxdepth";
+  depth.numbers = {double(maxDepth)};
+  directive.parameters.push_back(depth);
+  Diagnostics diagnostics;
+  path = plugIns().integrators.make(directive, NoContext{}, diagnostics, false);
+  diagnostics.throwIfErrors();
+  referenceClasses = std::make_unique<PathClasses>(sceneClasses({{"photons", expression}}, scene));
+  path->prepare(scene, *referenceClasses);
+  referencePaths = expression;
+}
+
+std::string PixelQueries::reference(const Vec3f& position, const Vec3f& normal) {
+  std::string expression;
+  {
+    const std::lock_guard<std::mutex> guard(mutex);
+    expression = photonPaths;
+  }
+  if (expression.empty()) throw Error("the render has no photons");
+  if (!(std::abs(glm::length(normal) - 1) < 1e-3f) || !isFinite(position))
+    throw Error("the normal is not a unit vector", ExitStatus::BAD_USAGE);
+  prepareReferences(expression);
+  setThreadFloatMode();
+  const std::atomic<bool> stop{false};
+  const std::optional<ReferencePoint> found =
+      referenceAt(scene, *path, *referenceClasses, position, normal, REFERENCE_PATHS, seed, stop);
+  if (!found) throw Error("no path tracing: the surface is not diffuse alone, or the scene moves or has fog");
+  return referenceText(scene, *found);
+}
+
+} // namespace recurse::apps

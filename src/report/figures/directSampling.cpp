@@ -1,0 +1,123 @@
+/** @file
+ * Direct light by one ray.
+ */
+#include "report/figures/directSampling.h"
+
+#include "recurse/core/sampling/sampling.h"
+#include "recurse/model/bsdf/scatteringPoint.h"
+
+namespace recurse {
+
+namespace {
+
+/** Estimator at one point. */
+class DirectEstimator {
+ public:
+  DirectEstimator(const Scene& scene, const VisiblePoint& visible)
+      : scene(scene), visible(visible), scattering(*visible.bsdf, visible.hit.point),
+        frame(facing(scattering.normal(), visible.wi)), isTwoSided(scattering.lobes() & TRANSMISSION) {}
+
+  Rgb estimate(DirectSampling sampling, Sampler& sampler) const {
+    const bool isCombined = sampling == DirectSampling::COMBINED;
+    const bool isLight =
+        sampling == DirectSampling::LIGHT || (isCombined && sampler.next1D() < COMBINED_PROBABILITY);
+    return isLight ? byLight(isCombined, sampler) : byRay(sampling, sampler);
+  }
+
+ private:
+  static constexpr float COMBINED_PROBABILITY = 0.5f;
+
+  static Vec3f facing(const Vec3f& normal, const Vec3f& wi) {
+    return glm::dot(normal, wi) < 0 ? -normal : normal;
+  }
+
+  Rgb byLight(bool isCombined, Sampler& sampler) const {
+    float pick = sampler.next1D();
+    const Vec2f u = sampler.next2D();
+    const ChosenLight chosen = scene.lights().choose(pick);
+    if (!(chosen.probability > 0)) return BLACK;
+    const SurfacePoint& at = visible.hit.point;
+    const std::optional<LiSample> light = chosen.light->sampleLiAt(at.time, at.position, pick, u);
+    if (!light || !(light->pdf > 0)) return BLACK;
+    const Rgb f = scattering.evaluate(visible.wi, light->direction);
+    if (isBlack(f)) return BLACK;
+    const Ray ray = rayToLight(at, at.rayOrigin(light->direction), *light);
+    if (ray.direction != Vec3f(0) && scene.occluded(ray)) return BLACK;
+    float density = chosen.probability * light->pdf;
+    if (isCombined) {
+      density *= COMBINED_PROBABILITY;
+      if (!light->delta)
+        density += (1 - COMBINED_PROBABILITY) * scattering.pdfNonDelta(visible.wi, light->direction);
+    }
+    return visible.weight * f * light->radiance / density;
+  }
+
+  Rgb byRay(DirectSampling sampling, Sampler& sampler) const {
+    float density = 0;
+    const std::optional<Vec3f> direction = sampleDirection(sampling, sampler, density);
+    if (!direction || !(density > 0)) return BLACK;
+    const Rgb f = scattering.evaluate(visible.wi, *direction);
+    if (isBlack(f)) return BLACK;
+    const SurfacePoint& from = visible.hit.point;
+    Rgb sum = BLACK;
+    const auto add = [&](const Rgb& radiance, float pdfLight) {
+      if (isBlack(radiance)) return;
+      const float all = sampling == DirectSampling::COMBINED
+                            ? (1 - COMBINED_PROBABILITY) * density + COMBINED_PROBABILITY * pdfLight
+                            : density;
+      sum += visible.weight * f * radiance / all;
+    };
+    followRay(scene, {from.rayOrigin(*direction), *direction, INFINITE, from.time}, [&](const Hit* hit) {
+      if (hit) {
+        add(hit->areaLight->radiance(hit->point, -*direction),
+            scene.lights().probability(hit->lightIndex) *
+                hit->areaLight->pdfLi(from.position, hit->primitive, hit->point));
+        return;
+      }
+      for (size_t i = 0; i < scene.environment().size(); ++i) {
+        const EnvironmentLight& light = *scene.environment()[i];
+        add(light.radiance(*direction), scene.lights().probability(scene.environmentIndices()[i]) *
+                                            light.pdfLi(from.position, *direction));
+      }
+    });
+    return sum;
+  }
+
+  std::optional<Vec3f> sampleDirection(DirectSampling sampling, Sampler& sampler, float& density) const {
+    if (sampling == DirectSampling::BSDF || sampling == DirectSampling::COMBINED) {
+      const std::optional<Scatter> s = scattering.scatterNonDelta(visible.wi, Transport::RADIANCE, sampler);
+      if (!s) return {};
+      density = s->pdf;
+      return s->direction;
+    }
+    const Vec2f u = sampler.next2D();
+    Vec3f local = sampling == DirectSampling::UNIFORM ? uniformCone(u, 1) : cosineHemisphere(u);
+    density = sampling == DirectSampling::UNIFORM ? INV_PI / 2 : local.z * INV_PI;
+    if (isTwoSided) {
+      density /= 2;
+      if (sampler.next1D() < 0.5f) local.z = -local.z;
+    }
+    return frame.toWorld(local);
+  }
+
+  const Scene& scene;
+  const VisiblePoint& visible;
+  ScatteringPoint scattering;
+  Frame frame; ///< around the shading normal on the camera's side
+  bool isTwoSided;
+};
+
+} // namespace
+
+const char* directSamplingName(DirectSampling sampling) {
+  static constexpr std::array<const char*, DIRECT_SAMPLINGS> NAMES = {"uniform", "cosine", "BSDF", "light",
+                                                                      "BSDF and light"};
+  return NAMES[size_t(sampling)];
+}
+
+Rgb sampleDirectLight(const Scene& scene, const VisiblePoint& point, DirectSampling sampling,
+                      Sampler& sampler) {
+  return DirectEstimator(scene, point).estimate(sampling, sampler);
+}
+
+} // namespace recurse
