@@ -331,6 +331,12 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
   return {fraction, met > 0 ? cosines / static_cast<float>(met) : 1};
 }
 
+/** Radius over that of a measured support in which the mean cosine would be `minCosine`: on a sphere, 1 -
+ * cosine grows as the square of the radius. */
+float reductionOf(float cosine, float minCosine) {
+  return std::sqrt((1 - minCosine) / std::max(1 - cosine, 1e-6f));
+}
+
 } // namespace
 
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
@@ -382,7 +388,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
       if (step == 0) return surface.fraction;
       break;
     }
-    region.radius *= STEP;
+    region.radius *= std::min(STEP, reductionOf(surface.cosine, MIN_COSINE));
   }
   // Measured again with more points, since the fraction that ended the loop is biased upwards.
   surface = measure<MANY_PLACES>(boundary, error, kernel, region, counts);
