@@ -102,10 +102,10 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
   };
   const float low = std::max(RISE * region.radius, 2 * error);
   lookAlong(low);
-  found.depth = depthBelow(scene, region.center, region.normal, error, 2 * GAP * region.radius, counts);
+  found.depth = depthBelow(scene, region.center, region.normal, error, found.heightKnown(), counts);
   Hit above;
   if (intersectPosition(scene,
-                        {region.center + region.normal * low, region.normal, 2 * GAP * region.radius - low},
+                        {region.center + region.normal * low, region.normal, found.heightKnown() - low},
                         above, counts))
     found.clearance = low + above.t;
   if (const float high = freeHeight(found, region.radius); high > 2 * low) lookAlong(high);
@@ -270,7 +270,7 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
         intersectNonDelta(scene, downThrough(region.center + rays[i] * distance, region.normal, height), hit,
                           counts))
       found.depth = std::min(found.depth, depthBelow(scene, hit.point.position, region.normal, error,
-                                                     2 * GAP * region.radius, counts));
+                                                     found.heightKnown(), counts));
   }
   SurfaceProbe probe(scene, error, region, height, counts);
   float before = 0;

@@ -31,16 +31,6 @@ std::optional<VisiblePoint> surfaceOf(const Scene& scene, const Photon& photon, 
 
 using Place = RadiusCache::Place;
 
-/** Median of the records' radii; 0 if there are none. */
-float medianRadius(const std::vector<Place>& places) {
-  if (places.empty()) return 0;
-  std::vector<float> radii;
-  for (const Place& place : places) radii.push_back(place.radius);
-  const auto middle = radii.begin() + ptrdiff_t(radii.size() / 2);
-  std::nth_element(radii.begin(), middle, radii.end());
-  return *middle;
-}
-
 /** Irradiance estimate by one shadow ray, summed over channels [W/m²]. */
 double directIrradiance(const Scene& scene, const LightSampler& lights, const Place& place, Sampler& sampler,
                         TransportCounts& counts) {
@@ -309,10 +299,7 @@ class PlaceFinder {
 void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
                         const GatherSettings& search, double alpha, LightDetail detail,
                         const RayAlternative& rays, TransportCounts& counts, bool choosesAreas) {
-  /** Displacement of records in the index, over their median radius: the records of the two sides of a wall
-   * are eight radii apart, those of a curved surface near each other. */
-  constexpr float LIFT = 4;
-  limit = search.radius;
+  limit = lift = search.radius;
   places.clear();
   // The number of records is limited by the pixels, since a small image has less use for each.
   constexpr size_t EVERY = 4, MIN_COUNT = 1024, MAX_COUNT = 65536;
@@ -322,7 +309,6 @@ void RadiusCache::build(const Scene& scene, const PhotonMap& first, std::span<co
   if (!first.empty())
     places = finder.find(std::max(EVERY, first.size() / std::clamp(4 * pixels, MIN_COUNT, MAX_COUNT)), seen,
                          ofPhotons);
-  lift = LIFT * medianRadius(places);
   std::vector<Photon> lifted(places.size());
   for (size_t i = 0; i < places.size(); ++i)
     lifted[i].position = regionInIndex(places[i].position, places[i].normal).center;
@@ -369,7 +355,8 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
     constexpr float COHERENT = 0.9f;
     const float above = glm::dot(position - place.position, place.normal);
     return glm::dot(place.normal, normal) > COHERENT && place.around.sees(position) &&
-           above < place.around.clearance && -above < place.around.depth;
+           above < std::min(place.around.clearance, place.around.heightKnown()) &&
+           -above < std::min(place.around.depth, place.around.heightKnown());
   };
   const auto resultOf = [&](size_t slot, bool same) {
     const Place& place = places[slot];
@@ -378,6 +365,22 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
   };
   const size_t nearest = index.nearestSlot(regionInIndex(position, normal).center, scratch);
   CachedRadius best = resultOf(nearest, isSameSurface(places[nearest]));
+  const auto consider = [&](size_t slot) {
+    const bool same = isSameSurface(places[slot]);
+    if (best.known && !same) return;
+    const CachedRadius other = resultOf(slot, same);
+    if ((same && !best.known) || other.away < best.away) best = other;
+  };
+  if (!best.known)
+    for (const uint32_t slot : neighbours[nearest]) consider(slot);
+  if (!best.known) { // all may be on the next layer
+    constexpr int MAX_COUNT = 32;
+    index.nearest(regionInIndex(position, normal), MAX_COUNT, scratch);
+    index.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
+        consider(block.first + static_cast<size_t>(std::countr_zero(rest)));
+    });
+  }
   if (best.known) {
     // Chooses a random neighbour by a hash, which hides borders between records.
     uint64_t hash = 0;
@@ -386,22 +389,15 @@ CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
       hash = hashCombine(hash, std::bit_cast<uint32_t>(position[i]));
       offset[i] = 2 * unitFloat(static_cast<uint32_t>(hash >> 32)) - 1;
     }
-    offset = (offset - normal * glm::dot(offset, normal)) * places[nearest].spacing;
-    const size_t slot = nearestOf(nearest, position + offset);
-    if (slot != nearest && isSameSurface(places[slot])) {
+    offset = (offset - normal * glm::dot(offset, normal)) * places[best.index].spacing;
+    const size_t slot = nearestOf(best.index, position + offset);
+    if (slot != best.index && isSameSurface(places[slot])) {
       // The nearest record has the best knowledge of a surface that is whole within this distance.
       const CachedRadius other = resultOf(slot, true);
       if (best.known->isWholeWithin(other.radius + best.away))
         best = {other.radius, best.known, best.away, slot};
       else
         best = other;
-    }
-  } else {
-    for (const uint32_t slot : neighbours[nearest]) {
-      const bool same = isSameSurface(places[slot]);
-      if (best.known && !same) continue;
-      const CachedRadius other = resultOf(slot, same);
-      if ((same && !best.known) || other.away < best.away) best = other;
     }
   }
   // Far from the record, the distance to the k-th photon is unknown: the radius is at least `away`.
