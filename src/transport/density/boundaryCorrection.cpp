@@ -102,10 +102,10 @@ void findWalls(const Scene& scene, float error, const GatherRegion& region,
   };
   const float low = std::max(RISE * region.radius, 2 * error);
   lookAlong(low);
-  found.depth = depthBelow(scene, region.center, region.normal, error, 2 * GAP * region.radius, counts);
+  found.depth = depthBelow(scene, region.center, region.normal, error, found.heightKnown(), counts);
   Hit above;
   if (intersectPosition(scene,
-                        {region.center + region.normal * low, region.normal, 2 * GAP * region.radius - low},
+                        {region.center + region.normal * low, region.normal, found.heightKnown() - low},
                         above, counts))
     found.clearance = low + above.t;
   if (const float high = freeHeight(found, region.radius); high > 2 * low) lookAlong(high);
@@ -270,7 +270,7 @@ Neighbourhood probeNeighbourhood(const Scene& scene, float error, const GatherRe
         intersectNonDelta(scene, downThrough(region.center + rays[i] * distance, region.normal, height), hit,
                           counts))
       found.depth = std::min(found.depth, depthBelow(scene, hit.point.position, region.normal, error,
-                                                     2 * GAP * region.radius, counts));
+                                                     found.heightKnown(), counts));
   }
   SurfaceProbe probe(scene, error, region, height, counts);
   float before = 0;
@@ -331,6 +331,12 @@ SurfaceInSupport measure(BoundaryCorrection& boundary, float error, Kernel kerne
   return {fraction, met > 0 ? cosines / static_cast<float>(met) : 1};
 }
 
+/** Radius over that of a measured support in which the mean cosine would be `minCosine`: on a sphere, 1 -
+ * cosine grows as the square of the radius. */
+float reductionOf(float cosine, float minCosine) {
+  return std::sqrt((1 - minCosine) / std::max(1 - cosine, 1e-6f));
+}
+
 } // namespace
 
 float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, GatherRegion& region,
@@ -382,7 +388,7 @@ float coveredFraction(BoundaryCorrection& boundary, float error, Kernel kernel, 
       if (step == 0) return surface.fraction;
       break;
     }
-    region.radius *= STEP;
+    region.radius *= std::min(STEP, reductionOf(surface.cosine, MIN_COSINE));
   }
   // Measured again with more points, since the fraction that ended the loop is biased upwards.
   surface = measure<MANY_PLACES>(boundary, error, kernel, region, counts);

@@ -30,14 +30,16 @@ struct Neighbourhood {
   float reach = 0;  ///< distance up to which rays have probed [scene units]
   float flat = 0;   ///< distance within which the surface is whole and flat, except beyond its planes
   float relief = 0; ///< maximum distance of the surface from the tangent plane within `flat`
-  /** Height of the nearest geometry above the point; infinite if it is more than .4 of the reach. */
+  /** Height of the nearest geometry above the point; infinite if it is more than heightKnown(). */
   float clearance = INFINITE;
   /** Depth of the next surface below the point, which may be lit on the same side; infinite if it is more
-   * than .4 of the reach. */
+   * than heightKnown(). */
   float depth = INFINITE;
   size_t planeCount = 0;
   std::array<BoundaryPlane, MAX_PLANES> planes;
 
+  /** Distance up to which geometry above and below was searched. */
+  float heightKnown() const { return 0.4f * reach; }
   /** Whether the point is inside of all planes. */
   bool sees(const Vec3f& position) const {
     return std::all_of(planes.begin(), planes.begin() + planeCount,

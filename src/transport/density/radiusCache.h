@@ -42,9 +42,9 @@ class RadiusCache {
   void build(const Scene& scene, const PhotonMap& first, std::span<const VisiblePoint> seen,
              const GatherSettings& search, double alpha, LightDetail detail, const RayAlternative& rays,
              TransportCounts& counts, bool choosesAreas = true);
-  /** Looks up the radius at a point with this geometric normal. The record is chosen among its neighbours by
-   * a hash of the position, which hides borders between records. The radius is at least the distance to the
-   * record. */
+  /** Looks up the radius at a point with this geometric normal. The record is chosen among the nearest and
+   * its neighbours by a hash of the position, which hides borders between records. The radius is at least the
+   * distance to the record. */
   CachedRadius at(const Vec3f& position, const Vec3f& normal) const;
 
   size_t size() const { return places.size(); }
@@ -65,11 +65,17 @@ class RadiusCache {
   const Place& place(size_t i) const { return places[i]; }
 
  private:
-  std::vector<Place> places; ///< in the order of the slots of `index`
-  /** Positions of the records, displaced along their normals by far more than the scene's width. The nearest
-   * is therefore one with a similar normal, and the two sides of a thin wall are far apart. */
+  static constexpr size_t NEIGHBOURS = 8;
+  std::vector<Place> places;                                ///< in the order of the slots of `index`
+  std::vector<std::array<uint32_t, NEIGHBOURS>> neighbours; ///< of each record: its nearest in `index`
+  /** Positions of the records, displaced along their normals by the largest radius: the nearest has a similar
+   * position and a similar normal, and the two sides of a thin wall are farther apart than any support. */
   PhotonMap index;
   float limit = 0, lift = 0;
+
+  void findNeighbours();
+  /** The nearest to a position among a record and its neighbours. */
+  size_t nearestOf(size_t record, const Vec3f& position) const;
   /** Region around the displaced position of a record at the point. */
   GatherRegion regionInIndex(const Vec3f& position, const Vec3f& normal) const {
     GatherRegion region;
