@@ -19,9 +19,9 @@ std::string twoCameras(const std::string& more = "") {
          "Camera \"orthographic\" \"string name\" \"right\"" +
          more +
          "\nWorldBegin\nMaterial \"diffuse\" \"rgb reflectance\" [ 0 0 0 ]\n"
-         "AreaLightSource \"diffuse\" \"rgb L\" [ 1 0 0 ]\n"
+         "AreaLightSource \"diffuse\" \"bool twosided\" true \"rgb L\" [ 1 0 0 ]\n"
          "Shape \"bilinearmesh\" \"point3 P\" [ -5 -9 -9  -5 -9 9  -5 9 -9  -5 9 9 ]\n"
-         "AreaLightSource \"diffuse\" \"rgb L\" [ 0 1 0 ]\n"
+         "AreaLightSource \"diffuse\" \"bool twosided\" true \"rgb L\" [ 0 1 0 ]\n"
          "Shape \"bilinearmesh\" \"point3 P\" [ 5 -9 -9  5 9 -9  5 -9 9  5 9 9 ]\n";
 }
 
