@@ -28,8 +28,8 @@ std::string twoCameras(const std::string& more = "") {
 class CameraChoice : public Program {
  protected:
   Outcome render(const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"render", "rooms.pbrt", "-o", "a.exr", "--integrator", "path",
-                                          "--spp",  "1"};
+    std::vector<std::string> arguments = {"render",       "rooms.pbrt", "-o",    "a.exr",
+                                          "--integrator", "path",       "--spp", "1"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
   }
@@ -66,7 +66,8 @@ TEST_F(CameraChoice, TheReportNamesTheCameras) {
   const Outcome first = run({"info", "rooms.pbrt"});
   EXPECT_TRUE(has(first.out, "perspective \"left\" (others: \"right\"), filter")) << first.out << first.err;
   const Outcome second = run({"info", "rooms.pbrt", "--camera", "right"});
-  EXPECT_TRUE(has(second.out, "orthographic \"right\" (others: \"left\"), filter")) << second.out << second.err;
+  EXPECT_TRUE(has(second.out, "orthographic \"right\" (others: \"left\"), filter"))
+      << second.out << second.err;
 }
 
 TEST_F(CameraChoice, ErrorsOfEveryCameraAreReported) {

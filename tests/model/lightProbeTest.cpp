@@ -464,7 +464,8 @@ TEST(Projections, ShowTheUpperLeftOfThePictureToTheUpperLeft) {
 }
 
 TEST(Skies, AreSmoothAlongTheHorizon) {
-  const MadeLight made = makeLight("sky", "\"float elevation\" 20 \"float azimuth\" 200 \"rgb ground\" [ 0 0 0 ]");
+  const MadeLight made =
+      makeLight("sky", "\"float elevation\" 20 \"float azimuth\" 200 \"rgb ground\" [ 0 0 0 ]");
   ASSERT_TRUE(made.light) << made.told;
   constexpr int STEPS = 2000;
   const auto seen = [&](int i, float z) {

@@ -48,10 +48,11 @@ TEST(Directives, TheLastOfTwoCamerasWins) {
 }
 
 TEST(Directives, CamerasWithDifferentNamesAreAllKept) {
-  const std::string cameras = "MediumInterface \"fog\" Camera \"perspective\" \"string name\" \"door\" "
-                              "MediumInterface \"\" Translate 1 0 0 Camera \"orthographic\" \"string name\" \"plan\" "
-                              "Translate 1 0 0 Camera \"spherical\" WorldBegin "
-                              "CoordSysTransform \"camera\" Shape \"sphere\"";
+  const std::string cameras =
+      "MediumInterface \"fog\" Camera \"perspective\" \"string name\" \"door\" "
+      "MediumInterface \"\" Translate 1 0 0 Camera \"orthographic\" \"string name\" \"plan\" "
+      "Translate 1 0 0 Camera \"spherical\" WorldBegin "
+      "CoordSysTransform \"camera\" Shape \"sphere\"";
   const auto chosen = [&](const std::string& name) {
     Diagnostics diagnostics;
     SceneDescription s = parseScene(cameras, "test.pbrt", "", diagnostics, name);
@@ -75,8 +76,9 @@ TEST(Directives, CamerasWithDifferentNamesAreAllKept) {
   EXPECT_EQ(plan.worldFromCamera[3].x, -1);
   EXPECT_EQ(plan.otherCameras.at(0).cameraName, "door");
   EXPECT_EQ(plan.otherCameras.at(0).worldFromCamera[3].x, 0);
-  EXPECT_CONTAINS(messages("Camera \"a\" \"string name\" \"x\" Camera \"b\" \"string name\" \"x\" WorldBegin"),
-                  "warning: this Camera replaces the one at test.pbrt:1");
+  EXPECT_CONTAINS(
+      messages("Camera \"a\" \"string name\" \"x\" Camera \"b\" \"string name\" \"x\" WorldBegin"),
+      "warning: this Camera replaces the one at test.pbrt:1");
 }
 
 TEST(Directives, Options) {

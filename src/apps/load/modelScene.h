@@ -17,9 +17,9 @@ bool isModelFile(const std::string& fileName);
 
 /** Choice of a map of a model, and of a camera of a model or scene file. */
 struct ModelChoice {
-  std::string map;    ///< name of a map, if there are several; empty: the only one
-  /** Name in the file; of a model also with ':' for ' '. Empty: the first of a scene file, of a model a camera
-   * that sees it. */
+  std::string map; ///< name of a map, if there are several; empty: the only one
+  /** Name in the file; of a model also with ':' for ' '. Empty: the first of a scene file, of a model a
+   * camera that sees it. */
   std::string camera;
 
   void addTo(CLI::App& command);

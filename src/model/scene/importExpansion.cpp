@@ -15,7 +15,9 @@ namespace recurse {
 
 void addImportParameters(PlugIns& plugIns) {
   plugIns.imports.addToAll(
-      {stringParameter("camera", "", "name of a camera of the file; the scene's camera gets its position, if it has no name")},
+      {stringParameter(
+          "camera", "",
+          "name of a camera of the file; the scene's camera gets its position, if it has no name")},
       [](SceneImport& import, const Parameters& p, const ImportContext&) {
         if (!p.has("camera")) return;
         std::string names;

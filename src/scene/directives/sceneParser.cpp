@@ -35,7 +35,8 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
        &P::attributeBegin},
       {"AttributeEnd", "", IN_WORLD, "Restores what the matching AttributeBegin saved.", &P::attributeEnd},
       {"Camera", "\"name\" parameters", BEFORE_WORLD,
-       "The camera, at the inverse of the current transform; defines the coordinate system \"camera\". A scene "
+       "The camera, at the inverse of the current transform; defines the coordinate system \"camera\". A "
+       "scene "
        "may have several with different parameters \"name\": the first renders, or that of `--camera`, whose "
        "coordinate system \"camera\" is valid after WorldBegin.",
        &P::camera},

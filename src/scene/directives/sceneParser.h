@@ -46,7 +46,8 @@ struct GraphicsState {
 
 class SceneParser {
  public:
-  /** `requestedCamera`: name of the camera that renders; the first of the file if it has none of this name. */
+  /** `requestedCamera`: name of the camera that renders; the first of the file if it has none of this name.
+   */
   SceneParser(SceneDescription& scene, SourceFiles& files, Diagnostics& diagnostics,
               std::string requestedCamera);
 
