@@ -78,7 +78,7 @@ class Fisheye final : public Camera {
 } // namespace
 
 void registerFisheye(PlugIns& plugIns) {
-  std::vector<ParameterSpec> parameters = shutterParameters();
+  std::vector<ParameterSpec> parameters = cameraParameters();
   parameters.push_back(
       realParameter("fov", "180", "angle across the picture's diagonal [degrees]").range(1, 350));
   plugIns.cameras.add(

@@ -126,7 +126,7 @@ class Spherical final : public Camera {
 } // namespace
 
 void registerSpherical(PlugIns& plugIns) {
-  std::vector<ParameterSpec> parameters = shutterParameters();
+  std::vector<ParameterSpec> parameters = cameraParameters();
   parameters.push_back(
       stringParameter("mapping", "equalarea",
                       "\"equalarea\": the octahedral map of light probes, with up in the middle; "

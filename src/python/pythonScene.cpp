@@ -52,7 +52,8 @@ PathClasses pathClassesOf(const std::vector<PathClass>& classes, const Scene& sc
 
 bool isSame(const apps::LoadOverrides& a, const apps::LoadOverrides& b) {
   return a.width == b.width && a.height == b.height && a.cropWindow == b.cropWindow &&
-         a.lenient == b.lenient && a.compact == b.compact;
+         a.lenient == b.lenient && a.compact == b.compact && a.model.map == b.model.map &&
+         a.model.camera == b.model.camera;
 }
 
 } // namespace
@@ -72,7 +73,9 @@ void PythonScene::require(const apps::LoadOverrides& overrides) {
   const apps::IntegratorOptions options;
   if (text) {
     const auto read = [&](Diagnostics& diagnostics) {
-      return parseScene(*text, fileName, directory, diagnostics);
+      SceneDescription scene = parseScene(*text, fileName, directory, diagnostics, overrides.model.camera);
+      if (!diagnostics.hasErrors()) apps::requireCamera(scene, overrides.model.camera);
+      return scene;
     };
     loaded = apps::loadAndBuild(fileName, read, overrides, options);
   } else {

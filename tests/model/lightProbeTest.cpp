@@ -463,6 +463,22 @@ TEST(Projections, ShowTheUpperLeftOfThePictureToTheUpperLeft) {
   EXPECT_EQ(seen(0.6f, 0), BLACK); // beyond 30 degrees
 }
 
+TEST(Skies, AreSmoothAlongTheHorizon) {
+  const MadeLight made =
+      makeLight("sky", "\"float elevation\" 20 \"float azimuth\" 200 \"rgb ground\" [ 0 0 0 ]");
+  ASSERT_TRUE(made.light) << made.told;
+  constexpr int STEPS = 2000;
+  const auto seen = [&](int i, float z) {
+    const float azimuth = 2 * PI * float(i) / STEPS;
+    const Vec3f d(std::cos(azimuth), std::sin(azimuth), z);
+    return luminance(environment(made).radiance(glm::normalize(d)));
+  };
+  for (int i = 0; i < STEPS; ++i) {
+    EXPECT_NEAR(seen(i + 1, 0.0005f) / seen(i, 0.0005f), 1, 0.02) << i;
+    EXPECT_EQ(seen(i, -0.04f), 0) << i;
+  }
+}
+
 TEST(Skies, AreAsBrightAsMeasuredOnes) {
   // Clear days: the sky alone brings 10 to 20 klx to the ground, of which the model is known to make more;
   // the sun brings 70 to 100 to what faces it.

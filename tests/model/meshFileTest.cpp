@@ -178,6 +178,14 @@ TEST_F(MeshFile, CamerasLookWhereTheirNodesDo) {
   load("Shape \"mesh\" \"string filename\" \"m.gltf\" \"string camera\" \"ear\"", true);
   EXPECT_NE(messages.find("has no camera \"ear\""), std::string::npos) << messages;
   EXPECT_NE(messages.find("\"eye\""), std::string::npos) << messages;
+  Diagnostics diagnostics;
+  SceneDescription named =
+      parseScene("Camera \"perspective\" \"string name\" \"mine\" WorldBegin Shape \"mesh\" "
+                 "\"string filename\" \"m.gltf\" \"string camera\" \"eye\"",
+                 "test.pbrt", directory, diagnostics);
+  expandImports(named, diagnostics, false);
+  EXPECT_EQ(named.worldFromCamera, Mat4d(1));
+  EXPECT_NE(diagnostics.format().find("camera \"mine\" of the scene stays where it is"), std::string::npos);
 }
 
 TEST_F(MeshFile, MtlIsMapped) {

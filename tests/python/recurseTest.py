@@ -264,6 +264,24 @@ MediumInterface "m" ""
         with self.assertRaisesRegex(recurse.Error, "pixel 99,0 is outside of the picture"):
             recurse.paths(room(), (99, 0), integrator="path")
 
+    def test_cameras_are_chosen_by_name(self):
+        light = 'AreaLightSource "diffuse" "rgb L" [ {} ] Shape "bilinearmesh" "point3 P" [ {} ]\n'
+        scene = recurse.parse("""Film "rgb" "integer xresolution" 4 "integer yresolution" 4
+LookAt 0 0 0  0 0 -1  0 1 0
+Camera "perspective" "float fov" 20 "string name" "back"
+Identity
+Camera "perspective" "float fov" 20 "string name" "front"
+WorldBegin
+""" + light.format("1 0 0", "-9 -9 -1  9 -9 -1  -9 9 -1  9 9 -1")
+                              + light.format("0 1 0", "-9 -9 1  -9 9 1  9 -9 1  9 9 1"))
+        for camera, colour in ((None, (1, 0, 0)), ("front", (0, 1, 0)), ("back", (1, 0, 0))):
+            picture = scene.render("path", spp=1, camera=camera)
+            np.testing.assert_allclose(picture.array[2, 2], colour, rtol=1e-5)
+        paths = scene.paths((2, 2), samples=1, integrator="path", camera="front")
+        np.testing.assert_allclose(paths.value, (0, 1, 0), rtol=1e-5)
+        with self.assertRaisesRegex(recurse.Error, "there are: back, front"):
+            scene.render("path", spp=1, camera="side")
+
     def test_photons_carry_the_power_of_the_lamp(self):
         scene = recurse.Scene()
         scene.set_film(xresolution=4, yresolution=4)

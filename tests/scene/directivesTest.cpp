@@ -47,6 +47,40 @@ TEST(Directives, TheLastOfTwoCamerasWins) {
   EXPECT_CONTAINS(diagnostics.format(), "warning: this Camera replaces the one at test.pbrt:1");
 }
 
+TEST(Directives, CamerasWithDifferentNamesAreAllKept) {
+  const std::string cameras =
+      "MediumInterface \"fog\" Camera \"perspective\" \"string name\" \"door\" "
+      "MediumInterface \"\" Translate 1 0 0 Camera \"orthographic\" \"string name\" \"plan\" "
+      "Translate 1 0 0 Camera \"spherical\" WorldBegin "
+      "CoordSysTransform \"camera\" Shape \"sphere\"";
+  const auto chosen = [&](const std::string& name) {
+    Diagnostics diagnostics;
+    SceneDescription s = parseScene(cameras, "test.pbrt", "", diagnostics, name);
+    EXPECT_EQ(diagnostics.format(), "");
+    EXPECT_EQ(s.otherCameras.size(), 2u);
+    EXPECT_EQ(s.shapes.at(0).worldFromObject, s.worldFromCamera) << name;
+    return s;
+  };
+  for (const char* name : {"", "door", "attic"}) { // the first where there is no such name
+    const SceneDescription door = chosen(name);
+    EXPECT_EQ(door.camera.type, "perspective") << name;
+    EXPECT_EQ(door.cameraName, "door");
+    EXPECT_EQ(door.cameraMedium, "fog");
+    EXPECT_EQ(door.worldFromCamera[3].x, 0);
+    EXPECT_EQ(door.otherCameras.at(0).cameraName, "plan");
+    EXPECT_EQ(door.otherCameras.at(1).cameraName, "");
+  }
+  const SceneDescription plan = chosen("plan");
+  EXPECT_EQ(plan.camera.type, "orthographic");
+  EXPECT_EQ(plan.cameraMedium, "");
+  EXPECT_EQ(plan.worldFromCamera[3].x, -1);
+  EXPECT_EQ(plan.otherCameras.at(0).cameraName, "door");
+  EXPECT_EQ(plan.otherCameras.at(0).worldFromCamera[3].x, 0);
+  EXPECT_CONTAINS(
+      messages("Camera \"a\" \"string name\" \"x\" Camera \"b\" \"string name\" \"x\" WorldBegin"),
+      "warning: this Camera replaces the one at test.pbrt:1");
+}
+
 TEST(Directives, Options) {
   const SceneDescription s = parseGood("Option \"seed\" 7 Option \"Disable-Pixel_Jitter\" true "
                                        "Option \"string mseReferenceImage\" \"a.exr\" WorldBegin");

@@ -181,6 +181,7 @@ void forEachFile(const SceneDescription& d, const InMemory& inMemory, const OnDi
     addParameters(directive.parameters);
     if (directive.attributes) addParameters(*directive.attributes);
   };
+  for (const CameraDescription& other : d.otherCameras) add(other.camera);
   for (const ParsedDirective* one : // the film's file is written, not read
        {&d.camera, &d.filter, &d.sampler, &d.integrator, &d.accelerator})
     add(*one);
@@ -258,6 +259,18 @@ std::string animationText(const SceneDescription& description) {
          " to " + formatted("%.6g", last) + " of " + names.text;
 }
 
+/** Kind and name of the camera, and the names of others. */
+std::string cameraText(const SceneDescription& description) {
+  const auto nameOf = [](const CameraDescription& c) {
+    return c.cameraName.empty() ? "without a name" : "\"" + c.cameraName + "\"";
+  };
+  CommaList others;
+  for (const CameraDescription& other : description.otherCameras) others.add(nameOf(other));
+  std::string out = typeOf(description.camera, "perspective");
+  if (!description.cameraName.empty()) out += " " + nameOf(description);
+  return out + (others.text.empty() ? "" : " (others: " + others.text + ")");
+}
+
 std::string shapesText(const SceneContents& c) {
   CommaList out;
   out.add(counted(c.shapes, "shape", "shapes"));
@@ -308,7 +321,7 @@ std::string sceneReport(const LoadedScene& loaded, size_t layers) {
   };
   line("film", filmText(scene.film()));
   if (const std::string animation = animationText(d); !animation.empty()) line("animation", animation);
-  line("camera", typeOf(d.camera, "perspective") + ", filter " + typeOf(d.filter, "as default"));
+  line("camera", cameraText(d) + ", filter " + typeOf(d.filter, "as default"));
   line("samples", std::to_string(scene.sampler().pixelSamples) + " per pixel, seed " +
                       std::to_string(scene.sampler().seed));
   line("shapes", shapesText(c));

@@ -66,6 +66,11 @@ std::vector<std::string> gamePaths(const std::string& fileName) {
   return paths;
 }
 
+[[noreturn]] void refuseCamera(const std::string& name, const std::string& list) {
+  badUsage("--camera: there is no camera '" + name + "'; there " +
+           (list.empty() ? "is none with a name" : "are: " + list));
+}
+
 /** Requested camera; else the first camera of the file that sees the model, if any does. */
 const ImportedCamera* chosenCamera(const SceneImport& import, const std::string& name) {
   std::string list;
@@ -77,9 +82,7 @@ const ImportedCamera* chosenCamera(const SceneImport& import, const std::string&
       return &camera;
     list += (list.empty() ? "" : ", ") + spelling;
   }
-  if (!name.empty())
-    badUsage("--camera: there is no camera '" + name + "'; there " +
-             (list.empty() ? "is none" : "are: " + list));
+  if (!name.empty()) refuseCamera(name, list);
   return nullptr;
 }
 
@@ -118,8 +121,8 @@ void ModelChoice::addTo(CLI::App& command) {
   command.add_option("--map", map, "For a .pk3 with several maps: the name of one")->type_name("NAME");
   command
       .add_option("--camera", camera,
-                  "For a model: name of a camera of the file, such as spawn:1 in a map of Quake III "
-                  "(default: the first)")
+                  "Name of a camera of the scene or model, such as spawn:1 in a map of Quake III (default: "
+                  "the first)")
       ->type_name("NAME");
 }
 
@@ -166,12 +169,21 @@ std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const ModelC
   return scene;
 }
 
+void requireCamera(const SceneDescription& scene, const std::string& name) {
+  if (name.empty() || name == scene.cameraName) return;
+  std::string list = scene.cameraName;
+  for (const CameraDescription& other : scene.otherCameras)
+    if (!other.cameraName.empty()) list += (list.empty() ? "" : ", ") + other.cameraName;
+  refuseCamera(name, list);
+}
+
 SceneDescription loadSceneOrModel(const std::string& fileName, const ModelChoice& choice,
                                   Diagnostics& diagnostics, double frame) {
   if (!isModelFile(fileName)) {
-    if (choice.any())
-      badUsage("--map and --camera are for models; " + fileName + " is a scene file with its own camera");
-    return loadScene(fileName, diagnostics, frame);
+    if (!choice.map.empty()) badUsage("--map is for models; " + fileName + " is a scene file");
+    SceneDescription scene = loadScene(fileName, diagnostics, frame, choice.camera);
+    if (!diagnostics.hasErrors()) requireCamera(scene, choice.camera);
+    return scene;
   }
   const std::unique_ptr<ModelScene> model = modelScene(fileName, choice, "", "read", diagnostics);
   if (!model) {

@@ -15,12 +15,13 @@ namespace recurse::apps {
 /** True for model files, which an importer reads, judging by their name. */
 bool isModelFile(const std::string& fileName);
 
-/** Choice of a map and a camera of a model. */
+/** Choice of a map of a model, and of a camera of a model or scene file. */
 struct ModelChoice {
-  std::string map;    ///< name of a map, if there are several; empty: the only one
-  std::string camera; ///< name in the file, with ':' for ' ' too; empty: a camera that sees the model
+  std::string map; ///< name of a map, if there are several; empty: the only one
+  /** Name in the file; of a model also with ':' for ' '. Empty: the first of a scene file, of a model a
+   * camera that sees it. */
+  std::string camera;
 
-  bool any() const { return !map.empty() || !camera.empty(); }
   void addTo(CLI::App& command);
   /** Command-line options of this choice. */
   std::string text() const;
@@ -39,6 +40,9 @@ struct ModelScene {
 std::unique_ptr<ModelScene> modelScene(const std::string& fileName, const ModelChoice& choice,
                                        const std::string& folder, const std::string& outside,
                                        Diagnostics& diagnostics);
+
+/** Throws Error (BAD_USAGE) unless the camera of a scene has this name, or the name is empty. */
+void requireCamera(const SceneDescription& scene, const std::string& name);
 
 /** Reads a scene file, or a model as a scene. */
 SceneDescription loadSceneOrModel(const std::string& fileName, const ModelChoice& choice,

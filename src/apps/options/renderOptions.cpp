@@ -138,6 +138,7 @@ namespace {
 std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const RenderSettings& settings,
                                               const PathClasses& classes, bool adaptive) {
   const FilmSettings& film = loaded.scene->film();
+  const std::string& camera = loaded.description.cameraName;
   std::string integrator = loaded.integratorDirective.type;
   for (const std::string& setting : settingsOf(loaded.integratorDirective)) integrator += ", " + setting;
   std::string crop;
@@ -146,6 +147,7 @@ std::map<std::string, std::string> identityOf(const LoadedScene& loaded, const R
   std::map<std::string, std::string> out = {
       {"version", VERSION},
       {"scene files (hash)", contentHash(loaded.description)},
+      {"camera", camera.empty() ? "without a name" : camera},
       {"integrator", integrator},
       {"resolution", std::to_string(film.width) + "x" + std::to_string(film.height)},
       {"part of the picture in pixels", crop},

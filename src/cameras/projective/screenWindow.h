@@ -14,7 +14,7 @@ inline std::vector<ParameterSpec> screenParameters() {
                      "x0 x1 y0 y1 of the image plane; by default the shorter axis spans -1 to 1"),
       realParameter("frameaspectratio", "", "width over height of the image plane; by default the film's")
           .positive()};
-  for (const ParameterSpec& p : shutterParameters()) all.push_back(p);
+  for (const ParameterSpec& p : cameraParameters()) all.push_back(p);
   return all;
 }
 

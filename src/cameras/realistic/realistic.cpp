@@ -224,7 +224,7 @@ class Realistic final : public Camera {
 } // namespace
 
 void registerRealistic(PlugIns& plugIns) {
-  std::vector<ParameterSpec> parameters = shutterParameters();
+  std::vector<ParameterSpec> parameters = cameraParameters();
   for (const ParameterSpec& p :
        {stringParameter(
             "lensfile", "",

@@ -137,12 +137,14 @@ std::unique_ptr<Light> makeSky(const Parameters& p, const LightContext& c) {
 
   constexpr int SIZE = 512;
   Image image(SIZE, SIZE, {"R", "G", "B"});
+  // Pixels just below the horizon are those of the sky, so that interpolation does not mix ground into it.
+  constexpr double HORIZON = -6.0 / SIZE; // lowest direction of the sky, over one diagonal of a pixel
   const auto fill = [&](bool upper, const auto& value) {
     parallelFor(size_t(SIZE), [&](size_t y) {
       for (int x = 0; x < SIZE; ++x) {
         const Vec3d d =
             directionOfPlace(EnvironmentMapping::EQUAL_AREA, Vec2d(x + 0.5, double(y) + 0.5) / double(SIZE));
-        if ((d.z > 0) != upper) continue;
+        if ((d.z > HORIZON) != upper) continue;
         const Rgbd v = value(d);
         for (int k = 0; k < 3; ++k) image.at(x, static_cast<int>(y))[k] = static_cast<float>(v[k]);
       }
@@ -150,7 +152,7 @@ std::unique_ptr<Light> makeSky(const Parameters& p, const LightContext& c) {
   };
   fill(true, [&](const Vec3d& d) {
     const Vec3d away = d - towardsSun;
-    return sky.at(d.z, 2 * std::asin(std::min(1.0, glm::length(away) / 2)));
+    return sky.at(std::max(d.z, 1e-6), 2 * std::asin(std::min(1.0, glm::length(away) / 2)));
   });
   // The ground reflects a fraction of its irradiance.
   Rgbd upward(0);

@@ -33,9 +33,11 @@ struct BuildContext {
   }
 };
 
-/** The camera for a film, in the space with its origin at the world point `origin`. Null after an error. */
-std::unique_ptr<Camera> makeCamera(const SceneDescription& description, const FilmSettings& film,
-                                   const Vec3d& origin, Diagnostics& diagnostics, bool lenient);
+/** One of the cameras of a scene, for a film, in the space with its origin at the world point `origin`. Null
+ * after an error. */
+std::unique_ptr<Camera> makeCamera(const CameraDescription& camera, const SceneDescription& description,
+                                   const FilmSettings& film, const Vec3d& origin, Diagnostics& diagnostics,
+                                   bool lenient);
 
 /** True where squares of the coordinates fit single precision. False for NaN. */
 inline bool representable(const Vec3f& p) {

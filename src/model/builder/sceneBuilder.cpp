@@ -30,19 +30,19 @@ ParsedDirective orDefault(const ParsedDirective& given, const char* type) {
 
 } // namespace
 
-std::unique_ptr<Camera> makeCamera(const SceneDescription& description, const FilmSettings& film,
-                                   const Vec3d& origin, Diagnostics& diagnostics, bool lenient) {
+std::unique_ptr<Camera> makeCamera(const CameraDescription& camera, const SceneDescription& description,
+                                   const FilmSettings& film, const Vec3d& origin, Diagnostics& diagnostics,
+                                   bool lenient) {
   CameraContext context;
   context.sceneFromCamera =
-      AnimatedTransform(description.worldFromCamera,
-                        description.worldFromCameraLast.value_or(description.worldFromCamera))
+      AnimatedTransform(camera.worldFromCamera, camera.worldFromCameraLast.value_or(camera.worldFromCamera))
           .after(translation(-origin));
   context.startTime = description.startTime;
   context.endTime = description.endTime;
   context.width = film.width;
   context.height = film.height;
   context.diagonal = film.diagonal;
-  return plugIns().cameras.make(orDefault(description.camera, "perspective"), context, diagnostics, lenient);
+  return plugIns().cameras.make(orDefault(camera.camera, "perspective"), context, diagnostics, lenient);
 }
 
 /** State and steps of buildScene(). */
@@ -109,8 +109,12 @@ class SceneBuilder {
   }
 
   void buildCamera() {
-    scene->sceneCamera =
-        makeCamera(description, scene->filmSettings, scene->sceneOrigin, diagnostics, overrides.lenient);
+    const auto make = [this](const CameraDescription& camera) {
+      return makeCamera(camera, description, scene->filmSettings, scene->sceneOrigin, diagnostics,
+                        overrides.lenient);
+    };
+    scene->sceneCamera = make(description);
+    for (const CameraDescription& other : description.otherCameras) make(other); // reports its errors
     if (!scene->sceneCamera) return;
     scene->filmSettings.imagingRatio *= scene->sceneCamera->exposureTime();
     const FilmSettings& f = scene->filmSettings;

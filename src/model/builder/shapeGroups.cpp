@@ -86,7 +86,7 @@ std::unique_ptr<Dicing> ShapeGroups::dicingOf(const ShapeDescription& s, const G
   if (!mayBe) return nullptr;
   if (!pixels) {
     Diagnostics saidLater;
-    auto camera = makeCamera(c.description, film, guessedOrigin, saidLater, c.lenient);
+    auto camera = makeCamera(c.description, c.description, film, guessedOrigin, saidLater, c.lenient);
     if (!camera) return nullptr;
     pixels = std::make_unique<PixelWidths>(std::move(camera), film);
   }

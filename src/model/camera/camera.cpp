@@ -5,8 +5,9 @@
 
 namespace recurse {
 
-std::vector<ParameterSpec> shutterParameters() {
-  return {realParameter("shutteropen", "0", "beginning of the exposure; see TransformTimes"),
+std::vector<ParameterSpec> cameraParameters() {
+  return {stringParameter("name", "", "name for `--camera`, where a scene has several cameras"),
+          realParameter("shutteropen", "0", "beginning of the exposure; see TransformTimes"),
           realParameter("shutterclose", "1",
                         "end of the exposure; as in pbrt-v4, the picture is multiplied by the difference")};
 }

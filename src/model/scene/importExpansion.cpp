@@ -15,7 +15,9 @@ namespace recurse {
 
 void addImportParameters(PlugIns& plugIns) {
   plugIns.imports.addToAll(
-      {stringParameter("camera", "", "name of a camera of the file; the scene's camera gets its position")},
+      {stringParameter(
+          "camera", "",
+          "name of a camera of the file; the scene's camera gets its position, if it has no name")},
       [](SceneImport& import, const Parameters& p, const ImportContext&) {
         if (!p.has("camera")) return;
         std::string names;
@@ -38,6 +40,7 @@ template <class Visit> void forEachDirective(SceneDescription& scene, const Visi
   for (ParsedDirective* d :
        {&scene.film, &scene.camera, &scene.filter, &scene.sampler, &scene.integrator, &scene.accelerator})
     visit(*d);
+  for (CameraDescription& other : scene.otherCameras) visit(other.camera);
   for (auto* list : {&scene.materials, &scene.areaLights})
     for (ParsedDirective& d : *list) visit(d);
   for (auto* map : {&scene.namedMaterials, &scene.media})
@@ -129,7 +132,11 @@ class ImportExpander {
         l.worldFromLight = at.worldFromObject * l.worldFromLight;
         scene.lights.push_back(std::move(l));
       }
-    if (import.chosen) {
+    if (import.chosen && !scene.cameraName.empty())
+      diagnostics.warning(at.shape.location,
+                          "the camera \"" + scene.cameraName + "\" of the scene stays where it is",
+                          "a scene whose camera has no \"name\" gets the position of the file's camera");
+    else if (import.chosen) {
       scene.worldFromCamera = at.worldFromObject * import.chosen->worldFromCamera;
       scene.worldFromCameraLast.reset();
     }

@@ -228,7 +228,7 @@ class Scene:
     def render(self, integrator: str | PlugIn | None = None, *, spp: int | None = None,
                time_limit: float | None = None, error_target: float | None = None, threads: int | None = None,
                seed: int | None = None, resolution: tuple[int, int] | None = None,
-               crop: Sequence[float] | None = None, adaptive: bool = False,
+               crop: Sequence[float] | None = None, camera: str | None = None, adaptive: bool = False,
                classes: Mapping[str, str] | Sequence[str] = (), features: Sequence[str] = (), error: bool = False,
                samples: bool = False, progress: Callable[[dict], Any] | bool | None = None,
                **parameters: Any) -> Picture:
@@ -238,6 +238,7 @@ class Scene:
         integrator: its name, or one of `integrators`; **parameters are its parameters.
         spp: samples per pixel. time_limit [s] and error_target alone take as many samples as necessary.
         resolution: width and height. crop: x0, x1, y0, y1 as fractions.
+        camera: name of a camera of the scene; by default the first.
         classes: classes of light paths, such as {"caustic": "LS+DE"}, which become layers.
         features: additional layers, see `--layers` of `recurse render --help`. error, samples: whether to add this layer.
         progress: called about ten times a second with a dictionary, whose `seconds_left` is negative while unknown. If it
@@ -247,7 +248,7 @@ class Scene:
         """
         given = {"spp": spp, "time-limit": time_limit, "error-target": error_target, "nthreads": threads, "seed": seed,
                  "resolution": resolution and "x".join(map(str, resolution)),
-                 "cropwindow": crop and ",".join(map(repr, map(float, crop)))}
+                 "cropwindow": crop and ",".join(map(repr, map(float, crop))), "camera": camera}
         options = _options(integrator, given, parameters)
         if adaptive:
             options.append("--adaptive")
@@ -262,7 +263,7 @@ class Scene:
         return Picture(image, json.loads(statistics))
 
     def paths(self, pixel: tuple[int, int], *, samples: int = 16, integrator: str | PlugIn | None = None,
-              seed: int | None = None, resolution: tuple[int, int] | None = None,
+              seed: int | None = None, resolution: tuple[int, int] | None = None, camera: str | None = None,
               classes: Mapping[str, str] | Sequence[str] | None = None, **parameters: Any) -> Paths:
         """First `samples` camera paths of a pixel (x, y), the same as in render() with the same settings.
 
@@ -270,7 +271,8 @@ class Scene:
         other integrators record contributions only, with the technique "unknown".
         """
         pairs = _core.default_classes(True) if classes is None else class_list(classes)
-        given = {"spp": samples, "seed": seed, "resolution": resolution and "x".join(map(str, resolution))}
+        given = {"spp": samples, "seed": seed, "resolution": resolution and "x".join(map(str, resolution)),
+                 "camera": camera}
         scene = self._loaded()
         try:
             vertices, contributions, value = scene.paths(_options(integrator, given, parameters), pairs, tuple(pixel),

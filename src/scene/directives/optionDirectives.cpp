@@ -58,14 +58,42 @@ void SceneParser::takeSetting(const Token& directive, ParsedDirective& slot) {
 }
 
 void SceneParser::camera(const Token& t) {
-  takeSetting(t, scene.camera);
-  scene.worldFromCamera = glm::inverse(firstTransform(scene.camera.location));
-  scene.worldFromCameraLast.reset();
-  if (const auto last = lastTransform()) scene.worldFromCameraLast = glm::inverse(*last);
-  scene.cameraMedium = state.medium.outside;
-  Transforms& world = coordinateSystems["camera"];
-  world.fault = state.transforms.fault;
-  for (size_t i = 0; i < 2; ++i) world.at[i] = glm::inverse(state.transforms.at[i]);
+  ReadCamera read;
+  CameraDescription& made = read.description;
+  made.camera = takePlugIn(t);
+  for (const ParsedParameter& p : made.camera.parameters)
+    if (p.name == "name" && p.strings.size() == 1) made.cameraName = p.strings[0];
+  made.worldFromCamera = glm::inverse(firstTransform(made.camera.location));
+  if (const auto last = lastTransform()) made.worldFromCameraLast = glm::inverse(*last);
+  made.cameraMedium = state.medium.outside;
+  read.coordinates.fault = state.transforms.fault;
+  for (size_t i = 0; i < 2; ++i) read.coordinates.at[i] = glm::inverse(state.transforms.at[i]);
+  coordinateSystems["camera"] = read.coordinates;
+  const auto same = findCamera(made.cameraName);
+  if (same == cameras.end()) {
+    cameras.push_back(std::move(read));
+    return;
+  }
+  log.warning(made.camera.location,
+              "this Camera replaces the one at " + placeName(same->description.camera.location),
+              "several cameras with different parameters \"name\"");
+  *same = std::move(read);
+}
+
+std::vector<SceneParser::ReadCamera>::iterator SceneParser::findCamera(const std::string& name) {
+  return std::find_if(cameras.begin(), cameras.end(),
+                      [&name](const ReadCamera& c) { return c.description.cameraName == name; });
+}
+
+void SceneParser::chooseCamera() {
+  if (cameras.empty()) return;
+  auto chosen = requestedCamera.empty() ? cameras.begin() : findCamera(requestedCamera);
+  if (chosen == cameras.end()) chosen = cameras.begin();
+  coordinateSystems["camera"] = chosen->coordinates;
+  static_cast<CameraDescription&>(scene) = std::move(chosen->description);
+  cameras.erase(chosen);
+  for (ReadCamera& other : cameras) scene.otherCameras.push_back(std::move(other.description));
+  cameras.clear();
 }
 
 void SceneParser::colorSpace(const Token& t) {
@@ -130,6 +158,7 @@ void SceneParser::worldBegin(const Token& t) {
   (void)t;
   inWorld = true;
   assumedWorld = false;
+  chooseCamera();
   // Media and attributes are kept, as in pbrt-v4.
   state.transforms = {};
   state.active = {true, true};

@@ -35,7 +35,10 @@ const std::vector<SceneParser::Directive>& SceneParser::directives() {
        &P::attributeBegin},
       {"AttributeEnd", "", IN_WORLD, "Restores what the matching AttributeBegin saved.", &P::attributeEnd},
       {"Camera", "\"name\" parameters", BEFORE_WORLD,
-       "The camera, at the inverse of the current transform; defines the coordinate system \"camera\".",
+       "The camera, at the inverse of the current transform; defines the coordinate system \"camera\". A "
+       "scene "
+       "may have several with different parameters \"name\": the first renders, or that of `--camera`, whose "
+       "coordinate system \"camera\" is valid after WorldBegin.",
        &P::camera},
       {"ColorSpace", "\"name\"", ANYWHERE,
        "The colour space of the rgb values that follow: \"srgb\" (linear Rec. 709), \"rec2020\", \"dci-p3\", "
@@ -123,8 +126,9 @@ bool isDirectiveName(const Token& token) {
                                            pbrt3::isDirective(std::string(token.text.substr(0, 32))));
 }
 
-SceneParser::SceneParser(SceneDescription& scene, SourceFiles& files, Diagnostics& diagnostics)
-    : scene(scene), files(files), log(diagnostics) {
+SceneParser::SceneParser(SceneDescription& scene, SourceFiles& files, Diagnostics& diagnostics,
+                         std::string requestedCamera)
+    : scene(scene), files(files), log(diagnostics), requestedCamera(std::move(requestedCamera)) {
   ParsedDirective diffuse;
   diffuse.type = "diffuse";
   scene.materials.push_back(diffuse);
@@ -141,6 +145,7 @@ void SceneParser::parse(const Source& top) {
       return;
     }
     parseTokens(top);
+    chooseCamera();
     nested.expand(scene, log);
     reportUnusedTracks();
     if (!inWorld) {

@@ -46,7 +46,10 @@ struct GraphicsState {
 
 class SceneParser {
  public:
-  SceneParser(SceneDescription& scene, SourceFiles& files, Diagnostics& diagnostics);
+  /** `requestedCamera`: name of the camera that renders; the first of the file if it has none of this name.
+   */
+  SceneParser(SceneDescription& scene, SourceFiles& files, Diagnostics& diagnostics,
+              std::string requestedCamera);
 
   /** Parses a whole scene. */
   void parse(const Source& top);
@@ -113,7 +116,14 @@ class SceneParser {
   void sampler(const Token& t) { takeSetting(t, scene.sampler); }
   void integrator(const Token& t) { takeSetting(t, scene.integrator); }
   void accelerator(const Token& t) { takeSetting(t, scene.accelerator); }
+  struct ReadCamera {
+    CameraDescription description;
+    Transforms coordinates; ///< coordinate system "camera"
+  };
   void camera(const Token&);
+  std::vector<ReadCamera>::iterator findCamera(const std::string& name);
+  /** Makes the requested camera, or else the first, the camera of the scene. */
+  void chooseCamera();
   void colorSpace(const Token&);
   void option(const Token&);
   void lightScale(const Token&);
@@ -153,6 +163,8 @@ class SceneParser {
   SceneDescription& scene;
   SourceFiles& files;
   ErrorLog log;
+  std::string requestedCamera;
+  std::vector<ReadCamera> cameras; ///< before the choice, in the order of the file, each with another name
   IncludeCount includes;
   TokenStream* tokens = nullptr; ///< of the file that is being read or imported
   GraphicsState state;

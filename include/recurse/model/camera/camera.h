@@ -47,8 +47,8 @@ struct CameraContext {
   double diagonal = 0.035;           ///< diagonal of the film, for cameras with a physical one [m]
 };
 
-/** Parameters of the shutter, which every camera has. */
-std::vector<ParameterSpec> shutterParameters();
+/** Name and shutter, the parameters of every camera. */
+std::vector<ParameterSpec> cameraParameters();
 
 class Camera {
  public:

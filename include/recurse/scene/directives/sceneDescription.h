@@ -76,15 +76,24 @@ struct TrackDescription {
   double firstTime = 0, lastTime = 0; ///< times of the first and the last keyframe
 };
 
-struct SceneDescription {
+/** Camera directive. A file may have several with different names. */
+struct CameraDescription {
+  ParsedDirective camera;
+  std::string cameraName; ///< parameter "name"; empty: none
+  Mat4d worldFromCamera{1};
+  std::optional<Mat4d> worldFromCameraLast; ///< at EndTime, where it differs
+  std::string cameraMedium;                 ///< medium around the camera; empty: vacuum
+};
+
+/** Whole scene, with the camera that renders. */
+struct SceneDescription : CameraDescription {
   std::string fileName;
   double frame = 0; ///< frame at which the tracks are evaluated
   std::vector<TrackDescription> tracks;
   std::vector<std::shared_ptr<const SourceText>> sources; ///< the scene file and its includes
-  ParsedDirective film, camera, filter, sampler, integrator, accelerator;
-  Mat4d worldFromCamera{1};
-  std::optional<Mat4d> worldFromCameraLast; ///< at EndTime, where it differs
-  double startTime = 0, endTime = 1;        ///< times of the transforms of StartTime and EndTime
+  ParsedDirective film, filter, sampler, integrator, accelerator;
+  std::vector<CameraDescription> otherCameras; ///< in the order of the file
+  double startTime = 0, endTime = 1;           ///< times of the transforms of StartTime and EndTime
   std::map<std::string, ParsedParameter> options;
   std::vector<ParsedDirective> materials; ///< [0] is the default material, diffuse
   std::map<std::string, ParsedDirective> namedMaterials;
@@ -92,7 +101,6 @@ struct SceneDescription {
   std::vector<ParsedDirective> areaLights;
   std::map<std::string, ParsedDirective> media;
   std::map<std::string, Mat4d> worldFromMedium; ///< for every medium
-  std::string cameraMedium;
   std::vector<ShapeDescription> shapes;
   std::map<std::string, ObjectDescription> objects;
   std::vector<InstanceDescription> instances;
