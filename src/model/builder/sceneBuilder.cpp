@@ -114,7 +114,10 @@ class SceneBuilder {
                         overrides.lenient);
     };
     scene->sceneCamera = make(description);
-    for (const CameraDescription& other : description.otherCameras) make(other); // reports its errors
+    for (const CameraDescription& other : description.otherCameras) { // to report its errors
+      make(other);
+      media.number(other.cameraMedium, other.camera.location);
+    }
     if (!scene->sceneCamera) return;
     scene->filmSettings.imagingRatio *= scene->sceneCamera->exposureTime();
     const FilmSettings& f = scene->filmSettings;

@@ -68,8 +68,8 @@ class RadiusCache {
   static constexpr size_t NEIGHBOURS = 8;
   std::vector<Place> places;                                ///< in the order of the slots of `index`
   std::vector<std::array<uint32_t, NEIGHBOURS>> neighbours; ///< of each record: its nearest in `index`
-  /** Positions of the records, displaced along their normals by the largest radius: the nearest has a similar
-   * position and a similar normal, and the two sides of a thin wall are farther apart than any support. */
+  /** Positions of the records, displaced along their normals by the largest radius of the search, so that the
+   * two sides of a thin wall are two such radii apart. The nearest may still be on a different surface. */
   PhotonMap index;
   float limit = 0, lift = 0;
 

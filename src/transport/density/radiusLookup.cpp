@@ -1,0 +1,106 @@
+/** @file
+ * Lookup in the radius cache: records near a point that are on the same surface.
+ */
+#include "transport/density/radiusCache.h"
+
+#include "recurse/core/threads/parallel.h"
+
+namespace recurse {
+
+void RadiusCache::findNeighbours() {
+  neighbours.resize(places.size());
+  parallelFor(places.size(), [&](size_t i) {
+    thread_local PhotonScratch scratch;
+    auto& others = neighbours[i];
+    others.fill(static_cast<uint32_t>(i));
+    index.nearest(regionInIndex(places[i].position, places[i].normal), NEIGHBOURS + 1, scratch);
+    size_t count = 0;
+    index.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1) {
+        const size_t slot = block.first + static_cast<size_t>(std::countr_zero(rest));
+        if (slot != i && count < NEIGHBOURS) others[count++] = static_cast<uint32_t>(slot);
+      }
+    });
+    if (count == 0) return;
+    std::array<float, NEIGHBOURS> distances;
+    for (size_t j = 0; j < count; ++j)
+      distances[j] = glm::distance(places[i].position, places[others[j]].position);
+    constexpr size_t THIRD = 2;
+    const size_t chosen = std::min(THIRD, count - 1);
+    std::nth_element(distances.begin(), distances.begin() + ptrdiff_t(chosen),
+                     distances.begin() + ptrdiff_t(count));
+    places[i].spacing = distances[chosen];
+  });
+}
+
+CachedRadius RadiusCache::at(const Vec3f& position, const Vec3f& normal) const {
+  thread_local PhotonScratch scratch;
+  if (index.empty()) return {limit, nullptr, INFINITE, 0};
+  /** Whether a record is on the surface of the point: on a different side, on the next layer or behind a wall
+   * it has little relevance. */
+  const auto isSameSurface = [&](const Place& place) {
+    constexpr float COHERENT = 0.9f;
+    const float above = glm::dot(position - place.position, place.normal);
+    return glm::dot(place.normal, normal) > COHERENT && place.around.sees(position) &&
+           above < std::min(place.around.clearance, place.around.heightKnown()) &&
+           -above < std::min(place.around.depth, place.around.heightKnown());
+  };
+  const auto resultOf = [&](size_t slot, bool same) {
+    const Place& place = places[slot];
+    return CachedRadius{place.radius, same ? &place.around : nullptr, glm::distance(position, place.position),
+                        slot};
+  };
+  const size_t nearest = index.nearestSlot(regionInIndex(position, normal).center, scratch);
+  CachedRadius best = resultOf(nearest, isSameSurface(places[nearest]));
+  const auto consider = [&](size_t slot) {
+    const bool same = isSameSurface(places[slot]);
+    if (best.known && !same) return;
+    const CachedRadius other = resultOf(slot, same);
+    if ((same && !best.known) || other.away < best.away) best = other;
+  };
+  if (!best.known)
+    for (const uint32_t slot : neighbours[nearest]) consider(slot);
+  if (!best.known) { // all may be on the next layer
+    constexpr int MAX_COUNT = 32;
+    index.nearest(regionInIndex(position, normal), MAX_COUNT, scratch);
+    index.visitNearest(scratch, [&](const PhotonBlock& block) {
+      for (uint32_t rest = block.mask; rest != 0; rest &= rest - 1)
+        consider(block.first + static_cast<size_t>(std::countr_zero(rest)));
+    });
+  }
+  if (best.known) {
+    // Chooses a random neighbour by a hash, which hides borders between records.
+    uint64_t hash = 0;
+    Vec3f offset;
+    for (int i = 0; i < 3; ++i) {
+      hash = hashCombine(hash, std::bit_cast<uint32_t>(position[i]));
+      offset[i] = 2 * unitFloat(static_cast<uint32_t>(hash >> 32)) - 1;
+    }
+    offset = (offset - normal * glm::dot(offset, normal)) * places[best.index].spacing;
+    const size_t slot = nearestOf(best.index, position + offset);
+    if (slot != best.index && isSameSurface(places[slot])) {
+      // The nearest record has the best knowledge of a surface that is whole within this distance.
+      const CachedRadius other = resultOf(slot, true);
+      if (best.known->isWholeWithin(other.radius + best.away))
+        best = {other.radius, best.known, best.away, slot};
+      else
+        best = other;
+    }
+  }
+  // Far from the record, the distance to the k-th photon is unknown: the radius is at least `away`.
+  best.radius = std::min(limit, std::max(best.radius, best.away));
+  return best;
+}
+
+size_t RadiusCache::nearestOf(size_t record, const Vec3f& position) const {
+  size_t nearest = record;
+  float least = lengthSquared(position - places[record].position);
+  for (const uint32_t slot : neighbours[record])
+    if (const float distance2 = lengthSquared(position - places[slot].position); distance2 < least) {
+      least = distance2;
+      nearest = slot;
+    }
+  return nearest;
+}
+
+} // namespace recurse
