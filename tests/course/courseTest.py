@@ -186,7 +186,12 @@ def run(*command):
 def build():
     shutil.rmtree(BUILD / "handout", ignore_errors=True)
     BUILD.mkdir(parents=True, exist_ok=True)
-    steps = [[COURSE / "handout", BUILD / "handout"]]
+    # A copy of the course in which the teacher has built the solutions.
+    shutil.rmtree(BUILD / "copy", ignore_errors=True)
+    shutil.copytree(COURSE, BUILD / "copy", ignore=shutil.ignore_patterns("build*"))
+    (BUILD / "copy/build").mkdir()
+    (BUILD / "copy/build/course").write_text("the solved program")
+    steps = [[BUILD / "copy/handout", BUILD / "handout"]]
     for variant in ("solved", "switched"):
         (BUILD / variant).mkdir(exist_ok=True)
     for exercise, name in EXERCISES.items():
@@ -226,6 +231,7 @@ class CourseTest(unittest.TestCase):
         self.assertIn("pathTracer.cpp", installed)
         self.assertNotIn("solutions", installed)
         self.assertNotIn("handout", installed)
+        self.assertFalse([name for name in installed if name.startswith("build")], installed)
 
     def test_exercises_are_what_the_solutions_make(self):
         status, output = run(COURSE / "handout", "--check")
@@ -233,6 +239,8 @@ class CourseTest(unittest.TestCase):
 
     def test_handout_has_no_solutions(self):
         names = {str(path.relative_to(BUILD / "handout")) for path in (BUILD / "handout").rglob("*")}
+        self.assertEqual({name.split("/")[0] for name in names}, {
+            "CMakeLists.txt", "README.md", "main.cpp", "missing.jpg", "checks", "frame", "scenes", *EXERCISES.values()})
         self.assertIn("pathTracer.cpp", names)
         self.assertFalse([name for name in names if "solution" in name or "handout" in name], names)
         page = (BUILD / "handout" / "README.md").read_text()
