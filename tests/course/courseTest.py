@@ -137,7 +137,8 @@ WRONG = {
 RIGHT = {
     ("path", 3): ["{ const Vec2f d = uniformDisk(u); const float z = std::sqrt(1 - d.x * d.x - d.y * d.y);"
                   " return {Vec3f(d.x, d.y, z), z * INV_PI}; }"],
-    ("path", 6): ["{ const float p = std::min(1.0f, luminance(throughput)); if (u > p) return false;"
+    ("path", 6): ["{ if (u >= 0.5f) return false; throughput *= 2.0f; return true; }",
+                  "{ const float p = std::min(1.0f, luminance(throughput)); if (u > p) return false;"
                   " throughput /= p; return true; }",
                   "{ const float p = std::min(0.95f, (throughput.r + throughput.g + throughput.b) / 3);"
                   " if (u > p) return false; throughput /= p; return true; }"],
