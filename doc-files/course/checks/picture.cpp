@@ -83,7 +83,7 @@ Stills reference(const Scene& scene) {
   return stills;
 }
 
-/** Mean over R, G and B, the first three channels. */
+/** Mean luminance of the pixels, by the first three channels: R, G and B. */
 double meanLuminance(const Image& image) {
   double sum = 0;
   for (int y = 0; y < image.height; ++y)
