@@ -189,6 +189,8 @@ def run(*command):
 def build():
     shutil.rmtree(BUILD / "handout", ignore_errors=True)
     BUILD.mkdir(parents=True, exist_ok=True)
+    for stills in (BUILD / "course").glob("stills*.exr"):
+        stills.unlink()
     # A copy of the course in which the teacher has built the solutions.
     shutil.rmtree(BUILD / "copy", ignore_errors=True)
     shutil.copytree(COURSE, BUILD / "copy", ignore=shutil.ignore_patterns("build*"))
