@@ -6,6 +6,7 @@
 PREFIX has the installed library. With gaps, all of them are missing; solved, all are right and the marks of the pictures
 are clean. A third program has the solutions with switches, which open gaps and fill them wrongly.
 """
+import os
 import re
 import shutil
 import subprocess
@@ -316,6 +317,26 @@ class CourseTest(unittest.TestCase):
                 status, output = run(BUILD / "bin/solved", "render", exercise, scene, picture, "1")
                 self.assertEqual((status, picture.exists()), (1, False) if message else (0, True), output)
                 self.assertIn(message, output)
+
+    def test_marks_use_the_files_of_a_student_but_the_own_headers(self):
+        student, marks = BUILD / "student", BUILD / "marks"
+        for folder in (student, marks):
+            shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(BUILD / "handout", student)
+        for name in ("pathTracer.h", "photonMapper.h", "course.h"):
+            (student / "frame" / name).write_text("#error a header of the student\n")
+        for step in (["cmake", "-S", BUILD / "handout", "-B", marks, f"-DEXERCISES={student}", f"-DCMAKE_PREFIX_PATH={PREFIX}",
+                      *OPTIONS], ["cmake", "--build", marks]):
+            status, output = run(*step)
+            self.assertEqual(status, 0, output)
+        check = (marks / "course", "check", "path", "--no-picture")
+        self.assertEqual(set(verdicts(run(*check)[1]).values()), {"missing"})
+        shutil.copy(BUILD / "solved/pathTracer.cpp", student)
+        os.utime(student / "pathTracer.cpp")
+        status, output = run("cmake", "--build", marks)
+        self.assertEqual(status, 0, output)
+        status, output = run(*check)
+        self.assertEqual((status, set(verdicts(output).values())), (0, {"right"}), output)
 
     def test_wrong_commands_have_the_status_2(self):
         for command in ([], ["check"], ["check", "paths"], ["check", "path", "--picture"], ["render", "path", "a.pbrt"],
