@@ -142,7 +142,8 @@ Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
   }
   if (survivorsOfAll == 0) return {State::MISSING, ""};
   if (!hint.empty()) return wrong(hint);
-  if (isEndless) return wrong("no path ever ends: the probability must be below 1 where little light is left");
+  if (isEndless)
+    return wrong("no path ever ends: the probability must be below 1 where little light is left");
   return {};
 }
 
