@@ -23,6 +23,6 @@ if(TARGET recurse-mpi)
 endif()
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/recurse)
 install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-# The solutions of the course stay in the source tree.
+# The solutions of the course, and folders where it was built, stay in the source tree.
 install(DIRECTORY doc-files DESTINATION ${CMAKE_INSTALL_DOCDIR}
-    PATTERN "course/solutions" EXCLUDE PATTERN "course/handout" EXCLUDE)
+    PATTERN "course/solutions" EXCLUDE PATTERN "course/handout" EXCLUDE PATTERN "course/build*" EXCLUDE)

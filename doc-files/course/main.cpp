@@ -3,6 +3,7 @@
  */
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 
 #include <recurse/core/io/error.h>
 
@@ -62,5 +63,8 @@ int main(int argc, char** argv) {
   } catch (const Error& e) {
     std::fprintf(stderr, "course: %s\n", e.what());
     return int(e.status());
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "course: %s\n", e.what());
+    return 1;
   }
 }

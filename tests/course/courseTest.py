@@ -6,6 +6,7 @@
 PREFIX has the installed library. With gaps, all of them are missing; solved, all are right and the marks of the pictures
 are clean. A third program has the solutions with switches, which open gaps and fill them wrongly.
 """
+import os
 import re
 import shutil
 import subprocess
@@ -30,10 +31,12 @@ GAPS = {"path": 10, "photons": 8}
 WRONG = {
     "path": {
         1: [("return lampRadiance;", "nothing behind"),
-            ("return lampRadiance * std::max(0.0f, cosLamp);", "does not depend on the cosine")],
+            ("return lampRadiance * std::max(0.0f, cosLamp);", "does not depend on the cosine"),
+            ("return cosLamp > 0 ? lampRadiance : lampRadiance * 0.5f;", r"\(1, 1.5, 2.5\) instead of \(0, 0, 0\)")],
         2: [("return albedo;", "factor of pi is missing"),
             ("return albedo / (2 * PI);", "is pi, not 2 pi"),
-            ("return albedo * (2 / PI);", "2 times too large")],
+            ("return albedo * (2 / PI);", "2 times too large"),
+            ("return albedo * 0.31841f;", "a value is .* instead of")],
         3: [("{ const float s = std::sqrt(1 - u.x * u.x), a = 2 * PI * u.y;"
              " return {Vec3f(s * std::cos(a), s * std::sin(a), u.x), INV_PI / 2}; }", "uniform over the hemisphere"),
             ("{ const float s = std::sqrt(u.x), a = 2 * PI * u.y, z = std::sqrt(1 - u.x);"
@@ -135,7 +138,8 @@ WRONG = {
 RIGHT = {
     ("path", 3): ["{ const Vec2f d = uniformDisk(u); const float z = std::sqrt(1 - d.x * d.x - d.y * d.y);"
                   " return {Vec3f(d.x, d.y, z), z * INV_PI}; }"],
-    ("path", 6): ["{ const float p = std::min(1.0f, luminance(throughput)); if (u > p) return false;"
+    ("path", 6): ["{ if (u >= 0.5f) return false; throughput *= 2.0f; return true; }",
+                  "{ const float p = std::min(1.0f, luminance(throughput)); if (u > p) return false;"
                   " throughput /= p; return true; }",
                   "{ const float p = std::min(0.95f, (throughput.r + throughput.g + throughput.b) / 3);"
                   " if (u > p) return false; throughput /= p; return true; }"],
@@ -186,7 +190,14 @@ def run(*command):
 def build():
     shutil.rmtree(BUILD / "handout", ignore_errors=True)
     BUILD.mkdir(parents=True, exist_ok=True)
-    steps = [[COURSE / "handout", BUILD / "handout"]]
+    for stills in (BUILD / "course").glob("stills*.exr"):
+        stills.unlink()
+    # A copy of the course in which the teacher has built the solutions.
+    shutil.rmtree(BUILD / "copy", ignore_errors=True)
+    shutil.copytree(COURSE, BUILD / "copy", ignore=shutil.ignore_patterns("build*"))
+    (BUILD / "copy/build").mkdir()
+    (BUILD / "copy/build/course").write_text("the solved program")
+    steps = [[BUILD / "copy/handout", BUILD / "handout"]]
     for variant in ("solved", "switched"):
         (BUILD / variant).mkdir(exist_ok=True)
     for exercise, name in EXERCISES.items():
@@ -233,6 +244,8 @@ class CourseTest(unittest.TestCase):
 
     def test_handout_has_no_solutions(self):
         names = {str(path.relative_to(BUILD / "handout")) for path in (BUILD / "handout").rglob("*")}
+        self.assertEqual({name.split("/")[0] for name in names}, {
+            "CMakeLists.txt", "README.md", "main.cpp", "missing.jpg", "checks", "frame", "scenes", *EXERCISES.values()})
         self.assertIn("pathTracer.cpp", names)
         self.assertFalse([name for name in names if "solution" in name or "handout" in name], names)
         page = (BUILD / "handout" / "README.md").read_text()
@@ -304,6 +317,26 @@ class CourseTest(unittest.TestCase):
                 status, output = run(BUILD / "bin/solved", "render", exercise, scene, picture, "1")
                 self.assertEqual((status, picture.exists()), (1, False) if message else (0, True), output)
                 self.assertIn(message, output)
+
+    def test_marks_use_the_files_of_a_student_but_the_own_headers(self):
+        student, marks = BUILD / "student", BUILD / "marks"
+        for folder in (student, marks):
+            shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(BUILD / "handout", student)
+        for name in ("pathTracer.h", "photonMapper.h", "course.h"):
+            (student / "frame" / name).write_text("#error a header of the student\n")
+        for step in (["cmake", "-S", BUILD / "handout", "-B", marks, f"-DEXERCISES={student}", f"-DCMAKE_PREFIX_PATH={PREFIX}",
+                      *OPTIONS], ["cmake", "--build", marks]):
+            status, output = run(*step)
+            self.assertEqual(status, 0, output)
+        check = (marks / "course", "check", "path", "--no-picture")
+        self.assertEqual(set(verdicts(run(*check)[1]).values()), {"missing"})
+        shutil.copy(BUILD / "solved/pathTracer.cpp", student)
+        os.utime(student / "pathTracer.cpp")
+        status, output = run("cmake", "--build", marks)
+        self.assertEqual(status, 0, output)
+        status, output = run(*check)
+        self.assertEqual((status, set(verdicts(output).values())), (0, {"right"}), output)
 
     def test_wrong_commands_have_the_status_2(self):
         for command in ([], ["check"], ["check", "paths"], ["check", "path", "--picture"], ["render", "path", "a.pbrt"],

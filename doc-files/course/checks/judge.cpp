@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <optional>
 #include <sstream>
 
 #include "checks/checks.h"
@@ -61,16 +62,20 @@ bool areNear(const Values& a, const Values& b) {
   return true;
 }
 
-/** The factor between all values, if there is one; 0: there is none. */
-double commonFactor(const Values& values, const Values& expected) {
-  double factor = 0;
+/** The factor between all values, if there is one other than 1. */
+std::optional<double> commonFactor(const Values& values, const Values& expected) {
+  std::optional<double> factor;
   for (size_t i = 0; i < values.size(); ++i)
     for (int c = 0; c < 3; ++c) {
-      if (expected[i][c] == 0) continue;
+      if (expected[i][c] == 0) {
+        if (!isNear(double(values[i][c]), 0)) return {};
+        continue;
+      }
       const double own = double(values[i][c]) / double(expected[i][c]);
-      if (factor != 0 && !isNear(own, factor)) return 0;
+      if (factor && !isNear(own, *factor)) return {};
       factor = own;
     }
+  if (factor && isNear(*factor, 1, 5e-4)) return {}; // it would be printed as 1
   return factor;
 }
 
@@ -85,10 +90,11 @@ Verdict judge(const Values& values, const Values& expected, const std::vector<Mi
     if (!isFinite(value)) return wrong("a value is not finite: is there a division by zero?");
   for (const Mistake& mistake : mistakes)
     if (areNear(values, mistake.values)) return wrong(mistake.hint);
-  if (const double factor = commonFactor(values, expected)) return wrong(factorInWords(factor));
+  if (const std::optional<double> factor = commonFactor(values, expected))
+    return wrong(factorInWords(*factor));
   for (size_t i = 0; i < values.size(); ++i)
     if (!isNear(values[i], expected[i]))
-      return wrong(text("a value is (%.4g, %.4g, %.4g) instead of (%.4g, %.4g, %.4g)", double(values[i].r),
+      return wrong(text("a value is (%.6g, %.6g, %.6g) instead of (%.6g, %.6g, %.6g)", double(values[i].r),
                         double(values[i].g), double(values[i].b), double(expected[i].r),
                         double(expected[i].g), double(expected[i].b)));
   return {};
@@ -136,7 +142,8 @@ Verdict judgeRoulette(const std::vector<RouletteCase>& cases,
   }
   if (survivorsOfAll == 0) return {State::MISSING, ""};
   if (!hint.empty()) return wrong(hint);
-  if (isEndless) return wrong("no path ever ends: the probability must fall with the light that is left");
+  if (isEndless)
+    return wrong("no path ever ends: the probability must be below 1 where little light is left");
   return {};
 }
 

@@ -124,7 +124,7 @@ int wrongSearches() {
       if (photon.normal.z > 0) distances.push_back(lengthSquared(photon.position - point));
     std::sort(distances.begin(), distances.end());
     const NearPhotons found = tree.nearest(point, Vec3f(0, 0, 1), 20, 10);
-    if (found.photons.size() != 20 || found.radius2 != distances[20]) ++wrong;
+    if (found.photons.size() != 20 || !isNear(double(found.radius2), double(distances[20]), 1e-5)) ++wrong;
   }
   return wrong;
 }

@@ -64,9 +64,18 @@ Image pictureOf(Tracer& tracer, const Scene& scene, int samples) {
   return rendered(scene, tracer, {{"all", "L(S|D|V)*E"}}, samples, 1).layerImage(0);
 }
 
+/** File of the reference, with all in its name that decides what it shows but the scene: the version of
+ * Recurse, the number of samples and the classes. */
+std::string referenceFileName() {
+  std::string classes;
+  for (const PathClass& c : CLASSES) classes += c.name + " " + c.expression + "\n";
+  return OUTPUT + text("stills-%s-%d-%08x.exr", COURSE_RECURSE_VERSION, REFERENCE_SAMPLES,
+                       unsigned(std::hash<std::string>()(classes)));
+}
+
 /** Stills of the scene by Recurse's own path tracer, from their file if that is newer than the scene. */
 Stills reference(const Scene& scene) {
-  const std::string fileName = OUTPUT + "stills.exr";
+  const std::string fileName = referenceFileName();
   if (fs::exists(fileName) && fs::last_write_time(fileName) > fs::last_write_time(SCENE))
     return readStills(fileName);
   std::printf("(renders the reference, once)\n");
@@ -83,7 +92,7 @@ Stills reference(const Scene& scene) {
   return stills;
 }
 
-/** Mean over R, G and B, the first three channels. */
+/** Mean luminance of the pixels, by the first three channels: R, G and B. */
 double meanLuminance(const Image& image) {
   double sum = 0;
   for (int y = 0; y < image.height; ++y)

@@ -158,8 +158,9 @@ class PathTracer final : public Tracer {
            misWeight(pdfLamp, pdfRay);
   }
 
-  /** Reflects with the probability of the Fresnel reflectance, else refracts. The factor 1/η² of radiance is
-   * left out: camera and lamps are outside of the glass, where it cancels. */
+  /** Reflects with the probability of the Fresnel reflectance, else refracts. Radiance is multiplied by η²
+   * where light enters glass, and divided by η² where it leaves. Both are left out: camera and lamps are
+   * outside of the glass, so that they cancel. */
   static Vec3f throughGlass(const Surface& surface, Sampler& sampler) {
     const std::optional<Refraction> refraction = refracted(surface.wo, surface.eta);
     const bool reflects = !refraction || sampler.next1D() < refraction->reflectance;
