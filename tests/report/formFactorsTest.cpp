@@ -99,8 +99,8 @@ std::string rectangle(const Vec3f& p, const Vec3f& q, const Vec3f& r) {
 
 /** Closed box around the origin. */
 std::string closedBox(const Vec3f& half) {
-  std::string text = view(4, 4, "0 0 3  0 0 0  0 1 0", perspective(40)) +
-                     "LightSource \"point\"\nMaterial \"diffuse\"\n";
+  std::string text =
+      view(4, 4, "0 0 3  0 0 0  0 1 0", perspective(40)) + "LightSource \"point\"\nMaterial \"diffuse\"\n";
   for (int axis = 0; axis < 3; ++axis)
     for (const float side : {-1.0f, 1.0f}) {
       Vec3f p = -half, q = -half, r = -half;

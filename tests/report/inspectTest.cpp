@@ -141,8 +141,8 @@ TEST(ReferencePoints, AnyPointOfTheFloorHasTheSameIrradiance) {
 
 TEST(ReferencePoints, APointOffTheSurfaceHasTheIrradianceOfTheSurface) {
   // A chord of 5° of a sphere of radius 5 is up to 0.1 below it; a plate is at some distance above it.
-  const auto scene = sceneFrom(litFloor("\"diffuse\"") +
-                               "Translate 0 0 10\nShape \"sphere\" \"float radius\" 5\n");
+  const auto scene =
+      sceneFrom(litFloor("\"diffuse\"") + "Translate 0 0 10\nShape \"sphere\" \"float radius\" 5\n");
   const auto path = integratorFrom("simplepath", "");
   const PathClasses classes(std::vector<PathClass>{{"light", "all"}});
   const std::atomic<bool> stop{false};
@@ -167,7 +167,8 @@ TEST(ReferencePoints, APointOffTheSurfaceHasTheIrradianceOfTheSurface) {
 
 TEST(ReferencePoints, TheFrontOfAThinSphereIsNotItsBack) {
   // The position is nearer to the back of the sphere than to its front.
-  const auto scene = sceneFrom(litFloor("\"diffuse\"") + "Translate 0 0 3\nShape \"sphere\" \"float radius\" .01\n");
+  const auto scene =
+      sceneFrom(litFloor("\"diffuse\"") + "Translate 0 0 3\nShape \"sphere\" \"float radius\" .01\n");
   const auto path = integratorFrom("simplepath", "");
   const PathClasses classes(std::vector<PathClass>{{"light", "all"}});
   const std::atomic<bool> stop{false};

@@ -94,12 +94,12 @@ std::vector<ReferencePoint> referencesOf(const LoadedScene& loaded, const PathCl
 }
 
 /** Adds the patches of radiosity and their form factors, if the integrator has them. */
-void addPatches(const LoadedScene& loaded, uint64_t seed, const std::atomic<bool>& stop,
+void addPatches(const LoadedScene& loaded, bool quiet, uint64_t seed, const std::atomic<bool>& stop,
                 Inspection& inspection) {
   loaded.integrator->visitPatches([&](const RadiosityPatch& patch) { inspection.patches.push_back(patch); });
   const size_t count = inspection.patches.size();
   inspection.factorRays = formFactorRays(count);
-  if (inspection.factorRays == 0)
+  if (inspection.factorRays == 0 && !quiet)
     say(formatted("note: the page has no form factors: more than %zu patches (%zu); a larger patchsize makes "
                   "fewer\n",
                   MOST_FACTOR_PATCHES, count));
@@ -148,7 +148,7 @@ ExitStatus inspectScene(const InspectOptions& o) {
   inspection.photonName = loaded.integrator->photonName();
   loaded.integrator->visitPhotonBoxes(BOX_LEVELS,
                                       [&](const PhotonBox& box) { inspection.boxes.push_back(box); });
-  addPatches(loaded, plan.settings(scene).seed, graceful.flag(), inspection);
+  addPatches(loaded, o.render.quiet, plan.settings(scene).seed, graceful.flag(), inspection);
   inspection.references =
       referencesOf(loaded, classes, inspection, referenceSamples, plan.settings(scene).seed, graceful.flag());
   if (graceful.flag()) return ExitStatus::INTERRUPTED;

@@ -142,7 +142,8 @@ std::string PixelQueries::reference(const Vec3f& position, const Vec3f& normal) 
   const std::optional<ReferencePoint> found =
       referenceAt(scene, *path, *referenceClasses, position, normal, REFERENCE_PATHS, seed, isOver);
   if (stopped) throw Error("the render has ended");
-  if (!found) throw Error("no path tracing: no surface of the scene is close to this point of the simplified mesh, the "
+  if (!found)
+    throw Error("no path tracing: no surface of the scene is close to this point of the simplified mesh, the "
                 "surface is not diffuse alone, or the scene moves or has fog");
   return referenceText(scene, *found);
 }

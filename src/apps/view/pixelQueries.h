@@ -67,7 +67,7 @@ class PixelQueries {
   const uint64_t seed;
   std::atomic<bool> waits{false}, stopped{false};
   std::atomic<Clock::time_point> due{Clock::time_point::min()}; ///< of the next answer
-  mutable std::mutex mutex; ///< guards the members below
+  mutable std::mutex mutex;                                     ///< guards the members below
   PixelQuestion asked;
   std::shared_ptr<Inspection> answered; ///< null: none
   std::string failure;                  ///< why there is no answer; empty: it did not fail

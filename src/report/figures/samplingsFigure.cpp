@@ -41,8 +41,7 @@ struct RowErrors {
 /** Estimates of one pixel. */
 class PixelSamplings {
  public:
-  PixelSamplings(const Scene& scene, const PixelView& view, uint64_t seed,
-                 const std::atomic<bool>& stop)
+  PixelSamplings(const Scene& scene, const PixelView& view, uint64_t seed, const std::atomic<bool>& stop)
       : scene(scene), view(view), seed(seed), stop(stop) {}
 
   /** Mean of the samples of a stream; of no use once stopped. Calls use(n, mean) after each sample. */
