@@ -31,7 +31,7 @@ class PauseOfPhotons : public recurse::RenderPause {
 };
 
 /** Questions about a floor under a lamp. */
-class PixelQuestions : public testing::Test {
+class PixelQuestions : public ::testing::Test {
  protected:
   const std::shared_ptr<const recurse::Scene> scene = recurse::testing::sceneFrom(
       recurse::testing::view(8, 8, "0 0 5  0 0 0  0 1 0", recurse::testing::perspective(40)) +
