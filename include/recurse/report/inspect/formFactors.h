@@ -23,10 +23,10 @@ struct FormFactors {
 };
 
 /**
- * Estimates the form factors of all patches by rays with the density of the cosine from points that are uniform
- * in the surface's coordinates: on flat faces, in area as well. The form factor from i to j is the fraction of
- * rays from i that hit j first. Of each patch, the side that receives more light is taken. The standard error
- * of a form factor F is sqrt(F (1 - F) / rays). Without rays, only the sides are set.
+ * Estimates the form factors of all patches by rays with the density of the cosine from points that are
+ * uniform in the surface's coordinates: on flat faces, in area as well. The form factor from i to j is the
+ * fraction of rays from i that hit j first. Of each patch, the side that receives more light is taken. The
+ * standard error of a form factor F is sqrt(F (1 - F) / rays). Without rays, only the sides are set.
  */
 std::vector<FormFactors> formFactors(const Scene& scene, const Integrator& integrator,
                                      std::span<const RadiosityPatch> patches, uint32_t raysPerPatch,
